@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "viscobar/discretisation/mass.hpp"
+#include "viscobar/dynamics/run.hpp"
+#include "viscobar/integration/integrate.hpp"
+#include "viscobar/scene/scene.hpp"
+#include "viscobar/schemes/schemes.hpp"
+
+namespace viscobar {
+
+enum class MethodName { cvode, ida, exponential, fully_discrete, finite_difference };
+
+inline constexpr MethodName all_methods[] = {MethodName::cvode, MethodName::ida, MethodName::exponential,
+                                             MethodName::fully_discrete, MethodName::finite_difference};
+
+std::string_view name(MethodName method);
+bool is_penalised(MethodName method);  ///< needs epsilon where the scene has an obstacle
+bool is_adaptive(MethodName method);   ///< uses the tolerances
+bool is_scheme(MethodName method);     ///< uses the step
+
+/// A scene together with everything that a run of it needs. Values that the chosen method does not use may be there:
+/// another method can be chosen without editing the scene.
+struct Case {
+  Scene scene;
+
+  std::size_t elements = 1;
+  Mass mass = Mass::consistent;
+
+  std::optional<double> epsilon;      ///< reaction = penetration / epsilon
+  std::optional<double> restitution;  ///< absent: an undamped spring in the penalty, the implicit constraint in (2.8)
+
+  MethodName method = MethodName::cvode;
+  Tolerance tolerance;
+  std::optional<double> step;
+  Start start = Start::first_order;
+
+  double end = 1.0;
+  double output_every = 0.1;
+
+  Mesh mesh() const { return {scene.bar.length, elements}; }
+
+  /// 0, every, 2 every, ..., and the end, which is always there. The last interval may be shorter.
+  std::vector<double> output_times() const;
+};
+
+/// Everything wrong with a case: the scene's findings and those that need the mesh, the contact parameters or the
+/// method. Empty when simulate() can start.
+std::vector<Finding> validate(const Case& run);
+
+/// The semi-discrete system of a sound case; `finite_difference` runs on the lumped mass when the case says
+/// "consistent", since (3.22) is (2.8) with a diagonal product.
+BarSystem make_system(const Case& run);
+
+/// Runs a sound case by its method. @throws IntegrationError
+Statistics simulate(const Case& run, const BarSystem& system, const Observers& observers);
+
+}  // namespace viscobar

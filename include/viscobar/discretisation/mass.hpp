@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string_view>
+
+#include "viscobar/discretisation/mesh.hpp"
+#include "viscobar/discretisation/tridiagonal.hpp"
+
+namespace viscobar {
+
+/// How the inertia of the P1 functions is integrated.
+enum class Mass {
+  consistent,    ///< exact, (h/6) [2 1; 1 2] per element: scheme (2.8)
+  lumped,        ///< trapezoidal, weight h, and h/2 at the ends: scheme (3.22) with its end weights corrected
+  paper,         ///< weight h at every node, ends too: the product (3.23) as printed
+  redistributed  ///< consistent, but contact nodes are massless; see mass_matrix()
+};
+
+std::string_view name(Mass mass);
+
+/// P1 mass matrix of unit density over all nodes of the mesh, contact nodes treated alike: the matrix that weighs the
+/// load. `redistributed` gives the consistent matrix here.
+SymmetricTridiagonal mass_matrix(const Mesh& mesh, Mass mass);
+
+/// Inertia of unit density over all nodes when the ends marked are contact nodes. Differs from mass_matrix() only for
+/// `redistributed`: the row of a marked end is zero, and the kinetic energy is that of the velocity field extrapolated
+/// linearly to the end, v_0 = 2 v_1 - v_2, which keeps the total mass, the centre of mass and the moment of inertia
+/// of the end patch and leaves the matrix tridiagonal.
+/// @throws std::invalid_argument when the mesh has too few elements to redistribute: marked ends + 1 are needed.
+SymmetricTridiagonal inertia_matrix(const Mesh& mesh, Mass mass, bool left_contact, bool right_contact);
+
+}  // namespace viscobar

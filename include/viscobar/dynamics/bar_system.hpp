@@ -1,0 +1,140 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "viscobar/discretisation/mass.hpp"
+#include "viscobar/discretisation/mesh.hpp"
+#include "viscobar/discretisation/tridiagonal.hpp"
+#include "viscobar/scene/scene.hpp"
+
+namespace viscobar {
+
+/// Which obstacle a contact belongs to.
+enum class Where { left, right, span };
+
+/// A node that an obstacle bounds from below: u_node >= -gap.
+struct Contact {
+  std::size_t unknown = 0;  ///< index among the unknowns
+  double gap = 0.0;
+  double weight = 1.0;  ///< 1 at an end; trapezoidal weight of the node under a span obstacle
+  Where where = Where::left;
+};
+
+/// Nodal displacement and velocity of the unknowns (n entries each; fixed nodes are not among them).
+struct State {
+  std::vector<double> u, v;
+};
+
+/// The P1 semi-discretisation without its contact forces,
+///
+///     rho M u'' = F(t, u, u') = M f(t) - E K u - eta K u',
+///
+/// over the nodes that are not fixed, with only the terms that the scene has. Contact constraints are listed, not
+/// applied: the penalised system and the fully discrete schemes each do that in their way.
+class BarSystem {
+ public:
+  /// @throws std::invalid_argument when the mesh cannot carry the scene (no unknown node left; too few elements to
+  /// redistribute the mass; span obstacle with redistributed mass).
+  BarSystem(const Scene& scene, const Mesh& mesh, Mass mass);
+
+  std::size_t size() const { return inertia_.size(); }         ///< n, number of unknown nodes
+  std::size_t first_node() const { return left_fixed_ ? 1 : 0; }  ///< mesh node of unknown 0
+  const Mesh& mesh() const { return mesh_; }
+  Mass mass() const { return mass_; }
+  const Bar& bar() const { return bar_; }
+  bool damped() const { return bar_.viscosity > 0.0; }
+  bool loaded() const { return load_.has_value(); }
+  bool left_fixed() const { return left_fixed_.has_value(); }
+  bool right_fixed() const { return right_fixed_.has_value(); }
+
+  /// rho M; the row of a massless node is zero.
+  const SymmetricTridiagonal& inertia() const { return inertia_; }
+  /// Nodes that an obstacle bounds, in the order left, right, span.
+  const std::vector<Contact>& contacts() const { return contacts_; }
+
+  /// Unknowns with inertia are the contiguous range [massive_begin, massive_end).
+  std::size_t massive_begin() const { return massless_left_ ? 1 : 0; }
+  std::size_t massive_end() const { return size() - (massless_right_ ? 1 : 0); }
+  bool has_massless() const { return massless_left_ || massless_right_; }
+
+  /// out = -(E K u + eta K w). Stresses are differences of neighbours, so a rigid motion gives exactly zero.
+  void internal_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
+
+  /// K_ii over the unknowns: 2/h, and 1/h at an end that is not fixed. Off the diagonal K is -1/h.
+  double stiffness_diagonal(std::size_t i) const;
+
+  /// D(m,c,k) = m rho M + (c eta + k E) K over the unknowns, written into `out` (allocates only when `out` grows).
+  void dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const;
+
+  /// int u_x^2 of a displacement (fixed ends keep their displacement) and int w_x^2 of a velocity (they stand still).
+  double squared_strain(std::span<const double> u) const;
+  double squared_strain_rate(std::span<const double> w) const;
+
+  /// Energy 1/2 w.rho M w + 1/2 E int u_x^2, the contacts' apart.
+  double energy(std::span<const double> u, std::span<const double> w) const;
+
+  /// Initial data at the unknown nodes.
+  State initial_state() const { return initial_; }
+
+  /// Copies the unknowns into a field over all mesh nodes (J+1 entries); fixed nodes keep their displacement and stand
+  /// still.
+  void expand_displacement(std::span<const double> u, std::span<double> nodal) const;
+  void expand_velocity(std::span<const double> w, std::span<double> nodal) const;
+
+  /// Acceleration of the massive unknowns from a force: force <- (rho M)^{-1} force, zero at massless nodes.
+  void accelerate(std::span<double> force) const;
+
+  /// 1 / (e . (rho M)^{-1} e) of every unknown; 0 for massless ones.
+  std::vector<double> effective_masses() const;
+
+ private:
+  friend class LoadVector;
+
+  struct SteadyVector {
+    std::vector<double> weighted;  // M f
+  };
+  struct SeparableVector {
+    std::vector<double> weighted;  // M profile
+    TimeFunction history;
+  };
+  struct GeneralVector {
+    SpaceTimeFunction density;
+    SymmetricTridiagonal mass;  // over all nodes
+  };
+
+  Mesh mesh_;
+  Mass mass_;
+  Bar bar_;
+  std::optional<double> left_fixed_, right_fixed_;  // displacement of a fixed end
+  bool massless_left_ = false, massless_right_ = false;
+  SymmetricTridiagonal inertia_;
+  TridiagonalFactor massive_factor_;  // of the massive block of rho M
+  std::vector<Contact> contacts_;
+  State initial_;
+  std::optional<std::variant<SteadyVector, SeparableVector, GeneralVector>> load_;
+};
+
+/// M f(t) of a system, with the buffers that its evaluation needs: one per integration, so that a BarSystem can be
+/// shared. Exists only where the scene has a load.
+class LoadVector {
+ public:
+  explicit LoadVector(const BarSystem& system);
+
+  /// M f(t) over the unknowns (n entries), valid until the next call.
+  /// @throws LoadError when the load is not finite at t.
+  std::span<const double> at(double t);
+
+  bool steady() const;
+
+ private:
+  const BarSystem& system_;  // outlives this
+  std::vector<double> nodal_, weighted_;
+  std::optional<double> time_;
+};
+
+}  // namespace viscobar

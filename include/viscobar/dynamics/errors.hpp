@@ -1,0 +1,15 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace viscobar {
+
+/// A load that is not finite where it is needed.
+class LoadError : public std::runtime_error {
+ public:
+  LoadError(double at, const std::string& what) : std::runtime_error(what), time(at) {}
+  double time;
+};
+
+}  // namespace viscobar

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+#include "viscobar/dynamics/bar_system.hpp"
+
+namespace viscobar {
+
+/// The solution at one output time, over all J+1 nodes of the mesh.
+struct Snapshot {
+  double time = 0.0;
+  std::span<const double> u, v;
+  /// Force of the obstacles on the end nodes, R_0 = -s and R_L = s >= 0 in contact; for a fixed end the traction of
+  /// the end element, -s and s; 0 at a free end.
+  double reaction_left = 0.0, reaction_right = 0.0;
+};
+
+enum class Change { closing, opening };
+
+/// A contact change.
+struct Event {
+  double time = 0.0;
+  Where where = Where::left;
+  std::size_t node = 0;  ///< mesh node
+  Change change = Change::closing;
+  double velocity = 0.0;  ///< u_t of the node: negative when it closes, the impact velocity
+};
+
+/// What listens to a run. Every member may be empty; a run computes only what somebody listens to.
+struct Observers {
+  std::function<void(const Snapshot&)> snapshot;  ///< at each output time, in order
+  std::function<void(const Event&)> event;        ///< at each contact change, in order
+  std::function<void(double time)> progress;      ///< after each step
+  bool energy = false;                            ///< keep the energy account
+};
+
+/// initial + work = final + dissipated + balance_error, the error being that of the time integration.
+struct EnergyAccount {
+  double initial = 0.0;
+  double final = 0.0;
+  double dissipated = 0.0;  ///< by viscosity, by the dashpots of contacts, and by impacts in a scheme
+  double work = 0.0;        ///< of the load
+  double balance_error() const { return final + dissipated - initial - work; }
+};
+
+/// What a run did.
+struct Statistics {
+  std::size_t unknowns = 0;  ///< scalars that the method advances
+  std::size_t steps = 0;
+  std::size_t rhs_evaluations = 0;  ///< of the right-hand side, of the residual for ida, of the step's for schemes
+  std::size_t linear_solves = 0;
+  std::size_t matrix_factorisations = 0;
+  std::size_t event_evaluations = 0;  ///< steps searched for contact changes; 0 without an obstacle
+  std::size_t load_evaluations = 0;   ///< 0 without a load
+  std::size_t events = 0;
+  double integration_seconds = 0.0;  ///< the method alone, observers' time not counted
+  double reached_time = 0.0;
+  bool completed = false;
+  double max_penetration = 0.0;
+  std::optional<EnergyAccount> energy;
+};
+
+/// A run that could not go on: which method, which call, what it said and what to change. `statistics` says how far
+/// it came; what the observers were told stays theirs.
+class IntegrationError : public std::runtime_error {
+ public:
+  IntegrationError(const std::string& what, Statistics reached)
+      : std::runtime_error(what), statistics(std::move(reached)) {}
+  Statistics statistics;
+};
+
+}  // namespace viscobar

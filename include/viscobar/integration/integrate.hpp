@@ -1,0 +1,50 @@
+#pragma once
+
+#include <span>
+
+#include "viscobar/dynamics/bar_system.hpp"
+#include "viscobar/dynamics/penalty_law.hpp"
+#include "viscobar/dynamics/run.hpp"
+
+namespace viscobar {
+
+/// Tolerances of an adaptive method. The local error of the displacement field is kept below
+/// relative * max|u| + absolute in the maximum norm over the nodes, that of the velocity field likewise with max|v|,
+/// the maxima over the nodes and over the time passed.
+struct Tolerance {
+  double relative = 1e-6;
+  double absolute = 1e-9;
+};
+
+/// Variable-order, variable-step multistep method of SUNDIALS' CVODE.
+struct Cvode {
+  Penalty penalty;
+  Tolerance tolerance;
+};
+
+/// Backward differentiation on the residual form rho M v' + eta K v + E K u - M f - R = 0 by SUNDIALS' IDA; takes
+/// massless nodes, also without viscosity, where their rows are algebraic.
+struct Ida {
+  Penalty penalty;
+  Tolerance tolerance;
+};
+
+/// Matrix exponentials between contact changes located to rounding. Cost O(n^2) a sub-step and O(n^3) a contact state:
+/// for small meshes, and as the reference of the other methods.
+struct Exponential {
+  Penalty penalty;
+};
+
+/// Integrates the penalised system from `start` at times.front() to times.back(), telling the observers.
+///
+/// `times` are the output times: finite, strictly increasing, at least two. They never change the trajectory.
+/// @throws IntegrationError, with what was reached
+/// @throws std::invalid_argument when the method does not fit the system (the message says why)
+Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Cvode& method,
+                     const Observers& observers);
+Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Ida& method,
+                     const Observers& observers);
+Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times,
+                     const Exponential& method, const Observers& observers);
+
+}  // namespace viscobar

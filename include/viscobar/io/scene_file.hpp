@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "viscobar/analysis/case.hpp"
+
+namespace viscobar {
+
+/// One error of a scene file, at the value or key that causes it (line and column count from 1; for a missing key the
+/// position of its table, or of the end of the file when the table is missing, too).
+struct Diagnostic {
+  std::string source;  ///< file name, or "--set" for an override
+  std::size_t line = 1, column = 1;
+  std::string key;      ///< "table.key"
+  std::string message;  ///< what is wrong, with the nearest known key where one is meant
+
+  std::string text() const;  ///< file:line:column: key: message
+};
+
+/// The user's scene cannot be run; all that is wrong with it.
+class SceneError : public std::runtime_error {
+ public:
+  explicit SceneError(std::vector<Diagnostic> found);
+  std::vector<Diagnostic> diagnostics;
+};
+
+/// A case as read, and the scene as understood: every key with its value, defaults included, as one JSON object.
+struct SceneFile {
+  Case run;
+  std::string description;
+};
+
+/// Reads a scene (TOML, see docs/scene-file.md), applies overrides "table.key=value" in order, validates.
+/// @throws SceneError with every error of the file in one go
+SceneFile read_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
+
+/// The same from text; `source` names it in diagnostics.
+SceneFile parse_scene(const std::string& text, const std::string& source, std::span<const std::string> overrides = {});
+
+}  // namespace viscobar

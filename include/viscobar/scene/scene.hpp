@@ -1,0 +1,81 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace viscobar {
+
+/// The bar itself:  rho u_tt - E u_xx - eta u_xxt = f  on 0 < x < length.
+/// Any consistent set of units; the paper's non-dimensional problem has rho = E = 1, eta = alpha.
+struct Bar {
+  double length = 1.0;
+  double density = 1.0;    ///< rho > 0
+  double modulus = 1.0;    ///< E > 0
+  double viscosity = 0.0;  ///< eta >= 0; zero means that no damping term is built
+};
+
+/// Stress-free end (Neumann): s = E u_x + eta u_xt = 0.
+struct Free {};
+
+/// End that keeps its initial displacement (Dirichlet): u = u_0(X) for all times.
+struct Fixed {};
+
+/// Unilateral obstacle (Signorini): 0 <= u + gap, reaction >= 0, and one of the two vanishes
+/// [Petrov 2010, (1.3)]. Bounds the displacement from below at either end.
+struct Obstacle {
+  double gap = 0.0;
+};
+
+using EndCondition = std::variant<Free, Fixed, Obstacle>;
+
+using SpaceFunction = std::function<double(double x)>;
+using TimeFunction = std::function<double(double t)>;
+using SpaceTimeFunction = std::function<double(double x, double t)>;
+
+/// f(x): evaluated once per node.
+struct SteadyLoad {
+  SpaceFunction profile;
+};
+
+/// f(x,t) = profile(x) history(t): the profile is evaluated once per node, the history once per step.
+struct SeparableLoad {
+  SpaceFunction profile;
+  TimeFunction history;
+};
+
+/// f(x,t) of no known structure: evaluated at every node and every step.
+struct GeneralLoad {
+  SpaceTimeFunction density;
+};
+
+using Load = std::variant<SteadyLoad, SeparableLoad, GeneralLoad>;
+
+/// The physical problem, free of any discretisation [Petrov 2010, (1.1)-(1.3)].
+struct Scene {
+  std::string title;
+  Bar bar;
+  EndCondition left = Free{};
+  EndCondition right = Free{};
+  std::optional<Obstacle> span;  ///< u(x,t) >= -gap for every x (section 4 of the paper, figure 3)
+  SpaceFunction displacement;    ///< u_0(x)
+  SpaceFunction velocity;        ///< u_1(x)
+  std::optional<Load> load;
+};
+
+/// One thing wrong with the user's input: the key it is about (as in the scene file) and what is wrong with it.
+struct Finding {
+  std::string key;
+  std::string problem;
+};
+
+/// Everything wrong with a scene: values that are not finite or out of range, initial data that penetrate an
+/// obstacle at an end. Empty when the scene is sound.
+std::vector<Finding> validate(const Scene& scene);
+
+inline bool is_obstacle(const EndCondition& end) { return std::holds_alternative<Obstacle>(end); }
+inline bool is_fixed(const EndCondition& end) { return std::holds_alternative<Fixed>(end); }
+
+}  // namespace viscobar

@@ -1,0 +1,61 @@
+#include "viscobar/discretisation/mass.hpp"
+
+#include <stdexcept>
+
+namespace viscobar {
+
+std::string_view name(Mass mass) {
+  switch (mass) {
+    case Mass::consistent: return "consistent";
+    case Mass::lumped: return "lumped";
+    case Mass::paper: return "paper";
+    case Mass::redistributed: return "redistributed";
+  }
+  return {};
+}
+
+SymmetricTridiagonal mass_matrix(const Mesh& mesh, Mass mass) {
+  const double h = mesh.spacing();
+  const std::size_t n = mesh.nodes();
+  SymmetricTridiagonal matrix;
+  if (mass == Mass::lumped || mass == Mass::paper) {
+    matrix.diagonal.assign(n, h);
+    if (mass == Mass::lumped) matrix.diagonal.front() = matrix.diagonal.back() = h / 2;
+  } else {
+    matrix.diagonal.assign(n, 2 * h / 3);
+    matrix.diagonal.front() = matrix.diagonal.back() = h / 3;
+    matrix.off_diagonal.assign(n - 1, h / 6);
+  }
+  return matrix;
+}
+
+namespace {
+
+// Replaces the end element's energy (h/6)(v0^2 + v0 v1 + v1^2) by its value at v0 = 2 v1 - v2, which is
+// (h/6)(7 v1^2 - 5 v1 v2 + v2^2); all entries below are those of twice that form.
+void make_massless(double h, double& end, double& end_next, double& next, double& next_inner, double& inner) {
+  end = end_next = 0.0;
+  next += 7 * h / 3 - h / 3;
+  next_inner -= 5 * h / 6;
+  inner += h / 3;
+}
+
+}  // namespace
+
+SymmetricTridiagonal inertia_matrix(const Mesh& mesh, Mass mass, bool left_contact, bool right_contact) {
+  SymmetricTridiagonal matrix = mass_matrix(mesh, mass);
+  if (mass != Mass::redistributed || !(left_contact || right_contact)) return matrix;
+  const std::size_t contacts = static_cast<std::size_t>(left_contact) + static_cast<std::size_t>(right_contact);
+  if (mesh.elements < contacts + 1)
+    throw std::invalid_argument("mass \"redistributed\" needs at least " + std::to_string(contacts + 1) +
+                                " elements here: the mass of a contact node moves to the next two nodes");
+  const double h = mesh.spacing();
+  auto& d = matrix.diagonal;
+  auto& o = matrix.off_diagonal;
+  const std::size_t last = mesh.elements;
+  if (left_contact) make_massless(h, d[0], o[0], d[1], o[1], d[2]);
+  if (right_contact) make_massless(h, d[last], o[last - 1], d[last - 1], o[last - 2], d[last - 2]);
+  return matrix;
+}
+
+}  // namespace viscobar

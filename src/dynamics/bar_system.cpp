@@ -1,0 +1,179 @@
+#include "viscobar/dynamics/bar_system.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <stdexcept>
+
+namespace viscobar {
+
+namespace {
+
+SymmetricTridiagonal restrict_to(const SymmetricTridiagonal& matrix, std::size_t first, std::size_t count) {
+  SymmetricTridiagonal part;
+  const auto begin = static_cast<std::ptrdiff_t>(first), n = static_cast<std::ptrdiff_t>(count);
+  part.diagonal.assign(matrix.diagonal.begin() + begin, matrix.diagonal.begin() + begin + n);
+  if (!matrix.off_diagonal.empty() && count > 1)
+    part.off_diagonal.assign(matrix.off_diagonal.begin() + begin, matrix.off_diagonal.begin() + begin + n - 1);
+  return part;
+}
+
+std::vector<double> nodal_values(const Mesh& mesh, const SpaceFunction& f) {
+  std::vector<double> values(mesh.nodes());
+  for (std::size_t j = 0; j < values.size(); ++j) values[j] = f(mesh.node(j));
+  return values;
+}
+
+// The value with its sign of every squared difference of neighbours, the fixed neighbours being given.
+double squared_differences(std::span<const double> x, const double* left, const double* right) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i + 1 < x.size(); ++i) {
+    const double difference = x[i + 1] - x[i];
+    sum += difference * difference;
+  }
+  if (left) sum += (x.front() - *left) * (x.front() - *left);
+  if (right) sum += (*right - x.back()) * (*right - x.back());
+  return sum;
+}
+
+}  // namespace
+
+BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(mesh), mass_(mass), bar_(scene.bar) {
+  if (is_fixed(scene.left)) left_fixed_ = scene.displacement(0.0);
+  if (is_fixed(scene.right)) right_fixed_ = scene.displacement(mesh.length);
+  const std::size_t fixed = static_cast<std::size_t>(left_fixed()) + static_cast<std::size_t>(right_fixed());
+  if (mesh.nodes() <= fixed)
+    throw std::invalid_argument("both ends are fixed and the mesh has no node between them: 2 elements are needed");
+  const std::size_t first = first_node(), n = mesh.nodes() - fixed;
+
+  const bool redistributed = mass == Mass::redistributed;
+  if (redistributed && scene.span)
+    throw std::invalid_argument(
+        "mass \"redistributed\" cannot serve a span obstacle: every node is a contact node and must keep its mass");
+  massless_left_ = redistributed && is_obstacle(scene.left);
+  massless_right_ = redistributed && is_obstacle(scene.right);
+  inertia_ = restrict_to(inertia_matrix(mesh, mass, massless_left_, massless_right_), first, n);
+  for (double& entry : inertia_.diagonal) entry *= bar_.density;
+  for (double& entry : inertia_.off_diagonal) entry *= bar_.density;
+  massive_factor_.factorise(restrict_to(inertia_, massive_begin(), massive_end() - massive_begin()));
+
+  if (const auto* left = std::get_if<Obstacle>(&scene.left)) contacts_.push_back({0, left->gap, 1.0, Where::left});
+  if (const auto* right = std::get_if<Obstacle>(&scene.right))
+    contacts_.push_back({n - 1, right->gap, 1.0, Where::right});
+  if (scene.span) {
+    const double h = mesh.spacing();
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t node = i + first;
+      contacts_.push_back({i, scene.span->gap, node == 0 || node == mesh.elements ? h / 2 : h, Where::span});
+    }
+  }
+
+  initial_.u.resize(n);
+  initial_.v.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    initial_.u[i] = scene.displacement(mesh.node(i + first));
+    initial_.v[i] = scene.velocity(mesh.node(i + first));
+  }
+
+  if (scene.load) {
+    const SymmetricTridiagonal load_mass = mass_matrix(mesh, mass);
+    const auto weighted = [&](const SpaceFunction& profile) {
+      std::vector<double> out(mesh.nodes());
+      load_mass.multiply(nodal_values(mesh, profile), out);
+      const auto begin = out.begin() + static_cast<std::ptrdiff_t>(first);
+      return std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(n));
+    };
+    if (const auto* steady = std::get_if<SteadyLoad>(&*scene.load)) load_ = SteadyVector{weighted(steady->profile)};
+    if (const auto* separable = std::get_if<SeparableLoad>(&*scene.load))
+      load_ = SeparableVector{weighted(separable->profile), separable->history};
+    if (const auto* general = std::get_if<GeneralLoad>(&*scene.load)) load_ = GeneralVector{general->density, load_mass};
+  }
+}
+
+void BarSystem::internal_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
+  const std::size_t n = size();
+  const double stiffness = bar_.modulus / mesh_.spacing();
+  const double damping = bar_.viscosity / mesh_.spacing();
+  // Stress on the left of the first and on the right of the last unknown: none at an end that is not fixed.
+  const double left = left_fixed_ ? stiffness * (u[0] - *left_fixed_) + damping * w[0] : 0.0;
+  const double right = right_fixed_ ? stiffness * (*right_fixed_ - u[n - 1]) - damping * w[n - 1] : 0.0;
+  if (n == 1) {
+    out[0] = right - left;
+    return;
+  }
+  const auto inner = [&](auto stress) {
+    out[0] = stress(0) - left;
+    for (std::size_t i = 1; i + 1 < n; ++i) out[i] = stress(i) - stress(i - 1);
+    out[n - 1] = right - stress(n - 2);
+  };
+  if (damped())
+    inner([=](std::size_t i) { return stiffness * (u[i + 1] - u[i]) + damping * (w[i + 1] - w[i]); });
+  else
+    inner([=](std::size_t i) { return stiffness * (u[i + 1] - u[i]); });
+}
+
+double BarSystem::stiffness_diagonal(std::size_t i) const {
+  const bool bare_left = i == 0 && !left_fixed_;
+  const bool bare_right = i + 1 == size() && !right_fixed_;
+  return (2.0 - (bare_left ? 1.0 : 0.0) - (bare_right ? 1.0 : 0.0)) / mesh_.spacing();
+}
+
+void BarSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const {
+  const std::size_t n = size();
+  const double scale = c * bar_.viscosity + k * bar_.modulus;
+  const double off = -scale / mesh_.spacing();
+  out.diagonal.resize(n);
+  out.off_diagonal.resize(n - 1);
+  const double inner = 2.0 * scale / mesh_.spacing();
+  for (std::size_t i = 0; i < n; ++i) out.diagonal[i] = m * inertia_.diagonal[i] + inner;
+  out.diagonal[0] = m * inertia_.diagonal[0] + scale * stiffness_diagonal(0);
+  out.diagonal[n - 1] = m * inertia_.diagonal[n - 1] + scale * stiffness_diagonal(n - 1);
+  if (inertia_.off_diagonal.empty())
+    std::fill(out.off_diagonal.begin(), out.off_diagonal.end(), off);
+  else
+    for (std::size_t i = 0; i + 1 < n; ++i) out.off_diagonal[i] = m * inertia_.off_diagonal[i] + off;
+}
+
+double BarSystem::squared_strain(std::span<const double> u) const {
+  return squared_differences(u, left_fixed_ ? &*left_fixed_ : nullptr, right_fixed_ ? &*right_fixed_ : nullptr) /
+         mesh_.spacing();
+}
+
+double BarSystem::squared_strain_rate(std::span<const double> w) const {
+  const double still = 0.0;
+  return squared_differences(w, left_fixed_ ? &still : nullptr, right_fixed_ ? &still : nullptr) / mesh_.spacing();
+}
+
+double BarSystem::energy(std::span<const double> u, std::span<const double> w) const {
+  return 0.5 * inertia_.quadratic_form(w) + 0.5 * bar_.modulus * squared_strain(u);
+}
+
+void BarSystem::expand_displacement(std::span<const double> u, std::span<double> nodal) const {
+  assert(nodal.size() == mesh_.nodes());
+  if (left_fixed_) nodal.front() = *left_fixed_;
+  if (right_fixed_) nodal.back() = *right_fixed_;
+  std::copy(u.begin(), u.end(), nodal.begin() + static_cast<std::ptrdiff_t>(first_node()));
+}
+
+void BarSystem::expand_velocity(std::span<const double> w, std::span<double> nodal) const {
+  assert(nodal.size() == mesh_.nodes());
+  if (left_fixed_) nodal.front() = 0.0;
+  if (right_fixed_) nodal.back() = 0.0;
+  std::copy(w.begin(), w.end(), nodal.begin() + static_cast<std::ptrdiff_t>(first_node()));
+}
+
+void BarSystem::accelerate(std::span<double> force) const {
+  if (massless_left_) force.front() = 0.0;
+  if (massless_right_) force.back() = 0.0;
+  massive_factor_.solve(force.subspan(massive_begin(), massive_end() - massive_begin()));
+}
+
+std::vector<double> BarSystem::effective_masses() const {
+  const std::size_t begin = massive_begin();
+  const std::vector<double> inverse = inverse_diagonal(restrict_to(inertia_, begin, massive_end() - begin));
+  std::vector<double> masses(size(), 0.0);
+  for (std::size_t i = 0; i < inverse.size(); ++i) masses[begin + i] = 1.0 / inverse[i];
+  return masses;
+}
+
+}  // namespace viscobar
