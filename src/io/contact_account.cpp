@@ -19,8 +19,15 @@ void ContactAccount::add(const Event& event) {
     if (!closed_since_) closed_since_ = event.time;
   } else if (closed_since_) {
     duration_ += event.time - *closed_since_;
+    intervals_.add({*closed_since_, event.time});
     closed_since_.reset();
   }
+}
+
+std::vector<plot::Interval> ContactAccount::intervals(double now) const {
+  std::vector<plot::Interval> all = intervals_.intervals();
+  if (closed_since_) all.push_back({*closed_since_, now});
+  return all;
 }
 
 }  // namespace viscobar

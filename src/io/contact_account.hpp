@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <optional>
+#include <vector>
 
+#include "io/plot/thinning.hpp"
 #include "viscobar/dynamics/run.hpp"
 
 namespace viscobar {
@@ -22,11 +24,13 @@ class ContactAccount {
   double duration(double now) const { return duration_ + (closed_since_ ? now - *closed_since_ : 0.0); }
   double impulse() const { return impulse_; }
   double max_reaction() const { return max_reaction_; }
-  std::optional<double> closed_since() const { return closed_since_; }
+  /// Times in contact up to `now`, as far as a picture shows them.
+  std::vector<plot::Interval> intervals(double now) const;
 
  private:
   std::size_t closings_ = 0;
   double duration_ = 0.0, impulse_ = 0.0, max_reaction_ = 0.0;
+  plot::ThinnedIntervals intervals_;
   std::optional<double> closed_since_;
   struct Sample {
     double time, reaction;

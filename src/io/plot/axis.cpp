@@ -94,4 +94,10 @@ std::string readable(double value, int digits) {
   return with_true_minus(mantissa) + "\u2009×\u200910" + superscript(std::stoi(scientific.substr(at + 1)));
 }
 
+std::string ordinal(std::size_t number) {
+  const std::size_t last = number % 10;
+  const bool teen = number / 10 % 10 == 1;
+  return fmt::format("{}{}", number, teen || last == 0 || last > 3 ? "th" : last == 1 ? "st" : last == 2 ? "nd" : "rd");
+}
+
 }  // namespace viscobar::plot

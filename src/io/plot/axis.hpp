@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -36,5 +37,8 @@ Ticks ticks(const Axis& axis, int about);
 
 /// A number for people: at most four digits, with a true minus sign; 1.2 x 10^k as SVG and HTML where needed.
 std::string readable(double value, int digits = 4);
+
+/// 1st, 2nd, 3rd, 4th, ..., 11th, ..., 21st
+std::string ordinal(std::size_t number);
 
 }  // namespace viscobar::plot

@@ -16,6 +16,10 @@ constexpr double width = 960.0, left = 74.0, right = 800.0, top = 12.0, below = 
 
 std::string series_colour(std::size_t index) { return fmt::format("var(--series-{})", index % 4); }
 
+std::string sequence_colour(double position) {
+  return fmt::format("color-mix(in oklab, var(--late) {:.0f}%, var(--early))", 100.0 * position);
+}
+
 std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {
@@ -142,8 +146,8 @@ void Figure::legend_line(const Style& style, std::string_view text) {
   legend_text(text);
 }
 
-void Figure::legend_text(std::string_view text) {
-  legend_ += fmt::format("<text x=\"{}\" y=\"{}\" dy=\".35em\">{}</text>\n", right + 41, legend_y_, escaped(text));
+void Figure::legend_text(std::string_view text, double indent) {
+  legend_ += fmt::format("<text x=\"{}\" y=\"{}\" dy=\".35em\">{}</text>\n", right + indent, legend_y_, escaped(text));
   legend_y_ += 19.0;
 }
 
@@ -180,9 +184,9 @@ std::string Figure::svg(std::string_view title) const {
 std::string_view figure_css() {
   return R"css(
 :root { --series-0: #0072b2; --series-1: #c8500a; --series-2: #00855f; --series-3: #a8538a;
-  --ink: #1d2126; --soft: #5b646e; --rule: #c9ced4; --faint: #e8ebee; --paper: #ffffff; --page: #f5f6f8; }
-@media (prefers-color-scheme: dark) { :root { --series-0: #5ab4ec; --series-1: #ff9a52; --series-2: #3ccb9c;
-  --series-3: #e29acb; --ink: #e4e7ea; --soft: #9aa4ae; --rule: #4a525b; --faint: #2a3037; --paper: #1a1e23; --page: #121519; } }
+  --early: #e3a72f; --late: #31135e; --ink: #1d2126; --soft: #5b646e; --rule: #c9ced4; --faint: #e8ebee; --paper: #ffffff; --page: #f5f6f8; }
+@media screen and (prefers-color-scheme: dark) { :root { --series-0: #5ab4ec; --series-1: #ff9a52; --series-2: #3ccb9c;
+  --series-3: #e29acb; --early: #7d4fc4; --late: #ffe08a; --ink: #e4e7ea; --soft: #9aa4ae; --rule: #4a525b; --faint: #2a3037; --paper: #1a1e23; --page: #121519; } }
 svg { display: block; width: 100%; height: auto; font-size: 13px; fill: var(--ink); overflow: hidden; }
 svg text { font-variant-numeric: tabular-nums; }
 svg .axis { font-size: 14px; fill: var(--soft); }

@@ -23,6 +23,9 @@ struct Style {
 /// CSS variable of the i-th colour of the palette (four, told apart by colour-blind eyes).
 std::string series_colour(std::size_t index);
 
+/// CSS colour at a position in [0, 1] of a sequence from light to dark, the other way round on a dark page.
+std::string sequence_colour(double position);
+
 /// A picture with two axes as inline SVG. What is added first lies below. The legend stands right of the frame, whose
 /// place is the same in every figure of one width, so that figures below each other share their axis.
 class Figure {
@@ -45,18 +48,18 @@ class Figure {
   /// A line of the legend that stands for nothing drawn by line().
   void legend_box(const std::string& colour, std::string_view text);
 
+  /// A line of the legend without a mark.
+  void legend_note(std::string_view text) { legend_text(text, 14.0); }
+
   /// @param title read out in place of the picture
   std::string svg(std::string_view title) const;
-
-  double low_x() const { return x_.low; }
-  double high_x() const { return x_.high; }
 
  private:
   double place_x(double value) const;
   double place_y(double value) const;
   std::string path(std::span<const Point> points) const;
   void legend_line(const Style& style, std::string_view text);
-  void legend_text(std::string_view text);
+  void legend_text(std::string_view text, double indent = 41.0);
 
   Axis x_, y_;
   double height_;
