@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "viscobar/dynamics/bar_system.hpp"
+#include "viscobar/dynamics/penalty_law.hpp"
+
+namespace viscobar {
+
+/// The semi-discrete system with penalised obstacles,
+///
+///     rho M u'' = M f(t) - E K u - eta K u' + sum_i R_i e_i,     R_i = k_i d_i + b_i d_i' while contact i is closed,
+///
+/// d_i = -(u_i + gap_i). Which contacts are closed is a state of its own, frozen while an integrator makes its
+/// steps: between two changes the system is linear with constant coefficients, so a method sees a smooth problem
+/// and a change is a located event [Petrov 2010, section 1].
+///
+/// Refers to a BarSystem that must outlive it; one object per integration (it owns the load's buffers).
+class PenalisedSystem {
+ public:
+  PenalisedSystem(const BarSystem& bar, const Penalty& penalty);
+
+  const BarSystem& bar() const { return bar_; }
+  std::size_t size() const { return bar_.size(); }
+
+  std::size_t contact_count() const { return laws_.size(); }
+  const Contact& contact(std::size_t i) const { return bar_.contacts()[i]; }
+  const PenaltyLaw& law(std::size_t i) const { return laws_[i]; }
+  bool closed(std::size_t i) const { return closed_[i] != 0; }
+  void set_closed(std::size_t i, bool closed);
+  /// Changes whenever a contact does: a factor of the dynamic stiffness is valid for one revision.
+  std::uint64_t revision() const { return revision_; }
+
+  /// u_i + gap_i
+  double clearance(std::size_t i, std::span<const double> u) const {
+    return u[contact(i).unknown] + contact(i).gap;
+  }
+  /// What a clearance may be wrong by through rounding alone, for displacements up to `largest`.
+  double clearance_rounding(std::size_t i, double largest) const;
+
+  /// out = M f(t) - E K u - eta K w + reactions; w is the velocity of all unknowns.
+  void force(double t, std::span<const double> u, std::span<const double> w, std::span<double> out);
+
+  /// D(m,c,k) = m rho M + (c eta + k E) K + sum over closed contacts of (k k_i + c b_i) e_i e_i^T.
+  void dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const;
+
+  /// Sets the velocity of massless unknowns from their rows, which have no inertia: for eta > 0 the row itself, for
+  /// eta = 0 its time derivative (the load's by central differences over 2e-4 element transit times).
+  void complete_velocity(double t, std::span<const double> u, std::span<double> w);
+
+  /// Sets the displacement of massless unknowns for eta = 0, where their rows are algebraic. Nothing to do otherwise.
+  void complete_displacement(double t, std::span<double> u);
+
+  /// Opens or closes each contact as the state at the start asks for: closed when it penetrates, or touches and moves
+  /// in, or touches at rest and is pressed in. Completes u and w at massless nodes on the way.
+  void settle(double t, std::span<double> u, std::span<double> w);
+
+  /// Reaction of contact i.
+  double reaction(std::size_t i, std::span<const double> u, std::span<const double> w) const;
+
+  /// Kinetic, elastic and contact energy.
+  double energy(std::span<const double> u, std::span<const double> w) const;
+  /// eta w.K w + sum b_i w_i^2
+  double dissipated_power(std::span<const double> w) const;
+  /// w.M f(t)
+  double load_power(double t, std::span<const double> w);
+  bool dissipates() const { return bar_.damped() || dashpots_; }
+  bool loaded() const { return load_.has_value(); }
+
+  std::size_t load_evaluations() const { return load_evaluations_; }
+
+ private:
+  std::span<const double> load_at(double t);
+  void complete_velocity_of(std::size_t end, std::size_t neighbour, double t, std::span<const double> u,
+                            std::span<double> w);
+  void complete_displacement_of(std::size_t end, std::size_t neighbour, double t, std::span<double> u);
+  double stiffness_of_closed(std::size_t unknown) const;
+
+  const BarSystem& bar_;
+  std::vector<PenaltyLaw> laws_;
+  std::vector<unsigned char> closed_;
+  bool dashpots_ = false;
+  std::uint64_t revision_ = 0;
+  std::optional<LoadVector> load_;
+  std::size_t load_evaluations_ = 0;
+};
+
+}  // namespace viscobar
