@@ -51,8 +51,9 @@ void check_initial_nodes(const Case& run, std::vector<Finding>& findings) {
     };
     if (!finite("initial.displacement", u) || !finite("initial.velocity", v)) return;
     if (run.scene.span && u < -run.scene.span->gap) {
-      findings.push_back({"initial.displacement", fmt::format("penetrates the obstacle of [span]: u_0({}) = {} < -gap = {}",
-                                                              x, u, -run.scene.span->gap)});
+      findings.push_back(
+          {"initial.displacement",
+           fmt::format("penetrates the obstacle of [span]: u_0({}) = {} < -gap = {}", x, u, -run.scene.span->gap)});
       return;
     }
   }
@@ -91,16 +92,20 @@ std::vector<Finding> validate(const Case& run) {
   if (run.mass == Mass::redistributed) {
     const std::size_t needed = 1 + static_cast<std::size_t>(left) + static_cast<std::size_t>(right);
     if (scene.span)
-      findings.push_back({"mesh.mass", "\"redistributed\" cannot serve a span obstacle: every node is a contact node "
-                                       "and must keep its mass; use \"consistent\" or \"lumped\""});
+      findings.push_back({"mesh.mass",
+                          "\"redistributed\" cannot serve a span obstacle: every node is a contact node "
+                          "and must keep its mass; use \"consistent\" or \"lumped\""});
     else if (run.elements < needed)
-      findings.push_back({"mesh.elements", fmt::format("mass \"redistributed\" needs at least {} elements here", needed)});
+      findings.push_back(
+          {"mesh.elements", fmt::format("mass \"redistributed\" needs at least {} elements here", needed)});
     if (run.method == MethodName::finite_difference)
-      findings.push_back({"mesh.mass", "\"redistributed\" does not fit finite_difference, whose mass is diagonal; use "
-                                       "\"lumped\" or \"paper\", or fully_discrete"});
+      findings.push_back({"mesh.mass",
+                          "\"redistributed\" does not fit finite_difference, whose mass is diagonal; use "
+                          "\"lumped\" or \"paper\", or fully_discrete"});
     if (run.method == MethodName::cvode && (left || right) && scene.bar.viscosity == 0.0)
-      findings.push_back({"method.name", "cvode cannot take massless contact nodes without viscosity: their equations "
-                                         "are algebraic; use ida, or a positive bar.viscosity"});
+      findings.push_back({"method.name",
+                          "cvode cannot take massless contact nodes without viscosity: their equations "
+                          "are algebraic; use ida, or a positive bar.viscosity"});
   }
   if (is_penalised(run.method) && obstacle && !run.epsilon)
     findings.push_back({"contact.epsilon", fmt::format("is missing: {} penalises the obstacle", name(run.method))});

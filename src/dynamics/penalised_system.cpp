@@ -28,6 +28,27 @@ double PenalisedSystem::clearance_rounding(std::size_t i, double largest) const 
   return 32.0 * std::numeric_limits<double>::epsilon() * (contact(i).gap + largest);
 }
 
+bool PenalisedSystem::algebraic(std::size_t unknown) const {
+  return !bar_.damped() && (unknown < bar_.massive_begin() || unknown >= bar_.massive_end());
+}
+
+std::size_t PenalisedSystem::watched(std::size_t i) const {
+  const std::size_t node = contact(i).unknown;
+  if (!algebraic(node)) return node;
+  return node == 0 ? 1 : node - 1;
+}
+
+double PenalisedSystem::offset(std::size_t i, double t) {
+  const std::size_t node = contact(i).unknown;
+  if (!load_ || !algebraic(node)) return contact(i).gap;
+  return contact(i).gap + load_at(t)[node] * bar_.mesh().spacing() / bar_.bar().modulus;
+}
+
+double PenalisedSystem::penetration_share(std::size_t i) const {
+  if (!algebraic(contact(i).unknown)) return 1.0;
+  return 1.0 / (1.0 + laws_[i].stiffness * bar_.mesh().spacing() / bar_.bar().modulus);
+}
+
 std::span<const double> PenalisedSystem::load_at(double t) {
   ++load_evaluations_;
   return load_->at(t);

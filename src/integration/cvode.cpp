@@ -1,5 +1,8 @@
 #include <cvode/cvode.h>
 
+#include <numbers>
+#include <utility>
+
 #include "integration/multistep_run.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -43,6 +46,8 @@ void solve_step(Leg& leg, std::span<double> correction) {
   for (std::size_t k = 2 * n; k < layout.size; ++k) correction[k] = gamma * correction[k] - rl1 * z[k];
 }
 
+using Memory = std::unique_ptr<void, CvodeDeleter>;
+
 class CvodeStepper {
  public:
   CvodeStepper(PenalisedSystem& system, const Layout& layout, const Tolerance& tolerance, double end,
@@ -57,50 +62,91 @@ class CvodeStepper {
         solver_(make_step_solver(leg_, solve_step, context_)) {}
 
   void restart(double t, std::span<const double> y) {
+    weights_.tighten(leg_.statistics.events);
     std::ranges::copy(y, values(state_).begin());
-    if (memory_) {
-      check("CVodeReInit", CVodeReInit(memory_.get(), t, state_.get()));
-    } else {
-      create(t);
-    }
-    check("CVodeSetStopTime", CVodeSetStopTime(memory_.get(), end_));
+    settles_ = settling_time(t);
+    begin(stiff() ? bdf_ : adams_, t);
   }
 
   double advance() {
     double t = 0.0;
-    const int flag = CVode(memory_.get(), end_, state_.get(), &t, CV_ONE_STEP);
+    const int flag = CVode(memory_, end_, state_.get(), &t, CV_ONE_STEP);
     if (flag < 0) fail(leg_, "CVode", flag_name(CVodeGetReturnFlagName(flag)));
+    if (t > settles_ && memory_ == adams_.get()) settled_ = true;
     return t;
+  }
+
+  /// To be asked once the step is dealt with: its interpolant ends here.
+  void before_step() {
+    if (!std::exchange(settled_, false)) return;
+    double t = 0.0;
+    CVodeGetCurrentTime(memory_, &t);
+    begin(bdf_, t);
   }
 
   std::size_t order() const {
     int order = 1;
-    CVodeGetLastOrder(memory_.get(), &order);
+    CVodeGetLastOrder(memory_, &order);
     return static_cast<std::size_t>(order);
   }
 
   void interpolate(double t, std::span<double> y) {
-    check("CVodeGetDky", CVodeGetDky(memory_.get(), t, 0, interpolated_.get()));
+    check("CVodeGetDky", CVodeGetDky(memory_, t, 0, interpolated_.get()));
     std::ranges::copy(values(interpolated_), y.begin());
   }
 
   std::span<const double> sample(double t, int derivative) {
-    check("CVodeGetDky", CVodeGetDky(memory_.get(), t, derivative, probe_.get()));
+    check("CVodeGetDky", CVodeGetDky(memory_, t, derivative, probe_.get()));
     return values(probe_);
   }
 
   double largest() const { return weights_.largest_displacement(); }
 
  private:
-  void create(double t) {
-    memory_.reset(CVodeCreate(CV_BDF, context_.get()));
-    if (!memory_) throw std::bad_alloc();
-    void* memory = leg_.memory = memory_.get();
-    check("CVodeInit", CVodeInit(memory, right_hand_side, t, state_.get()));
-    VISCOBAR_KEEP_MESSAGES(CVode, memory, context_, leg_.library_message);
-    check("CVodeSetUserData", CVodeSetUserData(memory, this));
-    check("CVodeWFtolerances", CVodeWFtolerances(memory, error_weights));
-    check("CVodeSetNonlinearSolver", CVodeSetNonlinearSolver(memory, solver_.get()));
+  void begin(Memory& memory, double t) {
+    memory_ = memory.get();
+    if (memory_)
+      check("CVodeReInit", CVodeReInit(memory_, t, state_.get()));
+    else
+      create(memory, t);
+    leg_.memory = memory_;
+    check("CVodeSetStopTime", CVodeSetStopTime(memory_, end_));
+  }
+
+  // Adams' formulas, of order up to 12, where every motion is an oscillation that has to be resolved anyway; backward
+  // differentiation where something fast dies out: modes of the mesh that are overdamped (eta omega >= 2 E at the
+  // highest, omega = sqrt(12 E / rho) / h), or a massless node.
+  bool stiff() const {
+    const BarSystem& bar = leg_.system.bar();
+    const Bar& material = bar.bar();
+    const double highest = std::sqrt(12.0 * material.modulus / material.density) / bar.mesh().spacing();
+    return bar.has_massless() || material.viscosity * highest >= 2.0 * material.modulus;
+  }
+
+  // A bounce is over within half a period of the contact spring; a contact still closed after ten of them rests, its
+  // spring dies out, and need not be resolved any more.
+  double settling_time(double t) const {
+    double period = 0.0;
+    for (std::size_t i = 0; i < leg_.system.contact_count(); ++i) {
+      if (!leg_.system.closed(i)) continue;
+      const double mass = leg_.system.bar().inertia().diagonal[leg_.system.contact(i).unknown];
+      period = std::max(period, 2.0 * std::numbers::pi * std::sqrt(mass / leg_.system.law(i).stiffness));
+    }
+    return period > 0.0 && leg_.system.dissipates() ? t + 10.0 * period : std::numeric_limits<double>::infinity();
+  }
+
+  void create(Memory& memory, double t) {
+    const bool bdf = &memory == &bdf_;
+    memory.reset(CVodeCreate(bdf ? CV_BDF : CV_ADAMS, context_.get()));
+    if (!memory) throw std::bad_alloc();
+    memory_ = memory.get();
+    check("CVodeInit", CVodeInit(memory_, right_hand_side, t, state_.get()));
+    VISCOBAR_KEEP_MESSAGES(CVode, memory_, context_, leg_.library_message);
+    check("CVodeSetUserData", CVodeSetUserData(memory_, this));
+    check("CVodeWFtolerances", CVodeWFtolerances(memory_, error_weights));
+    check("CVodeSetNonlinearSolver", CVodeSetNonlinearSolver(memory_, solver_.get()));
+    // The formulas of order 3 to 5 are unstable near the imaginary axis, where a lightly damped contact spring is.
+    if (bdf) check("CVodeSetStabLimDet", CVodeSetStabLimDet(memory_, SUNTRUE));
   }
 
   void check(const char* call, int flag) {
@@ -136,7 +182,10 @@ class CvodeStepper {
   std::vector<std::size_t> entries_;
   Vector probe_;
   NonlinearSolver solver_;
-  std::unique_ptr<void, CvodeDeleter> memory_;
+  Memory adams_, bdf_;      // made when first needed
+  void* memory_ = nullptr;  // the one at work
+  double settles_ = 0.0;
+  bool settled_ = false;
 };
 
 }  // namespace

@@ -12,19 +12,20 @@ namespace viscobar {
 
 /// Finds the contact changes inside one step of a multistep method on the step's own interpolant.
 ///
-/// An open contact changes when its clearance u + gap becomes negative, a closed one when it becomes positive: both are
-/// the descent of an oriented clearance p through zero. On a step p is a polynomial of the method's order, taken in
-/// Bernstein form, so that no crossing is missed: neither two within a step nor a touch. A descent counts once it passes
-/// the rounding of the clearance, and its time is that of p = 0.
+/// An open contact changes when its clearance becomes negative, a closed one when it becomes positive: both are the
+/// descent of an oriented clearance p through zero. On a step p is a polynomial of the method's order, taken in
+/// Bernstein form, so that no crossing is missed: neither two within a step nor a touch. A descent counts once it
+/// passes the rounding of the clearance, and its time is that of p = 0. (Only for an undamped massless node under a
+/// load that varies in time is p more than a polynomial; the load is then interpolated at the order of the method.)
 class EventSearch {
  public:
-  explicit EventSearch(const PenalisedSystem& system)
+  explicit EventSearch(PenalisedSystem& system)
       : system_(system), count_(system.contact_count()), samples_(count_ * (Bernstein::max_degree + 1)) {}
 
   /// Entries of u that the search samples, one for each contact.
   std::vector<std::size_t> sampled_entries() const {
     std::vector<std::size_t> entries(count_);
-    for (std::size_t i = 0; i < count_; ++i) entries[i] = system_.contact(i).unknown;
+    for (std::size_t i = 0; i < count_; ++i) entries[i] = system_.watched(i);
     return entries;
   }
 
@@ -35,14 +36,14 @@ class EventSearch {
     for (std::size_t j = 0; j <= order; ++j) {
       const double t = j == order ? end : begin + (end - begin) * static_cast<double>(j) / static_cast<double>(order);
       const std::span<const double> u = sample(t, 0);
-      for (std::size_t i = 0; i < count_; ++i) samples_[i * (order + 1) + j] = oriented(i, u[i]);
+      for (std::size_t i = 0; i < count_; ++i) samples_[i * (order + 1) + j] = oriented(i, t, u[i]);
     }
     double first = 2.0;
     std::size_t which = 0;
     for (std::size_t i = 0; i < count_; ++i) {
       const std::span<const double> values(samples_.data() + i * (order + 1), order + 1);
       if (system_.closed(i))
-        for (double value : values) max_penetration_ = std::max(max_penetration_, value);
+        for (double value : values) max_penetration_ = std::max(max_penetration_, system_.penetration_share(i) * value);
       const auto s = Bernstein::through(values).first_descent(-system_.clearance_rounding(i, largest));
       if (s && *s < first) first = *s, which = i;
     }
@@ -51,15 +52,16 @@ class EventSearch {
   }
 
   /// Whether contact i changes at an event: its oriented clearance is used up to rounding and falls.
-  bool changes(std::size_t i, double u, double rate, double largest) const {
-    return oriented(i, u) <= system_.clearance_rounding(i, largest) && (system_.closed(i) ? rate > 0.0 : rate < 0.0);
+  bool changes(std::size_t i, double t, std::span<const double> u, double rate, double largest) {
+    return oriented(i, t, u[system_.watched(i)]) <= system_.clearance_rounding(i, largest) &&
+           (system_.closed(i) ? rate > 0.0 : rate < 0.0);
   }
   std::size_t first_contact() const { return which_; }
   double max_penetration() const { return max_penetration_; }
 
  private:
-  double oriented(std::size_t i, double u) const {
-    const double clearance = u + system_.contact(i).gap;
+  double oriented(std::size_t i, double t, double u) {
+    const double clearance = u + system_.offset(i, t);
     return system_.closed(i) ? -clearance : clearance;
   }
 
@@ -69,7 +71,7 @@ class EventSearch {
     which_ = i;
     const double sign = system_.closed(i) ? -1.0 : 1.0;
     for (int iteration = 0; iteration < 4; ++iteration) {
-      const double value = oriented(i, sample(t, 0)[i]);
+      const double value = oriented(i, t, sample(t, 0)[i]);
       const double rate = sign * sample(t, 1)[i];
       if (!(rate < 0.0)) break;
       const double next = std::clamp(t - value / rate, begin, end);
@@ -79,7 +81,7 @@ class EventSearch {
     return t;
   }
 
-  const PenalisedSystem& system_;
+  PenalisedSystem& system_;
   std::size_t count_;
   std::vector<double> samples_;
   std::size_t which_ = 0;

@@ -56,6 +56,7 @@ class IdaStepper {
         solver_(make_step_solver(leg_, solve_step, context_)) {}
 
   void restart(double t, std::span<const double> y) {
+    weights_.tighten(leg_.statistics.events);
     std::ranges::copy(y, values(state_).begin());
     set_consistent_rate(t);
     if (memory_) {

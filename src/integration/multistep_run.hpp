@@ -47,6 +47,7 @@ class MultistepRun {
     double t = times_.front();
     begin(t, start);
     while (t < end) {
+      if constexpr (requires { stepper_.before_step(); }) stepper_.before_step();
       const double reached = stepper_.advance();
       ++statistics_.steps;
       stall_check(t, reached);
@@ -133,17 +134,16 @@ class MultistepRun {
   }
 
   void switch_contacts(double t) {
+    system_.complete_velocity(t, u(), w());
     const std::span<const double> displacement = u(), velocity = w();
-    bool switched_any = false;
     const auto switch_one = [&](std::size_t i) {
       const Change change = system_.closed(i) ? Change::opening : Change::closing;
       tell_event(t, i, change, velocity[system_.contact(i).unknown]);
       system_.set_closed(i, change == Change::closing);
-      switched_any = true;
     };
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
       const std::size_t node = system_.contact(i).unknown;
-      if (i == search_.first_contact() || search_.changes(i, displacement[node], velocity[node], stepper_.largest()))
+      if (i == search_.first_contact() || search_.changes(i, t, displacement, velocity[node], stepper_.largest()))
         switch_one(i);
     }
     guard_against_toggling(t, search_.first_contact());

@@ -42,7 +42,7 @@ class BarSystem {
   /// redistribute the mass; span obstacle with redistributed mass).
   BarSystem(const Scene& scene, const Mesh& mesh, Mass mass);
 
-  std::size_t size() const { return inertia_.size(); }         ///< n, number of unknown nodes
+  std::size_t size() const { return inertia_.size(); }            ///< n, number of unknown nodes
   std::size_t first_node() const { return left_fixed_ ? 1 : 0; }  ///< mesh node of unknown 0
   const Mesh& mesh() const { return mesh_; }
   Mass mass() const { return mass_; }

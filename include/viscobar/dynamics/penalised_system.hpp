@@ -36,9 +36,15 @@ class PenalisedSystem {
   std::uint64_t revision() const { return revision_; }
 
   /// u_i + gap_i
-  double clearance(std::size_t i, std::span<const double> u) const {
-    return u[contact(i).unknown] + contact(i).gap;
-  }
+  double clearance(std::size_t i, std::span<const double> u) const { return u[contact(i).unknown] + contact(i).gap; }
+  /// What decides whether contact i is open: the sign of u_watched + offset(t). For a node with inertia or viscosity
+  /// that is its clearance. An undamped massless node has no displacement of its own: it is watched through its
+  /// neighbour, u_1 + gap + (h/E) (M f)_0 being the clearance it has while open, since that keeps its sign through the
+  /// change; the penetration is then only the share 1 / (1 + k h/E) of it.
+  std::size_t watched(std::size_t i) const;
+  double offset(std::size_t i, double t);
+  double penetration_share(std::size_t i) const;
+
   /// What a clearance may be wrong by through rounding alone, for displacements up to `largest`.
   double clearance_rounding(std::size_t i, double largest) const;
 
@@ -75,6 +81,7 @@ class PenalisedSystem {
 
  private:
   std::span<const double> load_at(double t);
+  bool algebraic(std::size_t unknown) const;
   void complete_velocity_of(std::size_t end, std::size_t neighbour, double t, std::span<const double> u,
                             std::span<double> w);
   void complete_displacement_of(std::size_t end, std::size_t neighbour, double t, std::span<double> u);

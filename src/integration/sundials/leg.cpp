@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace viscobar::sundials {
@@ -20,9 +21,12 @@ double largest(std::span<const double> x) {
 void ErrorWeights::fill(std::span<double> y, std::span<double> weights) {
   largest_u_ = std::max(largest_u_, largest(layout_.u(y)));
   largest_w_ = std::max(largest_w_, largest(layout_.w(y)));
-  std::ranges::fill(layout_.u(weights), 1.0 / (tolerance_.relative * largest_u_ + tolerance_.absolute));
+  // Below a few units of rounding no step could pass.
+  const double relative = std::max(tolerance_.relative / tightening_, 16.0 * std::numeric_limits<double>::epsilon());
+  const double absolute = tolerance_.absolute / tightening_;
+  std::ranges::fill(layout_.u(weights), 1.0 / (relative * largest_u_ + absolute));
   const auto w = layout_.w(weights);
-  std::ranges::fill(w, 1.0 / (tolerance_.relative * largest_w_ + tolerance_.absolute));
+  std::ranges::fill(w, 1.0 / (relative * largest_w_ + absolute));
   std::ranges::fill(w.first(massive_begin_), 0.0);
   std::ranges::fill(w.subspan(massive_end_), 0.0);
   std::ranges::fill(weights.subspan(2 * layout_.nodes), 0.0);
@@ -39,8 +43,7 @@ void Leg::solve(double m, double c, double k, std::span<double> x) {
   factor_.solve(x);
   ++statistics.linear_solves;
   // A sweep carries what is not finite to the ends.
-  if (!std::isfinite(x.front()) || !std::isfinite(x.back()))
-    throw StepFailure("the solution is no longer finite");
+  if (!std::isfinite(x.front()) || !std::isfinite(x.back())) throw StepFailure("the solution is no longer finite");
 }
 
 void Leg::subtract_inertia(double factor, std::span<const double> x, std::span<double> out) {
@@ -77,7 +80,8 @@ NonlinearSolver make_step_solver(Leg& leg, void (*solve)(Leg&, std::span<double>
   ops.initialize = [](SUNNonlinearSolver) noexcept { return 0; };
   // The system is known in closed form: what the integrator offers for evaluating it is not needed.
   ops.setsysfn = [](SUNNonlinearSolver, SUNNonlinSolSysFn) noexcept { return 0; };
-  ops.solve = [](SUNNonlinearSolver self, N_Vector, N_Vector correction, N_Vector, sunrealtype, boolean, void*) noexcept {
+  ops.solve = [](SUNNonlinearSolver self, N_Vector, N_Vector correction, N_Vector, sunrealtype, boolean,
+                 void*) noexcept {
     auto& step = *static_cast<StepSolver*>(self->content);
     return guarded(*step.leg, [&] { step.solve(*step.leg, values(correction)); });
   };
@@ -92,8 +96,8 @@ NonlinearSolver make_step_solver(Leg& leg, void (*solve)(Leg&, std::span<double>
 
 void fail(Leg& leg, const char* call, std::string flag) {
   if (leg.error) std::rethrow_exception(std::exchange(leg.error, nullptr));
-  throw StepFailure(fmt::format("{} returned {}{}{}", call, flag, leg.library_message.empty() ? "" : ": ",
-                                leg.library_message));
+  throw StepFailure(
+      fmt::format("{} returned {}{}{}", call, flag, leg.library_message.empty() ? "" : ": ", leg.library_message));
 }
 
 }  // namespace viscobar::sundials
