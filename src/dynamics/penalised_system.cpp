@@ -41,7 +41,7 @@ std::size_t PenalisedSystem::watched(std::size_t i) const {
 double PenalisedSystem::offset(std::size_t i, double t) {
   const std::size_t node = contact(i).unknown;
   if (!load_ || !algebraic(node)) return contact(i).gap;
-  return contact(i).gap + load_at(t)[node] * bar_.mesh().spacing() / bar_.bar().modulus;
+  return contact(i).gap + load_->at(t)[node] * bar_.mesh().spacing() / bar_.bar().modulus;
 }
 
 double PenalisedSystem::penetration_share(std::size_t i) const {
@@ -49,15 +49,10 @@ double PenalisedSystem::penetration_share(std::size_t i) const {
   return 1.0 / (1.0 + laws_[i].stiffness * bar_.mesh().spacing() / bar_.bar().modulus);
 }
 
-std::span<const double> PenalisedSystem::load_at(double t) {
-  ++load_evaluations_;
-  return load_->at(t);
-}
-
 void PenalisedSystem::force(double t, std::span<const double> u, std::span<const double> w, std::span<double> out) {
   bar_.internal_force(u, w, out);
   if (load_) {
-    const std::span<const double> load = load_at(t);
+    const std::span<const double> load = load_->at(t);
     for (std::size_t i = 0; i < out.size(); ++i) out[i] += load[i];
   }
   for (std::size_t i = 0; i < laws_.size(); ++i) {
@@ -86,7 +81,7 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, std::size_t neighbou
   const double modulus = bar_.bar().modulus / h, damping = bar_.bar().viscosity / h;
   if (bar_.damped()) {
     double force = modulus * (u[neighbour] - u[end]) + damping * w[neighbour];
-    if (load_) force += load_at(t)[end];
+    if (load_) force += load_->at(t)[end];
     for (std::size_t i = 0; i < laws_.size(); ++i)
       if (closed(i) && contact(i).unknown == end) force -= laws_[i].stiffness * clearance(i, u);
     w[end] = force / damping;
@@ -97,8 +92,8 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, std::size_t neighbou
     const double transit = h * std::sqrt(bar_.bar().density / bar_.bar().modulus);
     // No load is asked for before the start, where it need not exist.
     const double step = 1e-4 * transit, before = std::max(0.0, t - step), after = t + step;
-    const double early = load_at(before)[end];
-    rate += (load_at(after)[end] - early) / (after - before);
+    const double early = load_->at(before)[end];
+    rate += (load_->at(after)[end] - early) / (after - before);
   }
   w[end] = rate / (modulus + stiffness_of_closed(end));
 }
@@ -112,7 +107,7 @@ void PenalisedSystem::complete_velocity(double t, std::span<const double> u, std
 void PenalisedSystem::complete_displacement_of(std::size_t end, std::size_t neighbour, double t, std::span<double> u) {
   const double modulus = bar_.bar().modulus / bar_.mesh().spacing();
   double force = modulus * u[neighbour], stiffness = modulus;
-  if (load_) force += load_at(t)[end];
+  if (load_) force += load_->at(t)[end];
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!closed(i) || contact(i).unknown != end) continue;
     force -= laws_[i].stiffness * contact(i).gap;
@@ -177,7 +172,7 @@ double PenalisedSystem::dissipated_power(std::span<const double> w) const {
 }
 
 double PenalisedSystem::load_power(double t, std::span<const double> w) {
-  const std::span<const double> load = load_at(t);
+  const std::span<const double> load = load_->at(t);
   return std::inner_product(load.begin(), load.end(), w.begin(), 0.0);
 }
 

@@ -130,11 +130,13 @@ class LoadVector {
   std::span<const double> at(double t);
 
   bool steady() const;
+  std::size_t evaluations() const { return evaluations_; }  ///< of the load's functions of time
 
  private:
   const BarSystem& system_;  // outlives this
   std::vector<double> nodal_, weighted_;
   std::optional<double> time_;
+  std::size_t evaluations_ = 0;
 };
 
 }  // namespace viscobar

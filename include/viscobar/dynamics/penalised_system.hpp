@@ -77,10 +77,9 @@ class PenalisedSystem {
   bool dissipates() const { return bar_.damped() || dashpots_; }
   bool loaded() const { return load_.has_value(); }
 
-  std::size_t load_evaluations() const { return load_evaluations_; }
+  std::size_t load_evaluations() const { return load_ ? load_->evaluations() : 0; }
 
  private:
-  std::span<const double> load_at(double t);
   bool algebraic(std::size_t unknown) const;
   void complete_velocity_of(std::size_t end, std::size_t neighbour, double t, std::span<const double> u,
                             std::span<double> w);
@@ -93,7 +92,6 @@ class PenalisedSystem {
   bool dashpots_ = false;
   std::uint64_t revision_ = 0;
   std::optional<LoadVector> load_;
-  std::size_t load_evaluations_ = 0;
 };
 
 }  // namespace viscobar
