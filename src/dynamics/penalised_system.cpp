@@ -4,11 +4,17 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <stdexcept>
 
 namespace viscobar {
 
 PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
     : bar_(bar), closed_(bar.contacts().size(), 0) {
+  rigid_ = penalty.epsilon == 0.0;
+  if (rigid_)
+    for (const Contact& contact : bar.contacts())
+      if (!massless(contact.unknown))
+        throw std::invalid_argument("a rigid obstacle needs massless contact nodes: mass \"redistributed\"");
   // Effective masses matter to the dashpot alone.
   const bool undamped = penalty.restitution >= 1.0;
   const std::vector<double> masses =
@@ -28,24 +34,41 @@ double PenalisedSystem::clearance_rounding(std::size_t i, double largest) const 
   return 32.0 * std::numeric_limits<double>::epsilon() * (contact(i).gap + largest);
 }
 
-bool PenalisedSystem::algebraic(std::size_t unknown) const {
-  return !bar_.damped() && (unknown < bar_.massive_begin() || unknown >= bar_.massive_end());
+bool PenalisedSystem::massless(std::size_t unknown) const {
+  return unknown < bar_.massive_begin() || unknown >= bar_.massive_end();
 }
 
-std::size_t PenalisedSystem::watched(std::size_t i) const {
-  const std::size_t node = contact(i).unknown;
-  if (!algebraic(node)) return node;
-  return node == 0 ? 1 : node - 1;
+// Held by a closed rigid contact.
+bool PenalisedSystem::held(std::size_t unknown) const {
+  if (!rigid_) return false;
+  for (std::size_t i = 0; i < laws_.size(); ++i)
+    if (closed(i) && contact(i).unknown == unknown) return true;
+  return false;
 }
 
-double PenalisedSystem::offset(std::size_t i, double t) {
+std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const {
   const std::size_t node = contact(i).unknown;
-  if (!load_ || !algebraic(node)) return contact(i).gap;
+  if (!massless(node)) return {node};
+  if (!bar_.damped()) return {neighbour(node)};
+  if (rigid_) return {node, neighbour(node), size() + neighbour(node)};
+  return {node};
+}
+
+double PenalisedSystem::indicator_linear(std::size_t i, std::span<const double> entries) const {
+  if (entries.size() == 1 || !closed(i)) return entries[0];
+  return entries[1] + bar_.bar().viscosity / bar_.bar().modulus * entries[2];
+}
+
+double PenalisedSystem::indicator_offset(std::size_t i, double t) {
+  const std::size_t node = contact(i).unknown;
+  const bool reaction = massless(node) && (!bar_.damped() || (rigid_ && closed(i)));
+  if (!load_ || !reaction) return contact(i).gap;
   return contact(i).gap + load_->at(t)[node] * bar_.mesh().spacing() / bar_.bar().modulus;
 }
 
 double PenalisedSystem::penetration_share(std::size_t i) const {
-  if (!algebraic(contact(i).unknown)) return 1.0;
+  if (rigid_) return 0.0;
+  if (bar_.damped() || !massless(contact(i).unknown)) return 1.0;
   return 1.0 / (1.0 + laws_[i].stiffness * bar_.mesh().spacing() / bar_.bar().modulus);
 }
 
@@ -56,7 +79,7 @@ void PenalisedSystem::force(double t, std::span<const double> u, std::span<const
     for (std::size_t i = 0; i < out.size(); ++i) out[i] += load[i];
   }
   for (std::size_t i = 0; i < laws_.size(); ++i) {
-    if (!closed(i)) continue;
+    if (!closed(i) || rigid_) continue;
     const std::size_t node = contact(i).unknown;
     out[node] -= laws_[i].stiffness * clearance(i, u) + laws_[i].damping * w[node];
   }
@@ -75,19 +98,23 @@ double PenalisedSystem::stiffness_of_closed(std::size_t unknown) const {
   return sum;
 }
 
-void PenalisedSystem::complete_velocity_of(std::size_t end, std::size_t neighbour, double t, std::span<const double> u,
-                                           std::span<double> w) {
+void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<const double> u, std::span<double> w) {
+  if (held(end)) {
+    w[end] = 0.0;
+    return;
+  }
   const double h = bar_.mesh().spacing();
   const double modulus = bar_.bar().modulus / h, damping = bar_.bar().viscosity / h;
+  const std::size_t next = neighbour(end);
   if (bar_.damped()) {
-    double force = modulus * (u[neighbour] - u[end]) + damping * w[neighbour];
+    double force = modulus * (u[next] - u[end]) + damping * w[next];
     if (load_) force += load_->at(t)[end];
     for (std::size_t i = 0; i < laws_.size(); ++i)
       if (closed(i) && contact(i).unknown == end) force -= laws_[i].stiffness * clearance(i, u);
     w[end] = force / damping;
     return;
   }
-  double rate = modulus * w[neighbour];
+  double rate = modulus * w[next];
   if (load_ && !load_->steady()) {
     const double transit = h * std::sqrt(bar_.bar().density / bar_.bar().modulus);
     // No load is asked for before the start, where it need not exist.
@@ -99,14 +126,19 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, std::size_t neighbou
 }
 
 void PenalisedSystem::complete_velocity(double t, std::span<const double> u, std::span<double> w) {
-  const std::size_t n = size();
-  if (bar_.massive_begin() == 1) complete_velocity_of(0, 1, t, u, w);
-  if (bar_.massive_end() + 1 == n) complete_velocity_of(n - 1, n - 2, t, u, w);
+  if (bar_.massive_begin() == 1) complete_velocity_of(0, t, u, w);
+  if (bar_.massive_end() + 1 == size()) complete_velocity_of(size() - 1, t, u, w);
 }
 
-void PenalisedSystem::complete_displacement_of(std::size_t end, std::size_t neighbour, double t, std::span<double> u) {
+void PenalisedSystem::complete_displacement_of(std::size_t end, double t, std::span<double> u) {
+  if (held(end)) {
+    for (std::size_t i = 0; i < laws_.size(); ++i)
+      if (contact(i).unknown == end) u[end] = -contact(i).gap;
+    return;
+  }
+  if (bar_.damped()) return;
   const double modulus = bar_.bar().modulus / bar_.mesh().spacing();
-  double force = modulus * u[neighbour], stiffness = modulus;
+  double force = modulus * u[neighbour(end)], stiffness = modulus;
   if (load_) force += load_->at(t)[end];
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!closed(i) || contact(i).unknown != end) continue;
@@ -117,10 +149,8 @@ void PenalisedSystem::complete_displacement_of(std::size_t end, std::size_t neig
 }
 
 void PenalisedSystem::complete_displacement(double t, std::span<double> u) {
-  if (bar_.damped()) return;
-  const std::size_t n = size();
-  if (bar_.massive_begin() == 1) complete_displacement_of(0, 1, t, u);
-  if (bar_.massive_end() + 1 == n) complete_displacement_of(n - 1, n - 2, t, u);
+  if (bar_.massive_begin() == 1) complete_displacement_of(0, t, u);
+  if (bar_.massive_end() + 1 == size()) complete_displacement_of(size() - 1, t, u);
 }
 
 void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w) {
@@ -153,12 +183,19 @@ void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w)
   complete_velocity(t, u, w);
 }
 
-double PenalisedSystem::reaction(std::size_t i, std::span<const double> u, std::span<const double> w) const {
-  return closed(i) ? laws_[i].reaction(-clearance(i, u), -w[contact(i).unknown]) : 0.0;
+double PenalisedSystem::reaction(std::size_t i, double t, std::span<const double> u, std::span<const double> w) {
+  if (!closed(i)) return 0.0;
+  const std::size_t node = contact(i).unknown;
+  if (!rigid_) return laws_[i].reaction(-clearance(i, u), -w[node]);
+  const std::size_t next = neighbour(node);
+  const double load = load_ ? load_->at(t)[node] : 0.0;
+  const double stress = bar_.bar().modulus * (u[next] - u[node]) + bar_.bar().viscosity * (w[next] - w[node]);
+  return std::max(0.0, -stress / bar_.mesh().spacing() - load);
 }
 
 double PenalisedSystem::energy(std::span<const double> u, std::span<const double> w) const {
   double sum = bar_.energy(u, w);
+  if (rigid_) return sum;
   for (std::size_t i = 0; i < laws_.size(); ++i) sum += laws_[i].energy(-clearance(i, u));
   return sum;
 }

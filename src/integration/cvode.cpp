@@ -57,9 +57,12 @@ class CvodeStepper {
         end_(end),
         state_(make_vector(layout.size, context_)),
         interpolated_(make_vector(layout.size, context_)),
-        entries_(EventSearch(system).sampled_entries()),
-        probe_(make_probe(entries_, context_)),
         solver_(make_step_solver(leg_, solve_step, context_)) {}
+
+  void begin_run(std::vector<std::size_t> sampled_entries) {
+    entries_ = std::move(sampled_entries);
+    probe_ = make_probe(entries_, context_);
+  }
 
   void restart(double t, std::span<const double> y) {
     weights_.tighten(leg_.statistics.events);
@@ -101,6 +104,7 @@ class CvodeStepper {
   }
 
   double largest() const { return weights_.largest_displacement(); }
+  double displacement_tolerance() const { return weights_.displacement_tolerance(); }
 
  private:
   void begin(Memory& memory, double t) {

@@ -25,8 +25,9 @@ namespace viscobar {
 ///     double advance()         make one step towards the end, return the time reached
 ///     std::size_t order()      degree of the interpolant over that step
 ///     interpolate(t, y)        the whole state at a time within that step
-///     sample(t, k)             k-th derivative of the displacement at the contacts, within that step
+///     sample(t, k)             k-th derivative of the entries that the event search samples
 ///     double largest()         largest |u| so far
+///     double displacement_tolerance()    local error of u that a step may make
 template <class Stepper>
 class MultistepRun {
  public:
@@ -54,8 +55,9 @@ class MultistepRun {
       std::optional<double> change;
       if (system_.contact_count() > 0) {
         ++statistics_.event_evaluations;
-        change = search_.first_change(t, reached, stepper_.order(), stepper_.largest(),
-                                      [&](double at, int derivative) { return stepper_.sample(at, derivative); });
+        change = search_.first_change(
+            t, reached, stepper_.order(), [&](double at, int derivative) { return stepper_.sample(at, derivative); },
+            [&](std::size_t i) { return uncertainty(i); });
         statistics_.max_penetration = search_.max_penetration();
       }
       const double limit = change.value_or(reached);
@@ -93,6 +95,7 @@ class MultistepRun {
   void begin(double t, const State& start) {
     std::ranges::copy(start.u, u().begin());
     std::ranges::copy(start.v, w().begin());
+    stepper_.begin_run(system_.contact_count() > 0 ? search_.sampled_entries() : std::vector<std::size_t>{});
     system_.complete_displacement(t, u());
     system_.complete_velocity(t, u(), w());
     const std::vector<double> approach(w().begin(), w().end());
@@ -104,6 +107,12 @@ class MultistepRun {
     tell_snapshot(t);
     next_output_ = 1;
     restart(t);
+  }
+
+  // A spring answers to its own clearance, which is known to rounding. The reaction of a rigid contact is known to the
+  // tolerance only: less than that must not open it, or a bar that comes to rest would toggle for ever.
+  double uncertainty(std::size_t i) const {
+    return system_.rigid() ? stepper_.displacement_tolerance() : system_.clearance_rounding(i, stepper_.largest());
   }
 
   void restart(double t) {
@@ -135,7 +144,7 @@ class MultistepRun {
 
   void switch_contacts(double t) {
     system_.complete_velocity(t, u(), w());
-    const std::span<const double> displacement = u(), velocity = w();
+    const std::span<const double> velocity = w();
     const auto switch_one = [&](std::size_t i) {
       const Change change = system_.closed(i) ? Change::opening : Change::closing;
       tell_event(t, i, change, velocity[system_.contact(i).unknown]);
@@ -143,8 +152,7 @@ class MultistepRun {
     };
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
       const std::size_t node = system_.contact(i).unknown;
-      if (i == search_.first_contact() || search_.changes(i, t, displacement, velocity[node], stepper_.largest()))
-        switch_one(i);
+      if (i == search_.first_contact() || search_.changes(i, t, y_, velocity[node], uncertainty(i))) switch_one(i);
     }
     guard_against_toggling(t, search_.first_contact());
   }

@@ -11,8 +11,7 @@ namespace viscobar {
 /// Turns the unknowns of a penalised run into snapshots over all mesh nodes.
 class SnapshotBuilder {
  public:
-  explicit SnapshotBuilder(const PenalisedSystem& system)
-      : system_(system), u_(system.bar().mesh().nodes()), v_(u_.size()) {}
+  explicit SnapshotBuilder(PenalisedSystem& system) : system_(system), u_(system.bar().mesh().nodes()), v_(u_.size()) {}
 
   Snapshot operator()(double t, std::span<const double> u, std::span<const double> w) {
     const BarSystem& bar = system_.bar();
@@ -21,8 +20,9 @@ class SnapshotBuilder {
     Snapshot snapshot{t, u_, v_, 0.0, 0.0};
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
       const Contact& contact = system_.contact(i);
-      if (!bar.left_fixed() && contact.unknown == 0) snapshot.reaction_left += system_.reaction(i, u, w);
-      if (!bar.right_fixed() && contact.unknown + 1 == bar.size()) snapshot.reaction_right += system_.reaction(i, u, w);
+      if (!bar.left_fixed() && contact.unknown == 0) snapshot.reaction_left += system_.reaction(i, t, u, w);
+      if (!bar.right_fixed() && contact.unknown + 1 == bar.size())
+        snapshot.reaction_right += system_.reaction(i, t, u, w);
     }
     if (bar.left_fixed()) snapshot.reaction_left = -stress(0);
     if (bar.right_fixed()) snapshot.reaction_right = stress(u_.size() - 2);
@@ -36,7 +36,7 @@ class SnapshotBuilder {
     return (bar.modulus * strain + bar.viscosity * rate) / system_.bar().mesh().spacing();
   }
 
-  const PenalisedSystem& system_;
+  PenalisedSystem& system_;
   std::vector<double> u_, v_;
 };
 

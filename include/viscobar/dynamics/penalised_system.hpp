@@ -19,9 +19,13 @@ namespace viscobar {
 /// steps: between two changes the system is linear with constant coefficients, so a method sees a smooth problem
 /// and a change is a located event [Petrov 2010, section 1].
 ///
+/// At epsilon = 0, on massless contact nodes, this is the rigid obstacle: k is infinite, a closed node is held at -gap,
+/// its reaction is what its row lacks, and it opens when that reaches zero.
+///
 /// Refers to a BarSystem that must outlive it; one object per integration (it owns the load's buffers).
 class PenalisedSystem {
  public:
+  /// @throws std::invalid_argument for epsilon = 0 where a contact node has mass
   PenalisedSystem(const BarSystem& bar, const Penalty& penalty);
 
   const BarSystem& bar() const { return bar_; }
@@ -37,13 +41,19 @@ class PenalisedSystem {
 
   /// u_i + gap_i
   double clearance(std::size_t i, std::span<const double> u) const { return u[contact(i).unknown] + contact(i).gap; }
-  /// What decides whether contact i is open: the sign of u_watched + offset(t). For a node with inertia or viscosity
-  /// that is its clearance. An undamped massless node has no displacement of its own: it is watched through its
-  /// neighbour, u_1 + gap + (h/E) (M f)_0 being the clearance it has while open, since that keeps its sign through the
-  /// change; the penetration is then only the share 1 / (1 + k h/E) of it.
-  std::size_t watched(std::size_t i) const;
-  double offset(std::size_t i, double t);
+  /// What decides whether contact i is closed: the sign of p = linear part of some entries of (u, w) + offset(t),
+  /// negative where it should be closed. p is a displacement:
+  ///
+  ///     a node with inertia or viscosity    u_i + gap
+  ///     a rigid contact that is closed      (h/E) times minus its reaction, u_1 + gap + (eta/E) w_1 + (h/E) (M f)_i
+  ///     an undamped massless node           the same in either state, its clearance while it is open: its own
+  ///                                         displacement shrinks by 1 + k h/E as it closes, this one passes smoothly
+  std::vector<std::size_t> indicator_entries(std::size_t i) const;
+  double indicator_linear(std::size_t i, std::span<const double> entries) const;
+  double indicator_offset(std::size_t i, double t);
+  /// Penetration of a closed contact per -p.
   double penetration_share(std::size_t i) const;
+  bool rigid() const { return rigid_; }
 
   /// What a clearance may be wrong by through rounding alone, for displacements up to `largest`.
   double clearance_rounding(std::size_t i, double largest) const;
@@ -66,7 +76,7 @@ class PenalisedSystem {
   void settle(double t, std::span<double> u, std::span<double> w);
 
   /// Reaction of contact i.
-  double reaction(std::size_t i, std::span<const double> u, std::span<const double> w) const;
+  double reaction(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
 
   /// Kinetic, elastic and contact energy.
   double energy(std::span<const double> u, std::span<const double> w) const;
@@ -80,16 +90,17 @@ class PenalisedSystem {
   std::size_t load_evaluations() const { return load_ ? load_->evaluations() : 0; }
 
  private:
-  bool algebraic(std::size_t unknown) const;
-  void complete_velocity_of(std::size_t end, std::size_t neighbour, double t, std::span<const double> u,
-                            std::span<double> w);
-  void complete_displacement_of(std::size_t end, std::size_t neighbour, double t, std::span<double> u);
+  bool massless(std::size_t unknown) const;
+  static std::size_t neighbour(std::size_t end) { return end == 0 ? 1 : end - 1; }
+  bool held(std::size_t unknown) const;
+  void complete_velocity_of(std::size_t end, double t, std::span<const double> u, std::span<double> w);
+  void complete_displacement_of(std::size_t end, double t, std::span<double> u);
   double stiffness_of_closed(std::size_t unknown) const;
 
   const BarSystem& bar_;
   std::vector<PenaltyLaw> laws_;
   std::vector<unsigned char> closed_;
-  bool dashpots_ = false;
+  bool dashpots_ = false, rigid_ = false;
   std::uint64_t revision_ = 0;
   std::optional<LoadVector> load_;
 };

@@ -18,6 +18,10 @@ double largest(std::span<const double> x) {
 
 }  // namespace
 
+double ErrorWeights::displacement_tolerance() const {
+  return (tolerance_.relative * largest_u_ + tolerance_.absolute) / tightening_;
+}
+
 void ErrorWeights::fill(std::span<double> y, std::span<double> weights) {
   largest_u_ = std::max(largest_u_, largest(layout_.u(y)));
   largest_w_ = std::max(largest_w_, largest(layout_.w(y)));

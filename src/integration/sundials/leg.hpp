@@ -44,6 +44,7 @@ class ErrorWeights {
   /// bounce multiplies what was there before it. Measured in docs/methods.md.
   void tighten(std::size_t changes) { tightening_ = 100.0 + 4.0 * static_cast<double>(changes); }
   double largest_displacement() const { return largest_u_; }
+  double displacement_tolerance() const;
 
  private:
   Layout layout_;
