@@ -33,7 +33,7 @@ figcaption { color: var(--soft); font-size: .875rem; margin-top: 8px; }
 dl { display: grid; grid-template-columns: repeat(auto-fill, minmax(210px, 1fr)); gap: 14px 24px; margin: 0; }
 dt { color: var(--soft); font-size: .8125rem; }
 dd { margin: 0; font-size: 1.0625rem; font-variant-numeric: tabular-nums; }
-dd small { color: var(--soft); font-size: .8125rem; }
+dd small { display: block; line-height: 1.35; color: var(--soft); font-size: .8125rem; }
 .tables { overflow-x: auto; }
 table { border-collapse: collapse; font-size: .875rem; font-variant-numeric: tabular-nums; }
 th { color: var(--soft); font-weight: 500; text-align: right; border-bottom: 1px solid var(--rule); }
@@ -47,7 +47,7 @@ footer { color: var(--soft); font-size: .8125rem; }
 
 std::string end_text(const EndCondition& end) {
   if (const auto* body = std::get_if<Obstacle>(&end))
-    return fmt::format("an obstacle, <i>u</i> ≥ {}", readable(body->gap == 0.0 ? 0.0 : -body->gap));
+    return fmt::format("an obstacle, <i>u</i>\u00a0≥\u00a0{}", readable(body->gap == 0.0 ? 0.0 : -body->gap));
   return is_fixed(end) ? "fixed" : "free";
 }
 
@@ -62,7 +62,7 @@ std::string model(const Scene& scene) {
       damped ? " − <i>η u<sub>xxt</sub></i>" : "", load, readable(bar.length), readable(bar.density),
       readable(bar.modulus), damped ? ", <i>η</i> = " + readable(bar.viscosity) : "", end_text(scene.left),
       end_text(scene.right));
-  if (scene.span) text += fmt::format("; under the whole span <i>u</i> ≥ {}", readable(scene.span->gap == 0.0 ? 0.0 : -scene.span->gap));
+  if (scene.span) text += fmt::format("; under the whole span <i>u</i>\u00a0≥\u00a0{}", readable(scene.span->gap == 0.0 ? 0.0 : -scene.span->gap));
   return text + ".";
 }
 
@@ -108,7 +108,7 @@ std::string numbers(const Case& run, const BarSystem& system, const Outcome& out
     all.add("Factorisations", statistics->matrix_factorisations);
     if (!system.contacts().empty()) all.add("Largest penetration", readable(statistics->max_penetration, 3));
     if (const auto& energy = statistics->energy) {
-      all.add("Energy", readable(energy->initial), "at the start, " + readable(energy->final) + " at the end");
+      all.add("Energy", readable(energy->initial) + " → " + readable(energy->final), "from the start to the end");
       all.add("Dissipated", readable(energy->dissipated), "work of the load " + readable(energy->work));
       all.add("Energy balance error", readable(energy->balance_error(), 2));
     }
@@ -161,7 +161,7 @@ std::string report_html(const Case& run, const BarSystem& system, const Outcome&
   std::string pictures;
   if (data.field.rows() >= 2)
     pictures = displacement_map(run, data) + profiles(run, data) + end_traces(run, outcome, contact, data) +
-               reactions(run, outcome, contact, data) + energies(data);
+               reactions(run, contact, data) + energies(data);
   const std::string failure =
       outcome.error.empty() ? ""
                             : fmt::format("<p class=\"failed\"><b>The run did not complete.</b> It reached t = {}: {}</p>\n",

@@ -15,7 +15,7 @@ std::string report_html(const Case& run, const BarSystem& system, const Outcome&
 std::string displacement_map(const Case& run, const ReportData& data);
 std::string profiles(const Case& run, const ReportData& data);
 std::string end_traces(const Case& run, const Outcome& outcome, const ContactSummary& contact, const ReportData& data);
-std::string reactions(const Case& run, const Outcome& outcome, const ContactSummary& contact, const ReportData& data);
+std::string reactions(const Case& run, const ContactSummary& contact, const ReportData& data);
 std::string energies(const ReportData& data);
 
 }  // namespace viscobar

@@ -128,9 +128,12 @@ std::string displacement_map(const Case& run, const ReportData& data) {
   if (touched) figure.legend_box(plot::hex(palette[touching]), "in contact");
   std::string caption = "Displacement <i>u</i>(<i>x</i>, <i>t</i>).";
   if (two_signs) caption += " The pale middle of the scale is zero.";
+  const auto every = [](std::size_t stride, const char* what) {
+    return stride == 1 ? fmt::format("every {}", what) : fmt::format("every {} {}", plot::ordinal(stride), what);
+  };
   if (field.time_stride() > 1 || field.node_stride() > 1)
-    caption += fmt::format(" Drawn from every {} output time and every {} node; field.h5 has them all.",
-                           plot::ordinal(field.time_stride()), plot::ordinal(field.node_stride()));
+    caption += fmt::format(" Drawn from {} and {}; field.h5 has them all.", every(field.time_stride(), "output time"),
+                           every(field.node_stride(), "node"));
   return captioned(figure.svg("Displacement over time and space as a colour map"), "Displacement over space and time",
                    caption);
 }
@@ -174,7 +177,7 @@ std::string profiles(const Case& run, const ReportData& data) {
   }
   return captioned(figure.svg("Displacement over space at a few times"), "Profiles",
                    "The bar's displacement <i>u</i>(<i>x</i>, ·) at a few times, from the first (light) to the last (dark)." +
-                       std::string(bodies.empty() ? "" : " Hatched: obstacles.") + hidden);
+                       std::string(bodies.empty() ? "" : " Grey: obstacles.") + hidden);
 }
 
 std::string end_traces(const Case& run, const Outcome& outcome, const ContactSummary& contact, const ReportData& data) {
@@ -201,7 +204,7 @@ std::string end_traces(const Case& run, const Outcome& outcome, const ContactSum
                        (contact.left || contact.right ? " Dashed: obstacle; shaded: times in contact." : ""));
 }
 
-std::string reactions(const Case& run, const Outcome& outcome, const ContactSummary& contact, const ReportData& data) {
+std::string reactions(const Case& run, const ContactSummary& contact, const ReportData& data) {
   const bool span = run.scene.span.has_value();
   const std::vector<Point> left = data.left.reaction.points(), right = data.right.reaction.points();
   const bool with_left = span || contact.left, with_right = span || contact.right;
@@ -211,8 +214,6 @@ std::string reactions(const Case& run, const Outcome& outcome, const ContactSumm
   if (with_left) range.add(left);
   if (with_right) range.add(right);
   Figure figure(time_axis(data), range.axis("reaction R"), 240.0);
-  if (contact.left) figure.shade(contact.left->intervals(outcome.reached_time), plot::series_colour(0));
-  if (contact.right) figure.shade(contact.right->intervals(outcome.reached_time), plot::series_colour(1));
   if (with_left) figure.line(left, {plot::series_colour(0)}, "left end");
   if (with_right) figure.line(right, {plot::series_colour(1)}, "right end");
   return captioned(figure.svg("Reactions of the obstacles over time"), "Reactions",

@@ -13,13 +13,6 @@ constexpr const char* minus = "\u2212";
 
 std::string with_true_minus(std::string text) { return text.starts_with('-') ? minus + text.substr(1) : text; }
 
-std::string superscript(int exponent) {
-  static constexpr const char* digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
-  std::string text = exponent < 0 ? "⁻" : "";
-  for (const char digit : fmt::format("{}", std::abs(exponent))) text += digits[digit - '0'];
-  return text;
-}
-
 Ticks linear_ticks(const Axis& axis, int about) {
   const double raw = (axis.high - axis.low) / about;
   const double power = std::pow(10.0, std::floor(std::log10(raw)));
@@ -45,7 +38,7 @@ Ticks decade_ticks(const Axis& axis, int about) {
   Ticks result;
   for (int decade = first; decade <= last; ++decade) {
     const double power = std::pow(10.0, decade);
-    result.ticks.push_back({power, (decade - first) % stride == 0 ? "10" + superscript(decade) : ""});
+    result.ticks.push_back({power, (decade - first) % stride == 0 ? power_of_ten(decade) : ""});
     if (stride == 1)
       for (int multiple = 2; multiple < 10; ++multiple) result.ticks.push_back({multiple * power, ""});
   }
@@ -78,11 +71,18 @@ Ticks ticks(const Axis& axis, int about) {
   return axis.scale == Scale::linear ? linear_ticks(axis, about) : decade_ticks(axis, about);
 }
 
+std::string power_of_ten(int exponent) {
+  static constexpr const char* digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string text = exponent < 0 ? "10⁻" : "10";
+  for (const char digit : fmt::format("{}", std::abs(exponent))) text += digits[digit - '0'];
+  return text;
+}
+
 std::string readable(double value, int digits) {
   const double size = std::abs(value);
   if (value == 0.0) return "0";
   if (!std::isfinite(value)) return fmt::format("{}", value);
-  if (size >= 1e-3 && size < 1e6) {
+  if (size >= 1e-3 && size < 1e5) {
     const std::string plain = fmt::format("{:.{}g}", value, std::max(digits, static_cast<int>(std::log10(size)) + 1));
     return with_true_minus(plain);
   }
@@ -91,7 +91,9 @@ std::string readable(double value, int digits) {
   std::string mantissa = scientific.substr(0, at);
   while (mantissa.ends_with('0')) mantissa.pop_back();
   if (mantissa.ends_with('.')) mantissa.pop_back();
-  return with_true_minus(mantissa) + "\u2009×\u200910" + superscript(std::stoi(scientific.substr(at + 1)));
+  const std::string power = power_of_ten(std::stoi(scientific.substr(at + 1)));
+  if (mantissa == "1") return power;
+  return with_true_minus(mantissa) + "\u2009×\u2009" + power;
 }
 
 std::string ordinal(std::size_t number) {

@@ -35,8 +35,11 @@ struct Ticks {
 };
 Ticks ticks(const Axis& axis, int about);
 
-/// A number for people: at most four digits, with a true minus sign; 1.2 x 10^k as SVG and HTML where needed.
+/// A number for people: a few digits, with a true minus sign; 1.2 x 10^k where it is very large or small.
 std::string readable(double value, int digits = 4);
+
+/// 10^exponent
+std::string power_of_ten(int exponent);
 
 /// 1st, 2nd, 3rd, 4th, ..., 11th, ..., 21st
 std::string ordinal(std::size_t number);

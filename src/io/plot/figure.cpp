@@ -17,7 +17,7 @@ constexpr double width = 960.0, left = 74.0, right = 800.0, top = 12.0, below = 
 std::string series_colour(std::size_t index) { return fmt::format("var(--series-{})", index % 4); }
 
 std::string sequence_colour(double position) {
-  return fmt::format("color-mix(in oklab, var(--late) {:.0f}%, var(--early))", 100.0 * position);
+  return fmt::format("color-mix(in oklch, var(--late) {:.0f}%, var(--early))", 100.0 * position);
 }
 
 std::string escaped(std::string_view text) {
@@ -128,7 +128,7 @@ void Figure::colour_bar(const ColourMap& map, const Axis& values) {
     legend_ += fmt::format("<path class=\"frame\" d=\"M{} {:.1f}h4\"/><text x=\"{}\" y=\"{:.1f}\" dy=\".35em\">{}</text>",
                            bar + 16, y, bar + 24, y, tick.label);
   }
-  const std::string factor = marks.exponent ? " / " + readable(std::pow(10.0, marks.exponent), 1) : "";
+  const std::string factor = marks.exponent ? " / " + power_of_ten(marks.exponent) : "";
   legend_ += fmt::format("<text class=\"axis\" transform=\"rotate(-90)\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
                          -(top + bottom) / 2, bar + 78, values.label + factor);
   legend_y_ = bottom + 22;
@@ -155,7 +155,7 @@ std::string Figure::svg(std::string_view title) const {
   const double bottom = height_ - below;
   std::string axes, grid;
   const auto factor = [](const Ticks& marks) {
-    return marks.exponent ? " / " + readable(std::pow(10.0, marks.exponent), 1) : std::string();
+    return marks.exponent ? " / " + power_of_ten(marks.exponent) : std::string();
   };
   const Ticks along = ticks(x_, 9), up = ticks(y_, std::max(2, static_cast<int>((bottom - top) / 38)));
   for (const Tick& tick : along.ticks) {

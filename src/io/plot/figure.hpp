@@ -36,7 +36,7 @@ class Figure {
   void shade(std::span<const Interval> bands, const std::string& colour, std::string_view legend = {});
   /// A horizontal line through the frame, or through the part [from, to] of x.
   void level(double y, const Style& style, std::string_view legend = {}, std::optional<Interval> part = {});
-  /// A solid body below y over the part of x: hatched.
+  /// A solid body below y over the part of x.
   void body(double y, Interval part);
   void line(std::span<const Point> points, const Style& style, std::string_view legend = {});
   void markers(std::span<const Point> points, const std::string& colour, std::string_view legend = {});
