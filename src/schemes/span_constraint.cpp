@@ -7,7 +7,11 @@
 namespace viscobar {
 
 SpanConstraint::SpanConstraint(const SymmetricTridiagonal& matrix)
-    : matrix_(matrix), split_(matrix), active_(matrix.size(), 0), wrong_(matrix.size(), 0) {
+    : matrix_(matrix),
+      split_(matrix),
+      monotone_(std::all_of(matrix.off_diagonal.begin(), matrix.off_diagonal.end(), [](double o) { return o <= 0.0; })),
+      active_(matrix.size(), 0),
+      wrong_(matrix.size(), 0) {
   split();
 }
 
@@ -22,7 +26,7 @@ void SpanConstraint::solve(std::span<const double> b, std::span<const double> bo
                            std::span<double> multiplier) {
   constexpr int patience = 8;
   const std::size_t n = matrix_.size();
-  std::size_t fewest = n + 1, single = 0;
+  std::size_t fewest = n + 1, pivots = 0;
   int left = patience;
   double tolerance = 16.0 * std::numeric_limits<double>::epsilon();
   for (;;) {
@@ -33,15 +37,15 @@ void SpanConstraint::solve(std::span<const double> b, std::span<const double> bo
       fewest = wrong;
       left = patience;
     }
-    if (left > 0) {
+    if (monotone_ || left > 0) {
       --left;
       for (std::size_t i = 0; i < n; ++i) active_[i] ^= wrong_[i];
     } else {
       const auto last = std::find(wrong_.rbegin(), wrong_.rend(), 1).base() - wrong_.begin() - 1;
       active_[static_cast<std::size_t>(last)] ^= 1;
-      // Murty's rule ends in exact arithmetic; a tie that rounding cannot decide ends because the tolerance grows.
-      if (++single % (4 * n) == 0) tolerance *= 2.0;
     }
+    // In exact arithmetic either rule ends; a tie that rounding cannot decide ends because the tolerance grows.
+    if (++pivots % (4 * n + 16) == 0) tolerance *= 2.0;
     split();
   }
   for (std::size_t i = 0; i < n; ++i) {

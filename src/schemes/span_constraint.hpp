@@ -12,10 +12,12 @@ namespace viscobar {
 ///
 ///     A x = b + lambda,    0 <= x - bound  _|_  lambda >= 0.
 ///
-/// Block principal pivoting (a primal-dual active set, or semismooth Newton, step each) from the active set of the
-/// last solution: every pivot is one tridiagonal solve in which the active entries split the matrix. When the number
-/// of wrong entries stops to fall, one entry at a time changes by Murty's last-index rule, which ends for every
-/// positive definite matrix; on an M-matrix that never happens [Judice, Pires 1994; Hintermueller, Ito, Kunisch 2003].
+/// Block principal pivoting from the active set of the last solution: all entries that are wrong change at once (a step
+/// of the primal-dual active set method, or of semismooth Newton), and each pivot is one tridiagonal solve in which
+/// the active entries split the matrix. For an M-matrix that ends, the solution rising monotonically [Hintermueller,
+/// Ito, Kunisch 2003]. With positive off-diagonals, which the consistent mass has for dt << h, one entry at a time
+/// changes by Murty's last-index rule while the number of wrong entries does not fall, which ends for every positive
+/// definite matrix [Judice, Pires 1994].
 class SpanConstraint {
  public:
   explicit SpanConstraint(const SymmetricTridiagonal& matrix);
@@ -40,6 +42,7 @@ class SpanConstraint {
   SymmetricTridiagonal matrix_;
   SymmetricTridiagonal split_;  // matrix_ without what couples active entries to others
   TridiagonalFactor factor_;    // of split_
+  bool monotone_;               // an M-matrix
   std::vector<unsigned char> active_, wrong_;
   std::size_t solves_ = 0, factorisations_ = 0;
 };
