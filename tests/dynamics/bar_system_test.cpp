@@ -129,7 +129,7 @@ TEST(BarSystem, AccelerationSolvesTheMassiveRows) {
   }
 }
 
-TEST(BarSystem, EffectiveMassesAreHalfAnElementAtALumpedEndAndAQuarterOfThatRootThreeForAConsistentOne) {
+TEST(BarSystem, EffectiveMassOfAnEndIsHalfAnElementLumpedAndRootThreeSixthsOfOneConsistent) {
   const Mesh mesh{2.0, 40};
   const double h = mesh.spacing(), rho = 3.0;
   const Scene scene = scene_with(Obstacle{1.0}, Free{});
