@@ -40,9 +40,9 @@ class ErrorWeights {
       : layout_(layout), tolerance_(tolerance), massive_begin_(massive_begin), massive_end_(massive_end) {}
 
   void fill(std::span<double> y, std::span<double> weights);
-  /// The local tolerance is the requested one divided by 100 + 4 (contact changes so far): local errors add up, and a
+  /// The local tolerance is the requested one divided by 150 + 6 (contact changes so far): local errors add up, and a
   /// bounce multiplies what was there before it. Measured in docs/methods.md.
-  void tighten(std::size_t changes) { tightening_ = 100.0 + 4.0 * static_cast<double>(changes); }
+  void tighten(std::size_t changes) { tightening_ = 150.0 + 6.0 * static_cast<double>(changes); }
   double largest_displacement() const { return largest_u_; }
   double displacement_tolerance() const;
 
@@ -50,7 +50,7 @@ class ErrorWeights {
   Layout layout_;
   Tolerance tolerance_;
   std::size_t massive_begin_, massive_end_;
-  double largest_u_ = 0.0, largest_w_ = 0.0, tightening_ = 100.0;
+  double largest_u_ = 0.0, largest_w_ = 0.0, tightening_ = 150.0;
 };
 
 /// The equations of one implicit step on a leg of constant contact states, where the system is linear: one force, one
