@@ -153,8 +153,7 @@ std::span<const unsigned char> TimeStep::active() const {
 }
 
 bool TimeStep::finite() const {
-  if (std::holds_alternative<SpanConstraint>(solver_))
-    return std::isfinite(std::accumulate(a_.begin(), a_.end(), 0.0));
+  if (std::holds_alternative<SpanConstraint>(solver_)) return std::isfinite(std::accumulate(a_.begin(), a_.end(), 0.0));
   return std::isfinite(a_.front()) && std::isfinite(a_.back());
 }
 

@@ -265,7 +265,8 @@ TEST(FullyDiscreteContact, EventsAlternateAtEachNodeInTheOrderOfTime) {
     if (span) scene.span = Obstacle{0.05};
     for (const double restitution : {0.0, 1.0}) {
       const BarSystem system(scene, {1.0, 27}, Mass::consistent);
-      const auto run = record(system, std::vector<double>{0.0, 6.0005}, FullyDiscrete{1e-3, Start::first_order, restitution});
+      const auto run =
+          record(system, std::vector<double>{0.0, 6.0005}, FullyDiscrete{1e-3, Start::first_order, restitution});
       EXPECT_EQ(run.statistics.events, run.events.size());
       EXPECT_GT(run.events.size(), 4u);
       std::vector<bool> closed(28, false);
@@ -296,7 +297,8 @@ TEST(FullyDiscreteContact, AMasslessEndStartsInBalance) {
       for (std::size_t k = 1; k < run.times.size(); ++k) {
         const double strain = (run.u[k][1] - run.u[k][0]) / h;
         // eta s' = -s: the initial strain decays within eta, at once where eta = 0.
-        const double bound = viscosity > 0.0 ? 0.1 * std::exp(-run.times[k] / viscosity) + 0.1 * dt / viscosity : 10 * eps;
+        const double bound =
+            viscosity > 0.0 ? 0.1 * std::exp(-run.times[k] / viscosity) + 0.1 * dt / viscosity : 10 * eps;
         EXPECT_LE(std::abs(strain), bound) << viscosity << " " << run.times[k];
       }
     }

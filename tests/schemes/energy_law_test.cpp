@@ -29,7 +29,8 @@ std::vector<Setting> all_settings() {
         for (const double viscosity : {0.0, 0.3})
           for (const bool loaded : {false, true})
             for (const bool span : {false, true})
-              if (!(span && mass == Mass::redistributed)) settings.push_back({left, right, mass, viscosity, loaded, span});
+              if (!(span && mass == Mass::redistributed))
+                settings.push_back({left, right, mass, viscosity, loaded, span});
   return settings;
 }
 
@@ -112,7 +113,8 @@ TEST(FullyDiscrete, IsUnconditionallyStableWithoutLoad) {
         const double times[] = {0.0, 500 * dt};
         Observers observers;
         observers.energy = true;
-        const auto energy = *integrate(system, system.initial_state(), times, FullyDiscrete{dt, start}, observers).energy;
+        const auto energy =
+            *integrate(system, system.initial_state(), times, FullyDiscrete{dt, start}, observers).energy;
         EXPECT_LE(energy.final, energy.initial * (1 + 500 * 100 * eps)) << ratio << " " << name(setting.mass);
         EXPECT_NEAR(energy.balance_error(), 0.0, 500 * 100 * eps * energy.initial);
         EXPECT_EQ(energy.work, 0.0);

@@ -146,8 +146,8 @@ TEST(FullyDiscrete, OutputTimesDoNotChangeTheTrajectoryAndAreInterpolatedLinearl
   const BarSystem system(mode.scene(), {1.0, 12}, Mass::consistent);
   const double dt = 0.0625;  // exact in binary
   const auto steps = record(system, uniform_times(dt, 17), FullyDiscrete{dt});
-  const auto between = record(system, std::vector<double>{0.0, 0.25 * dt, 3.5 * dt, 3.75 * dt, 4 * dt, 16.5 * dt},
-                              FullyDiscrete{dt});
+  const auto between =
+      record(system, std::vector<double>{0.0, 0.25 * dt, 3.5 * dt, 3.75 * dt, 4 * dt, 16.5 * dt}, FullyDiscrete{dt});
   EXPECT_EQ(between.statistics.steps, 17u);
   EXPECT_EQ(between.times.back(), 16.5 * dt);
   for (std::size_t k = 0; k < between.times.size(); ++k) {
@@ -175,8 +175,8 @@ TEST(FullyDiscrete, StartsFromTheInitialDataAtAnyInitialTime) {
 
 TEST(FullyDiscrete, CountsWhatItDoesAndDoesOnlyWhatTheSceneNeeds) {
   exact::DampedMode mode{{1.0, 1.0, 1.0, 0.1}, {1.0, false, false, 0}, 0.3};
-  const auto plain = record(BarSystem(mode.scene(), {1.0, 12}, Mass::consistent), uniform_times(0.5, 4),
-                            FullyDiscrete{0.125});
+  const auto plain =
+      record(BarSystem(mode.scene(), {1.0, 12}, Mass::consistent), uniform_times(0.5, 4), FullyDiscrete{0.125});
   const Statistics& s = plain.statistics;
   EXPECT_EQ(s.unknowns, 13u);
   EXPECT_EQ(s.steps, 16u);

@@ -106,9 +106,9 @@ TEST(Paper, OnTheUnitIntervalThrownAtTheObstaclesBothEndsHitTogether) {
   EXPECT_NE(run.events[0].where, run.events[1].where);
 }
 
-// The rows of (3.22) with: 1/dt^2 + 1/(2 dx^2) + alpha/(2 dt dx^2) for c_Delta, f in the end rows, u_2^{n-1} - u_1^{n-1}
-// where (1.7) has u_2 twice, max(-c, .), and both ends alike. `end` is the weight of an end relative to dx: 1 in
-// (3.23) as printed, 1/2 for the trapezoidal product.
+// The rows of (3.22) with: 1/dt^2 + 1/(2 dx^2) + alpha/(2 dt dx^2) for c_Delta, f in the end rows, u_2^{n-1} -
+// u_1^{n-1} where (1.7) has u_2 twice, max(-c, .), and both ends alike. `end` is the weight of an end relative to dx: 1
+// in (3.23) as printed, 1/2 for the trapezoidal product.
 void expect_difference_scheme(Mass mass, double end) {
   const double alpha = 0.7, dt = 0.02, c = 0.1;
   Scene scene = unit_bar(-1.0);
