@@ -172,8 +172,7 @@ class Run {
   // The constraint bounds u^{n+1} + e u^{n-1}, not u^{n+1}.
   void measure_penetration() {
     for (const Contact& contact : step_->contacts())
-      statistics_.max_penetration =
-          std::max(statistics_.max_penetration, -(step_->u()[contact.unknown] + contact.gap));
+      statistics_.max_penetration = std::max(statistics_.max_penetration, -(step_->u()[contact.unknown] + contact.gap));
   }
 
   void close_account() {

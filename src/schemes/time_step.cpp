@@ -132,14 +132,17 @@ void TimeStep::solve(double lever) {
 }
 
 void TimeStep::advance() {
+  const std::span<const unsigned char> held = active();
+  // The velocity of a held node from its displacements, so that rest is exact and not rounding's motion.
+  for (std::size_t k = 0; k < contacts_.size(); ++k) bound_[k] = (lower_[k] - u_[contacts_[k].unknown]) / dt_;
   for (std::size_t i = 0; i < u_.size(); ++i) {
     p_[i] += dt_ * a_[i];
     u_[i] += dt_ * p_[i];
   }
-  const std::span<const unsigned char> held = active();
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    double& u = u_[contacts_[k].unknown];
-    u = held[k] ? lower_[k] : std::max(u, lower_[k]);
+    const std::size_t i = contacts_[k].unknown;
+    if (held[k]) p_[i] = bound_[k];
+    u_[i] = held[k] ? lower_[k] : std::max(u_[i], lower_[k]);
   }
 }
 
@@ -150,8 +153,7 @@ std::span<const unsigned char> TimeStep::active() const {
 }
 
 bool TimeStep::finite() const {
-  if (std::holds_alternative<SpanConstraint>(solver_))
-    return std::isfinite(std::accumulate(a_.begin(), a_.end(), 0.0));
+  if (std::holds_alternative<SpanConstraint>(solver_)) return std::isfinite(std::accumulate(a_.begin(), a_.end(), 0.0));
   return std::isfinite(a_.front()) && std::isfinite(a_.back());
 }
 

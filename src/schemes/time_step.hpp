@@ -12,7 +12,8 @@
 
 namespace viscobar {
 
-/// Scheme (2.8) as a leapfrog for u^n and p^{n-1/2} = (u^n - u^{n-1}) / dt: with a^n = (u^{n+1} - 2 u^n + u^{n-1}) / dt^2,
+/// Scheme (2.8) as a leapfrog for u^n and p^{n-1/2} = (u^n - u^{n-1}) / dt: with a^n = (u^{n+1} - 2 u^n + u^{n-1}) /
+/// dt^2,
 ///
 ///     (rho M + dt/2 eta K + dt^2/2 E K) a^n = F(t_n, u^n, p^{n-1/2}) + sum lambda^n,    u^{n+1} in K_h,
 ///     p^{n+1/2} = p^{n-1/2} + dt a^n,    u^{n+1} = u^n + dt p^{n+1/2},
@@ -21,8 +22,9 @@ namespace viscobar {
 class TimeStep {
  public:
   /// Finds u^1 by `scheme.start`, projected on K_h node by node, and the balance at t_1. A massless node has no
-  /// initial velocity: its u^1 follows from the balance of its row at t_1 (backward Euler), and without viscosity, where
-  /// that row is algebraic, its u^0 from the same balance at t_0. lambda^0 is lambda^1 where u^0 touches, 0 elsewhere.
+  /// initial velocity: its u^1 follows from the balance of its row at t_1 (backward Euler), and without viscosity,
+  /// where that row is algebraic, its u^0 from the same balance at t_0. lambda^0 is lambda^1 where u^0 touches, 0
+  /// elsewhere.
   /// @throws LoadError, std::domain_error when the matrix is not positive definite in floating-point numbers
   TimeStep(const BarSystem& system, const State& start, double begin, const FullyDiscrete& scheme);
 
@@ -32,16 +34,16 @@ class TimeStep {
   /// From n to n + 1.
   void advance();
 
-  std::span<const double> u() const { return u_; }                        ///< u^n
-  std::span<const double> p() const { return p_; }                        ///< p^{n-1/2}
-  std::span<const double> acceleration() const { return a_; }             ///< a^n
+  std::span<const double> u() const { return u_; }                         ///< u^n
+  std::span<const double> p() const { return p_; }                         ///< p^{n-1/2}
+  std::span<const double> acceleration() const { return a_; }              ///< a^n
   std::span<const double> acceleration_before() const { return before_; }  ///< a^{n-1}
 
   /// Nodes with an obstacle in the order of the unknowns, each with the obstacle that bounds it most.
   const std::vector<Contact>& contacts() const { return contacts_; }
   std::span<const double> reaction() const { return reaction_; }                ///< lambda^n, one a contact
   std::span<const double> reaction_before() const { return reaction_before_; }  ///< lambda^{n-1}
-  std::span<const unsigned char> active() const;                                ///< whether u^{n+1} is held by its bound
+  std::span<const unsigned char> active() const;  ///< whether u^{n+1} is held by its bound
 
   /// M f(t_n); only for a loaded system.
   std::span<const double> load() const { return load_now_; }
@@ -69,7 +71,7 @@ class TimeStep {
   std::vector<Contact> contacts_;
   std::variant<TridiagonalFactor, EndConstraint, SpanConstraint> solver_;
   std::vector<double> u_, p_, a_, before_;
-  std::vector<double> force_;                                        // only SpanConstraint solves out of place
+  std::vector<double> force_;                                       // only SpanConstraint solves out of place
   std::vector<double> lower_, bound_, reaction_, reaction_before_;  // one a contact
   std::size_t solves_ = 0, load_evaluations_ = 0;
 };

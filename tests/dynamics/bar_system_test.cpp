@@ -61,7 +61,8 @@ TEST(BarSystem, InternalForceIsTheGradientOfTheEnergyPlusTheDampingOfTheRate) {
         const double elastic = system.bar().modulus / 4 * (system.squared_strain(plus) - system.squared_strain(minus));
         const double viscous =
             system.bar().viscosity / 4 * (system.squared_strain_rate(w_plus) - system.squared_strain_rate(w_minus));
-        EXPECT_NEAR(power, -elastic - viscous, 1e3 * static_cast<double>(n) * eps) << left.index() << right.index() << elements;
+        EXPECT_NEAR(power, -elastic - viscous, 1e3 * static_cast<double>(n) * eps)
+            << left.index() << right.index() << elements;
       }
 }
 
@@ -81,8 +82,7 @@ TEST(BarSystem, DynamicStiffnessIsTheDerivativeOfTheForces) {
         system.inertia().multiply(x, inertia);
         system.internal_force(kx, cx, at_x);
         system.internal_force(zero, zero, at_zero);
-        for (std::size_t i = 0; i < n; ++i)
-          EXPECT_NEAR(product[i], m * inertia[i] - (at_x[i] - at_zero[i]), 500 * eps);
+        for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(product[i], m * inertia[i] - (at_x[i] - at_zero[i]), 500 * eps);
       }
 }
 

@@ -71,7 +71,8 @@ struct DampedMode {
   }
 };
 
-/// u = sin(omega t) phi(x), driven by f = ((E kappa^2 - rho omega^2) sin(omega t) + eta kappa^2 omega cos(omega t)) phi.
+/// u = sin(omega t) phi(x), driven by f = ((E kappa^2 - rho omega^2) sin(omega t) + eta kappa^2 omega cos(omega t))
+/// phi.
 struct DrivenMode {
   Bar bar;
   Shape shape;
@@ -107,9 +108,7 @@ struct ElasticImpact {
   double wave_speed() const { return std::sqrt(bar.modulus / bar.density); }
   double closing() const { return gap / speed; }
   double opening() const { return closing() + 2 * bar.length / wave_speed(); }
-  double reaction(double t) const {
-    return t > closing() && t < opening() ? bar.modulus * speed / wave_speed() : 0.0;
-  }
+  double reaction(double t) const { return t > closing() && t < opening() ? bar.modulus * speed / wave_speed() : 0.0; }
   double u(double x, double t) const {
     const double c = wave_speed(), since = t - closing();
     if (since < 0.0) return -speed * t;
