@@ -10,6 +10,7 @@ std::string_view name(MethodName method) {
   switch (method) {
     case MethodName::cvode: return "cvode";
     case MethodName::ida: return "ida";
+    case MethodName::rigid: return "rigid";
     case MethodName::exponential: return "exponential";
     case MethodName::fully_discrete: return "fully_discrete";
     case MethodName::finite_difference: return "finite_difference";
@@ -21,9 +22,11 @@ bool is_scheme(MethodName method) {
   return method == MethodName::fully_discrete || method == MethodName::finite_difference;
 }
 
-bool is_penalised(MethodName method) { return !is_scheme(method); }
+bool is_penalised(MethodName method) { return !is_scheme(method) && method != MethodName::rigid; }
 
-bool is_adaptive(MethodName method) { return method == MethodName::cvode || method == MethodName::ida; }
+bool is_adaptive(MethodName method) {
+  return method == MethodName::cvode || method == MethodName::ida || method == MethodName::rigid;
+}
 
 std::vector<double> Case::output_times() const {
   std::vector<double> times;
@@ -38,6 +41,7 @@ std::vector<double> Case::output_times() const {
 namespace {
 
 Mass effective_mass(const Case& run) {
+  if (run.method == MethodName::rigid) return Mass::redistributed;
   return run.method == MethodName::finite_difference && run.mass == Mass::consistent ? Mass::lumped : run.mass;
 }
 
@@ -51,8 +55,9 @@ void check_initial_nodes(const Case& run, std::vector<Finding>& findings) {
     };
     if (!finite("initial.displacement", u) || !finite("initial.velocity", v)) return;
     if (run.scene.span && u < -run.scene.span->gap) {
-      findings.push_back({"initial.displacement", fmt::format("penetrates the obstacle of [span]: u_0({}) = {} < -gap = {}",
-                                                              x, u, -run.scene.span->gap)});
+      findings.push_back(
+          {"initial.displacement",
+           fmt::format("penetrates the obstacle of [span]: u_0({}) = {} < -gap = {}", x, u, -run.scene.span->gap)});
       return;
     }
   }
@@ -88,19 +93,26 @@ std::vector<Finding> validate(const Case& run) {
     findings.push_back({"output.every", fmt::format("gives more than 1e8 output times up to end = {}", run.end)});
   if (is_fixed(scene.left) && is_fixed(scene.right) && run.elements < 2)
     findings.push_back({"mesh.elements", "both ends are fixed: 2 elements are needed for one unknown node"});
-  if (run.mass == Mass::redistributed) {
+  if (effective_mass(run) == Mass::redistributed) {
     const std::size_t needed = 1 + static_cast<std::size_t>(left) + static_cast<std::size_t>(right);
-    if (scene.span)
-      findings.push_back({"mesh.mass", "\"redistributed\" cannot serve a span obstacle: every node is a contact node "
-                                       "and must keep its mass; use \"consistent\" or \"lumped\""});
+    if (scene.span && run.method == MethodName::rigid)
+      findings.push_back(
+          {"method.name", "rigid needs massless contact nodes, and under a span obstacle every node is one"});
+    else if (scene.span)
+      findings.push_back({"mesh.mass",
+                          "\"redistributed\" cannot serve a span obstacle: every node is a contact node "
+                          "and must keep its mass; use \"consistent\" or \"lumped\""});
     else if (run.elements < needed)
-      findings.push_back({"mesh.elements", fmt::format("mass \"redistributed\" needs at least {} elements here", needed)});
+      findings.push_back(
+          {"mesh.elements", fmt::format("mass \"redistributed\" needs at least {} elements here", needed)});
     if (run.method == MethodName::finite_difference)
-      findings.push_back({"mesh.mass", "\"redistributed\" does not fit finite_difference, whose mass is diagonal; use "
-                                       "\"lumped\" or \"paper\", or fully_discrete"});
+      findings.push_back({"mesh.mass",
+                          "\"redistributed\" does not fit finite_difference, whose mass is diagonal; use "
+                          "\"lumped\" or \"paper\", or fully_discrete"});
     if (run.method == MethodName::cvode && (left || right) && scene.bar.viscosity == 0.0)
-      findings.push_back({"method.name", "cvode cannot take massless contact nodes without viscosity: their equations "
-                                         "are algebraic; use ida, or a positive bar.viscosity"});
+      findings.push_back({"method.name",
+                          "cvode cannot take massless contact nodes without viscosity: their equations "
+                          "are algebraic; use ida, or a positive bar.viscosity"});
   }
   if (is_penalised(run.method) && obstacle && !run.epsilon)
     findings.push_back({"contact.epsilon", fmt::format("is missing: {} penalises the obstacle", name(run.method))});
@@ -121,6 +133,7 @@ Statistics simulate(const Case& run, const BarSystem& system, const Observers& o
   switch (run.method) {
     case MethodName::cvode: return integrate(system, start, times, Cvode{penalty, run.tolerance}, observers);
     case MethodName::ida: return integrate(system, start, times, Ida{penalty, run.tolerance}, observers);
+    case MethodName::rigid: return integrate(system, start, times, Rigid{run.tolerance}, observers);
     case MethodName::exponential: return integrate(system, start, times, Exponential{penalty}, observers);
     case MethodName::fully_discrete:
     case MethodName::finite_difference:

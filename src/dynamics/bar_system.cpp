@@ -86,7 +86,8 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(me
     if (const auto* steady = std::get_if<SteadyLoad>(&*scene.load)) load_ = SteadyVector{weighted(steady->profile)};
     if (const auto* separable = std::get_if<SeparableLoad>(&*scene.load))
       load_ = SeparableVector{weighted(separable->profile), separable->history};
-    if (const auto* general = std::get_if<GeneralLoad>(&*scene.load)) load_ = GeneralVector{general->density, load_mass};
+    if (const auto* general = std::get_if<GeneralLoad>(&*scene.load))
+      load_ = GeneralVector{general->density, load_mass};
   }
 }
 

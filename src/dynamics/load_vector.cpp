@@ -19,6 +19,7 @@ bool LoadVector::steady() const { return weighted_.empty(); }
 std::span<const double> LoadVector::at(double t) {
   if (const auto* steady = std::get_if<BarSystem::SteadyVector>(&*system_.load_)) return steady->weighted;
   if (time_ == t) return weighted_;
+  ++evaluations_;
   if (const auto* separable = std::get_if<BarSystem::SeparableVector>(&*system_.load_)) {
     const double history = separable->history(t);
     if (!std::isfinite(history)) throw LoadError(t, fmt::format("the history of the load is {} at t = {}", history, t));

@@ -12,7 +12,9 @@ double damping_ratio(double restitution) {
 
 PenaltyLaw penalty_law(const Penalty& penalty, double weight, double effective_mass) {
   const double stiffness = weight / penalty.epsilon;
-  return {stiffness, 2.0 * damping_ratio(penalty.restitution) * std::sqrt(stiffness * effective_mass)};
+  const double ratio = damping_ratio(penalty.restitution);
+  if (ratio == 0.0 || effective_mass == 0.0) return {stiffness, 0.0};
+  return {stiffness, 2.0 * ratio * std::sqrt(stiffness * effective_mass)};
 }
 
 }  // namespace viscobar

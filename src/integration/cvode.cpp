@@ -1,4 +1,209 @@
+#include <cvode/cvode.h>
+
+#include <numbers>
+#include <utility>
+
+#include "integration/multistep_run.hpp"
 #include "viscobar/integration/integrate.hpp"
+
 namespace viscobar {
-Statistics integrate(const BarSystem&, const State&, std::span<const double>, const Cvode&, const Observers&) { throw std::logic_error("cvode"); }
+
+namespace {
+
+using namespace sundials;
+
+struct CvodeDeleter {
+  void operator()(void* memory) const noexcept { CVodeFree(&memory); }
+};
+
+// The corrector of CVODE asks for x with  x = gamma f(t, y_pred + x) - rl1 z,  z the scaled rate of the predictor.
+// With x_u = gamma (w_pred + x_w) - rl1 z_u put into the momentum rows, and those multiplied by rho M,
+//     D(1, gamma, gamma^2) x_w = gamma F(t, u_pred + gamma w_pred - rl1 z_u, w_pred) - rl1 rho M z_w,
+// which is also right for massless rows, where rho M = 0.
+void solve_step(Leg& leg, std::span<double> correction) {
+  double t = 0.0, gamma = 0.0, rl1 = 0.0;
+  N_Vector predicted = nullptr, current = nullptr, rate = nullptr, scaled_rate = nullptr;
+  void* user = nullptr;
+  CVodeGetNonlinearSystemData(leg.memory, &t, &predicted, &current, &rate, &gamma, &rl1, &scaled_rate, &user);
+  const Layout& layout = leg.layout;
+  const std::size_t n = layout.nodes;
+  const double *u = values(predicted).data(), *w = u + n, *z = values(scaled_rate).data();
+  double *x_u = correction.data(), *x_w = x_u + n, *explicit_u = leg.field.data();
+  for (std::size_t i = 0; i < n; ++i) {
+    x_u[i] = gamma * w[i] - rl1 * z[i];
+    explicit_u[i] = u[i] + x_u[i];
+  }
+  const std::span<double> right(x_w, n);
+  leg.system.force(t, leg.field, {w, n}, right);
+  ++leg.statistics.rhs_evaluations;
+  for (double& entry : right) entry *= gamma;
+  leg.subtract_inertia(rl1, {z + n, n}, right);
+  leg.solve(1.0, gamma, gamma * gamma, right);
+  for (std::size_t i = 0; i < n; ++i) x_u[i] += gamma * x_w[i];
+  if (layout.size == 2 * n) return;
+  for (std::size_t i = 0; i < n; ++i) leg.field[i] = w[i] + x_w[i];
+  leg.account_rates(t, leg.field, correction);
+  for (std::size_t k = 2 * n; k < layout.size; ++k) correction[k] = gamma * correction[k] - rl1 * z[k];
 }
+
+using Memory = std::unique_ptr<void, CvodeDeleter>;
+
+class CvodeStepper {
+ public:
+  CvodeStepper(PenalisedSystem& system, const Layout& layout, const Tolerance& tolerance, double end,
+               Statistics& statistics)
+      : leg_(system, layout, statistics),
+        weights_(layout, tolerance, system.bar().massive_begin(), system.bar().massive_end()),
+        end_(end),
+        state_(make_vector(layout.size, context_)),
+        interpolated_(make_vector(layout.size, context_)),
+        solver_(make_step_solver(leg_, solve_step, context_)) {}
+
+  void begin_run(std::vector<std::size_t> sampled_entries) {
+    entries_ = std::move(sampled_entries);
+    probe_ = make_probe(entries_, context_);
+  }
+
+  void restart(double t, std::span<const double> y) {
+    weights_.tighten(leg_.statistics.events);
+    std::ranges::copy(y, values(state_).begin());
+    settles_ = settling_time(t);
+    begin(stiff() ? bdf_ : adams_, t);
+  }
+
+  double advance() {
+    double t = 0.0;
+    const int flag = CVode(memory_, end_, state_.get(), &t, CV_ONE_STEP);
+    if (flag < 0) fail(leg_, "CVode", flag_name(CVodeGetReturnFlagName(flag)));
+    if (t > settles_ && memory_ == adams_.get()) settled_ = true;
+    return t;
+  }
+
+  /// To be asked once the step is dealt with: its interpolant ends here.
+  void before_step() {
+    if (!std::exchange(settled_, false)) return;
+    double t = 0.0;
+    CVodeGetCurrentTime(memory_, &t);
+    begin(bdf_, t);
+  }
+
+  std::size_t order() const {
+    int order = 1;
+    CVodeGetLastOrder(memory_, &order);
+    return static_cast<std::size_t>(order);
+  }
+
+  void interpolate(double t, std::span<double> y) {
+    check("CVodeGetDky", CVodeGetDky(memory_, t, 0, interpolated_.get()));
+    std::ranges::copy(values(interpolated_), y.begin());
+  }
+
+  std::span<const double> sample(double t, int derivative) {
+    check("CVodeGetDky", CVodeGetDky(memory_, t, derivative, probe_.get()));
+    return values(probe_);
+  }
+
+  double largest() const { return weights_.largest_displacement(); }
+  double displacement_tolerance() const { return weights_.displacement_tolerance(); }
+
+ private:
+  void begin(Memory& memory, double t) {
+    memory_ = memory.get();
+    if (memory_)
+      check("CVodeReInit", CVodeReInit(memory_, t, state_.get()));
+    else
+      create(memory, t);
+    leg_.memory = memory_;
+    check("CVodeSetStopTime", CVodeSetStopTime(memory_, end_));
+  }
+
+  // Adams' formulas, of order up to 12, where every motion is an oscillation that has to be resolved anyway; backward
+  // differentiation where something fast dies out: modes of the mesh that are overdamped (eta omega >= 2 E at the
+  // highest, omega = sqrt(12 E / rho) / h), or a massless node.
+  bool stiff() const {
+    const BarSystem& bar = leg_.system.bar();
+    const Bar& material = bar.bar();
+    const double highest = std::sqrt(12.0 * material.modulus / material.density) / bar.mesh().spacing();
+    return bar.has_massless() || material.viscosity * highest >= 2.0 * material.modulus;
+  }
+
+  // A bounce is over within half a period of the contact spring; a contact still closed after ten of them rests, its
+  // spring dies out, and need not be resolved any more.
+  double settling_time(double t) const {
+    double period = 0.0;
+    for (std::size_t i = 0; i < leg_.system.contact_count(); ++i) {
+      if (!leg_.system.closed(i)) continue;
+      const double mass = leg_.system.bar().inertia().diagonal[leg_.system.contact(i).unknown];
+      period = std::max(period, 2.0 * std::numbers::pi * std::sqrt(mass / leg_.system.law(i).stiffness));
+    }
+    return period > 0.0 && leg_.system.dissipates() ? t + 10.0 * period : std::numeric_limits<double>::infinity();
+  }
+
+  void create(Memory& memory, double t) {
+    const bool bdf = &memory == &bdf_;
+    memory.reset(CVodeCreate(bdf ? CV_BDF : CV_ADAMS, context_.get()));
+    if (!memory) throw std::bad_alloc();
+    memory_ = memory.get();
+    check("CVodeInit", CVodeInit(memory_, right_hand_side, t, state_.get()));
+    VISCOBAR_KEEP_MESSAGES(CVode, memory_, context_, leg_.library_message);
+    check("CVodeSetUserData", CVodeSetUserData(memory_, this));
+    check("CVodeWFtolerances", CVodeWFtolerances(memory_, error_weights));
+    check("CVodeSetNonlinearSolver", CVodeSetNonlinearSolver(memory_, solver_.get()));
+    // The formulas of order 3 to 5 are unstable near the imaginary axis, where a lightly damped contact spring is.
+    if (bdf) check("CVodeSetStabLimDet", CVodeSetStabLimDet(memory_, SUNTRUE));
+  }
+
+  void check(const char* call, int flag) {
+    if (flag != CV_SUCCESS) fail(leg_, call, flag_name(CVodeGetReturnFlagName(flag)));
+  }
+
+  // Needed at the start of a leg only: the steps use the momentum rows themselves.
+  static int right_hand_side(double t, N_Vector y, N_Vector rate, void* user) noexcept {
+    Leg& leg = static_cast<CvodeStepper*>(user)->leg_;
+    return guarded(leg, [&] {
+      const Layout& layout = leg.layout;
+      const std::span<double> state = values(y), out = values(rate);
+      const std::span<double> w = layout.u(out);  // the rate of u
+      std::ranges::copy(layout.w(state), w.begin());
+      leg.system.complete_velocity(t, layout.u(state), w);
+      leg.system.force(t, layout.u(state), w, layout.w(out));
+      leg.system.bar().accelerate(layout.w(out));
+      leg.account_rates(t, w, out);
+      ++leg.statistics.rhs_evaluations;
+    });
+  }
+
+  static int error_weights(N_Vector y, N_Vector weights, void* user) noexcept {
+    static_cast<CvodeStepper*>(user)->weights_.fill(values(y), values(weights));
+    return 0;
+  }
+
+  Context context_;
+  Leg leg_;
+  ErrorWeights weights_;
+  double end_;
+  Vector state_, interpolated_;
+  std::vector<std::size_t> entries_;
+  Vector probe_;
+  NonlinearSolver solver_;
+  Memory adams_, bdf_;      // made when first needed
+  void* memory_ = nullptr;  // the one at work
+  double settles_ = 0.0;
+  bool settled_ = false;
+};
+
+}  // namespace
+
+Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Cvode& method,
+                     const Observers& observers) {
+  if (system.has_massless() && !system.damped())
+    throw std::invalid_argument(
+        "cvode cannot take massless contact nodes without viscosity: their equations are algebraic; use ida");
+  PenalisedSystem penalised(system, method.penalty);
+  const Layout layout(penalised, observers.energy);
+  Statistics statistics;
+  CvodeStepper stepper(penalised, layout, method.tolerance, times.back(), statistics);
+  return run_multistep("cvode", penalised, layout, stepper, statistics, start, times, observers);
+}
+
+}  // namespace viscobar

@@ -1,4 +1,155 @@
+#include <ida/ida.h>
+
+#include "integration/multistep_run.hpp"
 #include "viscobar/integration/integrate.hpp"
+
 namespace viscobar {
-Statistics integrate(const BarSystem&, const State&, std::span<const double>, const Ida&, const Observers&) { throw std::logic_error("ida"); }
+
+namespace {
+
+using namespace sundials;
+
+struct IdaDeleter {
+  void operator()(void* memory) const noexcept { IDAFree(&memory); }
+};
+
+// The corrector of IDA asks for x with G(t, y_pred + x, y'_pred + cj x) = 0, where
+//     G_u = u' - w,      G_w = rho M w' - F(t, u, u').
+// G_u gives x_w = cj x_u - q with q = w_pred - u'_pred, and then G_w
+//     D(cj^2, cj, 1) x_u = F(t, u_pred, u'_pred) - rho M (w'_pred - cj q),
+// which is also right for massless rows, with viscosity (a first-order equation) and without (an algebraic one).
+void solve_step(Leg& leg, std::span<double> correction) {
+  double t = 0.0, cj = 0.0;
+  N_Vector predicted = nullptr, predicted_rate = nullptr, y = nullptr, y_rate = nullptr, residual = nullptr;
+  void* user = nullptr;
+  IDAGetNonlinearSystemData(leg.memory, &t, &predicted, &predicted_rate, &y, &y_rate, &residual, &cj, &user);
+  const Layout& layout = leg.layout;
+  const std::size_t n = layout.nodes;
+  const double *u = values(predicted).data(), *w = u + n;
+  const double *u_rate = values(predicted_rate).data(), *w_rate = u_rate + n;
+  double *x_u = correction.data(), *x_w = x_u + n;
+  const std::span<double> right(x_u, n);
+  leg.system.force(t, {u, n}, {u_rate, n}, right);
+  ++leg.statistics.rhs_evaluations;
+  for (std::size_t i = 0; i < n; ++i) x_w[i] = w_rate[i] - cj * (w[i] - u_rate[i]);
+  leg.subtract_inertia(1.0, {x_w, n}, right);
+  leg.solve(cj * cj, cj, 1.0, right);
+  for (std::size_t i = 0; i < n; ++i) x_w[i] = cj * x_u[i] - (w[i] - u_rate[i]);
+  if (layout.size == 2 * n) return;
+  for (std::size_t i = 0; i < n; ++i) leg.field[i] = w[i] + x_w[i];
+  leg.account_rates(t, leg.field, correction);
+  for (std::size_t k = 2 * n; k < layout.size; ++k) correction[k] = (correction[k] - u_rate[k]) / cj;
 }
+
+class IdaStepper {
+ public:
+  IdaStepper(PenalisedSystem& system, const Layout& layout, const Tolerance& tolerance, double end,
+             Statistics& statistics)
+      : leg_(system, layout, statistics),
+        weights_(layout, tolerance, system.bar().massive_begin(), system.bar().massive_end()),
+        end_(end),
+        state_(make_vector(layout.size, context_)),
+        rate_(make_vector(layout.size, context_)),
+        interpolated_(make_vector(layout.size, context_)),
+        solver_(make_step_solver(leg_, solve_step, context_)) {}
+
+  void begin_run(std::vector<std::size_t> sampled_entries) {
+    entries_ = std::move(sampled_entries);
+    probe_ = make_probe(entries_, context_);
+  }
+
+  void restart(double t, std::span<const double> y) {
+    weights_.tighten(leg_.statistics.events);
+    std::ranges::copy(y, values(state_).begin());
+    set_consistent_rate(t);
+    if (memory_) {
+      check("IDAReInit", IDAReInit(memory_.get(), t, state_.get(), rate_.get()));
+    } else {
+      create(t);
+    }
+    check("IDASetStopTime", IDASetStopTime(memory_.get(), end_));
+  }
+
+  double advance() {
+    double t = 0.0;
+    const int flag = IDASolve(memory_.get(), end_, &t, state_.get(), rate_.get(), IDA_ONE_STEP);
+    if (flag < 0) fail(leg_, "IDASolve", flag_name(IDAGetReturnFlagName(flag)));
+    return t;
+  }
+
+  std::size_t order() const {
+    int order = 1;
+    IDAGetLastOrder(memory_.get(), &order);
+    return static_cast<std::size_t>(order);
+  }
+
+  void interpolate(double t, std::span<double> y) {
+    check("IDAGetDky", IDAGetDky(memory_.get(), t, 0, interpolated_.get()));
+    std::ranges::copy(values(interpolated_), y.begin());
+  }
+
+  std::span<const double> sample(double t, int derivative) {
+    check("IDAGetDky", IDAGetDky(memory_.get(), t, derivative, probe_.get()));
+    return values(probe_);
+  }
+
+  double largest() const { return weights_.largest_displacement(); }
+  double displacement_tolerance() const { return weights_.displacement_tolerance(); }
+
+ private:
+  // y' that satisfies the equations: u' = w and rho M w' = F; massless velocities are dependent, their rate is free.
+  void set_consistent_rate(double t) {
+    const Layout& layout = leg_.layout;
+    const std::span<double> state = values(state_), rate = values(rate_);
+    std::ranges::copy(layout.w(state), layout.u(rate).begin());
+    leg_.system.force(t, layout.u(state), layout.w(state), layout.w(rate));
+    leg_.system.bar().accelerate(layout.w(rate));
+    leg_.account_rates(t, layout.w(state), rate);
+    ++leg_.statistics.rhs_evaluations;
+  }
+
+  void create(double t) {
+    memory_.reset(IDACreate(context_.get()));
+    if (!memory_) throw std::bad_alloc();
+    void* memory = leg_.memory = memory_.get();
+    // The library wants a residual function; the step solver evaluates the residual itself.
+    const auto unused_residual = [](double, N_Vector, N_Vector, N_Vector, void*) noexcept { return -1; };
+    check("IDAInit", IDAInit(memory, unused_residual, t, state_.get(), rate_.get()));
+    VISCOBAR_KEEP_MESSAGES(IDA, memory, context_, leg_.library_message);
+    check("IDASetUserData", IDASetUserData(memory, this));
+    check("IDAWFtolerances", IDAWFtolerances(memory, error_weights));
+    check("IDASetNonlinearSolver", IDASetNonlinearSolver(memory, solver_.get()));
+  }
+
+  void check(const char* call, int flag) {
+    if (flag != IDA_SUCCESS) fail(leg_, call, flag_name(IDAGetReturnFlagName(flag)));
+  }
+
+  static int error_weights(N_Vector y, N_Vector weights, void* user) noexcept {
+    static_cast<IdaStepper*>(user)->weights_.fill(values(y), values(weights));
+    return 0;
+  }
+
+  Context context_;
+  Leg leg_;
+  ErrorWeights weights_;
+  double end_;
+  Vector state_, rate_, interpolated_;
+  std::vector<std::size_t> entries_;
+  Vector probe_;
+  NonlinearSolver solver_;
+  std::unique_ptr<void, IdaDeleter> memory_;
+};
+
+}  // namespace
+
+Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Ida& method,
+                     const Observers& observers) {
+  PenalisedSystem penalised(system, method.penalty);
+  const Layout layout(penalised, observers.energy);
+  Statistics statistics;
+  IdaStepper stepper(penalised, layout, method.tolerance, times.back(), statistics);
+  return run_multistep("ida", penalised, layout, stepper, statistics, start, times, observers);
+}
+
+}  // namespace viscobar

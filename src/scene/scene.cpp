@@ -40,8 +40,9 @@ std::vector<Finding> validate(const Scene& scene) {
           fmt::format("must be finite and not negative, is {}", bar.viscosity));
   if (const auto* left = std::get_if<Obstacle>(&scene.left)) check_gap(findings, "left", *left, scene, 0.0);
   if (const auto* right = std::get_if<Obstacle>(&scene.right)) check_gap(findings, "right", *right, scene, bar.length);
-  if (scene.span) require(findings, std::isfinite(scene.span->gap) && scene.span->gap >= 0.0, "span.gap",
-                          fmt::format("must be finite and not negative, is {}", scene.span->gap));
+  if (scene.span)
+    require(findings, std::isfinite(scene.span->gap) && scene.span->gap >= 0.0, "span.gap",
+            fmt::format("must be finite and not negative, is {}", scene.span->gap));
   return findings;
 }
 

@@ -13,9 +13,10 @@
 
 namespace viscobar {
 
-enum class MethodName { cvode, ida, exponential, fully_discrete, finite_difference };
+enum class MethodName { cvode, ida, rigid, exponential, fully_discrete, finite_difference };
 
-inline constexpr MethodName all_methods[] = {MethodName::cvode, MethodName::ida, MethodName::exponential,
+inline constexpr MethodName all_methods[] = {MethodName::cvode,          MethodName::ida,
+                                             MethodName::rigid,          MethodName::exponential,
                                              MethodName::fully_discrete, MethodName::finite_difference};
 
 std::string_view name(MethodName method);
@@ -53,7 +54,7 @@ struct Case {
 std::vector<Finding> validate(const Case& run);
 
 /// The semi-discrete system of a sound case; `finite_difference` runs on the lumped mass when the case says
-/// "consistent", since (3.22) is (2.8) with a diagonal product.
+/// "consistent", since (3.22) is (2.8) with a diagonal product, and `rigid` always on the redistributed mass.
 BarSystem make_system(const Case& run);
 
 /// Runs a sound case by its method. @throws IntegrationError

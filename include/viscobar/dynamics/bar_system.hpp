@@ -42,7 +42,7 @@ class BarSystem {
   /// redistribute the mass; span obstacle with redistributed mass).
   BarSystem(const Scene& scene, const Mesh& mesh, Mass mass);
 
-  std::size_t size() const { return inertia_.size(); }         ///< n, number of unknown nodes
+  std::size_t size() const { return inertia_.size(); }            ///< n, number of unknown nodes
   std::size_t first_node() const { return left_fixed_ ? 1 : 0; }  ///< mesh node of unknown 0
   const Mesh& mesh() const { return mesh_; }
   Mass mass() const { return mass_; }
@@ -130,11 +130,13 @@ class LoadVector {
   std::span<const double> at(double t);
 
   bool steady() const;
+  std::size_t evaluations() const { return evaluations_; }  ///< of the load's functions of time
 
  private:
   const BarSystem& system_;  // outlives this
   std::vector<double> nodal_, weighted_;
   std::optional<double> time_;
+  std::size_t evaluations_ = 0;
 };
 
 }  // namespace viscobar

@@ -35,6 +35,13 @@ struct Exponential {
   Penalty penalty;
 };
 
+/// The limit epsilon = 0 on massless contact nodes: a closed contact holds its node at -gap, its reaction is what the
+/// node's row lacks, and it opens when that reaches zero. By CVODE with viscosity, by IDA without, where the row of an
+/// open contact is algebraic (index 1).
+struct Rigid {
+  Tolerance tolerance;
+};
+
 /// Integrates the penalised system from `start` at times.front() to times.back(), telling the observers.
 ///
 /// `times` are the output times: finite, strictly increasing, at least two. They never change the trajectory.
@@ -46,5 +53,7 @@ Statistics integrate(const BarSystem& system, const State& start, std::span<cons
                      const Observers& observers);
 Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times,
                      const Exponential& method, const Observers& observers);
+Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Rigid& method,
+                     const Observers& observers);
 
 }  // namespace viscobar

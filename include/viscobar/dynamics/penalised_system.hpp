@@ -1,0 +1,108 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "viscobar/dynamics/bar_system.hpp"
+#include "viscobar/dynamics/penalty_law.hpp"
+
+namespace viscobar {
+
+/// The semi-discrete system with penalised obstacles,
+///
+///     rho M u'' = M f(t) - E K u - eta K u' + sum_i R_i e_i,     R_i = k_i d_i + b_i d_i' while contact i is closed,
+///
+/// d_i = -(u_i + gap_i). Which contacts are closed is a state of its own, frozen while an integrator makes its
+/// steps: between two changes the system is linear with constant coefficients, so a method sees a smooth problem
+/// and a change is a located event [Petrov 2010, section 1].
+///
+/// At epsilon = 0, on massless contact nodes, this is the rigid obstacle: k is infinite, a closed node is held at -gap,
+/// its reaction is what its row lacks, and it opens when that reaches zero.
+///
+/// Refers to a BarSystem that must outlive it; one object per integration (it owns the load's buffers).
+class PenalisedSystem {
+ public:
+  /// @throws std::invalid_argument for epsilon = 0 where a contact node has mass
+  PenalisedSystem(const BarSystem& bar, const Penalty& penalty);
+
+  const BarSystem& bar() const { return bar_; }
+  std::size_t size() const { return bar_.size(); }
+
+  std::size_t contact_count() const { return laws_.size(); }
+  const Contact& contact(std::size_t i) const { return bar_.contacts()[i]; }
+  const PenaltyLaw& law(std::size_t i) const { return laws_[i]; }
+  bool closed(std::size_t i) const { return closed_[i] != 0; }
+  void set_closed(std::size_t i, bool closed);
+  /// Changes whenever a contact does: a factor of the dynamic stiffness is valid for one revision.
+  std::uint64_t revision() const { return revision_; }
+
+  /// u_i + gap_i
+  double clearance(std::size_t i, std::span<const double> u) const { return u[contact(i).unknown] + contact(i).gap; }
+  /// What decides whether contact i is closed: the sign of p = linear part of some entries of (u, w) + offset(t),
+  /// negative where it should be closed. p is a displacement:
+  ///
+  ///     a node with inertia or viscosity    u_i + gap
+  ///     a rigid contact that is closed      (h/E) times minus its reaction, u_1 + gap + (eta/E) w_1 + (h/E) (M f)_i
+  ///     an undamped massless node           the same in either state, its clearance while it is open: its own
+  ///                                         displacement shrinks by 1 + k h/E as it closes, this one passes smoothly
+  std::vector<std::size_t> indicator_entries(std::size_t i) const;
+  double indicator_linear(std::size_t i, std::span<const double> entries) const;
+  double indicator_offset(std::size_t i, double t);
+  /// Penetration of a closed contact per -p.
+  double penetration_share(std::size_t i) const;
+  bool rigid() const { return rigid_; }
+
+  /// What a clearance may be wrong by through rounding alone, for displacements up to `largest`.
+  double clearance_rounding(std::size_t i, double largest) const;
+
+  /// out = M f(t) - E K u - eta K w + reactions; w is the velocity of all unknowns.
+  void force(double t, std::span<const double> u, std::span<const double> w, std::span<double> out);
+
+  /// D(m,c,k) = m rho M + (c eta + k E) K + sum over closed contacts of (k k_i + c b_i) e_i e_i^T.
+  void dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const;
+
+  /// Sets the velocity of massless unknowns from their rows, which have no inertia: for eta > 0 the row itself, for
+  /// eta = 0 its time derivative (the load's by central differences over 2e-4 element transit times).
+  void complete_velocity(double t, std::span<const double> u, std::span<double> w);
+
+  /// Sets the displacement of massless unknowns for eta = 0, where their rows are algebraic. Nothing to do otherwise.
+  void complete_displacement(double t, std::span<double> u);
+
+  /// Opens or closes each contact as the state at the start asks for: closed when it penetrates, or touches and moves
+  /// in, or touches at rest and is pressed in. Completes u and w at massless nodes on the way.
+  void settle(double t, std::span<double> u, std::span<double> w);
+
+  /// Reaction of contact i.
+  double reaction(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
+
+  /// Kinetic, elastic and contact energy.
+  double energy(std::span<const double> u, std::span<const double> w) const;
+  /// eta w.K w + sum b_i w_i^2
+  double dissipated_power(std::span<const double> w) const;
+  /// w.M f(t)
+  double load_power(double t, std::span<const double> w);
+  bool dissipates() const { return bar_.damped() || dashpots_; }
+  bool loaded() const { return load_.has_value(); }
+
+  std::size_t load_evaluations() const { return load_ ? load_->evaluations() : 0; }
+
+ private:
+  bool massless(std::size_t unknown) const;
+  static std::size_t neighbour(std::size_t end) { return end == 0 ? 1 : end - 1; }
+  bool held(std::size_t unknown) const;
+  void complete_velocity_of(std::size_t end, double t, std::span<const double> u, std::span<double> w);
+  void complete_displacement_of(std::size_t end, double t, std::span<double> u);
+  double stiffness_of_closed(std::size_t unknown) const;
+
+  const BarSystem& bar_;
+  std::vector<PenaltyLaw> laws_;
+  std::vector<unsigned char> closed_;
+  bool dashpots_ = false, rigid_ = false;
+  std::uint64_t revision_ = 0;
+  std::optional<LoadVector> load_;
+};
+
+}  // namespace viscobar

@@ -1,0 +1,216 @@
+#include "viscobar/dynamics/penalised_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+
+namespace viscobar {
+
+PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
+    : bar_(bar), closed_(bar.contacts().size(), 0) {
+  rigid_ = penalty.epsilon == 0.0;
+  if (rigid_)
+    for (const Contact& contact : bar.contacts())
+      if (!massless(contact.unknown))
+        throw std::invalid_argument("a rigid obstacle needs massless contact nodes: mass \"redistributed\"");
+  // Effective masses matter to the dashpot alone.
+  const bool undamped = penalty.restitution >= 1.0;
+  const std::vector<double> masses =
+      undamped || bar.contacts().empty() ? std::vector<double>{} : bar.effective_masses();
+  for (const Contact& contact : bar.contacts())
+    laws_.push_back(penalty_law(penalty, contact.weight, undamped ? 0.0 : masses[contact.unknown]));
+  dashpots_ = std::any_of(laws_.begin(), laws_.end(), [](const PenaltyLaw& law) { return law.damping > 0.0; });
+  if (bar.loaded()) load_.emplace(bar);
+}
+
+void PenalisedSystem::set_closed(std::size_t i, bool closed) {
+  closed_[i] = closed ? 1 : 0;
+  ++revision_;
+}
+
+double PenalisedSystem::clearance_rounding(std::size_t i, double largest) const {
+  return 32.0 * std::numeric_limits<double>::epsilon() * (contact(i).gap + largest);
+}
+
+bool PenalisedSystem::massless(std::size_t unknown) const {
+  return unknown < bar_.massive_begin() || unknown >= bar_.massive_end();
+}
+
+// Held by a closed rigid contact.
+bool PenalisedSystem::held(std::size_t unknown) const {
+  if (!rigid_) return false;
+  for (std::size_t i = 0; i < laws_.size(); ++i)
+    if (closed(i) && contact(i).unknown == unknown) return true;
+  return false;
+}
+
+std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const {
+  const std::size_t node = contact(i).unknown;
+  if (!massless(node)) return {node};
+  if (!bar_.damped()) return {neighbour(node)};
+  if (rigid_) return {node, neighbour(node), size() + neighbour(node)};
+  return {node};
+}
+
+double PenalisedSystem::indicator_linear(std::size_t i, std::span<const double> entries) const {
+  if (entries.size() == 1 || !closed(i)) return entries[0];
+  return entries[1] + bar_.bar().viscosity / bar_.bar().modulus * entries[2];
+}
+
+double PenalisedSystem::indicator_offset(std::size_t i, double t) {
+  const std::size_t node = contact(i).unknown;
+  const bool reaction = massless(node) && (!bar_.damped() || (rigid_ && closed(i)));
+  if (!load_ || !reaction) return contact(i).gap;
+  return contact(i).gap + load_->at(t)[node] * bar_.mesh().spacing() / bar_.bar().modulus;
+}
+
+double PenalisedSystem::penetration_share(std::size_t i) const {
+  if (rigid_) return 0.0;
+  if (bar_.damped() || !massless(contact(i).unknown)) return 1.0;
+  return 1.0 / (1.0 + laws_[i].stiffness * bar_.mesh().spacing() / bar_.bar().modulus);
+}
+
+void PenalisedSystem::force(double t, std::span<const double> u, std::span<const double> w, std::span<double> out) {
+  bar_.internal_force(u, w, out);
+  if (load_) {
+    const std::span<const double> load = load_->at(t);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] += load[i];
+  }
+  for (std::size_t i = 0; i < laws_.size(); ++i) {
+    if (!closed(i) || rigid_) continue;
+    const std::size_t node = contact(i).unknown;
+    out[node] -= laws_[i].stiffness * clearance(i, u) + laws_[i].damping * w[node];
+  }
+}
+
+void PenalisedSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const {
+  bar_.dynamic_stiffness(m, c, k, out);
+  for (std::size_t i = 0; i < laws_.size(); ++i)
+    if (closed(i)) out.diagonal[contact(i).unknown] += k * laws_[i].stiffness + c * laws_[i].damping;
+}
+
+double PenalisedSystem::stiffness_of_closed(std::size_t unknown) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < laws_.size(); ++i)
+    if (closed(i) && contact(i).unknown == unknown) sum += laws_[i].stiffness;
+  return sum;
+}
+
+void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<const double> u, std::span<double> w) {
+  if (held(end)) {
+    w[end] = 0.0;
+    return;
+  }
+  const double h = bar_.mesh().spacing();
+  const double modulus = bar_.bar().modulus / h, damping = bar_.bar().viscosity / h;
+  const std::size_t next = neighbour(end);
+  if (bar_.damped()) {
+    double force = modulus * (u[next] - u[end]) + damping * w[next];
+    if (load_) force += load_->at(t)[end];
+    for (std::size_t i = 0; i < laws_.size(); ++i)
+      if (closed(i) && contact(i).unknown == end) force -= laws_[i].stiffness * clearance(i, u);
+    w[end] = force / damping;
+    return;
+  }
+  double rate = modulus * w[next];
+  if (load_ && !load_->steady()) {
+    const double transit = h * std::sqrt(bar_.bar().density / bar_.bar().modulus);
+    // No load is asked for before the start, where it need not exist.
+    const double step = 1e-4 * transit, before = std::max(0.0, t - step), after = t + step;
+    const double early = load_->at(before)[end];
+    rate += (load_->at(after)[end] - early) / (after - before);
+  }
+  w[end] = rate / (modulus + stiffness_of_closed(end));
+}
+
+void PenalisedSystem::complete_velocity(double t, std::span<const double> u, std::span<double> w) {
+  if (bar_.massive_begin() == 1) complete_velocity_of(0, t, u, w);
+  if (bar_.massive_end() + 1 == size()) complete_velocity_of(size() - 1, t, u, w);
+}
+
+void PenalisedSystem::complete_displacement_of(std::size_t end, double t, std::span<double> u) {
+  if (held(end)) {
+    for (std::size_t i = 0; i < laws_.size(); ++i)
+      if (contact(i).unknown == end) u[end] = -contact(i).gap;
+    return;
+  }
+  if (bar_.damped()) return;
+  const double modulus = bar_.bar().modulus / bar_.mesh().spacing();
+  double force = modulus * u[neighbour(end)], stiffness = modulus;
+  if (load_) force += load_->at(t)[end];
+  for (std::size_t i = 0; i < laws_.size(); ++i) {
+    if (!closed(i) || contact(i).unknown != end) continue;
+    force -= laws_[i].stiffness * contact(i).gap;
+    stiffness += laws_[i].stiffness;
+  }
+  u[end] = force / stiffness;
+}
+
+void PenalisedSystem::complete_displacement(double t, std::span<double> u) {
+  if (bar_.massive_begin() == 1) complete_displacement_of(0, t, u);
+  if (bar_.massive_end() + 1 == size()) complete_displacement_of(size() - 1, t, u);
+}
+
+void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w) {
+  for (std::size_t i = 0; i < laws_.size(); ++i) set_closed(i, false);
+  complete_displacement(t, u);
+  complete_velocity(t, u, w);
+  if (laws_.empty()) return;
+  double largest = 0.0;
+  for (double displacement : u) largest = std::max(largest, std::abs(displacement));
+  std::vector<double> acceleration;
+  std::vector<unsigned char> press(laws_.size(), 0);
+  for (std::size_t i = 0; i < laws_.size(); ++i) {
+    const std::size_t node = contact(i).unknown;
+    const double clear = clearance(i, u), rounding = clearance_rounding(i, largest);
+    if (clear > rounding) continue;
+    if (clear < -rounding || w[node] < 0.0) {
+      press[i] = 1;
+    } else if (w[node] == 0.0) {
+      if (acceleration.empty()) {
+        acceleration.resize(size());
+        force(t, u, w, acceleration);
+        bar_.accelerate(acceleration);
+      }
+      press[i] = acceleration[node] < 0.0 ? 1 : 0;
+    }
+  }
+  for (std::size_t i = 0; i < laws_.size(); ++i)
+    if (press[i]) set_closed(i, true);
+  complete_displacement(t, u);
+  complete_velocity(t, u, w);
+}
+
+double PenalisedSystem::reaction(std::size_t i, double t, std::span<const double> u, std::span<const double> w) {
+  if (!closed(i)) return 0.0;
+  const std::size_t node = contact(i).unknown;
+  if (!rigid_) return laws_[i].reaction(-clearance(i, u), -w[node]);
+  const std::size_t next = neighbour(node);
+  const double load = load_ ? load_->at(t)[node] : 0.0;
+  const double stress = bar_.bar().modulus * (u[next] - u[node]) + bar_.bar().viscosity * (w[next] - w[node]);
+  return std::max(0.0, -stress / bar_.mesh().spacing() - load);
+}
+
+double PenalisedSystem::energy(std::span<const double> u, std::span<const double> w) const {
+  double sum = bar_.energy(u, w);
+  if (rigid_) return sum;
+  for (std::size_t i = 0; i < laws_.size(); ++i) sum += laws_[i].energy(-clearance(i, u));
+  return sum;
+}
+
+double PenalisedSystem::dissipated_power(std::span<const double> w) const {
+  double power = bar_.damped() ? bar_.bar().viscosity * bar_.squared_strain_rate(w) : 0.0;
+  if (dashpots_)
+    for (std::size_t i = 0; i < laws_.size(); ++i)
+      if (closed(i)) power += laws_[i].damping * w[contact(i).unknown] * w[contact(i).unknown];
+  return power;
+}
+
+double PenalisedSystem::load_power(double t, std::span<const double> w) {
+  const std::span<const double> load = load_->at(t);
+  return std::inner_product(load.begin(), load.end(), w.begin(), 0.0);
+}
+
+}  // namespace viscobar

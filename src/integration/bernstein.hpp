@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+
+namespace viscobar {
+
+/// A polynomial on [0, 1] in Bernstein form, p(s) = sum_j c_j binom(q,j) s^j (1-s)^(q-j). It lies in the convex hull
+/// of its coefficients, so that a sign of all of them is a proof of its sign: no crossing can hide between samples.
+class Bernstein {
+ public:
+  static constexpr std::size_t max_degree = 12;
+
+  /// Interpolates samples at s = j / degree, j = 0 .. degree.
+  static Bernstein through(std::span<const double> samples);
+
+  std::size_t degree() const { return degree_; }
+  double operator()(double s) const;
+  double smallest_coefficient() const;
+
+  /// The first s at which p passes below `threshold`: p(s) = threshold, and p is below behind it. 0 when p starts
+  /// below. Absent when p stays at or above it throughout.
+  std::optional<double> first_descent(double threshold) const;
+
+ private:
+  std::size_t degree_ = 0;
+  std::array<double, max_degree + 1> c_{};
+};
+
+}  // namespace viscobar

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "integration/bernstein.hpp"
+#include "viscobar/dynamics/penalised_system.hpp"
+
+namespace viscobar {
+
+/// Finds the contact changes inside one step of a multistep method on the step's own interpolant.
+///
+/// An open contact changes when its indicator p (see PenalisedSystem) becomes negative, a closed one when it becomes
+/// positive: both are the descent of an oriented indicator through zero. On a step it is a polynomial of the method's
+/// order, taken in Bernstein form, so that no crossing is missed: neither two within a step nor a touch. A descent
+/// counts once it passes the uncertainty of the indicator, and its time is that of p = 0. (Only for an undamped
+/// massless node under a load that varies in time is p more than a polynomial; the load is then interpolated at the
+/// order of the method.)
+class EventSearch {
+ public:
+  explicit EventSearch(PenalisedSystem& system)
+      : system_(system), count_(system.contact_count()), samples_(count_ * (Bernstein::max_degree + 1)) {
+    for (std::size_t i = 0; i < count_; ++i) {
+      first_.push_back(entries_.size());
+      for (const std::size_t entry : system.indicator_entries(i)) entries_.push_back(entry);
+    }
+    first_.push_back(entries_.size());
+  }
+
+  /// Entries of (u, w) that the search samples.
+  const std::vector<std::size_t>& sampled_entries() const { return entries_; }
+
+  /// Time of the first change in [begin, end] of the interpolant of degree `order`; `sample(t, derivative)` gives its
+  /// value or rate at the sampled entries. `uncertainty(i)` is what the indicator of contact i may be wrong by. Absent:
+  /// no contact changes.
+  template <class Sample, class Uncertainty>
+  std::optional<double> first_change(double begin, double end, std::size_t order, Sample&& sample,
+                                     Uncertainty&& uncertainty) {
+    for (std::size_t j = 0; j <= order; ++j) {
+      const double t = j == order ? end : begin + (end - begin) * static_cast<double>(j) / static_cast<double>(order);
+      const std::span<const double> y = sample(t, 0);
+      for (std::size_t i = 0; i < count_; ++i) samples_[i * (order + 1) + j] = oriented(i, t, part(i, y));
+    }
+    double first = 2.0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const std::span<const double> values(samples_.data() + i * (order + 1), order + 1);
+      if (system_.closed(i))
+        for (double value : values) max_penetration_ = std::max(max_penetration_, system_.penetration_share(i) * value);
+      const auto s = Bernstein::through(values).first_descent(-uncertainty(i));
+      if (s && *s < first) first = *s, which_ = i;
+    }
+    if (first > 1.0) return std::nullopt;
+    return polished(begin, end, begin + first * (end - begin), which_, sample);
+  }
+
+  /// The contact that changes first.
+  std::size_t first_contact() const { return which_; }
+
+  /// Whether contact i changes at the event too: its oriented indicator is used up and falls.
+  bool changes(std::size_t i, double t, std::span<const double> y, double rate, double uncertainty) {
+    std::array<double, 3> values{};
+    for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) values[k - first_[i]] = y[entries_[k]];
+    const double p = oriented(i, t, std::span(values).first(first_[i + 1] - first_[i]));
+    return p <= uncertainty && (system_.closed(i) ? rate > 0.0 : rate < 0.0);
+  }
+
+  double max_penetration() const { return max_penetration_; }
+
+ private:
+  std::span<const double> part(std::size_t i, std::span<const double> sampled) const {
+    return sampled.subspan(first_[i], first_[i + 1] - first_[i]);
+  }
+  double sign(std::size_t i) const { return system_.closed(i) ? -1.0 : 1.0; }
+  double oriented(std::size_t i, double t, std::span<const double> entries) {
+    return sign(i) * (system_.indicator_linear(i, entries) + system_.indicator_offset(i, t));
+  }
+
+  // The descent through the uncertainty is late; Newton's method leads back to the zero.
+  template <class Sample>
+  double polished(double begin, double end, double t, std::size_t i, Sample&& sample) {
+    for (int iteration = 0; iteration < 4; ++iteration) {
+      const double value = oriented(i, t, part(i, sample(t, 0)));
+      const double rate = sign(i) * system_.indicator_linear(i, part(i, sample(t, 1)));
+      if (!(rate < 0.0)) break;
+      const double next = std::clamp(t - value / rate, begin, end);
+      if (std::abs(next - t) > 1e-3 * (end - begin) || next == t) break;  // a graze: the descent itself is the event
+      t = next;
+    }
+    return t;
+  }
+
+  PenalisedSystem& system_;
+  std::size_t count_;
+  std::vector<std::size_t> entries_, first_;  // entries of contact i: [first_[i], first_[i + 1])
+  std::vector<double> samples_;
+  std::size_t which_ = 0;
+  double max_penetration_ = 0.0;
+};
+
+}  // namespace viscobar

@@ -1,0 +1,240 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "dynamics/stopwatch.hpp"
+#include "integration/event_search.hpp"
+#include "integration/snapshot.hpp"
+#include "integration/sundials/leg.hpp"
+#include "viscobar/dynamics/errors.hpp"
+#include "viscobar/dynamics/penalised_system.hpp"
+#include "viscobar/dynamics/run.hpp"
+
+namespace viscobar {
+
+/// The run of an adaptive multistep method on the penalised system: steps on legs of constant contact states, a
+/// located change ending a leg, output interpolated. A Stepper offers
+///
+///     restart(t, y)            begin a leg at t with the state y (its massless entries completed)
+///     double advance()         make one step towards the end, return the time reached
+///     std::size_t order()      degree of the interpolant over that step
+///     interpolate(t, y)        the whole state at a time within that step
+///     sample(t, k)             k-th derivative of the entries that the event search samples
+///     double largest()         largest |u| so far
+///     double displacement_tolerance()    local error of u that a step may make
+template <class Stepper>
+class MultistepRun {
+ public:
+  MultistepRun(PenalisedSystem& system, const sundials::Layout& layout, Stepper& stepper, Statistics& statistics,
+               std::span<const double> times, const Observers& observers)
+      : system_(system),
+        layout_(layout),
+        stepper_(stepper),
+        statistics_(statistics),
+        times_(times),
+        observers_(observers),
+        search_(system),
+        snapshot_(system),
+        y_(layout.size) {}
+
+  void operator()(const State& start) {
+    const double end = times_.back();
+    double t = times_.front();
+    begin(t, start);
+    while (t < end) {
+      if constexpr (requires { stepper_.before_step(); }) stepper_.before_step();
+      const double reached = stepper_.advance();
+      ++statistics_.steps;
+      stall_check(t, reached);
+      std::optional<double> change;
+      if (system_.contact_count() > 0) {
+        ++statistics_.event_evaluations;
+        change = search_.first_change(
+            t, reached, stepper_.order(), [&](double at, int derivative) { return stepper_.sample(at, derivative); },
+            [&](std::size_t i) { return uncertainty(i); });
+        statistics_.max_penetration = search_.max_penetration();
+      }
+      const double limit = change.value_or(reached);
+      outputs_until(limit);
+      t = limit;
+      statistics_.reached_time = t;
+      if (observers_.progress) unwatched([&] { observers_.progress(t); });
+      if (change) {
+        stepper_.interpolate(t, y_);
+        switch_contacts(t);
+        // What is left after a change at the very end is no leg.
+        if (end - t <= 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end))) break;
+        restart(t);
+      } else if (t >= end) {
+        stepper_.interpolate(end, y_);
+      }
+    }
+    statistics_.reached_time = end;
+    finish(end);
+  }
+
+  double seconds() const { return stopwatch_.seconds(); }
+
+ private:
+  std::span<double> u() { return layout_.u(y_); }
+  std::span<double> w() { return layout_.w(y_); }
+
+  template <class Work>
+  void unwatched(Work&& work) {
+    stopwatch_.pause();
+    work();
+    stopwatch_.resume();
+  }
+
+  void begin(double t, const State& start) {
+    std::ranges::copy(start.u, u().begin());
+    std::ranges::copy(start.v, w().begin());
+    stepper_.begin_run(system_.contact_count() > 0 ? search_.sampled_entries() : std::vector<std::size_t>{});
+    system_.complete_displacement(t, u());
+    system_.complete_velocity(t, u(), w());
+    const std::vector<double> approach(w().begin(), w().end());
+    system_.settle(t, u(), w());
+    if (observers_.energy) statistics_.energy = EnergyAccount{.initial = system_.energy(u(), w())};
+    for (std::size_t i = 0; i < system_.contact_count(); ++i)
+      if (system_.closed(i)) tell_event(t, i, Change::closing, approach[system_.contact(i).unknown]);
+    statistics_.reached_time = t;
+    tell_snapshot(t);
+    next_output_ = 1;
+    restart(t);
+  }
+
+  // A spring answers to its own clearance, which is known to rounding. The reaction of a rigid contact is known to the
+  // tolerance only: less than that must not open it, or a bar that comes to rest would toggle for ever.
+  double uncertainty(std::size_t i) const {
+    return system_.rigid() ? stepper_.displacement_tolerance() : system_.clearance_rounding(i, stepper_.largest());
+  }
+
+  void restart(double t) {
+    system_.complete_displacement(t, u());
+    system_.complete_velocity(t, u(), w());
+    stepper_.restart(t, y_);
+  }
+
+  void outputs_until(double limit) {
+    for (; next_output_ < times_.size() && times_[next_output_] <= limit; ++next_output_) {
+      if (!observers_.snapshot) continue;
+      stepper_.interpolate(times_[next_output_], y_);
+      system_.complete_velocity(times_[next_output_], u(), w());
+      tell_snapshot(times_[next_output_]);
+    }
+  }
+
+  void finish(double end) {
+    // A change within rounding of the end leaves the last output to be told.
+    for (; next_output_ < times_.size(); ++next_output_) tell_snapshot(times_[next_output_]);
+    system_.complete_velocity(end, u(), w());
+    if (statistics_.energy) {
+      statistics_.energy->final = system_.energy(u(), w());
+      if (layout_.dissipated) statistics_.energy->dissipated = y_[*layout_.dissipated];
+      if (layout_.work) statistics_.energy->work = y_[*layout_.work];
+    }
+    statistics_.completed = true;
+  }
+
+  void switch_contacts(double t) {
+    system_.complete_velocity(t, u(), w());
+    const std::span<const double> velocity = w();
+    const auto switch_one = [&](std::size_t i) {
+      const Change change = system_.closed(i) ? Change::opening : Change::closing;
+      tell_event(t, i, change, velocity[system_.contact(i).unknown]);
+      system_.set_closed(i, change == Change::closing);
+    };
+    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
+      const std::size_t node = system_.contact(i).unknown;
+      if (i == search_.first_contact() || search_.changes(i, t, y_, velocity[node], uncertainty(i))) switch_one(i);
+    }
+    guard_against_toggling(t, search_.first_contact());
+  }
+
+  void guard_against_toggling(double t, std::size_t contact) {
+    const bool same = contact == last_contact_ &&
+                      t - last_change_ <= 4.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), 1e-300);
+    toggles_ = same ? toggles_ + 1 : 0;
+    last_contact_ = contact;
+    last_change_ = t;
+    if (toggles_ > 20)
+      throw sundials::StepFailure(fmt::format(
+          "a contact opens and closes for ever at t = {}: the clearance is below the rounding of the displacement; "
+          "choose a larger epsilon, or measure displacements from the obstacle",
+          t));
+  }
+
+  void stall_check(double before, double reached) {
+    stalled_ = reached > before ? 0 : stalled_ + 1;
+    if (stalled_ > 100)
+      throw sundials::StepFailure(
+          fmt::format("the step has shrunk below the rounding of the time t = {}; loosen the tolerance or choose a "
+                      "larger epsilon",
+                      before));
+  }
+
+  void tell_event(double t, std::size_t i, Change change, double velocity) {
+    ++statistics_.events;
+    if (!observers_.event) return;
+    const Contact& contact = system_.contact(i);
+    const Event event{t, contact.where, contact.unknown + system_.bar().first_node(), change, velocity};
+    unwatched([&] { observers_.event(event); });
+  }
+
+  void tell_snapshot(double t) {
+    if (!observers_.snapshot) return;
+    const Snapshot snapshot = snapshot_(t, u(), w());
+    unwatched([&] { observers_.snapshot(snapshot); });
+  }
+
+  PenalisedSystem& system_;
+  sundials::Layout layout_;
+  Stepper& stepper_;
+  Statistics& statistics_;
+  std::span<const double> times_;
+  const Observers& observers_;
+  EventSearch search_;
+  SnapshotBuilder snapshot_;
+  Stopwatch stopwatch_;
+  std::vector<double> y_;
+  std::size_t next_output_ = 0;
+  std::size_t last_contact_ = 0, toggles_ = 0, stalled_ = 0;
+  double last_change_ = -std::numeric_limits<double>::infinity();
+};
+
+/// Makes the run and turns whatever stops it into an IntegrationError that says how far it came.
+template <class Stepper>
+Statistics run_multistep(const char* method, PenalisedSystem& system, const sundials::Layout& layout, Stepper& stepper,
+                         Statistics& statistics, const State& start, std::span<const double> times,
+                         const Observers& observers) {
+  MultistepRun<Stepper> run(system, layout, stepper, statistics, times, observers);
+  const auto conclude = [&] {
+    statistics.unknowns = layout.size;
+    statistics.load_evaluations = system.load_evaluations();
+    statistics.integration_seconds = run.seconds();
+  };
+  const auto explain = [&](const std::exception& cause) {
+    conclude();
+    return IntegrationError(fmt::format("{} stopped at t = {}: {}", method, statistics.reached_time, cause.what()),
+                            statistics);
+  };
+  try {
+    run(start);
+  } catch (const sundials::StepFailure& failure) {
+    throw explain(failure);
+  } catch (const LoadError& error) {
+    throw explain(error);
+  } catch (const std::domain_error& error) {
+    throw explain(error);
+  }
+  conclude();
+  return statistics;
+}
+
+}  // namespace viscobar

@@ -1,0 +1,15 @@
+#include <stdexcept>
+
+#include "viscobar/integration/integrate.hpp"
+
+namespace viscobar {
+
+Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Rigid& method,
+                     const Observers& observers) {
+  const Penalty rigid{0.0, 1.0};
+  if (system.has_massless() && !system.damped())
+    return integrate(system, start, times, Ida{rigid, method.tolerance}, observers);
+  return integrate(system, start, times, Cvode{rigid, method.tolerance}, observers);
+}
+
+}  // namespace viscobar

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "viscobar/dynamics/penalised_system.hpp"
+#include "viscobar/dynamics/run.hpp"
+
+namespace viscobar {
+
+/// Turns the unknowns of a penalised run into snapshots over all mesh nodes.
+class SnapshotBuilder {
+ public:
+  explicit SnapshotBuilder(PenalisedSystem& system) : system_(system), u_(system.bar().mesh().nodes()), v_(u_.size()) {}
+
+  Snapshot operator()(double t, std::span<const double> u, std::span<const double> w) {
+    const BarSystem& bar = system_.bar();
+    bar.expand_displacement(u, u_);
+    bar.expand_velocity(w, v_);
+    Snapshot snapshot{t, u_, v_, 0.0, 0.0};
+    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
+      const Contact& contact = system_.contact(i);
+      if (!bar.left_fixed() && contact.unknown == 0) snapshot.reaction_left += system_.reaction(i, t, u, w);
+      if (!bar.right_fixed() && contact.unknown + 1 == bar.size())
+        snapshot.reaction_right += system_.reaction(i, t, u, w);
+    }
+    if (bar.left_fixed()) snapshot.reaction_left = -stress(0);
+    if (bar.right_fixed()) snapshot.reaction_right = stress(u_.size() - 2);
+    return snapshot;
+  }
+
+ private:
+  double stress(std::size_t element) const {
+    const Bar& bar = system_.bar().bar();
+    const double strain = u_[element + 1] - u_[element], rate = v_[element + 1] - v_[element];
+    return (bar.modulus * strain + bar.viscosity * rate) / system_.bar().mesh().spacing();
+  }
+
+  PenalisedSystem& system_;
+  std::vector<double> u_, v_;
+};
+
+}  // namespace viscobar

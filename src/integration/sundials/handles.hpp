@@ -1,0 +1,67 @@
+#pragma once
+
+#include <sundials/sundials_config.h>
+#include <sundials/sundials_context.h>
+#include <sundials/sundials_nonlinearsolver.h>
+#include <sundials/sundials_nvector.h>
+
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+// Everything that differs between the versions 6.4 and 7.x of SUNDIALS is in this file.
+
+namespace viscobar::sundials {
+
+/// VISCOBAR_KEEP_MESSAGES(package, memory, context, sink): what the library would print goes into the string `sink`.
+#if SUNDIALS_VERSION_MAJOR >= 7
+using boolean = sunbooleantype;
+inline constexpr auto no_communicator = SUN_COMM_NULL;
+inline void keep_message(int, const char*, const char*, const char* message, SUNErrCode, void* sink,
+                         SUNContext) noexcept {
+  *static_cast<std::string*>(sink) = message;
+}
+#define VISCOBAR_KEEP_MESSAGES(package, memory, context, sink) \
+  SUNContext_PushErrHandler((context).get(), viscobar::sundials::keep_message, &(sink))
+#else
+using boolean = booleantype;
+inline constexpr void* no_communicator = nullptr;
+inline void keep_message(int, const char*, const char*, char* message, void* sink) noexcept {
+  *static_cast<std::string*>(sink) = message;
+}
+#define VISCOBAR_KEEP_MESSAGES(package, memory, context, sink) \
+  package##SetErrHandlerFn((memory), viscobar::sundials::keep_message, &(sink))
+#endif
+
+/// Owner of the context that every SUNDIALS object is created in.
+class Context {
+ public:
+  Context() {
+    if (SUNContext_Create(no_communicator, &context_) != 0) throw std::bad_alloc();
+  }
+  ~Context() { SUNContext_Free(&context_); }
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+  SUNContext get() const { return context_; }
+
+ private:
+  SUNContext context_ = nullptr;
+};
+
+struct VectorDeleter {
+  void operator()(N_Vector vector) const noexcept { N_VDestroy(vector); }
+};
+using Vector = std::unique_ptr<std::remove_pointer_t<N_Vector>, VectorDeleter>;
+
+struct NonlinearSolverDeleter {
+  void operator()(SUNNonlinearSolver solver) const noexcept { SUNNonlinSolFree(solver); }
+};
+using NonlinearSolver = std::unique_ptr<std::remove_pointer_t<SUNNonlinearSolver>, NonlinearSolverDeleter>;
+
+/// The name of a return flag; the library hands out memory that the caller frees.
+inline std::string flag_name(char* name) {
+  const std::unique_ptr<char, decltype(&std::free)> owned(name, &std::free);
+  return owned.get();
+}
+
+}  // namespace viscobar::sundials

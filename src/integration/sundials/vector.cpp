@@ -1,0 +1,115 @@
+#include "integration/sundials/vector.hpp"
+
+#include <Eigen/Core>
+
+namespace viscobar::sundials {
+
+namespace {
+
+struct Content {
+  Eigen::ArrayXd data;
+  const std::vector<std::size_t>* entries = nullptr;  // of a probe
+};
+
+Content& content(N_Vector x) { return *static_cast<Content*>(x->content); }
+Eigen::ArrayXd& array(N_Vector x) { return content(x).data; }
+
+N_Vector clone(N_Vector x) noexcept {
+  N_Vector copy = N_VNewEmpty(x->sunctx);
+  if (!copy) return nullptr;
+  N_VCopyOps(x, copy);
+  copy->content = new (std::nothrow) Content{Eigen::ArrayXd::Zero(array(x).size()), content(x).entries};
+  if (!copy->content) N_VFreeEmpty(copy), copy = nullptr;
+  return copy;
+}
+
+void destroy(N_Vector x) noexcept {
+  delete static_cast<Content*>(x->content);
+  x->content = nullptr;
+  N_VFreeEmpty(x);
+}
+
+int linear_combination(int count, sunrealtype* c, N_Vector* x, N_Vector z) noexcept {
+  auto& out = array(z);
+  // Several operands a pass: the result is read and written once for each group, and may be the first operand.
+  switch (count) {
+    case 1: out = c[0] * array(x[0]); return 0;
+    case 2: out = c[0] * array(x[0]) + c[1] * array(x[1]); return 0;
+    case 3: out = c[0] * array(x[0]) + c[1] * array(x[1]) + c[2] * array(x[2]); return 0;
+    default: out = c[0] * array(x[0]) + c[1] * array(x[1]) + c[2] * array(x[2]) + c[3] * array(x[3]);
+  }
+  int k = 4;
+  for (; k + 1 < count; k += 2) out += c[k] * array(x[k]) + c[k + 1] * array(x[k + 1]);
+  if (k < count) out += c[k] * array(x[k]);
+  return 0;
+}
+
+int probed_combination(int count, sunrealtype* c, N_Vector* x, N_Vector z) noexcept {
+  const auto& entries = *content(z).entries;
+  auto& out = array(z);
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    double sum = 0.0;
+    for (int k = 0; k < count; ++k) sum += c[k] * array(x[k])[static_cast<Eigen::Index>(entries[i])];
+    out[static_cast<Eigen::Index>(i)] = sum;
+  }
+  return 0;
+}
+
+int scale_add_multi(int count, sunrealtype* c, N_Vector x, N_Vector* y, N_Vector* z) noexcept {
+  for (int k = 0; k < count; ++k) array(z[k]) = array(y[k]) + c[k] * array(x);
+  return 0;
+}
+
+void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z) noexcept {
+  if (a == 1.0)
+    array(z) = array(x) + b * array(y);
+  else
+    array(z) = a * array(x) + b * array(y);
+}
+
+double weighted_max_norm(N_Vector x, N_Vector w) noexcept { return (array(x) * array(w)).abs().maxCoeff(); }
+
+Vector make(Eigen::ArrayXd data, const std::vector<std::size_t>* entries, const Context& context) {
+  Vector vector(N_VNewEmpty(context.get()));
+  if (!vector) throw std::bad_alloc();
+  vector->content = new Content{std::move(data), entries};
+  auto& ops = *vector->ops;
+  ops.nvgetvectorid = [](N_Vector) noexcept { return SUNDIALS_NVEC_CUSTOM; };
+  ops.nvclone = clone;
+  ops.nvcloneempty = clone;
+  ops.nvdestroy = destroy;
+  ops.nvgetarraypointer = [](N_Vector x) noexcept { return array(x).data(); };
+  ops.nvgetlength = [](N_Vector x) noexcept { return static_cast<sunindextype>(array(x).size()); };
+  ops.nvlinearsum = linear_sum;
+  ops.nvconst = [](sunrealtype c, N_Vector z) noexcept { array(z).setConstant(c); };
+  ops.nvprod = [](N_Vector x, N_Vector y, N_Vector z) noexcept { array(z) = array(x) * array(y); };
+  ops.nvdiv = [](N_Vector x, N_Vector y, N_Vector z) noexcept { array(z) = array(x) / array(y); };
+  ops.nvscale = [](sunrealtype c, N_Vector x, N_Vector z) noexcept { array(z) = c * array(x); };
+  ops.nvabs = [](N_Vector x, N_Vector z) noexcept { array(z) = array(x).abs(); };
+  ops.nvinv = [](N_Vector x, N_Vector z) noexcept { array(z) = array(x).inverse(); };
+  ops.nvaddconst = [](N_Vector x, sunrealtype b, N_Vector z) noexcept { array(z) = array(x) + b; };
+  ops.nvdotprod = [](N_Vector x, N_Vector y) noexcept { return (array(x) * array(y)).sum(); };
+  ops.nvmaxnorm = [](N_Vector x) noexcept { return array(x).abs().maxCoeff(); };
+  ops.nvmin = [](N_Vector x) noexcept { return array(x).minCoeff(); };
+  ops.nvwrmsnorm = weighted_max_norm;
+  ops.nvlinearcombination = entries ? probed_combination : linear_combination;
+  ops.nvscaleaddmulti = scale_add_multi;
+  return vector;
+}
+
+}  // namespace
+
+Vector make_vector(std::size_t size, const Context& context) {
+  return make(Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(size)), nullptr, context);
+}
+
+Vector make_probe(const std::vector<std::size_t>& entries, const Context& context) {
+  return make(Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(entries.size())), &entries, context);
+}
+
+std::span<double> values(N_Vector vector) {
+  auto& data = array(vector);
+  return {data.data(), static_cast<std::size_t>(data.size())};
+}
+
+}  // namespace viscobar::sundials

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "integration/sundials/handles.hpp"
+
+namespace viscobar::sundials {
+
+/// An N_Vector of our own: contiguous, every operation vectorised and the linear combinations fused, because
+/// distributions ship SUNDIALS' own vectors unoptimised. Its weighted norm is the maximum norm max |x_i w_i|: the
+/// root mean square would dilute the error of one node in an impact by the square root of the mesh size.
+Vector make_vector(std::size_t size, const Context& context);
+
+/// A vector that linear combinations only reach at the given entries of their operands: evaluating an integrator's
+/// interpolant into it costs a few operations instead of a pass over the whole history.
+/// `entries` must outlive the vector.
+Vector make_probe(const std::vector<std::size_t>& entries, const Context& context);
+
+std::span<double> values(N_Vector vector);
+inline std::span<double> values(const Vector& vector) { return values(vector.get()); }
+
+}  // namespace viscobar::sundials

@@ -1,0 +1,152 @@
+#include "io/formula.hpp"
+
+#include <fmt/format.h>
+#include <muParser.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "io/nearest_name.hpp"
+
+namespace viscobar {
+
+namespace {
+
+constexpr std::array<std::string_view, 10> functions = {"sin",  "cos", "tan", "exp", "log",
+                                                        "sqrt", "abs", "min", "max", "pi"};
+
+// Binds the names a formula knows, and nothing else of what the library would offer.
+void define_names(mu::Parser& parser) {
+  parser.ClearFun();
+  parser.ClearConst();
+  using Unary = double (*)(double);
+  parser.DefineFun("sin", static_cast<Unary>(std::sin));
+  parser.DefineFun("cos", static_cast<Unary>(std::cos));
+  parser.DefineFun("tan", static_cast<Unary>(std::tan));
+  parser.DefineFun("exp", static_cast<Unary>(std::exp));
+  parser.DefineFun("log", static_cast<Unary>(std::log));
+  parser.DefineFun("sqrt", static_cast<Unary>(std::sqrt));
+  parser.DefineFun("abs", static_cast<Unary>(std::fabs));
+  parser.DefineFun(
+      "min", +[](const double* values, int n) { return *std::min_element(values, values + n); });
+  parser.DefineFun(
+      "max", +[](const double* values, int n) { return *std::max_element(values, values + n); });
+  parser.DefineConst("pi", std::numbers::pi);
+}
+
+// The parser reads its variables through pointers; a copy compiles anew, over variables of its own.
+class Compiled {
+ public:
+  explicit Compiled(std::string text) : text_(std::move(text)) {
+    define_names(parser_);
+    parser_.DefineVar("x", &x_);
+    parser_.DefineVar("t", &t_);
+    parser_.SetExpr(text_);
+  }
+  Compiled(const Compiled& other) : Compiled(other.text_) {}
+  Compiled& operator=(const Compiled&) = delete;
+  ~Compiled() = default;
+
+  double operator()(double x, double t) {
+    x_ = x;
+    t_ = t;
+    return parser_.Eval();
+  }
+
+ private:
+  std::string text_;
+  double x_ = 0.0, t_ = 0.0;
+  mu::Parser parser_;
+};
+
+std::string at(std::size_t index) { return fmt::format(" at character {}", index + 1); }
+
+bool starts_name(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+
+// What the library takes but a formula must not hold: assignments, bytes that are no printable ASCII, strings.
+void check_characters(std::string_view text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    const bool blank = c == ' ' || c == '\t' || c == '\n' || c == '\r';
+    if (!blank && (c < ' ' || c > '~' || c == '"'))
+      throw FormulaError("the formula holds a character that is no part of a formula" + at(i));
+    if (c != '=') continue;
+    const bool compares = (i > 0 && std::string_view("<>!").find(text[i - 1]) != std::string_view::npos) ||
+                          (i + 1 < text.size() && text[i + 1] == '=');
+    if (!compares) throw FormulaError("the formula assigns with =" + at(i) + "; comparison is ==");
+    if (i + 1 < text.size() && text[i + 1] == '=') ++i;
+  }
+}
+
+std::string unknown_token(std::string_view token, std::string_view variables, std::size_t position) {
+  token = token.substr(0, token.find_last_not_of(' ') + 1);
+  if (token.empty() || !starts_name(token.front()))
+    return fmt::format("cannot be understood from \"{}\"{} on", token, at(position));
+  if (token == "x" || token == "t")
+    return fmt::format("uses {}{}, but is a function of {} alone", token, at(position), variables);
+  if (std::find(functions.begin(), functions.end(), token) != functions.end())
+    return fmt::format("names the function {}{} without its arguments in parentheses", token, at(position));
+  const auto nearest = nearest_name(token, functions);
+  return fmt::format("knows no \"{}\"{}{}", token, at(position),
+                     nearest ? fmt::format("; nearest is \"{}\"", *nearest)
+                             : fmt::format("; it may use {}{} and {}", variables.substr(0, 1),
+                                           variables.size() > 1 ? ", t" : "", fmt::join(functions, " ")));
+}
+
+std::string explain(const mu::ParserError& error, std::string_view text, std::string_view variables) {
+  const std::size_t position = error.GetPos() < 0 ? 0 : static_cast<std::size_t>(error.GetPos());
+  switch (error.GetCode()) {
+    case mu::ecUNASSIGNABLE_TOKEN: return unknown_token(error.GetToken(), variables, position);
+    case mu::ecUNEXPECTED_EOF: return "ends too early";
+    case mu::ecEMPTY_EXPRESSION: return "is empty";
+    case mu::ecMISSING_PARENS: return "does not close a parenthesis";
+    case mu::ecTOO_MANY_PARAMS: return fmt::format("gives {} too many arguments{}", error.GetToken(), at(position));
+    case mu::ecTOO_FEW_PARAMS: return fmt::format("gives {} too few arguments{}", error.GetToken(), at(position));
+    case mu::ecMISSING_ELSE_CLAUSE: return "has a ? without its :";
+    case mu::ecMISPLACED_COLON: return "has a : without its ?," + at(position);
+    case mu::ecUNEXPECTED_ARG:
+    case mu::ecUNEXPECTED_ARG_SEP: return "has a comma outside of a function's arguments";
+    case mu::ecEXPRESSION_TOO_LONG: return "is too long";
+    default:
+      return position < text.size() ? fmt::format("does not expect \"{}\"{}", error.GetToken(), at(position))
+                                    : "is not complete";
+  }
+}
+
+}  // namespace
+
+Formula::Formula(std::string text, std::string_view variables) : text_(std::move(text)) {
+  check_characters(text_);
+  mu::Parser parser;
+  define_names(parser);
+  double value = 0.0;
+  for (const char variable : variables) parser.DefineVar(std::string(1, variable), &value);
+  try {
+    parser.SetExpr(text_);
+    constant_ = parser.Eval();
+    if (parser.GetNumResults() != 1) throw FormulaError("the formula has a comma outside of a function's arguments");
+    for (const auto& [name, storage] : parser.GetUsedVar()) used_ += name;
+  } catch (const mu::ParserError& error) {
+    throw FormulaError("the formula " + explain(error, text_, variables));
+  }
+  if (is_constant() && !std::isfinite(constant_)) throw FormulaError(fmt::format("must be finite, is {}", constant_));
+}
+
+SpaceFunction Formula::of_x() const {
+  if (is_constant()) return [value = constant_](double) { return value; };
+  return [f = Compiled(text_)](double x) mutable { return f(x, 0.0); };
+}
+
+TimeFunction Formula::of_t() const {
+  if (is_constant()) return [value = constant_](double) { return value; };
+  return [f = Compiled(text_)](double t) mutable { return f(0.0, t); };
+}
+
+SpaceTimeFunction Formula::of_x_t() const {
+  if (is_constant()) return [value = constant_](double, double) { return value; };
+  return [f = Compiled(text_)](double x, double t) mutable { return f(x, t); };
+}
+
+}  // namespace viscobar

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "viscobar/scene/scene.hpp"
+
+namespace viscobar {
+
+/// What is wrong with a formula, and where.
+class FormulaError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A function of x, of t, or of both, that the user wrote: a number, or a formula of + - * / ^, comparisons, && ||,
+/// ?:, sin cos tan exp log (natural) sqrt abs min max, and pi.
+///
+/// A function made from it owns its parser, and so does every copy of that function: different copies may be called by
+/// different threads at the same time, one and the same may not.
+class Formula {
+ public:
+  explicit Formula(double constant) : constant_(constant) {}
+  /// `variables` are those that the formula may use: "x", "t" or "xt".
+  /// @throws FormulaError
+  Formula(std::string text, std::string_view variables);
+
+  bool uses(char variable) const { return used_.find(variable) != used_.npos; }
+  bool is_constant() const { return used_.empty(); }
+  double constant() const { return constant_; }  ///< of a constant formula
+
+  SpaceFunction of_x() const;
+  TimeFunction of_t() const;
+  SpaceTimeFunction of_x_t() const;
+
+ private:
+  std::string text_;
+  std::string used_;
+  double constant_ = 0.0;
+};
+
+}  // namespace viscobar

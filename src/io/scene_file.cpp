@@ -1,0 +1,197 @@
+#include "viscobar/io/scene_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "io/scene_entries.hpp"
+
+namespace viscobar {
+
+namespace {
+
+constexpr std::size_t largest_file = 1 << 20;  // bytes; a scene takes about one thousand
+
+constexpr Mass all_masses[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::redistributed};
+
+EndCondition end_of(const SceneEntries& entries, const std::string& side) {
+  const std::string kind = entries.text(side + ".kind").value_or("free");
+  // A gap that is not known is one that nothing penetrates.
+  if (kind == "obstacle") return Obstacle{entries.number(side + ".gap").value_or(1e100)};
+  if (kind == "fixed") return Fixed{};
+  return Free{};
+}
+
+// The narrowest kind of load that the formulas allow, and none at all for one that is zero.
+std::optional<Load> load_of(const SceneEntries& entries) {
+  const auto is_zero = [](const Formula& formula) { return formula.is_constant() && formula.constant() == 0.0; };
+  if (const auto density = entries.formula("load.density")) {
+    if (is_zero(*density)) return std::nullopt;
+    if (!density->uses('t')) return SteadyLoad{density->of_x()};
+    if (!density->uses('x')) return SeparableLoad{[](double) { return 1.0; }, density->of_t()};
+    return GeneralLoad{density->of_x_t()};
+  }
+  const auto profile = entries.formula("load.profile"), history = entries.formula("load.history");
+  if (!profile || !history || is_zero(*profile) || is_zero(*history)) return std::nullopt;
+  if (history->is_constant())
+    return SteadyLoad{[f = profile->of_x(), factor = history->constant()](double x) { return factor * f(x); }};
+  return SeparableLoad{profile->of_x(), history->of_t()};
+}
+
+// The case that the sound keys make. A faulty key gets a value that no other check can take offence at, and what could
+// only be checked against a faulty key becomes harmless with it.
+Case case_of(const SceneEntries& entries) {
+  const auto number = [&](const char* key, double otherwise) { return entries.number(key).value_or(otherwise); };
+  const auto optional_number = [&](const char* key, double otherwise) {
+    return entries.faulty(key) ? otherwise : entries.number(key);
+  };
+  const auto chosen = [&](const char* key, const auto& all, auto otherwise) {
+    const auto text = entries.text(key);
+    for (const auto one : all)
+      if (text == name(one)) return one;
+    return otherwise;
+  };
+  const auto function = [&](const char* key) {
+    return entries.faulty("bar.length") ? Formula(0.0).of_x() : entries.formula(key).value_or(Formula(0.0)).of_x();
+  };
+
+  Case run;
+  run.scene.title = entries.text("title").value_or("");
+  run.scene.bar = {number("bar.length", 1.0), number("bar.density", 1.0), number("bar.modulus", 1.0),
+                   number("bar.viscosity", 1.0)};
+  run.scene.left = end_of(entries, "left");
+  run.scene.right = end_of(entries, "right");
+  if (entries.present("span.gap")) run.scene.span = Obstacle{number("span.gap", 1e100)};
+  run.scene.displacement = function("initial.displacement");
+  run.scene.velocity = function("initial.velocity");
+  run.scene.load = load_of(entries);
+
+  run.elements = static_cast<std::size_t>(number("mesh.elements", 1.0));  // the nodes 0 and L are those of any mesh
+  run.mass = chosen("mesh.mass", all_masses, Mass::consistent);
+  run.epsilon = optional_number("contact.epsilon", 1.0);
+  run.restitution = optional_number("contact.restitution", 1.0);
+  run.method = chosen("method.name", all_methods, MethodName::fully_discrete);
+  run.tolerance = {number("method.relative_tolerance", 1e-6), number("method.absolute_tolerance", 1e-9)};
+  run.start = entries.text("method.start") == "second_order" ? Start::second_order : Start::first_order;
+
+  run.end = number("time.end", 1.0);
+  const bool end_known = !entries.faulty("time.end");
+  run.output_every = end_known ? number("output.every", run.end / 100.0) : run.end;
+  run.step = optional_number("method.step", run.end);
+  if (!end_known || (entries.faulty("method.name") && !run.step)) run.step = run.end;
+  return run;
+}
+
+void check_end(SceneEntries& entries, const std::string& side) {
+  const auto kind = entries.text(side + ".kind");
+  const std::string gap = side + ".gap";
+  if (!kind || entries.faulty(gap)) return;
+  if (*kind == "obstacle" && !entries.present(gap)) entries.report(gap, "is missing: an obstacle has a gap, u >= -gap");
+  if (*kind != "obstacle" && entries.present(gap))
+    entries.report(gap, fmt::format("belongs to an obstacle; this end is {}", *kind));
+}
+
+void check_load_keys(SceneEntries& entries) {
+  const bool density = entries.present("load.density");
+  const bool profile = entries.present("load.profile"), history = entries.present("load.history");
+  if (density && (profile || history))
+    entries.report("load.density", "excludes load.profile and load.history: the load is one or the other");
+  else if (profile != history)
+    entries.report(profile ? "load.history" : "load.profile", "is missing: profile and history come together");
+}
+
+// validate() asks this of the initial data; a load is not looked at before a run.
+std::vector<Finding> check_load_values(const SceneEntries& entries, const Mesh& mesh) {
+  std::vector<Finding> findings;
+  if (entries.faulty("bar.length")) return findings;
+  for (const char* key : {"load.density", "load.profile", "load.history"}) {
+    const auto formula = entries.formula(key);
+    if (!formula) continue;
+    const SpaceTimeFunction f = formula->of_x_t();
+    const std::size_t nodes = formula->uses('x') ? mesh.nodes() : 1;
+    for (std::size_t j = 0; j < nodes; ++j) {
+      const double x = mesh.node(j), value = f(x, 0.0);
+      if (std::isfinite(value)) continue;
+      findings.push_back({key, fmt::format("is {} at x = {}, t = 0", value, x)});
+      break;
+    }
+  }
+  return findings;
+}
+
+// Validates the case until nothing new comes up: what is found wrong is taken out of the case, for it may hide more.
+Case validated_case(SceneEntries& entries) {
+  for (;;) {
+    Case run = case_of(entries);
+    std::vector<Finding> findings = validate(run);
+    for (Finding& finding : check_load_values(entries, run.mesh())) findings.push_back(std::move(finding));
+    std::erase_if(findings, [&](const Finding& finding) { return entries.faulty(finding.key); });
+    if (findings.empty()) return run;
+    for (const Finding& finding : findings) entries.report(finding.key, finding.problem);
+  }
+}
+
+std::string describe(const SceneEntries& entries, const Case& run) {
+  nlohmann::ordered_json json;
+  for (const SceneKey& key : scene_keys()) {
+    if (!entries.present(key.name)) continue;
+    auto& parent = key.table().empty() ? json : json[std::string(key.table())];
+    auto& value = parent[std::string(key.leaf())];
+    if (key.type == KeyType::count)
+      value = run.elements;
+    else if (const auto text = std::get_if<std::string>(&entries.value(key.name)))
+      value = *text;
+    else
+      value = *entries.number(key.name);
+  }
+  json["output"]["every"] = run.output_every;
+  return json.dump(2);
+}
+
+std::string all_texts(const std::vector<Diagnostic>& found) {
+  std::vector<std::string> texts;
+  for (const Diagnostic& one : found) texts.push_back(one.text());
+  return fmt::format("{}", fmt::join(texts, "\n"));
+}
+
+}  // namespace
+
+std::string Diagnostic::text() const {
+  return fmt::format("{}:{}:{}: {}{}{}", source, line, column, key, key.empty() ? "" : ": ", message);
+}
+
+SceneError::SceneError(std::vector<Diagnostic> found)
+    : std::runtime_error(all_texts(found)), diagnostics(std::move(found)) {}
+
+SceneFile parse_scene(const std::string& text, const std::string& source, std::span<const std::string> overrides) {
+  SceneEntries entries(text, source, overrides);
+  SceneFile scene;
+  if (entries.readable()) {
+    check_end(entries, "left");
+    check_end(entries, "right");
+    check_load_keys(entries);
+    scene.run = validated_case(entries);
+  }
+  if (auto found = entries.diagnostics(); !found.empty()) throw SceneError(std::move(found));
+  scene.description = describe(entries, scene.run);
+  return scene;
+}
+
+SceneFile read_scene(const std::filesystem::path& file, std::span<const std::string> overrides) {
+  const auto fail = [&](const std::string& problem) {
+    throw SceneError({{file.string(), 1, 1, "", "cannot be read: " + problem}});
+  };
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  std::string text(largest_file + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!stream.eof()) fail(errno != 0 ? std::strerror(errno) : "it is longer than 1 MiB");
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return parse_scene(text, file.string(), overrides);
+}
+
+}  // namespace viscobar

@@ -1,0 +1,133 @@
+#include "io/scene_keys.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <vector>
+
+#include "io/nearest_name.hpp"
+
+namespace viscobar {
+
+namespace {
+
+using enum KeyType;
+using enum Presence;
+
+// Squares and products of three stay finite and normal within these bounds.
+constexpr double smallest = 1e-100, largest = 1e100;
+constexpr Range positive{smallest, largest, "> 0"};
+constexpr Range not_negative{0.0, largest, ">= 0"};
+
+constexpr std::string_view ends[] = {"obstacle", "free", "fixed"};
+constexpr std::string_view masses[] = {"consistent", "lumped", "paper", "redistributed"};
+constexpr std::string_view methods[] = {"cvode", "ida", "exponential", "fully_discrete", "finite_difference"};
+constexpr std::string_view starts[] = {"first_order", "second_order"};
+
+// clang-format off
+constexpr SceneKey keys[] = {
+    {"title", text, optional, "", "", "free text, for reports"},
+
+    {"bar.length", number, required, "", "length", "length L of the bar, 0 < x < L", positive},
+    {"bar.density", number, optional, "1.0", "density", "rho", positive},
+    {"bar.modulus", number, optional, "1.0", "stress", "E", positive},
+    {"bar.viscosity", number, optional, "0.0", "stress x time", "eta, the paper's alpha; 0 means that no damping term exists", not_negative},
+
+    {"left.kind", choice, required_in_table, "\"free\"", "", "what holds the end at x = 0", {}, ends},
+    {"left.gap", number, optional, "", "length", "u(0,t) >= -gap; an obstacle needs it, no other end has one", not_negative},
+    {"right.kind", choice, required_in_table, "\"free\"", "", "what holds the end at x = L", {}, ends},
+    {"right.gap", number, optional, "", "length", "u(L,t) >= -gap; an obstacle needs it, no other end has one", not_negative},
+    {"span.gap", number, required_in_table, "", "length", "u(x,t) >= -gap along the whole bar; without the table there is no such obstacle", not_negative},
+
+    {"initial.displacement", formula, required, "", "length", "u_0", {}, {}, "x"},
+    {"initial.velocity", formula, required, "", "length / time", "u_1", {}, {}, "x"},
+
+    {"load.density", formula, optional, "", "stress / length", "f, force per volume", {}, {}, "xt"},
+    {"load.profile", formula, optional, "", "stress / length", "f = profile history, instead of the density: evaluated once per node", {}, {}, "x"},
+    {"load.history", formula, optional, "", "1", "f = profile history: evaluated once per step", {}, {}, "t"},
+
+    {"time.end", number, required, "", "time", "T, the end of the run, which begins at t = 0", positive},
+
+    {"mesh.elements", count, required, "", "1", "number of elements of equal length", {1.0, 1e8, "1 to 1e8"}},
+    {"mesh.mass", choice, optional, "\"consistent\"", "", "mass matrix", {}, masses},
+
+    {"contact.epsilon", number, optional, "", "length / stress", "reaction = penetration / epsilon; penalised methods need it where there is an obstacle", positive},
+    {"contact.restitution", number, optional, "", "1", "restitution of a node; absent: undamped spring in penalised methods, implicit constraint in the others", {0.0, 1.0, "0 to 1"}},
+
+    {"method.name", choice, optional, "\"cvode\"", "", "how the scene is integrated", {}, methods},
+    {"method.relative_tolerance", number, optional, "1e-6", "1", "cvode, ida: local error allowed, relative to the largest displacement and velocity", {smallest, 0.1, "> 0, <= 0.1"}},
+    {"method.absolute_tolerance", number, optional, "1e-9", "length", "cvode, ida: local error always allowed; the same number serves the velocity", positive},
+    {"method.step", number, optional, "", "time", "time step of fully_discrete and finite_difference, which need it", positive},
+    {"method.start", choice, optional, "\"first_order\"", "", "first step of these two: u_0 + dt u_1, or with the term dt^2/2 u'' too", {}, starts},
+
+    {"output.every", number, optional, "", "time", "interval of the output times; absent: time.end / 100", positive},
+};
+// clang-format on
+
+constexpr std::string_view tables[] = {"bar",  "left", "right",   "span",   "initial", "load",
+                                       "time", "mesh", "contact", "method", "output"};
+
+template <class Condition>
+const SceneKey* first_key(Condition condition) {
+  const auto* found = std::find_if(std::begin(keys), std::end(keys), condition);
+  return found == std::end(keys) ? nullptr : found;
+}
+
+std::string type_words(const SceneKey& key) {
+  switch (key.type) {
+    case text: return "text";
+    case choice: return fmt::format("`{}`", fmt::join(key.choices, "`, `"));
+    case number: return fmt::format("number {}", key.range.words);
+    case count: return fmt::format("whole number {}", key.range.words);
+    case formula: return fmt::format("number, or formula in {}", key.variables == "xt" ? "x and t" : key.variables);
+  }
+  return {};
+}
+
+std::string default_words(const SceneKey& key) {
+  if (key.presence == required) return "required";
+  const std::string value = key.fallback.empty() ? "none" : fmt::format("`{}`", key.fallback);
+  if (key.presence == optional) return value;
+  return fmt::format("required in `[{}]`{}", key.table(), key.fallback.empty() ? "" : ", else " + value);
+}
+
+}  // namespace
+
+std::string_view SceneKey::table() const {
+  const std::size_t dot = name.find('.');
+  return dot == name.npos ? std::string_view{} : name.substr(0, dot);
+}
+
+std::string_view SceneKey::leaf() const { return name.substr(name.find('.') + 1); }
+
+std::span<const SceneKey> scene_keys() { return keys; }
+
+std::span<const std::string_view> scene_tables() { return tables; }
+
+bool is_scene_table(std::string_view name) {
+  return std::find(std::begin(tables), std::end(tables), name) != std::end(tables);
+}
+
+const SceneKey* find_scene_key(std::string_view name) {
+  return first_key([&](const SceneKey& key) { return key.name == name; });
+}
+
+const SceneKey* find_scene_key(std::string_view table, std::string_view leaf) {
+  return first_key([&](const SceneKey& key) { return key.table() == table && key.leaf() == leaf; });
+}
+
+const SceneKey* nearest_scene_key(std::string_view table, std::string_view leaf) {
+  std::vector<std::string_view> siblings;
+  for (const SceneKey& key : keys)
+    if (key.table() == table) siblings.push_back(key.leaf());
+  if (const auto nearest = nearest_name(leaf, siblings)) return find_scene_key(table, *nearest);
+  return first_key([&](const SceneKey& key) { return key.leaf() == leaf; });
+}
+
+std::string documentation_row(const SceneKey& key) {
+  return fmt::format("| `{}` | {} | {} | {} | {} |", key.name, type_words(key), default_words(key), key.unit,
+                     key.meaning);
+}
+
+}  // namespace viscobar

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace viscobar {
+
+enum class KeyType { text, choice, number, count, formula };
+
+enum class Presence {
+  required,           ///< in every scene
+  required_in_table,  ///< where its table is
+  optional
+};
+
+/// Closed interval of the values that a number may have.
+struct Range {
+  double low, high;
+  std::string_view words;
+};
+
+/// All that is said about one key of a scene file. Reading, checking, suggesting and documenting go by this table.
+struct SceneKey {
+  std::string_view name;  ///< "table.key", or a key above the first table
+  KeyType type;
+  Presence presence;
+  std::string_view fallback;  ///< value when the key is absent, as TOML; empty: none
+  std::string_view unit;
+  std::string_view meaning;
+  Range range{};                                ///< of a number or count
+  std::span<const std::string_view> choices{};  ///< of a choice
+  std::string_view variables{};                 ///< of a formula: "x", "t" or "xt"
+
+  std::string_view table() const;  ///< empty above the first table
+  std::string_view leaf() const;   ///< the key within its table
+};
+
+std::span<const SceneKey> scene_keys();
+
+/// The key of this full name; nullptr when there is none.
+const SceneKey* find_scene_key(std::string_view name);
+const SceneKey* find_scene_key(std::string_view table, std::string_view leaf);
+
+/// Names of the tables, in the order of scene_keys().
+std::span<const std::string_view> scene_tables();
+bool is_scene_table(std::string_view name);
+
+/// The key that an unknown one was probably meant to be: the nearest one of the same table, or the one of that name in
+/// another table.
+const SceneKey* nearest_scene_key(std::string_view table, std::string_view leaf);
+
+/// The row of the key in docs/scene-file.md: key, type, default, unit, meaning.
+std::string documentation_row(const SceneKey& key);
+
+}  // namespace viscobar

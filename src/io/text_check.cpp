@@ -1,0 +1,154 @@
+#include "io/text_check.hpp"
+
+#include <algorithm>
+
+namespace viscobar {
+
+namespace {
+
+constexpr std::size_t most_parts = 32;  // of a dotted name; each part costs the parser a level of recursion
+
+bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0u) == 0x80u; }
+
+// Bytes of the UTF-8 sequence at `i`, 0 when it is none (overlong forms, surrogates and values above U+10FFFF too).
+std::size_t sequence_length(std::string_view text, std::size_t i) {
+  const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
+  const unsigned first = byte(i), second = byte(i + 1);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  const unsigned lowest = first == 0xE0 ? 0xA0 : first == 0xF0 ? 0x90 : 0x80;
+  const unsigned highest = first == 0xED ? 0x9F : first == 0xF4 ? 0x8F : 0xBF;
+  if (first < 0xC2 || first > 0xF4 || second < lowest || second > highest) return 0;
+  for (std::size_t k = 2; k < length; ++k)
+    if (i + k >= text.size() || !is_continuation(text[i + k])) return 0;
+  return length;
+}
+
+std::size_t first_invalid(std::string_view text) {
+  std::size_t i = 0;
+  while (i < text.size()) {
+    const std::size_t length = sequence_length(text, i);
+    if (length == 0) return i;
+    i += length;
+  }
+  return i;
+}
+
+class Scanner {
+ public:
+  explicit Scanner(std::string_view text) : text_(text) {
+    if (text_.starts_with("\xEF\xBB\xBF")) i_ = 3;
+  }
+
+  void scan() {
+    bool statement_begins = true;
+    std::size_t depth = 0, parts = 1;
+    while (!at_end()) {
+      const char c = text_[i_];
+      if (c == '\n') {
+        statement_begins = depth == 0;
+        parts = 1;
+        ++i_;
+      } else if (is_blank(c)) {
+        ++i_;
+      } else if (c == '#') {
+        skip_comment();
+      } else if (c == '[' && statement_begins) {
+        skip_header();
+      } else {
+        statement_begins = false;
+        if (c == '"' || c == '\'') {
+          skip_string(true);
+          continue;
+        }
+        if (static_cast<unsigned char>(c) >= 0x80) fail(i_, "letters beyond ASCII belong into quotes or comments only");
+        if (c == '[' || c == '{') ++depth;
+        if ((c == ']' || c == '}') && depth > 0) --depth;
+        if (c == '=' || c == ',' || c == '[' || c == '{') parts = 1;
+        if (c == '.' && ++parts > most_parts) fail(i_, "this name has too many parts");
+        ++i_;
+      }
+    }
+  }
+
+ private:
+  bool at_end() const { return i_ >= text_.size(); }
+  char peek(std::size_t ahead = 0) const { return i_ + ahead < text_.size() ? text_[i_ + ahead] : '\0'; }
+  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+  static bool is_bare(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  }
+  [[noreturn]] void fail(std::size_t offset, const std::string& what) const {
+    throw TextError(position_in(text_, offset), what);
+  }
+
+  void skip_blanks() {
+    while (!at_end() && is_blank(text_[i_])) ++i_;
+  }
+  void skip_comment() { i_ = std::min(text_.find('\n', i_), text_.size()); }
+
+  void skip_string(bool may_span_lines) {
+    const std::size_t begin = i_;
+    const char quote = text_[i_];
+    const bool long_form = peek(1) == quote && peek(2) == quote;
+    if (long_form && !may_span_lines) fail(begin, "a name cannot be a string of several lines");
+    const std::string end(long_form ? 3 : 1, quote);
+    i_ += end.size();
+    while (!text_.substr(std::min(i_, text_.size())).starts_with(end)) {
+      if (at_end() || (!long_form && text_[i_] == '\n')) fail(begin, "this string does not end");
+      i_ += quote == '"' && text_[i_] == '\\' ? 2 : 1;
+    }
+    i_ += end.size();
+    // Up to two quotes may precede the closing three.
+    if (long_form)
+      for (int k = 0; k < 2 && peek() == quote; ++k) ++i_;
+  }
+
+  void skip_header() {
+    const std::size_t begin = i_;
+    const std::size_t brackets = peek(1) == '[' ? 2 : 1;
+    i_ += brackets;
+    for (std::size_t parts = 1;; ++parts) {
+      skip_blanks();
+      const std::size_t name = i_;
+      if (peek() == '"' || peek() == '\'') {
+        skip_string(false);
+      } else {
+        while (!at_end() && is_bare(text_[i_])) ++i_;
+        if (i_ == name) fail(i_, "a table begins with its name in brackets, like [bar]");
+      }
+      if (parts > most_parts) fail(begin, "this name has too many parts");
+      skip_blanks();
+      if (peek() != '.') break;
+      ++i_;
+    }
+    for (std::size_t k = 0; k < brackets; ++k, ++i_)
+      if (peek() != ']') fail(i_, "a table begins with its name in brackets, like [bar]");
+    skip_blanks();
+    if (!at_end() && peek() != '\n' && peek() != '#') fail(i_, "nothing may follow a table's name on its line");
+  }
+
+  std::string_view text_;
+  std::size_t i_ = 0;
+};
+
+}  // namespace
+
+TextPosition position_in(std::string_view text, std::size_t offset) {
+  const std::string_view before = text.substr(0, offset);
+  const std::size_t newline = before.rfind('\n');
+  const std::string_view line = newline == before.npos ? before : before.substr(newline + 1);
+  return {1 + static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n')),
+          1 + static_cast<std::size_t>(
+                  std::count_if(line.begin(), line.end(), [](char c) { return !is_continuation(c); }))};
+}
+
+bool is_utf8(std::string_view text) { return first_invalid(text) == text.size(); }
+
+void check_text(std::string_view text) {
+  const std::size_t invalid = first_invalid(text);
+  if (invalid < text.size()) throw TextError(position_in(text, invalid), "this byte is not part of UTF-8 text");
+  Scanner(text).scan();
+}
+
+}  // namespace viscobar

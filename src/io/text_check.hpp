@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace viscobar {
+
+/// A place in a text: lines and characters (code points, not bytes) of the line, from 1.
+struct TextPosition {
+  std::size_t line = 1, column = 1;
+};
+
+/// Position of the byte at `offset`.
+TextPosition position_in(std::string_view text, std::size_t offset);
+
+/// A text that is not TOML.
+class TextError : public std::runtime_error {
+ public:
+  TextError(TextPosition position, const std::string& what) : std::runtime_error(what), at(position) {}
+  TextPosition at;
+};
+
+bool is_utf8(std::string_view text);
+
+/// Refuses what toml++ 3.3 answers with undefined behaviour or unbounded recursion: text that is not UTF-8, letters
+/// beyond ASCII outside of strings and comments, malformed table headers, dotted names of very many parts, strings
+/// that do not end. What passes may still be wrong TOML.
+/// @throws TextError at the first fault
+void check_text(std::string_view text);
+
+}  // namespace viscobar

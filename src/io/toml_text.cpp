@@ -1,0 +1,72 @@
+#include "io/toml_text.hpp"
+
+#include <string>
+
+namespace {
+
+struct BrokenAssumption {};
+
+constexpr void assume(bool condition) {
+  if (!condition) throw BrokenAssumption();
+}
+
+}  // namespace
+
+// The parser's assertions guard against texts it does not foresee: here they throw, in every build. The packaged
+// library has them compiled away, so its headers are used instead.
+#undef NDEBUG
+#undef TOML_SHARED_LIB
+#undef TOML_HEADER_ONLY
+#define TOML_HEADER_ONLY 1
+#define TOML_ENABLE_FORMATTERS 0
+#define TOML_ASSERT(condition) assume(static_cast<bool>(condition))
+#include <toml++/toml.h>
+
+namespace viscobar {
+
+namespace {
+
+TextPosition position(const toml::source_region& region) { return {region.begin.line, region.begin.column}; }
+
+TomlValue plain_value(const toml::node& node) {
+  if (const auto* text = node.as_string()) return text->get();
+  if (const auto* integer = node.as_integer()) return integer->get();
+  if (const auto* number = node.as_floating_point()) return number->get();
+  if (const auto* boolean = node.as_boolean()) return boolean->get();
+  if (node.is_table()) return OtherValue{"a table"};
+  if (node.is_array()) return OtherValue{"an array"};
+  return OtherValue{"a date or time"};
+}
+
+TomlDocument flatten(const toml::table& root) {
+  TomlDocument document;
+  const auto add = [&](const std::string& table, const toml::key& key, const toml::node& node) {
+    document.entries.push_back(
+        {table, std::string(key.str()), plain_value(node), position(key.source()), position(node.source())});
+  };
+  for (const auto& [name, node] : root) {
+    const auto* table = node.as_table();
+    if (!table) {
+      add("", name, node);
+      continue;
+    }
+    document.tables.push_back({std::string(name.str()), position(table->source())});
+    for (const auto& [key, value] : *table) add(document.tables.back().name, key, value);
+  }
+  return document;
+}
+
+}  // namespace
+
+TomlDocument parse_toml(std::string_view text) {
+  check_text(text);
+  try {
+    return flatten(toml::parse(text));
+  } catch (const toml::parse_error& error) {
+    throw TextError(position(error.source()), std::string(error.description()));
+  } catch (const BrokenAssumption&) {
+    throw TextError({}, "not a TOML text");
+  }
+}
+
+}  // namespace viscobar

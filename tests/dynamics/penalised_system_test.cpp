@@ -1,0 +1,139 @@
+#include "viscobar/dynamics/penalised_system.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <random>
+
+namespace viscobar {
+namespace {
+
+Scene scene_with(EndCondition left, EndCondition right, double viscosity) {
+  Scene scene;
+  scene.bar = {1.5, 2.0, 3.0, viscosity};
+  scene.left = left;
+  scene.right = right;
+  scene.displacement = [](double x) { return 0.2 + x * (1.5 - x); };
+  scene.velocity = [](double x) { return -x; };
+  return scene;
+}
+
+std::vector<double> random_vector(std::size_t n, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::vector<double> x(n);
+  for (double& entry : x) entry = uniform(generator);
+  return x;
+}
+
+// D(m,c,k) is the derivative of m rho M x - F(u + k x, w + c x): the force is affine on a leg, so differences are exact
+// but for rounding, n eps times the size of the terms.
+TEST(PenalisedSystem, DynamicStiffnessIsTheDerivativeOfTheForce) {
+  for (const Mass mass : {Mass::consistent, Mass::lumped, Mass::paper, Mass::redistributed}) {
+    for (const EndCondition& right : {EndCondition{Free{}}, EndCondition{Fixed{}}, EndCondition{Obstacle{0.3}}}) {
+      const BarSystem bar(scene_with(Obstacle{0.1}, right, 0.7), Mesh{1.5, 8}, mass);
+      PenalisedSystem system(bar, Penalty{0.01, 0.5});
+      for (std::size_t i = 0; i < system.contact_count(); ++i) system.set_closed(i, true);
+      const std::size_t n = system.size();
+      const double m = 1.7, c = 0.6, k = 0.9;
+      const auto u = random_vector(n, 1), w = random_vector(n, 2), x = random_vector(n, 3);
+      std::vector<double> shifted_u(n), shifted_w(n), before(n), after(n), product(n), inertia(n);
+      for (std::size_t i = 0; i < n; ++i) shifted_u[i] = u[i] + k * x[i], shifted_w[i] = w[i] + c * x[i];
+      system.force(0.0, u, w, before);
+      system.force(0.0, shifted_u, shifted_w, after);
+      SymmetricTridiagonal matrix;
+      system.dynamic_stiffness(m, c, k, matrix);
+      matrix.multiply(x, product);
+      bar.inertia().multiply(x, inertia);
+      for (std::size_t i = 0; i < n; ++i)
+        EXPECT_NEAR(product[i], m * inertia[i] - (after[i] - before[i]), 100 * 2.3e-16 * 200.0)
+            << name(mass) << ", row " << i;
+    }
+  }
+}
+
+// dE/dt = F . w - dissipated power + w . rho M a vanishes when rho M a = F: power of the force on frozen contacts.
+TEST(PenalisedSystem, ForceDoesTheWorkThatTheEnergyLoses) {
+  const BarSystem bar(scene_with(Obstacle{0.0}, Fixed{}, 0.4), Mesh{1.5, 6}, Mass::consistent);
+  PenalisedSystem system(bar, Penalty{0.02, 0.3});
+  system.set_closed(0, true);
+  auto u = random_vector(system.size(), 4);
+  const auto w = random_vector(system.size(), 5);
+  u[0] = -0.5;  // penetrates
+  std::vector<double> force(system.size());
+  system.force(0.0, u, w, force);
+  const double power = std::inner_product(force.begin(), force.end(), w.begin(), 0.0);
+  // The potential energy is quadratic: a central difference along w has no error but rounding / step.
+  const double step = 1e-3;
+  const std::vector<double> still(system.size(), 0.0);
+  auto potential = [&](double s) {
+    std::vector<double> moved(u);
+    for (std::size_t i = 0; i < moved.size(); ++i) moved[i] += s * w[i];
+    return system.energy(moved, still);
+  };
+  const double rate = (potential(step) - potential(-step)) / (2 * step);
+  EXPECT_NEAR(power, -rate - system.dissipated_power(w), 1e3 * 2.3e-16 / step);
+}
+
+TEST(PenalisedSystem, MasslessVelocityBalancesItsRow) {
+  const BarSystem bar(scene_with(Obstacle{0.1}, Obstacle{0.1}, 0.7), Mesh{1.5, 8}, Mass::redistributed);
+  PenalisedSystem system(bar, Penalty{0.01});
+  system.set_closed(0, true);
+  const auto u = random_vector(system.size(), 6);
+  auto w = random_vector(system.size(), 7);
+  system.complete_velocity(0.0, u, w);
+  std::vector<double> force(system.size());
+  system.force(0.0, u, w, force);
+  // Terms of size u / epsilon = 100 cancel.
+  EXPECT_NEAR(force.front(), 0.0, 100 * 100 * 2.3e-16);
+  EXPECT_NEAR(force.back(), 0.0, 100 * 100 * 2.3e-16);
+}
+
+TEST(PenalisedSystem, UndampedMasslessDisplacementBalancesItsRow) {
+  const BarSystem bar(scene_with(Obstacle{0.1}, Free{}, 0.0), Mesh{1.5, 8}, Mass::redistributed);
+  PenalisedSystem system(bar, Penalty{0.01});
+  for (const bool closed : {false, true}) {
+    system.set_closed(0, closed);
+    auto u = random_vector(system.size(), 8);
+    const auto w = random_vector(system.size(), 9);
+    system.complete_displacement(0.0, u);
+    std::vector<double> force(system.size());
+    system.force(0.0, u, w, force);
+    EXPECT_NEAR(force.front(), 0.0, 100 * 100 * 2.3e-16);
+  }
+}
+
+TEST(PenalisedSystem, StartsClosedOnlyWhenPressedIn) {
+  struct Start {
+    double displacement, velocity, load;
+    bool closed;
+  };
+  const double gap = 0.25;
+  for (const Start& start : {Start{0.0, -1.0, 0.0, false}, Start{-gap, -1.0, 0.0, true}, Start{-gap, 1.0, 0.0, false},
+                             Start{-gap, 0.0, -1.0, true}, Start{-gap, 0.0, 1.0, false}, Start{-gap, 0.0, 0.0, false}}) {
+    Scene scene = scene_with(Obstacle{gap}, Free{}, 0.1);
+    scene.displacement = [=](double) { return start.displacement; };
+    scene.velocity = [=](double) { return start.velocity; };
+    if (start.load != 0.0) scene.load = SteadyLoad{[=](double) { return start.load; }};
+    const BarSystem bar(scene, Mesh{1.5, 4}, Mass::consistent);
+    PenalisedSystem system(bar, Penalty{0.01});
+    State state = bar.initial_state();
+    system.settle(0.0, state.u, state.v);
+    EXPECT_EQ(system.closed(0), start.closed)
+        << "u " << start.displacement << ", v " << start.velocity << ", f " << start.load;
+  }
+}
+
+TEST(PenalisedSystem, EvaluatesNoLoadWhereThereIsNone) {
+  const BarSystem bar(scene_with(Obstacle{0.1}, Free{}, 0.1), Mesh{1.5, 4}, Mass::consistent);
+  PenalisedSystem system(bar, Penalty{0.01});
+  std::vector<double> out(system.size());
+  const State state = bar.initial_state();
+  system.force(0.0, state.u, state.v, out);
+  EXPECT_FALSE(system.loaded());
+  EXPECT_EQ(system.load_evaluations(), 0u);
+}
+
+}  // namespace
+}  // namespace viscobar
