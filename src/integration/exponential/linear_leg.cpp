@@ -3,8 +3,8 @@
 namespace viscobar::exponential {
 
 template <class Real>
-LinearLeg<Real>::LinearLeg(const BarSystem& system, std::span<const double> steady_load,
-                           std::vector<ContactLaw> closed)
+LinearLeg<Real>::LinearLeg(const BarSystem& system, double origin, std::span<const double> steady_load,
+                           std::vector<ClosedContact> closed)
     : n_(static_cast<Index>(system.size())),
       massive_begin_(static_cast<Index>(system.massive_begin())),
       massive_end_(static_cast<Index>(system.massive_end())),
@@ -19,8 +19,8 @@ LinearLeg<Real>::LinearLeg(const BarSystem& system, std::span<const double> stea
 
   std::vector<double> nodal(system.mesh().nodes());
   system.expand_displacement(std::vector<double>(system.size(), 0.0), nodal);
-  left_displacement_ = nodal.front();
-  right_displacement_ = nodal.back();
+  left_displacement_ = nodal.front() - origin;
+  right_displacement_ = nodal.back() - origin;
 
   const SymmetricTridiagonal& inertia = system.inertia();
   for (Index i = massive_begin_; i < massive_end_; ++i) {
@@ -65,14 +65,14 @@ typename LinearLeg<Real>::Series LinearLeg<Real>::expand(const Vector& y, Real o
 
     // Differences to the neighbour keep a rigid motion exactly rigid.
     const auto move_massless = [&](Index end, Index neighbour) {
-      Real k_c = 0, gap = 0;
-      for (const ContactLaw& contact : closed_)
-        if (contact.unknown == end) k_c = contact.law.stiffness, gap = contact.gap;
+      Real k_c = 0, surface = 0;
+      for (const ClosedContact& contact : closed_)
+        if (contact.unknown == end) k_c = contact.law.stiffness, surface = contact.surface;
       if (damping_ == 0)
-        c(end, k) = u[neighbour] + (p(end) - k_c * (u[neighbour] + constant * gap)) / (stiffness_ + k_c);
+        c(end, k) = u[neighbour] + (p(end) - k_c * (u[neighbour] - constant * surface)) / (stiffness_ + k_c);
       else if (k < order)
         c(end, k + 1) = c(neighbour, k + 1) + (p(end) + stiffness_ * (u[neighbour] - u[end]) -
-                                               k_c * (u[end] + constant * gap)) *
+                                               k_c * (u[end] - constant * surface)) *
                                                   tau / (Real(k + 1) * damping_);
     };
     if (massive_begin_ > 0) move_massless(0, 1);
@@ -96,11 +96,11 @@ typename LinearLeg<Real>::Series LinearLeg<Real>::expand(const Vector& y, Real o
       force[i - massive_begin_] = right - left + p(i);
       left = right;
     }
-    for (const ContactLaw& contact : closed_) {
+    for (const ClosedContact& contact : closed_) {
       const Index i = contact.unknown;
       if (i >= massive_begin_ && i < massive_end_)
         force[i - massive_begin_] -=
-            contact.law.stiffness * (u[i] + constant * contact.gap) + contact.law.damping * rate * v[i];
+            contact.law.stiffness * (u[i] - constant * contact.surface) + contact.law.damping * rate * v[i];
     }
     solve_inertia(force);
     c.col(k + 2).segment(massive_begin_, massive) = force * (tau * tau / Real((k + 1) * (k + 2)));
@@ -137,7 +137,7 @@ Real LinearLeg<Real>::dissipation(const Vector& v, const Vector& w) const {
   if (left_fixed_) sum += v[0] * w[0];
   if (right_fixed_) sum += v[n_ - 1] * w[n_ - 1];
   sum *= damping_;
-  for (const ContactLaw& contact : closed_) sum += contact.law.damping * v[contact.unknown] * w[contact.unknown];
+  for (const ClosedContact& contact : closed_) sum += contact.law.damping * v[contact.unknown] * w[contact.unknown];
   return sum;
 }
 

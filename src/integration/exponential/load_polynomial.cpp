@@ -71,8 +71,13 @@ LoadInterpolation::LoadInterpolation(const BarSystem& system) : basis_(static_ca
   load_.emplace(system);
   if (!load_->steady()) return;
   steady_ = load_->at(0.0);
-  evaluations_ = 1;
   load_.reset();
+}
+
+MatrixXd LoadInterpolation::varying(const LoadPolynomial& p) const { return load_ ? MatrixXd(basis_ * p) : MatrixXd(); }
+
+MatrixXd LoadInterpolation::total(const LoadPolynomial& p) const {
+  return load_ ? varying(p) : Eigen::Map<const MatrixXd>(steady_.data(), basis_.rows(), steady_.empty() ? 0 : 1);
 }
 
 bool LoadInterpolation::fit(double t, double tau, LoadPolynomial& out) {
@@ -83,7 +88,6 @@ bool LoadInterpolation::fit(double t, double tau, LoadPolynomial& out) {
     const std::span<const double> value = load_->at(t + tau * table.node[i]);
     samples.col(i) = Eigen::Map<const Eigen::VectorXd>(value.data(), basis_.rows());
     largest_ = std::max(largest_, samples.col(i).norm());
-    ++evaluations_;
   }
   for (Index i = 0; i < points; ++i) extend(basis_, samples.col(i), largest_);
   const MatrixXd coefficients = (basis_.transpose() * samples) * table.analysis;

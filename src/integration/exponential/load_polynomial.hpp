@@ -35,14 +35,17 @@ class LoadInterpolation {
   /// 1e-14 of the largest load so far.
   bool fit(double t, double tau, LoadPolynomial& out);
 
-  std::size_t evaluations() const { return evaluations_; }
+  /// Coefficients over the unknowns (n entries each), of the part that varies and of all: no columns without any.
+  Eigen::MatrixXd varying(const LoadPolynomial& p) const;
+  Eigen::MatrixXd total(const LoadPolynomial& p) const;
+
+  std::size_t evaluations() const { return load_ ? load_->evaluations() : 0; }
 
  private:
   std::optional<LoadVector> load_;
   std::span<const double> steady_;
   Eigen::MatrixXd basis_;
   double largest_ = 0.0;
-  std::size_t evaluations_ = 0;
 };
 
 }  // namespace viscobar::exponential

@@ -60,20 +60,37 @@ std::optional<double> descend(const VectorXd& b, double floor, double from, doub
   return descend(right, floor, from + width / 2, width / 2);
 }
 
+double slope(const VectorXd& c, double sigma) {
+  double sum = 0.0;
+  for (Index k = c.size(); k-- > 1;) sum = sum * sigma + static_cast<double>(k) * c[k];
+  return sum;
+}
+
 }  // namespace
 
+double value(const VectorXd& c, double sigma) {
+  double sum = 0.0;
+  for (Index k = c.size(); k-- > 0;) sum = sum * sigma + c[k];
+  return sum;
+}
+
+double largest_value(const VectorXd& c, double sigma) {
+  double rising = 0.0, falling = sigma;
+  if (slope(c, 0.0) > 0.0 && slope(c, sigma) < 0.0)
+    for (int halving = 0; halving < 30; ++halving) {  // the value is flat there: half of its digits are enough
+      const double middle = (rising + falling) / 2;
+      (slope(c, middle) > 0.0 ? rising : falling) = middle;
+    }
+  return std::max(value(c, rising), value(c, sigma));
+}
+
 std::optional<double> first_passage(const VectorXd& c, double band) {
-  const Index n = c.size() - 1;
-  if (c[0] - c.tail(n).cwiseAbs().sum() >= -band) return std::nullopt;
+  if (c[0] - c.tail(c.size() - 1).cwiseAbs().sum() >= -band) return std::nullopt;
   const std::optional<double> passage = descend(bernstein(c), -band, 0.0, 1.0);
   if (!passage) return std::nullopt;
   double sigma = *passage;
-  for (int iteration = 0; iteration < 3; ++iteration) {
-    double value = c[n], slope = 0.0;
-    for (Index k = n; k-- > 0;) slope = slope * sigma + value, value = value * sigma + c[k];
-    if (!(slope < 0.0)) break;
-    sigma = std::clamp(sigma - value / slope, 0.0, *passage);
-  }
+  for (int iteration = 0; iteration < 3 && slope(c, sigma) < 0.0; ++iteration)
+    sigma = std::clamp(sigma - value(c, sigma) / slope(c, sigma), 0.0, *passage);
   return sigma;
 }
 

@@ -19,6 +19,12 @@ struct HermiteRange {
   bool monotone() const;
 };
 
+/// sum_k c_k sigma^k
+double value(const Eigen::VectorXd& c, double sigma);
+
+/// Largest value on [0, sigma] of a polynomial that has one maximum there at most.
+double largest_value(const Eigen::VectorXd& c, double sigma);
+
 /// First sigma in [0, 1] at which the polynomial sum_k c_k sigma^k leaves [-band, infinity), traced back to its zero.
 std::optional<double> first_passage(const Eigen::VectorXd& c, double band);
 

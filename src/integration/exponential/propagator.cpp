@@ -11,11 +11,11 @@ using Eigen::VectorXd;
 namespace {
 
 // Bound of the rates |lambda| of the leg: sqrt(|M^-1| |K|) + |M^-1| |C| + the massless nodes' own relaxation.
-double rate_bound(const BarSystem& system, double inverse_inertia, const std::vector<ContactLaw>& closed) {
+double rate_bound(const BarSystem& system, double inverse_inertia, const std::vector<ClosedContact>& closed) {
   const double stiffness = system.bar().modulus / system.mesh().spacing();
   const double damping = system.bar().viscosity / system.mesh().spacing();
   double contact_stiffness = 0.0, contact_damping = 0.0, massless_stiffness = 0.0;
-  for (const ContactLaw& contact : closed) {
+  for (const ClosedContact& contact : closed) {
     const auto node = static_cast<std::size_t>(contact.unknown);
     if (node < system.massive_begin() || node >= system.massive_end()) {
       massless_stiffness = std::max(massless_stiffness, contact.law.stiffness);
@@ -32,17 +32,17 @@ double rate_bound(const BarSystem& system, double inverse_inertia, const std::ve
 
 }  // namespace
 
-Propagator::Propagator(const BarSystem& system, double inverse_inertia, const LoadInterpolation& load,
-                       std::vector<ContactLaw> closed, std::size_t& exponentials)
-    : leg_(system, load.steady(), closed),
-      extended_leg_(system, load.steady(), closed),
+Propagator::Propagator(const BarSystem& system, double origin, double inverse_inertia, const LoadInterpolation& load,
+                       std::vector<ClosedContact> closed, std::size_t& exponentials)
+    : leg_(system, origin, load.steady(), closed),
+      extended_leg_(system, origin, load.steady(), closed),
       load_(load),
       exponentials_(exponentials),
       finest_(std::exp2(-std::ceil(std::log2(rate_bound(system, inverse_inertia, closed))))) {}
 
 LinearLeg<double>::Series Propagator::expand(const VectorXd& y, const LoadPolynomial& load, double tau,
                                              Index order) const {
-  return leg_.expand(y, 1.0, load.cols() > 0 ? MatrixXd(load_.basis() * load) : load, tau, order);
+  return leg_.expand(y, 1.0, load_.varying(load), tau, order);
 }
 
 void Propagator::advance(int level, VectorXd& y, const LoadPolynomial& load) {
