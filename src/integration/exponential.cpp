@@ -244,8 +244,8 @@ class Run {
     output_until(t, tau);
     for (std::size_t c = 0; c < contacts(); ++c)
       if (penalised_.closed(c))
-        statistics_.max_penetration = std::max(statistics_.max_penetration, penalised_.penetration_share(c) *
-                                                                                largest_value(distances[c], sigma));
+        statistics_.max_penetration =
+            std::max(statistics_.max_penetration, penalised_.penetration_share(c) * largest_value(distances[c], sigma));
     if (energy_flows()) add(gauss_flow(leg(), series, load_.total(p_), tau, sigma));
     const VectorXd u = leg().displacement(series, sigma), v = leg().velocity(series, sigma, tau);
     y_ = leg().pack(u, v);
@@ -268,7 +268,8 @@ class Run {
       const MatrixXd load = load_.total(p);
       const Index shared = std::min(load.cols(), result.size());
       if (shared > 0)
-        result.head(shared) += load.row(node(c)).head(shared).transpose() * (system_.mesh().spacing() / system_.bar().modulus);
+        result.head(shared) +=
+            load.row(node(c)).head(shared).transpose() * (system_.mesh().spacing() / system_.bar().modulus);
     } else {
       result = series.row(node(c)).transpose();
     }
@@ -296,9 +297,10 @@ class Run {
     const std::size_t mesh_node = contact.unknown + system_.first_node();
     if (t_ - changes_[c].time > shortest_step()) changes_[c] = {t_, 0};
     if (++changes_[c].count > max_instant_changes)
-      fail(fmt::format("the contact at node {} opens and closes without end: its clearance is below the rounding of "
-                       "the displacement; choose a larger epsilon",
-                       mesh_node));
+      fail(
+          fmt::format("the contact at node {} opens and closes without end: its clearance is below the rounding of "
+                      "the displacement; choose a larger epsilon",
+                      mesh_node));
     ++statistics_.events;
     if (!observers_.event) return;
     const Change change = penalised_.closed(c) ? Change::closing : Change::opening;
@@ -401,9 +403,10 @@ class Run {
 Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times,
                      const Exponential& method, const Observers& observers) {
   if (system.size() > max_unknowns)
-    throw std::invalid_argument(fmt::format("exponential works with dense matrices and takes up to {} unknown nodes; "
-                                            "the mesh has {}",
-                                            max_unknowns, system.size()));
+    throw std::invalid_argument(
+        fmt::format("exponential works with dense matrices and takes up to {} unknown nodes; "
+                    "the mesh has {}",
+                    max_unknowns, system.size()));
   if (!system.contacts().empty() && !(method.penalty.epsilon > 0.0))
     throw std::invalid_argument("exponential needs a positive epsilon; the rigid obstacle is the method rigid");
   return Run(system, times, method.penalty, observers)(start);
