@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 namespace viscobar {
 
@@ -11,8 +12,8 @@ namespace {
 // One contact a node, the one with the smallest gap.
 std::vector<Contact> bounded_nodes(const std::vector<Contact>& all) {
   std::vector<Contact> nodes = all;
-  std::stable_sort(nodes.begin(), nodes.end(), [](const Contact& a, const Contact& b) {
-    return a.unknown != b.unknown ? a.unknown < b.unknown : a.gap < b.gap;
+  std::sort(nodes.begin(), nodes.end(), [](const Contact& a, const Contact& b) {
+    return std::tie(a.unknown, a.gap, a.where) < std::tie(b.unknown, b.gap, b.where);
   });
   const auto same = [](const Contact& a, const Contact& b) { return a.unknown == b.unknown; };
   nodes.erase(std::unique(nodes.begin(), nodes.end(), same), nodes.end());
