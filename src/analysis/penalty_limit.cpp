@@ -137,7 +137,7 @@ LimitResult penalty_limit(const LimitStudy& study) {
     orders.tolerance_error = 100.0 * cases[m * runs].tolerance.relative * largest_displacement(scheme);
     const Bar& bar = study.scene.scene.bar;
     const double h = cases[m * runs].mesh().spacing();
-    // zeta ~ 1 of a contact node, in any units: epsilon = rho h^3 / eta^2 up to a constant.
+    // zeta ~ 1 of a contact node (model section 6), in any units.
     if (bar.viscosity > 0.0) orders.boundary = bar.density * h * h * h / (bar.viscosity * bar.viscosity);
     const std::size_t first = result.rows.size();
     for (std::size_t k = 0; k < study.epsilons.size(); ++k) {
@@ -155,17 +155,21 @@ LimitResult penalty_limit(const LimitStudy& study) {
       result.rows.push_back(row);
     }
     const std::span<const LimitRow> rows = std::span(result.rows).subspan(first);
+    const double floor = 3.0 * orders.scheme_error + orders.tolerance_error;
+    const auto small = [&](auto value, double lowest) {
+      const auto order = orders.boundary ? fit(rows, value, lowest, 0.0, 0.01 * *orders.boundary) : std::nullopt;
+      return order ? order : fit(rows, value, lowest);
+    };
     const auto penetration = [](const LimitRow& row) { return std::optional(row.max_penetration); };
-    orders.penetration = fit(rows, penetration, 0.0);
+    const auto to_rigid = [](const LimitRow& row) { return row.difference_to_rigid; };
+    const auto to_scheme = [](const LimitRow& row) { return std::optional(row.difference_to_scheme); };
+    orders.penetration = small(penetration, 0.0);
+    orders.to_rigid = small(to_rigid, orders.tolerance_error);
+    orders.to_scheme = small(to_scheme, floor);
     if (orders.boundary) {
       orders.penetration_layer = fit(rows, penetration, 0.0, 100.0 * *orders.boundary);
-      orders.penetration_node = fit(rows, penetration, 0.0, 0.0, 0.01 * *orders.boundary);
+      orders.to_rigid_layer = fit(rows, to_rigid, orders.tolerance_error, 100.0 * *orders.boundary);
     }
-    orders.to_rigid = fit(
-        rows, [](const LimitRow& row) { return row.difference_to_rigid; }, orders.tolerance_error);
-    const double floor = 3.0 * orders.scheme_error + orders.tolerance_error;
-    orders.to_scheme = fit(
-        rows, [](const LimitRow& row) { return std::optional(row.difference_to_scheme); }, floor);
     orders.verdict = judge(rows, floor);
     result.orders.push_back(orders);
   }

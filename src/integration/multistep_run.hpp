@@ -208,7 +208,8 @@ Statistics run_multistep(const char* method, PenalisedSystem& system, const sund
                          const Observers& observers) {
   MultistepRun<Stepper> run(system, layout, stepper, statistics, times, observers);
   const auto conclude = [&] {
-    statistics.unknowns = layout.size;
+    const BarSystem& bar = system.bar();
+    statistics.unknowns = bar.size() + (bar.massive_end() - bar.massive_begin());
     statistics.load_evaluations = system.load_evaluations();
     statistics.integration_seconds = run.seconds();
   };

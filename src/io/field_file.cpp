@@ -83,7 +83,8 @@ Hdf5Handle<Close>::~Hdf5Handle() {
 FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, std::size_t expected_rows)
     : path_(directory / "field.h5"),
       nodes_(mesh.nodes()),
-      block_rows_(std::clamp<std::size_t>(block_bytes / (sizeof(double) * nodes_), 1, std::max<std::size_t>(1, expected_rows))),
+      block_rows_(
+          std::clamp<std::size_t>(block_bytes / (sizeof(double) * nodes_), 1, std::max<std::size_t>(1, expected_rows))),
       xdmf_(directory / "field.xdmf", "field.h5", nodes_),
       file_(checked(path_, "cannot be created",
                     [this] { return H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT); })),
@@ -127,8 +128,7 @@ void FieldFile::flush() {
 void FieldFile::close() {
   flush();
   for (Hdf5Dataset* dataset : {&t_, &u_, &v_})
-    if (dataset->get() >= 0)
-      checked(path_, "cannot be closed", [&] { return H5Dclose(dataset->release()); });
+    if (dataset->get() >= 0) checked(path_, "cannot be closed", [&] { return H5Dclose(dataset->release()); });
   if (file_.get() >= 0) checked(path_, "cannot be closed", [&] { return H5Fclose(file_.release()); });
   xdmf_.close();
 }

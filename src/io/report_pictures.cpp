@@ -38,14 +38,18 @@ struct Range {
     add(level);
     return true;
   }
-  Axis axis(std::string label) const { return low <= high ? fitted(std::move(label), low, high) : Axis{std::move(label)}; }
+  Axis axis(std::string label) const {
+    return low <= high ? fitted(std::move(label), low, high) : Axis{std::move(label)};
+  }
 };
 
 std::string captioned(const std::string& picture, const std::string& heading, const std::string& caption) {
   return fmt::format("<figure>\n<h2>{}</h2>\n{}<figcaption>{}</figcaption>\n</figure>\n", heading, picture, caption);
 }
 
-Axis time_axis(const ReportData& data) { return {"time t", data.field.time(0), data.field.time(data.field.rows() - 1)}; }
+Axis time_axis(const ReportData& data) {
+  return {"time t", data.field.time(0), data.field.time(data.field.rows() - 1)};
+}
 
 Range field_range(const ReportData& data) {
   Range range;
@@ -175,9 +179,10 @@ std::string profiles(const Case& run, const ReportData& data) {
     const double position = rows.size() > 1 ? static_cast<double>(k) / static_cast<double>(rows.size() - 1) : 0.0;
     figure.line(line, {plot::sequence_colour(position), false, 1.8}, "t = " + readable(field.time(rows[k])));
   }
-  return captioned(figure.svg("Displacement over space at a few times"), "Profiles",
-                   "The bar's displacement <i>u</i>(<i>x</i>, ·) at a few times, from the first (light) to the last (dark)." +
-                       std::string(bodies.empty() ? "" : " Grey: obstacles.") + hidden);
+  return captioned(
+      figure.svg("Displacement over space at a few times"), "Profiles",
+      "The bar's displacement <i>u</i>(<i>x</i>, ·) at a few times, from the first (light) to the last (dark)." +
+          std::string(bodies.empty() ? "" : " Grey: obstacles.") + hidden);
 }
 
 std::string end_traces(const Case& run, const Outcome& outcome, const ContactSummary& contact, const ReportData& data) {
@@ -193,7 +198,8 @@ std::string end_traces(const Case& run, const Outcome& outcome, const ContactSum
     if (account) figure.shade(account->intervals(outcome.reached_time), plot::series_colour(colour), "in contact");
     if (shown) figure.level(-body->gap, {"var(--ink)", true, 1.2}, obstacle_text(body->gap));
     if (body && !shown) figure.legend_note(obstacle_text(body->gap) + " (outside)");
-    if (span_shown) figure.level(-run.scene.span->gap, {"var(--soft)", true, 1.2}, "span " + obstacle_text(run.scene.span->gap));
+    if (span_shown)
+      figure.level(-run.scene.span->gap, {"var(--soft)", true, 1.2}, "span " + obstacle_text(run.scene.span->gap));
     figure.line(points, {plot::series_colour(colour)}, label);
     return figure.svg(std::string("Displacement over time: ") + label);
   };
@@ -232,10 +238,11 @@ std::string energies(const ReportData& data) {
   figure.line(elastic, {plot::series_colour(1)}, "elastic");
   if (data.has_springs()) figure.line(contact, {plot::series_colour(2)}, "contact springs");
   figure.line(total, {"var(--ink)", true, 1.6}, "total");
-  return captioned(figure.svg("Energy over time"), "Energy",
-                   data.has_springs()
-                       ? "Energy of the bar and, counted in the total, that stored in the penalty springs of the contacts."
-                       : "Kinetic and elastic energy of the bar.");
+  return captioned(
+      figure.svg("Energy over time"), "Energy",
+      data.has_springs()
+          ? "Energy of the bar and, counted in the total, that stored in the penalty springs of the contacts."
+          : "Kinetic and elastic energy of the bar.");
 }
 
 }  // namespace viscobar

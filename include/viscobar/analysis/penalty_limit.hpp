@@ -45,11 +45,12 @@ struct LimitOrders {
   double scheme_error = 0.0;  ///< of the scheme's end traces by its time step: twice the change when dt is halved
   std::size_t scheme_events = 0;
   double tolerance_error = 0.0;    ///< what the time integration may add to a difference
-  std::optional<double> boundary;  ///< epsilon = rho^2-scaled h^3/alpha^2 where the two powers of penetration meet
-  std::optional<ObservedOrder> penetration, to_rigid, to_scheme;  ///< powers of epsilon, floors left out
-  /// The same for the penetration in either regime: the mesh resolves the contact layer (epsilon > 100 boundary), or
-  /// the node alone answers (epsilon < boundary / 100).
-  std::optional<ObservedOrder> penetration_layer, penetration_node;
+  std::optional<double> boundary;  ///< epsilon = rho h^3 / eta^2, where the two powers of the penetration meet
+  /// Powers of epsilon, values at a floor left out: in the regime of small epsilon, below boundary / 100, where the
+  /// node alone answers; over all rows when fewer than two lie there.
+  std::optional<ObservedOrder> penetration, to_rigid, to_scheme;
+  /// Where the mesh resolves the contact layer, epsilon > 100 boundary.
+  std::optional<ObservedOrder> penetration_layer, to_rigid_layer;
   Verdict verdict = Verdict::converges;
 };
 
