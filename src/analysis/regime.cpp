@@ -28,11 +28,15 @@ ImpactPrediction predict_impact(const Bar& bar, double spacing, double effective
   const double viscous = 0.858 * std::cbrt(epsilon * epsilon * rho * eta);
   const double elastic = epsilon * std::sqrt(rho * bar.modulus);
   using Layer = ImpactPrediction::Layer;
-  // A massless undamped node passes on the stress wave of the elements behind it, on any mesh.
-  if (resolved || (effective_mass == 0.0 && eta == 0.0))
+  if (resolved)
     return viscous > elastic ? ImpactPrediction{speed, speed * viscous, Layer::viscous}
                              : ImpactPrediction{speed, speed * elastic, Layer::elastic};
-  if (effective_mass == 0.0) return {speed, speed * epsilon * eta / h, Layer::node};
+  if (effective_mass == 0.0) {
+    // Nothing stops alone: what resists is the dashpot or the wave behind, whichever is stiffer.
+    const double dashpot = epsilon * eta / h;
+    return dashpot > elastic ? ImpactPrediction{speed, speed * dashpot, Layer::node}
+                             : ImpactPrediction{speed, speed * elastic, Layer::elastic};
+  }
   const double zeta = viscous_ratio(bar, h, effective_mass, 1.0 / epsilon);
   return {speed, speed * std::sqrt(effective_mass * epsilon) * node_peak(zeta), Layer::node};
 }
@@ -44,13 +48,13 @@ std::vector<ContactRegime> contact_regimes(const Case& run, const BarSystem& sys
   const State start = system.initial_state();
   const Bar& bar = system.bar();
   const double h = system.mesh().spacing();
+  const double own = run.restitution ? damping_ratio(*run.restitution) : 0.0;
   for (const Contact& contact : system.contacts()) {
     if (contact.where == Where::span) continue;
     ContactRegime regime;
     regime.where = contact.where;
     regime.effective_mass = masses[contact.unknown];
     if (const double m = regime.effective_mass; m > 0.0) {
-      const double own = damping_ratio(run.restitution.value_or(1.0));
       regime.damping_ratio = own + viscous_ratio(bar, h, m, 1.0 / *run.epsilon);
       regime.quiet_epsilon = h / bar.modulus;
       if (bar.viscosity > 0.0)
@@ -65,7 +69,7 @@ std::vector<ContactRegime> contact_regimes(const Case& run, const BarSystem& sys
     ContactRegime regime;
     regime.where = Where::span;
     regime.effective_mass = *std::max_element(masses.begin(), masses.end());
-    regime.damping_ratio = damping_ratio(run.restitution.value_or(1.0));
+    regime.damping_ratio = own;
     regime.chatters = *regime.damping_ratio < 1.0;
     // Falling flat, every node is an oscillator of mass rho w on the spring w / epsilon.
     const double v = *std::min_element(start.v.begin(), start.v.end());

@@ -73,18 +73,10 @@ void append_rows(const std::filesystem::path& path, const Hdf5Dataset& dataset, 
 
 }  // namespace
 
-template <herr_t (*Close)(hid_t)>
-Hdf5Handle<Close>::~Hdf5Handle() {
-  if (id_ < 0) return;
-  H5E_BEGIN_TRY { Close(id_); }
-  H5E_END_TRY
-}
-
 FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, std::size_t expected_rows)
     : path_(directory / "field.h5"),
       nodes_(mesh.nodes()),
-      block_rows_(
-          std::clamp<std::size_t>(block_bytes / (sizeof(double) * nodes_), 1, std::max<std::size_t>(1, expected_rows))),
+      block_rows_(std::max<std::size_t>(1, std::min(block_bytes / (sizeof(double) * nodes_), expected_rows))),
       xdmf_(directory / "field.xdmf", "field.h5", nodes_),
       file_(checked(path_, "cannot be created",
                     [this] { return H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT); })),

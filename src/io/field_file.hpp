@@ -22,7 +22,11 @@ class Hdf5Handle {
   Hdf5Handle(Hdf5Handle&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)) {}
   Hdf5Handle(const Hdf5Handle&) = delete;
   Hdf5Handle& operator=(const Hdf5Handle&) = delete;
-  ~Hdf5Handle();
+  ~Hdf5Handle() {
+    if (id_ < 0) return;
+    H5E_BEGIN_TRY { Close(id_); }
+    H5E_END_TRY
+  }
   hid_t get() const { return id_; }
   hid_t release() { return std::exchange(id_, H5I_INVALID_HID); }
 

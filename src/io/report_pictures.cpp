@@ -179,10 +179,9 @@ std::string profiles(const Case& run, const ReportData& data) {
     const double position = rows.size() > 1 ? static_cast<double>(k) / static_cast<double>(rows.size() - 1) : 0.0;
     figure.line(line, {plot::sequence_colour(position), false, 1.8}, "t = " + readable(field.time(rows[k])));
   }
-  return captioned(
-      figure.svg("Displacement over space at a few times"), "Profiles",
-      "The bar's displacement <i>u</i>(<i>x</i>, ·) at a few times, from the first (light) to the last (dark)." +
-          std::string(bodies.empty() ? "" : " Grey: obstacles.") + hidden);
+  return captioned(figure.svg("Displacement over space at a few times"), "Profiles",
+                   "The bar's displacement <i>u</i>(<i>x</i>, ·) at a few times." +
+                       std::string(bodies.empty() ? "" : " Grey: obstacles.") + hidden);
 }
 
 std::string end_traces(const Case& run, const Outcome& outcome, const ContactSummary& contact, const ReportData& data) {
@@ -198,8 +197,7 @@ std::string end_traces(const Case& run, const Outcome& outcome, const ContactSum
     if (account) figure.shade(account->intervals(outcome.reached_time), plot::series_colour(colour), "in contact");
     if (shown) figure.level(-body->gap, {"var(--ink)", true, 1.2}, obstacle_text(body->gap));
     if (body && !shown) figure.legend_note(obstacle_text(body->gap) + " (outside)");
-    if (span_shown)
-      figure.level(-run.scene.span->gap, {"var(--soft)", true, 1.2}, "span " + obstacle_text(run.scene.span->gap));
+    if (span_shown) figure.level(-run.scene.span->gap, {"var(--soft)", true, 1.2}, obstacle_text(run.scene.span->gap));
     figure.line(points, {plot::series_colour(colour)}, label);
     return figure.svg(std::string("Displacement over time: ") + label);
   };
@@ -221,7 +219,7 @@ std::string reactions(const Case& run, const ContactSummary& contact, const Repo
   if (with_right) range.add(right);
   Figure figure(time_axis(data), range.axis("reaction R"), 240.0);
   if (with_left) figure.line(left, {plot::series_colour(0)}, "left end");
-  if (with_right) figure.line(right, {plot::series_colour(1)}, "right end");
+  if (with_right) figure.line(right, {plot::series_colour(1), with_left}, "right end");
   return captioned(figure.svg("Reactions of the obstacles over time"), "Reactions",
                    "Force of the obstacle on each end, at the output times.");
 }

@@ -49,8 +49,8 @@ void Figure::shade(std::span<const Interval> bands, const std::string& colour, s
     const double from = place_x(std::max(band.begin, x_.low)), to = place_x(std::min(band.end, x_.high));
     // A short contact still shows.
     if (to >= from)
-      fmt::format_to(std::back_inserter(d), "M{:.2f} {}h{:.2f}V{}h{:.2f}z", from, top, std::max(0.5, to - from),
-                     height_ - below, -std::max(0.5, to - from));
+      fmt::format_to(std::back_inserter(d), "M{:.2f} {}h{:.2f}V{}h{:.2f}z", from, top, std::max(1.0, to - from),
+                     height_ - below, -std::max(1.0, to - from));
   }
   if (d.empty()) return;
   content_ += fmt::format("<path class=\"band\" style=\"fill:{}\" d=\"{}\"/>\n", colour, d);
