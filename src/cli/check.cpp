@@ -57,15 +57,17 @@ std::vector<std::string> warnings(const Case& run, const std::vector<ContactRegi
   for (const ContactRegime& regime : regimes) {
     if (!regime.chatters) continue;
     if (regime.where == Where::span) {
-      found.push_back(fmt::format("span: the nodes rebound (zeta = {:.3g}), and the fully discrete scheme's do not; "
-                                  "contact.restitution = 0 makes the two agree",
-                                  *regime.damping_ratio));
+      found.push_back(
+          fmt::format("span: the nodes rebound (zeta = {:.3g}), and the fully discrete scheme's do not; "
+                      "contact.restitution = 0 makes the two agree",
+                      *regime.damping_ratio));
       continue;
     }
-    found.push_back(fmt::format("{}: the end node rebounds (zeta = {:.3g} < 1), so chatter is expected; what helps: "
-                                "mesh.mass = \"redistributed\", contact.restitution = 0, or contact.epsilon of at least "
-                                "{:.2g}",
-                                name(regime.where), *regime.damping_ratio, regime.quiet_epsilon));
+    found.push_back(
+        fmt::format("{}: the end node rebounds (zeta = {:.3g} < 1), so chatter is expected; what helps: "
+                    "mesh.mass = \"redistributed\", contact.restitution = 0, or contact.epsilon of at least "
+                    "{:.2g}",
+                    name(regime.where), *regime.damping_ratio, regime.quiet_epsilon));
   }
   return found;
 }
@@ -134,7 +136,8 @@ int CheckCommand::operator()() const {
 
   std::string text = fmt::format("{}: sound\n", run.scene.title.empty() ? scene_.file : run.scene.title);
   text += row("method", viscobar::name(run.method));
-  text += row("unknowns", fmt::format("{} nodes of {}, displacement and velocity", system.size(), system.mesh().nodes()));
+  text +=
+      row("unknowns", fmt::format("{} nodes of {}, displacement and velocity", system.size(), system.mesh().nodes()));
   text += row("inertia", fmt::format("{} mass{}", viscobar::name(system.mass()),
                                      system.has_massless() ? ", massless contact nodes" : ""));
   text += row("elasticity", fmt::format("E = {}, h = {:.4g}", run.scene.bar.modulus, system.mesh().spacing()));
@@ -144,7 +147,8 @@ int CheckCommand::operator()() const {
   text += row("event functions", events(run, system));
   text += row("memory", fmt::format("about {} vectors of {} numbers, {:.3g} MB", memory.vectors, system.size(),
                                     static_cast<double>(memory.bytes) / 1e6));
-  for (const ContactRegime& regime : regimes) text += row(fmt::format("{} contact", name(regime.where)), to_text(regime));
+  for (const ContactRegime& regime : regimes)
+    text += row(fmt::format("{} contact", name(regime.where)), to_text(regime));
   print(text);
   for (const std::string& caution : cautions) fmt::print(stderr, "warning: {}\n", caution);
   return success;

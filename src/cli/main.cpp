@@ -13,7 +13,8 @@ namespace {
 
 std::string version_text() {
   const Versions used = versions();
-  return fmt::format("viscobar {} (SUNDIALS {}, HDF5 {}, Eigen {})", used.viscobar, used.sundials, used.hdf5, used.eigen);
+  return fmt::format("viscobar {} (SUNDIALS {}, HDF5 {}, Eigen {})", used.viscobar, used.sundials, used.hdf5,
+                     used.eigen);
 }
 
 std::vector<std::string> option_names(const CLI::App& app) {

@@ -26,14 +26,14 @@ std::string table(const Case& run, const Outcome& outcome, const fs::path& direc
     text += row("contact changes", fmt::format("{}", outcome.events));
   if (const auto& statistics = outcome.statistics) {
     text += row("evaluations", fmt::format("{}", statistics->rhs_evaluations));
-    text += row("linear solves", fmt::format("{}, {} factorisations", statistics->linear_solves,
-                                             statistics->matrix_factorisations));
+    text += row("linear solves",
+                fmt::format("{}, {} factorisations", statistics->linear_solves, statistics->matrix_factorisations));
     if (statistics->max_penetration > 0.0)
       text += row("largest penetration", fmt::format("{:.3g}", statistics->max_penetration));
     if (const auto& energy = statistics->energy)
-      text += row("energy", fmt::format("{:.6g} to {:.6g}, dissipated {:.6g}, work {:.6g}, balance error {:.2g}",
-                                        energy->initial, energy->final, energy->dissipated, energy->work,
-                                        energy->balance_error()));
+      text += row("energy",
+                  fmt::format("{:.6g} to {:.6g}, dissipated {:.6g}, work {:.6g}, balance error {:.2g}", energy->initial,
+                              energy->final, energy->dissipated, energy->work, energy->balance_error()));
     text += row("integration", fmt::format("{:.3g} s", statistics->integration_seconds));
   }
   text += row("whole run", fmt::format("{:.3g} s", outcome.wall_seconds));
@@ -55,9 +55,10 @@ int exit_code(Ending ending) {
 RunCommand::RunCommand(CLI::App& app)
     : command_(*app.add_subcommand("run", "Run a scene and write its results and a report with pictures")),
       scene_(command_) {
-  command_.add_option("-o,--output", directory_,
-                      "Where the results go; an earlier result there is replaced (default: the scene's name with "
-                      "\".out\", in the working directory)")
+  command_
+      .add_option("-o,--output", directory_,
+                  "Where the results go; an earlier result there is replaced (default: the scene's name with "
+                  "\".out\", in the working directory)")
       ->type_name("DIR");
   command_.add_flag("--quiet", quiet_, "Print nothing but errors");
 }

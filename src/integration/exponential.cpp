@@ -1,6 +1,415 @@
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "dynamics/stopwatch.hpp"
+#include "integration/exponential/energy_integral.hpp"
+#include "integration/exponential/passage.hpp"
+#include "integration/exponential/propagator.hpp"
+#include "integration/snapshot.hpp"
+#include "viscobar/dynamics/errors.hpp"
+#include "viscobar/dynamics/penalised_system.hpp"
 #include "viscobar/integration/integrate.hpp"
+
 namespace viscobar {
-Statistics integrate(const BarSystem&, const State&, std::span<const double>, const Exponential&, const Observers&) {
-  throw std::logic_error("exponential");
+
+namespace {
+
+using namespace exponential;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Leg = LinearLeg<double>;
+using Series = Leg::Series;
+
+constexpr std::size_t max_unknowns = 400;
+constexpr std::size_t table_bytes = std::size_t{1} << 28;  // of the matrices kept for all contact states, about
+constexpr int patience = 8;                                // steps before a length that failed is tried again
+constexpr int max_instant_changes = 20;
+constexpr int max_load_jumps = 1000;
+
+double largest_inverse_inertia(const BarSystem& system) {
+  const auto begin = static_cast<Index>(system.massive_begin());
+  const Index count = static_cast<Index>(system.massive_end()) - begin;
+  const SymmetricTridiagonal& inertia = system.inertia();
+  const VectorXd diagonal = Eigen::Map<const VectorXd>(inertia.diagonal.data() + begin, count);
+  if (inertia.off_diagonal.empty() || count == 1) return 1.0 / diagonal.minCoeff();
+  const VectorXd off = Eigen::Map<const VectorXd>(inertia.off_diagonal.data() + begin, count - 1);
+  Eigen::SelfAdjointEigenSolver<MatrixXd> spectrum;
+  spectrum.computeFromTridiagonal(diagonal, off, Eigen::EigenvaluesOnly);
+  return 1.0 / spectrum.eigenvalues().minCoeff();
 }
+
+std::span<const double> entries(const VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
+
+// Steps through legs of constant contact states. A leg begins with steps that one Taylor series covers and doubles
+// them as long as nothing is left unresolved inside: the load, a possible contact change, the energy flow, a new
+// maximum of the penetration. What a longer step leaves unresolved is found by shorter ones, at last by the series.
+class Run {
+ public:
+  Run(const BarSystem& system, std::span<const double> times, const Penalty& penalty, const Observers& observers)
+      : system_(system),
+        penalised_(system, penalty),
+        times_(times),
+        observers_(observers),
+        snapshot_(penalised_),
+        inverse_inertia_(largest_inverse_inertia(system)),
+        load_(system),
+        t_(times.front()) {}
+
+  Statistics operator()(const State& start) {
+    try {
+      begin(start);
+      while (t_ < times_.back()) advance();
+    } catch (const LoadError& error) {
+      fail(error.what());
+    }
+    statistics_.completed = true;
+    return reached();
+  }
+
+ private:
+  const Leg& leg() const { return propagator_->leg(); }
+  std::size_t contacts() const { return penalised_.contact_count(); }
+  Index node(std::size_t c) const { return static_cast<Index>(penalised_.contact(c).unknown); }
+  // Where contact c begins, among displacements measured from the origin.
+  double surface(std::size_t c) const { return -penalised_.contact(c).gap - origin_; }
+  double band(std::size_t c) const { return penalised_.clearance_rounding(c, largest_displacement_); }
+  double shortest_step() const {
+    return 4.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t_), times_.back() - times_.front());
+  }
+
+  Statistics reached() {
+    statistics_.reached_time = t_;
+    statistics_.load_evaluations = load_.evaluations() + penalised_.load_evaluations();
+    statistics_.integration_seconds = watch_.seconds();
+    return statistics_;
+  }
+
+  [[noreturn]] void fail(const std::string& what) {
+    throw IntegrationError(fmt::format("exponential stopped at t = {}: {}", t_, what), reached());
+  }
+
+  template <class Call>
+  void unwatched(Call&& call) {
+    watch_.outside(call);
+  }
+
+  void begin(const State& start) {
+    State state = start;
+    penalised_.settle(t_, state.u, state.v);
+    const VectorXd u = Eigen::Map<const VectorXd>(state.u.data(), static_cast<Index>(system_.size()));
+    const VectorXd v = Eigen::Map<const VectorXd>(state.v.data(), static_cast<Index>(system_.size()));
+    choose_propagator();
+    y_ = leg().pack(u, v);
+    changes_.assign(contacts(), {t_, 0});
+    for (std::size_t c = 0; c < contacts(); ++c) {
+      if (!penalised_.closed(c)) continue;
+      statistics_.max_penetration = std::max(statistics_.max_penetration, -penalised_.clearance(c, state.u));
+      measure_from_obstacle(c);
+      tell_change(c, start.v[node(c)]);
+    }
+    choose_propagator();
+    statistics_.unknowns = static_cast<std::size_t>(y_.size());
+    if (observers_.energy) statistics_.energy = {.initial = energy_scale_ = penalised_.energy(state.u, state.v)};
+  }
+
+  // Makes the obstacle that is touched first the origin of displacements: penetrations keep all their digits.
+  void measure_from_obstacle(std::size_t c) {
+    if (measured_) return;
+    measured_ = true;
+    origin_ = -penalised_.contact(c).gap;
+    y_.head(leg().displacements()).array() -= origin_;
+    propagators_.clear();
+  }
+
+  void choose_propagator() {
+    std::vector<bool> state(contacts());
+    for (std::size_t c = 0; c < contacts(); ++c) state[c] = penalised_.closed(c);
+    const auto known = std::ranges::find(propagators_, state, &Cached::state);
+    if (known != propagators_.end()) {
+      std::rotate(known, known + 1, propagators_.end());
+    } else {
+      std::vector<ClosedContact> closed;
+      for (std::size_t c = 0; c < contacts(); ++c)
+        if (state[c]) closed.push_back({node(c), surface(c), penalised_.law(c)});
+      propagators_.push_back(
+          {state, std::make_unique<Propagator>(system_, origin_, inverse_inertia_, load_, std::move(closed),
+                                               statistics_.matrix_factorisations)});
+      const std::size_t bytes = 200 * 4 * system_.size() * system_.size();  // of some twenty levels
+      if (propagators_.size() > std::max<std::size_t>(4, table_bytes / bytes)) propagators_.erase(propagators_.begin());
+    }
+    propagator_ = propagators_.back().propagator.get();
+    level_ = wait_ = 0;
+  }
+
+  void advance() {
+    if (contacts() > 0)
+      largest_displacement_ =
+          std::max(largest_displacement_, (y_.head(leg().displacements()).array() + origin_).abs().maxCoeff());
+    const double remaining = times_.back() - t_;
+    // A varying load that vanishes at all points of a long step could hide a pulse between them.
+    const double longest = load_.varies() ? std::min(remaining, (times_.back() - times_.front()) / 64) : remaining;
+    while (level_ > 0 && propagator_->step(level_) > longest) --level_;
+    const double tau = std::min(propagator_->step(level_), remaining);
+    if (t_ + tau == t_) fail("the step vanishes against the time; choose a larger epsilon");
+    const bool resolved = load_.fit(t_, tau, p_);
+    if (!resolved && tau > shortest_step()) return shorten();
+    // A step of a few roundings of t carries nothing: that is how a jump of the load is crossed.
+    if (!resolved && ++load_jumps_ > max_load_jumps)
+      fail("the load is too rough there: no polynomial in time follows it to rounding");
+    if (level_ <= 0)
+      take_short_step(tau);
+    else if (!take_long_step(tau))
+      return shorten();
+    ++statistics_.steps;
+    if (!y_.allFinite()) fail("the solution is not finite");
+    if (observers_.progress) unwatched([&] { observers_.progress(t_); });
+  }
+
+  void shorten() {
+    --level_;
+    wait_ = patience;
+  }
+
+  void lengthen() {
+    if (wait_ > 0)
+      --wait_;
+    else
+      ++level_;
+  }
+
+  // A step by matrix exponentials, unless it may hide something.
+  bool take_long_step(double tau) {
+    VectorXd end = y_;
+    propagator_->advance(level_, end, p_);
+    double penetration = statistics_.max_penetration;
+    EnergyFlow flow;
+    if (contacts() > 0 || energy_flows()) {
+      VectorXd middle = y_;
+      propagator_->advance(level_ - 1, middle, rescaled(p_, 0.0, 0.5));
+      const std::array<LoadPolynomial, 3> p = {p_, rescaled(p_, 0.5, 1.0), rescaled(p_, 1.0, 1.0)};
+      const std::array<Series, 3> motion = {propagator_->expand(y_, p[0], tau, 3),
+                                            propagator_->expand(middle, p[1], tau, 3),
+                                            propagator_->expand(end, p[2], tau, 3)};
+      if (contacts() > 0) ++statistics_.event_evaluations;
+      for (std::size_t c = 0; c < contacts(); ++c)
+        if (!keeps_state(c, motion, p, penetration)) return false;
+      if (energy_flows()) {
+        const auto [total, error] =
+            hermite_flow(leg(), motion, {load_.total(p[0]), load_.total(p[1]), load_.total(p[2])}, tau);
+        if (error > 1e-12 * energy_scale_ * tau / (times_.back() - times_.front())) return false;
+        flow = total;
+      }
+    }
+    output_until(t_ + tau, tau);
+    statistics_.max_penetration = penetration;
+    add(flow);
+    y_ = std::move(end);
+    t_ += tau;
+    lengthen();
+    return true;
+  }
+
+  // Whether contact c surely stays as it is during a step, and the maximum of its penetration is known.
+  bool keeps_state(std::size_t c, const std::array<Series, 3>& motion, const std::array<LoadPolynomial, 3>& p,
+                   double& penetration) const {
+    const VectorXd left = distance(c, motion[0], p[0]), middle = distance(c, motion[1], p[1]),
+                   right = distance(c, motion[2], p[2]);
+    const HermiteRange range({left[0], left[1], 2 * left[2]}, middle[0], {right[0], right[1], 2 * right[2]});
+    if (range.lowest() < -band(c)) return false;
+    if (!penalised_.closed(c)) return true;
+    const double share = penalised_.penetration_share(c);
+    if (share * range.highest() > penetration * (1.0 + 1e-13) && !range.monotone()) return false;
+    penetration = std::max(penetration, share * right[0]);
+    return true;
+  }
+
+  // A step that one Taylor series covers, cut at the first contact change.
+  void take_short_step(double tau) {
+    const Series series = propagator_->expand(y_, p_, tau);
+    double sigma = 1.0;
+    std::optional<std::size_t> changing;
+    std::vector<VectorXd> distances;
+    if (contacts() > 0) ++statistics_.event_evaluations;
+    for (std::size_t c = 0; c < contacts(); ++c) {
+      distances.push_back(distance(c, series, p_));
+      const std::optional<double> passage = first_passage(distances[c], band(c));
+      if (passage && (!changing || *passage < sigma)) sigma = *passage, changing = c;
+    }
+    const double t = t_ + tau * sigma;
+    output_until(t, tau);
+    for (std::size_t c = 0; c < contacts(); ++c)
+      if (penalised_.closed(c))
+        statistics_.max_penetration =
+            std::max(statistics_.max_penetration, penalised_.penetration_share(c) * largest_value(distances[c], sigma));
+    if (energy_flows()) add(gauss_flow(leg(), series, load_.total(p_), tau, sigma));
+    const VectorXd u = leg().displacement(series, sigma), v = leg().velocity(series, sigma, tau);
+    y_ = leg().pack(u, v);
+    t_ = t;
+    if (changing)
+      change_contacts(*changing, distances, sigma, v);
+    else
+      lengthen();
+  }
+
+  // Taylor coefficients of the distance of contact c from its change: u - surface while it is open, the opposite while
+  // it is closed. An undamped massless node follows its neighbour and the load; it is judged by where it would be were
+  // it open, since a stiff contact leaves no digits of its own displacement.
+  VectorXd distance(std::size_t c, const Series& series, const LoadPolynomial& p) const {
+    const auto i = static_cast<std::size_t>(node(c));
+    const bool massless = i < system_.massive_begin() || i >= system_.massive_end();
+    VectorXd result;
+    if (massless && !system_.damped()) {
+      result = series.row(i == 0 ? 1 : node(c) - 1).transpose();
+      const MatrixXd load = load_.total(p);
+      const Index shared = std::min(load.cols(), result.size());
+      if (shared > 0)
+        result.head(shared) +=
+            load.row(node(c)).head(shared).transpose() * (system_.mesh().spacing() / system_.bar().modulus);
+    } else {
+      result = series.row(node(c)).transpose();
+    }
+    result[0] -= surface(c);
+    return penalised_.closed(c) ? VectorXd(-result) : result;
+  }
+
+  // Contact `first` reaches its change; so do those that are at theirs up to rounding and go on.
+  void change_contacts(std::size_t first, const std::vector<VectorXd>& distances, double sigma, const VectorXd& v) {
+    std::vector<std::size_t> changing;
+    for (std::size_t c = 0; c < contacts(); ++c) {
+      const bool leaving = penalised_.closed(c) ? v[node(c)] > 0.0 : v[node(c)] < 0.0;
+      if (c == first || (leaving && std::abs(value(distances[c], sigma)) <= band(c))) changing.push_back(c);
+    }
+    for (const std::size_t c : changing) {
+      penalised_.set_closed(c, !penalised_.closed(c));
+      if (penalised_.closed(c)) measure_from_obstacle(c);
+      tell_change(c, v[node(c)]);
+    }
+    choose_propagator();
+  }
+
+  void tell_change(std::size_t c, double velocity) {
+    const Contact& contact = penalised_.contact(c);
+    const std::size_t mesh_node = contact.unknown + system_.first_node();
+    if (t_ - changes_[c].time > shortest_step()) changes_[c] = {t_, 0};
+    if (++changes_[c].count > max_instant_changes)
+      fail(
+          fmt::format("the contact at node {} opens and closes without end: its clearance is below the rounding of "
+                      "the displacement; choose a larger epsilon",
+                      mesh_node));
+    ++statistics_.events;
+    if (!observers_.event) return;
+    const Change change = penalised_.closed(c) ? Change::closing : Change::opening;
+    unwatched([&] { observers_.event({t_, contact.where, mesh_node, change, velocity}); });
+  }
+
+  // Solution at the output times up to t of the current step, of length tau, by bisection of the step: that of the run
+  // goes its way undisturbed.
+  void output_until(double t, double tau) {
+    for (; next_output_ < times_.size() && times_[next_output_] <= t; ++next_output_) {
+      const bool last = next_output_ + 1 == times_.size();
+      if (!observers_.snapshot && !(last && statistics_.energy)) continue;
+      VectorXd y = y_;
+      LoadPolynomial p = p_;
+      double s = times_[next_output_] - t_, width = tau;
+      for (int level = level_ - 1; level >= 0; --level) {
+        width /= 2;
+        const LoadPolynomial first_half = rescaled(p, 0.0, 0.5);
+        if (s < width) {
+          p = first_half;
+          continue;
+        }
+        propagator_->advance(level, y, first_half);
+        p = rescaled(p, 0.5, 0.5);
+        s -= width;
+      }
+      const Series series = propagator_->expand(y, p, width);
+      const VectorXd u = leg().displacement(series, s / width).array() + origin_;
+      const VectorXd v = leg().velocity(series, s / width, width);
+      if (last && statistics_.energy) statistics_.energy->final = penalised_.energy(entries(u), entries(v));
+      if (observers_.snapshot) tell_snapshot(times_[next_output_], u, v, series, p, s / width);
+    }
+  }
+
+  void tell_snapshot(double t, const VectorXd& u, const VectorXd& v, const Series& series, const LoadPolynomial& p,
+                     double sigma) {
+    Snapshot snapshot = snapshot_(t, entries(u), entries(v));
+    // Again from the penetration itself, which has more digits than the displacement.
+    const auto reaction = [&](Index end) {
+      double sum = 0.0;
+      for (std::size_t c = 0; c < contacts(); ++c)
+        if (penalised_.closed(c) && node(c) == end)
+          sum += penalised_.law(c).reaction(penalised_.penetration_share(c) * value(distance(c, series, p), sigma),
+                                            -v[end]);
+      return sum;
+    };
+    if (!system_.left_fixed()) snapshot.reaction_left = reaction(0);
+    if (!system_.right_fixed()) snapshot.reaction_right = reaction(v.size() - 1);
+    unwatched([&] { observers_.snapshot(snapshot); });
+  }
+
+  // Whether energy flows that somebody wants to know.
+  bool energy_flows() const { return statistics_.energy && (penalised_.dissipates() || system_.loaded()); }
+
+  void add(const EnergyFlow& flow) {
+    if (!statistics_.energy) return;
+    statistics_.energy->dissipated += flow.dissipated;
+    statistics_.energy->work += flow.work;
+    energy_scale_ = std::max(energy_scale_, statistics_.energy->initial + std::abs(statistics_.energy->work));
+  }
+
+  struct Cached {
+    std::vector<bool> state;  // which contacts are closed
+    std::unique_ptr<Propagator> propagator;
+  };
+  struct InstantChanges {
+    double time;
+    int count;
+  };
+
+  const BarSystem& system_;
+  PenalisedSystem penalised_;
+  std::span<const double> times_;
+  const Observers& observers_;
+  SnapshotBuilder snapshot_;
+  Stopwatch watch_;
+  Statistics statistics_;
+
+  double inverse_inertia_;
+  LoadInterpolation load_;
+  std::vector<Cached> propagators_;  // the last used at the end
+  Propagator* propagator_ = nullptr;
+
+  double t_;
+  VectorXd y_;
+  double origin_ = 0.0;  // of displacements
+  bool measured_ = false;
+  LoadPolynomial p_;  // on the current step
+  int level_ = 0;     // of the current step; below 0 where the load asks for less than a Taylor series could do
+  int wait_ = 0;      // steps until a longer one is tried
+  int load_jumps_ = 0;
+  std::size_t next_output_ = 0;
+  std::vector<InstantChanges> changes_;  // of each contact at about one time
+  double largest_displacement_ = 0.0;
+  double energy_scale_ = 0.0;
+};
+
+}  // namespace
+
+Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times,
+                     const Exponential& method, const Observers& observers) {
+  if (system.size() > max_unknowns)
+    throw std::invalid_argument(
+        fmt::format("exponential works with dense matrices and takes up to {} unknown nodes; "
+                    "the mesh has {}",
+                    max_unknowns, system.size()));
+  if (!system.contacts().empty() && !(method.penalty.epsilon > 0.0))
+    throw std::invalid_argument("exponential needs a positive epsilon; the rigid obstacle is the method rigid");
+  return Run(system, times, method.penalty, observers)(start);
+}
+
 }  // namespace viscobar

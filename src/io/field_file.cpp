@@ -120,8 +120,7 @@ void FieldFile::flush() {
 void FieldFile::close() {
   flush();
   for (Hdf5Dataset* dataset : {&t_, &u_, &v_})
-    if (dataset->get() >= 0)
-      checked(path_, "cannot be closed", [&] { return H5Dclose(dataset->release()); });
+    if (dataset->get() >= 0) checked(path_, "cannot be closed", [&] { return H5Dclose(dataset->release()); });
   if (file_.get() >= 0) checked(path_, "cannot be closed", [&] { return H5Fclose(file_.release()); });
   xdmf_.close();
 }

@@ -55,8 +55,8 @@ class FieldFile {
   XdmfFile xdmf_;
   Hdf5File file_;
   Hdf5Dataset t_, u_, v_;
-  std::size_t rows_ = 0;                     // in the file
-  std::vector<double> times_, us_, vs_;      // not yet in the file
+  std::size_t rows_ = 0;                 // in the file
+  std::vector<double> times_, us_, vs_;  // not yet in the file
   FlushClock clock_;
 };
 

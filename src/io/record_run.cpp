@@ -138,7 +138,8 @@ RunRecord record_run(const SceneFile& scene, const fs::path& directory, const Re
     outcome.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - recording.started).count();
   };
   stop_clock();
-  attempt(outcome, [&] { write_atomically(directory / "report.html", report_html(run, system, outcome, contact, data)); });
+  attempt(outcome,
+          [&] { write_atomically(directory / "report.html", report_html(run, system, outcome, contact, data)); });
   stop_clock();
   const Ending before = outcome.ending;
   attempt(outcome, write_summary);

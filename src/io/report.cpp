@@ -55,14 +55,18 @@ std::string model(const Scene& scene) {
   const Bar& bar = scene.bar;
   const bool damped = bar.viscosity > 0.0;
   std::string load = "0";
-  if (scene.load) load = std::holds_alternative<SteadyLoad>(*scene.load) ? "<i>f</i>(<i>x</i>)" : "<i>f</i>(<i>x</i>, <i>t</i>)";
+  if (scene.load)
+    load = std::holds_alternative<SteadyLoad>(*scene.load) ? "<i>f</i>(<i>x</i>)" : "<i>f</i>(<i>x</i>, <i>t</i>)";
   std::string text = fmt::format(
-      "<i>ρ u<sub>tt</sub></i> − <i>E u<sub>xx</sub></i>{} = {} on 0 &lt; <i>x</i> &lt; {}, with <i>ρ</i> = {}, <i>E</i> = {}{}. "
+      "<i>ρ u<sub>tt</sub></i> − <i>E u<sub>xx</sub></i>{} = {} on 0 &lt; <i>x</i> &lt; {}, with <i>ρ</i> = {}, "
+      "<i>E</i> = {}{}. "
       "Left end {}; right end {}",
       damped ? " − <i>η u<sub>xxt</sub></i>" : "", load, readable(bar.length), readable(bar.density),
       readable(bar.modulus), damped ? ", <i>η</i> = " + readable(bar.viscosity) : "", end_text(scene.left),
       end_text(scene.right));
-  if (scene.span) text += fmt::format("; under the whole span <i>u</i>\u00a0≥\u00a0{}", readable(scene.span->gap == 0.0 ? 0.0 : -scene.span->gap));
+  if (scene.span)
+    text += fmt::format("; under the whole span <i>u</i>\u00a0≥\u00a0{}",
+                        readable(scene.span->gap == 0.0 ? 0.0 : -scene.span->gap));
   return text + ".";
 }
 
@@ -91,7 +95,8 @@ std::string numbers(const Case& run, const BarSystem& system, const Outcome& out
   Numbers all;
   all.add("Method", std::string(name(run.method)));
   if (is_adaptive(run.method))
-    all.add("Tolerances", readable(run.tolerance.relative), "relative, " + readable(run.tolerance.absolute) + " absolute");
+    all.add("Tolerances", readable(run.tolerance.relative),
+            "relative, " + readable(run.tolerance.absolute) + " absolute");
   if (is_scheme(run.method) && run.step) all.add("Time step", readable(*run.step));
   if (data.has_springs()) all.add("Penalty ε", readable(*run.epsilon));
   if (run.restitution && !system.contacts().empty()) all.add("Restitution", readable(*run.restitution));
@@ -122,16 +127,18 @@ std::string contact_table(const Outcome& outcome, const ContactSummary& contact)
   std::string rows;
   const auto add = [&](const char* where, const std::optional<ContactAccount>& account) {
     if (account)
-      rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", where, account->closings(),
-                          readable(account->duration(outcome.reached_time)), readable(account->impulse()),
-                          readable(account->max_reaction()));
+      rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", where,
+                          account->closings(), readable(account->duration(outcome.reached_time)),
+                          readable(account->impulse()), readable(account->max_reaction()));
   };
   add("left end", contact.left);
   add("right end", contact.right);
   std::string html;
   if (!rows.empty())
-    html = "<table><thead><tr><th>Obstacle</th><th>closings</th><th>time in contact</th><th>impulse of the reaction</th>"
-           "<th>greatest reaction</th></tr></thead><tbody>\n" + rows + "</tbody></table>\n";
+    html =
+        "<table><thead><tr><th>Obstacle</th><th>closings</th><th>time in contact</th><th>impulse of the reaction</th>"
+        "<th>greatest reaction</th></tr></thead><tbody>\n" +
+        rows + "</tbody></table>\n";
   if (contact.span)
     html += fmt::format("<p class=\"note\">Under the span: nodes closed {} times and opened {} times.</p>\n",
                         contact.span->closings, contact.span->openings);
@@ -148,7 +155,8 @@ std::string event_table(const Outcome& outcome, const ReportData& data) {
   std::string rest;
   if (outcome.events > data.first_events.size())
     rest = fmt::format("<p class=\"note\">and {} more, in events.csv</p>", outcome.events - data.first_events.size());
-  return "<section><h2>Contact changes</h2>\n<div class=\"tables\"><table><thead><tr><th>time</th><th class=\"word\">where</th>"
+  return "<section><h2>Contact changes</h2>\n<div class=\"tables\"><table><thead><tr><th>time</th><th "
+         "class=\"word\">where</th>"
          "<th class=\"word\">change</th><th>velocity</th></tr></thead><tbody>\n" +
          rows + "</tbody></table>" + rest + "</div></section>\n";
 }
@@ -163,16 +171,19 @@ std::string report_html(const Case& run, const BarSystem& system, const Outcome&
     pictures = displacement_map(run, data) + profiles(run, data) + end_traces(run, outcome, contact, data) +
                reactions(run, contact, data) + energies(data);
   const std::string failure =
-      outcome.error.empty() ? ""
-                            : fmt::format("<p class=\"failed\"><b>The run did not complete.</b> It reached t = {}: {}</p>\n",
-                                          readable(outcome.reached_time), escaped(outcome.error));
+      outcome.error.empty()
+          ? ""
+          : fmt::format("<p class=\"failed\"><b>The run did not complete.</b> It reached t = {}: {}</p>\n",
+                        readable(outcome.reached_time), escaped(outcome.error));
   const Versions used = versions();
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<meta name=\"color-scheme\" content=\"light dark\">\n<title>{0}</title>\n<style>{1}{2}</style>\n</head>\n<body>\n<main>\n"
+      "<meta name=\"color-scheme\" content=\"light "
+      "dark\">\n<title>{0}</title>\n<style>{1}{2}</style>\n</head>\n<body>\n<main>\n"
       "<header>\n<h1>{0}</h1>\n<p class=\"model\">{3}</p>\n{4}</header>\n{5}{6}{7}{8}"
-      "<footer>viscobar {9}, SUNDIALS {10}, HDF5 {11}, Eigen {12}; {13}. All quantities in the units of the scene.</footer>\n"
+      "<footer>viscobar {9}, SUNDIALS {10}, HDF5 {11}, Eigen {12}; {13}. All quantities in the units of the "
+      "scene.</footer>\n"
       "</main>\n</body>\n</html>\n",
       title, plot::figure_css(), page_css, model(run.scene), failure, numbers(run, system, outcome, data), pictures,
       contact_table(outcome, contact), event_table(outcome, data), used.viscobar, used.sundials, used.hdf5, used.eigen,

@@ -38,14 +38,18 @@ struct Range {
     add(level);
     return true;
   }
-  Axis axis(std::string label) const { return low <= high ? fitted(std::move(label), low, high) : Axis{std::move(label)}; }
+  Axis axis(std::string label) const {
+    return low <= high ? fitted(std::move(label), low, high) : Axis{std::move(label)};
+  }
 };
 
 std::string captioned(const std::string& picture, const std::string& heading, const std::string& caption) {
   return fmt::format("<figure>\n<h2>{}</h2>\n{}<figcaption>{}</figcaption>\n</figure>\n", heading, picture, caption);
 }
 
-Axis time_axis(const ReportData& data) { return {"time t", data.field.time(0), data.field.time(data.field.rows() - 1)}; }
+Axis time_axis(const ReportData& data) {
+  return {"time t", data.field.time(0), data.field.time(data.field.rows() - 1)};
+}
 
 Range field_range(const ReportData& data) {
   Range range;
@@ -232,10 +236,11 @@ std::string energies(const ReportData& data) {
   figure.line(elastic, {plot::series_colour(1)}, "elastic");
   if (data.has_springs()) figure.line(contact, {plot::series_colour(2)}, "contact springs");
   figure.line(total, {"var(--ink)", true, 1.6}, "total");
-  return captioned(figure.svg("Energy over time"), "Energy",
-                   data.has_springs()
-                       ? "Energy of the bar and, counted in the total, that stored in the penalty springs of the contacts."
-                       : "Kinetic and elastic energy of the bar.");
+  return captioned(
+      figure.svg("Energy over time"), "Energy",
+      data.has_springs()
+          ? "Energy of the bar and, counted in the total, that stored in the penalty springs of the contacts."
+          : "Kinetic and elastic energy of the bar.");
 }
 
 }  // namespace viscobar

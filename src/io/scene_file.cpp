@@ -100,6 +100,8 @@ void check_load_keys(SceneEntries& entries) {
   const bool profile = entries.present("load.profile"), history = entries.present("load.history");
   if (density && (profile || history))
     entries.report("load.density", "excludes load.profile and load.history: the load is one or the other");
+  else if (!density && !profile && !history && entries.has_table("load") && !entries.faulty("load.density"))
+    entries.report("load.density", "is missing: a load has a density, or a profile and a history");
   else if (profile != history)
     entries.report(profile ? "load.history" : "load.profile", "is missing: profile and history come together");
 }

@@ -22,7 +22,7 @@ constexpr Range not_negative{0.0, largest, ">= 0"};
 
 constexpr std::string_view ends[] = {"obstacle", "free", "fixed"};
 constexpr std::string_view masses[] = {"consistent", "lumped", "paper", "redistributed"};
-constexpr std::string_view methods[] = {"cvode", "ida", "exponential", "fully_discrete", "finite_difference"};
+constexpr std::string_view methods[] = {"cvode", "ida", "rigid", "exponential", "fully_discrete", "finite_difference"};
 constexpr std::string_view starts[] = {"first_order", "second_order"};
 
 // clang-format off

@@ -79,7 +79,8 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
   json["load_evaluations"] = known(&Statistics::load_evaluations);
   json["events"] = outcome.events;
   json["max_penetration"] = known(&Statistics::max_penetration);
-  json["energy"] = outcome.statistics && outcome.statistics->energy ? to_json(*outcome.statistics->energy) : Json(nullptr);
+  json["energy"] =
+      outcome.statistics && outcome.statistics->energy ? to_json(*outcome.statistics->energy) : Json(nullptr);
   Json& contacts = json["contact"] = Json::object();
   if (contact.left) contacts["left"] = to_json(*contact.left, outcome.reached_time);
   if (contact.right) contacts["right"] = to_json(*contact.right, outcome.reached_time);
@@ -87,7 +88,8 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
   json["scene"] = Json::parse(scene.description);
   json["mass"] = name(system.mass());
   const Versions used = versions();
-  json["versions"] = {{"viscobar", used.viscobar}, {"sundials", used.sundials}, {"hdf5", used.hdf5}, {"eigen", used.eigen}};
+  json["versions"] = {
+      {"viscobar", used.viscobar}, {"sundials", used.sundials}, {"hdf5", used.hdf5}, {"eigen", used.eigen}};
   json["platform"] = used.platform;
   // Error texts may quote the user's file, which need not be valid UTF-8.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

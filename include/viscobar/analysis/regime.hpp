@@ -16,16 +16,16 @@ struct ImpactPrediction {
   Layer layer = Layer::node;
 };
 
-/// How a penalised contact behaves on its mesh, judged by the oscillator that its node is: mass m, spring k = w / epsilon,
-/// dashpot to the next node.
+/// How a penalised contact behaves on its mesh, judged by the oscillator that its node is: mass m, spring k = w /
+/// epsilon, dashpot to the next node.
 struct ContactRegime {
   Where where = Where::left;
   double effective_mass = 0.0;  ///< m = 1 / (e . (rho M)^{-1} e); 0 for a massless node, which cannot bounce
   /// zeta = (eta/h) / (2 sqrt(k m)) + zeta of the contact's own dashpot; absent without mass. Of a span obstacle only
   /// the latter counts: a bar that falls flat does not strain.
   std::optional<double> damping_ratio;
-  /// zeta < 1 at an epsilon below quiet_epsilon: the node rebounds, and as epsilon goes to 0 contact changes come in the
-  /// hundreds.
+  /// zeta < 1 at an epsilon below quiet_epsilon: the node rebounds, and as epsilon goes to 0 contact changes come in
+  /// the hundreds.
   bool chatters = false;
   /// The epsilon from which an end with mass does not chatter: viscosity alone gives zeta = 1 from 4 m h^2 / eta^2 on,
   /// and from h / E on the spring is softer than the element behind it, so that the bar decides and not the node.
@@ -44,7 +44,8 @@ struct ContactRegime {
 /// sqrt(rho eta) is time^(3/2) and epsilon sqrt(rho E) a time. The strained layer, sqrt(eta tau / rho) or E epsilon,
 /// must exceed h for this to be seen on a mesh: epsilon > rho h^3 / eta^2, or epsilon > h / E.
 ///
-/// Otherwise the end node stops alone, its neighbour going on at V: m d'' + (eta/h)(d' - V) + d/epsilon = 0 has the peak
+/// Otherwise the end node stops alone, its neighbour going on at V: m d'' + (eta/h)(d' - V) + d/epsilon = 0 has the
+/// peak
 ///     d = (V / omega) (2 zeta + exp(-zeta (pi - arccos zeta) / sqrt(1 - zeta^2))),   omega = 1 / sqrt(m epsilon),
 /// and without mass the force is that of the dashpot or of the wave, d = V epsilon max(eta / h, sqrt(rho E)). A contact's
 /// own dashpot makes it smaller; it is left out.

@@ -26,7 +26,8 @@ Ticks linear_ticks(const Axis& axis, int about) {
   const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step * factor) - 1e-9)), 0, 12);
   for (double index = std::ceil(axis.low / step - 1e-9); index * step <= axis.high + 1e-9 * step; ++index) {
     const double value = index * step;
-    result.ticks.push_back({value, with_true_minus(fmt::format("{:.{}f}", value == 0.0 ? 0.0 : value * factor, decimals))});
+    result.ticks.push_back(
+        {value, with_true_minus(fmt::format("{:.{}f}", value == 0.0 ? 0.0 : value * factor, decimals))});
   }
   return result;
 }

@@ -55,8 +55,8 @@ void Figure::shade(std::span<const Interval> bands, const std::string& colour, s
   if (d.empty()) return;
   content_ += fmt::format("<path class=\"band\" style=\"fill:{}\" d=\"{}\"/>\n", colour, d);
   if (!legend.empty()) {
-    legend_ += fmt::format("<rect class=\"band\" style=\"fill:{}\" x=\"{}\" y=\"{}\" width=\"20\" height=\"10\"/>", colour,
-                           right + 14, legend_y_ - 5);
+    legend_ += fmt::format("<rect class=\"band\" style=\"fill:{}\" x=\"{}\" y=\"{}\" width=\"20\" height=\"10\"/>",
+                           colour, right + 14, legend_y_ - 5);
     legend_text(legend);
   }
 }
@@ -69,9 +69,10 @@ void Figure::level(double y, const Style& style, std::string_view legend, std::o
 void Figure::body(double y, Interval part) {
   const double from = place_x(part.begin), to = place_x(part.end), surface = place_y(y);
   const double depth = std::min(12.0, height_ - below - surface);
-  content_ += fmt::format("<rect class=\"body\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"/>"
-                          "<path class=\"surface\" d=\"M{:.2f} {:.2f}H{:.2f}\"/>\n",
-                          from, surface, to - from, std::max(0.0, depth), from, surface, to);
+  content_ += fmt::format(
+      "<rect class=\"body\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"/>"
+      "<path class=\"surface\" d=\"M{:.2f} {:.2f}H{:.2f}\"/>\n",
+      from, surface, to - from, std::max(0.0, depth), from, surface, to);
 }
 
 std::string Figure::path(std::span<const Point> points) const {
@@ -94,8 +95,8 @@ void Figure::line(std::span<const Point> points, const Style& style, std::string
 
 void Figure::markers(std::span<const Point> points, const std::string& colour, std::string_view legend) {
   for (const Point& point : points)
-    content_ += fmt::format("<circle style=\"fill:{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\"/>\n", colour, place_x(point.x),
-                            place_y(point.y));
+    content_ += fmt::format("<circle style=\"fill:{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\"/>\n", colour,
+                            place_x(point.x), place_y(point.y));
   if (legend.empty()) return;
   legend_ += fmt::format("<circle style=\"fill:{}\" cx=\"{}\" cy=\"{}\" r=\"3.5\"/>", colour, right + 24, legend_y_);
   legend_text(legend);
@@ -108,9 +109,10 @@ void Figure::label(Point at, std::string_view text) {
 
 void Figure::image(const std::string& uri, Point low, Point high) {
   const double x = place_x(low.x), y = place_y(high.y);
-  content_ += fmt::format("<image x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" "
-                          "preserveAspectRatio=\"none\" href=\"{}\"/>\n",
-                          x, y, place_x(high.x) - x, place_y(low.y) - y, uri);
+  content_ += fmt::format(
+      "<image x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" "
+      "preserveAspectRatio=\"none\" href=\"{}\"/>\n",
+      x, y, place_x(high.x) - x, place_y(low.y) - y, uri);
 }
 
 void Figure::colour_bar(const ColourMap& map, const Axis& values) {
@@ -119,18 +121,21 @@ void Figure::colour_bar(const ColourMap& map, const Axis& values) {
   for (std::size_t i = 0; i < map.anchors.size(); ++i)
     stops += fmt::format("<stop offset=\"{:.4f}\" stop-color=\"{}\"/>",
                          static_cast<double>(i) / static_cast<double>(map.anchors.size() - 1), hex(map.anchors[i]));
-  legend_ += fmt::format("<defs><linearGradient id=\"scale\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">{}</linearGradient></defs>"
-                         "<rect class=\"frame\" style=\"fill:url(#scale)\" x=\"{}\" y=\"{}\" width=\"16\" height=\"{}\"/>\n",
-                         stops, bar, top, length);
+  legend_ += fmt::format(
+      "<defs><linearGradient id=\"scale\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">{}</linearGradient></defs>"
+      "<rect class=\"frame\" style=\"fill:url(#scale)\" x=\"{}\" y=\"{}\" width=\"16\" height=\"{}\"/>\n",
+      stops, bar, top, length);
   const Ticks marks = ticks(values, 6);
   for (const Tick& tick : marks.ticks) {
     const double y = bottom - values.position(tick.value) * length;
-    legend_ += fmt::format("<path class=\"frame\" d=\"M{} {:.1f}h4\"/><text x=\"{}\" y=\"{:.1f}\" dy=\".35em\">{}</text>",
-                           bar + 16, y, bar + 24, y, tick.label);
+    legend_ +=
+        fmt::format("<path class=\"frame\" d=\"M{} {:.1f}h4\"/><text x=\"{}\" y=\"{:.1f}\" dy=\".35em\">{}</text>",
+                    bar + 16, y, bar + 24, y, tick.label);
   }
   const std::string factor = marks.exponent ? " / " + power_of_ten(marks.exponent) : "";
-  legend_ += fmt::format("<text class=\"axis\" transform=\"rotate(-90)\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                         -(top + bottom) / 2, bar + 78, values.label + factor);
+  legend_ +=
+      fmt::format("<text class=\"axis\" transform=\"rotate(-90)\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
+                  -(top + bottom) / 2, bar + 78, values.label + factor);
   legend_y_ = bottom + 22;
 }
 
@@ -141,8 +146,9 @@ void Figure::legend_box(const std::string& colour, std::string_view text) {
 }
 
 void Figure::legend_line(const Style& style, std::string_view text) {
-  legend_ += fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}{}\" d=\"M{} {}h20\"/>", style.colour,
-                         std::max(1.6, style.width), style.dashed ? ";stroke-dasharray:6 4" : "", right + 14, legend_y_);
+  legend_ +=
+      fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}{}\" d=\"M{} {}h20\"/>", style.colour,
+                  std::max(1.6, style.width), style.dashed ? ";stroke-dasharray:6 4" : "", right + 14, legend_y_);
   legend_text(text);
 }
 
@@ -168,7 +174,8 @@ std::string Figure::svg(std::string_view title) const {
     const double y = place_y(tick.value);
     fmt::format_to(std::back_inserter(grid), "M{} {:.1f}H{}", left, y, right);
     axes += fmt::format("<path class=\"frame\" d=\"M{} {:.1f}h-{}\"/>", left, y, tick.label.empty() ? 3 : 5);
-    axes += fmt::format("<text x=\"{}\" y=\"{:.1f}\" dy=\".35em\" text-anchor=\"end\">{}</text>", left - 9, y, tick.label);
+    axes +=
+        fmt::format("<text x=\"{}\" y=\"{:.1f}\" dy=\".35em\" text-anchor=\"end\">{}</text>", left - 9, y, tick.label);
   }
   return fmt::format(
       "<svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"{2}\">\n"
@@ -176,7 +183,8 @@ std::string Figure::svg(std::string_view title) const {
       "viewBox=\"{4} {5} {6} {7}\">\n{8}</svg>\n"
       "<rect class=\"frame\" x=\"{4}\" y=\"{5}\" width=\"{6}\" height=\"{7}\"/>\n{9}\n"
       "<text class=\"axis\" x=\"{10}\" y=\"{11}\" text-anchor=\"middle\">{12}</text>\n"
-      "<text class=\"axis\" transform=\"rotate(-90)\" x=\"{13}\" y=\"16\" text-anchor=\"middle\">{14}</text>\n{15}</svg>\n",
+      "<text class=\"axis\" transform=\"rotate(-90)\" x=\"{13}\" y=\"16\" "
+      "text-anchor=\"middle\">{14}</text>\n{15}</svg>\n",
       width, height_, escaped(title), grid, left, top, right - left, bottom - top, content_, axes, (left + right) / 2,
       height_ - 8, escaped(x_.label) + factor(along), -(top + bottom) / 2, escaped(y_.label) + factor(up), legend_);
 }

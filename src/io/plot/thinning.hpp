@@ -11,8 +11,8 @@ struct Point {
 };
 
 /// A polyline that grows without bound in x, kept in at most `capacity` buckets of equally many points. A bucket keeps
-/// its first, lowest, highest and last point, so no peak is lost; full, neighbours are merged. Points that are not finite
-/// are left out.
+/// its first, lowest, highest and last point, so no peak is lost; full, neighbours are merged. Points that are not
+/// finite are left out.
 class ThinnedLine {
  public:
   explicit ThinnedLine(std::size_t capacity = 600) : capacity_(capacity) {}

@@ -1,0 +1,147 @@
+#include "integration/exponential/linear_leg.hpp"
+
+namespace viscobar::exponential {
+
+template <class Real>
+LinearLeg<Real>::LinearLeg(const BarSystem& system, double origin, std::span<const double> steady_load,
+                           std::vector<ClosedContact> closed)
+    : n_(static_cast<Index>(system.size())),
+      massive_begin_(static_cast<Index>(system.massive_begin())),
+      massive_end_(static_cast<Index>(system.massive_end())),
+      left_fixed_(system.left_fixed()),
+      right_fixed_(system.right_fixed()),
+      stiffness_(system.bar().modulus / system.mesh().spacing()),
+      damping_(system.bar().viscosity / system.mesh().spacing()),
+      steady_load_(steady_load.begin(), steady_load.end()),
+      closed_(std::move(closed)) {
+  moving_begin_ = system.damped() ? 0 : massive_begin_;
+  moving_ = system.damped() ? n_ : massive_end_ - massive_begin_;
+
+  std::vector<double> nodal(system.mesh().nodes());
+  system.expand_displacement(std::vector<double>(system.size(), 0.0), nodal);
+  left_displacement_ = nodal.front() - origin;
+  right_displacement_ = nodal.back() - origin;
+
+  const SymmetricTridiagonal& inertia = system.inertia();
+  for (Index i = massive_begin_; i < massive_end_; ++i) {
+    Real pivot = inertia.diagonal[i];
+    if (i > massive_begin_ && !inertia.off_diagonal.empty()) {
+      lower_.push_back(inertia.off_diagonal[i - 1] * inverse_pivot_.back());
+      pivot -= lower_.back() * inertia.off_diagonal[i - 1];
+    }
+    inverse_pivot_.push_back(1 / pivot);
+  }
+}
+
+template <class Real>
+void LinearLeg<Real>::solve_inertia(Vector& force) const {
+  const Index n = force.size();
+  if (lower_.empty()) {
+    for (Index i = 0; i < n; ++i) force[i] *= inverse_pivot_[i];
+    return;
+  }
+  for (Index i = 1; i < n; ++i) force[i] -= lower_[i - 1] * force[i - 1];
+  force[n - 1] *= inverse_pivot_[n - 1];
+  for (Index i = n - 1; i-- > 0;) force[i] = force[i] * inverse_pivot_[i] - lower_[i] * force[i + 1];
+}
+
+template <class Real>
+typename LinearLeg<Real>::Series LinearLeg<Real>::expand(const Vector& y, Real one, const Eigen::MatrixXd& load,
+                                                         Real tau, Index order) const {
+  Series c = Series::Zero(n_, order + 1);
+  const Index massive = massive_end_ - massive_begin_;
+  c.col(0).segment(moving_begin_, moving_) = y.head(moving_);
+  c.col(1).segment(massive_begin_, massive) = tau * y.tail(massive);
+
+  Vector force(massive);
+  for (Index k = 0; k <= order; ++k) {
+    const Real constant = k == 0 ? one : Real(0);
+    const auto p = [&](Index i) {
+      Real value = k < load.cols() ? Real(load(i, k)) : Real(0);
+      if (k == 0 && !steady_load_.empty()) value += one * steady_load_[i];
+      return value;
+    };
+    const auto u = c.col(k);
+
+    // Differences to the neighbour keep a rigid motion exactly rigid.
+    const auto move_massless = [&](Index end, Index neighbour) {
+      Real k_c = 0, surface = 0;
+      for (const ClosedContact& contact : closed_)
+        if (contact.unknown == end) k_c = contact.law.stiffness, surface = contact.surface;
+      if (damping_ == 0)
+        c(end, k) = u[neighbour] + (p(end) - k_c * (u[neighbour] - constant * surface)) / (stiffness_ + k_c);
+      else if (k < order)
+        c(end, k + 1) = c(neighbour, k + 1) +
+                        (p(end) + stiffness_ * (u[neighbour] - u[end]) - k_c * (u[end] - constant * surface)) * tau /
+                            (Real(k + 1) * damping_);
+    };
+    if (massive_begin_ > 0) move_massless(0, 1);
+    if (massive_end_ < n_) move_massless(n_ - 1, n_ - 2);
+    if (k + 2 > order) continue;
+
+    const auto v = c.col(k + 1);  // times tau / (k + 1) the velocity's coefficient
+    const Real rate = Real(k + 1) / tau, damping = damping_ * rate;
+    const auto stress = [&](Index i) { return stiffness_ * (u[i + 1] - u[i]) + damping * (v[i + 1] - v[i]); };
+    Real left = 0;
+    if (massive_begin_ > 0)
+      left = stress(0);
+    else if (left_fixed_)
+      left = stiffness_ * (u[0] - constant * left_displacement_) + damping * v[0];
+    for (Index i = massive_begin_; i < massive_end_; ++i) {
+      Real right = 0;
+      if (i + 1 < n_)
+        right = stress(i);
+      else if (right_fixed_)
+        right = stiffness_ * (constant * right_displacement_ - u[i]) - damping * v[i];
+      force[i - massive_begin_] = right - left + p(i);
+      left = right;
+    }
+    for (const ClosedContact& contact : closed_) {
+      const Index i = contact.unknown;
+      if (i >= massive_begin_ && i < massive_end_)
+        force[i - massive_begin_] -=
+            contact.law.stiffness * (u[i] - constant * contact.surface) + contact.law.damping * rate * v[i];
+    }
+    solve_inertia(force);
+    c.col(k + 2).segment(massive_begin_, massive) = force * (tau * tau / Real((k + 1) * (k + 2)));
+  }
+  return c;
+}
+
+template <class Real>
+typename LinearLeg<Real>::Vector LinearLeg<Real>::displacement(const Series& series, Real sigma) {
+  Vector u = series.rightCols(1);
+  for (Index k = series.cols() - 1; k-- > 0;) u = u * sigma + series.col(k);
+  return u;
+}
+
+template <class Real>
+typename LinearLeg<Real>::Vector LinearLeg<Real>::velocity(const Series& series, Real sigma, Real tau) {
+  const Index order = series.cols() - 1;
+  Vector v = series.col(order) * Real(order);
+  for (Index k = order - 1; k > 0; --k) v = v * sigma + series.col(k) * Real(k);
+  return v / tau;
+}
+
+template <class Real>
+typename LinearLeg<Real>::Vector LinearLeg<Real>::pack(const Vector& u, const Vector& v) const {
+  Vector y(size());
+  y << u.segment(moving_begin_, moving_), v.segment(massive_begin_, massive_end_ - massive_begin_);
+  return y;
+}
+
+template <class Real>
+Real LinearLeg<Real>::dissipation(const Vector& v, const Vector& w) const {
+  Real sum = 0;
+  for (Index i = 0; i + 1 < n_; ++i) sum += (v[i + 1] - v[i]) * (w[i + 1] - w[i]);
+  if (left_fixed_) sum += v[0] * w[0];
+  if (right_fixed_) sum += v[n_ - 1] * w[n_ - 1];
+  sum *= damping_;
+  for (const ClosedContact& contact : closed_) sum += contact.law.damping * v[contact.unknown] * w[contact.unknown];
+  return sum;
+}
+
+template class LinearLeg<double>;
+template class LinearLeg<long double>;
+
+}  // namespace viscobar::exponential

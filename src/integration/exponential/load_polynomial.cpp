@@ -1,0 +1,98 @@
+#include "integration/exponential/load_polynomial.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace viscobar::exponential {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+constexpr Index points = load_degree + 1;
+
+struct Chebyshev {
+  std::array<double, points> node;  // on [0, 1]
+  MatrixXd analysis;                // values at the nodes -> coefficients of T_k(2 sigma - 1)
+  MatrixXd monomials;               // those -> coefficients of sigma^j
+};
+
+Chebyshev make_chebyshev() {
+  Chebyshev c{{}, MatrixXd(points, points), MatrixXd::Zero(points, points)};
+  for (Index i = 0; i < points; ++i) {
+    const double angle = std::numbers::pi * (static_cast<double>(i) + 0.5) / points;
+    c.node[i] = std::pow(std::cos(angle / 2), 2);
+    for (Index k = 0; k < points; ++k)
+      c.analysis(i, k) = (k == 0 ? 1.0 : 2.0) / points * std::cos(static_cast<double>(k) * angle);
+  }
+  // T_0 = 1, T_1 = 2 sigma - 1, T_k = 2 (2 sigma - 1) T_{k-1} - T_{k-2}: integers, exact.
+  c.monomials(0, 0) = 1.0;
+  c.monomials(1, 0) = -1.0;
+  c.monomials(1, 1) = 2.0;
+  for (Index k = 2; k < points; ++k) {
+    c.monomials.row(k) = -2.0 * c.monomials.row(k - 1) - c.monomials.row(k - 2);
+    c.monomials.row(k).tail(load_degree) += 4.0 * c.monomials.row(k - 1).head(load_degree);
+  }
+  return c;
+}
+
+const Chebyshev& chebyshev() {
+  static const Chebyshev table = make_chebyshev();
+  return table;
+}
+
+// Adds the part of `sample` outside the span of the orthonormal `basis` when rounding cannot explain it.
+void extend(MatrixXd& basis, const Eigen::VectorXd& sample, double largest) {
+  Eigen::VectorXd rest = sample;
+  for (int pass = 0; pass < 2; ++pass) rest -= basis * (basis.transpose() * rest);
+  const double norm = rest.norm();
+  if (norm <= 8.0 * std::numeric_limits<double>::epsilon() * largest) return;
+  basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
+  basis.rightCols(1) = rest / norm;
+}
+
+}  // namespace
+
+LoadPolynomial rescaled(const LoadPolynomial& p, double origin, double scale) {
+  LoadPolynomial q = p;
+  for (Index first = 0; origin != 0.0 && first + 1 < q.cols(); ++first)  // repeated synthetic division
+    for (Index j = q.cols() - 1; j-- > first;) q.col(j) += origin * q.col(j + 1);
+  double factor = 1.0;
+  for (Index j = 0; j < q.cols(); ++j, factor *= scale) q.col(j) *= factor;
+  return q;
+}
+
+LoadInterpolation::LoadInterpolation(const BarSystem& system) : basis_(static_cast<Index>(system.size()), 0) {
+  if (!system.loaded()) return;
+  load_.emplace(system);
+  if (!load_->steady()) return;
+  steady_ = load_->at(0.0);
+  load_.reset();
+}
+
+MatrixXd LoadInterpolation::varying(const LoadPolynomial& p) const { return load_ ? MatrixXd(basis_ * p) : MatrixXd(); }
+
+MatrixXd LoadInterpolation::total(const LoadPolynomial& p) const {
+  return load_ ? varying(p) : Eigen::Map<const MatrixXd>(steady_.data(), basis_.rows(), steady_.empty() ? 0 : 1);
+}
+
+bool LoadInterpolation::fit(double t, double tau, LoadPolynomial& out) {
+  if (!load_) return true;
+  const Chebyshev& table = chebyshev();
+  MatrixXd samples(basis_.rows(), points);
+  for (Index i = 0; i < points; ++i) {
+    const std::span<const double> value = load_->at(t + tau * table.node[i]);
+    samples.col(i) = Eigen::Map<const Eigen::VectorXd>(value.data(), basis_.rows());
+    largest_ = std::max(largest_, samples.col(i).norm());
+  }
+  for (Index i = 0; i < points; ++i) extend(basis_, samples.col(i), largest_);
+  const MatrixXd coefficients = (basis_.transpose() * samples) * table.analysis;
+  out = coefficients * table.monomials;
+  return coefficients.rows() == 0 || coefficients.rightCols(2).colwise().norm().maxCoeff() <= 1e-14 * largest_;
+}
+
+}  // namespace viscobar::exponential

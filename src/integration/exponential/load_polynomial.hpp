@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstddef>
+#include <optional>
+
+#include "viscobar/dynamics/bar_system.hpp"
+
+namespace viscobar::exponential {
+
+/// Degree of the load's polynomial on a step.
+inline constexpr Eigen::Index load_degree = 12;
+
+/// p(sigma) = sum_j column_j sigma^j, sigma in [0, 1] the part of a step that has passed; no columns without a load
+/// that varies in time.
+using LoadPolynomial = Eigen::MatrixXd;
+
+/// q with q(sigma) = p(origin + scale sigma).
+LoadPolynomial rescaled(const LoadPolynomial& p, double origin, double scale);
+
+/// M f(t) on a step as a polynomial in time with coefficients in the span of few vectors: one for profile(x)
+/// history(t), as many as the load shows for a density without structure.
+class LoadInterpolation {
+ public:
+  explicit LoadInterpolation(const BarSystem& system);
+
+  /// Vectors that the coefficients refer to, orthonormal; grows while loads outside their span appear.
+  const Eigen::MatrixXd& basis() const { return basis_; }
+
+  /// The part that is constant in time; empty where there is none.
+  std::span<const double> steady() const { return steady_; }
+  bool varies() const { return load_.has_value(); }
+
+  /// Interpolates at Chebyshev's points of [t, t + tau]. Returns whether the last two Chebyshev coefficients are below
+  /// 1e-14 of the largest load so far.
+  bool fit(double t, double tau, LoadPolynomial& out);
+
+  /// Coefficients over the unknowns (n entries each), of the part that varies and of all: no columns without any.
+  Eigen::MatrixXd varying(const LoadPolynomial& p) const;
+  Eigen::MatrixXd total(const LoadPolynomial& p) const;
+
+  std::size_t evaluations() const { return load_ ? load_->evaluations() : 0; }
+
+ private:
+  std::optional<LoadVector> load_;
+  std::span<const double> steady_;
+  Eigen::MatrixXd basis_;
+  double largest_ = 0.0;
+};
+
+}  // namespace viscobar::exponential

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "integration/exponential/linear_leg.hpp"
+#include "integration/exponential/load_polynomial.hpp"
+
+namespace viscobar::exponential {
+
+/// Steps of a leg by matrix exponentials of dyadic lengths tau_k = 2^k tau_0,
+///
+///     y(tau) = E_k y + sum_j W_kj c_j,   E_k = exp(A tau_k),   W_kj = int_0^tau exp(A (tau - s)) (s / tau)^j ds B,
+///
+/// c_j the load's coefficients. E_0 and W_0j are Taylor sums; the others follow by E_{k+1} = E_k^2 and
+/// W_{k+1,j} = 2^-j (E_k W_kj + sum_{i <= j} binomial(j, i) W_ki), built when first needed. E is squared in extended
+/// precision: an error of E_0 in double precision would act in every step alike and shift the slow modes.
+class Propagator {
+ public:
+  /// `inverse_inertia` is the norm of (rho M)^{-1} on the massive nodes; `load` and `exponentials`, the number of
+  /// matrices built, outlive this.
+  Propagator(const BarSystem& system, double origin, double inverse_inertia, const LoadInterpolation& load,
+             std::vector<ClosedContact> closed, std::size_t& exponentials);
+
+  const LinearLeg<double>& leg() const { return leg_; }
+
+  /// tau_level. The leg's Taylor series serves for every length up to step(0), a power of two, so that the sums of
+  /// steps are exact.
+  double step(int level) const { return std::ldexp(finest_, level); }
+
+  /// y <- y(step(level)), level >= 0
+  void advance(int level, Eigen::VectorXd& y, const LoadPolynomial& load);
+
+  /// Taylor coefficients of u from y and the load on a step of length tau.
+  LinearLeg<double>::Series expand(const Eigen::VectorXd& y, const LoadPolynomial& load, double tau,
+                                   Index order = taylor_order) const;
+
+ private:
+  using ExtendedMatrix = LinearLeg<long double>::Series;
+  struct Level {
+    Eigen::MatrixXd increment;  // E - I, and the response to what is constant as last column
+    Eigen::MatrixXd response;   // W_0, W_1, ... beside each other
+  };
+  void build_increments(int level);
+  const Eigen::MatrixXd& response(int level);
+
+  LinearLeg<double> leg_;
+  LinearLeg<long double> extended_leg_;
+  const LoadInterpolation& load_;
+  std::size_t& exponentials_;
+  double finest_;
+  std::vector<Level> levels_;
+  ExtendedMatrix coarsest_;  // increment of the last level
+};
+
+}  // namespace viscobar::exponential
