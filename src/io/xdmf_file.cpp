@@ -66,7 +66,8 @@ std::string XdmfFile::grid(std::size_t row, double time) const {
   std::string text = fmt::format(
       "<Grid Name=\"{0}\" GridType=\"Uniform\"><Time Value=\"{1}\"/>\n"
       "<Topology TopologyType=\"Polyline\" NumberOfElements=\"1\" NodesPerElement=\"{2}\">"
-      "<DataItem Dimensions=\"1 {2}\" Format=\"HDF\" NumberType=\"Int\" Precision=\"4\">{3}:/line</DataItem></Topology>\n"
+      "<DataItem Dimensions=\"1 {2}\" Format=\"HDF\" NumberType=\"Int\" "
+      "Precision=\"4\">{3}:/line</DataItem></Topology>\n"
       "<Geometry GeometryType=\"XYZ\"><DataItem Dimensions=\"{2} 3\" Format=\"HDF\" NumberType=\"Float\" "
       "Precision=\"8\">{3}:/points</DataItem></Geometry>\n",
       row, time, nodes_, field_file_);

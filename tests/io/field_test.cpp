@@ -1,14 +1,13 @@
-#include "io/field_file.hpp"
-
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 
 #include <array>
 #include <cmath>
 #include <csignal>
 #include <regex>
-#include <sys/wait.h>
-#include <sys/resource.h>
 
+#include "io/field_file.hpp"
 #include "io/scratch.hpp"
 #include "viscobar/io/io_error.hpp"
 
@@ -131,7 +130,8 @@ TEST(FieldFile, XdmfIsWellFormedAndNamesRowsThatExist) {
   EXPECT_NE(text.find("CollectionType=\"Temporal\""), std::string::npos);
   const std::regex slab(">(\\d+) 0 1 1 1 5</DataItem>");
   std::vector<int> rows;
-  for (std::sregex_iterator it(text.begin(), text.end(), slab), end; it != end; ++it) rows.push_back(std::stoi((*it)[1]));
+  for (std::sregex_iterator it(text.begin(), text.end(), slab), end; it != end; ++it)
+    rows.push_back(std::stoi((*it)[1]));
   EXPECT_EQ(rows, (std::vector<int>{0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6}));
 }
 
