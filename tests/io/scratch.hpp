@@ -46,11 +46,12 @@ inline std::vector<std::string> read_lines(const std::filesystem::path& file) {
   return lines;
 }
 
-/// A bar that falls on an obstacle at its left end and bounces off it.
+/// A bar that falls on an obstacle at its left end at t = 0.1 and leaves it again before t = 1.
 inline SceneFile bouncing_bar() {
   SceneFile file;
   Case& run = file.run;
   run.scene.title = "A <bounce> & back";
+  run.scene.bar.length = 0.3;
   run.scene.bar.viscosity = 0.5;
   run.scene.left = Obstacle{0.1};
   run.scene.displacement = [](double) { return 0.0; };
