@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <numeric>
 #include <span>
 #include <string>
+#include <string_view>
+#include <system_error>
 
 #include "viscobar/io/io_error.hpp"
 
@@ -17,22 +20,36 @@ using PropertyList = Hdf5Handle<H5Pclose>;
 
 constexpr std::size_t block_bytes = 1 << 20;
 
-/// Calls HDF5 with its printing off. @throws IoError with the innermost message of its error stack
+/// The cause that HDF5 names innermost in its error stack, of a system call the system's own words.
+std::string cause() {
+  std::string text;
+  H5Ewalk2(
+      H5E_DEFAULT, H5E_WALK_UPWARD,
+      [](unsigned depth, const H5E_error2_t* entry, void* out) -> herr_t {
+        if (depth == 0 && entry->desc) *static_cast<std::string*>(out) = entry->desc;
+        return 0;
+      },
+      &text);
+  constexpr std::string_view before = "errno = ";
+  const std::size_t at = text.find(before);
+  if (at == std::string::npos) return text;
+  return std::generic_category().message(std::atoi(text.c_str() + at + before.size()));
+}
+
+/// Calls HDF5 with its printing off. @throws IoError
 template <class Call>
 auto checked(const std::filesystem::path& path, const char* what, Call&& call) {
   decltype(call()) result;
   H5E_BEGIN_TRY { result = call(); }
   H5E_END_TRY
-  if (result >= 0) return result;
-  std::string reason;
-  H5Ewalk2(
-      H5E_DEFAULT, H5E_WALK_UPWARD,
-      [](unsigned depth, const H5E_error2_t* entry, void* text) -> herr_t {
-        if (depth == 0 && entry->desc) *static_cast<std::string*>(text) = entry->desc;
-        return 0;
-      },
-      &reason);
-  throw IoError(path, std::string(what) + (reason.empty() ? "" : ": " + reason));
+  if (result < 0) throw IoError(path, std::string(what) + ": " + cause());
+  return result;
+}
+
+hid_t create_file(const std::filesystem::path& path) {
+  // HDF5 crashes at exit when it tries once more to write what a full disk refused; nothing of ours waits for the exit.
+  [[maybe_unused]] static const herr_t once = H5dont_atexit();
+  return checked(path, "cannot be created", [&] { return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT); });
 }
 
 Hdf5Dataset create(const std::filesystem::path& path, hid_t file, const char* name, hid_t type,
@@ -78,8 +95,7 @@ FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, s
       nodes_(mesh.nodes()),
       block_rows_(std::max<std::size_t>(1, std::min(block_bytes / (sizeof(double) * nodes_), expected_rows))),
       xdmf_(directory / "field.xdmf", "field.h5", nodes_),
-      file_(checked(path_, "cannot be created",
-                    [this] { return H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT); })),
+      file_(create_file(path_)),
       t_(create(path_, file_.get(), "t", H5T_IEEE_F64LE, std::array<hsize_t, 1>{0},
                 std::array<hsize_t, 1>{std::clamp<hsize_t>(expected_rows, 1, 4096)})),
       u_(create(path_, file_.get(), "u", H5T_IEEE_F64LE, std::array<hsize_t, 2>{0, nodes_},

@@ -32,26 +32,15 @@ void prepare(const fs::path& directory) {
 }
 
 /// The files that grow with a run.
-class GrowingFiles {
- public:
-  GrowingFiles(const fs::path& directory, const Case& run, std::size_t rows)
-      : ends_(directory / "ends.csv"), events_(directory / "events.csv"), field_(directory, run.mesh(), rows) {}
+struct GrowingFiles {
+  EndsCsv ends;
+  EventsCsv events;
+  FieldFile field;
 
-  void append(const Snapshot& snapshot) {
-    ends_.append(snapshot);
-    field_.append(snapshot);
-  }
-  void append(const Event& event) { events_.append(event); }
-  void close() {
-    ends_.close();
-    events_.close();
-    field_.close();
-  }
-
- private:
-  EndsCsv ends_;
-  EventsCsv events_;
-  FieldFile field_;
+  GrowingFiles(const fs::path& directory, const Case& run)
+      : ends(directory / "ends.csv"),
+        events(directory / "events.csv"),
+        field(directory, run.mesh(), static_cast<std::size_t>(run.end / run.output_every) + 2) {}
 };
 
 /// The first failure is what the user needs to know; those that follow from it are not.
@@ -112,17 +101,18 @@ RunRecord record_run(const SceneFile& scene, const fs::path& directory, const Re
   write_summary();
   outcome = {};
 
-  GrowingFiles files(directory, run, static_cast<std::size_t>(run.end / run.output_every) + 2);
+  GrowingFiles files(directory, run);
   Observers observers;
   observers.energy = true;
   observers.snapshot = [&](const Snapshot& snapshot) {
-    files.append(snapshot);
+    files.ends.append(snapshot);
+    files.field.append(snapshot);
     contact.add(snapshot);
     data.add(snapshot);
   };
   observers.event = [&](const Event& event) {
     ++outcome.events;
-    files.append(event);
+    files.events.append(event);
     contact.add(event);
     data.add(event);
   };
@@ -132,7 +122,10 @@ RunRecord record_run(const SceneFile& scene, const fs::path& directory, const Re
     if (recording.progress) recording.progress(time, outcome.steps);
   };
   simulate_into(outcome, run, system, observers);
-  attempt(outcome, [&] { files.close(); });
+  // Each for itself: what one cannot write, another may.
+  attempt(outcome, [&] { files.ends.close(); });
+  attempt(outcome, [&] { files.events.close(); });
+  attempt(outcome, [&] { files.field.close(); });
 
   const auto stop_clock = [&] {
     outcome.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - recording.started).count();

@@ -10,11 +10,9 @@
 namespace viscobar {
 
 Versions versions() {
-  unsigned major = 0, minor = 0, release = 0;
-  H5get_libversion(&major, &minor, &release);
   utsname system{};
   uname(&system);
-  return {VISCOBAR_VERSION, SUNDIALS_VERSION, fmt::format("{}.{}.{}", major, minor, release),
+  return {VISCOBAR_VERSION, SUNDIALS_VERSION, fmt::format("{}.{}.{}", H5_VERS_MAJOR, H5_VERS_MINOR, H5_VERS_RELEASE),
           fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION),
           fmt::format("{} {} {}, compiler {}", system.sysname, system.release, system.machine, __VERSION__)};
 }
