@@ -30,6 +30,7 @@ constexpr std::size_t table_bytes = std::size_t{1} << 28;  // of the matrices ke
 constexpr int patience = 8;                                // steps before a length that failed is tried again
 constexpr int max_instant_changes = 20;
 constexpr int max_load_jumps = 1000;
+constexpr double rounding = std::numeric_limits<double>::epsilon();
 
 double largest_inverse_inertia(const BarSystem& system) {
   const auto begin = static_cast<Index>(system.massive_begin());
@@ -77,9 +78,15 @@ class Run {
   Index node(std::size_t c) const { return static_cast<Index>(penalised_.contact(c).unknown); }
   // Where contact c begins, among displacements measured from the origin.
   double surface(std::size_t c) const { return -penalised_.contact(c).gap - origin_; }
-  double band(std::size_t c) const { return penalised_.clearance_rounding(c, largest_displacement_); }
-  double shortest_step() const {
-    return 4.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t_), times_.back() - times_.front());
+  // Without a displacement of its own in y: no mass, no viscosity.
+  bool follows(std::size_t c) const { return !system_.damped() && system_.has_massless() && penalised_.contact(c).where != Where::span; }
+  double shortest_step() const { return 4.0 * rounding * std::max(std::abs(t_), times_.back() - times_.front()); }
+
+  // What the distance of contact c has to pass behind zero for a change. Closing, its rounding. Opening, less where it
+  // can be: a stiff contact has penetrations of that size, and would hold the bar back until its pull exceeds them.
+  double band(std::size_t c) const {
+    if (penalised_.closed(c) && !follows(c)) return 32.0 * rounding * (statistics_.max_penetration + std::abs(surface(c)));
+    return penalised_.clearance_rounding(c, largest_displacement_);
   }
 
   Statistics reached() {
@@ -184,49 +191,64 @@ class Run {
       ++level_;
   }
 
-  // A step by matrix exponentials, unless it may hide something.
+  // A step by matrix exponentials, unless it may hide something: in quarters where there are contacts, in eighths where
+  // energy flows that somebody wants to know.
   bool take_long_step(double tau) {
-    VectorXd end = y_;
-    propagator_->advance(level_, end, p_);
-    double penetration = statistics_.max_penetration;
-    EnergyFlow flow;
-    if (contacts() > 0 || energy_flows()) {
-      VectorXd middle = y_;
-      propagator_->advance(level_ - 1, middle, rescaled(p_, 0.0, 0.5));
-      const std::array<LoadPolynomial, 3> p = {p_, rescaled(p_, 0.5, 1.0), rescaled(p_, 1.0, 1.0)};
-      const std::array<Series, 3> motion = {propagator_->expand(y_, p[0], tau, 3),
-                                            propagator_->expand(middle, p[1], tau, 3),
-                                            propagator_->expand(end, p[2], tau, 3)};
-      if (contacts() > 0) ++statistics_.event_evaluations;
-      for (std::size_t c = 0; c < contacts(); ++c)
-        if (!keeps_state(c, motion, p, penetration)) return false;
-      if (energy_flows()) {
-        const auto [total, error] =
-            hermite_flow(leg(), motion, {load_.total(p[0]), load_.total(p[1]), load_.total(p[2])}, tau);
-        if (error > 1e-12 * energy_scale_ * tau / (times_.back() - times_.front())) return false;
-        flow = total;
+    const int halvings = energy_flows() ? 3 : contacts() > 0 ? 2 : 0, pieces = 1 << halvings;
+    const bool sampled = pieces > 1;
+    std::vector<LoadPolynomial> p;
+    std::vector<Series> motion;
+    VectorXd y = y_;
+    for (int k = 0; k <= pieces; ++k) {
+      const double at = static_cast<double>(k) / pieces;
+      if (sampled) {
+        p.push_back(rescaled(p_, at, 1.0));
+        motion.push_back(propagator_->expand(y, p[k], tau, 1));
       }
+      if (k < pieces) propagator_->advance(level_ - halvings, y, rescaled(p_, at, 1.0 / pieces));
     }
+    if (contacts() > 0) ++statistics_.event_evaluations;
+    double penetration = statistics_.max_penetration;
+    for (std::size_t c = 0; c < contacts(); ++c)
+      if (!keeps_state(c, motion, p, penetration)) return false;
+    if (energy_flows() && !add_sampled_flow(motion, p, tau)) return false;
     output_until(t_ + tau, tau);
     statistics_.max_penetration = penetration;
-    add(flow);
-    y_ = std::move(end);
+    y_ = std::move(y);
     t_ += tau;
     lengthen();
     return true;
   }
 
+  bool add_sampled_flow(const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p, double tau) {
+    std::vector<VectorXd> velocities, loads;
+    for (std::size_t k = 0; k < motion.size(); ++k) {
+      velocities.push_back(motion[k].col(1) / tau);
+      if (system_.loaded()) loads.push_back(load_.total(p[k]).col(0));
+    }
+    const auto [flow, error] = sampled_flow(leg(), velocities, loads, tau);
+    if (error > 1e-12 * energy_scale_ * tau / (times_.back() - times_.front())) return false;
+    add(flow);
+    return true;
+  }
+
   // Whether contact c surely stays as it is during a step, and the maximum of its penetration is known.
-  bool keeps_state(std::size_t c, const std::array<Series, 3>& motion, const std::array<LoadPolynomial, 3>& p,
+  bool keeps_state(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p,
                    double& penetration) const {
-    const VectorXd left = distance(c, motion[0], p[0]), middle = distance(c, motion[1], p[1]),
-                   right = distance(c, motion[2], p[2]);
-    const HermiteRange range({left[0], left[1], 2 * left[2]}, middle[0], {right[0], right[1], 2 * right[2]});
+    const std::size_t quarter = motion.size() / 4;
+    std::array<double, 5> values;
+    std::array<double, 3> slopes;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const VectorXd sample = distance(c, motion[k * quarter], p[k * quarter]);
+      values[k] = sample[0];
+      if (k % 2 == 0) slopes[k / 2] = sample[1] / 2;
+    }
+    const SampledRange range(values, slopes);
     if (range.lowest() < -band(c)) return false;
     if (!penalised_.closed(c)) return true;
     const double share = penalised_.penetration_share(c);
     if (share * range.highest() > penetration * (1.0 + 1e-13) && !range.monotone()) return false;
-    penetration = std::max(penetration, share * right[0]);
+    penetration = std::max(penetration, share * values.back());
     return true;
   }
 
@@ -262,11 +284,9 @@ class Run {
   // it is closed. An undamped massless node follows its neighbour and the load; it is judged by where it would be were
   // it open, since a stiff contact leaves no digits of its own displacement.
   VectorXd distance(std::size_t c, const Series& series, const LoadPolynomial& p) const {
-    const auto i = static_cast<std::size_t>(node(c));
-    const bool massless = i < system_.massive_begin() || i >= system_.massive_end();
     VectorXd result;
-    if (massless && !system_.damped()) {
-      result = series.row(i == 0 ? 1 : node(c) - 1).transpose();
+    if (follows(c)) {
+      result = series.row(node(c) == 0 ? 1 : node(c) - 1).transpose();
       const MatrixXd load = load_.total(p);
       const Index shared = std::min(load.cols(), result.size());
       if (shared > 0)
@@ -288,6 +308,7 @@ class Run {
     for (const std::size_t c : changing) {
       penalised_.set_closed(c, !penalised_.closed(c));
       if (penalised_.closed(c)) measure_from_obstacle(c);
+      if (!follows(c)) y_[node(c)] = surface(c);  // to the digits that only the new leg needs
       tell_change(c, v[node(c)]);
     }
     choose_propagator();
@@ -356,7 +377,6 @@ class Run {
   bool energy_flows() const { return statistics_.energy && (penalised_.dissipates() || system_.loaded()); }
 
   void add(const EnergyFlow& flow) {
-    if (!statistics_.energy) return;
     statistics_.energy->dissipated += flow.dissipated;
     statistics_.energy->work += flow.work;
     energy_scale_ = std::max(energy_scale_, statistics_.energy->initial + std::abs(statistics_.energy->work));

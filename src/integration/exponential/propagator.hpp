@@ -30,7 +30,7 @@ class Propagator {
   /// steps are exact.
   double step(int level) const { return std::ldexp(finest_, level); }
 
-  /// y <- y(step(level)), level >= 0
+  /// y <- y(step(level)); by the Taylor series for level <= 0
   void advance(int level, Eigen::VectorXd& y, const LoadPolynomial& load);
 
   /// Taylor coefficients of u from y and the load on a step of length tau.
