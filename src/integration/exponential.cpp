@@ -1,15 +1,13 @@
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 
 #include "dynamics/stopwatch.hpp"
 #include "integration/exponential/energy_integral.hpp"
 #include "integration/exponential/passage.hpp"
-#include "integration/exponential/propagator.hpp"
+#include "integration/exponential/propagator_cache.hpp"
 #include "integration/snapshot.hpp"
 #include "viscobar/dynamics/errors.hpp"
 #include "viscobar/dynamics/penalised_system.hpp"
@@ -26,23 +24,10 @@ using Leg = LinearLeg<double>;
 using Series = Leg::Series;
 
 constexpr std::size_t max_unknowns = 400;
-constexpr std::size_t table_bytes = std::size_t{1} << 28;  // of the matrices kept for all contact states, about
-constexpr int patience = 8;                                // steps before a length that failed is tried again
+constexpr int patience = 8;  // steps before a length that failed is tried again
 constexpr int max_instant_changes = 20;
 constexpr int max_load_jumps = 1000;
 constexpr double rounding = std::numeric_limits<double>::epsilon();
-
-double largest_inverse_inertia(const BarSystem& system) {
-  const auto begin = static_cast<Index>(system.massive_begin());
-  const Index count = static_cast<Index>(system.massive_end()) - begin;
-  const SymmetricTridiagonal& inertia = system.inertia();
-  const VectorXd diagonal = Eigen::Map<const VectorXd>(inertia.diagonal.data() + begin, count);
-  if (inertia.off_diagonal.empty() || count == 1) return 1.0 / diagonal.minCoeff();
-  const VectorXd off = Eigen::Map<const VectorXd>(inertia.off_diagonal.data() + begin, count - 1);
-  Eigen::SelfAdjointEigenSolver<MatrixXd> spectrum;
-  spectrum.computeFromTridiagonal(diagonal, off, Eigen::EigenvaluesOnly);
-  return 1.0 / spectrum.eigenvalues().minCoeff();
-}
 
 std::span<const double> entries(const VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
@@ -57,8 +42,8 @@ class Run {
         times_(times),
         observers_(observers),
         snapshot_(penalised_),
-        inverse_inertia_(largest_inverse_inertia(system)),
         load_(system),
+        propagators_(penalised_, load_, statistics_.matrix_factorisations),
         t_(times.front()) {}
 
   Statistics operator()(const State& start) {
@@ -76,16 +61,19 @@ class Run {
   const Leg& leg() const { return propagator_->leg(); }
   std::size_t contacts() const { return penalised_.contact_count(); }
   Index node(std::size_t c) const { return static_cast<Index>(penalised_.contact(c).unknown); }
-  // Where contact c begins, among displacements measured from the origin.
-  double surface(std::size_t c) const { return -penalised_.contact(c).gap - origin_; }
-  // Without a displacement of its own in y: no mass, no viscosity.
-  bool follows(std::size_t c) const { return !system_.damped() && system_.has_massless() && penalised_.contact(c).where != Where::span; }
+  double surface(std::size_t c) const { return propagators_.surface(c); }
+  // A node without mass and viscosity has no displacement of its own in y.
+  bool follows(std::size_t c) const {
+    const std::size_t i = penalised_.contact(c).unknown;
+    return !system_.damped() && (i < system_.massive_begin() || i >= system_.massive_end());
+  }
   double shortest_step() const { return 4.0 * rounding * std::max(std::abs(t_), times_.back() - times_.front()); }
 
   // What the distance of contact c has to pass behind zero for a change. Closing, its rounding. Opening, less where it
   // can be: a stiff contact has penetrations of that size, and would hold the bar back until its pull exceeds them.
   double band(std::size_t c) const {
-    if (penalised_.closed(c) && !follows(c)) return 32.0 * rounding * (statistics_.max_penetration + std::abs(surface(c)));
+    if (penalised_.closed(c) && !follows(c))
+      return 32.0 * rounding * (statistics_.max_penetration + std::abs(surface(c)));
     return penalised_.clearance_rounding(c, largest_displacement_);
   }
 
@@ -109,19 +97,22 @@ class Run {
 
   void begin(const State& start) {
     State state = start;
+    penalised_.complete_displacement(t_, state.u);
+    penalised_.complete_velocity(t_, state.u, state.v);
+    const std::vector<double> approach = state.v;
     penalised_.settle(t_, state.u, state.v);
     const VectorXd u = Eigen::Map<const VectorXd>(state.u.data(), static_cast<Index>(system_.size()));
     const VectorXd v = Eigen::Map<const VectorXd>(state.v.data(), static_cast<Index>(system_.size()));
-    choose_propagator();
+    begin_leg();
     y_ = leg().pack(u, v);
     changes_.assign(contacts(), {t_, 0});
     for (std::size_t c = 0; c < contacts(); ++c) {
       if (!penalised_.closed(c)) continue;
       statistics_.max_penetration = std::max(statistics_.max_penetration, -penalised_.clearance(c, state.u));
       measure_from_obstacle(c);
-      tell_change(c, start.v[node(c)]);
+      tell_change(c, approach[node(c)]);
     }
-    choose_propagator();
+    begin_leg();
     statistics_.unknowns = static_cast<std::size_t>(y_.size());
     if (observers_.energy) statistics_.energy = {.initial = energy_scale_ = penalised_.energy(state.u, state.v)};
   }
@@ -130,35 +121,19 @@ class Run {
   void measure_from_obstacle(std::size_t c) {
     if (measured_) return;
     measured_ = true;
-    origin_ = -penalised_.contact(c).gap;
-    y_.head(leg().displacements()).array() -= origin_;
-    propagators_.clear();
+    y_.head(leg().displacements()).array() += penalised_.contact(c).gap;
+    propagators_.measure_from(-penalised_.contact(c).gap);
   }
 
-  void choose_propagator() {
-    std::vector<bool> state(contacts());
-    for (std::size_t c = 0; c < contacts(); ++c) state[c] = penalised_.closed(c);
-    const auto known = std::ranges::find(propagators_, state, &Cached::state);
-    if (known != propagators_.end()) {
-      std::rotate(known, known + 1, propagators_.end());
-    } else {
-      std::vector<ClosedContact> closed;
-      for (std::size_t c = 0; c < contacts(); ++c)
-        if (state[c]) closed.push_back({node(c), surface(c), penalised_.law(c)});
-      propagators_.push_back(
-          {state, std::make_unique<Propagator>(system_, origin_, inverse_inertia_, load_, std::move(closed),
-                                               statistics_.matrix_factorisations)});
-      const std::size_t bytes = 200 * 4 * system_.size() * system_.size();  // of some twenty levels
-      if (propagators_.size() > std::max<std::size_t>(4, table_bytes / bytes)) propagators_.erase(propagators_.begin());
-    }
-    propagator_ = propagators_.back().propagator.get();
+  void begin_leg() {
+    propagator_ = &propagators_.present();
     level_ = wait_ = 0;
   }
 
   void advance() {
     if (contacts() > 0)
-      largest_displacement_ =
-          std::max(largest_displacement_, (y_.head(leg().displacements()).array() + origin_).abs().maxCoeff());
+      largest_displacement_ = std::max(
+          largest_displacement_, (y_.head(leg().displacements()).array() + propagators_.origin()).abs().maxCoeff());
     const double remaining = times_.back() - t_;
     // A varying load that vanishes at all points of a long step could hide a pulse between them.
     const double longest = load_.varies() ? std::min(remaining, (times_.back() - times_.front()) / 64) : remaining;
@@ -268,8 +243,8 @@ class Run {
     output_until(t, tau);
     for (std::size_t c = 0; c < contacts(); ++c)
       if (penalised_.closed(c))
-        statistics_.max_penetration = std::max(statistics_.max_penetration, penalised_.penetration_share(c) *
-                                                                                largest_value(distances[c], sigma));
+        statistics_.max_penetration =
+            std::max(statistics_.max_penetration, penalised_.penetration_share(c) * largest_value(distances[c], sigma));
     if (energy_flows()) add(gauss_flow(leg(), series, load_.total(p_), tau, sigma));
     const VectorXd u = leg().displacement(series, sigma), v = leg().velocity(series, sigma, tau);
     y_ = leg().pack(u, v);
@@ -290,7 +265,8 @@ class Run {
       const MatrixXd load = load_.total(p);
       const Index shared = std::min(load.cols(), result.size());
       if (shared > 0)
-        result.head(shared) += load.row(node(c)).head(shared).transpose() * (system_.mesh().spacing() / system_.bar().modulus);
+        result.head(shared) +=
+            load.row(node(c)).head(shared).transpose() * (system_.mesh().spacing() / system_.bar().modulus);
     } else {
       result = series.row(node(c)).transpose();
     }
@@ -311,7 +287,7 @@ class Run {
       if (!follows(c)) y_[node(c)] = surface(c);  // to the digits that only the new leg needs
       tell_change(c, v[node(c)]);
     }
-    choose_propagator();
+    begin_leg();
   }
 
   void tell_change(std::size_t c, double velocity) {
@@ -319,9 +295,10 @@ class Run {
     const std::size_t mesh_node = contact.unknown + system_.first_node();
     if (t_ - changes_[c].time > shortest_step()) changes_[c] = {t_, 0};
     if (++changes_[c].count > max_instant_changes)
-      fail(fmt::format("the contact at node {} opens and closes without end: its clearance is below the rounding of "
-                       "the displacement; choose a larger epsilon",
-                       mesh_node));
+      fail(
+          fmt::format("the contact at node {} opens and closes without end: its clearance is below the rounding of "
+                      "the displacement; choose a larger epsilon",
+                      mesh_node));
     ++statistics_.events;
     if (!observers_.event) return;
     const Change change = penalised_.closed(c) ? Change::closing : Change::opening;
@@ -349,7 +326,7 @@ class Run {
         s -= width;
       }
       const Series series = propagator_->expand(y, p, width);
-      const VectorXd u = leg().displacement(series, s / width).array() + origin_;
+      const VectorXd u = leg().displacement(series, s / width).array() + propagators_.origin();
       const VectorXd v = leg().velocity(series, s / width, width);
       if (last && statistics_.energy) statistics_.energy->final = penalised_.energy(entries(u), entries(v));
       if (observers_.snapshot) tell_snapshot(times_[next_output_], u, v, series, p, s / width);
@@ -382,10 +359,6 @@ class Run {
     energy_scale_ = std::max(energy_scale_, statistics_.energy->initial + std::abs(statistics_.energy->work));
   }
 
-  struct Cached {
-    std::vector<bool> state;  // which contacts are closed
-    std::unique_ptr<Propagator> propagator;
-  };
   struct InstantChanges {
     double time;
     int count;
@@ -399,18 +372,16 @@ class Run {
   Stopwatch watch_;
   Statistics statistics_;
 
-  double inverse_inertia_;
   LoadInterpolation load_;
-  std::vector<Cached> propagators_;  // the last used at the end
+  PropagatorCache propagators_;
   Propagator* propagator_ = nullptr;
 
   double t_;
   VectorXd y_;
-  double origin_ = 0.0;  // of displacements
-  bool measured_ = false;
-  LoadPolynomial p_;  // on the current step
-  int level_ = 0;     // of the current step; below 0 where the load asks for less than a Taylor series could do
-  int wait_ = 0;      // steps until a longer one is tried
+  bool measured_ = false;  // from an obstacle
+  LoadPolynomial p_;       // on the current step
+  int level_ = 0;          // of the current step; below 0 where the load asks for less than a Taylor series could do
+  int wait_ = 0;           // steps until a longer one is tried
   int load_jumps_ = 0;
   std::size_t next_output_ = 0;
   std::vector<InstantChanges> changes_;  // of each contact at about one time
@@ -423,9 +394,10 @@ class Run {
 Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times,
                      const Exponential& method, const Observers& observers) {
   if (system.size() > max_unknowns)
-    throw std::invalid_argument(fmt::format("exponential works with dense matrices and takes up to {} unknown nodes; "
-                                            "the mesh has {}",
-                                            max_unknowns, system.size()));
+    throw std::invalid_argument(
+        fmt::format("exponential works with dense matrices and takes up to {} unknown nodes; "
+                    "the mesh has {}",
+                    max_unknowns, system.size()));
   if (!system.contacts().empty() && !(method.penalty.epsilon > 0.0))
     throw std::invalid_argument("exponential needs a positive epsilon; the rigid obstacle is the method rigid");
   return Run(system, times, method.penalty, observers)(start);

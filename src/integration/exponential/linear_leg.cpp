@@ -71,9 +71,9 @@ typename LinearLeg<Real>::Series LinearLeg<Real>::expand(const Vector& y, Real o
       if (damping_ == 0)
         c(end, k) = u[neighbour] + (p(end) - k_c * (u[neighbour] - constant * surface)) / (stiffness_ + k_c);
       else if (k < order)
-        c(end, k + 1) = c(neighbour, k + 1) + (p(end) + stiffness_ * (u[neighbour] - u[end]) -
-                                               k_c * (u[end] - constant * surface)) *
-                                                  tau / (Real(k + 1) * damping_);
+        c(end, k + 1) = c(neighbour, k + 1) +
+                        (p(end) + stiffness_ * (u[neighbour] - u[end]) - k_c * (u[end] - constant * surface)) * tau /
+                            (Real(k + 1) * damping_);
     };
     if (massive_begin_ > 0) move_massless(0, 1);
     if (massive_end_ < n_) move_massless(n_ - 1, n_ - 2);

@@ -25,9 +25,10 @@ struct ClosedContact {
 ///
 ///     rho M u'' = p(t) - E K u - eta K u' - sum over closed contacts of (k (u_c - surface_c) + b u_c') e_c,
 ///
-/// u measured from `origin`, linear with constant coefficients in y = (u, v): u of the nodes with an equation of motion, v of the massive ones.
-/// A massless node moves by its own balance, u_0' from it with viscosity; without, the balance is algebraic and u_0 is
-/// no part of y. `Real` is double for steps and long double for the matrices that many steps share.
+/// u measured from `origin`, linear with constant coefficients in y = (u, v): u of the nodes with an equation of
+/// motion, v of the massive ones. A massless node moves by its own balance, u_0' from it with viscosity; without, the
+/// balance is algebraic and u_0 is no part of y. `Real` is double for steps and long double for the matrices that many
+/// steps share.
 template <class Real>
 class LinearLeg {
  public:
@@ -39,7 +40,7 @@ class LinearLeg {
             std::vector<ClosedContact> closed);
 
   Index size() const { return moving_ + (massive_end_ - massive_begin_); }  ///< entries of y
-  Index displacements() const { return moving_; }                          ///< y begins with so many displacements
+  Index displacements() const { return moving_; }                           ///< y begins with so many displacements
 
   /// Taylor coefficients of u about a point of time, from y there. Column j of `load` multiplies (s / tau)^j; `one`
   /// multiplies what does not depend on y and load (surfaces, fixed ends, steady load): 0 gives the linear part.
