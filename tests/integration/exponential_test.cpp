@@ -216,8 +216,7 @@ TEST(Exponential, AMasslessNodeRelaxesWithTheRateOfTheMaterial) {
     scene.left = Obstacle{100.0};
     const BarSystem system(scene, Mesh{1.3, 10}, Mass::redistributed);
     const auto run = record(system, grid(3.0, 6));
-    const double difference = viscosity > 0.0 ? run.u[0][0] - run.u[0][1] : 0.0;
-    EXPECT_NEAR(run.u[0][0] - run.u[0][1], difference, 0.0);
+    const double difference = viscosity > 0.0 ? scene.displacement(0.0) - scene.displacement(0.13) : 0.0;
     for (std::size_t k = 0; k < run.times.size(); ++k) {
       const double decay = viscosity > 0.0 ? std::exp(-2.1 / viscosity * run.times[k]) : 0.0;
       EXPECT_NEAR(run.u[k][0] - run.u[k][1], difference * decay, accuracy);
