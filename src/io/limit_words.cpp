@@ -11,6 +11,8 @@ namespace {
 
 std::string with_error(const std::optional<ObservedOrder>& order) {
   if (!order) return "-";
+  // Two points have no scatter to tell an error from.
+  if (order->standard_error == 0.0) return fmt::format("{:.3f}", order->order);
   return fmt::format("{:.3f} +- {:.3f}", order->order, order->standard_error);
 }
 
@@ -93,15 +95,18 @@ Table order_table(const LimitStudy& study, const LimitResult& result) {
     const auto below = std::count_if(rows.begin(), rows.end(), [&](const LimitRow& row) {
       return !o.boundary || row.epsilon <= 0.01 * *o.boundary;
     });
+    const bool mixed = o.boundary && below < 2;
+    const std::string of_penetration = mixed ? "-" : power(powers.penetration);
+    const std::string of_difference = mixed ? "-" : power(powers.difference);
     std::vector<std::string> small = {fmt::format("{}", o.elements),
-                                      !o.boundary  ? "every epsilon"
-                                      : below >= 2 ? fmt::format("epsilon < {:.2g}", 0.01 * *o.boundary)
-                                                   : "every epsilon, regimes mixed",
+                                      !o.boundary ? "every epsilon"
+                                      : mixed     ? "every epsilon, regimes mixed"
+                                                  : fmt::format("epsilon < {:.2g}", 0.01 * *o.boundary),
                                       with_error(o.penetration),
-                                      power(powers.penetration),
+                                      of_penetration,
                                       with_error(o.to_scheme),
-                                      power(powers.difference)};
-    if (rigid) small.insert(small.end(), {with_error(o.to_rigid), power(powers.difference)});
+                                      of_difference};
+    if (rigid) small.insert(small.end(), {with_error(o.to_rigid), of_difference});
     table.rows.push_back(std::move(small));
     if (!o.penetration_layer) continue;
     std::vector<std::string> layer = {fmt::format("{}", o.elements),
