@@ -97,8 +97,8 @@ CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result
 
   std::vector<Recording> limits(by_mesh.size());
   parallel_for(
-      by_mesh.size(),
-      [&](std::size_t i) { limits[i] = record(limit_case(study, result.orders[by_mesh[i]], rigid)); }, study.threads);
+      by_mesh.size(), [&](std::size_t i) { limits[i] = record(limit_case(study, result.orders[by_mesh[i]], rigid)); },
+      study.threads);
 
   std::vector<double> spacings, differences;
   for (std::size_t i = 0; i < by_mesh.size(); ++i) {
@@ -107,11 +107,13 @@ CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result
     if (limits[i].mesh.elements == limits[i - 1].mesh.elements) return no("two of the meshes are the same");
     const double difference = largest_end_difference(limits[i - 1], limits[i]);
     const LimitOrders &coarse = result.orders[by_mesh[i - 1]], &fine = result.orders[by_mesh[i]];
-    const double noise = rigid ? coarse.tolerance_error + fine.tolerance_error : coarse.scheme_error + fine.scheme_error;
+    const double noise =
+        rigid ? coarse.tolerance_error + fine.tolerance_error : coarse.scheme_error + fine.scheme_error;
     if (!(difference > 3.0 * noise))
-      return no(fmt::format("meshes of {} and {} elements differ by {:.2g}, too little beside {:.2g} of the time "
-                            "integration",
-                            coarse.elements, fine.elements, difference, noise));
+      return no(
+          fmt::format("meshes of {} and {} elements differ by {:.2g}, too little beside {:.2g} of the time "
+                      "integration",
+                      coarse.elements, fine.elements, difference, noise));
     differences.push_back(difference);
   }
   const std::optional<MeshError> error = mesh_error(spacings, differences);
@@ -130,7 +132,8 @@ CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result
     const LimitOrders& orders = result.orders[by_mesh[i]];
     Coupling::Mesh mesh{orders.elements, spacings[i], error->constant * std::pow(spacings[i], error->order), {}, 0.0};
     const auto rows = std::span(result.rows).subspan(by_mesh[i] * per_mesh, per_mesh);
-    if (const auto found = crossing(rows, rigid, mesh.mesh_error, rigid ? orders.tolerance_error : orders.scheme_error)) {
+    if (const auto found =
+            crossing(rows, rigid, mesh.mesh_error, rigid ? orders.tolerance_error : orders.scheme_error)) {
       mesh.epsilon = found->epsilon;
       mesh.local_order = found->order;
       h.push_back(mesh.spacing);
@@ -139,9 +142,10 @@ CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result
     coupling.meshes.push_back(mesh);
   }
   if (epsilon.empty())
-    return no(fmt::format("the mesh error, {:.2g} to {:.2g}, lies outside the differences of the study; another range "
-                          "of epsilon may enclose it",
-                          coupling.meshes.back().mesh_error, coupling.meshes.front().mesh_error));
+    return no(
+        fmt::format("the mesh error, {:.2g} to {:.2g}, lies outside the differences of the study; another range "
+                    "of epsilon may enclose it",
+                    coupling.meshes.back().mesh_error, coupling.meshes.front().mesh_error));
   coupling.law = observed_order(h, epsilon);
   return {coupling, {}};
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "viscobar/analysis/impulse.hpp"
 #include "viscobar/analysis/parallel.hpp"
 #include "viscobar/analysis/penalty_limit.hpp"
 
@@ -34,10 +35,21 @@ MethodRun attempt(const Case& run) {
   try {
     result.mass = make_system(run).mass();
     result.recording = record(run);
+    const std::vector<double>& times = result.recording->times;
+    result.contacts = contact_periods(*result.recording, 0.01 * (times.back() - times.front()));
+    const EndImpulses impulses(run, *result.recording);
+    for (ContactPeriod& period : result.contacts) period.impulse = impulses.over(period);
   } catch (const std::exception& error) {
     result.error = error.what();
   }
   return result;
+}
+
+/// The same period as found in a run, with its impulse.
+const ContactPeriod& with_impulse(const ContactPeriod& period, const MethodRun& run) {
+  for (const ContactPeriod& known : run.contacts)
+    if (known.where == period.where && known.node == period.node && known.begin == period.begin) return known;
+  return period;
 }
 
 }  // namespace
@@ -48,8 +60,8 @@ MethodChoice fitting_methods(const Case& scene) {
   std::stable_partition(methods.begin(), methods.end(), [](MethodName m) { return m == MethodName::exponential; });
   for (const MethodName method : methods) {
     if (method == MethodName::exponential && scene.elements > most_exponential_elements)
-      choice.skipped.push_back({method, fmt::format("takes long on {} elements; it runs when asked for by name",
-                                                    scene.elements)});
+      choice.skipped.push_back(
+          {method, fmt::format("takes long on {} elements; it runs when asked for by name", scene.elements)});
     else if (auto reason = try_method(choice, scene, method))
       choice.skipped.push_back({method, std::move(*reason)});
   }
@@ -85,9 +97,16 @@ CrossCheck cross_check(std::span<const Case> cases, std::size_t threads) {
   for (std::size_t i = 0; i < cases.size(); ++i) {
     if (!result.runs[i].recording) continue;
     if (!result.reference) result.reference = i;
-    for (std::size_t j = i + 1; j < cases.size(); ++j)
-      if (result.runs[j].recording)
-        result.pairs.push_back({i, j, compare(*result.runs[i].recording, *result.runs[j].recording)});
+    for (std::size_t j = i + 1; j < cases.size(); ++j) {
+      const MethodRun &first = result.runs[i], &other = result.runs[j];
+      if (!other.recording) continue;
+      Comparison difference = compare(*first.recording, *other.recording);
+      for (auto& [a, b] : difference.contacts) {
+        a = with_impulse(a, first);
+        b = with_impulse(b, other);
+      }
+      result.pairs.push_back({i, j, std::move(difference)});
+    }
   }
   return result;
 }

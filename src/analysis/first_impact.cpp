@@ -33,8 +33,22 @@ std::optional<std::vector<FirstImpact>> first_impacts(const Case& run) {
     if (found.size() == places) throw AllHaveHit();
   };
   if (places == 0) return found;
+  const BarSystem system = make_system(trial);
+  const State start = system.initial_state();
+  // What lies on its obstacle and moves into it hits at once.
+  for (const Contact& contact : system.contacts()) {
+    const double u = start.u[contact.unknown], v = start.v[contact.unknown];
+    if (v >= 0.0 || u + contact.gap > 1e-12 * std::abs(u)) continue;
+    const auto same = [&](const FirstImpact& f) { return f.where == contact.where; };
+    const auto known = std::find_if(found.begin(), found.end(), same);
+    if (known == found.end())
+      found.push_back({contact.where, 0.0, -v});
+    else
+      known->speed = std::max(known->speed, -v);
+  }
+  if (found.size() == places) return found;
   try {
-    simulate(trial, make_system(trial), observers);
+    simulate(trial, system, observers);
   } catch (const AllHaveHit&) {
   }
   return found;

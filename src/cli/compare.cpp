@@ -23,9 +23,9 @@ std::vector<MethodName> methods_named(const std::vector<std::string>& words) {
     const auto found = std::find(known.begin(), known.end(), word);
     if (found == known.end()) {
       const auto nearest = nearest_name(word, known);
-      throw std::invalid_argument(fmt::format("--methods: there is no method \"{}\"{}", word,
-                                              nearest ? fmt::format("; did you mean {}?", *nearest)
-                                                      : fmt::format(", only {}", fmt::join(known, ", "))));
+      throw std::invalid_argument(fmt::format(
+          "--methods: there is no method \"{}\"{}", word,
+          nearest ? fmt::format("; did you mean {}?", *nearest) : fmt::format(", only {}", fmt::join(known, ", "))));
     }
     methods.push_back(all_methods[found - known.begin()]);
   }

@@ -38,8 +38,9 @@ std::vector<double> epsilons(const std::string& range, std::size_t per_decade) {
 }  // namespace
 
 LimitCommand::LimitCommand(CLI::App& app)
-    : command_(*app.add_subcommand("limit", "Study how the penalised bar tends to the fully discrete scheme as epsilon "
-                                            "goes to 0: penetration, differences, orders, verdict")),
+    : command_(*app.add_subcommand("limit",
+                                   "Study how the penalised bar tends to the fully discrete scheme as epsilon "
+                                   "goes to 0: penetration, differences, orders, verdict")),
       scene_(command_),
       output_(command_) {
   const auto list = [&](const char* option, auto& values, const char* what, const char* type) {

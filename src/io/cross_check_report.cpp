@@ -47,7 +47,7 @@ Axis time_axis(const CrossCheck& check) {
 /// Lines over each other, each thinner than the one below, so that all show where they coincide.
 void draw(Figure& figure, const std::vector<const MethodRun*>& runs, const std::vector<std::vector<Point>>& lines) {
   for (std::size_t i = 0; i < runs.size(); ++i)
-    figure.line(lines[i], {colour(*runs[i]), false, 1.5 + 1.6 * static_cast<double>(runs.size() - 1 - i)},
+    figure.line(lines[i], {colour(*runs[i]), false, 1.4 + 1.1 * static_cast<double>(runs.size() - 1 - i)},
                 label(*runs[i]));
 }
 
@@ -58,7 +58,8 @@ std::string ends_picture(const Scene& scene, const CrossCheck& check) {
     Range range;
     for (const MethodRun* run : runs) {
       const Recording& r = *run->recording;
-      lines.push_back(trace(r, [&](std::size_t k) { return left ? r.displacement(k).front() : r.displacement(k).back(); }));
+      lines.push_back(
+          trace(r, [&](std::size_t k) { return left ? r.displacement(k).front() : r.displacement(k).back(); }));
       range.add(lines.back());
     }
     const auto* body = std::get_if<Obstacle>(&end);
@@ -95,9 +96,9 @@ std::string differences_picture(const CrossCheck& check) {
   // Equal but for rounding at the start: the picture needs not show how equal.
   Figure figure(time_axis(check), plot::fitted_decades("difference, L2 norm", std::max(low, 1e-9 * high), high), 300.0);
   for (std::size_t i = 0; i < runs.size(); ++i) figure.line(lines[i], {colour(*runs[i])}, label(*runs[i]));
-  return figure_html(figure.svg("Difference of each method to the reference over time"), "Difference to " + label(reference),
-                     "‖<i>u</i> − <i>u</i><sub>" + label(reference) +
-                         "</sub>‖ in <i>L</i>² over the bar, at the output times.");
+  return figure_html(
+      figure.svg("Difference of each method to the reference over time"), "Difference to " + label(reference),
+      "‖<i>u</i> − <i>u</i><sub>" + label(reference) + "</sub>‖ in <i>L</i>² over the bar, at the output times.");
 }
 
 /// Times with at least one contact closed there.
@@ -122,9 +123,11 @@ std::string contacts_picture(const Scene& scene, const CrossCheck& check) {
   std::string panels;
   const auto panel = [&](Where where, const char* axis) {
     const double rows = static_cast<double>(runs.size());
-    Figure figure(time_axis(check), {axis, rows - 0.5, -0.5, plot::Scale::linear, true}, plot::height_of_bars(runs.size()));
+    Figure figure(time_axis(check), {axis, rows - 0.5, -0.5, plot::Scale::linear, true},
+                  plot::height_of_bars(runs.size()));
     for (std::size_t i = 0; i < runs.size(); ++i)
-      figure.bars(contact_intervals(*runs[i]->recording, where), static_cast<double>(i), colour(*runs[i]), label(*runs[i]));
+      figure.bars(contact_intervals(*runs[i]->recording, where), static_cast<double>(i), colour(*runs[i]),
+                  label(*runs[i]));
     panels += figure.svg(std::string("Times in contact by each method: ") + axis);
   };
   if (is_obstacle(scene.left)) panel(Where::left, "left end");
@@ -155,7 +158,9 @@ std::string reactions_picture(const Scene& scene, const CrossCheck& check) {
   if (scene.span || is_obstacle(scene.left)) panel(true, "reaction, left");
   if (scene.span || is_obstacle(scene.right)) panel(false, "reaction, right");
   if (panels.empty()) return {};
-  return figure_html(panels, "Reactions", "Force of the obstacle on each end, at the output times.");
+  return figure_html(
+      panels, "Reactions",
+      "Force of the obstacle on each end, at the output times: of a node that chatters, single samples.");
 }
 
 Json to_json(const ContactPeriod& period) {
@@ -190,8 +195,7 @@ Json to_json(const MethodRun& run) {
                       {"work", s.energy->work},
                       {"balance_error", s.energy->balance_error()}};
   json["contacts"] = Json::array();
-  const std::vector<double>& times = run.recording->times;
-  for (const ContactPeriod& period : contact_periods(*run.recording, 0.01 * (times.back() - times.front()))) {
+  for (const ContactPeriod& period : run.contacts) {
     Json contact = {{"where", place(period)}};
     contact.update(to_json(period));
     json["contacts"].push_back(std::move(contact));
@@ -258,19 +262,22 @@ std::string cross_check_html(const Scene& scene, const MethodChoice& choice, con
       body += section_html("Difference to " + label(check.runs[*check.reference]),
                            html(differences) +
                                "<p class=\"note\">Largest over the output times; changes matched: place by place, the "
-                               "k-th with the k-th, of those of the reference and of the method.</p>\n" + notes);
+                               "k-th with the k-th, of those of the reference and of the method.</p>\n" +
+                               notes);
     body += ends_picture(scene, check) + differences_picture(check) + contacts_picture(scene, check) +
             reactions_picture(scene, check);
     if (const Table contacts = contact_table(check, readable_number); !contacts.rows.empty())
-      body += section_html("Contact periods",
-                           html(contacts) + "<p class=\"note\">Bounces within a hundredth of the run count as one "
-                                            "contact. The impulse is the integral of the reaction.</p>\n");
+      body +=
+          section_html("Contact periods", html(contacts) +
+                                              "<p class=\"note\">Bounces within a hundredth of the run count as one "
+                                              "contact. The impulse is that of the reaction, by the balance of the end "
+                                              "node's momentum.</p>\n");
   }
   std::string failures;
   for (const MethodRun& run : check.runs)
     if (!run.recording)
-      failures += fmt::format("<p class=\"failed\"><b>{} did not complete.</b> {}</p>\n", label(run),
-                              plot::escaped(run.error));
+      failures +=
+          fmt::format("<p class=\"failed\"><b>{} did not complete.</b> {}</p>\n", label(run), plot::escaped(run.error));
   return page_html((scene.title.empty() ? "A scene" : scene.title) + ", by several methods", scene, failures, body);
 }
 

@@ -27,10 +27,10 @@ std::string settings(const Case& run, NumberText number) {
 std::string place(const ContactPeriod& period) { return place(Event{period.begin, period.where, period.node}); }
 
 Table method_table(const CrossCheck& check, NumberText number) {
-  Table table{{"method", "mass", "settings", "steps", "seconds", "contact changes", "largest penetration",
-               "final energy", "dissipated"},
-              3,
-              {}};
+  Table table{
+      {"method", "mass", "settings", "steps", "seconds", "changes", "penetration", "final energy", "dissipated"},
+      3,
+      {}};
   for (const MethodRun& run : check.runs) {
     std::vector<std::string> row = {std::string(name(run.run.method)), std::string(name(run.mass)),
                                     settings(run.run, number)};
@@ -38,8 +38,8 @@ Table method_table(const CrossCheck& check, NumberText number) {
       const Statistics& s = run.recording->statistics;
       row.insert(row.end(), {count(s.steps), number(s.integration_seconds), count(run.recording->events.size()),
                              number(s.max_penetration)});
-      row.insert(row.end(), {s.energy ? fmt::format("{:.7g}", s.energy->final) : "",
-                             s.energy ? fmt::format("{:.7g}", s.energy->dissipated) : ""});
+      row.insert(row.end(), {s.energy ? fmt::format("{:.5g}", s.energy->final) : "",
+                             s.energy ? fmt::format("{:.5g}", s.energy->dissipated) : ""});
     } else {
       row.insert(row.end(), {"failed", "", "", "", "", ""});
     }
@@ -49,10 +49,10 @@ Table method_table(const CrossCheck& check, NumberText number) {
 }
 
 Table difference_table(const CrossCheck& check, NumberText number) {
-  Table table{{"method", "mass", "u, L2", "u, H1", "v, L2", "end trace", "changes matched", "largest shift",
-               "final energy"},
-              2,
-              {}};
+  Table table{
+      {"method", "mass", "u, L2", "u, H1", "v, L2", "end trace", "changes matched", "largest shift", "final energy"},
+      2,
+      {}};
   for (std::size_t i = 0; i < check.runs.size(); ++i) {
     const Comparison* d = check.to_reference(i);
     if (!d) continue;
@@ -80,14 +80,13 @@ Table contact_table(const CrossCheck& check, NumberText number) {
       keys.push_back(key);
     }
     rows[key].push_back({place(period), std::string(name(run.run.method)), fmt::format("{:.6g}", period.begin),
-                         fmt::format("{:.6g}", period.end),
-                         period.where == Where::span ? "" : number(period.impulse), count(period.bounces)});
+                         fmt::format("{:.6g}", period.end), period.where == Where::span ? "" : number(period.impulse),
+                         count(period.bounces)});
   };
   for (const MethodRun& run : check.runs) {
     if (!run.recording) continue;
     std::map<std::string, std::size_t> seen;
-    const auto& times = run.recording->times;
-    for (const ContactPeriod& period : contact_periods(*run.recording, 0.01 * (times.back() - times.front()))) {
+    for (const ContactPeriod& period : run.contacts) {
       const std::string where = place(period);
       add(run, fmt::format("{} {}", where, seen[where]++), period);
     }
@@ -115,16 +114,19 @@ std::vector<std::string> remarks(const MethodChoice& choice, const CrossCheck& c
     masses += fmt::format("{}{} on the {} mass", masses.empty() ? "" : ", ", name(run.run.method), name(run.mass));
   }
   if (differ)
-    found.push_back("the masses differ, so a difference is also one between semi-discretisations of the same bar, "
-                    "which only a finer mesh removes: " + masses);
+    found.push_back(
+        "the masses differ, so a difference is also one between semi-discretisations of the same bar, "
+        "which only a finer mesh removes: " +
+        masses);
   const bool penalty = std::any_of(check.runs.begin(), check.runs.end(), [](const MethodRun& run) {
     return is_penalised(run.run.method) && !make_system(run.run).contacts().empty();
   });
-  const bool exact = std::any_of(check.runs.begin(), check.runs.end(),
-                                 [](const MethodRun& run) { return is_scheme(run.run.method); });
+  const bool exact =
+      std::any_of(check.runs.begin(), check.runs.end(), [](const MethodRun& run) { return is_scheme(run.run.method); });
   if (penalty && exact && !check.runs.front().run.restitution && check.runs.front().run.mass != Mass::redistributed)
-    found.push_back("contact nodes with mass rebound from an undamped penalty and do not from the schemes' constraint; "
-                    "contact.restitution gives both the same law, mesh.mass = \"redistributed\" takes the mass away");
+    found.push_back(
+        "contact nodes with mass rebound from an undamped penalty and do not from the schemes' constraint; "
+        "contact.restitution gives both the same law, mesh.mass = \"redistributed\" takes the mass away");
   return found;
 }
 

@@ -82,10 +82,14 @@ void theory_lines(Figure& figure, const std::vector<Point>& points, const Axis& 
   if (border < x.high / 3.0) slope_line(figure, points.front(), layer, border, x.high);
 }
 
+bool inside(std::optional<double> boundary, const Axis& x) {
+  return boundary && *boundary > x.low && *boundary < x.high;
+}
+
 void mark_boundaries(Figure& figure, const LimitResult& result, const Axis& x) {
   for (std::size_t m = 0; m < result.orders.size(); ++m) {
     const auto& boundary = result.orders[m].boundary;
-    if (!boundary || *boundary <= x.low || *boundary >= x.high) continue;
+    if (!inside(boundary, x)) continue;
     figure.marker_line(*boundary, {mesh_colour(result, m), true, 1.0},
                        result.orders.size() == 1 ? "ε = ρh³/η²" : fmt::format("{}", result.orders[m].elements));
   }
@@ -105,14 +109,16 @@ std::string penetration_picture(const LimitStudy& study, const LimitResult& resu
   const std::size_t best = finest(result);
   const LimitTheory powers = theory(study);
   theory_lines(figure, lines[best], x, result.orders[best].boundary, powers.penetration, powers.layer);
-  return figure_html(figure.svg("Largest penetration over the penalty"), "Penetration",
-                     "How far the ends go into the obstacles. Grey dashes: slopes of the theory, drawn below the "
-                     "measured line" +
-                         std::string(study.scene.scene.bar.viscosity > 0.0
-                                         ? "; the upright line at <i>ε</i> = <i>ρh</i>³/<i>η</i>² separates the "
-                                           "regimes: left of it the contact node answers alone, right of it the mesh "
-                                           "resolves the layer that a contact strains."
-                                         : "."));
+  std::string caption =
+      "How far the bar goes into the obstacles. Grey dashes: slopes of the theory, drawn below the measured line";
+  if (const auto& boundary = result.orders[best].boundary; inside(boundary, x))
+    caption +=
+        "; the upright line at <i>ε</i> = <i>ρh</i>³/<i>η</i>² separates the regimes: left of it the contact node "
+        "answers alone, right of it the mesh resolves the layer that a contact strains";
+  else if (boundary)
+    caption += fmt::format("; the regimes meet at <i>ε</i> = <i>ρh</i>³/<i>η</i>² = {}, {} the picture",
+                           readable(*boundary, 3), *boundary >= x.high ? "right of" : "left of");
+  return figure_html(figure.svg("Largest penetration over the penalty"), "Penetration", caption + ".");
 }
 
 std::string difference_picture(const LimitStudy& study, const LimitResult& result) {
@@ -164,10 +170,10 @@ std::string events_picture(const LimitResult& result) {
   Range range;
   range.add(0.0);
   range.add(std::max(most, *std::max_element(levels.begin(), levels.end())));
-  Figure figure(epsilon_axis(result),
-                most > linear_up_to && least > 0.0 ? decades_of("contact changes", lines, levels)
-                                                   : range.axis("contact changes"),
-                260.0);
+  Figure figure(
+      epsilon_axis(result),
+      most > linear_up_to && least > 0.0 ? decades_of("contact changes", lines, levels) : range.axis("contact changes"),
+      260.0);
   for (std::size_t m = 0; m < lines.size(); ++m) {
     series(figure, lines[m], mesh_colour(result, m), mesh_label(result, m));
     figure.level(levels[m], {mesh_colour(result, m), true, 1.2}, m + 1 == lines.size() ? "scheme" : "");

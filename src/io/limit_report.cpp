@@ -61,7 +61,8 @@ Json to_json(const LimitStudy& study, const LimitOrders& orders, std::span<const
 Json to_json(const CouplingResult& result) {
   if (!result.coupling) return nullptr;
   const Coupling& c = *result.coupling;
-  Json json = {{"limit", c.limit}, {"mesh_order", c.mesh_order}, {"order_in_h", detailed(c.law)}, {"meshes", Json::array()}};
+  Json json = {
+      {"limit", c.limit}, {"mesh_order", c.mesh_order}, {"order_in_h", detailed(c.law)}, {"meshes", Json::array()}};
   for (const Coupling::Mesh& mesh : c.meshes)
     json["meshes"].push_back({{"elements", mesh.elements},
                               {"spacing", mesh.spacing},
@@ -152,9 +153,10 @@ std::string limit_html(const LimitStudy& study, const LimitResult& result, const
                            "<p class=\"note\">Least squares on logarithms with the standard error of the slope; values "
                            "at a floor are left out.</p>\n");
   if (result.orders.size() > 1)
-    body += section_html("Penalty and mesh in balance",
-                         fmt::format("<p>{}</p>\n{}", plot::escaped(coupling_sentence(coupling, readable_number)),
-                                     coupling.coupling ? html(coupling_table(*coupling.coupling, readable_number)) : ""));
+    body +=
+        section_html("Penalty and mesh in balance",
+                     fmt::format("<p>{}</p>\n{}", plot::escaped(coupling_sentence(coupling, readable_number)),
+                                 coupling.coupling ? html(coupling_table(*coupling.coupling, readable_number)) : ""));
   body += section_html("Every run", html(limit_table(result, readable_number)));
   const Scene& scene = study.scene.scene;
   return page_html((scene.title.empty() ? "A scene" : scene.title) + ": the penalty limit", scene, head(study, result),

@@ -11,6 +11,8 @@ namespace {
 
 std::string with_error(const std::optional<ObservedOrder>& order) {
   if (!order) return "-";
+  // Two points have no scatter to tell an error from.
+  if (order->standard_error == 0.0) return fmt::format("{:.3f}", order->order);
   return fmt::format("{:.3f} +- {:.3f}", order->order, order->standard_error);
 }
 
@@ -41,8 +43,8 @@ LimitTheory theory(const LimitStudy& study) {
 std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
   const LimitRow &first = rows.front(), &last = rows.back();
   const double error = orders.scheme_error;
-  const std::string scheme = fmt::format("the scheme's own error at dt = {:.3g} ({:.2g}, by halving it)",
-                                         orders.scheme_step, error);
+  const std::string scheme =
+      fmt::format("the scheme's own error at dt = {:.3g} ({:.2g}, by halving it)", orders.scheme_step, error);
   if (orders.verdict == Verdict::plateau) {
     std::string text = fmt::format("the difference to the scheme stays near {:.2g} at epsilon = {:.2g}",
                                    last.difference_to_scheme, last.epsilon);
@@ -51,13 +53,15 @@ std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, s
                         orders.scheme_events);
     if (study.scene.mass == Mass::redistributed) return text;
     if (!study.scene.restitution)
-      return text + ". A contact node with mass rebounds from an undamped penalty and not from the scheme's constraint: "
-                    "contact.restitution gives both the same law" +
+      return text +
+             ". A contact node with mass rebounds from an undamped penalty and not from the scheme's constraint: "
+             "contact.restitution gives both the same law" +
              (study.scene.scene.span ? "" : ", --mass redistributed takes the mass away");
     return text + ". Penalty and scheme have one law of impact here, so a smaller epsilon or --steps should tell more";
   }
-  std::string text = fmt::format("the difference to the scheme goes from {:.2g} at epsilon = {:.2g} to {:.2g} at {:.2g}",
-                                 first.difference_to_scheme, first.epsilon, last.difference_to_scheme, last.epsilon);
+  std::string text =
+      fmt::format("the difference to the scheme goes from {:.2g} at epsilon = {:.2g} to {:.2g} at {:.2g}",
+                  first.difference_to_scheme, first.epsilon, last.difference_to_scheme, last.epsilon);
   if (last.difference_to_scheme <= 3.0 * error + orders.tolerance_error) return text + ", which is " + scheme;
   text += fmt::format(" and is still falling there, towards {}", scheme);
   return text;
@@ -91,18 +95,26 @@ Table order_table(const LimitStudy& study, const LimitResult& result) {
     const auto below = std::count_if(rows.begin(), rows.end(), [&](const LimitRow& row) {
       return !o.boundary || row.epsilon <= 0.01 * *o.boundary;
     });
-    std::vector<std::string> small = {
-        fmt::format("{}", o.elements),
-        !o.boundary  ? "every epsilon"
-        : below >= 2 ? fmt::format("epsilon < {:.2g}", 0.01 * *o.boundary)
-                     : "every epsilon, regimes mixed",
-        with_error(o.penetration), power(powers.penetration), with_error(o.to_scheme), power(powers.difference)};
-    if (rigid) small.insert(small.end(), {with_error(o.to_rigid), power(powers.difference)});
+    const bool mixed = o.boundary && below < 2;
+    const std::string of_penetration = mixed ? "-" : power(powers.penetration);
+    const std::string of_difference = mixed ? "-" : power(powers.difference);
+    std::vector<std::string> small = {fmt::format("{}", o.elements),
+                                      !o.boundary ? "every epsilon"
+                                      : mixed     ? "every epsilon, regimes mixed"
+                                                  : fmt::format("epsilon < {:.2g}", 0.01 * *o.boundary),
+                                      with_error(o.penetration),
+                                      of_penetration,
+                                      with_error(o.to_scheme),
+                                      of_difference};
+    if (rigid) small.insert(small.end(), {with_error(o.to_rigid), of_difference});
     table.rows.push_back(std::move(small));
     if (!o.penetration_layer) continue;
     std::vector<std::string> layer = {fmt::format("{}", o.elements),
                                       fmt::format("epsilon > {:.2g}, layer resolved", 100.0 * *o.boundary),
-                                      with_error(o.penetration_layer), power(powers.layer), "-", "-"};
+                                      with_error(o.penetration_layer),
+                                      power(powers.layer),
+                                      "-",
+                                      "-"};
     if (rigid) layer.insert(layer.end(), {with_error(o.to_rigid_layer), power(powers.layer)});
     table.rows.push_back(std::move(layer));
   }
@@ -123,7 +135,8 @@ std::string coupling_sentence(const CouplingResult& result, NumberText number) {
   const Coupling& c = *result.coupling;
   std::string sentence = fmt::format("The {} end traces converge like h^{:.2f}", c.limit, c.mesh_order);
   if (c.law)
-    sentence += fmt::format("; the penalty costs as much as the mesh where epsilon is of the order h^{:.2f}", c.law->order);
+    sentence +=
+        fmt::format("; the penalty costs as much as the mesh where epsilon is of the order h^{:.2f}", c.law->order);
   for (const Coupling::Mesh& mesh : c.meshes)
     if (mesh.epsilon) sentence += fmt::format(", epsilon = {} on {} elements", number(*mesh.epsilon), mesh.elements);
   return sentence + ".";

@@ -35,11 +35,11 @@ table { border-collapse: collapse; font-size: .875rem; font-variant-numeric: tab
 th { color: var(--soft); font-weight: 500; text-align: right; border-bottom: 1px solid var(--rule); }
 th, td { padding: 4px 28px 4px 0; text-align: right; white-space: nowrap; }
 th:first-child, td:first-child, .word { text-align: left; }
+.wide th, .wide td { padding-right: 14px; }
 tbody tr + tr td { border-top: 1px solid var(--faint); }
 p.note { color: var(--soft); font-size: .875rem; margin: 10px 0 0; }
 .verdict { border-left: 4px solid var(--series-2); background: var(--paper); padding: 10px 16px; margin: 20px 0 0; }
 .verdict.plateau { border-color: var(--series-1); }
-i.swatch { display: inline-block; width: .7em; height: .7em; border-radius: 2px; margin-right: .5em; }
 footer { color: var(--soft); font-size: .8125rem; }
 @media print { body { background: none; } main { padding: 0; max-width: none; } section, figure { break-inside: avoid; } }
 )css";

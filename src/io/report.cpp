@@ -101,9 +101,9 @@ std::string report_html(const Case& run, const BarSystem& system, const Outcome&
           ? ""
           : fmt::format("<p class=\"failed\"><b>The run did not complete.</b> It reached t = {}: {}</p>\n",
                         readable(outcome.reached_time), escaped(outcome.error));
-  return page_html(run.scene.title.empty() ? "A run of viscobar" : run.scene.title, run.scene, failure,
-                   numbers(run, system, outcome, data) + pictures + contact_table(outcome, contact) +
-                       event_table(outcome, data));
+  return page_html(
+      run.scene.title.empty() ? "A run of viscobar" : run.scene.title, run.scene, failure,
+      numbers(run, system, outcome, data) + pictures + contact_table(outcome, contact) + event_table(outcome, data));
 }
 
 }  // namespace viscobar

@@ -114,7 +114,7 @@ std::string displacement_map(const Case& run, const ReportData& data) {
     caption += fmt::format(" Drawn from {} and {}; field.h5 has them all.", every(field.time_stride(), "output time"),
                            every(field.node_stride(), "node"));
   return figure_html(figure.svg("Displacement over time and space as a colour map"), "Displacement over space and time",
-                   caption);
+                     caption);
 }
 
 std::string profiles(const Case& run, const ReportData& data) {
@@ -179,10 +179,10 @@ std::string end_traces(const Case& run, const Outcome& outcome, const ContactSum
     return figure.svg(std::string("Displacement over time: ") + label);
   };
   return figure_html(panel(run.scene.left, data.left, contact.left, 0, "u(0, t)") +
-                       panel(run.scene.right, data.right, contact.right, 1, "u(L, t)"),
-                   "Ends",
-                   std::string("Displacement of the left and of the right end.") +
-                       (contact.left || contact.right ? " Dashed: obstacle; shaded: times in contact." : ""));
+                         panel(run.scene.right, data.right, contact.right, 1, "u(L, t)"),
+                     "Ends",
+                     std::string("Displacement of the left and of the right end.") +
+                         (contact.left || contact.right ? " Dashed: obstacle; shaded: times in contact." : ""));
 }
 
 std::string reactions(const Case& run, const ContactSummary& contact, const ReportData& data) {
@@ -198,7 +198,7 @@ std::string reactions(const Case& run, const ContactSummary& contact, const Repo
   if (with_left) figure.line(left, {plot::series_colour(0)}, "left end");
   if (with_right) figure.line(right, {plot::series_colour(1)}, "right end");
   return figure_html(figure.svg("Reactions of the obstacles over time"), "Reactions",
-                   "Force of the obstacle on each end, at the output times.");
+                     "Force of the obstacle on each end, at the output times.");
 }
 
 std::string energies(const ReportData& data) {

@@ -36,7 +36,9 @@ std::string html(const Table& table) {
       out += fmt::format("<{0}{1}>{2}</{0}>", tag, c < table.words ? " class=\"word\"" : "", plot::escaped(row[c]));
     return out + "</tr>";
   };
-  std::string out = "<div class=\"tables\"><table><thead>" + line(table.header, "th") + "</thead><tbody>\n";
+  constexpr std::size_t many = 7;
+  std::string out = fmt::format("<div class=\"tables\"><table{}><thead>{}</thead><tbody>\n",
+                                table.header.size() > many ? " class=\"wide\"" : "", line(table.header, "th"));
   for (const auto& row : table.rows) out += line(row, "td") + "\n";
   return out + "</tbody></table></div>\n";
 }

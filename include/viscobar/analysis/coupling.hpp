@@ -24,9 +24,9 @@ struct Coupling {
     double local_order = 0.0;       ///< of the difference in epsilon there, when epsilon is present
   };
   std::vector<Mesh> meshes;
-  double mesh_order = 0.0;            ///< q
-  std::optional<ObservedOrder> law;   ///< epsilon ~ h^s over the meshes
-  std::string limit;                  ///< what the differences are to: "rigid" or "scheme"
+  double mesh_order = 0.0;           ///< q
+  std::optional<ObservedOrder> law;  ///< epsilon ~ h^s over the meshes
+  std::string limit;                 ///< what the differences are to: "rigid" or "scheme"
 };
 
 /// Absent when the data do not carry it, with the reason.

@@ -32,8 +32,9 @@ MethodChoice chosen_methods(const Case& scene, std::span<const MethodName> metho
 /// One run of a cross-check.
 struct MethodRun {
   Case run;
-  Mass mass = Mass::consistent;        ///< that the method ran on, which may differ from the scene's
-  std::optional<Recording> recording;  ///< absent when the run failed
+  Mass mass = Mass::consistent;         ///< that the method ran on, which may differ from the scene's
+  std::optional<Recording> recording;   ///< absent when the run failed
+  std::vector<ContactPeriod> contacts;  ///< bounces within a hundredth of the run merged; impulses by EndImpulses
   std::string error;
 };
 

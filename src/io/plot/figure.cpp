@@ -111,8 +111,8 @@ void Figure::label(Point at, std::string_view text) {
 
 void Figure::marker_line(double x, const Style& style, std::string_view text) {
   line(std::vector<Point>{{x, y_.low}, {x, y_.high}}, style);
-  content_ += fmt::format("<text class=\"note\" x=\"{:.1f}\" y=\"{}\">{}</text>\n", place_x(x) + 5, top + 15,
-                          escaped(text));
+  content_ +=
+      fmt::format("<text class=\"note\" x=\"{:.1f}\" y=\"{}\">{}</text>\n", place_x(x) + 5, top + 15, escaped(text));
 }
 
 void Figure::bars(std::span<const Interval> parts, double y, const std::string& colour, std::string_view legend) {
@@ -121,9 +121,11 @@ void Figure::bars(std::span<const Interval> parts, double y, const std::string& 
   for (const Interval& part : parts) {
     const double from = place_x(std::max(part.begin, x_.low)), to = place_x(std::min(part.end, x_.high));
     if (to >= from)
-      fmt::format_to(std::back_inserter(d), "M{:.2f} {:.2f}h{:.2f}", from, place_y(y), std::max(least_length, to - from));
+      fmt::format_to(std::back_inserter(d), "M{:.2f} {:.2f}h{:.2f}", from, place_y(y),
+                     std::max(least_length, to - from));
   }
-  content_ += fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}\" d=\"{}\"/>\n", colour, thickness, d);
+  content_ +=
+      fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}\" d=\"{}\"/>\n", colour, thickness, d);
   legend_box(colour, legend);
 }
 
