@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.hpp"
+#include "viscobar/analysis/first_impact.hpp"
 #include "viscobar/analysis/regime.hpp"
 
 namespace viscobar::cli {
@@ -46,6 +47,28 @@ std::string events(const Case& run, const BarSystem& system) {
   return fmt::format("{}, one for each contact node", system.contacts().size());
 }
 
+/// What a contact that bounces means for the limit epsilon -> 0, and what to change.
+std::string advice(const Case& run, const ContactRegime& regime) {
+  const bool span = regime.where == Where::span;
+  const std::string bounce = fmt::format("{}: the {} (zeta = {:.3g} < 1)", name(regime.where),
+                                         span ? "nodes rebound" : "end node rebounds", *regime.damping_ratio);
+  if (run.restitution)
+    return fmt::format(
+        "{}, and so do the fully discrete scheme's under the same contact.restitution = {}: the two "
+        "share one limit as epsilon goes to 0, with chatter; contact.restitution = 0 takes the chatter "
+        "away",
+        bounce, *run.restitution);
+  if (span)
+    return bounce +
+           ", and the fully discrete scheme's do not: as epsilon goes to 0 the difference to it has a plateau; "
+           "contact.restitution = 0 makes the two agree";
+  return fmt::format(
+      "{}, so chatter is expected, and as epsilon goes to 0 a plateau in the difference to the fully "
+      "discrete scheme; what helps: mesh.mass = \"redistributed\", contact.restitution = 0, or "
+      "contact.epsilon of at least {:.2g}",
+      bounce, regime.quiet_epsilon);
+}
+
 std::vector<std::string> warnings(const Case& run, const std::vector<ContactRegime>& regimes) {
   std::vector<std::string> found;
   const auto held = [&](const EndCondition& end, double x, const char* where) {
@@ -54,29 +77,47 @@ std::vector<std::string> warnings(const Case& run, const std::vector<ContactRegi
   };
   held(run.scene.left, 0.0, "left");
   held(run.scene.right, run.scene.bar.length, "right");
-  for (const ContactRegime& regime : regimes) {
-    if (!regime.chatters) continue;
-    if (regime.where == Where::span) {
-      found.push_back(
-          fmt::format("span: the nodes rebound (zeta = {:.3g}), and the fully discrete scheme's do not; "
-                      "contact.restitution = 0 makes the two agree",
-                      *regime.damping_ratio));
-      continue;
-    }
-    found.push_back(
-        fmt::format("{}: the end node rebounds (zeta = {:.3g} < 1), so chatter is expected; what helps: "
-                    "mesh.mass = \"redistributed\", contact.restitution = 0, or contact.epsilon of at least "
-                    "{:.2g}",
-                    name(regime.where), *regime.damping_ratio, regime.quiet_epsilon));
-  }
+  for (const ContactRegime& regime : regimes)
+    if (regime.chatters) found.push_back(advice(run, regime));
   return found;
+}
+
+const FirstImpact* hit(const std::optional<std::vector<FirstImpact>>& hits, Where where) {
+  if (hits)
+    for (const FirstImpact& candidate : *hits)
+      if (candidate.where == where) return &candidate;
+  return nullptr;
+}
+
+/// The speed that a first impact will have tells more than the initial velocity.
+void predict(ContactRegime& regime, const std::optional<std::vector<FirstImpact>>& hits, const Case& run,
+             const BarSystem& system) {
+  const FirstImpact* first = hit(hits, regime.where);
+  if (!first || first->speed == 0.0 || regime.where == Where::span) return;
+  regime.impact =
+      predict_impact(system.bar(), system.mesh().spacing(), regime.effective_mass, *run.epsilon, first->speed);
+}
+
+std::string impact_text(const Case& run, const std::optional<std::vector<FirstImpact>>& hits) {
+  if (!hits) return "not predicted, the scene is large";
+  if (hits->empty()) return fmt::format("none to t = {}", run.end);
+  std::string text;
+  for (const FirstImpact& impact : *hits)
+    text += fmt::format("{}{} at t = {:.4g}, speed {:.3g}", text.empty() ? "" : "; ", name(impact.where), impact.time,
+                        impact.speed);
+  return text;
+}
+
+Json to_json(const FirstImpact& impact) {
+  return {{"where", name(impact.where)}, {"time", impact.time}, {"speed", impact.speed}};
 }
 
 Json to_json(const ContactRegime& regime) {
   Json json = {{"where", name(regime.where)},
                {"effective_mass", regime.effective_mass},
                {"damping_ratio", regime.damping_ratio ? Json(*regime.damping_ratio) : Json(nullptr)},
-               {"chatter_expected", regime.chatters}};
+               {"chatter_expected", regime.chatters},
+               {"quiet_epsilon", regime.where == Where::span ? Json(nullptr) : Json(regime.quiet_epsilon)}};
   json["impact"] = regime.impact ? Json{{"speed", regime.impact->speed},
                                         {"predicted_penetration", regime.impact->penetration},
                                         {"by", name(regime.impact->layer)}}
@@ -106,7 +147,9 @@ int CheckCommand::operator()() const {
   const SceneFile scene = scene_.read();
   const Case& run = scene.run;
   const BarSystem system = make_system(run);
-  const std::vector<ContactRegime> regimes = contact_regimes(run, system);
+  const auto hits = first_impacts(run);
+  std::vector<ContactRegime> regimes = contact_regimes(run, system);
+  for (ContactRegime& regime : regimes) predict(regime, hits, run, system);
   const MemoryNeed memory = memory_need(run, system);
 
   Json json;
@@ -126,6 +169,9 @@ int CheckCommand::operator()() const {
   json["memory"] = {{"vectors", memory.vectors}, {"bytes", memory.bytes}};
   json["contacts"] = Json::array();
   for (const ContactRegime& regime : regimes) json["contacts"].push_back(to_json(regime));
+  json["first_impacts"] = hits ? Json::array() : Json(nullptr);
+  if (hits)
+    for (const FirstImpact& impact : *hits) json["first_impacts"].push_back(to_json(impact));
   const std::vector<std::string> cautions = warnings(run, regimes);
   json["warnings"] = cautions;
   json["scene"] = Json::parse(scene.description);
@@ -147,6 +193,7 @@ int CheckCommand::operator()() const {
   text += row("event functions", events(run, system));
   text += row("memory", fmt::format("about {} vectors of {} numbers, {:.3g} MB", memory.vectors, system.size(),
                                     static_cast<double>(memory.bytes) / 1e6));
+  if (!system.contacts().empty()) text += row("first impacts", impact_text(run, hits));
   for (const ContactRegime& regime : regimes)
     text += row(fmt::format("{} contact", name(regime.where)), to_text(regime));
   print(text);

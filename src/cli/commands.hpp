@@ -1,6 +1,8 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstddef>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,7 +20,18 @@ struct SceneOptions {
   bool json = false;
 
   explicit SceneOptions(CLI::App& command);
-  SceneFile read() const { return read_scene(file, overrides); }
+  /// The scene, values of `defaults` and `settings` ("table.key=value") put before and after the user's own.
+  SceneFile read(const std::vector<std::string>& defaults = {}, const std::vector<std::string>& settings = {}) const;
+};
+
+/// What every command that writes results understands: -o DIR and --quiet.
+struct OutputOptions {
+  std::string where;
+  bool quiet = false;
+
+  explicit OutputOptions(CLI::App& command);
+  /// What was asked for, or the scene's name with ".out", in the working directory.
+  std::filesystem::path directory(const SceneOptions& scene) const;
 };
 
 class RunCommand {
@@ -30,8 +43,37 @@ class RunCommand {
  private:
   CLI::App& command_;
   SceneOptions scene_;
-  std::string directory_;
-  bool quiet_ = false;
+  OutputOptions output_;
+};
+
+class CompareCommand {
+ public:
+  explicit CompareCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  CLI::App& command_;
+  SceneOptions scene_;
+  OutputOptions output_;
+  std::vector<std::string> methods_;
+  std::size_t threads_ = 0;
+};
+
+class LimitCommand {
+ public:
+  explicit LimitCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  CLI::App& command_;
+  SceneOptions scene_;
+  OutputOptions output_;
+  std::string epsilon_ = "1e-2:1e-8", mass_;
+  std::size_t per_decade_ = 1, threads_ = 0;
+  std::vector<std::size_t> elements_;
+  std::vector<double> steps_;
 };
 
 class CheckCommand {

@@ -2,6 +2,9 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstdlib>
+
+#include "cli/commands.hpp"
 
 namespace viscobar::cli {
 
@@ -16,6 +19,13 @@ void catch_interrupts() {
   struct sigaction action {};
   action.sa_handler = [](int) { asked = true; };
   action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+void end_on_interrupt() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { std::_Exit(stopped); };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }

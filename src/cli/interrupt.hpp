@@ -6,4 +6,7 @@ namespace viscobar::cli {
 void catch_interrupts();
 bool interrupt_asked();
 
+/// From now on SIGINT and SIGTERM end the program with exit code 130: for work that leaves nothing half done.
+void end_on_interrupt();
+
 }  // namespace viscobar::cli

@@ -51,6 +51,8 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   const RunCommand run_command(app);
   const CheckCommand check_command(app);
+  const CompareCommand compare_command(app);
+  const LimitCommand limit_command(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -60,7 +62,9 @@ int run(int argc, char** argv) {
     fmt::print(stderr, "viscobar {}--help says more.\n", chosen.empty() ? "" : chosen.front()->get_name() + " ");
     return wrong_input;
   }
-  return run_command.chosen() ? run_command() : check_command();
+  if (run_command.chosen()) return run_command();
+  if (check_command.chosen()) return check_command();
+  return compare_command.chosen() ? compare_command() : limit_command();
 }
 
 }  // namespace

@@ -54,28 +54,22 @@ int exit_code(Ending ending) {
 
 RunCommand::RunCommand(CLI::App& app)
     : command_(*app.add_subcommand("run", "Run a scene and write its results and a report with pictures")),
-      scene_(command_) {
-  command_
-      .add_option("-o,--output", directory_,
-                  "Where the results go; an earlier result there is replaced (default: the scene's name with "
-                  "\".out\", in the working directory)")
-      ->type_name("DIR");
-  command_.add_flag("--quiet", quiet_, "Print nothing but errors");
-}
+      scene_(command_),
+      output_(command_) {}
 
 int RunCommand::operator()() const {
-  Recording recording;
+  RecordOptions options;
   const SceneFile scene = scene_.read();
-  const fs::path directory = directory_.empty() ? fs::path(scene_.file).stem() += ".out" : fs::path(directory_);
+  const fs::path directory = output_.directory(scene_);
 
   catch_interrupts();
   std::optional<Progress> progress;
-  if (!quiet_ && !scene_.json && on_terminal()) progress.emplace(scene.run.end);
-  recording.progress = [&](double time, std::size_t steps) {
+  if (!output_.quiet && !scene_.json && on_terminal()) progress.emplace(scene.run.end);
+  options.progress = [&](double time, std::size_t steps) {
     if (interrupt_asked()) throw Interrupted();
     if (progress) (*progress)(time, steps);
   };
-  const RunRecord record = record_run(scene, directory, recording);
+  const RunRecord record = record_run(scene, directory, options);
   progress.reset();
 
   const Outcome& outcome = record.outcome;
@@ -83,7 +77,7 @@ int RunCommand::operator()() const {
     fmt::print(stderr, "viscobar: stopped at t = {}: {}\n", outcome.reached_time, outcome.error);
   if (scene_.json)
     print(record.summary);
-  else if (!quiet_)
+  else if (!output_.quiet)
     print(table(scene.run, outcome, directory));
   return exit_code(outcome.ending);
 }

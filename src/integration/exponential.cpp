@@ -1,15 +1,13 @@
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 
 #include "dynamics/stopwatch.hpp"
 #include "integration/exponential/energy_integral.hpp"
 #include "integration/exponential/passage.hpp"
-#include "integration/exponential/propagator.hpp"
+#include "integration/exponential/propagator_cache.hpp"
 #include "integration/snapshot.hpp"
 #include "viscobar/dynamics/errors.hpp"
 #include "viscobar/dynamics/penalised_system.hpp"
@@ -26,22 +24,10 @@ using Leg = LinearLeg<double>;
 using Series = Leg::Series;
 
 constexpr std::size_t max_unknowns = 400;
-constexpr std::size_t table_bytes = std::size_t{1} << 28;  // of the matrices kept for all contact states, about
-constexpr int patience = 8;                                // steps before a length that failed is tried again
+constexpr int patience = 8;  // steps before a length that failed is tried again
 constexpr int max_instant_changes = 20;
 constexpr int max_load_jumps = 1000;
-
-double largest_inverse_inertia(const BarSystem& system) {
-  const auto begin = static_cast<Index>(system.massive_begin());
-  const Index count = static_cast<Index>(system.massive_end()) - begin;
-  const SymmetricTridiagonal& inertia = system.inertia();
-  const VectorXd diagonal = Eigen::Map<const VectorXd>(inertia.diagonal.data() + begin, count);
-  if (inertia.off_diagonal.empty() || count == 1) return 1.0 / diagonal.minCoeff();
-  const VectorXd off = Eigen::Map<const VectorXd>(inertia.off_diagonal.data() + begin, count - 1);
-  Eigen::SelfAdjointEigenSolver<MatrixXd> spectrum;
-  spectrum.computeFromTridiagonal(diagonal, off, Eigen::EigenvaluesOnly);
-  return 1.0 / spectrum.eigenvalues().minCoeff();
-}
+constexpr double rounding = std::numeric_limits<double>::epsilon();
 
 std::span<const double> entries(const VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
@@ -56,8 +42,8 @@ class Run {
         times_(times),
         observers_(observers),
         snapshot_(penalised_),
-        inverse_inertia_(largest_inverse_inertia(system)),
         load_(system),
+        propagators_(penalised_, load_, statistics_.matrix_factorisations),
         t_(times.front()) {}
 
   Statistics operator()(const State& start) {
@@ -75,11 +61,20 @@ class Run {
   const Leg& leg() const { return propagator_->leg(); }
   std::size_t contacts() const { return penalised_.contact_count(); }
   Index node(std::size_t c) const { return static_cast<Index>(penalised_.contact(c).unknown); }
-  // Where contact c begins, among displacements measured from the origin.
-  double surface(std::size_t c) const { return -penalised_.contact(c).gap - origin_; }
-  double band(std::size_t c) const { return penalised_.clearance_rounding(c, largest_displacement_); }
-  double shortest_step() const {
-    return 4.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t_), times_.back() - times_.front());
+  double surface(std::size_t c) const { return propagators_.surface(c); }
+  // A node without mass and viscosity has no displacement of its own in y.
+  bool follows(std::size_t c) const {
+    const std::size_t i = penalised_.contact(c).unknown;
+    return !system_.damped() && (i < system_.massive_begin() || i >= system_.massive_end());
+  }
+  double shortest_step() const { return 4.0 * rounding * std::max(std::abs(t_), times_.back() - times_.front()); }
+
+  // What the distance of contact c has to pass behind zero for a change. Closing, its rounding. Opening, less where it
+  // can be: a stiff contact has penetrations of that size, and would hold the bar back until its pull exceeds them.
+  double band(std::size_t c) const {
+    if (penalised_.closed(c) && !follows(c))
+      return 32.0 * rounding * (statistics_.max_penetration + std::abs(surface(c)));
+    return penalised_.clearance_rounding(c, largest_displacement_);
   }
 
   Statistics reached() {
@@ -100,19 +95,22 @@ class Run {
 
   void begin(const State& start) {
     State state = start;
+    penalised_.complete_displacement(t_, state.u);
+    penalised_.complete_velocity(t_, state.u, state.v);
+    const std::vector<double> approach = state.v;
     penalised_.settle(t_, state.u, state.v);
     const VectorXd u = Eigen::Map<const VectorXd>(state.u.data(), static_cast<Index>(system_.size()));
     const VectorXd v = Eigen::Map<const VectorXd>(state.v.data(), static_cast<Index>(system_.size()));
-    choose_propagator();
+    begin_leg();
     y_ = leg().pack(u, v);
     changes_.assign(contacts(), {t_, 0});
     for (std::size_t c = 0; c < contacts(); ++c) {
       if (!penalised_.closed(c)) continue;
       statistics_.max_penetration = std::max(statistics_.max_penetration, -penalised_.clearance(c, state.u));
       measure_from_obstacle(c);
-      tell_change(c, start.v[node(c)]);
+      tell_change(c, approach[node(c)]);
     }
-    choose_propagator();
+    begin_leg();
     statistics_.unknowns = static_cast<std::size_t>(y_.size());
     if (observers_.energy) statistics_.energy = {.initial = energy_scale_ = penalised_.energy(state.u, state.v)};
   }
@@ -121,35 +119,19 @@ class Run {
   void measure_from_obstacle(std::size_t c) {
     if (measured_) return;
     measured_ = true;
-    origin_ = -penalised_.contact(c).gap;
-    y_.head(leg().displacements()).array() -= origin_;
-    propagators_.clear();
+    y_.head(leg().displacements()).array() += penalised_.contact(c).gap;
+    propagators_.measure_from(-penalised_.contact(c).gap);
   }
 
-  void choose_propagator() {
-    std::vector<bool> state(contacts());
-    for (std::size_t c = 0; c < contacts(); ++c) state[c] = penalised_.closed(c);
-    const auto known = std::ranges::find(propagators_, state, &Cached::state);
-    if (known != propagators_.end()) {
-      std::rotate(known, known + 1, propagators_.end());
-    } else {
-      std::vector<ClosedContact> closed;
-      for (std::size_t c = 0; c < contacts(); ++c)
-        if (state[c]) closed.push_back({node(c), surface(c), penalised_.law(c)});
-      propagators_.push_back(
-          {state, std::make_unique<Propagator>(system_, origin_, inverse_inertia_, load_, std::move(closed),
-                                               statistics_.matrix_factorisations)});
-      const std::size_t bytes = 200 * 4 * system_.size() * system_.size();  // of some twenty levels
-      if (propagators_.size() > std::max<std::size_t>(4, table_bytes / bytes)) propagators_.erase(propagators_.begin());
-    }
-    propagator_ = propagators_.back().propagator.get();
+  void begin_leg() {
+    propagator_ = &propagators_.present();
     level_ = wait_ = 0;
   }
 
   void advance() {
     if (contacts() > 0)
-      largest_displacement_ =
-          std::max(largest_displacement_, (y_.head(leg().displacements()).array() + origin_).abs().maxCoeff());
+      largest_displacement_ = std::max(
+          largest_displacement_, (y_.head(leg().displacements()).array() + propagators_.origin()).abs().maxCoeff());
     const double remaining = times_.back() - t_;
     // A varying load that vanishes at all points of a long step could hide a pulse between them.
     const double longest = load_.varies() ? std::min(remaining, (times_.back() - times_.front()) / 64) : remaining;
@@ -182,49 +164,64 @@ class Run {
       ++level_;
   }
 
-  // A step by matrix exponentials, unless it may hide something.
+  // A step by matrix exponentials, unless it may hide something: in quarters where there are contacts, in eighths where
+  // energy flows that somebody wants to know.
   bool take_long_step(double tau) {
-    VectorXd end = y_;
-    propagator_->advance(level_, end, p_);
-    double penetration = statistics_.max_penetration;
-    EnergyFlow flow;
-    if (contacts() > 0 || energy_flows()) {
-      VectorXd middle = y_;
-      propagator_->advance(level_ - 1, middle, rescaled(p_, 0.0, 0.5));
-      const std::array<LoadPolynomial, 3> p = {p_, rescaled(p_, 0.5, 1.0), rescaled(p_, 1.0, 1.0)};
-      const std::array<Series, 3> motion = {propagator_->expand(y_, p[0], tau, 3),
-                                            propagator_->expand(middle, p[1], tau, 3),
-                                            propagator_->expand(end, p[2], tau, 3)};
-      if (contacts() > 0) ++statistics_.event_evaluations;
-      for (std::size_t c = 0; c < contacts(); ++c)
-        if (!keeps_state(c, motion, p, penetration)) return false;
-      if (energy_flows()) {
-        const auto [total, error] =
-            hermite_flow(leg(), motion, {load_.total(p[0]), load_.total(p[1]), load_.total(p[2])}, tau);
-        if (error > 1e-12 * energy_scale_ * tau / (times_.back() - times_.front())) return false;
-        flow = total;
+    const int halvings = energy_flows() ? 3 : contacts() > 0 ? 2 : 0, pieces = 1 << halvings;
+    const bool sampled = pieces > 1;
+    std::vector<LoadPolynomial> p;
+    std::vector<Series> motion;
+    VectorXd y = y_;
+    for (int k = 0; k <= pieces; ++k) {
+      const double at = static_cast<double>(k) / pieces;
+      if (sampled) {
+        p.push_back(rescaled(p_, at, 1.0));
+        motion.push_back(propagator_->expand(y, p[k], tau, 1));
       }
+      if (k < pieces) propagator_->advance(level_ - halvings, y, rescaled(p_, at, 1.0 / pieces));
     }
+    if (contacts() > 0) ++statistics_.event_evaluations;
+    double penetration = statistics_.max_penetration;
+    for (std::size_t c = 0; c < contacts(); ++c)
+      if (!keeps_state(c, motion, p, penetration)) return false;
+    if (energy_flows() && !add_sampled_flow(motion, p, tau)) return false;
     output_until(t_ + tau, tau);
     statistics_.max_penetration = penetration;
-    add(flow);
-    y_ = std::move(end);
+    y_ = std::move(y);
     t_ += tau;
     lengthen();
     return true;
   }
 
+  bool add_sampled_flow(const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p, double tau) {
+    std::vector<VectorXd> velocities, loads;
+    for (std::size_t k = 0; k < motion.size(); ++k) {
+      velocities.push_back(motion[k].col(1) / tau);
+      if (system_.loaded()) loads.push_back(load_.total(p[k]).col(0));
+    }
+    const auto [flow, error] = sampled_flow(leg(), velocities, loads, tau);
+    if (error > 1e-12 * energy_scale_ * tau / (times_.back() - times_.front())) return false;
+    add(flow);
+    return true;
+  }
+
   // Whether contact c surely stays as it is during a step, and the maximum of its penetration is known.
-  bool keeps_state(std::size_t c, const std::array<Series, 3>& motion, const std::array<LoadPolynomial, 3>& p,
+  bool keeps_state(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p,
                    double& penetration) const {
-    const VectorXd left = distance(c, motion[0], p[0]), middle = distance(c, motion[1], p[1]),
-                   right = distance(c, motion[2], p[2]);
-    const HermiteRange range({left[0], left[1], 2 * left[2]}, middle[0], {right[0], right[1], 2 * right[2]});
+    const std::size_t quarter = motion.size() / 4;
+    std::array<double, 5> values;
+    std::array<double, 3> slopes;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const VectorXd sample = distance(c, motion[k * quarter], p[k * quarter]);
+      values[k] = sample[0];
+      if (k % 2 == 0) slopes[k / 2] = sample[1] / 2;
+    }
+    const SampledRange range(values, slopes);
     if (range.lowest() < -band(c)) return false;
     if (!penalised_.closed(c)) return true;
     const double share = penalised_.penetration_share(c);
     if (share * range.highest() > penetration * (1.0 + 1e-13) && !range.monotone()) return false;
-    penetration = std::max(penetration, share * right[0]);
+    penetration = std::max(penetration, share * values.back());
     return true;
   }
 
@@ -260,11 +257,9 @@ class Run {
   // it is closed. An undamped massless node follows its neighbour and the load; it is judged by where it would be were
   // it open, since a stiff contact leaves no digits of its own displacement.
   VectorXd distance(std::size_t c, const Series& series, const LoadPolynomial& p) const {
-    const auto i = static_cast<std::size_t>(node(c));
-    const bool massless = i < system_.massive_begin() || i >= system_.massive_end();
     VectorXd result;
-    if (massless && !system_.damped()) {
-      result = series.row(i == 0 ? 1 : node(c) - 1).transpose();
+    if (follows(c)) {
+      result = series.row(node(c) == 0 ? 1 : node(c) - 1).transpose();
       const MatrixXd load = load_.total(p);
       const Index shared = std::min(load.cols(), result.size());
       if (shared > 0)
@@ -287,9 +282,10 @@ class Run {
     for (const std::size_t c : changing) {
       penalised_.set_closed(c, !penalised_.closed(c));
       if (penalised_.closed(c)) measure_from_obstacle(c);
+      if (!follows(c)) y_[node(c)] = surface(c);  // to the digits that only the new leg needs
       tell_change(c, v[node(c)]);
     }
-    choose_propagator();
+    begin_leg();
   }
 
   void tell_change(std::size_t c, double velocity) {
@@ -328,7 +324,7 @@ class Run {
         s -= width;
       }
       const Series series = propagator_->expand(y, p, width);
-      const VectorXd u = leg().displacement(series, s / width).array() + origin_;
+      const VectorXd u = leg().displacement(series, s / width).array() + propagators_.origin();
       const VectorXd v = leg().velocity(series, s / width, width);
       if (last && statistics_.energy) statistics_.energy->final = penalised_.energy(entries(u), entries(v));
       if (observers_.snapshot) tell_snapshot(times_[next_output_], u, v, series, p, s / width);
@@ -356,16 +352,11 @@ class Run {
   bool energy_flows() const { return statistics_.energy && (penalised_.dissipates() || system_.loaded()); }
 
   void add(const EnergyFlow& flow) {
-    if (!statistics_.energy) return;
     statistics_.energy->dissipated += flow.dissipated;
     statistics_.energy->work += flow.work;
     energy_scale_ = std::max(energy_scale_, statistics_.energy->initial + std::abs(statistics_.energy->work));
   }
 
-  struct Cached {
-    std::vector<bool> state;  // which contacts are closed
-    std::unique_ptr<Propagator> propagator;
-  };
   struct InstantChanges {
     double time;
     int count;
@@ -379,18 +370,16 @@ class Run {
   Stopwatch watch_;
   Statistics statistics_;
 
-  double inverse_inertia_;
   LoadInterpolation load_;
-  std::vector<Cached> propagators_;  // the last used at the end
+  PropagatorCache propagators_;
   Propagator* propagator_ = nullptr;
 
   double t_;
   VectorXd y_;
-  double origin_ = 0.0;  // of displacements
-  bool measured_ = false;
-  LoadPolynomial p_;  // on the current step
-  int level_ = 0;     // of the current step; below 0 where the load asks for less than a Taylor series could do
-  int wait_ = 0;      // steps until a longer one is tried
+  bool measured_ = false;  // from an obstacle
+  LoadPolynomial p_;       // on the current step
+  int level_ = 0;          // of the current step; below 0 where the load asks for less than a Taylor series could do
+  int wait_ = 0;           // steps until a longer one is tried
   int load_jumps_ = 0;
   std::size_t next_output_ = 0;
   std::vector<InstantChanges> changes_;  // of each contact at about one time

@@ -1,13 +1,10 @@
 #include "viscobar/io/record_run.hpp"
 
-#include <fmt/format.h>
-
-#include <system_error>
-
 #include "io/csv.hpp"
 #include "io/field_file.hpp"
 #include "io/output_file.hpp"
 #include "io/report.hpp"
+#include "io/result_directory.hpp"
 #include "io/summary.hpp"
 #include "viscobar/io/io_error.hpp"
 
@@ -16,20 +13,6 @@ namespace viscobar {
 namespace {
 
 namespace fs = std::filesystem;
-
-void prepare(const fs::path& directory) {
-  std::error_code error;
-  const bool there = fs::exists(directory, error);
-  if (there && !fs::is_directory(directory))
-    throw std::invalid_argument(directory.string() + " is not a directory; choose another place for the results");
-  if (there && !fs::is_empty(directory, error) && !fs::exists(directory / "summary.json"))
-    throw std::invalid_argument(directory.string() +
-                                " holds files and no result of viscobar (no summary.json); nothing was overwritten, "
-                                "choose another directory");
-  if (error) throw IoError(directory, "cannot be read: " + error.message());
-  fs::create_directories(directory, error);
-  if (error) throw IoError(directory, "cannot be created: " + error.message());
-}
 
 /// The files that grow with a run.
 struct GrowingFiles {
@@ -81,8 +64,8 @@ void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, c
 
 }  // namespace
 
-RunRecord record_run(const SceneFile& scene, const fs::path& directory, const Recording& recording) {
-  prepare(directory);
+RunRecord record_run(const SceneFile& scene, const fs::path& directory, const RecordOptions& options) {
+  prepare_result_directory(directory);
   const Case& run = scene.run;
   const BarSystem system = make_system(run);
   ContactSummary contact(run.scene);
@@ -119,7 +102,7 @@ RunRecord record_run(const SceneFile& scene, const fs::path& directory, const Re
   observers.progress = [&](double time) {
     outcome.reached_time = time;
     ++outcome.steps;
-    if (recording.progress) recording.progress(time, outcome.steps);
+    if (options.progress) options.progress(time, outcome.steps);
   };
   simulate_into(outcome, run, system, observers);
   // Each for itself: what one cannot write, another may.
@@ -128,7 +111,7 @@ RunRecord record_run(const SceneFile& scene, const fs::path& directory, const Re
   attempt(outcome, [&] { files.field.close(); });
 
   const auto stop_clock = [&] {
-    outcome.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - recording.started).count();
+    outcome.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - options.started).count();
   };
   stop_clock();
   attempt(outcome,

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "io/page.hpp"
 #include "io/plot/figure.hpp"
 #include "io/plot/png.hpp"
+#include "io/plot/range.hpp"
 #include "io/report.hpp"
 
 namespace viscobar {
@@ -17,35 +19,8 @@ using plot::Figure;
 using plot::fitted;
 using plot::Interval;
 using plot::Point;
+using plot::Range;
 using plot::readable;
-
-/// Least and greatest of what it was given.
-struct Range {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-
-  void add(double value) {
-    if (!std::isfinite(value)) return;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  void add(std::span<const Point> points) {
-    for (const Point& point : points) add(point.y);
-  }
-  /// Takes an obstacle in unless that would squeeze the rest into less than half of the picture.
-  bool reach(double level) {
-    const double size = std::max(high - low, 1e-3 * std::max(std::abs(high), std::abs(low)));
-    if (level < low - size || level > high + size) return false;
-    add(level);
-    return true;
-  }
-  Axis axis(std::string label) const {
-    return low <= high ? fitted(std::move(label), low, high) : Axis{std::move(label)};
-  }
-};
-
-std::string captioned(const std::string& picture, const std::string& heading, const std::string& caption) {
-  return fmt::format("<figure>\n<h2>{}</h2>\n{}<figcaption>{}</figcaption>\n</figure>\n", heading, picture, caption);
-}
 
 Axis time_axis(const ReportData& data) {
   return {"time t", data.field.time(0), data.field.time(data.field.rows() - 1)};
@@ -138,8 +113,8 @@ std::string displacement_map(const Case& run, const ReportData& data) {
   if (field.time_stride() > 1 || field.node_stride() > 1)
     caption += fmt::format(" Drawn from {} and {}; field.h5 has them all.", every(field.time_stride(), "output time"),
                            every(field.node_stride(), "node"));
-  return captioned(figure.svg("Displacement over time and space as a colour map"), "Displacement over space and time",
-                   caption);
+  return figure_html(figure.svg("Displacement over time and space as a colour map"), "Displacement over space and time",
+                     caption);
 }
 
 std::string profiles(const Case& run, const ReportData& data) {
@@ -179,9 +154,10 @@ std::string profiles(const Case& run, const ReportData& data) {
     const double position = rows.size() > 1 ? static_cast<double>(k) / static_cast<double>(rows.size() - 1) : 0.0;
     figure.line(line, {plot::sequence_colour(position), false, 1.8}, "t = " + readable(field.time(rows[k])));
   }
-  return captioned(figure.svg("Displacement over space at a few times"), "Profiles",
-                   "The bar's displacement <i>u</i>(<i>x</i>, ·) at a few times." +
-                       std::string(bodies.empty() ? "" : " Grey: obstacles.") + hidden);
+  return figure_html(
+      figure.svg("Displacement over space at a few times"), "Profiles",
+      "The bar's displacement <i>u</i>(<i>x</i>, ·) at a few times, from the first (light) to the last (dark)." +
+          std::string(bodies.empty() ? "" : " Grey: obstacles.") + hidden);
 }
 
 std::string end_traces(const Case& run, const Outcome& outcome, const ContactSummary& contact, const ReportData& data) {
@@ -198,14 +174,15 @@ std::string end_traces(const Case& run, const Outcome& outcome, const ContactSum
     if (account) figure.shade(account->intervals(outcome.reached_time), plot::series_colour(colour), "in contact");
     if (shown) figure.level(-body->gap, {"var(--ink)", true, 1.2}, obstacle_text(body->gap));
     if (body && !shown) figure.legend_note(obstacle_text(body->gap) + " (outside)");
-    if (span_shown) figure.level(-run.scene.span->gap, {"var(--soft)", true, 1.2}, obstacle_text(run.scene.span->gap));
+    if (span_shown)
+      figure.level(-run.scene.span->gap, {"var(--soft)", true, 1.2}, "span " + obstacle_text(run.scene.span->gap));
     figure.line(points, {plot::series_colour(colour)}, label);
     return figure.svg(std::string("Displacement over time: ") + label);
   };
   const std::string panels = panel(run.scene.left, data.left, contact.left, 0, "u(0, t)") +
                              panel(run.scene.right, data.right, contact.right, 1, "u(L, t)");
   if (panels.empty()) return {};
-  return captioned(
+  return figure_html(
       panels, "Ends",
       std::string(is_fixed(run.scene.left) || is_fixed(run.scene.right) ? "Displacement of the end that moves."
                                                                         : "Displacement of the two ends.") +
@@ -223,9 +200,9 @@ std::string reactions(const Case& run, const ContactSummary& contact, const Repo
   if (with_right) range.add(right);
   Figure figure(time_axis(data), range.axis("reaction R"), 240.0);
   if (with_left) figure.line(left, {plot::series_colour(0)}, "left end");
-  if (with_right) figure.line(right, {plot::series_colour(1), with_left}, "right end");
-  return captioned(figure.svg("Reactions of the obstacles over time"), "Reactions",
-                   "Force of the obstacle on each end, at the output times.");
+  if (with_right) figure.line(right, {plot::series_colour(1)}, "right end");
+  return figure_html(figure.svg("Reactions of the obstacles over time"), "Reactions",
+                     "Force of the obstacle on each end, at the output times.");
 }
 
 std::string energies(const ReportData& data) {
@@ -240,7 +217,7 @@ std::string energies(const ReportData& data) {
   figure.line(elastic, {plot::series_colour(1)}, "elastic");
   if (data.has_springs()) figure.line(contact, {plot::series_colour(2)}, "contact springs");
   figure.line(total, {"var(--ink)", true, 1.6}, "total");
-  return captioned(
+  return figure_html(
       figure.svg("Energy over time"), "Energy",
       data.has_springs()
           ? "Energy of the bar and, counted in the total, that stored in the penalty springs of the contacts."

@@ -31,11 +31,11 @@ TEST(RecordRun, WritesARowForEveryOutputTimeAndEveryContactChange) {
 
 TEST(RecordRun, AnInterruptedRunKeepsWhatItReached) {
   const Scratch scratch;
-  Recording recording;
-  recording.progress = [](double time, std::size_t) {
+  RecordOptions options;
+  options.progress = [](double time, std::size_t) {
     if (time > 0.5) throw Interrupted();
   };
-  const RunRecord record = record_run(bouncing_bar(), scratch.path(), recording);
+  const RunRecord record = record_run(bouncing_bar(), scratch.path(), options);
   EXPECT_EQ(record.outcome.ending, Ending::interrupted);
   const Json summary = summary_in(scratch.path());
   EXPECT_EQ(summary["completed"], false);
@@ -95,13 +95,13 @@ TEST(RecordRun, TouchesNoDirectoryThatHoldsOtherFiles) {
 TEST(RecordRun, AKilledRunLeavesASummaryThatSaysSoAndNoOldReport) {
   const Scratch scratch;
   record_run(bouncing_bar(), scratch.path());
-  Recording recording;
-  recording.progress = [&](double, std::size_t steps) {
+  RecordOptions options;
+  options.progress = [&](double, std::size_t steps) {
     if (steps > 1) return;
     EXPECT_EQ(summary_in(scratch.path())["completed"], false);
     EXPECT_FALSE(std::filesystem::exists(scratch / "report.html"));
   };
-  record_run(bouncing_bar(), scratch.path(), recording);
+  record_run(bouncing_bar(), scratch.path(), options);
   EXPECT_EQ(summary_in(scratch.path())["completed"], true);
 }
 

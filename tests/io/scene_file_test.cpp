@@ -348,7 +348,8 @@ TEST(SceneFile, DescribesEveryKeyAsUnderstood) {
     "load": {"density": "sin(t)"},
     "time": {"end": 4.0},
     "mesh": {"elements": 8, "mass": "lumped"},
-    "method": {"name": "cvode", "relative_tolerance": 1e-6, "absolute_tolerance": 1e-9, "start": "first_order"},
+    "method": {"name": "cvode", "relative_tolerance": 1e-6, "absolute_tolerance": 1e-9,
+               "error_control": "global", "formulas": "automatic", "start": "first_order"},
     "output": {"every": 0.04}})json");
   EXPECT_EQ(description, expected) << description.dump(2);
 }

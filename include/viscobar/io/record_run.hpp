@@ -36,7 +36,7 @@ struct Outcome {
   double wall_seconds = 0.0;
 };
 
-struct Recording {
+struct RecordOptions {
   /// After each step; may throw Interrupted.
   std::function<void(double time, std::size_t steps)> progress;
   /// Start of the wall clock.
@@ -54,6 +54,6 @@ struct RunRecord {
 /// not grow with the number of output times.
 /// @throws std::invalid_argument when the directory holds anything but an earlier result
 /// @throws IoError when the files cannot be created; later failures are in the outcome
-RunRecord record_run(const SceneFile& scene, const std::filesystem::path& directory, const Recording& recording = {});
+RunRecord record_run(const SceneFile& scene, const std::filesystem::path& directory, const RecordOptions& options = {});
 
 }  // namespace viscobar

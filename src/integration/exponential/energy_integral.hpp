@@ -1,6 +1,6 @@
 #pragma once
 
-#include <array>
+#include <span>
 
 #include "integration/exponential/linear_leg.hpp"
 
@@ -16,14 +16,13 @@ struct EnergyFlow {
 EnergyFlow gauss_flow(const LinearLeg<double>& leg, const LinearLeg<double>::Series& series,
                       const Eigen::MatrixXd& load, double tau, double sigma);
 
-/// The flow over a whole step from the Taylor coefficients (four or more) of u and load about its begin, middle and
-/// end: the rule of degree 9 in the values and two derivatives of the powers at these points. `error` is how far the
-/// rule of degree 7, which leaves out the curvature in the middle, is from it.
-struct HermiteFlow {
+/// The flow over a whole step from velocities and loads (n entries each; no loads without a load) at its eighths, by
+/// the rule of Newton and Cotes, of degree 9. `error` is how far Romberg's rule on these points, of degree 7, is off.
+struct SampledFlow {
   EnergyFlow flow;
   double error = 0.0;
 };
-HermiteFlow hermite_flow(const LinearLeg<double>& leg, const std::array<LinearLeg<double>::Series, 3>& series,
-                         const std::array<Eigen::MatrixXd, 3>& load, double tau);
+SampledFlow sampled_flow(const LinearLeg<double>& leg, std::span<const Eigen::VectorXd> velocities,
+                         std::span<const Eigen::VectorXd> loads, double tau);
 
 }  // namespace viscobar::exponential

@@ -131,13 +131,12 @@ typename LinearLeg<Real>::Vector LinearLeg<Real>::pack(const Vector& u, const Ve
 }
 
 template <class Real>
-Real LinearLeg<Real>::dissipation(const Vector& v, const Vector& w) const {
-  Real sum = 0;
-  for (Index i = 0; i + 1 < n_; ++i) sum += (v[i + 1] - v[i]) * (w[i + 1] - w[i]);
-  if (left_fixed_) sum += v[0] * w[0];
-  if (right_fixed_) sum += v[n_ - 1] * w[n_ - 1];
+Real LinearLeg<Real>::dissipation(const Vector& v) const {
+  Real sum = (v.tail(n_ - 1) - v.head(n_ - 1)).squaredNorm();
+  if (left_fixed_) sum += v[0] * v[0];
+  if (right_fixed_) sum += v[n_ - 1] * v[n_ - 1];
   sum *= damping_;
-  for (const ClosedContact& contact : closed_) sum += contact.law.damping * v[contact.unknown] * w[contact.unknown];
+  for (const ClosedContact& contact : closed_) sum += contact.law.damping * v[contact.unknown] * v[contact.unknown];
   return sum;
 }
 

@@ -52,8 +52,8 @@ class LinearLeg {
 
   Vector pack(const Vector& u, const Vector& v) const;
 
-  /// v . (eta K + dashpots) w: power lost for v = w.
-  Real dissipation(const Vector& v, const Vector& w) const;
+  /// v . (eta K + dashpots) v, the power lost.
+  Real dissipation(const Vector& v) const;
 
  private:
   void solve_inertia(Vector& force) const;

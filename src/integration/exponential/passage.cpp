@@ -8,26 +8,52 @@ namespace viscobar::exponential {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-HermiteRange::HermiteRange(const std::array<double, 3>& left, double middle, const std::array<double, 3>& right) {
-  const double b0 = left[0], b1 = b0 + left[1] / 5, b2 = b0 + 0.4 * left[1] + left[2] / 20;
-  const double b5 = right[0], b4 = b5 - right[1] / 5, b3 = b5 - 0.4 * right[1] + right[2] / 20;
-  const double quintic = (b0 + b5 + 5 * (b1 + b4) + 10 * (b2 + b3)) / 32;
-  // 64 sigma^3 (1 - sigma)^3, one in the middle, has 64 / 20 as its only coefficient.
-  const double miss = 3.2 * (middle - quintic);
-  control = {b0, (b0 + 5 * b1) / 6, (b1 + 2 * b2) / 3, (b2 + b3) / 2 + miss, (b4 + 2 * b3) / 3, (b5 + 5 * b4) / 6, b5};
-  margin = 4 * std::abs(miss);
+namespace {
+
+// An error that vanishes like s^2 (1-s)^2 on each half, 1 at most, has 1.6 as Bernstein coefficients 2 and 3.
+bool may_err(std::size_t i) { return i % 6 == 2 || i % 6 == 3; }
+
+}  // namespace
+
+SampledRange::SampledRange(const std::array<double, 5>& f, const std::array<double, 3>& g) {
+  const double first = (36 * f[2] + 22.5 * f[0] + 5.5 * f[4] - 18 * g[1] + 4.5 * g[0] - 1.5 * g[2]) / 64;
+  const double third = (36 * f[2] + 5.5 * f[0] + 22.5 * f[4] + 18 * g[1] + 1.5 * g[0] - 4.5 * g[2]) / 64;
+  margin_ = 1.6 * 4 * std::max(std::abs(f[1] - first), std::abs(f[3] - third));
+  const std::array<double, 3> curvature = {8 * f[2] - 11.5 * f[0] + 3.5 * f[4] - 8 * g[1] - 6 * g[0] - g[2],
+                                           2 * (f[0] - 2 * f[2] + f[4]) + 0.5 * (g[0] - g[2]),
+                                           8 * f[2] + 3.5 * f[0] - 11.5 * f[4] + 8 * g[1] + g[0] + 6 * g[2]};
+  for (std::size_t half = 0; half < 2; ++half) {
+    double* const b = control_.data() + 6 * half;
+    const double left = f[2 * half], right = f[2 * half + 2];
+    b[0] = left;
+    b[1] = left + g[half] / 5;
+    b[2] = left + 0.4 * g[half] + curvature[half] / 20;
+    b[3] = right - 0.4 * g[half + 1] + curvature[half + 1] / 20;
+    b[4] = right - g[half + 1] / 5;
+    b[5] = right;
+  }
 }
 
-double HermiteRange::lowest() const { return std::min(std::ranges::min(control), control[3] - margin); }
+double SampledRange::lowest() const {
+  double lowest = control_[0];
+  for (std::size_t i = 1; i < control_.size(); ++i)
+    lowest = std::min(lowest, control_[i] - (may_err(i) ? margin_ : 0.0));
+  return lowest;
+}
 
-double HermiteRange::highest() const { return std::max(std::ranges::max(control), control[3] + margin); }
+double SampledRange::highest() const {
+  double highest = control_[0];
+  for (std::size_t i = 1; i < control_.size(); ++i)
+    highest = std::max(highest, control_[i] + (may_err(i) ? margin_ : 0.0));
+  return highest;
+}
 
-bool HermiteRange::monotone() const {
+bool SampledRange::monotone() const {
   bool up = true, down = true;
-  for (std::size_t i = 0; i + 1 < control.size(); ++i) {
-    const double slack = i == 2 || i == 3 ? margin : 0.0;
-    up &= control[i + 1] - control[i] >= slack;
-    down &= control[i] - control[i + 1] >= slack;
+  for (std::size_t i = 0; i + 1 < control_.size(); ++i) {
+    const double slack = may_err(i) || may_err(i + 1) ? margin_ : 0.0;
+    up &= control_[i + 1] - control_[i] >= slack;
+    down &= control_[i] - control_[i + 1] >= slack;
   }
   return up || down;
 }

@@ -6,17 +6,19 @@
 
 namespace viscobar::exponential {
 
-/// Range of a smooth function on [0, 1] from value, slope and curvature at both ends and the value in the middle, as
-/// Bernstein coefficients of the polynomial of degree 6 through all of them. How far the middle is from the quintic
-/// through the ends alone says how well these data resolve the function; four times that is its margin in between.
-struct HermiteRange {
-  std::array<double, 7> control;
-  double margin;  // of control[3]: an error that vanishes like sigma^3 at both ends moves no other
-
-  HermiteRange(const std::array<double, 3>& left, double middle, const std::array<double, 3>& right);
+/// Range of a function on a step from its values at the quarters and its slopes (per half step) at begin, middle and
+/// end: that of the quintic through all but the values at the first and third quarter, as Bernstein coefficients on
+/// either half. How far these two are off says how well the function is resolved; four times that is the margin.
+class SampledRange {
+ public:
+  SampledRange(const std::array<double, 5>& values, const std::array<double, 3>& slopes);
   double lowest() const;
   double highest() const;
   bool monotone() const;
+
+ private:
+  std::array<double, 12> control_;
+  double margin_;
 };
 
 /// sum_k c_k sigma^k

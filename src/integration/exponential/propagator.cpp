@@ -47,9 +47,9 @@ LinearLeg<double>::Series Propagator::expand(const VectorXd& y, const LoadPolyno
 
 void Propagator::advance(int level, VectorXd& y, const LoadPolynomial& load) {
   const Index m = leg_.size();
-  if (level == 0) {
-    const auto series = expand(y, load, finest_);
-    y = leg_.pack(leg_.displacement(series, 1.0), leg_.velocity(series, 1.0, finest_));
+  if (level <= 0) {
+    const auto series = expand(y, load, step(level));
+    y = leg_.pack(leg_.displacement(series, 1.0), leg_.velocity(series, 1.0, step(level)));
     return;
   }
   build_increments(level);
@@ -68,10 +68,12 @@ void Propagator::build_increments(int level) {
       for (Index j = 0; j <= m; ++j) {
         LinearLeg<long double>::Vector unit = LinearLeg<long double>::Vector::Zero(m);
         if (j < m) unit[j] = 1;
-        const auto series = extended_leg_.expand(unit, j < m ? 0 : 1, {}, tau, taylor_order);
-        coarsest_.col(j) =
-            extended_leg_.pack(extended_leg_.displacement(series, 1), extended_leg_.velocity(series, 1, tau));
-        if (j < m) coarsest_.col(j) -= unit;
+        // Without the terms of I: 1 + (a rate times tau_0) - 1 would keep few digits of the slow modes' rates.
+        auto series = extended_leg_.expand(unit, j < m ? 0 : 1, {}, tau, taylor_order);
+        series.col(0).setZero();
+        const auto u = extended_leg_.displacement(series, 1);
+        series.col(1).setZero();
+        coarsest_.col(j) = extended_leg_.pack(u, extended_leg_.velocity(series, 1, tau));
       }
     } else {
       const ExtendedMatrix square = coarsest_.leftCols(m) * coarsest_;

@@ -19,8 +19,8 @@ namespace viscobar::exponential {
 /// precision: an error of E_0 in double precision would act in every step alike and shift the slow modes.
 class Propagator {
  public:
-  /// `inverse_inertia` is the norm of (rho M)^{-1} on the massive nodes; `load` and `exponentials`, the number of
-  /// matrices built, outlive this.
+  /// `inverse_inertia` is the norm of (rho M)^{-1} on the massive nodes. `load` and `exponentials`, to which the number
+  /// of matrices built is added, outlive this.
   Propagator(const BarSystem& system, double origin, double inverse_inertia, const LoadInterpolation& load,
              std::vector<ClosedContact> closed, std::size_t& exponentials);
 
@@ -30,7 +30,7 @@ class Propagator {
   /// steps are exact.
   double step(int level) const { return std::ldexp(finest_, level); }
 
-  /// y <- y(step(level)), level >= 0
+  /// y <- y(step(level)); by the Taylor series for level <= 0
   void advance(int level, Eigen::VectorXd& y, const LoadPolynomial& load);
 
   /// Taylor coefficients of u from y and the load on a step of length tau.

@@ -42,13 +42,15 @@ class ErrorWeights {
         massive_begin_(system.bar().massive_begin()),
         massive_end_(system.bar().massive_end()),
         accumulated_(system.dissipates() ? 150.0 : 1000.0),
-        tightening_(accumulated_) {}
+        tightening_(1.0) {}
 
   void fill(std::span<double> y, std::span<double> weights);
   /// The local tolerance is the requested one divided by 150 + 6 (contact changes so far), or by 1000 + 6 (...) where
   /// nothing dissipates: local errors add up, an undamped bar forgets none of them, and a bounce multiplies what was
   /// there before it. Measured in docs/methods.md.
-  void tighten(std::size_t changes) { tightening_ = accumulated_ + 6.0 * static_cast<double>(changes); }
+  void tighten(std::size_t changes) {
+    if (tolerance_.control == ErrorControl::global) tightening_ = accumulated_ + 6.0 * static_cast<double>(changes);
+  }
   double largest_displacement() const { return largest_u_; }
   double displacement_tolerance() const;
 

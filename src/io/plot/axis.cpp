@@ -69,6 +69,7 @@ Axis fitted_decades(std::string label, double low, double high) {
 }
 
 Ticks ticks(const Axis& axis, int about) {
+  if (axis.bare) return {};
   return axis.scale == Scale::linear ? linear_ticks(axis, about) : decade_ticks(axis, about);
 }
 

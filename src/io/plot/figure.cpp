@@ -10,11 +10,13 @@ namespace viscobar::plot {
 
 namespace {
 
-constexpr double width = 960.0, left = 84.0, right = 800.0, top = 12.0, below = 46.0;
+constexpr double width = 960.0, left = 84.0, right = 800.0, top = 12.0, below = 46.0, legend_pitch = 19.0;
 
 }  // namespace
 
-std::string series_colour(std::size_t index) { return fmt::format("var(--series-{})", index % 4); }
+std::string series_colour(std::size_t index) { return fmt::format("var(--series-{})", index % 6); }
+
+double height_of_bars(std::size_t rows) { return top + below + legend_pitch * static_cast<double>(rows) + 1.0; }
 
 std::string sequence_colour(double position) {
   return fmt::format("color-mix(in oklch, var(--late) {:.0f}%, var(--early))", 100.0 * position);
@@ -107,6 +109,26 @@ void Figure::label(Point at, std::string_view text) {
                           place_y(at.y) - 6, escaped(text));
 }
 
+void Figure::marker_line(double x, const Style& style, std::string_view text) {
+  line(std::vector<Point>{{x, y_.low}, {x, y_.high}}, style);
+  content_ +=
+      fmt::format("<text class=\"note\" x=\"{:.1f}\" y=\"{}\">{}</text>\n", place_x(x) + 5, top + 15, escaped(text));
+}
+
+void Figure::bars(std::span<const Interval> parts, double y, const std::string& colour, std::string_view legend) {
+  constexpr double thickness = 11.0, least_length = 0.75;
+  std::string d;
+  for (const Interval& part : parts) {
+    const double from = place_x(std::max(part.begin, x_.low)), to = place_x(std::min(part.end, x_.high));
+    if (to >= from)
+      fmt::format_to(std::back_inserter(d), "M{:.2f} {:.2f}h{:.2f}", from, place_y(y),
+                     std::max(least_length, to - from));
+  }
+  content_ +=
+      fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}\" d=\"{}\"/>\n", colour, thickness, d);
+  legend_box(colour, legend);
+}
+
 void Figure::image(const std::string& uri, Point low, Point high) {
   const double x = place_x(low.x), y = place_y(high.y);
   content_ += fmt::format(
@@ -154,7 +176,7 @@ void Figure::legend_line(const Style& style, std::string_view text) {
 
 void Figure::legend_text(std::string_view text, double indent) {
   legend_ += fmt::format("<text x=\"{}\" y=\"{}\" dy=\".35em\">{}</text>\n", right + indent, legend_y_, escaped(text));
-  legend_y_ += 19.0;
+  legend_y_ += legend_pitch;
 }
 
 std::string Figure::svg(std::string_view title) const {
@@ -191,10 +213,10 @@ std::string Figure::svg(std::string_view title) const {
 
 std::string_view figure_css() {
   return R"css(
-:root { --series-0: #0072b2; --series-1: #c8500a; --series-2: #00855f; --series-3: #a8538a;
+:root { --series-0: #0072b2; --series-1: #c8500a; --series-2: #00855f; --series-3: #a8538a; --series-4: #7d6b00; --series-5: #56616c;
   --early: #e3a72f; --late: #31135e; --ink: #1d2126; --soft: #5b646e; --rule: #c9ced4; --faint: #e8ebee; --paper: #ffffff; --page: #f5f6f8; }
 @media screen and (prefers-color-scheme: dark) { :root { --series-0: #5ab4ec; --series-1: #ff9a52; --series-2: #3ccb9c;
-  --series-3: #e29acb; --early: #7d4fc4; --late: #ffe08a; --ink: #e4e7ea; --soft: #9aa4ae; --rule: #4a525b; --faint: #2a3037; --paper: #1a1e23; --page: #121519; } }
+  --series-3: #e29acb; --series-4: #d9c64a; --series-5: #a9b4bf; --early: #7d4fc4; --late: #ffe08a; --ink: #e4e7ea; --soft: #9aa4ae; --rule: #4a525b; --faint: #2a3037; --paper: #1a1e23; --page: #121519; } }
 svg { display: block; width: 100%; height: auto; font-size: 13px; fill: var(--ink); overflow: hidden; }
 svg text { font-variant-numeric: tabular-nums; }
 svg .axis { font-size: 14px; fill: var(--soft); }

@@ -20,11 +20,14 @@ struct Style {
   double width = 1.6;
 };
 
-/// CSS variable of the i-th colour of the palette (four, told apart by colour-blind eyes).
+/// CSS variable of the i-th colour of the palette (six; the first four are told apart by colour-blind eyes).
 std::string series_colour(std::size_t index);
 
 /// CSS colour at a position in [0, 1] of a sequence from light to dark, the other way round on a dark page.
 std::string sequence_colour(double position);
+
+/// Height of a figure of bars() on a bare y axis from rows - 1/2 down to -1/2: each bar stands beside its legend.
+double height_of_bars(std::size_t rows);
 
 /// A picture with two axes as inline SVG. What is added first lies below. The legend stands right of the frame, whose
 /// place is the same in every figure of one width, so that figures below each other share their axis.
@@ -41,6 +44,10 @@ class Figure {
   void line(std::span<const Point> points, const Style& style, std::string_view legend = {});
   void markers(std::span<const Point> points, const std::string& colour, std::string_view legend = {});
   void label(Point at, std::string_view text);
+  /// A vertical line through the frame, the text at its top.
+  void marker_line(double x, const Style& style, std::string_view text);
+  /// Horizontal bars of one height in y, a line of the legend as high as they are.
+  void bars(std::span<const Interval> parts, double y, const std::string& colour, std::string_view legend);
   /// An image over the rectangle between two corners of the frame's coordinates.
   void image(const std::string& uri, Point low, Point high);
   /// A colour bar in place of a legend.
