@@ -57,10 +57,33 @@ void TridiagonalFactor::solve(std::span<double> x) const {
     for (std::size_t i = 0; i < n; ++i) x[i] *= inverse_pivot_[i];
     return;
   }
+  // Either sweep is a recurrence y_i = b_i + m_i y_{i-1}. Four terms of it are condensed without waiting for y_{i-1},
+  // so that one multiplication in four is on the chain of dependencies.
   double carried = x[0];
-  for (std::size_t i = 1; i < n; ++i) x[i] = carried = x[i] - lower_[i - 1] * carried;
+  std::size_t i = 1;
+  for (; i + 4 <= n; i += 4) {
+    const double m0 = -lower_[i - 1], m1 = -lower_[i], m2 = -lower_[i + 1], m3 = -lower_[i + 2];
+    const double b0 = x[i], b1 = x[i + 1] + m1 * b0, b2 = x[i + 2] + m2 * b1, b3 = x[i + 3] + m3 * b2;
+    const double m10 = m1 * m0, m210 = m2 * m10;
+    x[i] = b0 + m0 * carried;
+    x[i + 1] = b1 + m10 * carried;
+    x[i + 2] = b2 + m210 * carried;
+    x[i + 3] = carried = b3 + (m3 * m210) * carried;
+  }
+  for (; i < n; ++i) x[i] = carried = x[i] - lower_[i - 1] * carried;
+
   x[n - 1] = carried = x[n - 1] * inverse_pivot_[n - 1];
-  for (std::size_t i = n - 1; i-- > 0;) x[i] = carried = x[i] * inverse_pivot_[i] - lower_[i] * carried;
+  for (i = n - 1; i >= 4; i -= 4) {
+    const double m0 = -lower_[i - 1], m1 = -lower_[i - 2], m2 = -lower_[i - 3], m3 = -lower_[i - 4];
+    const double b0 = x[i - 1] * inverse_pivot_[i - 1], b1 = x[i - 2] * inverse_pivot_[i - 2] + m1 * b0;
+    const double b2 = x[i - 3] * inverse_pivot_[i - 3] + m2 * b1, b3 = x[i - 4] * inverse_pivot_[i - 4] + m3 * b2;
+    const double m10 = m1 * m0, m210 = m2 * m10;
+    x[i - 1] = b0 + m0 * carried;
+    x[i - 2] = b1 + m10 * carried;
+    x[i - 3] = b2 + m210 * carried;
+    x[i - 4] = carried = b3 + (m3 * m210) * carried;
+  }
+  while (i-- > 0) x[i] = carried = x[i] * inverse_pivot_[i] - lower_[i] * carried;
 }
 
 std::vector<double> inverse_diagonal(const SymmetricTridiagonal& matrix) {

@@ -177,4 +177,13 @@ std::vector<double> BarSystem::effective_masses() const {
   return masses;
 }
 
+double BarSystem::contact_mass(const Contact& contact) const {
+  const std::size_t i = contact.unknown;
+  if (contact.where != Where::span) return effective_masses()[i];
+  double sum = inertia_.diagonal[i];
+  if (i > 0 && !inertia_.off_diagonal.empty()) sum += inertia_.off_diagonal[i - 1];
+  if (i < inertia_.off_diagonal.size()) sum += inertia_.off_diagonal[i];
+  return sum;
+}
+
 }  // namespace viscobar

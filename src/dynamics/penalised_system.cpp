@@ -15,12 +15,8 @@ PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
     for (const Contact& contact : bar.contacts())
       if (!massless(contact.unknown))
         throw std::invalid_argument("a rigid obstacle needs massless contact nodes: mass \"redistributed\"");
-  // Effective masses matter to the dashpot alone.
-  const bool undamped = penalty.restitution >= 1.0;
-  const std::vector<double> masses =
-      undamped || bar.contacts().empty() ? std::vector<double>{} : bar.effective_masses();
   for (const Contact& contact : bar.contacts())
-    laws_.push_back(penalty_law(penalty, contact.weight, undamped ? 0.0 : masses[contact.unknown]));
+    laws_.push_back(penalty_law(penalty, contact.weight, penalty.restitution < 1.0 ? bar.contact_mass(contact) : 0.0));
   dashpots_ = std::any_of(laws_.begin(), laws_.end(), [](const PenaltyLaw& law) { return law.damping > 0.0; });
   if (bar.loaded()) load_.emplace(bar);
 }

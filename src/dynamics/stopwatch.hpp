@@ -1,21 +1,26 @@
 #pragma once
 
 #include <chrono>
+#include <utility>
 
 namespace viscobar {
 
-/// Wall time of a method alone: runs from its construction, and is paused while observers work.
+/// Wall time since construction, without what ran outside().
 class Stopwatch {
  public:
-  void pause() { passed_ += Clock::now() - started_; }
-  void resume() { started_ = Clock::now(); }
-  /// Seconds up to now; to be asked while it runs.
-  double seconds() const { return std::chrono::duration<double>(passed_ + (Clock::now() - started_)).count(); }
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+  /// Calls `call` off the clock.
+  template <class Call>
+  void outside(Call&& call) {
+    const auto paused = Clock::now();
+    std::forward<Call>(call)();
+    start_ += Clock::now() - paused;
+  }
 
  private:
   using Clock = std::chrono::steady_clock;
-  Clock::time_point started_ = Clock::now();
-  Clock::duration passed_{0};
+  Clock::time_point start_ = Clock::now();
 };
 
 }  // namespace viscobar

@@ -50,10 +50,10 @@ using Memory = std::unique_ptr<void, CvodeDeleter>;
 
 class CvodeStepper {
  public:
-  CvodeStepper(PenalisedSystem& system, const Layout& layout, const Tolerance& tolerance, double end,
-               Statistics& statistics)
+  CvodeStepper(PenalisedSystem& system, const Layout& layout, const Cvode& method, double end, Statistics& statistics)
       : leg_(system, layout, statistics),
-        weights_(layout, tolerance, system.bar().massive_begin(), system.bar().massive_end()),
+        weights_(system, layout, method.tolerance),
+        formulas_(method.formulas),
         end_(end),
         state_(make_vector(layout.size, context_)),
         interpolated_(make_vector(layout.size, context_)),
@@ -121,6 +121,7 @@ class CvodeStepper {
   // differentiation where something fast dies out: modes of the mesh that are overdamped (eta omega >= 2 E at the
   // highest, omega = sqrt(12 E / rho) / h), or a massless node.
   bool stiff() const {
+    if (formulas_ != Formulas::automatic) return formulas_ == Formulas::bdf;
     const BarSystem& bar = leg_.system.bar();
     const Bar& material = bar.bar();
     const double highest = std::sqrt(12.0 * material.modulus / material.density) / bar.mesh().spacing();
@@ -130,6 +131,7 @@ class CvodeStepper {
   // A bounce is over within half a period of the contact spring; a contact still closed after ten of them rests, its
   // spring dies out, and need not be resolved any more.
   double settling_time(double t) const {
+    if (formulas_ == Formulas::adams) return std::numeric_limits<double>::infinity();
     double period = 0.0;
     for (std::size_t i = 0; i < leg_.system.contact_count(); ++i) {
       if (!leg_.system.closed(i)) continue;
@@ -181,6 +183,7 @@ class CvodeStepper {
   Context context_;
   Leg leg_;
   ErrorWeights weights_;
+  Formulas formulas_;
   double end_;
   Vector state_, interpolated_;
   std::vector<std::size_t> entries_;
@@ -202,7 +205,7 @@ Statistics integrate(const BarSystem& system, const State& start, std::span<cons
   PenalisedSystem penalised(system, method.penalty);
   const Layout layout(penalised, observers.energy);
   Statistics statistics;
-  CvodeStepper stepper(penalised, layout, method.tolerance, times.back(), statistics);
+  CvodeStepper stepper(penalised, layout, method, times.back(), statistics);
   return run_multistep("cvode", penalised, layout, stepper, statistics, start, times, observers);
 }
 

@@ -66,7 +66,8 @@ class EventSearch {
     std::array<double, 3> values{};
     for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) values[k - first_[i]] = y[entries_[k]];
     const double p = oriented(i, t, std::span(values).first(first_[i + 1] - first_[i]));
-    return p <= uncertainty && (system_.closed(i) ? rate > 0.0 : rate < 0.0);
+    // Half of it: what is switched here must not be found on the wrong side of the whole a rounding later.
+    return p <= 0.5 * uncertainty && (system_.closed(i) ? rate > 0.0 : rate < 0.0);
   }
 
   double max_penetration() const { return max_penetration_; }

@@ -90,9 +90,7 @@ class Run {
 
   template <class Call>
   void unwatched(Call&& call) {
-    watch_.pause();
-    call();
-    watch_.resume();
+    watch_.outside(call);
   }
 
   void begin(const State& start) {

@@ -46,7 +46,7 @@ class IdaStepper {
   IdaStepper(PenalisedSystem& system, const Layout& layout, const Tolerance& tolerance, double end,
              Statistics& statistics)
       : leg_(system, layout, statistics),
-        weights_(layout, tolerance, system.bar().massive_begin(), system.bar().massive_end()),
+        weights_(system, layout, tolerance),
         end_(end),
         state_(make_vector(layout.size, context_)),
         rate_(make_vector(layout.size, context_)),

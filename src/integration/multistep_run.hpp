@@ -64,7 +64,7 @@ class MultistepRun {
       outputs_until(limit);
       t = limit;
       statistics_.reached_time = t;
-      if (observers_.progress) unwatched([&] { observers_.progress(t); });
+      if (observers_.progress) stopwatch_.outside([&] { observers_.progress(t); });
       if (change) {
         stepper_.interpolate(t, y_);
         switch_contacts(t);
@@ -84,13 +84,6 @@ class MultistepRun {
  private:
   std::span<double> u() { return layout_.u(y_); }
   std::span<double> w() { return layout_.w(y_); }
-
-  template <class Work>
-  void unwatched(Work&& work) {
-    stopwatch_.pause();
-    work();
-    stopwatch_.resume();
-  }
 
   void begin(double t, const State& start) {
     std::ranges::copy(start.u, u().begin());
@@ -184,13 +177,13 @@ class MultistepRun {
     if (!observers_.event) return;
     const Contact& contact = system_.contact(i);
     const Event event{t, contact.where, contact.unknown + system_.bar().first_node(), change, velocity};
-    unwatched([&] { observers_.event(event); });
+    stopwatch_.outside([&] { observers_.event(event); });
   }
 
   void tell_snapshot(double t) {
     if (!observers_.snapshot) return;
     const Snapshot snapshot = snapshot_(t, u(), w());
-    unwatched([&] { observers_.snapshot(snapshot); });
+    stopwatch_.outside([&] { observers_.snapshot(snapshot); });
   }
 
   PenalisedSystem& system_;
@@ -215,7 +208,8 @@ Statistics run_multistep(const char* method, PenalisedSystem& system, const sund
                          const Observers& observers) {
   MultistepRun<Stepper> run(system, layout, stepper, statistics, times, observers);
   const auto conclude = [&] {
-    statistics.unknowns = layout.size;
+    const BarSystem& bar = system.bar();
+    statistics.unknowns = bar.size() + (bar.massive_end() - bar.massive_begin());
     statistics.load_evaluations = system.load_evaluations();
     statistics.integration_seconds = run.seconds();
   };

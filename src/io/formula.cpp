@@ -81,7 +81,7 @@ void check_characters(std::string_view text) {
 }
 
 std::string unknown_token(std::string_view token, std::string_view variables, std::size_t position) {
-  token = token.substr(0, token.find_last_not_of(' ') + 1);
+  token = token.substr(0, token.find_first_of(" \t\r\n"));
   if (token.empty() || !starts_name(token.front()))
     return fmt::format("cannot be understood from \"{}\"{} on", token, at(position));
   if (token == "x" || token == "t")

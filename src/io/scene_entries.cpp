@@ -20,8 +20,15 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-// User text in a message: quoted, on one line.
-std::string in_quotes(std::string_view text) { return fmt::format("{:?}", text); }
+// A message stays on one line, whatever the user's names hold.
+std::string one_line(std::string_view text) {
+  std::string line;
+  for (const char c : text) {
+    const bool is_control = static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+    line += is_control ? fmt::format("\\x{:02x}", c) : std::string(1, c);
+  }
+  return line;
+}
 
 // A TOML value, or else the text itself.
 TomlValue value_of(std::string_view text) {
@@ -46,8 +53,7 @@ std::optional<double> number_of(const TomlValue& value) {
 }
 
 std::string suggestion(const SceneKey* nearest, std::string_view table) {
-  if (nearest)
-    return fmt::format("; nearest is {}", in_quotes(nearest->table() == table ? nearest->leaf() : nearest->name));
+  if (nearest) return fmt::format("; nearest is \"{}\"", nearest->table() == table ? nearest->leaf() : nearest->name);
   std::vector<std::string_view> siblings;
   for (const SceneKey& key : scene_keys())
     if (key.table() == table) siblings.push_back(key.leaf());
@@ -68,11 +74,11 @@ std::string range_problem(const Range& range, double value) {
 std::string choice_problem(const SceneKey& key, const std::string& value) {
   if (std::find(key.choices.begin(), key.choices.end(), value) != key.choices.end()) return {};
   const std::string known = fmt::format("\"{}\"", fmt::join(key.choices, "\", \""));
-  constexpr std::string_view planned[] = {"arkode", "odeint", "rigid"};
+  constexpr std::string_view planned[] = {"arkode", "odeint"};
   if (key.name == "method.name" && std::find(std::begin(planned), std::end(planned), value) != std::end(planned))
-    return fmt::format("{} is not built in this version; there are {}", in_quotes(value), known);
+    return fmt::format("\"{}\" is not built in this version; there are {}", value, known);
   const auto nearest = nearest_name(value, key.choices);
-  return fmt::format("cannot be {}; {}", in_quotes(value),
+  return fmt::format("cannot be \"{}\"; {}", value,
                      nearest ? fmt::format("nearest is \"{}\"", *nearest) : "there are " + known);
 }
 
@@ -153,7 +159,7 @@ void SceneEntries::add_override(const std::string& text) {
   const std::size_t equals = text.find('=');
   const std::string_view name = trimmed(std::string_view(text).substr(0, equals));
   if (equals == text.npos || name.empty())
-    return report_at({source, {}}, "", fmt::format("{} does not have the form table.key=value", in_quotes(text)));
+    return report_at({source, {}}, "", fmt::format("\"{}\" does not have the form table.key=value", text));
   const std::string_view value = trimmed(std::string_view(text).substr(equals + 1));
   if (value.empty()) return report_at({source, position_in(text, equals + 1)}, std::string(name), "is given no value");
   const auto position = [&](std::string_view part) {
@@ -234,9 +240,9 @@ SceneEntries::Place SceneEntries::place_of(std::string_view key) const {
   return table == tables_.end() ? end_ : table->second;
 }
 
-void SceneEntries::report(std::string_view key, std::string message) {
+void SceneEntries::report(std::string_view key, const std::string& message) {
   faulty_.emplace(key);
-  report_at(place_of(key), std::string(key), std::move(message));
+  report_at(place_of(key), std::string(key), message);
 }
 
 void SceneEntries::report_unknown_table(const Place& place, const std::string& key,
@@ -246,8 +252,8 @@ void SceneEntries::report_unknown_table(const Place& place, const std::string& k
                     : fmt::format("unknown table; known are {}", fmt::join(scene_tables(), ", ")));
 }
 
-void SceneEntries::report_at(const Place& place, const std::string& key, std::string message) {
-  found_.push_back({place.source, place.at.line, place.at.column, key, std::move(message)});
+void SceneEntries::report_at(const Place& place, const std::string& key, const std::string& message) {
+  found_.push_back({place.source, place.at.line, place.at.column, one_line(key), one_line(message)});
 }
 
 std::vector<Diagnostic> SceneEntries::diagnostics() const {

@@ -26,6 +26,7 @@ class SceneEntries {
 
   /// False when the text is not TOML: what it holds is unknown then.
   bool readable() const { return readable_; }
+  bool has_table(std::string_view table) const { return tables_.contains(table); }
   bool present(std::string_view key) const { return entries_.contains(key); }
   bool faulty(std::string_view key) const { return faulty_.contains(key); }
 
@@ -38,7 +39,7 @@ class SceneEntries {
   const TomlValue& value(std::string_view key) const { return entries_.find(key)->second.value; }
 
   /// Notes what is wrong with a key, at its value, or else at its table, or else at the end of the text.
-  void report(std::string_view key, std::string message);
+  void report(std::string_view key, const std::string& message);
 
   /// All that was found, in the order of the text, overrides last.
   std::vector<Diagnostic> diagnostics() const;
@@ -61,7 +62,7 @@ class SceneEntries {
   const TomlValue* sound_value(std::string_view key) const;
   Place place_of(std::string_view key) const;
   void report_unknown_table(const Place& place, const std::string& key, std::optional<std::string_view> nearest);
-  void report_at(const Place& place, const std::string& key, std::string message);
+  void report_at(const Place& place, const std::string& key, const std::string& message);
 
   Place end_;
   bool readable_ = true;

@@ -75,7 +75,11 @@ Case case_of(const SceneEntries& entries) {
   run.epsilon = optional_number("contact.epsilon", 1.0);
   run.restitution = optional_number("contact.restitution", 1.0);
   run.method = chosen("method.name", all_methods, MethodName::fully_discrete);
-  run.tolerance = {number("method.relative_tolerance", 1e-6), number("method.absolute_tolerance", 1e-9)};
+  const bool local = entries.text("method.error_control") == "local";
+  run.tolerance = {number("method.relative_tolerance", 1e-6), number("method.absolute_tolerance", 1e-9),
+                   local ? ErrorControl::local : ErrorControl::global};
+  const auto formulas = entries.text("method.formulas");
+  run.formulas = formulas == "adams" ? Formulas::adams : formulas == "bdf" ? Formulas::bdf : Formulas::automatic;
   run.start = entries.text("method.start") == "second_order" ? Start::second_order : Start::first_order;
 
   run.end = number("time.end", 1.0);
@@ -100,6 +104,8 @@ void check_load_keys(SceneEntries& entries) {
   const bool profile = entries.present("load.profile"), history = entries.present("load.history");
   if (density && (profile || history))
     entries.report("load.density", "excludes load.profile and load.history: the load is one or the other");
+  else if (!density && !profile && !history && entries.has_table("load") && !entries.faulty("load.density"))
+    entries.report("load.density", "is missing: a load has a density, or a profile and a history");
   else if (profile != history)
     entries.report(profile ? "load.history" : "load.profile", "is missing: profile and history come together");
 }

@@ -1,6 +1,214 @@
-#include "viscobar/schemes/schemes.hpp"
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+
+#include "dynamics/stopwatch.hpp"
+#include "schemes/time_step.hpp"
+#include "viscobar/dynamics/errors.hpp"
+
 namespace viscobar {
-Statistics integrate(const BarSystem&, const State&, std::span<const double>, const FullyDiscrete&, const Observers&) {
-  throw std::logic_error("scheme");
+
+namespace {
+
+void check(const BarSystem& system, const State& start, std::span<const double> times, const FullyDiscrete& scheme) {
+  if (!(scheme.step > 0.0 && std::isnormal(scheme.step * scheme.step)))
+    throw std::invalid_argument(fmt::format("the step of a scheme must be positive, is {}", scheme.step));
+  if (!(scheme.restitution >= 0.0 && scheme.restitution <= 1.0))
+    throw std::invalid_argument(fmt::format("the restitution must lie in [0, 1], is {}", scheme.restitution));
+  if (times.size() < 2 || !std::is_sorted(times.begin(), times.end(), std::less_equal<>()) ||
+      !std::isfinite(times.front()) || !std::isfinite(times.back()))
+    throw std::invalid_argument("two output times at least, finite and strictly increasing, are needed");
+  if (start.u.size() != system.size() || start.v.size() != system.size())
+    throw std::invalid_argument("the initial state does not have the size of the system");
 }
+
+class Run {
+ public:
+  Run(const BarSystem& system, const State& start, std::span<const double> times, const FullyDiscrete& scheme,
+      const Observers& observers)
+      : system_(system), start_(start), times_(times), scheme_(scheme), observers_(observers) {
+    const double steps = (times.back() - times.front()) / scheme.step;
+    // An end that misses a step by rounding only is on it.
+    steps_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(steps * (1.0 - 1e-12))));
+    statistics_.unknowns = system.size();
+    statistics_.reached_time = times.front();
+    if (observers_.snapshot) {
+      u_nodal_.resize(system.mesh().nodes());
+      v_nodal_.resize(system.mesh().nodes());
+    }
+    if (observers_.snapshot) u_.resize(system.size());
+    if (observers_.snapshot || observers_.energy) v_.resize(system.size());
+  }
+
+  Statistics operator()() {
+    try {
+      step_.emplace(system_, start_, times_.front(), scheme_);
+      advance_to_end();
+    } catch (const LoadError& error) {
+      fail(error.time, error.what());
+    } catch (const std::domain_error& error) {
+      fail(times_.front(), error.what());
+    }
+    statistics_.completed = true;
+    close_account();
+    return statistics_;
+  }
+
+ private:
+  double time(std::size_t n) const { return times_.front() + static_cast<double>(n) * scheme_.step; }
+
+  void advance_to_end() {
+    TimeStep& step = *step_;
+    was_active_.assign(step.contacts().size(), 0);
+    if (observers_.energy) statistics_.energy = EnergyAccount{.initial = step.energy()};
+    for (std::size_t n = 1;; ++n) {
+      if (!step.finite()) fail(time(n), "the displacement is no longer finite");
+      const double reached = n < steps_ ? time(n) : times_.back();
+      statistics_.steps = statistics_.rhs_evaluations = n;
+      statistics_.reached_time = reached;
+      if (observers_.snapshot) write_until(n);
+      if (observers_.progress) stopwatch_.outside([&] { observers_.progress(reached); });
+      if (n == steps_) return;
+      if (!was_active_.empty()) find_events(n);
+      if (observers_.energy) account();
+      step.advance();
+      if (scheme_.restitution > 0.0) measure_penetration();
+      step.balance(time(n + 1));
+    }
+  }
+
+  // Output times in (t_{n-1}, t_n]: u and v = (u^{n+1} - u^{n-1}) / (2 dt) and lambda at t_{n-1} and t_n, interpolated.
+  void write_until(std::size_t n) {
+    if (written_ == 0) write(start_.u, start_.v, 0.0);
+    while (written_ < times_.size() && (times_[written_] <= time(n) || n == steps_)) {
+      const double dt = scheme_.step, theta = std::min((times_[written_] - time(n - 1)) / dt, 1.0);
+      const auto p = step_->p(), a = step_->acceleration(), a_before = step_->acceleration_before(), u = step_->u();
+      for (std::size_t i = 0; i < u.size(); ++i) {
+        u_[i] = u[i] - (1.0 - theta) * dt * p[i];
+        v_[i] = p[i] + dt / 2 * (theta * a[i] - (1.0 - theta) * a_before[i]);
+      }
+      write(u_, v_, theta);
+    }
+  }
+
+  void write(std::span<const double> u, std::span<const double> v, double theta) {
+    system_.expand_displacement(u, u_nodal_);
+    system_.expand_velocity(v, v_nodal_);
+    const Snapshot snapshot{times_[written_++], u_nodal_, v_nodal_, left_reaction(theta), right_reaction(theta)};
+    stopwatch_.outside([&] { observers_.snapshot(snapshot); });
+  }
+
+  double left_reaction(double theta) const {
+    if (system_.left_fixed()) return -stress(0);
+    const auto& contacts = step_->contacts();
+    return !contacts.empty() && contacts.front().unknown == 0 ? reaction(0, theta) : 0.0;
+  }
+
+  double right_reaction(double theta) const {
+    if (system_.right_fixed()) return stress(system_.mesh().elements - 1);
+    const auto& contacts = step_->contacts();
+    return !contacts.empty() && contacts.back().unknown == system_.size() - 1 ? reaction(contacts.size() - 1, theta)
+                                                                              : 0.0;
+  }
+
+  double reaction(std::size_t k, double theta) const {
+    return (1.0 - theta) * step_->reaction_before()[k] + theta * step_->reaction()[k];
+  }
+
+  double stress(std::size_t element) const {
+    const Bar& bar = system_.bar();
+    return (bar.modulus * (u_nodal_[element + 1] - u_nodal_[element]) +
+            bar.viscosity * (v_nodal_[element + 1] - v_nodal_[element])) /
+           system_.mesh().spacing();
+  }
+
+  // u^{n+1} is known now. A contact closes at the first t_{n+1} that it holds, with the velocity before, and opens at
+  // the last one, with the velocity after; the openings of a step are earlier than its closings.
+  void find_events(std::size_t n) {
+    ++statistics_.event_evaluations;
+    const auto active = step_->active();
+    if (std::equal(active.begin(), active.end(), was_active_.begin())) return;
+    const auto& contacts = step_->contacts();
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const std::size_t i = contacts[k].unknown;
+      if (was_active_[k] && !active[k])
+        tell(time(n), contacts[k], Change::opening, step_->p()[i] + scheme_.step * step_->acceleration()[i]);
+    }
+    for (std::size_t k = 0; k < contacts.size(); ++k)
+      if (active[k] && !was_active_[k])
+        tell(time(n + 1), contacts[k], Change::closing, step_->p()[contacts[k].unknown]);
+    std::copy(active.begin(), active.end(), was_active_.begin());
+  }
+
+  void tell(double t, const Contact& contact, Change change, double velocity) {
+    if (t > times_.back()) return;
+    ++statistics_.events;
+    if (!observers_.event) return;
+    const Event event{t, contact.where, contact.unknown + system_.first_node(), change, velocity};
+    stopwatch_.outside([&] { observers_.event(event); });
+  }
+
+  // dE = dt (f, v) - eta dt a(v, v) + dt lambda v,  v = (u^{n+1} - u^{n-1}) / (2 dt)
+  void account() {
+    const double dt = scheme_.step;
+    const auto p = step_->p(), a = step_->acceleration();
+    for (std::size_t i = 0; i < v_.size(); ++i) v_[i] = p[i] + dt / 2 * a[i];
+    EnergyAccount& energy = *statistics_.energy;
+    if (system_.damped()) energy.dissipated += dt * system_.bar().viscosity * system_.squared_strain_rate(v_);
+    const auto& contacts = step_->contacts();
+    for (std::size_t k = 0; k < contacts.size(); ++k)
+      energy.dissipated -= dt * step_->reaction()[k] * v_[contacts[k].unknown];
+    if (system_.loaded()) {
+      const auto load = step_->load();
+      energy.work += dt * std::inner_product(load.begin(), load.end(), v_.begin(), 0.0);
+    }
+  }
+
+  // The constraint bounds u^{n+1} + e u^{n-1}, not u^{n+1}.
+  void measure_penetration() {
+    for (const Contact& contact : step_->contacts())
+      statistics_.max_penetration = std::max(statistics_.max_penetration, -(step_->u()[contact.unknown] + contact.gap));
+  }
+
+  void close_account() {
+    if (step_) {
+      statistics_.linear_solves = step_->linear_solves();
+      statistics_.matrix_factorisations = step_->factorisations();
+      statistics_.load_evaluations = step_->load_evaluations();
+      if (statistics_.energy) statistics_.energy->final = step_->energy();
+    }
+    statistics_.integration_seconds = stopwatch_.seconds();
+  }
+
+  [[noreturn]] void fail(double t, const std::string& what) {
+    close_account();
+    throw IntegrationError(fmt::format("fully discrete scheme (2.8) at t = {}: {}", t, what), statistics_);
+  }
+
+  const BarSystem& system_;
+  const State& start_;
+  std::span<const double> times_;
+  const FullyDiscrete& scheme_;
+  const Observers& observers_;
+  Stopwatch stopwatch_;
+  Statistics statistics_;
+  std::size_t steps_ = 1, written_ = 0;
+  std::vector<unsigned char> was_active_;
+  std::vector<double> u_, v_, u_nodal_, v_nodal_;
+  std::optional<TimeStep> step_;
+};
+
+}  // namespace
+
+Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times,
+                     const FullyDiscrete& scheme, const Observers& observers) {
+  check(system, start, times, scheme);
+  return Run(system, start, times, scheme, observers)();
+}
+
 }  // namespace viscobar

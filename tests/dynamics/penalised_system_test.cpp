@@ -110,8 +110,9 @@ TEST(PenalisedSystem, StartsClosedOnlyWhenPressedIn) {
     bool closed;
   };
   const double gap = 0.25;
-  for (const Start& start : {Start{0.0, -1.0, 0.0, false}, Start{-gap, -1.0, 0.0, true}, Start{-gap, 1.0, 0.0, false},
-                             Start{-gap, 0.0, -1.0, true}, Start{-gap, 0.0, 1.0, false}, Start{-gap, 0.0, 0.0, false}}) {
+  for (const Start& start :
+       {Start{0.0, -1.0, 0.0, false}, Start{-gap, -1.0, 0.0, true}, Start{-gap, 1.0, 0.0, false},
+        Start{-gap, 0.0, -1.0, true}, Start{-gap, 0.0, 1.0, false}, Start{-gap, 0.0, 0.0, false}}) {
     Scene scene = scene_with(Obstacle{gap}, Free{}, 0.1);
     scene.displacement = [=](double) { return start.displacement; };
     scene.velocity = [=](double) { return start.velocity; };

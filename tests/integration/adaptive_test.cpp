@@ -125,7 +125,8 @@ TYPED_TEST(Adaptive, OutputTimesLeaveTheTrajectoryUnchangedBitwise) {
 TYPED_TEST(Adaptive, ElasticImpactLastsTwoTransitTimes) {
   // alpha = 0: d = V eps (1 - exp(-t/eps)) until the wave is back from the free end at 2 L / c, then
   // d = V eps (2 exp(-(t - 2)/eps) - 1): contact for 2 L / c + eps ln 2, with reaction E V / c meanwhile. epsilon is
-  // chosen well above h / E, where the end node does not bounce by itself; the mesh smears the front over (h^2 t)^(1/3).
+  // chosen well above h / E, where the end node does not bounce by itself; the mesh smears the front over (h^2
+  // t)^(1/3).
   const double speed = 0.5, epsilon = 0.02;
   const Scene scene = falling_bar(0.1, speed, 0.0);
   const Mesh mesh{1.0, 400};
@@ -186,8 +187,7 @@ TYPED_TEST(Adaptive, FlatBarHitsASpanObstacleEverywhereAtOnceAndRebounds) {
   ASSERT_EQ(run.events.size(), 2 * 9u);
   for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(run.events[i].time, 0.5, 1e-12);
   // Lumped mass and trapezoidal springs: every node bounces alike, for pi sqrt(epsilon rho), and leaves at +V.
-  for (std::size_t i = 9; i < 18; ++i)
-    EXPECT_NEAR(run.events[i].time, 0.5 + std::numbers::pi * 1e-2, constant * 1e-8);
+  for (std::size_t i = 9; i < 18; ++i) EXPECT_NEAR(run.events[i].time, 0.5 + std::numbers::pi * 1e-2, constant * 1e-8);
   for (double v : run.v.back()) EXPECT_NEAR(v, 1.0, constant * 1e-8);
 }
 
@@ -198,8 +198,8 @@ TYPED_TEST(Adaptive, RestitutionIsThatOfTheDashpot) {
     Scene scene = falling_bar(0.0, 1.0, 0.0);
     scene.left = Free{};
     scene.span = Obstacle{0.5};
-    const auto run = record(scene, Mesh{1.0, 6}, Mass::lumped,
-                            TypeParam{Penalty{1e-4, restitution}, {1e-8, 1e-11}}, grid(1.0, 4));
+    const auto run =
+        record(scene, Mesh{1.0, 6}, Mass::lumped, TypeParam{Penalty{1e-4, restitution}, {1e-8, 1e-11}}, grid(1.0, 4));
     for (double v : run.v.back()) EXPECT_NEAR(v, restitution, constant * 1e-8) << restitution;
   }
 }
@@ -246,8 +246,8 @@ TEST(Cvode, RefusesMasslessNodesWithoutViscosity) {
 
 TEST(Ida, RedistributedMassHasNoBounceAtAnyPenalty) {
   for (const double epsilon : {1e-2, 1e-5, 1e-8, 1e-11}) {
-    const auto run = record(falling_bar(0.2, 1.0, 0.0), Mesh{1.0, 30}, Mass::redistributed, Ida{Penalty{epsilon}, {}},
-                            grid(2.0, 2));
+    const auto run =
+        record(falling_bar(0.2, 1.0, 0.0), Mesh{1.0, 30}, Mass::redistributed, Ida{Penalty{epsilon}, {}}, grid(2.0, 2));
     EXPECT_EQ(run.events.size(), 1u) << epsilon;
   }
 }
@@ -257,8 +257,7 @@ TEST(Cvode, StepsDoNotGrowAsThePenaltyStiffensOnRedistributedMass) {
   for (const double epsilon : {1e-3, 1e-5, 1e-8}) {
     Scene scene = falling_bar(0.1, 0.5, 0.1);
     scene.right = Obstacle{0.1};
-    const auto run =
-        record(scene, Mesh{1.0, 27}, Mass::redistributed, Cvode{Penalty{epsilon}, {}}, grid(4.0, 2));
+    const auto run = record(scene, Mesh{1.0, 27}, Mass::redistributed, Cvode{Penalty{epsilon}, {}}, grid(4.0, 2));
     steps.push_back(run.statistics.steps);
   }
   EXPECT_LT(*std::max_element(steps.begin(), steps.end()), 2 * *std::min_element(steps.begin(), steps.end()));

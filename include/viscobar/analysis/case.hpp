@@ -37,6 +37,7 @@ struct Case {
 
   MethodName method = MethodName::cvode;
   Tolerance tolerance;
+  Formulas formulas = Formulas::automatic;  ///< of cvode
   std::optional<double> step;
   Start start = Start::first_order;
 

@@ -89,8 +89,13 @@ class BarSystem {
   /// Acceleration of the massive unknowns from a force: force <- (rho M)^{-1} force, zero at massless nodes.
   void accelerate(std::span<double> force) const;
 
-  /// 1 / (e . (rho M)^{-1} e) of every unknown; 0 for massless ones.
+  /// 1 / (e . (rho M)^{-1} e) of every unknown, the mass with which a node answers to a force on it alone; 0 for
+  /// massless ones.
   std::vector<double> effective_masses() const;
+
+  /// The mass that a contact has to stop: at an end the node's effective mass, under a span obstacle the row sum of
+  /// rho M, because there all nodes are stopped together (a bar that falls flat).
+  double contact_mass(const Contact& contact) const;
 
  private:
   friend class LoadVector;

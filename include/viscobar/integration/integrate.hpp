@@ -8,18 +8,29 @@
 
 namespace viscobar {
 
-/// Tolerances of an adaptive method. The local error of the displacement field is kept below
+/// What an error bound is about.
+enum class ErrorControl {
+  global,  ///< the solution: the bound on a step's error is tightened so that what adds up stays in proportion
+  local    ///< each step's error by itself, as SUNDIALS would
+};
+
+/// Tolerances of an adaptive method: the error of the displacement field is measured against
 /// relative * max|u| + absolute in the maximum norm over the nodes, that of the velocity field likewise with max|v|,
 /// the maxima over the nodes and over the time passed.
 struct Tolerance {
   double relative = 1e-6;
   double absolute = 1e-9;
+  ErrorControl control = ErrorControl::global;
 };
+
+/// Families of multistep formulas; `automatic` chooses by leg (docs/methods.md).
+enum class Formulas { automatic, adams, bdf };
 
 /// Variable-order, variable-step multistep method of SUNDIALS' CVODE.
 struct Cvode {
   Penalty penalty;
   Tolerance tolerance;
+  Formulas formulas = Formulas::automatic;
 };
 
 /// Backward differentiation on the residual form rho M v' + eta K v + E K u - M f - R = 0 by SUNDIALS' IDA; takes

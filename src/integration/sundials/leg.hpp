@@ -36,13 +36,21 @@ struct Layout {
 /// for absurd accuracy.
 class ErrorWeights {
  public:
-  ErrorWeights(const Layout& layout, const Tolerance& tolerance, std::size_t massive_begin, std::size_t massive_end)
-      : layout_(layout), tolerance_(tolerance), massive_begin_(massive_begin), massive_end_(massive_end) {}
+  ErrorWeights(const PenalisedSystem& system, const Layout& layout, const Tolerance& tolerance)
+      : layout_(layout),
+        tolerance_(tolerance),
+        massive_begin_(system.bar().massive_begin()),
+        massive_end_(system.bar().massive_end()),
+        accumulated_(system.dissipates() ? 150.0 : 1000.0),
+        tightening_(1.0) {}
 
   void fill(std::span<double> y, std::span<double> weights);
-  /// The local tolerance is the requested one divided by 100 + 4 (contact changes so far): local errors add up, and a
-  /// bounce multiplies what was there before it. Measured in docs/methods.md.
-  void tighten(std::size_t changes) { tightening_ = 100.0 + 4.0 * static_cast<double>(changes); }
+  /// The local tolerance is the requested one divided by 150 + 6 (contact changes so far), or by 1000 + 6 (...) where
+  /// nothing dissipates: local errors add up, an undamped bar forgets none of them, and a bounce multiplies what was
+  /// there before it. Measured in docs/methods.md.
+  void tighten(std::size_t changes) {
+    if (tolerance_.control == ErrorControl::global) tightening_ = accumulated_ + 6.0 * static_cast<double>(changes);
+  }
   double largest_displacement() const { return largest_u_; }
   double displacement_tolerance() const;
 
@@ -50,7 +58,7 @@ class ErrorWeights {
   Layout layout_;
   Tolerance tolerance_;
   std::size_t massive_begin_, massive_end_;
-  double largest_u_ = 0.0, largest_w_ = 0.0, tightening_ = 100.0;
+  double largest_u_ = 0.0, largest_w_ = 0.0, accumulated_, tightening_;
 };
 
 /// The equations of one implicit step on a leg of constant contact states, where the system is linear: one force, one

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "viscobar/analysis/recording.hpp"
+
+namespace viscobar {
+
+/// ||u||_{L2} and ||u_x||_{L2} of a P1 function given by its nodal values: exact, by (h/6) [2 1; 1 2] per element.
+double l2_norm(const Mesh& mesh, std::span<const double> nodal);
+double h1_seminorm(const Mesh& mesh, std::span<const double> nodal);
+
+/// A time in contact at one place: from a closing to the next opening, shorter interruptions than `merge` left out, so
+/// that a chattering contact counts once. `bounces` is the number of closings in it.
+struct ContactPeriod {
+  Where where = Where::left;
+  std::size_t node = 0;
+  double begin = 0.0, end = 0.0;
+  double impulse = 0.0;  ///< integral of the reaction, by the trapezoidal rule on the recording's time grid; ends only
+  std::size_t bounces = 1;
+};
+
+/// Contacts in the order of their beginning; one still closed at the end of the recording ends there.
+std::vector<ContactPeriod> contact_periods(const Recording& recording, double merge);
+
+/// How far two recordings of one scene on the same mesh and time grid are apart.
+struct Comparison {
+  double displacement_l2 = 0.0;  ///< max over time of the L2 norm
+  double displacement_h1 = 0.0;  ///< max over time of the H1 seminorm
+  double velocity_l2 = 0.0;
+  double end_trace = 0.0;  ///< max over time and both ends of |u - u'|
+  std::size_t events = 0, events_other = 0;
+  std::size_t events_matched = 0;             ///< the k-th closing or opening at a place with the k-th of the other
+  std::optional<double> largest_event_shift;  ///< over the matched events
+  double energy_final = 0.0;                  ///< difference of the final energies
+  struct Contact {
+    ContactPeriod first, other;
+  };
+  std::vector<Contact> contacts;  ///< contact periods matched in order of time, place by place
+};
+
+/// @throws std::invalid_argument when meshes or time grids differ
+Comparison compare(const Recording& first, const Recording& other);
+
+}  // namespace viscobar

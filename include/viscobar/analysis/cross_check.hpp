@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "viscobar/analysis/case.hpp"
+#include "viscobar/analysis/comparison.hpp"
+#include "viscobar/analysis/recording.hpp"
+
+namespace viscobar {
+
+/// The methods that one scene is to be run by, the reference first.
+struct MethodChoice {
+  struct Skipped {
+    MethodName method;
+    std::string reason;
+  };
+  std::vector<Case> cases;
+  std::vector<Skipped> skipped;          ///< methods that do not fit the scene
+  std::vector<MethodName> default_step;  ///< schemes that took scheme_step(), the scene having none
+};
+
+/// Every method that fits the scene, exponential first on a mesh of at most 100 elements and left out on a finer one.
+MethodChoice fitting_methods(const Case& scene);
+
+/// These methods in this order. @throws std::invalid_argument when one does not fit the scene, or comes twice
+MethodChoice chosen_methods(const Case& scene, std::span<const MethodName> methods);
+
+/// One run of a cross-check.
+struct MethodRun {
+  Case run;
+  Mass mass = Mass::consistent;         ///< that the method ran on, which may differ from the scene's
+  std::optional<Recording> recording;   ///< absent when the run failed
+  std::vector<ContactPeriod> contacts;  ///< bounces within a hundredth of the run merged; impulses by EndImpulses
+  std::string error;
+};
+
+/// One scene by several methods, and how far every two of them are apart.
+struct CrossCheck {
+  struct Pair {
+    std::size_t first = 0, other = 0;  ///< indices of runs
+    Comparison difference;
+  };
+  std::vector<MethodRun> runs;
+  std::optional<std::size_t> reference;  ///< the first run that did not fail
+  std::vector<Pair> pairs;
+
+  /// The difference of the reference to a run; absent for the reference itself and for a run that failed.
+  const Comparison* to_reference(std::size_t run) const;
+  bool completed() const;
+};
+
+/// Runs the cases, which share mesh and output times, on all cores (or on `threads`). A run that fails is reported
+/// and leaves the others standing.
+CrossCheck cross_check(std::span<const Case> cases, std::size_t threads = 0);
+
+}  // namespace viscobar

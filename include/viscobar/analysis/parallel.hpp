@@ -1,0 +1,12 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace viscobar {
+
+/// Calls work(0) ... work(count - 1) on all cores (or on `threads`), each once, in any order; results that are stored
+/// by index do not depend on the number of threads. The first exception is rethrown when all have stopped.
+void parallel_for(std::size_t count, const std::function<void(std::size_t)>& work, std::size_t threads = 0);
+
+}  // namespace viscobar

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "viscobar/analysis/case.hpp"
+#include "viscobar/analysis/observed_order.hpp"
+
+namespace viscobar {
+
+/// A penalty-limit study: the penalised system at each epsilon against the fully discrete scheme on the same mass and
+/// restitution, and, where the mass has massless contact nodes, against the rigid limit.
+struct LimitStudy {
+  Case scene;                         ///< its method is the penalised one to study; a scheme's or rigid's: cvode or ida
+  std::vector<double> epsilons;       ///< decreasing
+  std::vector<std::size_t> elements;  ///< meshes; empty: the scene's
+  std::vector<double> steps;          ///< of the scheme, one for each mesh; empty: see scheme_step()
+  std::size_t threads = 0;            ///< 0: all cores
+};
+
+struct LimitRow {
+  double epsilon = 0.0;
+  std::size_t elements = 0;
+  Mass mass = Mass::consistent;
+  std::size_t events = 0;
+  double max_penetration = 0.0;
+  double difference_to_scheme = 0.0;          ///< max over time and ends of |u - u_scheme|
+  std::optional<double> difference_to_rigid;  ///< likewise
+  std::size_t steps = 0;
+  double seconds = 0.0;
+};
+
+enum class Verdict {
+  converges,  ///< the difference falls with epsilon down to the error of the scheme's own time step
+  plateau     ///< it stops falling above that
+};
+std::string_view name(Verdict verdict);
+
+/// What the rows of one mesh say.
+struct LimitOrders {
+  std::size_t elements = 0;
+  double scheme_step = 0.0;
+  double scheme_error = 0.0;  ///< of the scheme's end traces by its time step: twice the change when dt is halved
+  std::size_t scheme_events = 0;
+  double tolerance_error = 0.0;    ///< what the time integration may add to a difference
+  std::optional<double> boundary;  ///< epsilon = rho h^3 / eta^2, where the two powers of the penetration meet
+  /// Powers of epsilon, values at a floor left out: in the regime of small epsilon, below boundary / 100, where the
+  /// node alone answers; over all rows when fewer than two lie there.
+  std::optional<ObservedOrder> penetration, to_rigid, to_scheme;
+  /// Where the mesh resolves the contact layer, epsilon > 100 boundary.
+  std::optional<ObservedOrder> penetration_layer, to_rigid_layer;
+  Verdict verdict = Verdict::converges;
+};
+
+struct LimitResult {
+  std::vector<LimitRow> rows;       ///< mesh by mesh, epsilon decreasing
+  std::vector<LimitOrders> orders;  ///< one for each mesh
+};
+
+/// epsilon from `first` down to `last`, `per_decade` values a decade.
+std::vector<double> decades(double first, double last, std::size_t per_decade = 1);
+
+/// The step of the scheme that a study of this case takes when none is given: the scene's, or h / (100 c).
+double scheme_step(const Case& run);
+
+/// Runs the study, independent runs on all cores. The tolerance is the scene's, but at most 1e-10.
+/// @throws IntegrationError, std::invalid_argument (the scene has no obstacle, or a run of it is not sound)
+LimitResult penalty_limit(const LimitStudy& study);
+
+}  // namespace viscobar

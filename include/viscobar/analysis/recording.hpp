@@ -1,0 +1,36 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "viscobar/analysis/case.hpp"
+#include "viscobar/discretisation/mesh.hpp"
+#include "viscobar/dynamics/run.hpp"
+
+namespace viscobar {
+
+/// A run kept in memory, to be compared with another: the field on a time grid, the reactions at the ends, the events.
+struct Recording {
+  std::string label;
+  Mesh mesh;
+  std::vector<double> times;                          // K
+  std::vector<double> u, v;                           // K x (J+1), row by row
+  std::vector<double> reaction_left, reaction_right;  // K
+  std::vector<Event> events;
+  Statistics statistics;
+
+  std::span<const double> displacement(std::size_t k) const {
+    return std::span(u).subspan(k * mesh.nodes(), mesh.nodes());
+  }
+  std::span<const double> velocity(std::size_t k) const { return std::span(v).subspan(k * mesh.nodes(), mesh.nodes()); }
+};
+
+/// Runs a sound case and keeps it, on its own output times. @throws IntegrationError
+Recording record(const Case& run);
+
+/// Any scheme, also one of your own: it advances the case and gives the recording on run.output_times().
+using Solver = std::function<Recording(const Case& run)>;
+
+}  // namespace viscobar

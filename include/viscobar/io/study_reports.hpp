@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+#include "viscobar/analysis/coupling.hpp"
+#include "viscobar/analysis/cross_check.hpp"
+#include "viscobar/analysis/penalty_limit.hpp"
+#include "viscobar/io/scene_file.hpp"
+
+namespace viscobar {
+
+/// What `viscobar compare` tells: as JSON, for the terminal, and as a page with pictures.
+std::string cross_check_json(const SceneFile& scene, const MethodChoice& choice, const CrossCheck& check);
+std::string cross_check_text(const MethodChoice& choice, const CrossCheck& check);
+std::string cross_check_html(const Scene& scene, const MethodChoice& choice, const CrossCheck& check);
+
+/// Likewise of `viscobar limit`.
+std::string limit_json(const SceneFile& scene, const LimitStudy& study, const LimitResult& result,
+                       const CouplingResult& coupling);
+std::string limit_text(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling);
+std::string limit_html(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling);
+
+}  // namespace viscobar

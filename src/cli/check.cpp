@@ -1,0 +1,204 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.hpp"
+#include "viscobar/analysis/first_impact.hpp"
+#include "viscobar/analysis/regime.hpp"
+
+namespace viscobar::cli {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string_view name(Where where) {
+  switch (where) {
+    case Where::left: return "left";
+    case Where::right: return "right";
+    case Where::span: return "span";
+  }
+  return {};
+}
+
+std::string_view name(ImpactPrediction::Layer layer) {
+  switch (layer) {
+    case ImpactPrediction::Layer::viscous: return "viscous layer";
+    case ImpactPrediction::Layer::elastic: return "elastic wave";
+    case ImpactPrediction::Layer::node: return "end node alone, the mesh is too coarse for the layer";
+  }
+  return {};
+}
+
+std::string_view load_kind(const Scene& scene) {
+  if (!scene.load) return "none";
+  if (std::holds_alternative<SteadyLoad>(*scene.load)) return "steady";
+  return std::holds_alternative<SeparableLoad>(*scene.load) ? "profile times history" : "general";
+}
+
+std::string contact_kind(const Case& run) {
+  if (is_penalised(run.method)) return fmt::format("penalty, epsilon = {}", *run.epsilon);
+  return run.method == MethodName::rigid ? "rigid: closed nodes are held" : "exact constraint in every step";
+}
+
+std::string events(const Case& run, const BarSystem& system) {
+  if (system.contacts().empty()) return "none";
+  if (is_scheme(run.method)) return "none: the constraint is solved in every step";
+  return fmt::format("{}, one for each contact node", system.contacts().size());
+}
+
+/// What a contact that bounces means for the limit epsilon -> 0, and what to change.
+std::string advice(const Case& run, const ContactRegime& regime) {
+  const bool span = regime.where == Where::span;
+  const std::string bounce = fmt::format("{}: the {} (zeta = {:.3g} < 1)", name(regime.where),
+                                         span ? "nodes rebound" : "end node rebounds", *regime.damping_ratio);
+  if (run.restitution)
+    return fmt::format(
+        "{}, and so do the fully discrete scheme's under the same contact.restitution = {}: the two "
+        "share one limit as epsilon goes to 0, with chatter; contact.restitution = 0 takes the chatter "
+        "away",
+        bounce, *run.restitution);
+  if (span)
+    return bounce +
+           ", and the fully discrete scheme's do not: as epsilon goes to 0 the difference to it has a plateau; "
+           "contact.restitution = 0 makes the two agree";
+  return fmt::format(
+      "{}, so chatter is expected, and as epsilon goes to 0 a plateau in the difference to the fully "
+      "discrete scheme; what helps: mesh.mass = \"redistributed\", contact.restitution = 0, or "
+      "contact.epsilon of at least {:.2g}",
+      bounce, regime.quiet_epsilon);
+}
+
+std::vector<std::string> warnings(const Case& run, const std::vector<ContactRegime>& regimes) {
+  std::vector<std::string> found;
+  const auto held = [&](const EndCondition& end, double x, const char* where) {
+    if (const double v = run.scene.velocity(x); is_fixed(end) && v != 0.0)
+      found.push_back(fmt::format("the {} end is fixed, but its initial velocity is {}: it is held still", where, v));
+  };
+  held(run.scene.left, 0.0, "left");
+  held(run.scene.right, run.scene.bar.length, "right");
+  for (const ContactRegime& regime : regimes)
+    if (regime.chatters) found.push_back(advice(run, regime));
+  return found;
+}
+
+const FirstImpact* hit(const std::optional<std::vector<FirstImpact>>& hits, Where where) {
+  if (hits)
+    for (const FirstImpact& candidate : *hits)
+      if (candidate.where == where) return &candidate;
+  return nullptr;
+}
+
+/// The speed that a first impact will have tells more than the initial velocity.
+void predict(ContactRegime& regime, const std::optional<std::vector<FirstImpact>>& hits, const Case& run,
+             const BarSystem& system) {
+  const FirstImpact* first = hit(hits, regime.where);
+  if (!first || first->speed == 0.0 || regime.where == Where::span) return;
+  regime.impact =
+      predict_impact(system.bar(), system.mesh().spacing(), regime.effective_mass, *run.epsilon, first->speed);
+}
+
+std::string impact_text(const Case& run, const std::optional<std::vector<FirstImpact>>& hits) {
+  if (!hits) return "not predicted, the scene is large";
+  if (hits->empty()) return fmt::format("none to t = {}", run.end);
+  std::string text;
+  for (const FirstImpact& impact : *hits)
+    text += fmt::format("{}{} at t = {:.4g}, speed {:.3g}", text.empty() ? "" : "; ", name(impact.where), impact.time,
+                        impact.speed);
+  return text;
+}
+
+Json to_json(const FirstImpact& impact) {
+  return {{"where", name(impact.where)}, {"time", impact.time}, {"speed", impact.speed}};
+}
+
+Json to_json(const ContactRegime& regime) {
+  Json json = {{"where", name(regime.where)},
+               {"effective_mass", regime.effective_mass},
+               {"damping_ratio", regime.damping_ratio ? Json(*regime.damping_ratio) : Json(nullptr)},
+               {"chatter_expected", regime.chatters},
+               {"quiet_epsilon", regime.where == Where::span ? Json(nullptr) : Json(regime.quiet_epsilon)}};
+  json["impact"] = regime.impact ? Json{{"speed", regime.impact->speed},
+                                        {"predicted_penetration", regime.impact->penetration},
+                                        {"by", name(regime.impact->layer)}}
+                                 : Json(nullptr);
+  return json;
+}
+
+std::string to_text(const ContactRegime& regime) {
+  std::string text;
+  if (!regime.damping_ratio)
+    text = "massless node, no bounce";
+  else
+    text = fmt::format("damping ratio zeta = {:.3g}, {}", *regime.damping_ratio,
+                       regime.chatters ? "chatter expected" : "no bounce");
+  if (regime.impact)
+    text += fmt::format("; impact at speed {:.3g}, predicted penetration {:.2g} ({})", regime.impact->speed,
+                        regime.impact->penetration, name(regime.impact->layer));
+  return text;
+}
+
+}  // namespace
+
+CheckCommand::CheckCommand(CLI::App& app)
+    : command_(*app.add_subcommand("check", "Validate a scene and say what model it needs")), scene_(command_) {}
+
+int CheckCommand::operator()() const {
+  const SceneFile scene = scene_.read();
+  const Case& run = scene.run;
+  const BarSystem system = make_system(run);
+  const auto hits = first_impacts(run);
+  std::vector<ContactRegime> regimes = contact_regimes(run, system);
+  for (ContactRegime& regime : regimes) predict(regime, hits, run, system);
+  const MemoryNeed memory = memory_need(run, system);
+
+  Json json;
+  json["title"] = run.scene.title;
+  json["method"] = viscobar::name(run.method);
+  json["nodes"] = system.mesh().nodes();
+  json["unknown_nodes"] = system.size();
+  json["spacing"] = system.mesh().spacing();
+  json["mass"] = viscobar::name(system.mass());
+  json["terms"] = {{"inertia", system.has_massless() ? "massless contact nodes" : "every node"},
+                   {"elasticity", true},
+                   {"damping", system.damped()},
+                   {"load", load_kind(run.scene)},
+                   {"contact", system.contacts().empty() ? Json(nullptr) : Json(contact_kind(run))}};
+  json["contact_nodes"] = system.contacts().size();
+  json["event_functions"] = is_scheme(run.method) ? 0 : system.contacts().size();
+  json["memory"] = {{"vectors", memory.vectors}, {"bytes", memory.bytes}};
+  json["contacts"] = Json::array();
+  for (const ContactRegime& regime : regimes) json["contacts"].push_back(to_json(regime));
+  json["first_impacts"] = hits ? Json::array() : Json(nullptr);
+  if (hits)
+    for (const FirstImpact& impact : *hits) json["first_impacts"].push_back(to_json(impact));
+  const std::vector<std::string> cautions = warnings(run, regimes);
+  json["warnings"] = cautions;
+  json["scene"] = Json::parse(scene.description);
+  if (scene_.json) {
+    print(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    return success;
+  }
+
+  std::string text = fmt::format("{}: sound\n", run.scene.title.empty() ? scene_.file : run.scene.title);
+  text += row("method", viscobar::name(run.method));
+  text +=
+      row("unknowns", fmt::format("{} nodes of {}, displacement and velocity", system.size(), system.mesh().nodes()));
+  text += row("inertia", fmt::format("{} mass{}", viscobar::name(system.mass()),
+                                     system.has_massless() ? ", massless contact nodes" : ""));
+  text += row("elasticity", fmt::format("E = {}, h = {:.4g}", run.scene.bar.modulus, system.mesh().spacing()));
+  text += row("damping", system.damped() ? fmt::format("eta = {}", run.scene.bar.viscosity) : "none");
+  text += row("load", load_kind(run.scene));
+  text += row("contact", system.contacts().empty() ? "none" : contact_kind(run));
+  text += row("event functions", events(run, system));
+  text += row("memory", fmt::format("about {} vectors of {} numbers, {:.3g} MB", memory.vectors, system.size(),
+                                    static_cast<double>(memory.bytes) / 1e6));
+  if (!system.contacts().empty()) text += row("first impacts", impact_text(run, hits));
+  for (const ContactRegime& regime : regimes)
+    text += row(fmt::format("{} contact", name(regime.where)), to_text(regime));
+  print(text);
+  for (const std::string& caution : cautions) fmt::print(stderr, "warning: {}\n", caution);
+  return success;
+}
+
+}  // namespace viscobar::cli

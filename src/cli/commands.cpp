@@ -1,0 +1,48 @@
+#include "cli/commands.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
+
+#include "viscobar/io/io_error.hpp"
+
+namespace viscobar::cli {
+
+SceneOptions::SceneOptions(CLI::App& command) {
+  command.add_option("scene", file, "The scene file (TOML)")->required()->type_name("SCENE");
+  command.add_option("--set", overrides, "Replace a value of the scene, such as contact.epsilon=1e-5 (repeatable)")
+      ->type_name("TABLE.KEY=VALUE")
+      ->allow_extra_args(false);
+  command.add_flag("--json", json, "Print one JSON document on standard output, and nothing else there");
+}
+
+SceneFile SceneOptions::read(const std::vector<std::string>& defaults, const std::vector<std::string>& settings) const {
+  std::vector<std::string> all = defaults;
+  all.insert(all.end(), overrides.begin(), overrides.end());
+  all.insert(all.end(), settings.begin(), settings.end());
+  return read_scene(file, all);
+}
+
+OutputOptions::OutputOptions(CLI::App& command) {
+  command
+      .add_option("-o,--output", where,
+                  "Where the results go; an earlier result there is replaced (default: the scene's name with "
+                  "\".out\", in the working directory)")
+      ->type_name("DIR");
+  command.add_flag("--quiet", quiet, "Print nothing but errors");
+}
+
+std::filesystem::path OutputOptions::directory(const SceneOptions& scene) const {
+  return where.empty() ? std::filesystem::path(scene.file).stem() += ".out" : std::filesystem::path(where);
+}
+
+void print(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    throw IoError("standard output", "cannot be written: " + std::generic_category().message(errno));
+}
+
+std::string row(std::string_view name, std::string_view value) { return fmt::format("  {:<20} {}\n", name, value); }
+
+}  // namespace viscobar::cli

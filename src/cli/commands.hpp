@@ -1,0 +1,96 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "viscobar/io/scene_file.hpp"
+
+namespace viscobar::cli {
+
+enum ExitCode { success = 0, run_failed = 1, wrong_input = 2, stopped = 130 };
+
+/// What every command that reads a scene understands: SCENE, --set table.key=value and --json.
+struct SceneOptions {
+  std::string file;
+  std::vector<std::string> overrides;
+  bool json = false;
+
+  explicit SceneOptions(CLI::App& command);
+  /// The scene, values of `defaults` and `settings` ("table.key=value") put before and after the user's own.
+  SceneFile read(const std::vector<std::string>& defaults = {}, const std::vector<std::string>& settings = {}) const;
+};
+
+/// What every command that writes results understands: -o DIR and --quiet.
+struct OutputOptions {
+  std::string where;
+  bool quiet = false;
+
+  explicit OutputOptions(CLI::App& command);
+  /// What was asked for, or the scene's name with ".out", in the working directory.
+  std::filesystem::path directory(const SceneOptions& scene) const;
+};
+
+class RunCommand {
+ public:
+  explicit RunCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  CLI::App& command_;
+  SceneOptions scene_;
+  OutputOptions output_;
+};
+
+class CompareCommand {
+ public:
+  explicit CompareCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  CLI::App& command_;
+  SceneOptions scene_;
+  OutputOptions output_;
+  std::vector<std::string> methods_;
+  std::size_t threads_ = 0;
+};
+
+class LimitCommand {
+ public:
+  explicit LimitCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  CLI::App& command_;
+  SceneOptions scene_;
+  OutputOptions output_;
+  std::string epsilon_ = "1e-2:1e-8", mass_;
+  std::size_t per_decade_ = 1, threads_ = 0;
+  std::vector<std::size_t> elements_;
+  std::vector<double> steps_;
+};
+
+class CheckCommand {
+ public:
+  explicit CheckCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  CLI::App& command_;
+  SceneOptions scene_;
+};
+
+/// Writes to standard output and makes sure that it got there. @throws IoError
+void print(std::string_view text);
+
+/// A line "  name   value" of a table of results.
+std::string row(std::string_view name, std::string_view value);
+
+}  // namespace viscobar::cli

@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+
+#include "cli/commands.hpp"
+#include "cli/interrupt.hpp"
+#include "io/nearest_name.hpp"
+#include "io/output_file.hpp"
+#include "io/result_directory.hpp"
+#include "viscobar/io/study_reports.hpp"
+
+namespace viscobar::cli {
+
+namespace {
+
+std::vector<MethodName> methods_named(const std::vector<std::string>& words) {
+  std::vector<std::string> known;
+  for (const MethodName method : all_methods) known.emplace_back(name(method));
+  std::vector<MethodName> methods;
+  for (const std::string& word : words) {
+    const auto found = std::find(known.begin(), known.end(), word);
+    if (found == known.end()) {
+      const auto nearest = nearest_name(word, known);
+      throw std::invalid_argument(fmt::format(
+          "--methods: there is no method \"{}\"{}", word,
+          nearest ? fmt::format("; did you mean {}?", *nearest) : fmt::format(", only {}", fmt::join(known, ", "))));
+    }
+    methods.push_back(all_methods[found - known.begin()]);
+  }
+  return methods;
+}
+
+/// Fields of every method are kept, displacement and velocity at each node and output time.
+void check_memory(const Case& run, std::size_t methods) {
+  constexpr double most_bytes = 8e9;
+  const double bytes = 2.0 * sizeof(double) * static_cast<double>(methods) * static_cast<double>(run.mesh().nodes()) *
+                       (run.end / run.output_every + 1.0);
+  if (bytes > most_bytes)
+    throw std::invalid_argument(
+        fmt::format("output.every: comparing keeps the fields of all methods, here {:.0f} GB; take a larger one, or "
+                    "fewer methods",
+                    bytes / 1e9));
+}
+
+}  // namespace
+
+CompareCommand::CompareCommand(CLI::App& app)
+    : command_(*app.add_subcommand("compare", "Run a scene by several methods and tell their differences")),
+      scene_(command_),
+      output_(command_) {
+  command_
+      .add_option("--methods", methods_,
+                  "The methods, the first one the reference (default: all that fit the scene, exponential the "
+                  "reference where it does)")
+      ->type_name("NAME,NAME...")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command_.add_option("--threads", threads_, "Runs at a time (default: one a core)")->type_name("N");
+}
+
+int CompareCommand::operator()() const {
+  const std::vector<MethodName> methods = methods_named(methods_);
+  const SceneFile scene = scene_.read();
+  const MethodChoice choice =
+      command_.count("--methods") ? chosen_methods(scene.run, methods) : fitting_methods(scene.run);
+  if (choice.cases.size() < 2) {
+    std::string reasons;
+    for (const auto& [method, reason] : choice.skipped) reasons += fmt::format("\n  {}: {}", name(method), reason);
+    throw std::invalid_argument("fewer than two methods, nothing to compare" + reasons);
+  }
+  check_memory(scene.run, choice.cases.size());
+  const std::filesystem::path directory = output_.directory(scene_);
+  prepare_result_directory(directory);
+
+  end_on_interrupt();
+  const CrossCheck check = cross_check(choice.cases, threads_);
+  const std::string json = cross_check_json(scene, choice, check);
+  write_atomically(directory / "compare.json", json);
+  write_atomically(directory / "compare.html", cross_check_html(scene.run.scene, choice, check));
+  if (scene_.json)
+    print(json);
+  else if (!output_.quiet)
+    print(fmt::format("{}\n\n{}", scene.run.scene.title.empty() ? scene_.file : scene.run.scene.title,
+                      cross_check_text(choice, check)) +
+          row("pictures", (directory / "compare.html").string()));
+  for (const MethodRun& run : check.runs)
+    if (!run.recording) fmt::print(stderr, "viscobar: {}: {}\n", name(run.run.method), run.error);
+  return check.completed() ? success : run_failed;
+}
+
+}  // namespace viscobar::cli

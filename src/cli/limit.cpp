@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "cli/commands.hpp"
+#include "cli/interrupt.hpp"
+#include "cli/progress.hpp"
+#include "io/output_file.hpp"
+#include "io/result_directory.hpp"
+#include "viscobar/io/study_reports.hpp"
+
+namespace viscobar::cli {
+
+namespace {
+
+double positive_number(const std::string& word) {
+  std::size_t read = 0;
+  double value = 0.0;
+  try {
+    value = std::stod(word, &read);
+  } catch (const std::logic_error&) {
+    read = 0;
+  }
+  if (read == 0 || read != word.size() || !std::isfinite(value) || value <= 0.0)
+    throw std::invalid_argument(fmt::format("--epsilon: \"{}\" is not a positive number; write 1e-2:1e-8", word));
+  return value;
+}
+
+/// "first:last", or one value.
+std::vector<double> epsilons(const std::string& range, std::size_t per_decade) {
+  const std::size_t colon = range.find(':');
+  const double a = positive_number(range.substr(0, colon));
+  const double b = colon == std::string::npos ? a : positive_number(range.substr(colon + 1));
+  return decades(std::max(a, b), std::min(a, b), per_decade);
+}
+
+}  // namespace
+
+LimitCommand::LimitCommand(CLI::App& app)
+    : command_(*app.add_subcommand("limit",
+                                   "Study how the penalised bar tends to the fully discrete scheme as epsilon "
+                                   "goes to 0: penetration, differences, orders, verdict")),
+      scene_(command_),
+      output_(command_) {
+  const auto list = [&](const char* option, auto& values, const char* what, const char* type) {
+    command_.add_option(option, values, what)
+        ->type_name(type)
+        ->delimiter(',')
+        ->check(CLI::PositiveNumber)
+        ->allow_extra_args(false);
+  };
+  command_.add_option("--epsilon", epsilon_, "The penalties, from the first down to the last")
+      ->type_name("FIRST:LAST")
+      ->capture_default_str();
+  command_.add_option("--per-decade", per_decade_, "Penalties a decade")
+      ->type_name("N")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command_.add_option("--mass", mass_, "The mass matrix, in place of the scene's")->type_name("NAME");
+  list("--elements", elements_, "Meshes, in place of the scene's; three or more give epsilon(h)", "N,N...");
+  list("--steps", steps_, "Time steps of the scheme, one for each mesh (default: the scene's, or h / (100 c))",
+       "DT,DT...");
+  command_.add_option("--threads", threads_, "Runs at a time (default: one a core)")->type_name("N");
+}
+
+int LimitCommand::operator()() const {
+  LimitStudy study;
+  study.epsilons = epsilons(epsilon_, per_decade_);
+  study.elements = elements_;
+  study.steps = steps_;
+  study.threads = threads_;
+  std::vector<std::string> settings;
+  if (!mass_.empty()) settings.push_back("mesh.mass=" + mass_);
+  // The scene's own epsilon, which it may lack, is not used.
+  const SceneFile scene = scene_.read({fmt::format("contact.epsilon={}", study.epsilons.front())}, settings);
+  study.scene = scene.run;
+  const Scene& bar = scene.run.scene;
+  if (!is_obstacle(bar.left) && !is_obstacle(bar.right) && !bar.span)
+    throw std::invalid_argument(scene_.file + ": the scene has no obstacle, so there is nothing to penalise");
+  const std::size_t meshes = std::max<std::size_t>(1, elements_.size());
+  if (!steps_.empty() && steps_.size() != meshes)
+    throw std::invalid_argument(fmt::format("--steps: {} given for {} mesh{}, one for each is needed", steps_.size(),
+                                            meshes, meshes == 1 ? "" : "es"));
+  const std::filesystem::path directory = output_.directory(scene_);
+  prepare_result_directory(directory);
+
+  end_on_interrupt();
+  if (!scene_.json && !output_.quiet && on_terminal())
+    fmt::print(stderr, "{} penalised runs and their limits are going on\n", meshes * study.epsilons.size());
+  const LimitResult result = penalty_limit(study);
+  const CouplingResult coupling = balance_errors(study, result);
+  const std::string json = limit_json(scene, study, result, coupling);
+  write_atomically(directory / "limit.json", json);
+  write_atomically(directory / "limit.html", limit_html(study, result, coupling));
+  if (scene_.json)
+    print(json);
+  else if (!output_.quiet)
+    print(fmt::format("{}\n\n{}", bar.title.empty() ? scene_.file : bar.title, limit_text(study, result, coupling)) +
+          row("pictures", (directory / "limit.html").string()));
+  return success;
+}
+
+}  // namespace viscobar::cli

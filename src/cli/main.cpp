@@ -1,0 +1,90 @@
+#include <fmt/format.h>
+
+#include <csignal>
+#include <cstdio>
+
+#include "cli/commands.hpp"
+#include "io/nearest_name.hpp"
+#include "viscobar/io/versions.hpp"
+
+namespace viscobar::cli {
+
+namespace {
+
+std::string version_text() {
+  const Versions used = versions();
+  return fmt::format("viscobar {} (SUNDIALS {}, HDF5 {}, Eigen {})", used.viscobar, used.sundials, used.hdf5,
+                     used.eigen);
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+std::string meant(const std::string& word, const std::vector<std::string>& known) {
+  const auto nearest = nearest_name(word, known);
+  return nearest ? fmt::format("; did you mean {}?", *nearest) : "";
+}
+
+/// What the user got wrong, with the nearest thing that exists.
+std::string explanation(const CLI::App& app, const CLI::ParseError& error) {
+  const auto chosen = app.get_subcommands();
+  const CLI::App& command = chosen.empty() ? app : *chosen.front();
+  for (const std::string& word : command.remaining()) {
+    const std::string bare = word.substr(0, word.find('='));
+    if (bare.starts_with('-')) return fmt::format("unknown option {}{}", bare, meant(bare, option_names(command)));
+    if (!chosen.empty()) return fmt::format("unexpected argument {}", word);
+    std::vector<std::string> names;
+    for (const CLI::App* known : app.get_subcommands({})) names.push_back(known->get_name());
+    return fmt::format("unknown command {}{}", word, meant(word, names));
+  }
+  return error.what();
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Motion of a viscoelastic bar against rigid obstacles", "viscobar");
+  app.set_version_flag("--version", version_text(), "Print the versions and exit");
+  app.set_help_flag("-h,--help", "Print this help and exit");
+  app.require_subcommand(1);
+  const RunCommand run_command(app);
+  const CheckCommand check_command(app);
+  const CompareCommand compare_command(app);
+  const LimitCommand limit_command(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == success) return app.exit(error);
+    fmt::print(stderr, "viscobar: {}\n", explanation(app, error));
+    const auto chosen = app.get_subcommands();
+    fmt::print(stderr, "viscobar {}--help says more.\n", chosen.empty() ? "" : chosen.front()->get_name() + " ");
+    return wrong_input;
+  }
+  if (run_command.chosen()) return run_command();
+  if (check_command.chosen()) return check_command();
+  return compare_command.chosen() ? compare_command() : limit_command();
+}
+
+}  // namespace
+
+}  // namespace viscobar::cli
+
+int main(int argc, char** argv) {
+  using namespace viscobar;
+  // A limit on file sizes is an error like a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
+  try {
+    return cli::run(argc, argv);
+  } catch (const SceneError& error) {
+    for (const Diagnostic& diagnostic : error.diagnostics) fmt::print(stderr, "{}\n", diagnostic.text());
+    return cli::wrong_input;
+  } catch (const std::invalid_argument& error) {
+    fmt::print(stderr, "viscobar: {}\n", error.what());
+    return cli::wrong_input;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "viscobar: {}\n", error.what());
+    return cli::run_failed;
+  }
+}

@@ -1,0 +1,133 @@
+#include "io/cross_check_tables.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "io/csv.hpp"
+
+namespace viscobar {
+
+namespace {
+
+// Contacts of a span come node by node; a table of them all would tell nobody anything.
+constexpr std::size_t most_contacts = 30;
+
+std::string count(std::size_t value) { return fmt::format("{}", value); }
+
+std::string settings(const Case& run, NumberText number) {
+  if (is_scheme(run.method)) return "step " + number(*run.step);
+  if (is_adaptive(run.method)) return "tolerance " + number(run.tolerance.relative);
+  return "";
+}
+
+}  // namespace
+
+std::string place(const ContactPeriod& period) { return place(Event{period.begin, period.where, period.node}); }
+
+Table method_table(const CrossCheck& check, NumberText number) {
+  Table table{
+      {"method", "mass", "settings", "steps", "seconds", "changes", "penetration", "final energy", "dissipated"},
+      3,
+      {}};
+  for (const MethodRun& run : check.runs) {
+    std::vector<std::string> row = {std::string(name(run.run.method)), std::string(name(run.mass)),
+                                    settings(run.run, number)};
+    if (run.recording) {
+      const Statistics& s = run.recording->statistics;
+      row.insert(row.end(), {count(s.steps), number(s.integration_seconds), count(run.recording->events.size()),
+                             number(s.max_penetration)});
+      row.insert(row.end(), {s.energy ? fmt::format("{:.5g}", s.energy->final) : "",
+                             s.energy ? fmt::format("{:.5g}", s.energy->dissipated) : ""});
+    } else {
+      row.insert(row.end(), {"failed", "", "", "", "", ""});
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+Table difference_table(const CrossCheck& check, NumberText number) {
+  Table table{
+      {"method", "mass", "u, L2", "u, H1", "v, L2", "end trace", "changes matched", "largest shift", "final energy"},
+      2,
+      {}};
+  for (std::size_t i = 0; i < check.runs.size(); ++i) {
+    const Comparison* d = check.to_reference(i);
+    if (!d) continue;
+    table.rows.push_back({std::string(name(check.runs[i].run.method)), std::string(name(check.runs[i].mass)),
+                          number(d->displacement_l2), number(d->displacement_h1), number(d->velocity_l2),
+                          number(d->end_trace),
+                          fmt::format("{} of {}, {}", d->events_matched, d->events, d->events_other),
+                          d->largest_event_shift ? number(*d->largest_event_shift) : "", number(d->energy_final)});
+  }
+  return table;
+}
+
+Table contact_table(const CrossCheck& check, NumberText number) {
+  Table table{{"where", "method", "begin", "end", "impulse", "bounces"}, 2, {}};
+  if (!check.reference) return table;
+  // The k-th period at a place beside the k-th of the others.
+  std::vector<std::string> keys;
+  std::map<std::string, std::vector<std::vector<std::string>>> rows;
+  const auto add = [&](const MethodRun& run, const std::string& key, const ContactPeriod& period) {
+    if (rows[key].empty()) {
+      if (keys.size() == most_contacts) {
+        rows.erase(key);
+        return;
+      }
+      keys.push_back(key);
+    }
+    rows[key].push_back({place(period), std::string(name(run.run.method)), fmt::format("{:.6g}", period.begin),
+                         fmt::format("{:.6g}", period.end), period.where == Where::span ? "" : number(period.impulse),
+                         count(period.bounces)});
+  };
+  for (const MethodRun& run : check.runs) {
+    if (!run.recording) continue;
+    std::map<std::string, std::size_t> seen;
+    for (const ContactPeriod& period : run.contacts) {
+      const std::string where = place(period);
+      add(run, fmt::format("{} {}", where, seen[where]++), period);
+    }
+  }
+  for (const std::string& key : keys)
+    for (auto& row : rows[key]) table.rows.push_back(std::move(row));
+  return table;
+}
+
+std::vector<std::string> remarks(const MethodChoice& choice, const CrossCheck& check) {
+  std::vector<std::string> found;
+  for (const MethodRun& run : check.runs)
+    if (!run.recording) found.push_back(fmt::format("{} failed: {}", name(run.run.method), run.error));
+  for (const MethodName method : choice.default_step)
+    for (const Case& run : choice.cases)
+      if (run.method == method)
+        found.push_back(fmt::format("{} took the step h / (100 c) = {:.4g}: the scene has no method.step", name(method),
+                                    *run.step));
+  for (const auto& [method, reason] : choice.skipped)
+    found.push_back(fmt::format("{} was left out: {}", name(method), reason));
+  std::string masses;
+  bool differ = false;
+  for (const MethodRun& run : check.runs) {
+    differ = differ || run.mass != check.runs.front().mass;
+    masses += fmt::format("{}{} on the {} mass", masses.empty() ? "" : ", ", name(run.run.method), name(run.mass));
+  }
+  if (differ)
+    found.push_back(
+        "the masses differ, so a difference is also one between semi-discretisations of the same bar, "
+        "which only a finer mesh removes: " +
+        masses);
+  const bool penalty = std::any_of(check.runs.begin(), check.runs.end(), [](const MethodRun& run) {
+    return is_penalised(run.run.method) && !make_system(run.run).contacts().empty();
+  });
+  const bool exact =
+      std::any_of(check.runs.begin(), check.runs.end(), [](const MethodRun& run) { return is_scheme(run.run.method); });
+  if (penalty && exact && !check.runs.front().run.restitution && check.runs.front().run.mass != Mass::redistributed)
+    found.push_back(
+        "contact nodes with mass rebound from an undamped penalty and do not from the schemes' constraint; "
+        "contact.restitution gives both the same law, mesh.mass = \"redistributed\" takes the mass away");
+  return found;
+}
+
+}  // namespace viscobar

@@ -1,0 +1,166 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "io/limit_pictures.hpp"
+#include "io/limit_words.hpp"
+#include "io/page.hpp"
+#include "io/plot/figure.hpp"
+#include "viscobar/io/study_reports.hpp"
+#include "viscobar/io/versions.hpp"
+
+namespace viscobar {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json value_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+Json order_or_null(const std::optional<ObservedOrder>& order) { return order ? Json(order->order) : Json(nullptr); }
+
+Json detailed(const std::optional<ObservedOrder>& order) {
+  if (!order) return nullptr;
+  return {{"order", order->order}, {"standard_error", order->standard_error}};
+}
+
+Json to_json(const LimitRow& row) {
+  Json json = {{"epsilon", row.epsilon},
+               {"elements", row.elements},
+               {"mass", name(row.mass)},
+               {"events", row.events},
+               {"max_penetration", row.max_penetration},
+               {"difference_to_scheme", row.difference_to_scheme}};
+  if (row.difference_to_rigid) json["difference_to_rigid"] = *row.difference_to_rigid;
+  json["steps"] = row.steps;
+  json["seconds"] = row.seconds;
+  return json;
+}
+
+Json to_json(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
+  const LimitTheory powers = theory(study);
+  return {{"elements", orders.elements},
+          {"verdict", name(orders.verdict)},
+          {"reason", verdict_reason(study, orders, rows)},
+          {"boundary", value_or_null(orders.boundary)},
+          {"small_epsilon",
+           {{"penetration", detailed(orders.penetration)},
+            {"to_scheme", detailed(orders.to_scheme)},
+            {"to_rigid", detailed(orders.to_rigid)},
+            {"theory_penetration", powers.penetration},
+            {"theory_difference", value_or_null(powers.difference)}}},
+          {"layer_resolved",
+           {{"penetration", detailed(orders.penetration_layer)},
+            {"to_rigid", detailed(orders.to_rigid_layer)},
+            {"theory", powers.layer}}},
+          {"scheme_step", orders.scheme_step},
+          {"scheme_error", orders.scheme_error},
+          {"scheme_events", orders.scheme_events},
+          {"tolerance_error", orders.tolerance_error}};
+}
+
+Json to_json(const CouplingResult& result) {
+  if (!result.coupling) return nullptr;
+  const Coupling& c = *result.coupling;
+  Json json = {
+      {"limit", c.limit}, {"mesh_order", c.mesh_order}, {"order_in_h", detailed(c.law)}, {"meshes", Json::array()}};
+  for (const Coupling::Mesh& mesh : c.meshes)
+    json["meshes"].push_back({{"elements", mesh.elements},
+                              {"spacing", mesh.spacing},
+                              {"mesh_error", mesh.mesh_error},
+                              {"epsilon", value_or_null(mesh.epsilon)},
+                              {"local_order", mesh.epsilon ? Json(mesh.local_order) : Json(nullptr)}});
+  return json;
+}
+
+std::string verdict_sentence(const LimitStudy& study, const LimitResult& result, std::size_t mesh) {
+  return fmt::format("{}: {}.", name(result.orders[mesh].verdict),
+                     verdict_reason(study, result.orders[mesh], rows_of(result, mesh)));
+}
+
+std::string head(const LimitStudy& study, const LimitResult& result) {
+  std::string out;
+  for (std::size_t m = 0; m < result.orders.size(); ++m) {
+    const LimitOrders& orders = result.orders[m];
+    const std::string verdict(name(orders.verdict));
+    const std::string mesh = result.orders.size() > 1 ? fmt::format(" on {} elements", orders.elements) : "";
+    out += fmt::format("<p class=\"verdict {0}\"><b>{0}{1}</b>: {2}.</p>\n", verdict, mesh,
+                       plot::escaped(verdict_reason(study, orders, rows_of(result, m))));
+  }
+  return out;
+}
+
+std::string numbers(const LimitStudy& study, const LimitResult& result) {
+  Numbers all;
+  const LimitOrders& orders = result.orders[finest(result)];
+  all.add("Mass", std::string(name(study.scene.mass)));
+  all.add("Restitution", study.scene.restitution ? plot::readable(*study.scene.restitution) : "not given",
+          study.scene.restitution ? "in penalty and scheme" : "undamped penalty, implicit constraint in the scheme");
+  all.add("Penalty ε", plot::readable(study.epsilons.front()) + " to " + plot::readable(study.epsilons.back()),
+          fmt::format("{} values", study.epsilons.size()));
+  all.add("Scheme's time step", plot::readable(orders.scheme_step),
+          fmt::format("error {}, by halving it", plot::readable(orders.scheme_error, 2)));
+  all.add("Error of the tolerance", plot::readable(orders.tolerance_error, 2), "at most, in a difference");
+  if (orders.boundary) all.add("Regimes meet at", plot::readable(*orders.boundary, 3), "ε = ρh³/η²");
+  return all.html("The study");
+}
+
+}  // namespace
+
+std::string limit_json(const SceneFile& scene, const LimitStudy& study, const LimitResult& result,
+                       const CouplingResult& coupling) {
+  const std::size_t best = finest(result);
+  const LimitOrders& orders = result.orders[best];
+  Json json;
+  json["title"] = study.scene.scene.title;
+  json["verdict"] = name(orders.verdict);
+  json["reason"] = verdict_reason(study, orders, rows_of(result, best));
+  json["order_penetration"] = order_or_null(orders.penetration);
+  json["order_to_rigid"] = order_or_null(orders.to_rigid);
+  json["order_to_scheme"] = order_or_null(orders.to_scheme);
+  json["mass"] = name(study.scene.mass);
+  json["restitution"] = value_or_null(study.scene.restitution);
+  json["rows"] = Json::array();
+  for (const LimitRow& row : result.rows) json["rows"].push_back(to_json(row));
+  json["meshes"] = Json::array();
+  for (std::size_t m = 0; m < result.orders.size(); ++m)
+    json["meshes"].push_back(to_json(study, result.orders[m], rows_of(result, m)));
+  json["coupling"] = to_json(coupling);
+  json["coupling_reason"] = coupling.coupling ? Json(nullptr) : Json(coupling.reason);
+  json["scene"] = Json::parse(scene.description);
+  json["version"] = versions().viscobar;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string limit_text(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
+  std::string out = text(limit_table(result, plain_number));
+  out += "\nObserved powers of epsilon\n" + text(order_table(study, result)) + "\n";
+  for (std::size_t m = 0; m < result.orders.size(); ++m) {
+    if (result.orders.size() > 1) out += fmt::format("{} elements, ", result.orders[m].elements);
+    out += verdict_sentence(study, result, m) + "\n";
+  }
+  if (result.orders.size() > 1) {
+    out += fmt::format("\n{}\n", coupling_sentence(coupling, plain_number));
+    if (coupling.coupling) out += text(coupling_table(*coupling.coupling, plain_number));
+  }
+  return out;
+}
+
+std::string limit_html(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
+  std::string body = numbers(study, result) + penetration_picture(study, result) + difference_picture(study, result) +
+                     events_picture(result) + cost_picture(result);
+  body += section_html("Observed powers of ε",
+                       html(order_table(study, result)) +
+                           "<p class=\"note\">Least squares on logarithms with the standard error of the slope; values "
+                           "at a floor are left out.</p>\n");
+  if (result.orders.size() > 1)
+    body +=
+        section_html("Penalty and mesh in balance",
+                     fmt::format("<p>{}</p>\n{}", plot::escaped(coupling_sentence(coupling, readable_number)),
+                                 coupling.coupling ? html(coupling_table(*coupling.coupling, readable_number)) : ""));
+  body += section_html("Every run", html(limit_table(result, readable_number)));
+  const Scene& scene = study.scene.scene;
+  return page_html((scene.title.empty() ? "A scene" : scene.title) + ": the penalty limit", scene, head(study, result),
+                   body);
+}
+
+}  // namespace viscobar

@@ -1,0 +1,145 @@
+#include "io/limit_words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace viscobar {
+
+namespace {
+
+std::string with_error(const std::optional<ObservedOrder>& order) {
+  if (!order) return "-";
+  // Two points have no scatter to tell an error from.
+  if (order->standard_error == 0.0) return fmt::format("{:.3f}", order->order);
+  return fmt::format("{:.3f} +- {:.3f}", order->order, order->standard_error);
+}
+
+std::string power(std::optional<double> value) {
+  if (!value) return "none";
+  if (*value == 0.5) return "1/2";
+  return *value == 1.0 ? "1" : "2/3";
+}
+
+}  // namespace
+
+std::span<const LimitRow> rows_of(const LimitResult& result, std::size_t mesh) {
+  const std::size_t count = result.rows.size() / result.orders.size();
+  return std::span(result.rows).subspan(mesh * count, count);
+}
+
+std::size_t finest(const LimitResult& result) {
+  const auto found = std::max_element(result.orders.begin(), result.orders.end(),
+                                      [](const auto& a, const auto& b) { return a.elements < b.elements; });
+  return static_cast<std::size_t>(found - result.orders.begin());
+}
+
+LimitTheory theory(const LimitStudy& study) {
+  if (study.scene.mass == Mass::redistributed) return {1.0, 1.0};
+  return {0.5, study.scene.restitution ? std::optional(0.5) : std::nullopt};
+}
+
+std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
+  const LimitRow &first = rows.front(), &last = rows.back();
+  const double error = orders.scheme_error;
+  const std::string scheme =
+      fmt::format("the scheme's own error at dt = {:.3g} ({:.2g}, by halving it)", orders.scheme_step, error);
+  if (orders.verdict == Verdict::plateau) {
+    std::string text = fmt::format("the difference to the scheme stays near {:.2g} at epsilon = {:.2g}",
+                                   last.difference_to_scheme, last.epsilon);
+    if (error > 0.0) text += fmt::format(", {:.2g} times {}", last.difference_to_scheme / error, scheme);
+    text += fmt::format("; contact changes go from {} to {}, the scheme has {}", first.events, last.events,
+                        orders.scheme_events);
+    if (study.scene.mass == Mass::redistributed) return text;
+    if (!study.scene.restitution)
+      return text +
+             ". A contact node with mass rebounds from an undamped penalty and not from the scheme's constraint: "
+             "contact.restitution gives both the same law" +
+             (study.scene.scene.span ? "" : ", --mass redistributed takes the mass away");
+    return text + ". Penalty and scheme have one law of impact here, so a smaller epsilon or --steps should tell more";
+  }
+  std::string text =
+      fmt::format("the difference to the scheme goes from {:.2g} at epsilon = {:.2g} to {:.2g} at {:.2g}",
+                  first.difference_to_scheme, first.epsilon, last.difference_to_scheme, last.epsilon);
+  if (last.difference_to_scheme <= 3.0 * error + orders.tolerance_error) return text + ", which is " + scheme;
+  text += fmt::format(" and is still falling there, towards {}", scheme);
+  return text;
+}
+
+Table limit_table(const LimitResult& result, NumberText number) {
+  const bool rigid = std::any_of(result.rows.begin(), result.rows.end(),
+                                 [](const LimitRow& row) { return row.difference_to_rigid.has_value(); });
+  Table table{{"elements", "epsilon", "contact changes", "largest penetration", "to the scheme"}, 0, {}};
+  if (rigid) table.header.emplace_back("to the rigid limit");
+  table.header.insert(table.header.end(), {"steps", "seconds"});
+  for (const LimitRow& row : result.rows) {
+    std::vector<std::string> cells = {fmt::format("{}", row.elements), number(row.epsilon),
+                                      fmt::format("{}", row.events), number(row.max_penetration),
+                                      number(row.difference_to_scheme)};
+    if (rigid) cells.push_back(row.difference_to_rigid ? number(*row.difference_to_rigid) : "");
+    cells.insert(cells.end(), {fmt::format("{}", row.steps), number(row.seconds)});
+    table.rows.push_back(std::move(cells));
+  }
+  return table;
+}
+
+Table order_table(const LimitStudy& study, const LimitResult& result) {
+  const LimitTheory powers = theory(study);
+  const bool rigid = study.scene.mass == Mass::redistributed;
+  Table table{{"elements", "regime", "penetration", "theory", "to the scheme", "theory"}, 2, {}};
+  if (rigid) table.header.insert(table.header.end(), {"to the rigid limit", "theory"});
+  for (std::size_t m = 0; m < result.orders.size(); ++m) {
+    const LimitOrders& o = result.orders[m];
+    const auto rows = rows_of(result, m);
+    const auto below = std::count_if(rows.begin(), rows.end(), [&](const LimitRow& row) {
+      return !o.boundary || row.epsilon <= 0.01 * *o.boundary;
+    });
+    const bool mixed = o.boundary && below < 2;
+    const std::string of_penetration = mixed ? "-" : power(powers.penetration);
+    const std::string of_difference = mixed ? "-" : power(powers.difference);
+    std::vector<std::string> small = {fmt::format("{}", o.elements),
+                                      !o.boundary ? "every epsilon"
+                                      : mixed     ? "every epsilon, regimes mixed"
+                                                  : fmt::format("epsilon < {:.2g}", 0.01 * *o.boundary),
+                                      with_error(o.penetration),
+                                      of_penetration,
+                                      with_error(o.to_scheme),
+                                      of_difference};
+    if (rigid) small.insert(small.end(), {with_error(o.to_rigid), of_difference});
+    table.rows.push_back(std::move(small));
+    if (!o.penetration_layer) continue;
+    std::vector<std::string> layer = {fmt::format("{}", o.elements),
+                                      fmt::format("epsilon > {:.2g}, layer resolved", 100.0 * *o.boundary),
+                                      with_error(o.penetration_layer),
+                                      power(powers.layer),
+                                      "-",
+                                      "-"};
+    if (rigid) layer.insert(layer.end(), {with_error(o.to_rigid_layer), power(powers.layer)});
+    table.rows.push_back(std::move(layer));
+  }
+  return table;
+}
+
+Table coupling_table(const Coupling& coupling, NumberText number) {
+  Table table{{"elements", "h", "error of the mesh", "epsilon(h)", "local power of epsilon"}, 0, {}};
+  for (const Coupling::Mesh& mesh : coupling.meshes)
+    table.rows.push_back({fmt::format("{}", mesh.elements), number(mesh.spacing), number(mesh.mesh_error),
+                          mesh.epsilon ? number(*mesh.epsilon) : "outside",
+                          mesh.epsilon ? fmt::format("{:.2f}", mesh.local_order) : "-"});
+  return table;
+}
+
+std::string coupling_sentence(const CouplingResult& result, NumberText number) {
+  if (!result.coupling) return "No epsilon(h) is given: " + result.reason + ".";
+  const Coupling& c = *result.coupling;
+  std::string sentence = fmt::format("The {} end traces converge like h^{:.2f}", c.limit, c.mesh_order);
+  if (c.law)
+    sentence +=
+        fmt::format("; the penalty costs as much as the mesh where epsilon is of the order h^{:.2f}", c.law->order);
+  for (const Coupling::Mesh& mesh : c.meshes)
+    if (mesh.epsilon) sentence += fmt::format(", epsilon = {} on {} elements", number(*mesh.epsilon), mesh.elements);
+  return sentence + ".";
+}
+
+}  // namespace viscobar

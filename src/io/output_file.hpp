@@ -1,0 +1,71 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <iterator>
+#include <string>
+#include <string_view>
+
+namespace viscobar {
+
+/// True once at least a second has passed since the last time it was: what is written then bounds what a killed run
+/// loses.
+class FlushClock {
+ public:
+  bool due() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::seconds(1)) return false;
+    last_ = now;
+    return true;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// A file whose write errors are noticed where they happen. @throws IoError
+class OutputFile {
+ public:
+  explicit OutputFile(std::filesystem::path path);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  /// Overwrites from `offset` on.
+  void write_at(std::size_t offset, std::string_view text);
+  void close();
+
+ private:
+  std::filesystem::path path_;
+  int descriptor_;
+};
+
+/// Text that grows line by line, written in blocks that end with a line.
+class LineFile {
+ public:
+  explicit LineFile(std::filesystem::path path) : file_(std::move(path)) {}
+
+  template <class... Args>
+  void print(fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(block_), format, std::forward<Args>(args)...);
+    block_ += '\n';
+    if (block_.size() >= block_size || clock_.due()) flush();
+  }
+  void flush();
+  void close();
+
+ private:
+  static constexpr std::size_t block_size = 1 << 16;
+  OutputFile file_;
+  std::size_t written_ = 0;
+  std::string block_;
+  FlushClock clock_;
+};
+
+/// Writes a whole file so that a reader sees the old content or the new, never a part.
+void write_atomically(const std::filesystem::path& path, std::string_view text);
+
+}  // namespace viscobar

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace viscobar::plot {
+
+enum class Scale { linear, logarithmic };
+
+struct Axis {
+  std::string label;
+  double low = 0.0, high = 1.0;
+  Scale scale = Scale::linear;
+  bool bare = false;  ///< without ticks; `low` may then be above `high`
+
+  /// Place of a value, 0 at `low` and 1 at `high`.
+  double position(double value) const;
+};
+
+/// A linear axis over [low, high] and a margin of 5 % (an interval around the value where both are the same).
+Axis fitted(std::string label, double low, double high);
+/// A logarithmic axis over whole decades that hold the positive values low <= high.
+Axis fitted_decades(std::string label, double low, double high);
+
+struct Tick {
+  double value;
+  std::string label;  ///< SVG text; empty for a minor tick
+};
+
+/// Ticks at multiples of 1, 2 or 5 times a power of ten (linear), or at decades with their multiples as minor ticks.
+/// Linear labels of very large or small numbers share a factor 10^exponent, returned for the axis label (0: none).
+struct Ticks {
+  std::vector<Tick> ticks;
+  int exponent = 0;
+};
+Ticks ticks(const Axis& axis, int about);
+
+/// A number for people: a few digits, with a true minus sign; 1.2 x 10^k where it is very large or small.
+std::string readable(double value, int digits = 4);
+
+/// 10^exponent
+std::string power_of_ten(int exponent);
+
+/// 1st, 2nd, 3rd, 4th, ..., 11th, ..., 21st
+std::string ordinal(std::size_t number);
+
+}  // namespace viscobar::plot

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "io/plot/thinning.hpp"
+#include "io/thinned_field.hpp"
+#include "viscobar/analysis/case.hpp"
+
+namespace viscobar {
+
+/// What the report shows of a run, collected while it runs in memory that does not grow with it.
+class ReportData {
+ public:
+  ReportData(const Case& run, const BarSystem& system);
+
+  void add(const Snapshot& snapshot);
+  void add(const Event& event);
+
+  struct End {
+    plot::ThinnedLine displacement, reaction;
+  };
+  /// Of the bar, and stored in the contacts' penalty springs.
+  struct Energy {
+    plot::ThinnedLine kinetic, elastic, contact, total;
+  };
+  static constexpr std::size_t most_events = 50;
+
+  std::size_t snapshots = 0;
+  ThinnedField field;
+  End left, right;
+  Energy energy;
+  std::vector<Event> first_events;
+  /// Contact springs exist: an obstacle and a penalised method.
+  bool has_springs() const { return epsilon_.has_value(); }
+
+ private:
+  double spring_energy(std::span<const double> u) const;
+
+  const BarSystem& system_;
+  std::optional<double> epsilon_;
+};
+
+}  // namespace viscobar

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "io/contact_account.hpp"
+#include "viscobar/analysis/case.hpp"
+#include "viscobar/io/record_run.hpp"
+
+namespace viscobar {
+
+/// Contact over a run: an account of each end with an obstacle, counts for a span obstacle.
+struct ContactSummary {
+  struct Span {
+    std::size_t closings = 0, openings = 0;
+  };
+  std::optional<ContactAccount> left, right;
+  std::optional<Span> span;
+
+  explicit ContactSummary(const Scene& scene);
+  void add(const Snapshot& snapshot);
+  void add(const Event& event);
+};
+
+/// summary.json: what was run, what it cost, what came out. Numbers that a run could not tell are null.
+std::string summary_json(const SceneFile& scene, const BarSystem& system, const Outcome& outcome,
+                         const ContactSummary& contact);
+
+}  // namespace viscobar

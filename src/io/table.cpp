@@ -1,0 +1,46 @@
+#include "io/table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "io/plot/figure.hpp"
+
+namespace viscobar {
+
+std::string plain_number(double value) { return fmt::format("{:.3g}", value); }
+std::string readable_number(double value) { return plot::readable(value, 3); }
+
+std::string text(const Table& table) {
+  std::vector<std::size_t> widths;
+  for (const std::string& name : table.header) widths.push_back(name.size());
+  for (const auto& row : table.rows)
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
+  std::string out;
+  const auto add = [&](const std::vector<std::string>& row) {
+    std::string line;
+    for (std::size_t c = 0; c < row.size(); ++c)
+      line += c < table.words ? fmt::format("  {:<{}}", row[c], widths[c]) : fmt::format("  {:>{}}", row[c], widths[c]);
+    line.erase(line.find_last_not_of(' ') + 1);
+    out += line + "\n";
+  };
+  add(table.header);
+  for (const auto& row : table.rows) add(row);
+  return out;
+}
+
+std::string html(const Table& table) {
+  const auto line = [&](const std::vector<std::string>& row, std::string_view tag) {
+    std::string out = "<tr>";
+    for (std::size_t c = 0; c < row.size(); ++c)
+      out += fmt::format("<{0}{1}>{2}</{0}>", tag, c < table.words ? " class=\"word\"" : "", plot::escaped(row[c]));
+    return out + "</tr>";
+  };
+  constexpr std::size_t many = 7;
+  std::string out = fmt::format("<div class=\"tables\"><table{}><thead>{}</thead><tbody>\n",
+                                table.header.size() > many ? " class=\"wide\"" : "", line(table.header, "th"));
+  for (const auto& row : table.rows) out += line(row, "td") + "\n";
+  return out + "</tbody></table></div>\n";
+}
+
+}  // namespace viscobar

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace viscobar {
+
+/// A table of words and numbers, the same for the terminal and for a page.
+struct Table {
+  std::vector<std::string> header;
+  std::size_t words = 1;  ///< columns from the left that hold words, set flush left; the others hold numbers
+  std::vector<std::vector<std::string>> rows;
+};
+
+/// How a table writes its numbers.
+using NumberText = std::string (*)(double value);
+std::string plain_number(double value);     ///< for the terminal: 3 digits, 1.23e-05
+std::string readable_number(double value);  ///< for a page: 3 digits, powers of ten
+
+std::string text(const Table& table);
+std::string html(const Table& table);
+
+}  // namespace viscobar

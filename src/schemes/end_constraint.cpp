@@ -1,0 +1,60 @@
+#include "schemes/end_constraint.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace viscobar {
+
+EndConstraint::EndConstraint(const SymmetricTridiagonal& matrix, const std::vector<std::size_t>& entries)
+    : factor_(matrix) {
+  assert(entries.size() == 1 || entries.size() == 2);
+  for (const std::size_t entry : entries) {
+    std::vector<double> column(matrix.size(), 0.0);
+    column[entry] = 1.0;
+    factor_.solve(column);
+    columns_.push_back({entry, std::move(column)});
+  }
+}
+
+void EndConstraint::solve(std::span<double> x, std::span<const double> bound, std::span<double> multiplier) {
+  factor_.solve(x);
+  const std::size_t count = columns_.size();
+  std::array<double, 2> excess{};  // of the unconstrained solution over its bound
+  for (std::size_t k = 0; k < count; ++k) excess[k] = x[columns_[k].entry] - bound[k];
+
+  std::array<double, 2> lambda{};
+  active_ = {};
+  if (count == 1) {
+    if (excess[0] < 0.0) {
+      active_ = {1, 0};
+      lambda[0] = -excess[0] / columns_[0].values[columns_[0].entry];
+    }
+  } else if (excess[0] < 0.0 || excess[1] < 0.0) {
+    const double g00 = columns_[0].values[columns_[0].entry], g11 = columns_[1].values[columns_[1].entry];
+    const double g01 = columns_[0].values[columns_[1].entry];
+    // The excess of either end, times the other's compliance, while the other alone is held at its bound.
+    const double excess_0 = g11 * excess[0] - g01 * excess[1];
+    const double excess_1 = g00 * excess[1] - g01 * excess[0];
+    if (excess[0] < 0.0 && excess_1 >= 0.0) {
+      active_ = {1, 0};
+      lambda[0] = -excess[0] / g00;
+    } else if (excess[1] < 0.0 && excess_0 >= 0.0) {
+      active_ = {0, 1};
+      lambda[1] = -excess[1] / g11;
+    } else {
+      const double determinant = g00 * g11 - g01 * g01;
+      active_ = {1, 1};
+      lambda = {std::max(-excess_0 / determinant, 0.0), std::max(-excess_1 / determinant, 0.0)};
+    }
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    multiplier[k] = lambda[k];
+    if (!active_[k]) continue;
+    const double* column = columns_[k].values.data();
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += lambda[k] * column[i];
+  }
+  for (std::size_t k = 0; k < count; ++k)
+    if (active_[k]) x[columns_[k].entry] = bound[k];
+}
+
+}  // namespace viscobar

@@ -1,0 +1,100 @@
+#include "schemes/span_constraint.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace viscobar {
+
+SpanConstraint::SpanConstraint(const SymmetricTridiagonal& matrix)
+    : matrix_(matrix),
+      split_(matrix),
+      monotone_(std::all_of(matrix.off_diagonal.begin(), matrix.off_diagonal.end(), [](double o) { return o <= 0.0; })),
+      active_(matrix.size(), 0),
+      wrong_(matrix.size(), 0) {
+  split();
+}
+
+void SpanConstraint::split() {
+  for (std::size_t i = 0; i < split_.off_diagonal.size(); ++i)
+    split_.off_diagonal[i] = active_[i] | active_[i + 1] ? 0.0 : matrix_.off_diagonal[i];
+  factor_.factorise(split_);
+  ++factorisations_;
+}
+
+void SpanConstraint::solve(std::span<const double> b, std::span<const double> bound, std::span<double> x,
+                           std::span<double> multiplier) {
+  constexpr int patience = 8;
+  const std::size_t n = matrix_.size();
+  std::size_t fewest = n + 1, pivots = 0;
+  int left = patience;
+  double tolerance = 16.0 * std::numeric_limits<double>::epsilon();
+  for (;;) {
+    pivot(b, bound, x, multiplier);
+    const std::size_t wrong = mark_wrong(b, bound, x, multiplier, tolerance);
+    if (wrong == 0) break;
+    if (wrong < fewest) {
+      fewest = wrong;
+      left = patience;
+    }
+    if (monotone_ || left > 0) {
+      --left;
+      for (std::size_t i = 0; i < n; ++i) active_[i] ^= wrong_[i];
+    } else {
+      const auto last = std::find(wrong_.rbegin(), wrong_.rend(), 1).base() - wrong_.begin() - 1;
+      active_[static_cast<std::size_t>(last)] ^= 1;
+    }
+    // In exact arithmetic either rule ends; a tie that rounding cannot decide ends because the tolerance grows.
+    if (++pivots % (4 * n + 16) == 0) tolerance *= 2.0;
+    split();
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    x[i] = std::max(x[i], bound[i]);
+    multiplier[i] = std::max(multiplier[i], 0.0);
+  }
+}
+
+void SpanConstraint::pivot(std::span<const double> b, std::span<const double> bound, std::span<double> x,
+                           std::span<double> multiplier) {
+  const std::size_t n = matrix_.size();
+  const auto& off = matrix_.off_diagonal;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (active_[i]) {
+      x[i] = bound[i];
+      continue;
+    }
+    x[i] = b[i];
+    if (i > 0 && active_[i - 1]) x[i] -= off[i - 1] * bound[i - 1];
+    if (i + 1 < n && active_[i + 1]) x[i] -= off[i] * bound[i + 1];
+  }
+  factor_.solve(x);
+  ++solves_;
+  for (std::size_t i = 0; i < n; ++i)
+    if (active_[i]) x[i] = bound[i];
+  for (std::size_t i = 0; i < n; ++i) {
+    multiplier[i] = 0.0;
+    if (!active_[i]) continue;
+    multiplier[i] = matrix_.diagonal[i] * x[i] - b[i];
+    if (i > 0) multiplier[i] += off[i - 1] * x[i - 1];
+    if (i + 1 < n) multiplier[i] += off[i] * x[i + 1];
+  }
+}
+
+std::size_t SpanConstraint::mark_wrong(std::span<const double> b, std::span<const double> bound,
+                                       std::span<const double> x, std::span<const double> multiplier,
+                                       double tolerance) {
+  const std::size_t n = matrix_.size();
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    // What the row's terms can hide by rounding.
+    double scale = matrix_.diagonal[i] * std::abs(x[i]) + std::abs(b[i]);
+    if (i > 0) scale += std::abs(matrix_.off_diagonal[i - 1] * x[i - 1]);
+    if (i + 1 < n) scale += std::abs(matrix_.off_diagonal[i] * x[i + 1]);
+    const double violation = active_[i] ? -multiplier[i] : matrix_.diagonal[i] * (bound[i] - x[i]);
+    wrong_[i] = violation > tolerance * scale;
+    count += wrong_[i];
+  }
+  return count;
+}
+
+}  // namespace viscobar

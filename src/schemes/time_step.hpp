@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "schemes/end_constraint.hpp"
+#include "schemes/span_constraint.hpp"
+#include "viscobar/schemes/schemes.hpp"
+
+namespace viscobar {
+
+/// Scheme (2.8) as a leapfrog for u^n and p^{n-1/2} = (u^n - u^{n-1}) / dt: with a^n = (u^{n+1} - 2 u^n + u^{n-1}) /
+/// dt^2,
+///
+///     (rho M + dt/2 eta K + dt^2/2 E K) a^n = F(t_n, u^n, p^{n-1/2}) + sum lambda^n,    u^{n+1} in K_h,
+///     p^{n+1/2} = p^{n-1/2} + dt a^n,    u^{n+1} = u^n + dt p^{n+1/2},
+///
+/// which is (2.8) without its cancellations: a rigid motion has a = 0 exactly, and no term is divided by dt^2.
+class TimeStep {
+ public:
+  /// Finds u^1 by `scheme.start`, projected on K_h node by node, and the balance at t_1. A massless node has no
+  /// initial velocity: its u^1 follows from the balance of its row at t_1 (backward Euler), and without viscosity,
+  /// where that row is algebraic, its u^0 from the same balance at t_0. lambda^0 is lambda^1 where u^0 touches, 0
+  /// elsewhere.
+  /// @throws LoadError, std::domain_error when the matrix is not positive definite in floating-point numbers
+  TimeStep(const BarSystem& system, const State& start, double begin, const FullyDiscrete& scheme);
+
+  /// Finds a^n and lambda^n, the balance at t = t_n. @throws LoadError
+  void balance(double t);
+
+  /// From n to n + 1.
+  void advance();
+
+  std::span<const double> u() const { return u_; }                         ///< u^n
+  std::span<const double> p() const { return p_; }                         ///< p^{n-1/2}
+  std::span<const double> acceleration() const { return a_; }              ///< a^n
+  std::span<const double> acceleration_before() const { return before_; }  ///< a^{n-1}
+
+  /// Nodes with an obstacle in the order of the unknowns, each with the obstacle that bounds it most.
+  const std::vector<Contact>& contacts() const { return contacts_; }
+  std::span<const double> reaction() const { return reaction_; }                ///< lambda^n, one a contact
+  std::span<const double> reaction_before() const { return reaction_before_; }  ///< lambda^{n-1}
+  std::span<const unsigned char> active() const;  ///< whether u^{n+1} is held by its bound
+
+  /// M f(t_n); only for a loaded system.
+  std::span<const double> load() const { return load_now_; }
+
+  /// Whether a^n is; what is not spreads over the nodes that are solved for together.
+  bool finite() const;
+
+  /// E^{n-1/2} = 1/2 p.rho M p + 1/4 E (a(u^n, u^n) + a(u^{n-1}, u^{n-1}))
+  double energy() const;
+
+  std::size_t linear_solves() const;
+  std::size_t factorisations() const;
+  std::size_t load_evaluations() const { return load_evaluations_; }
+
+ private:
+  void evaluate_load(double t);
+  void solve(double lever);
+  void start_from(const State& start, double begin, Start order);
+  void settle_massless(double gap, std::size_t end, std::size_t next, double begin);
+
+  const BarSystem& system_;
+  double dt_, restitution_;
+  std::optional<LoadVector> load_;
+  std::span<const double> load_now_;
+  std::vector<Contact> contacts_;
+  std::variant<TridiagonalFactor, EndConstraint, SpanConstraint> solver_;
+  std::vector<double> u_, p_, a_, before_;
+  std::vector<double> force_;                                       // only SpanConstraint solves out of place
+  std::vector<double> lower_, bound_, reaction_, reaction_before_;  // one a contact
+  std::size_t solves_ = 0, load_evaluations_ = 0;
+};
+
+}  // namespace viscobar

@@ -1,0 +1,131 @@
+#include "viscobar/analysis/regime.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace viscobar {
+namespace {
+
+constexpr std::size_t elements = 100;
+constexpr double h = 1.0 / elements;
+
+// A bar at speed 1 with its left end on the obstacle, watched until a wave has been to the free end.
+Case falling(double viscosity, double epsilon, Mass mass) {
+  Case run;
+  run.scene.bar.viscosity = viscosity;
+  run.scene.left = Obstacle{0.0};
+  run.scene.displacement = [](double) { return 0.0; };
+  run.scene.velocity = [](double) { return -1.0; };
+  run.elements = elements;
+  run.mass = mass;
+  run.epsilon = epsilon;
+  run.method = MethodName::ida;
+  run.end = 1.0;
+  run.output_every = 1.0;
+  return run;
+}
+
+ContactRegime regime(const Case& run) { return contact_regimes(run, make_system(run)).front(); }
+
+// Penetration that a run reaches over the predicted one.
+double ratio(const Case& run) {
+  return simulate(run, make_system(run), {}).max_penetration / regime(run).impact->penetration;
+}
+
+TEST(ImpactPrediction, FollowsTheTwoThirdsLawWhereTheMeshResolvesTheLayer) {
+  // epsilon > h^3/alpha^2 = 1e-6 by far; what the law leaves out is of relative order (epsilon sqrt(alpha))^(1/3).
+  for (const double epsilon : {1e-2, 1e-3, 1e-4})
+    EXPECT_NEAR(ratio(falling(1.0, epsilon, Mass::consistent)), 1.0, std::cbrt(epsilon));
+}
+
+TEST(ImpactPrediction, IsTheNodesOwnOscillatorOnCoarseMeshes) {
+  // The neighbour slows down by a share of the order of zeta, meanwhile.
+  for (const double epsilon : {1e-4, 1e-5, 1e-6}) {
+    const Case run = falling(0.01, epsilon, Mass::lumped);
+    EXPECT_EQ(regime(run).impact->layer, ImpactPrediction::Layer::node);
+    EXPECT_NEAR(ratio(run), 1.0, *regime(run).damping_ratio);
+  }
+}
+
+TEST(ImpactPrediction, HoldsWithinAFactorOfTwoEverywhere) {
+  for (const Mass mass : {Mass::lumped, Mass::consistent, Mass::redistributed})
+    for (const double viscosity : {0.0, 0.001, 0.01, 0.1, 1.0})
+      for (const double epsilon : {1e-1, 1e-2, 1e-3, 1e-5}) {
+        const double r = ratio(falling(viscosity, epsilon, mass));
+        EXPECT_TRUE(r > 0.5 && r < 2.0) << name(mass) << ' ' << viscosity << ' ' << epsilon << ": " << r;
+      }
+}
+
+TEST(ImpactPrediction, ScalesWithUnits) {
+  // New units of length, time and mass per area: displacements scale by the first, speeds by length/time.
+  const double a = 3.0, b = 0.2, c = 7.0;
+  for (const double epsilon : {1e-1, 1e-3, 1e-7})
+    for (const double viscosity : {0.0, 0.02, 1.0})
+      for (const double mass : {0.0, h / 2}) {
+        const ImpactPrediction plain = predict_impact({1.0, 1.0, 1.0, viscosity}, h, mass, epsilon, 0.5);
+        const Bar scaled{a, c / a, c * a / (b * b), viscosity * c * a / b};
+        const ImpactPrediction other =
+            predict_impact(scaled, h * a, mass * c, epsilon * b * b / c, 0.5 * a / b);
+        EXPECT_NEAR(other.penetration, a * plain.penetration, 1e-14 * a);
+        EXPECT_EQ(other.layer, plain.layer);
+      }
+}
+
+TEST(ContactRegime, TellsTheDampingRatioOfTheLumpedNode) {
+  const double alpha = 0.01, epsilon = 1e-3;
+  // model: alpha sqrt(epsilon) / (sqrt 2 h^(3/2)) for rho = E = 1
+  EXPECT_NEAR(*regime(falling(alpha, epsilon, Mass::lumped)).damping_ratio,
+              alpha * std::sqrt(epsilon) / (std::sqrt(2.0) * std::pow(h, 1.5)), 1e-12);
+}
+
+TEST(ContactRegime, ChattersUntilTheEpsilonThatItNames) {
+  for (const double viscosity : {0.0, 0.01, 1.0}) {
+    Case run = falling(viscosity, 1.0, Mass::consistent);
+    const double quiet = regime(run).quiet_epsilon;
+    run.epsilon = 0.99 * quiet;
+    EXPECT_TRUE(regime(run).chatters) << viscosity;
+    run.epsilon = 1.01 * quiet;
+    EXPECT_FALSE(regime(run).chatters) << viscosity;
+  }
+}
+
+TEST(ContactRegime, ADashpotWithoutRestitutionEndsChatter) {
+  Case run = falling(0.01, 1e-6, Mass::consistent);
+  ASSERT_TRUE(regime(run).chatters);
+  run.restitution = 0.0;
+  EXPECT_FALSE(regime(run).chatters);
+}
+
+TEST(ContactRegime, AMasslessNodeHasNoDampingRatioAndNoChatter) {
+  const ContactRegime massless = regime(falling(0.01, 1e-6, Mass::redistributed));
+  EXPECT_FALSE(massless.damping_ratio.has_value());
+  EXPECT_FALSE(massless.chatters);
+}
+
+TEST(ContactRegime, ExistsForPenalisedContactsOnly) {
+  Case run = falling(0.01, 1e-6, Mass::consistent);
+  run.method = MethodName::fully_discrete;
+  EXPECT_TRUE(contact_regimes(run, make_system(run)).empty());
+  run.method = MethodName::ida;
+  run.scene.left = Free{};
+  EXPECT_TRUE(contact_regimes(run, make_system(run)).empty());
+}
+
+TEST(ContactRegime, ABarThatLeavesItsObstacleHasNoImpactToPredict) {
+  Case run = falling(0.01, 1e-6, Mass::consistent);
+  run.scene.velocity = [](double) { return 1.0; };
+  EXPECT_FALSE(regime(run).impact.has_value());
+}
+
+TEST(ContactRegime, AFlatFallOnASpanPenetratesByTheNodesOscillator) {
+  Case run = falling(0.5, 1e-4, Mass::lumped);
+  run.scene.left = Free{};
+  run.scene.span = Obstacle{0.0};
+  // Lumped nodes fall as one, an undamped oscillator exactly: what differs is the integration, 1e-6 relative a step.
+  EXPECT_NEAR(ratio(run), 1.0, 1e-4);
+  EXPECT_TRUE(regime(run).chatters);
+}
+
+}  // namespace
+}  // namespace viscobar

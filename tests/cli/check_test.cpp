@@ -1,0 +1,54 @@
+#include <cmath>
+#include <string>
+
+#include "cli/command.hpp"
+
+namespace viscobar::testing_cli {
+namespace {
+
+using Json = nlohmann::json;
+
+class Check : public Command {
+ protected:
+  Json of(const std::string& arguments) const {
+    const Ended ended = viscobar("check " + arguments + " --json");
+    EXPECT_EQ(ended.code, 0) << ended.error;
+    return ended.code == 0 ? ended.json() : Json::object();
+  }
+};
+
+TEST_F(Check, ForeseesThePenetrationThatARunThenHas) {
+  const Json foreseen = of(scene("chatter"));
+  ASSERT_EQ(foreseen["contacts"].size(), 2u);
+  const double predicted = foreseen["contacts"][0]["impact"]["predicted_penetration"];
+  const Ended run = viscobar("run " + scene("chatter") + " --json");
+  ASSERT_EQ(run.code, 0) << run.error;
+  const double measured = run.json()["max_penetration"];
+  // The prediction is one of the first impact, to a factor of about two.
+  EXPECT_LT(std::abs(std::log2(measured / predicted)), 1.0) << predicted << " " << measured;
+  EXPECT_TRUE(foreseen["contacts"][0]["chatter_expected"]);
+}
+
+TEST_F(Check, KnowsFirstImpactsOfAFlightExactly) {
+  const Json flight = of(scene("rigid-flight"));
+  ASSERT_EQ(flight["first_impacts"].size(), 1u);
+  const Json& impact = flight["first_impacts"][0];
+  // Free flight over the gap 0.5 at speed 1: to the step in which a wave crosses one of 200 elements.
+  EXPECT_NEAR(impact["time"].get<double>(), 0.5, 1.0 / 200.0);
+  EXPECT_EQ(impact["where"], "left");
+}
+
+TEST_F(Check, SaysWhatAvoidsThePlateau) {
+  const std::string plain = of(scene("chatter"))["warnings"].dump();
+  EXPECT_NE(plain.find("plateau"), std::string::npos);
+  EXPECT_NE(plain.find("redistributed"), std::string::npos);
+  EXPECT_NE(plain.find("contact.restitution = 0"), std::string::npos);
+  EXPECT_TRUE(of(scene("chatter") + " --set contact.restitution=0")["warnings"].empty());
+  EXPECT_TRUE(of(scene("chatter") + " --set mesh.mass=redistributed")["warnings"].empty());
+  const std::string half = of(scene("chatter") + " --set contact.restitution=0.5")["warnings"].dump();
+  EXPECT_EQ(half.find("plateau"), std::string::npos) << "a common restitution has none";
+  EXPECT_NE(half.find("share one limit"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace viscobar::testing_cli

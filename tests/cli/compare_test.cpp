@@ -1,0 +1,118 @@
+#include <string>
+
+#include "cli/command.hpp"
+
+namespace viscobar::testing_cli {
+namespace {
+
+using Json = nlohmann::json;
+
+class Compare : public Command {};
+
+TEST_F(Compare, RunsEveryMethodThatFitsAndMatchesTheirContacts) {
+  const Ended ended = viscobar("compare " + scene("chatter") + " --json");
+  ASSERT_EQ(ended.code, 0) << ended.error;
+  const Json result = ended.json();
+  EXPECT_EQ(result["reference"], "exponential");
+  EXPECT_EQ(result["methods"].size(), 6u);
+  EXPECT_EQ(result["pairs"].size(), 15u);
+  EXPECT_TRUE(result["completed"]);
+  EXPECT_EQ(result["methods"][3]["method"], "rigid");
+  EXPECT_EQ(result["methods"][3]["mass"], "redistributed");
+  for (const Json& pair : result["pairs"]) {
+    const std::string methods = pair["first"].get<std::string>() + " " + pair["other"].get<std::string>();
+    EXPECT_LE(pair["events_matched"], pair["events_first"]) << methods;
+    ASSERT_EQ(pair["contacts"].size(), 2u) << methods;
+    // The bar is the same whatever the contact law: impulses agree though the reactions of chatter are not resolved. To
+    // m V = (h/2) V, by which the impact of a node that rebounds may count or not.
+    const double V = 0.6, h = 1.0 / 27.0;
+    for (const Json& contact : pair["contacts"])
+      EXPECT_NEAR(contact["first"]["impulse"].get<double>(), contact["other"]["impulse"].get<double>(), h / 2 * V)
+          << methods;
+    if (methods == "exponential cvode") {
+      // Errors at relative tolerance 1e-6 grow by the rebounds; a hundred of them leave four digits.
+      EXPECT_LT(pair["displacement_l2"].get<double>(), 1e-4);
+      EXPECT_EQ(pair["events_matched"], pair["events_first"]);
+    }
+  }
+  std::string remarks;
+  for (const Json& remark : result["remarks"]) remarks += remark.get<std::string>();
+  EXPECT_NE(remarks.find("the masses differ"), std::string::npos);
+  EXPECT_NE(remarks.find("rigid on the redistributed mass"), std::string::npos);
+}
+
+TEST_F(Compare, TheFirstMethodAskedForIsTheReference) {
+  const Ended ended = viscobar("compare " + scene("chatter") + " --methods ida,cvode --json -o out");
+  ASSERT_EQ(ended.code, 0) << ended.error;
+  const Json result = ended.json();
+  EXPECT_EQ(result["reference"], "ida");
+  ASSERT_EQ(result["pairs"].size(), 1u);
+  EXPECT_EQ(result["pairs"][0]["first"], "ida");
+  EXPECT_EQ(Json::parse(content(directory_ / "out" / "compare.json")), result);
+  const std::string page = content(directory_ / "out" / "compare.html");
+  EXPECT_NE(page.find("<svg"), std::string::npos);
+  EXPECT_EQ(page.find("http"), std::string::npos) << "the page must need no network";
+}
+
+TEST_F(Compare, MethodsThatDoNotFitAreLeftOutWithAReasonButRefusedByName) {
+  // No viscosity: cvode cannot take massless contact nodes.
+  const Ended all = viscobar("compare " + scene("period-3") + " --set mesh.elements=20 --json");
+  ASSERT_EQ(all.code, 0) << all.error;
+  const Json result = all.json();
+  std::string skipped;
+  for (const Json& entry : result["skipped"]) skipped += entry["method"].get<std::string>() + " ";
+  EXPECT_NE(skipped.find("cvode"), std::string::npos);
+  const Ended named = viscobar("compare " + scene("period-3") + " --methods ida,cvode");
+  EXPECT_EQ(named.code, 2);
+  EXPECT_NE(named.error.find("cvode does not fit the scene"), std::string::npos) << named.error;
+}
+
+TEST_F(Compare, ASchemeWithoutAStepTakesOneAndSaysSo) {
+  std::string text = content(VISCOBAR_SOURCE_DIR "/examples/scenes/chatter.toml");
+  text.replace(text.find("step = 1e-4"), 11, "");
+  std::ofstream(directory_ / "stepless.toml") << text;
+  const Ended ended = viscobar("compare stepless.toml --methods cvode,fully_discrete --json");
+  ASSERT_EQ(ended.code, 0) << ended.error;
+  const Json result = ended.json();
+  EXPECT_DOUBLE_EQ(result["methods"][1]["step"].get<double>(), 1.0 / 27.0 / 100.0);
+  EXPECT_NE(result["remarks"].dump().find("fully_discrete took the step"), std::string::npos);
+}
+
+TEST_F(Compare, LeavesTheExponentialMethodToSmallMeshes) {
+  const Ended ended = viscobar("compare " + scene("chatter") + " --set mesh.elements=101 --set time.end=0.5 --json");
+  ASSERT_EQ(ended.code, 0) << ended.error;
+  const Json result = ended.json();
+  EXPECT_EQ(result["reference"], "cvode");
+  EXPECT_EQ(result["skipped"][0]["method"], "exponential");
+}
+
+TEST_F(Compare, TakesASpanObstacle) {
+  const Ended ended =
+      viscobar("compare " + scene("unit-span") + " --methods cvode,fully_discrete --set contact.epsilon=1e-4 --json");
+  ASSERT_EQ(ended.code, 0) << ended.error;
+  EXPECT_NE(content(directory_ / "unit-span.out" / "compare.html").find("span"), std::string::npos);
+}
+
+TEST_F(Compare, RefusesWhatItCannotCompare) {
+  const auto refused = [&](const std::string& arguments, const std::string& why) {
+    const Ended ended = viscobar("compare " + arguments);
+    EXPECT_EQ(ended.code, 2) << arguments;
+    EXPECT_NE(ended.error.find(why), std::string::npos) << arguments << ": " << ended.error;
+    EXPECT_EQ(ended.out, "") << arguments;
+  };
+  refused(scene("chatter") + " --methods cvode,idaa", "did you mean ida?");
+  refused(scene("chatter") + " --methods cvode,cvode", "twice");
+  refused(scene("chatter") + " --methods cvode", "nothing to compare");
+  refused(scene("chatter") + " --method cvode,ida", "did you mean --methods?");
+  refused(scene("chatter") + " --set output.every=1e-7", "output.every");
+}
+
+TEST_F(Compare, HelpNamesEveryOption) {
+  const Ended ended = viscobar("compare --help");
+  EXPECT_EQ(ended.code, 0);
+  for (const char* option : {"--methods", "--threads", "--output", "--json", "--set", "--quiet"})
+    EXPECT_NE(ended.out.find(option), std::string::npos) << option;
+}
+
+}  // namespace
+}  // namespace viscobar::testing_cli

@@ -1,0 +1,137 @@
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "cli/command.hpp"
+
+namespace viscobar::testing_cli {
+namespace {
+
+using Json = nlohmann::json;
+
+class Limit : public Command {
+ protected:
+  Json study(const std::string& options) const {
+    const Ended ended = viscobar("limit " + scene("chatter") + " --json " + options);
+    EXPECT_EQ(ended.code, 0) << ended.error;
+    return ended.code == 0 ? ended.json() : Json::object();
+  }
+};
+
+TEST_F(Limit, TheUndampedPenaltyOnMassiveNodesHasAPlateauAgainstTheScheme) {
+  const Json result = study("--epsilon 1e-2:1e-6");
+  EXPECT_EQ(result["verdict"], "plateau");
+  const Json& rows = result["rows"];
+  ASSERT_EQ(rows.size(), 5u);
+  EXPECT_DOUBLE_EQ(rows.front()["epsilon"].get<double>(), 1e-2);
+  // The measured plateau is 3.0e-3; half of it or twice is another one.
+  EXPECT_GT(rows.back()["difference_to_scheme"].get<double>(), 1.5e-3);
+  EXPECT_LT(rows.back()["difference_to_scheme"].get<double>(), 6e-3);
+  EXPECT_EQ(rows.front()["events"], 4);
+  EXPECT_GT(rows.back()["events"].get<int>(), 200);
+  EXPECT_FALSE(rows.front().contains("difference_to_rigid"));
+  EXPECT_TRUE(result["order_to_rigid"].is_null());
+  // m d'' + d / epsilon = 0: penetration V sqrt(m epsilon).
+  EXPECT_NEAR(result["order_penetration"].get<double>(), 0.5, 0.05);
+  EXPECT_NE(result["reason"].get<std::string>().find("restitution"), std::string::npos);
+}
+
+class LimitByViscosity : public Limit, public testing::WithParamInterface<double> {};
+
+TEST_P(LimitByViscosity, MasslessContactNodesConverge) {
+  const Json result = study("--mass redistributed --set bar.viscosity=" + std::to_string(GetParam()));
+  EXPECT_EQ(result["verdict"], "converges") << result["reason"];
+  for (const Json& row : result["rows"]) {
+    EXPECT_EQ(row["mass"], "redistributed");
+    EXPECT_TRUE(row.contains("difference_to_rigid"));
+  }
+  const Json& mesh = result["meshes"][0];
+  const double h = 1.0 / 27.0;
+  EXPECT_NEAR(mesh["boundary"].get<double>(), h * h * h / (GetParam() * GetParam()),
+              1e-9 * mesh["boundary"].get<double>());
+  EXPECT_NEAR(result["order_penetration"].get<double>(), 1.0, 0.03);
+}
+
+INSTANTIATE_TEST_SUITE_P(Viscosities, LimitByViscosity, testing::Values(1.0, 0.1, 0.01, 0.001));
+
+class LimitByRestitution : public Limit, public testing::WithParamInterface<std::tuple<double, double>> {};
+
+TEST_P(LimitByRestitution, ACommonRestitutionConvergesOnTheConsistentMass) {
+  const auto [restitution, viscosity] = GetParam();
+  const Json result = study("--epsilon 1e-3:1e-6 --set contact.restitution=" + std::to_string(restitution) +
+                            " --set bar.viscosity=" + std::to_string(viscosity));
+  EXPECT_EQ(result["verdict"], "converges") << result["reason"];
+  EXPECT_EQ(result["mass"], "consistent");
+  if (restitution == 0.0) {
+    for (const Json& row : result["rows"]) EXPECT_LE(row["events"].get<int>(), 20);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Restitutions, LimitByRestitution,
+                         testing::Combine(testing::Values(0.0, 0.25, 0.5, 1.0), testing::Values(0.01, 0.001)));
+
+TEST_F(Limit, SeveralMeshesGiveAVerdictOfTheFinestAndACouplingOrAReason) {
+  const Json result = study(
+      "--mass redistributed --set bar.viscosity=1 --epsilon 1e-1:1e-6 --elements 9,18,36 "
+      "--steps 1e-3,5e-4,2.5e-4 --set time.end=3");
+  EXPECT_EQ(result["rows"].size(), 18u);
+  ASSERT_EQ(result["meshes"].size(), 3u);
+  EXPECT_EQ(result["verdict"], result["meshes"][2]["verdict"]);
+  EXPECT_EQ(result["order_penetration"], result["meshes"][2]["small_epsilon"]["penetration"]["order"]);
+  EXPECT_DOUBLE_EQ(result["meshes"][1]["scheme_step"].get<double>(), 5e-4);
+  EXPECT_NE(result["coupling"].is_null(), result["coupling_reason"].is_null());
+}
+
+TEST_F(Limit, TwoMeshesGiveNoCouplingAndSayWhy) {
+  const Json result = study("--mass redistributed --epsilon 1e-2:1e-3 --elements 9,18 --set time.end=2");
+  EXPECT_TRUE(result["coupling"].is_null());
+  EXPECT_NE(result["coupling_reason"].get<std::string>().find("three meshes"), std::string::npos);
+}
+
+TEST_F(Limit, DoesNotNeedTheScenesOwnEpsilonNorAPenalisedMethod) {
+  const Ended ended = viscobar("limit " + scene("unit-both-ends") + " --epsilon 1e-3 --quiet");
+  EXPECT_EQ(ended.code, 0) << ended.error;
+  EXPECT_EQ(ended.out, "");
+  const fs::path results = directory_ / "unit-both-ends.out";
+  EXPECT_EQ(Json::parse(content(results / "limit.json"))["rows"].size(), 1u);
+  const std::string page = content(results / "limit.html");
+  EXPECT_NE(page.find("<svg"), std::string::npos);
+  EXPECT_EQ(page.find("http"), std::string::npos) << "the page must need no network";
+}
+
+TEST_F(Limit, RefusesWhatItCannotStudy) {
+  const auto refused = [&](const std::string& arguments, const std::string& why) {
+    const Ended ended = viscobar("limit " + arguments);
+    EXPECT_EQ(ended.code, 2) << arguments;
+    EXPECT_NE(ended.error.find(why), std::string::npos) << arguments << ": " << ended.error;
+    EXPECT_EQ(ended.out, "") << arguments;
+  };
+  std::ofstream(directory_ / "free.toml") << "[bar]\nlength = 1\n[initial]\ndisplacement = 0\nvelocity = 1\n"
+                                             "[time]\nend = 1\n[mesh]\nelements = 4\n";
+  refused("free.toml", "no obstacle");
+  refused(scene("chatter") + " --mas lumped", "--mass");
+  refused(scene("chatter") + " --mass lumpd", "lumped");
+  refused(scene("chatter") + " --epsilon 1e-2:zero", "\"zero\" is not a positive number");
+  refused(scene("chatter") + " --epsilon 1e-2:-1e-4", "not a positive number");
+  refused(scene("chatter") + " --steps 1e-3,1e-4", "2 given for 1 mesh");
+  refused(scene("chatter") + " --elements 9,-3", "--elements");
+  refused("missing.toml", "missing.toml");
+}
+
+TEST_F(Limit, NeverWritesIntoADirectoryOfOthers) {
+  fs::create_directories(directory_ / "precious");
+  std::ofstream(directory_ / "precious" / "thesis.tex") << "years";
+  EXPECT_EQ(viscobar("limit " + scene("chatter") + " --epsilon 1e-3 -o precious").code, 2);
+  EXPECT_FALSE(fs::exists(directory_ / "precious" / "limit.json"));
+}
+
+TEST_F(Limit, HelpNamesEveryOption) {
+  const Ended ended = viscobar("limit --help");
+  EXPECT_EQ(ended.code, 0);
+  for (const char* option : {"--epsilon", "--per-decade", "--mass", "--elements", "--steps", "--threads", "--output",
+                             "--json", "--set", "--quiet"})
+    EXPECT_NE(ended.out.find(option), std::string::npos) << option;
+}
+
+}  // namespace
+}  // namespace viscobar::testing_cli

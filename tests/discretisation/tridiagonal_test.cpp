@@ -1,0 +1,119 @@
+#include "viscobar/discretisation/tridiagonal.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+namespace viscobar {
+namespace {
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+
+// Off-diagonals of either sign, `dominance` above the row sum on the diagonal.
+SymmetricTridiagonal random_matrix(std::size_t n, double dominance, std::mt19937& random) {
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  SymmetricTridiagonal matrix;
+  matrix.off_diagonal.resize(n - 1);
+  for (double& off : matrix.off_diagonal) off = uniform(random);
+  matrix.diagonal.assign(n, dominance);
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    matrix.diagonal[i] += std::abs(matrix.off_diagonal[i]);
+    matrix.diagonal[i + 1] += std::abs(matrix.off_diagonal[i]);
+  }
+  return matrix;
+}
+
+double entry(const SymmetricTridiagonal& matrix, std::size_t i, std::size_t j) {
+  if (i == j) return matrix.diagonal[i];
+  const bool neighbours = i + 1 == j || j + 1 == i;
+  return neighbours && !matrix.off_diagonal.empty() ? matrix.off_diagonal[std::min(i, j)] : 0.0;
+}
+
+std::vector<double> random_vector(std::size_t n, std::mt19937& random) {
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::vector<double> x(n);
+  for (double& value : x) value = uniform(random);
+  return x;
+}
+
+TEST(Tridiagonal, MultiplyAndQuadraticFormAreThoseOfTheFullMatrix) {
+  std::mt19937 random(1);
+  for (std::size_t n = 1; n < 20; ++n)
+    for (const bool diagonal : {false, true}) {
+      SymmetricTridiagonal matrix = random_matrix(n, 1.0, random);
+      if (diagonal) matrix.off_diagonal.clear();
+      const auto x = random_vector(n, random);
+      std::vector<double> product(n);
+      matrix.multiply(x, product);
+      double form = 0.0;
+      for (std::size_t i = 0; i < n; ++i) {
+        double row = 0.0;
+        for (std::size_t j = 0; j < n; ++j) row += entry(matrix, i, j) * x[j];
+        EXPECT_NEAR(product[i], row, 20 * eps);
+        form += x[i] * row;
+      }
+      EXPECT_NEAR(matrix.quadratic_form(x), form, 20 * static_cast<double>(n) * eps);
+    }
+}
+
+TEST(TridiagonalFactor, SolvesWithABackwardErrorOfRoundingAtEverySizeAndDominance) {
+  std::mt19937 random(2);
+  for (std::size_t n = 1; n < 70; ++n)
+    for (const double dominance : {10.0, 1.0, 1e-3, 1e-9})
+      for (const bool diagonal : {false, true}) {
+        SymmetricTridiagonal matrix = random_matrix(n, dominance, random);
+        if (diagonal) matrix.off_diagonal.clear();
+        const auto b = random_vector(n, random);
+        auto x = b;
+        TridiagonalFactor(matrix).solve(x);
+        std::vector<double> residual(n);
+        matrix.multiply(x, residual);
+        double largest = 1.0;
+        for (const double value : x) largest = std::max(largest, std::abs(value));
+        const double norm = 4.0 + dominance;
+        for (std::size_t i = 0; i < n; ++i)
+          EXPECT_NEAR(residual[i], b[i], 20 * eps * norm * largest) << n << " " << dominance;
+      }
+}
+
+TEST(TridiagonalFactor, IsRebuiltInPlaceForAnotherSizeAndStructure) {
+  std::mt19937 random(3);
+  TridiagonalFactor factor(random_matrix(9, 1.0, random));
+  SymmetricTridiagonal diagonal;
+  diagonal.diagonal = {2.0, 4.0, 8.0};
+  factor.factorise(diagonal);
+  std::vector<double> x{2.0, 2.0, 2.0};
+  factor.solve(x);
+  EXPECT_EQ(x, (std::vector<double>{1.0, 0.5, 0.25}));
+}
+
+TEST(TridiagonalFactor, RefusesWhatIsNotPositiveDefinite) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(TridiagonalFactor(SymmetricTridiagonal{{1.0, 1.0}, {1.0}}), std::domain_error);
+  EXPECT_THROW(TridiagonalFactor(SymmetricTridiagonal{{1.0, -1.0}, {}}), std::domain_error);
+  EXPECT_THROW(TridiagonalFactor(SymmetricTridiagonal{{0.0}, {}}), std::domain_error);
+  EXPECT_THROW(TridiagonalFactor(SymmetricTridiagonal{{2.0, nan, 2.0}, {0.1, 0.1}}), std::domain_error);
+}
+
+TEST(InverseDiagonal, HoldsTheDiagonalEntriesOfTheColumnsOfTheInverse) {
+  std::mt19937 random(4);
+  for (std::size_t n = 1; n < 20; ++n) {
+    const SymmetricTridiagonal matrix = random_matrix(n, 0.5, random);
+    const TridiagonalFactor factor(matrix);
+    const auto diagonal = inverse_diagonal(matrix);
+    const double condition = 4.5 / 0.5;  // largest row sum over smallest eigenvalue
+    for (std::size_t i = 0; i < n; ++i) {
+      std::vector<double> column(n, 0.0);
+      column[i] = 1.0;
+      factor.solve(column);
+      EXPECT_NEAR(diagonal[i], column[i], 10 * condition * eps * column[i]);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace viscobar

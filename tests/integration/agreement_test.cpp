@@ -1,0 +1,178 @@
+// cvode, ida and rigid against the exponential reference: for every pair of ends, every mass, with and without load and
+// viscosity, at several penalties. One constant for all scenes: the error of the displacement stays below
+// 100 (relative max|u| + absolute), in the maximum norm over nodes and output times, and that of the velocity likewise,
+// but for what an event that is late by du/v does to it: while a contact spring turns a node round, the acceleration is
+// v omega, and such a lateness shows as omega du. omega = (epsilon m)^(-1/2) is the frequency of the node on its
+// spring.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "viscobar/analysis/recording.hpp"
+
+namespace viscobar {
+namespace {
+
+constexpr double constant = 100.0;
+
+double largest(const std::vector<double>& values) {
+  double result = 0.0;
+  for (const double value : values) result = std::max(result, std::abs(value));
+  return result;
+}
+
+double distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double result = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) result = std::max(result, std::abs(a[i] - b[i]));
+  return result;
+}
+
+EndCondition end_condition(char kind) {
+  if (kind == 'o') return Obstacle{0.1};
+  if (kind == 'x') return Fixed{};
+  return Free{};
+}
+
+Case scene(const std::string& ends, Mass mass, bool loaded, double viscosity, double epsilon) {
+  Case run;
+  run.scene.bar = {1.0, 1.0, 1.0, viscosity};
+  run.scene.left = end_condition(ends[0]);
+  run.scene.right = end_condition(ends[1]);
+  // Not symmetric: contacts of the two ends must not coincide, where order would be a matter of rounding.
+  run.scene.displacement = [](double x) { return x * (1.1 - x); };
+  run.scene.velocity = [](double x) { return -0.8 - 0.4 * x; };
+  if (loaded)
+    run.scene.load = SeparableLoad{[](double x) { return 0.5 + std::cos(2 * x); },
+                                   [](double t) { return -std::sin(t * std::sqrt(2.0)); }};
+  run.elements = 8;
+  run.mass = mass;
+  run.epsilon = epsilon;
+  run.end = 2.5;
+  run.output_every = 0.05;
+  return run;
+}
+
+Recording run_by(Case run, MethodName method, double tolerance) {
+  run.method = method;
+  run.tolerance = {tolerance, tolerance * 1e-3};
+  return record(run);
+}
+
+// Of a contact node on its spring; h/6 is below the effective mass of every kind of mass. None for massless nodes.
+double contact_frequency(const Case& run) {
+  const bool obstacle = is_obstacle(run.scene.left) || is_obstacle(run.scene.right);
+  if (!obstacle || run.mass == Mass::redistributed) return 0.0;
+  return std::sqrt(6.0 / (*run.epsilon * run.mesh().spacing()));
+}
+
+void expect_agreement(const Case& run, const Recording& reference, const Recording& other, double tolerance,
+                      const std::string& what) {
+  const double u = largest(reference.u), v = largest(reference.v);
+  EXPECT_LE(distance(other.u, reference.u), constant * tolerance * u) << what;
+  EXPECT_LE(distance(other.v, reference.v), constant * tolerance * (v + contact_frequency(run) * u)) << what;
+}
+
+// The k-th change of each contact, whatever happens at the other end meanwhile.
+std::map<std::pair<Where, std::size_t>, std::vector<Event>> by_contact(const Recording& recording) {
+  std::map<std::pair<Where, std::size_t>, std::vector<Event>> events;
+  for (const Event& event : recording.events) events[{event.where, event.node}].push_back(event);
+  return events;
+}
+
+// A crossing is as late as the displacement is wrong: |v| dt <= C tol U; at a graze, v = 0, dt <= sqrt(C tol U / a).
+void expect_same_events(const Recording& reference, const Recording& run, double tolerance, const std::string& what) {
+  const double u = largest(reference.u), v = largest(reference.v);
+  const auto expected = by_contact(reference), found = by_contact(run);
+  ASSERT_EQ(found.size(), expected.size()) << what;
+  for (const auto& [contact, events] : expected) {
+    ASSERT_TRUE(found.contains(contact)) << what;
+    const auto& others = found.at(contact);
+    // Coarser tolerances may lose or add a bounce smaller than they are; then the k-th ones are not the same.
+    if (tolerance > 1e-8 && others.size() != events.size()) continue;
+    ASSERT_EQ(others.size(), events.size()) << what;
+    for (std::size_t k = 0; k < events.size(); ++k) {
+      EXPECT_EQ(others[k].change, events[k].change) << what;
+      const double speed = std::abs(events[k].velocity) + std::sqrt(tolerance) * v;
+      EXPECT_LE(speed * std::abs(others[k].time - events[k].time), constant * tolerance * u)
+          << what << ", event " << k << " at " << events[k].time;
+    }
+  }
+}
+
+using Parameters = std::tuple<std::string, Mass>;
+class Agreement : public testing::TestWithParam<Parameters> {};
+
+TEST_P(Agreement, ErrorsAndEventsFollowTheTolerance) {
+  const auto& [ends, mass] = GetParam();
+  const bool obstacle = ends.find('o') != std::string::npos;
+  for (const bool loaded : {false, true}) {
+    for (const double viscosity : {0.0, 0.01, 0.5}) {
+      for (const double epsilon : obstacle ? std::vector{1e-2, 1e-4, 1e-6} : std::vector{1e-2}) {
+        const Case run = scene(ends, mass, loaded, viscosity, epsilon);
+        const Recording reference = run_by(run, MethodName::exponential, 1.0);
+        for (const MethodName method : {MethodName::cvode, MethodName::ida}) {
+          if (method == MethodName::cvode && mass == Mass::redistributed && viscosity == 0.0 && obstacle) continue;
+          double previous = 0.0;
+          for (const double tolerance : {1e-6, 1e-8, 1e-10}) {
+            const Recording other = run_by(run, method, tolerance);
+            const std::string what = std::string(name(method)) + (loaded ? ", loaded" : "") + ", viscosity " +
+                                     std::to_string(viscosity) + ", epsilon " + std::to_string(epsilon) +
+                                     ", tolerance " + std::to_string(std::log10(tolerance));
+            expect_agreement(run, reference, other, tolerance, what);
+            // The reference itself is good to 1e-12 or so.
+            const double error = distance(other.u, reference.u) / largest(reference.u);
+            if (tolerance < 1e-6) {
+              EXPECT_LE(error, previous + 1e-11) << what;
+            }
+            previous = error;
+            expect_same_events(reference, other, tolerance, what);
+          }
+        }
+      }
+    }
+  }
+}
+
+std::string parameter_name(const testing::TestParamInfo<Parameters>& info) {
+  return std::get<0>(info.param) + "_" + std::string(name(std::get<1>(info.param)));
+}
+
+// o obstacle, f free, x fixed
+INSTANTIATE_TEST_SUITE_P(EveryScene, Agreement,
+                         testing::Combine(testing::Values("oo", "of", "ox", "fo", "xo", "ff", "fx", "xf", "xx"),
+                                          testing::Values(Mass::consistent, Mass::lumped, Mass::paper,
+                                                          Mass::redistributed)),
+                         parameter_name);
+
+// Hundreds of bounces multiply errors, and a missed one would shift all that follow.
+TEST(AgreementOfChatter, HoldsToTheLastBounce) {
+  Case run;
+  run.scene.bar = {1.0, 1.0, 1.0, 0.01};
+  run.scene.left = run.scene.right = Obstacle{0.1};
+  run.scene.displacement = [](double x) { return x * (1 - x); };
+  run.scene.velocity = [](double x) { return -x * (1 - x); };
+  run.elements = 27;
+  run.end = 6.0;
+  run.output_every = 0.05;
+  for (const auto& [epsilon, changes] : {std::pair{1e-2, 4u}, {1e-3, 12u}, {1e-4, 56u}, {1e-5, 352u}, {1e-6, 456u}}) {
+    run.epsilon = epsilon;
+    const Recording reference = run_by(run, MethodName::exponential, 1.0);
+    EXPECT_EQ(reference.events.size(), changes) << epsilon;
+    for (const MethodName method : {MethodName::cvode, MethodName::ida}) {
+      for (const double tolerance : {1e-6, 1e-8, 1e-10}) {
+        const Recording other = run_by(run, method, tolerance);
+        const std::string what = std::string(name(method)) + ", epsilon " + std::to_string(epsilon) + ", tolerance " +
+                                 std::to_string(tolerance);
+        expect_agreement(run, reference, other, tolerance, what);
+        expect_same_events(reference, other, tolerance, what);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace viscobar

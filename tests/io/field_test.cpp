@@ -1,0 +1,166 @@
+#include "io/field_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <csignal>
+#include <regex>
+#include <sys/wait.h>
+#include <sys/resource.h>
+
+#include "io/scratch.hpp"
+#include "viscobar/io/io_error.hpp"
+
+namespace viscobar {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Dataset {
+  std::vector<hsize_t> extent;
+  std::vector<double> values;
+};
+
+Dataset read(const fs::path& file, const char* name) {
+  const Hdf5Handle<H5Fclose> h5(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+  const Hdf5Handle<H5Dclose> dataset(H5Dopen2(h5.get(), name, H5P_DEFAULT));
+  const Hdf5Handle<H5Sclose> space(H5Dget_space(dataset.get()));
+  Dataset out;
+  out.extent.resize(static_cast<std::size_t>(H5Sget_simple_extent_ndims(space.get())));
+  H5Sget_simple_extent_dims(space.get(), out.extent.data(), nullptr);
+  out.values.resize(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space.get())));
+  H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, out.values.data());
+  return out;
+}
+
+double field_value(std::size_t row, std::size_t j) { return std::sin(0.1 * static_cast<double>(row * 1000 + j)); }
+
+void append(FieldFile& file, std::size_t nodes, std::size_t first, std::size_t count) {
+  std::vector<double> u(nodes), v(nodes);
+  for (std::size_t row = first; row < first + count; ++row) {
+    for (std::size_t j = 0; j < nodes; ++j) v[j] = -(u[j] = field_value(row, j));
+    file.append({static_cast<double>(row), u, v, 0.0, 0.0});
+  }
+}
+
+std::size_t times_in(const fs::path& xdmf) {
+  const std::string text = read_text(xdmf);
+  const std::regex time("<Time Value=");
+  return static_cast<std::size_t>(std::distance(std::sregex_iterator(text.begin(), text.end(), time), {}));
+}
+
+// Every element that is opened is closed, in order.
+bool well_formed(const std::string& xml) {
+  std::vector<std::string> open;
+  const std::regex tag(R"(<(/?)(\w+)[^<>]*?(/?)>)");
+  for (std::sregex_iterator it(xml.begin(), xml.end(), tag), end; it != end; ++it) {
+    if ((*it)[1].length()) {
+      if (open.empty() || open.back() != (*it)[2]) return false;
+      open.pop_back();
+    } else if (!(*it)[3].length()) {
+      open.push_back((*it)[2]);
+    }
+  }
+  return open.empty();
+}
+
+class Blocks : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(Blocks, EveryRowIsReadBackWhateverTheBlockSize) {
+  const Scratch scratch;
+  const std::size_t nodes = 31, rows = 10;
+  FieldFile file(scratch.path(), Mesh{3.0, nodes - 1}, GetParam());
+  append(file, nodes, 0, rows);
+  file.close();
+  const Dataset u = read(scratch / "field.h5", "u"), v = read(scratch / "field.h5", "v");
+  EXPECT_EQ(u.extent, (std::vector<hsize_t>{rows, nodes}));
+  EXPECT_EQ(v.extent, u.extent);
+  for (std::size_t row = 0; row < rows; ++row)
+    for (std::size_t j = 0; j < nodes; ++j) {
+      ASSERT_EQ(u.values[row * nodes + j], field_value(row, j));
+      ASSERT_EQ(v.values[row * nodes + j], -field_value(row, j));
+    }
+  EXPECT_EQ(read(scratch / "field.h5", "t").values, (std::vector<double>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}));
+  const Dataset x = read(scratch / "field.h5", "x");
+  EXPECT_EQ(x.extent, (std::vector<hsize_t>{nodes}));
+  EXPECT_EQ(x.values.back(), 3.0);
+  EXPECT_EQ(times_in(scratch / "field.xdmf"), rows);
+}
+
+INSTANTIATE_TEST_SUITE_P(FieldFile, Blocks, testing::Values(1, 3, 10, 1000));
+
+TEST(FieldFile, GathersRowsToBlocksOfAMebibyte) {
+  const Scratch scratch;
+  const std::size_t nodes = 1 << 14;  // 128 KiB a row
+  FieldFile file(scratch.path(), Mesh{1.0, nodes - 1}, 1'000'000);
+  append(file, nodes, 0, 7);
+  EXPECT_EQ(times_in(scratch / "field.xdmf"), 0u);
+  append(file, nodes, 7, 1);
+  EXPECT_EQ(times_in(scratch / "field.xdmf"), 8u);
+}
+
+TEST(FieldFile, AKilledRunLeavesAReadablePairOfFiles) {
+  const Scratch scratch;
+  const std::size_t nodes = 1 << 14;
+  const pid_t child = fork();
+  if (child == 0) {
+    FieldFile file(scratch.path(), Mesh{1.0, nodes - 1}, 1'000'000);
+    append(file, nodes, 0, 20);
+    raise(SIGKILL);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  const Dataset u = read(scratch / "field.h5", "u");
+  EXPECT_EQ(u.extent, (std::vector<hsize_t>{16, nodes}));
+  EXPECT_EQ(u.values.back(), field_value(15, nodes - 1));
+  EXPECT_EQ(times_in(scratch / "field.xdmf"), 16u);
+  EXPECT_TRUE(well_formed(read_text(scratch / "field.xdmf")));
+}
+
+TEST(FieldFile, XdmfIsWellFormedAndNamesRowsThatExist) {
+  const Scratch scratch;
+  FieldFile file(scratch.path(), Mesh{1.0, 4}, 3);
+  EXPECT_TRUE(well_formed(read_text(scratch / "field.xdmf")));
+  append(file, 5, 0, 7);
+  file.close();
+  const std::string text = read_text(scratch / "field.xdmf");
+  EXPECT_TRUE(well_formed(text));
+  EXPECT_NE(text.find("CollectionType=\"Temporal\""), std::string::npos);
+  const std::regex slab(">(\\d+) 0 1 1 1 5</DataItem>");
+  std::vector<int> rows;
+  for (std::sregex_iterator it(text.begin(), text.end(), slab), end; it != end; ++it) rows.push_back(std::stoi((*it)[1]));
+  EXPECT_EQ(rows, (std::vector<int>{0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6}));
+}
+
+TEST(FieldFile, AFileThatMayNotGrowIsAnErrorThatNamesIt) {
+  const Scratch scratch;
+  const pid_t child = fork();
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{1 << 16, 1 << 16};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    int code = 1;
+    try {
+      FieldFile file(scratch.path(), Mesh{1.0, 999}, 1000);
+      append(file, 1000, 0, 1000);
+    } catch (const IoError& error) {
+      const std::string text = error.what();
+      code = error.file.filename() == "field.h5" && text.find("File too large") != std::string::npos ? 0 : 2;
+    }
+    _exit(code);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+TEST(FieldFile, APlaceThatIsNotThereIsAnErrorAtOnce) {
+  const Scratch scratch;
+  EXPECT_THROW(FieldFile(scratch / "nowhere", Mesh{1.0, 4}, 3), IoError);
+}
+
+}  // namespace
+}  // namespace viscobar

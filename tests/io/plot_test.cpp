@@ -1,0 +1,172 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "io/plot/axis.hpp"
+#include "io/plot/colour_map.hpp"
+#include "io/plot/figure.hpp"
+#include "io/plot/png.hpp"
+#include "io/plot/thinning.hpp"
+#include "io/thinned_field.hpp"
+
+namespace viscobar::plot {
+namespace {
+
+std::vector<std::string> labels(const Ticks& ticks) {
+  std::vector<std::string> out;
+  for (const Tick& tick : ticks.ticks)
+    if (!tick.label.empty()) out.push_back(tick.label);
+  return out;
+}
+
+TEST(Ticks, AreRoundNumbersWithTheDigitsTheyNeed) {
+  EXPECT_EQ(labels(ticks({"", -0.3, 1.1}, 6)), (std::vector<std::string>{"−0.2", "0.0", "0.2", "0.4", "0.6", "0.8", "1.0"}));
+  EXPECT_EQ(labels(ticks({"", 0.0, 40.0}, 9)), (std::vector<std::string>{"0", "5", "10", "15", "20", "25", "30", "35", "40"}));
+}
+
+TEST(Ticks, OfAnyRangeAreAFewInsideIt) {
+  for (double size = 1e-30; size < 1e30; size *= 1.7)
+    for (const double low : {0.0, -size, 0.37 * size}) {
+      const Axis axis{"", low, low + size};
+      const Ticks marks = ticks(axis, 6);
+      EXPECT_GE(marks.ticks.size(), 3u) << low << ' ' << size;
+      EXPECT_LE(marks.ticks.size(), 13u) << low << ' ' << size;
+      for (const Tick& tick : marks.ticks) {
+        EXPECT_GE(axis.position(tick.value), -1e-9);
+        EXPECT_LE(axis.position(tick.value), 1.0 + 1e-9);
+      }
+    }
+}
+
+TEST(Ticks, OfLargeNumbersShareAFactor) {
+  const Ticks marks = ticks({"", 0.0, 2e6}, 4);
+  EXPECT_EQ(marks.exponent, 6);
+  EXPECT_EQ(labels(marks), (std::vector<std::string>{"0.0", "0.5", "1.0", "1.5", "2.0"}));
+}
+
+TEST(Ticks, OfALogarithmicAxisAreDecadesWithMinorOnesBetween) {
+  const Axis axis = fitted_decades("", 3e-4, 0.2);
+  EXPECT_EQ(axis.position(axis.low), 0.0);
+  const Ticks marks = ticks(axis, 9);
+  EXPECT_EQ(labels(marks), (std::vector<std::string>{"10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "10⁰"}));
+  EXPECT_EQ(marks.ticks.size(), 5u + 4u * 8u);
+  EXPECT_LE(labels(ticks(fitted_decades("", 1e-30, 1e30), 9)).size(), 10u);
+}
+
+TEST(Axis, AConstantHasAnAxisAroundIt) {
+  for (const double value : {0.0, 3.0, -1e-20}) {
+    const Axis axis = fitted("", value, value);
+    EXPECT_LT(axis.low, value);
+    EXPECT_GT(axis.high, value);
+  }
+}
+
+TEST(Readable, WritesForPeople) {
+  EXPECT_EQ(readable(0.0), "0");
+  EXPECT_EQ(readable(-1.5), "−1.5");
+  EXPECT_EQ(readable(12345.0), "12345");
+  EXPECT_EQ(readable(1e-6), "10⁻⁶");
+  EXPECT_EQ(readable(2.5e7), "2.5\u2009×\u200910⁷");
+}
+
+TEST(Ordinal, FollowsEnglish) {
+  EXPECT_EQ(ordinal(2), "2nd");
+  EXPECT_EQ(ordinal(11), "11th");
+  EXPECT_EQ(ordinal(21), "21st");
+  EXPECT_EQ(ordinal(64), "64th");
+  EXPECT_EQ(ordinal(113), "113th");
+}
+
+TEST(ThinnedLine, KeepsAPeakOfASinglePointAmongAMillion) {
+  ThinnedLine line(100);
+  for (int i = 0; i < 1'000'000; ++i) line.add({static_cast<double>(i), i == 654'321 ? 5.0 : std::sin(0.01 * i)});
+  const std::vector<Point> kept = line.points();
+  EXPECT_LE(kept.size(), 400u);
+  EXPECT_EQ(kept.front().x, 0.0);
+  EXPECT_EQ(kept.back().x, 999'999.0);
+  EXPECT_TRUE(std::is_sorted(kept.begin(), kept.end(), [](Point a, Point b) { return a.x < b.x; }));
+  EXPECT_TRUE(std::any_of(kept.begin(), kept.end(), [](Point p) { return p.x == 654'321.0 && p.y == 5.0; }));
+}
+
+TEST(ThinnedLine, IsTheLineItselfWhileItIsShort) {
+  const std::vector<Point> line = {{0, 1}, {1, -1}, {2, 4}, {3, 4}};
+  const std::vector<Point> kept = thin(line, 4);
+  ASSERT_EQ(kept.size(), line.size());
+  for (std::size_t i = 0; i < line.size(); ++i) EXPECT_EQ(kept[i].y, line[i].y);
+}
+
+TEST(ThinnedIntervals, StayFewAndCoverWhatTheyWereGiven) {
+  ThinnedIntervals intervals;
+  for (int i = 0; i < 100'000; ++i) intervals.add({i + 0.25, i + 0.75});
+  EXPECT_LT(intervals.intervals().size(), 2000u);
+  EXPECT_EQ(intervals.intervals().front().begin, 0.25);
+  EXPECT_EQ(intervals.intervals().back().end, 99'999.75);
+}
+
+TEST(ThinnedField, KeepsEveryPowerOfTwothRowAndTheLast) {
+  const Mesh mesh{1.0, 1003};
+  ThinnedField field(mesh);
+  std::vector<double> u(mesh.nodes());
+  for (int k = 0; k < 5000; ++k) {
+    u.assign(u.size(), k);
+    u.back() = -k;
+    field.add(0.5 * k, u);
+  }
+  EXPECT_EQ(field.time_stride(), 16u);
+  EXPECT_EQ(field.node_stride(), 3u);
+  EXPECT_EQ(field.x().back(), 1.0);
+  EXPECT_LE(field.x().size(), 401u);
+  ASSERT_LE(field.rows(), 401u);
+  for (std::size_t row = 0; row + 1 < field.rows(); ++row) {
+    EXPECT_EQ(field.time(row), 8.0 * static_cast<double>(row));
+    EXPECT_EQ(field.row(row).front(), 16.0 * static_cast<double>(row));
+  }
+  EXPECT_EQ(field.time(field.rows() - 1), 0.5 * 4999);
+  EXPECT_EQ(field.row(field.rows() - 1).back(), -4999.0);
+}
+
+// Relative luminance of sRGB.
+double luminance(Colour colour) {
+  const auto linear = [](unsigned byte) {
+    const double c = byte / 255.0;
+    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+  };
+  return 0.2126 * linear(colour >> 16 & 0xff) + 0.7152 * linear(colour >> 8 & 0xff) + 0.0722 * linear(colour & 0xff);
+}
+
+TEST(ColourMap, TheSequentialOneGrowsLighterAllTheWay) {
+  for (int i = 0; i < 64; ++i) EXPECT_LT(luminance(sequential().at(i / 64.0)), luminance(sequential().at((i + 1) / 64.0)));
+}
+
+TEST(ColourMap, TheDivergingOneIsLightestAtZeroAndAlikeOnBothSides) {
+  for (int i = 0; i < 32; ++i) {
+    const double inner = luminance(diverging().at(0.5 + i / 64.0)), outer = luminance(diverging().at(0.5 + (i + 1) / 64.0));
+    EXPECT_LT(outer, inner);
+    EXPECT_LT(luminance(diverging().at(0.5 - (i + 1) / 64.0)), luminance(diverging().at(0.5 - i / 64.0)));
+    EXPECT_NEAR(luminance(diverging().at(0.5 - i / 64.0)), inner, 0.1);
+  }
+}
+
+TEST(Png, IsWhatAnIndependentEncoderWrites) {
+  std::array<Colour, 256> palette{};
+  for (Colour i = 0; i < 256; ++i) palette[i] = i << 16 | (255 - i) << 8 | 0x40;
+  const std::string uri = png_data_uri(3, 2, palette, std::vector<std::uint8_t>{1, 2, 3, 4, 5, 255});
+  // Head and end of the file, the checksums of all chunks in them, made with zlib at level 0.
+  EXPECT_TRUE(uri.starts_with("data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAMAAAACCAMAAACqqpYoAAADAFBMVEUA/0AB"));
+  EXPECT_TRUE(uri.ends_with("A0D9AkD+AUD/AEDUIOYPAAAAE0lEQVR4AQEIAPf/AAECAwAEBf8BPwEPXS+G1wAAAABJRU5ErkJggg=="));
+  // 22 of the URI's head, then base64 of 8 + 25 + 780 + 31 + 12 bytes.
+  EXPECT_EQ(uri.size(), 22u + (856u + 2u) / 3u * 4u);
+}
+
+TEST(Figure, EscapesTextsAndSurvivesPointsThatAreNotFinite) {
+  Figure figure({"x", 0.0, 1.0}, {"a < b", 0.0, 1.0});
+  figure.line(std::vector<Point>{{0, 0}, {0.5, std::nan("")}, {1, 1}}, {series_colour(0)}, "u & v");
+  const std::string svg = figure.svg("title");
+  EXPECT_NE(svg.find("a &lt; b"), std::string::npos);
+  EXPECT_NE(svg.find("u &amp; v"), std::string::npos);
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace viscobar::plot

@@ -1,0 +1,123 @@
+#include "viscobar/io/record_run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "io/scratch.hpp"
+#include "viscobar/io/io_error.hpp"
+
+namespace viscobar {
+namespace {
+
+using Json = nlohmann::json;
+
+Json summary_in(const std::filesystem::path& directory) { return Json::parse(read_text(directory / "summary.json")); }
+
+TEST(RecordRun, WritesARowForEveryOutputTimeAndEveryContactChange) {
+  const Scratch scratch;
+  const RunRecord record = record_run(bouncing_bar(), scratch / "deep/out");
+  EXPECT_EQ(record.outcome.ending, Ending::completed);
+  const auto ends = read_lines(scratch / "deep/out/ends.csv");
+  ASSERT_EQ(ends.size(), 1u + 101u);
+  EXPECT_TRUE(ends[1].starts_with("0,"));
+  EXPECT_TRUE(ends.back().starts_with("1,"));
+  EXPECT_GE(record.outcome.events, 2u);
+  EXPECT_EQ(read_lines(scratch / "deep/out/events.csv").size(), 1u + record.outcome.events);
+  for (const char* file : {"field.h5", "field.xdmf", "report.html"})
+    EXPECT_GT(std::filesystem::file_size(scratch / "deep/out" / file), 1000u) << file;
+}
+
+TEST(RecordRun, AnInterruptedRunKeepsWhatItReached) {
+  const Scratch scratch;
+  RecordOptions options;
+  options.progress = [](double time, std::size_t) {
+    if (time > 0.5) throw Interrupted();
+  };
+  const RunRecord record = record_run(bouncing_bar(), scratch.path(), options);
+  EXPECT_EQ(record.outcome.ending, Ending::interrupted);
+  const Json summary = summary_in(scratch.path());
+  EXPECT_EQ(summary["completed"], false);
+  EXPECT_EQ(summary["error"], "interrupted");
+  EXPECT_TRUE(summary["rhs_evaluations"].is_null());
+  EXPECT_GT(summary["reached_time"], 0.5);
+  EXPECT_LT(summary["reached_time"], 1.0);
+  const auto ends = read_lines(scratch / "ends.csv");
+  EXPECT_GT(ends.size(), 50u);
+  EXPECT_LE(ends.size(), 1u + 101u);
+  EXPECT_NE(read_text(scratch / "report.html").find("did not complete"), std::string::npos);
+}
+
+TEST(RecordRun, AFailedIntegrationKeepsWhatItReachedAndSaysWhy) {
+  const Scratch scratch;
+  SceneFile scene = bouncing_bar();
+  scene.run.scene.load = GeneralLoad{[](double, double t) {
+    return t > 0.5 ? std::numeric_limits<double>::quiet_NaN() : 0.0;
+  }};
+  const RunRecord record = record_run(scene, scratch.path());
+  EXPECT_EQ(record.outcome.ending, Ending::failed);
+  const Json summary = summary_in(scratch.path());
+  EXPECT_EQ(summary["completed"], false);
+  EXPECT_NE(summary["error"].get<std::string>().find("load"), std::string::npos);
+  EXPECT_GT(summary["steps"], 0);
+  EXPECT_LE(summary["reached_time"], 0.5);
+  EXPECT_GT(read_lines(scratch / "ends.csv").size(), 2u);
+}
+
+TEST(RecordRun, AFullDiskEndsTheRunAsAFailureThatNamesTheFile) {
+  const Scratch scratch;
+  std::filesystem::create_symlink("/dev/full", scratch / "ends.csv");
+  std::ofstream(scratch / "summary.json") << "{}";
+  const RunRecord record = record_run(bouncing_bar(), scratch.path());
+  EXPECT_EQ(record.outcome.ending, Ending::failed);
+  EXPECT_NE(record.outcome.error.find("ends.csv: cannot be written: No space left"), std::string::npos)
+      << record.outcome.error;
+  EXPECT_EQ(summary_in(scratch.path())["completed"], false);
+}
+
+TEST(RecordRun, ReplacesAnEarlierResult) {
+  const Scratch scratch;
+  SceneFile scene = bouncing_bar();
+  record_run(scene, scratch.path());
+  scene.run.end = 0.5;
+  record_run(scene, scratch.path());
+  EXPECT_EQ(read_lines(scratch / "ends.csv").size(), 1u + 51u);
+}
+
+TEST(RecordRun, TouchesNoDirectoryThatHoldsOtherFiles) {
+  const Scratch scratch;
+  std::ofstream(scratch / "ends.csv") << "mine";
+  EXPECT_THROW(record_run(bouncing_bar(), scratch.path()), std::invalid_argument);
+  EXPECT_EQ(read_text(scratch / "ends.csv"), "mine");
+  EXPECT_THROW(record_run(bouncing_bar(), scratch / "ends.csv"), std::invalid_argument);
+}
+
+TEST(RecordRun, AKilledRunLeavesASummaryThatSaysSoAndNoOldReport) {
+  const Scratch scratch;
+  record_run(bouncing_bar(), scratch.path());
+  RecordOptions options;
+  options.progress = [&](double, std::size_t steps) {
+    if (steps > 1) return;
+    EXPECT_EQ(summary_in(scratch.path())["completed"], false);
+    EXPECT_FALSE(std::filesystem::exists(scratch / "report.html"));
+  };
+  record_run(bouncing_bar(), scratch.path(), options);
+  EXPECT_EQ(summary_in(scratch.path())["completed"], true);
+}
+
+TEST(RecordRun, TheRecordingDoesNotChangeTheMotion) {
+  const Scratch scratch;
+  const SceneFile scene = bouncing_bar();
+  Observers last;
+  double u = 0.0;
+  last.snapshot = [&](const Snapshot& at) { u = at.u.front(); };
+  simulate(scene.run, make_system(scene.run), last);
+  record_run(scene, scratch.path());
+  const std::string row = read_lines(scratch / "ends.csv").back();
+  // The energy account joins the state that the tolerances govern: ten times those.
+  EXPECT_NEAR(std::stod(row.substr(row.find(',') + 1)), u, 10 * scene.run.tolerance.relative);
+}
+
+}  // namespace
+}  // namespace viscobar

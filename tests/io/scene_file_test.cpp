@@ -1,0 +1,398 @@
+#include "viscobar/io/scene_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "io/scene_keys.hpp"
+
+namespace viscobar {
+
+void PrintTo(const Diagnostic& found, std::ostream* out) { *out << found.text(); }
+
+namespace {
+
+namespace fs = std::filesystem;
+using Overrides = std::vector<std::string>;
+
+const fs::path root = VISCOBAR_SOURCE_DIR;
+
+constexpr const char* small_scene = R"toml([bar]
+length = 2.0
+
+[initial]
+displacement = "x*(1-x)"
+velocity = 0
+
+[time]
+end = 4.0
+
+[mesh]
+elements = 8
+)toml";
+
+SceneFile small(const Overrides& overrides = {}, const std::string& more = "") {
+  return parse_scene(small_scene + more, "small.toml", overrides);
+}
+
+std::vector<Diagnostic> errors_of(const std::string& text, const Overrides& overrides = {}) {
+  try {
+    parse_scene(text, "scene.toml", overrides);
+  } catch (const SceneError& error) {
+    return error.diagnostics;
+  }
+  return {};
+}
+
+std::string content(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::vector<fs::path> files_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().extension() == ".toml") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::string test_name(const testing::TestParamInfo<fs::path>& info) {
+  std::string name = info.param.stem().string();
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+// What the first lines of a malformed scene say: "# set key=value" gives an override, "# expect line:column key
+// fragment" an error, in their order; the key of an error that is about none is "-", and the position of one that is
+// about an override begins with "--set:".
+struct Expectations {
+  Overrides overrides;
+  std::vector<std::string> errors;
+};
+
+Expectations expectations_in(const std::string& text) {
+  Expectations expected;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    if (line.starts_with("# set "))
+      expected.overrides.push_back(line.substr(6));
+    else if (line.starts_with("# expect "))
+      expected.errors.push_back(line.substr(9));
+    else
+      break;
+  }
+  return expected;
+}
+
+class Malformed : public testing::TestWithParam<fs::path> {};
+
+TEST_P(Malformed, GivesExactlyTheErrorsItAnnounces) {
+  const std::string text = content(GetParam());
+  const Expectations expected = expectations_in(text);
+  ASSERT_FALSE(expected.errors.empty());
+  const std::vector<Diagnostic> found = errors_of(text, expected.overrides);
+  EXPECT_EQ(found.size(), expected.errors.size()) << testing::PrintToString(found);
+  for (std::size_t i = 0; i < std::min(found.size(), expected.errors.size()); ++i) {
+    std::istringstream words(expected.errors[i]);
+    std::string position, key, fragment;
+    words >> position >> key >> std::ws;
+    std::getline(words, fragment);
+    const Diagnostic& one = found[i];
+    const std::string source = one.source == "--set" ? "--set:" : "";
+    EXPECT_EQ(source + std::to_string(one.line) + ":" + std::to_string(one.column), position) << one.text();
+    EXPECT_EQ(one.key.empty() ? "-" : one.key, key) << one.text();
+    EXPECT_NE(one.message.find(fragment), std::string::npos) << one.text() << "\nlacks: " << fragment;
+    EXPECT_EQ(one.text().find('\n'), std::string::npos) << one.text();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(SceneFile, Malformed, testing::ValuesIn(files_in(root / "tests/io/malformed")), test_name);
+
+class Example : public testing::TestWithParam<fs::path> {};
+
+TEST_P(Example, RunsByEveryMethodButThoseThatCannotTakeItsMass) {
+  const Case run = read_scene(GetParam()).run;
+  const auto cannot = [&](MethodName method) {
+    const bool massless = run.mass == Mass::redistributed;
+    if (method == MethodName::rigid) return run.scene.span.has_value();
+    return massless &&
+           (method == MethodName::finite_difference || (method == MethodName::cvode && run.scene.bar.viscosity == 0.0));
+  };
+  for (const MethodName method : all_methods) {
+    const Overrides overrides{"method.name=" + std::string(name(method))};
+    if (cannot(method))
+      EXPECT_THROW(read_scene(GetParam(), overrides), SceneError) << name(method);
+    else
+      EXPECT_EQ(read_scene(GetParam(), overrides).run.method, method);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(SceneFile, Example, testing::ValuesIn(files_in(root / "examples/scenes")), test_name);
+
+TEST(SceneFile, GivesTheFallbacksOfKeysThatAreAbsent) {
+  const Case run = small().run;
+  EXPECT_EQ(run.scene.title, "");
+  EXPECT_EQ(run.scene.bar.density, 1.0);
+  EXPECT_EQ(run.scene.bar.modulus, 1.0);
+  EXPECT_EQ(run.scene.bar.viscosity, 0.0);
+  EXPECT_TRUE(std::holds_alternative<Free>(run.scene.left));
+  EXPECT_TRUE(std::holds_alternative<Free>(run.scene.right));
+  EXPECT_FALSE(run.scene.span);
+  EXPECT_FALSE(run.scene.load);
+  EXPECT_EQ(run.mass, Mass::consistent);
+  EXPECT_FALSE(run.epsilon);
+  EXPECT_FALSE(run.restitution);
+  EXPECT_EQ(run.method, MethodName::cvode);
+  EXPECT_EQ(run.tolerance.relative, 1e-6);
+  EXPECT_EQ(run.tolerance.absolute, 1e-9);
+  EXPECT_FALSE(run.step);
+  EXPECT_EQ(run.start, Start::first_order);
+  EXPECT_EQ(run.output_every, 4.0 / 100);
+}
+
+TEST(SceneFile, GivesEveryKeyItsPlaceInTheCase) {
+  const Case run = parse_scene(R"(title = "all of them, größer"
+[bar]
+length = 2
+density = 3.0
+modulus = 5.0
+viscosity = 7.0
+[left]
+kind = "obstacle"
+gap = 0.5
+[right]
+kind = "fixed"
+[span]
+gap = 11.0
+[initial]
+displacement = "x"
+velocity = 13
+[load]
+profile = "x"
+history = "t"
+[time]
+end = 17.0
+[mesh]
+elements = 19
+mass = "lumped"
+[contact]
+epsilon = 1e-3
+restitution = 0.25
+[method]
+name = "fully_discrete"
+relative_tolerance = 1e-4
+absolute_tolerance = 1e-5
+step = 0.125
+start = "second_order"
+[output]
+every = 0.75
+)",
+                               "all.toml")
+                       .run;
+  EXPECT_EQ(run.scene.title, "all of them, größer");
+  EXPECT_EQ(run.scene.bar.length, 2.0);
+  EXPECT_EQ(run.scene.bar.density, 3.0);
+  EXPECT_EQ(run.scene.bar.modulus, 5.0);
+  EXPECT_EQ(run.scene.bar.viscosity, 7.0);
+  EXPECT_EQ(std::get<Obstacle>(run.scene.left).gap, 0.5);
+  EXPECT_TRUE(is_fixed(run.scene.right));
+  ASSERT_TRUE(run.scene.span);
+  EXPECT_EQ(run.scene.span->gap, 11.0);
+  EXPECT_EQ(run.scene.displacement(1.5), 1.5);
+  EXPECT_EQ(run.scene.velocity(1.5), 13.0);
+  const auto& load = std::get<SeparableLoad>(*run.scene.load);
+  EXPECT_EQ(load.profile(1.5), 1.5);
+  EXPECT_EQ(load.history(2.5), 2.5);
+  EXPECT_EQ(run.end, 17.0);
+  EXPECT_EQ(run.elements, 19u);
+  EXPECT_EQ(run.mass, Mass::lumped);
+  EXPECT_EQ(run.epsilon, 1e-3);
+  EXPECT_EQ(run.restitution, 0.25);
+  EXPECT_EQ(run.method, MethodName::fully_discrete);
+  EXPECT_EQ(run.tolerance.relative, 1e-4);
+  EXPECT_EQ(run.tolerance.absolute, 1e-5);
+  EXPECT_EQ(run.step, 0.125);
+  EXPECT_EQ(run.start, Start::second_order);
+  EXPECT_EQ(run.output_every, 0.75);
+}
+
+TEST(SceneFile, KnowsEveryNameOfAMassAndAMethod) {
+  for (const Mass mass : {Mass::consistent, Mass::lumped, Mass::paper, Mass::redistributed})
+    EXPECT_EQ(small({"mesh.mass=" + std::string(name(mass))}).run.mass, mass);
+  for (const MethodName method : all_methods)
+    EXPECT_EQ(small({"method.name=" + std::string(name(method)), "method.step=0.1"}).run.method, method);
+}
+
+template <class Kind>
+bool load_is(const std::string& keys) {
+  const auto load = small({}, "[load]\n" + keys).run.scene.load;
+  return load && std::holds_alternative<Kind>(*load);
+}
+
+TEST(SceneFile, MakesTheNarrowestLoad) {
+  EXPECT_TRUE(load_is<SteadyLoad>("density = 2"));
+  EXPECT_TRUE(load_is<SteadyLoad>("density = \"cos(2*x)\""));
+  EXPECT_TRUE(load_is<SeparableLoad>("density = \"sin(t)\""));
+  EXPECT_TRUE(load_is<GeneralLoad>("density = \"sin(t)*cos(2*x)\""));
+  EXPECT_TRUE(load_is<SeparableLoad>("profile = 2\nhistory = \"sin(t)\""));
+  EXPECT_TRUE(load_is<SteadyLoad>("profile = \"x\"\nhistory = 3"));
+}
+
+TEST(SceneFile, MakesNoLoadOfZero) {
+  for (const char* keys : {"density = 0", "density = 0.0", "density = \"0\"", "density = \"2 - 2\"",
+                           "profile = 0\nhistory = \"t\"", "profile = \"x\"\nhistory = 0"})
+    EXPECT_FALSE(small({}, std::string("[load]\n") + keys).run.scene.load) << keys;
+}
+
+TEST(SceneFile, KeepsTheValueOfALoadInWhateverKind) {
+  const auto load = [](const std::string& keys) { return *small({}, "[load]\n" + keys).run.scene.load; };
+  EXPECT_EQ(std::get<SteadyLoad>(load("profile = \"x\"\nhistory = 3")).profile(2.0), 6.0);
+  const auto in_time = std::get<SeparableLoad>(load("density = \"t\""));
+  EXPECT_EQ(in_time.profile(2.0) * in_time.history(3.0), 3.0);
+  EXPECT_EQ(std::get<GeneralLoad>(load("density = \"x - t\"")).density(2.0, 3.0), -1.0);
+}
+
+TEST(SceneFile, TakesOverridesAsTomlOrElseAsText) {
+  EXPECT_EQ(small({"time.end=5"}).run.end, 5.0);
+  EXPECT_EQ(small({"time.end = 5.5 "}).run.end, 5.5);
+  EXPECT_EQ(small({"method.name=ida"}).run.method, MethodName::ida);
+  EXPECT_EQ(small({"method.name=\"ida\""}).run.method, MethodName::ida);
+  EXPECT_EQ(small({"initial.velocity=-x*(1-x)"}).run.scene.velocity(3.0), 6.0);
+  EXPECT_EQ(small({"initial.velocity=0.5"}).run.scene.velocity(3.0), 0.5);
+  EXPECT_EQ(small({"initial.velocity=x==1 ? 2 : 3"}).run.scene.velocity(1.0), 2.0);
+  EXPECT_EQ(small({"title=a bar, no more"}).run.scene.title, "a bar, no more");
+}
+
+TEST(SceneFile, TakesOverridesInTheirOrder) { EXPECT_EQ(small({"time.end=5", "time.end=6"}).run.end, 6.0); }
+
+TEST(SceneFile, LetsOverridesAddTables) {
+  const Case run = small({"left.kind=obstacle", "left.gap=0.5", "contact.epsilon=1e-3"}).run;
+  EXPECT_EQ(std::get<Obstacle>(run.scene.left).gap, 0.5);
+  EXPECT_EQ(run.epsilon, 1e-3);
+}
+
+TEST(SceneFile, ForgetsTheErrorOfAValueThatAnOverrideReplaces) {
+  std::string text = small_scene;
+  text.replace(text.find("2.0"), 3, "-2.0");
+  EXPECT_EQ(errors_of(text).size(), 1u);
+  EXPECT_EQ(parse_scene(text, "scene.toml", Overrides{"bar.length=3"}).run.scene.bar.length, 3.0);
+}
+
+TEST(SceneFile, RefusesAnOverrideThatIsNotUtf8) {
+  const auto found = errors_of(small_scene, {"title=\xff"});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].text(), "--set:1:1: is not UTF-8 text");
+}
+
+TEST(SceneFile, ReadsTheSameWithWindowsLineEndsAndByteOrderMark) {
+  std::string text = "\xEF\xBB\xBF";
+  for (const char* c = small_scene; *c; ++c) {
+    if (*c == '\n') text += '\r';
+    text += *c;
+  }
+  EXPECT_EQ(parse_scene(text, "scene.toml").description, small().description);
+}
+
+TEST(SceneFile, ThatIsEmptyLacksEveryRequiredKeyAtItsBeginning) {
+  std::size_t required = 0;
+  for (const SceneKey& key : scene_keys()) required += key.presence == Presence::required ? 1 : 0;
+  const auto found = errors_of("");
+  EXPECT_EQ(found.size(), required);
+  for (const Diagnostic& one : found) {
+    EXPECT_EQ(one.line, 1u);
+    EXPECT_EQ(one.column, 1u);
+  }
+}
+
+TEST(SceneFile, ThatCannotBeReadIsOneError) {
+  for (const fs::path& path : {root / "no such scene.toml", root}) {
+    try {
+      read_scene(path, Overrides{"foo"});
+      FAIL() << path;
+    } catch (const SceneError& error) {
+      ASSERT_EQ(error.diagnostics.size(), 1u);
+      EXPECT_TRUE(std::string(error.what()).starts_with(path.string() + ":1:1: cannot be read: ")) << error.what();
+    }
+  }
+}
+
+TEST(SceneFile, ErrorsReadAsFileLineColumnKeyMessage) {
+  std::string text = small_scene;
+  text.replace(text.find("2.0"), 3, "0");
+  try {
+    parse_scene(text + "[output]\nevery = 0\n", "dir/scene.toml");
+    FAIL();
+  } catch (const SceneError& error) {
+    EXPECT_STREQ(error.what(),
+                 "dir/scene.toml:2:10: bar.length: must be positive, is 0\n"
+                 "dir/scene.toml:14:9: output.every: must be positive, is 0");
+  }
+}
+
+TEST(SceneFile, DescribesEveryKeyAsUnderstood) {
+  const auto description =
+      nlohmann::json::parse(small({"load.density=sin(t)", "mesh.mass=lumped", "title=\"a \\\"b\\\"\""}).description);
+  const auto expected = nlohmann::json::parse(R"json({
+    "title": "a \"b\"",
+    "bar": {"length": 2.0, "density": 1.0, "modulus": 1.0, "viscosity": 0.0},
+    "left": {"kind": "free"}, "right": {"kind": "free"},
+    "initial": {"displacement": "x*(1-x)", "velocity": 0.0},
+    "load": {"density": "sin(t)"},
+    "time": {"end": 4.0},
+    "mesh": {"elements": 8, "mass": "lumped"},
+    "method": {"name": "cvode", "relative_tolerance": 1e-6, "absolute_tolerance": 1e-9,
+               "error_control": "global", "formulas": "automatic", "start": "first_order"},
+    "output": {"every": 0.04}})json");
+  EXPECT_EQ(description, expected) << description.dump(2);
+}
+
+TEST(SceneFile, IsRestoredByItsDescription) {
+  for (const fs::path& file : files_in(root / "examples/scenes")) {
+    const std::string description = read_scene(file).description;
+    Overrides overrides;
+    const auto tables = nlohmann::json::parse(description);
+    for (const auto& [table, keys] : tables.items()) {
+      if (!keys.is_object()) {
+        overrides.push_back(table + "=" + keys.dump());
+        continue;
+      }
+      for (const auto& [key, value] : keys.items()) overrides.push_back(table + "." + key + "=" + value.dump());
+    }
+    EXPECT_EQ(parse_scene("", "empty.toml", overrides).description, description);
+  }
+}
+
+TEST(SceneKeys, AreEachDocumentedInTheWordsOfTheTable) {
+  const std::string page = content(root / "docs/scene-file.md");
+  for (const SceneKey& key : scene_keys())
+    EXPECT_NE(page.find(documentation_row(key) + "\n"), std::string::npos) << documentation_row(key);
+}
+
+TEST(SceneKeys, BelongToTheTablesInTheirOrder) {
+  std::vector<std::string_view> tables;
+  for (const SceneKey& key : scene_keys())
+    if (!key.table().empty() && (tables.empty() || tables.back() != key.table())) tables.push_back(key.table());
+  EXPECT_TRUE(std::equal(tables.begin(), tables.end(), scene_tables().begin(), scene_tables().end()));
+}
+
+TEST(SceneKeys, AreEachFoundNearTheirNameWithTwoLettersExchanged) {
+  for (const SceneKey& key : scene_keys()) {
+    std::string misspelt(key.leaf());
+    std::swap(misspelt[1], misspelt[2]);
+    if (misspelt == key.leaf()) std::swap(misspelt[0], misspelt[1]);
+    const SceneKey* nearest = nearest_scene_key(key.table(), misspelt);
+    ASSERT_NE(nearest, nullptr) << misspelt;
+    EXPECT_EQ(nearest->name, key.name) << misspelt;
+  }
+}
+
+}  // namespace
+}  // namespace viscobar

@@ -1,0 +1,85 @@
+// Prints how far cvode and ida are from the exponential reference, in multiples of the requested tolerance, and what it
+// costs them: the tables of docs/methods.md. Run: build/release/tests/measure_accuracy
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "viscobar/analysis/recording.hpp"
+
+namespace {
+
+using namespace viscobar;
+
+Case two_obstacles(double viscosity, double epsilon, Mass mass) {
+  Case run;
+  run.scene.bar = {1.0, 1.0, 1.0, viscosity};
+  run.scene.left = run.scene.right = Obstacle{0.1};
+  run.scene.displacement = [](double x) { return x * (1 - x); };
+  run.scene.velocity = [](double x) { return -x * (1 - x); };
+  run.elements = 27;
+  run.mass = mass;
+  run.epsilon = epsilon;
+  run.end = 6.0;
+  run.output_every = 0.05;
+  return run;
+}
+
+struct Variant {
+  const char* label;
+  MethodName method;
+  ErrorControl control;
+  Formulas formulas;
+};
+
+double error(const std::vector<double>& a, const std::vector<double>& b) {
+  double largest = 0.0, difference = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    largest = std::max(largest, std::abs(b[i]));
+    difference = std::max(difference, std::abs(a[i] - b[i]));
+  }
+  return difference / largest;
+}
+
+}  // namespace
+
+int main() {
+  const Variant variants[] = {
+      {"cvode", MethodName::cvode, ErrorControl::global, Formulas::automatic},
+      {"ida", MethodName::ida, ErrorControl::global, Formulas::automatic},
+      {"cvode, local error control", MethodName::cvode, ErrorControl::local, Formulas::automatic},
+      {"cvode, bdf only", MethodName::cvode, ErrorControl::global, Formulas::bdf},
+      {"cvode, adams only", MethodName::cvode, ErrorControl::global, Formulas::adams},
+  };
+  fmt::print("[0,1], both ends an obstacle at 0.1, u_0 = x(1-x), u_1 = -u_0, 27 elements, T = 6\n");
+  fmt::print("error of u / tolerance, contact changes, steps, milliseconds; tolerance 1e-6, 1e-8, 1e-10\n");
+  for (const double viscosity : {0.0, 0.01, 0.1, 1.0}) {
+    for (const double epsilon : {1e-2, 1e-4, 1e-6}) {
+      for (const Mass mass : {Mass::consistent, Mass::redistributed}) {
+        Case run = two_obstacles(viscosity, epsilon, mass);
+        run.method = MethodName::exponential;
+        const Recording reference = record(run);
+        fmt::print("\nviscosity {}, epsilon {}, {}: {} contact changes\n", viscosity, epsilon, name(mass),
+                   reference.events.size());
+        for (const Variant& variant : variants) {
+          run.method = variant.method;
+          run.formulas = variant.formulas;
+          if (!validate(run).empty()) continue;
+          // Massless nodes are stiff at any time: Adams' formulas would take as many steps as they have time constants.
+          if (variant.formulas == Formulas::adams && (mass == Mass::redistributed || viscosity > 0.05)) continue;
+          std::string line = fmt::format("  {:<28}", variant.label);
+          for (const double tolerance : {1e-6, 1e-8, 1e-10}) {
+            run.tolerance = {tolerance, tolerance * 1e-3, variant.control};
+            const Recording recording = record(run);
+            line += fmt::format("  {:>9.3g} {:>4} {:>6} {:>6.2f}", error(recording.u, reference.u) / tolerance,
+                                recording.events.size(), recording.statistics.steps,
+                                1e3 * recording.statistics.integration_seconds);
+          }
+          fmt::print("{}\n", line);
+        }
+      }
+    }
+  }
+}

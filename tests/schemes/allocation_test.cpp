@@ -1,0 +1,56 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <new>
+#include <numbers>
+
+#include "viscobar/schemes/schemes.hpp"
+
+namespace {
+std::size_t allocations = 0;
+}
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size ? size : 1)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace viscobar {
+namespace {
+
+std::size_t allocations_of(const BarSystem& system, double step, double end, double restitution) {
+  const State start = system.initial_state();
+  std::vector<double> times(101);
+  for (std::size_t k = 0; k < times.size(); ++k) times[k] = end * static_cast<double>(k) / 100.0;
+  double seen = 0.0;
+  Observers observers;
+  observers.snapshot = [&](const Snapshot& now) { seen += now.u.front(); };
+  observers.event = [&](const Event& event) { seen += event.time; };
+  observers.progress = [&](double time) { seen += time; };
+  observers.energy = true;
+  const std::size_t before = allocations;
+  integrate(system, start, times, FullyDiscrete{.step = step, .restitution = restitution}, observers);
+  return allocations - before;
+}
+
+TEST(FullyDiscrete, StepsAllocateNothing) {
+  for (const bool span : {false, true})
+    for (const double restitution : {0.0, 0.5}) {
+      Scene scene;
+      scene.bar.viscosity = 0.01;
+      scene.left = scene.right = Obstacle{0.1};
+      if (span) scene.span = Obstacle{0.05};
+      scene.displacement = [](double x) { return x * (1 - x); };
+      scene.velocity = [](double x) { return -x * (1 - x); };
+      scene.load = GeneralLoad{[](double x, double t) { return std::cos(std::numbers::pi * x) * std::sin(9 * t) - 1; }};
+      const BarSystem system(scene, {1.0, 40}, Mass::consistent);
+      EXPECT_EQ(allocations_of(system, 0.01, 10.0, restitution), allocations_of(system, 0.001, 10.0, restitution));
+    }
+}
+
+}  // namespace
+}  // namespace viscobar
