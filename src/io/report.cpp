@@ -40,7 +40,8 @@ std::string numbers(const Case& run, const BarSystem& system, const Outcome& out
     all.add("Factorisations", statistics->matrix_factorisations);
     if (!system.contacts().empty()) all.add("Largest penetration", readable(statistics->max_penetration, 3));
     if (const auto& energy = statistics->energy) {
-      all.add("Energy", readable(energy->initial) + " → " + readable(energy->final), "from the start to the end");
+      all.add("Energy at the start", readable(energy->initial));
+      all.add("Energy at the end", readable(energy->final));
       all.add("Dissipated", readable(energy->dissipated), "work of the load " + readable(energy->work));
       all.add("Energy balance error", readable(energy->balance_error(), 2));
     }

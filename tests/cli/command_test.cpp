@@ -177,16 +177,22 @@ TEST_F(Command, AnInterruptStopsCleanlyAndKeepsWhatWasReached) {
 }
 
 TEST_F(Command, ProgressIsForTerminalsOnly) {
-  // Some seconds of steps: without a terminal nothing may appear, on one (script makes it) a percentage does.
-  const std::string arguments =
-      "run falling.toml -o results --set method.name=fully_discrete --set method.step=1e-6 "
-      "--set time.end=4";
-  ASSERT_EQ(run(arguments), 0) << err();
-  EXPECT_TRUE(err().empty()) << err();
-  const std::string on_terminal = "cd '" + scratch.path().string() + "' && script -qec \"'" VISCOBAR_COMMAND "' " +
-                                  arguments + "\" /dev/null >terminal.txt </dev/null";
-  ASSERT_EQ(std::system(on_terminal.c_str()), 0);
-  EXPECT_TRUE(has(read_text(scratch / "terminal.txt"), "% ")) << read_text(scratch / "terminal.txt");
+  // A run of minutes stopped after three seconds. `script` makes a terminal.
+  const std::string line = "timeout -s INT 3 '" VISCOBAR_COMMAND
+                           "' run falling.toml -o results --set method.name=fully_discrete --set time.end=1e6 "
+                           "--set output.every=1e5";
+  const std::string here = "cd '" + scratch.path().string() + "' && ";
+  const int timed_out = 124;
+  EXPECT_EQ(WEXITSTATUS(std::system((here + line + " >out.txt 2>err.txt").c_str())), timed_out);
+  EXPECT_TRUE(err().starts_with("viscobar: stopped")) << err();
+  EXPECT_FALSE(has(err(), "% ")) << err();
+  for (const std::string option : {"", " --quiet", " --json"}) {
+    ASSERT_EQ(0,
+              std::system((here + "script -qc \"" + line + option + "\" /dev/null >terminal.txt </dev/null").c_str()));
+    const std::string terminal = read_text(scratch / "terminal.txt");
+    EXPECT_TRUE(has(terminal, "stopped")) << terminal;
+    EXPECT_EQ(has(terminal, "% "), option.empty()) << terminal;
+  }
 }
 
 TEST_F(Command, CheckSaysWhatModelTheSceneNeeds) {
