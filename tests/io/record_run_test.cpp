@@ -52,9 +52,8 @@ TEST(RecordRun, AnInterruptedRunKeepsWhatItReached) {
 TEST(RecordRun, AFailedIntegrationKeepsWhatItReachedAndSaysWhy) {
   const Scratch scratch;
   SceneFile scene = bouncing_bar();
-  scene.run.scene.load = GeneralLoad{[](double, double t) {
-    return t > 0.5 ? std::numeric_limits<double>::quiet_NaN() : 0.0;
-  }};
+  scene.run.scene.load =
+      GeneralLoad{[](double, double t) { return t > 0.5 ? std::numeric_limits<double>::quiet_NaN() : 0.0; }};
   const RunRecord record = record_run(scene, scratch.path());
   EXPECT_EQ(record.outcome.ending, Ending::failed);
   const Json summary = summary_in(scratch.path());
