@@ -88,11 +88,6 @@ class Run {
     throw IntegrationError(fmt::format("exponential stopped at t = {}: {}", t_, what), reached());
   }
 
-  template <class Call>
-  void unwatched(Call&& call) {
-    watch_.outside(call);
-  }
-
   void begin(const State& start) {
     State state = start;
     penalised_.complete_displacement(t_, state.u);
@@ -155,7 +150,7 @@ class Run {
       return shorten();
     ++statistics_.steps;
     if (!y_.allFinite()) fail("the solution is not finite");
-    if (observers_.progress) unwatched([&] { observers_.progress(t_); });
+    if (observers_.progress) watch_.outside([&] { observers_.progress(t_); });
   }
 
   void shorten() {
@@ -307,7 +302,7 @@ class Run {
     ++statistics_.events;
     if (!observers_.event) return;
     const Change change = penalised_.closed(c) ? Change::closing : Change::opening;
-    unwatched([&] { observers_.event({t_, contact.where, mesh_node, change, velocity}); });
+    watch_.outside([&] { observers_.event({t_, contact.where, mesh_node, change, velocity}); });
   }
 
   // Solution at the output times up to t of the current step, of length tau, by bisection of the step: that of the run
@@ -352,7 +347,7 @@ class Run {
     };
     if (!system_.left_fixed()) snapshot.reaction_left = reaction(0);
     if (!system_.right_fixed()) snapshot.reaction_right = reaction(v.size() - 1);
-    unwatched([&] { observers_.snapshot(snapshot); });
+    watch_.outside([&] { observers_.snapshot(snapshot); });
   }
 
   // Whether energy flows that somebody wants to know.
