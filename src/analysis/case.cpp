@@ -131,7 +131,8 @@ Statistics simulate(const Case& run, const BarSystem& system, const Observers& o
   const Penalty penalty{run.epsilon.value_or(1.0), run.restitution.value_or(1.0)};
   const State start = system.initial_state();
   switch (run.method) {
-    case MethodName::cvode: return integrate(system, start, times, Cvode{penalty, run.tolerance, run.formulas}, observers);
+    case MethodName::cvode:
+      return integrate(system, start, times, Cvode{penalty, run.tolerance, run.formulas}, observers);
     case MethodName::ida: return integrate(system, start, times, Ida{penalty, run.tolerance}, observers);
     case MethodName::rigid: return integrate(system, start, times, Rigid{run.tolerance}, observers);
     case MethodName::exponential: return integrate(system, start, times, Exponential{penalty}, observers);

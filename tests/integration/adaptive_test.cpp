@@ -239,6 +239,19 @@ TYPED_TEST(Adaptive, OneUnknownIsEnough) {
     EXPECT_NEAR(run.u[k][0], std::cos(std::sqrt(3.0) * run.times[k]), constant * 1e-9);
 }
 
+TYPED_TEST(Adaptive, HundredThousandElementsRun) {
+  // The impact of a long bar does not know how finely it is cut: steps and penetration are those of a coarser mesh.
+  Scene scene = falling_bar(0.1, 0.5, 1.0);
+  const TypeParam method{Penalty{1e-4}, {1e-5, 1e-8}};
+  const auto coarse = record(scene, Mesh{1.0, 1000}, Mass::consistent, method, grid(0.25, 1));
+  const auto fine = record(scene, Mesh{1.0, 100000}, Mass::consistent, method, grid(0.25, 1));
+  ASSERT_EQ(fine.events.size(), coarse.events.size());
+  EXPECT_LT(fine.statistics.steps, 2 * coarse.statistics.steps);
+  // The coarse mesh resolves the contact layer, (epsilon sqrt(alpha))^(2/3) = 2e-3 thick in time, to O(h).
+  EXPECT_NEAR(fine.statistics.max_penetration, coarse.statistics.max_penetration,
+              0.02 * coarse.statistics.max_penetration);
+}
+
 TEST(Cvode, RefusesMasslessNodesWithoutViscosity) {
   const BarSystem system(falling_bar(0.2, 1.0, 0.0), Mesh{1.0, 6}, Mass::redistributed);
   EXPECT_THROW(integrate(system, system.initial_state(), grid(1.0, 2), Cvode{}, {}), std::invalid_argument);
