@@ -15,7 +15,7 @@ namespace {
 constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr Mass all_masses[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::redistributed};
 
-Recording run_steps(const BarSystem& system, double dt, double end, FullyDiscrete scheme = {}) {
+FullRecording run_steps(const BarSystem& system, double dt, double end, FullyDiscrete scheme = {}) {
   scheme.step = dt;
   return record(system, uniform_times(dt, static_cast<std::size_t>(std::lround(end / dt))), scheme);
 }

@@ -24,7 +24,7 @@ Load figures_two_and_three() {
   return SeparableLoad{[](double x) { return std::cos(2 * x); }, [](double t) { return std::sin(t * std::sqrt(2.0)); }};
 }
 
-Recording run_section_four(const Scene& scene) {
+FullRecording run_section_four(const Scene& scene) {
   return record(BarSystem(scene, {26.0, 702}, Mass::consistent), uniform_times(0.125, 320), FullyDiscrete{0.125});
 }
 
