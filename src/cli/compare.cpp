@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
-#include "cli/progress.hpp"
 #include "io/nearest_name.hpp"
 #include "io/output_file.hpp"
 #include "io/result_directory.hpp"

@@ -103,6 +103,7 @@ class Run {
     const VectorXd v = Eigen::Map<const VectorXd>(state.v.data(), static_cast<Index>(system_.size()));
     begin_leg();
     y_ = leg().pack(u, v);
+    measured_.assign(contacts(), false);
     changes_.assign(contacts(), {t_, 0});
     for (std::size_t c = 0; c < contacts(); ++c) {
       if (!penalised_.closed(c)) continue;
@@ -115,12 +116,16 @@ class Run {
     if (observers_.energy) statistics_.energy = {.initial = energy_scale_ = penalised_.energy(state.u, state.v)};
   }
 
-  // Makes the obstacle that is touched first the origin of displacements: penetrations keep all their digits.
-  void measure_from_obstacle(std::size_t c) {
-    if (measured_) return;
-    measured_ = true;
-    y_.head(leg().displacements()).array() += penalised_.contact(c).gap;
-    propagators_.measure_from(-penalised_.contact(c).gap);
+  // Measures the displacement of a node from the obstacle that it has come to: the penetration keeps all its digits.
+  // The nodes of a span obstacle go together.
+  void measure_from_obstacle(std::size_t closing) {
+    if (follows(closing) || measured_[closing]) return;
+    for (std::size_t c = 0; c < contacts(); ++c) {
+      if (penalised_.contact(c).where != penalised_.contact(closing).where) continue;
+      measured_[c] = true;
+      y_[node(c)] += propagators_.origin()[node(c)] + penalised_.contact(c).gap;
+      propagators_.measure_from_obstacle(c);
+    }
   }
 
   void begin_leg() {
@@ -131,7 +136,8 @@ class Run {
   void advance() {
     if (contacts() > 0)
       largest_displacement_ = std::max(
-          largest_displacement_, (y_.head(leg().displacements()).array() + propagators_.origin()).abs().maxCoeff());
+          largest_displacement_,
+          (y_.head(leg().displacements()) + propagators_.origin().head(leg().displacements())).cwiseAbs().maxCoeff());
     const double remaining = times_.back() - t_;
     // A varying load that vanishes at all points of a long step could hide a pulse between them.
     const double longest = load_.varies() ? std::min(remaining, (times_.back() - times_.front()) / 64) : remaining;
@@ -205,7 +211,8 @@ class Run {
     return true;
   }
 
-  // Whether contact c surely stays as it is during a step, and the maximum of its penetration is known.
+  // Whether contact c surely stays as it is during a step, and the maximum of its penetration is known to the rounding
+  // of a displacement.
   bool keeps_state(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p,
                    double& penetration) const {
     const std::size_t quarter = motion.size() / 4;
@@ -220,9 +227,9 @@ class Run {
     if (range.lowest() < -band(c)) return false;
     if (!penalised_.closed(c)) return true;
     const double share = penalised_.penetration_share(c);
-    if (share * range.highest() > penetration * (1.0 + 1e-13) && !range.monotone()) return false;
-    penetration = std::max(penetration, share * values.back());
-    return true;
+    penetration = std::max(penetration, share * std::ranges::max(values));
+    return range.monotone() ||
+           share * range.highest() <= penetration * (1.0 + 1e-13) + rounding * largest_displacement_;
   }
 
   // A step that one Taylor series covers, cut at the first contact change.
@@ -324,7 +331,7 @@ class Run {
         s -= width;
       }
       const Series series = propagator_->expand(y, p, width);
-      const VectorXd u = leg().displacement(series, s / width).array() + propagators_.origin();
+      const VectorXd u = leg().displacement(series, s / width) + propagators_.origin();
       const VectorXd v = leg().velocity(series, s / width, width);
       if (last && statistics_.energy) statistics_.energy->final = penalised_.energy(entries(u), entries(v));
       if (observers_.snapshot) tell_snapshot(times_[next_output_], u, v, series, p, s / width);
@@ -376,12 +383,12 @@ class Run {
 
   double t_;
   VectorXd y_;
-  bool measured_ = false;  // from an obstacle
-  LoadPolynomial p_;       // on the current step
-  int level_ = 0;          // of the current step; below 0 where the load asks for less than a Taylor series could do
-  int wait_ = 0;           // steps until a longer one is tried
+  LoadPolynomial p_;  // on the current step
+  int level_ = 0;     // of the current step; below 0 where the load asks for less than a Taylor series could do
+  int wait_ = 0;      // steps until a longer one is tried
   int load_jumps_ = 0;
   std::size_t next_output_ = 0;
+  std::vector<bool> measured_;           // whose node is measured from its obstacle
   std::vector<InstantChanges> changes_;  // of each contact at about one time
   double largest_displacement_ = 0.0;
   double energy_scale_ = 0.0;

@@ -49,7 +49,8 @@ auto checked(const std::filesystem::path& path, const char* what, Call&& call) {
 hid_t create_file(const std::filesystem::path& path) {
   // HDF5 crashes at exit when it tries once more to write what a full disk refused; nothing of ours waits for the exit.
   [[maybe_unused]] static const herr_t once = H5dont_atexit();
-  return checked(path, "cannot be created", [&] { return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT); });
+  return checked(path, "cannot be created",
+                 [&] { return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT); });
 }
 
 Hdf5Dataset create(const std::filesystem::path& path, hid_t file, const char* name, hid_t type,

@@ -56,8 +56,9 @@ Axis decades_of(std::string label, const std::vector<std::vector<Point>>& lines,
   return plot::fitted_decades(std::move(label), range.low, range.high);
 }
 
-void series(Figure& figure, const std::vector<Point>& points, const std::string& colour, std::string_view label) {
-  figure.line(points, {colour, false, 1.6}, label);
+void series(Figure& figure, const std::vector<Point>& points, const std::string& colour, std::string_view label,
+            double width = 1.6) {
+  figure.line(points, {colour, false, width}, label);
   figure.markers(points, colour);
 }
 
@@ -134,7 +135,8 @@ std::string difference_picture(const LimitStudy& study, const LimitResult& resul
     Figure figure(x, y, 380.0);
     mark_boundaries(figure, {.rows = {}, .orders = {orders}}, x);
     if (result.orders.size() > 1) figure.legend_note(mesh_label(result, m));
-    series(figure, scheme, plot::series_colour(1), "to the scheme");
+    // Wide, to be seen below the other where the two agree.
+    series(figure, scheme, plot::series_colour(1), "to the scheme", 4.0);
     if (!rigid.empty()) series(figure, rigid, plot::series_colour(0), "to rigid");
     if (orders.scheme_error > 0.0)
       figure.level(orders.scheme_error, {plot::series_colour(1), true, 1.2}, "scheme's dt error");

@@ -17,8 +17,10 @@ std::string last_error() { return std::generic_category().message(errno); }
 
 }  // namespace
 
-OutputFile::OutputFile(std::filesystem::path path)
-    : path_(std::move(path)), descriptor_(::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
+OutputFile::OutputFile(std::filesystem::path path, Content content)
+    : path_(std::move(path)),
+      descriptor_(
+          ::open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (content == Content::discard ? O_TRUNC : 0), 0666)) {
   if (descriptor_ < 0) throw IoError(path_, "cannot be created: " + last_error());
 }
 

@@ -29,7 +29,8 @@ class FlushClock {
 /// A file whose write errors are noticed where they happen. @throws IoError
 class OutputFile {
  public:
-  explicit OutputFile(std::filesystem::path path);
+  enum class Content { discard, keep };
+  explicit OutputFile(std::filesystem::path path, Content content = Content::discard);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;

@@ -36,6 +36,7 @@ th { color: var(--soft); font-weight: 500; text-align: right; border-bottom: 1px
 th, td { padding: 4px 28px 4px 0; text-align: right; white-space: nowrap; }
 th:first-child, td:first-child, .word { text-align: left; }
 .wide th, .wide td { padding-right: 14px; }
+.wide th:last-child, .wide td:last-child { padding-right: 0; }
 tbody tr + tr td { border-top: 1px solid var(--faint); }
 p.note { color: var(--soft); font-size: .875rem; margin: 10px 0 0; }
 .verdict { border-left: 4px solid var(--series-2); background: var(--paper); padding: 10px 16px; margin: 20px 0 0; }

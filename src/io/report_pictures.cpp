@@ -163,6 +163,7 @@ std::string profiles(const Case& run, const ReportData& data) {
 std::string end_traces(const Case& run, const Outcome& outcome, const ContactSummary& contact, const ReportData& data) {
   const auto panel = [&](const EndCondition& end, const ReportData::End& trace,
                          const std::optional<ContactAccount>& account, std::size_t colour, const char* label) {
+    if (is_fixed(end)) return std::string();
     const std::vector<Point> points = trace.displacement.points();
     Range range;
     range.add(points);
@@ -178,11 +179,14 @@ std::string end_traces(const Case& run, const Outcome& outcome, const ContactSum
     figure.line(points, {plot::series_colour(colour)}, label);
     return figure.svg(std::string("Displacement over time: ") + label);
   };
-  return figure_html(panel(run.scene.left, data.left, contact.left, 0, "u(0, t)") +
-                         panel(run.scene.right, data.right, contact.right, 1, "u(L, t)"),
-                     "Ends",
-                     std::string("Displacement of the left and of the right end.") +
-                         (contact.left || contact.right ? " Dashed: obstacle; shaded: times in contact." : ""));
+  const std::string panels = panel(run.scene.left, data.left, contact.left, 0, "u(0, t)") +
+                             panel(run.scene.right, data.right, contact.right, 1, "u(L, t)");
+  if (panels.empty()) return {};
+  return figure_html(
+      panels, "Ends",
+      std::string(is_fixed(run.scene.left) || is_fixed(run.scene.right) ? "Displacement of the end that moves."
+                                                                        : "Displacement of the two ends.") +
+          (contact.left || contact.right ? " Dashed: obstacle; shaded: times in contact." : ""));
 }
 
 std::string reactions(const Case& run, const ContactSummary& contact, const ReportData& data) {

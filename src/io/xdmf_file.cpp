@@ -1,54 +1,86 @@
 #include "io/xdmf_file.hpp"
 
+#include <fmt/format.h>
+
+#include <iterator>
+#include <string_view>
 #include <utility>
+
+#include "io/output_file.hpp"
+#include "viscobar/io/io_error.hpp"
 
 namespace viscobar {
 
 namespace {
 
+constexpr std::string_view head =
+    "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
+    "<Grid Name=\"bar\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
 constexpr std::string_view closing_tags = "</Grid>\n</Domain>\n</Xdmf>\n";
 
 }  // namespace
 
-XdmfFile::XdmfFile(const std::filesystem::path& path, std::string field_file, std::size_t nodes)
-    : file_(path), field_file_(std::move(field_file)), nodes_(nodes) {
-  const std::string head =
-      "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
-      "<Grid Name=\"bar\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-  file_.write_at(0, head + std::string(closing_tags));
-  end_ = head.size();
+XdmfFile::XdmfFile(std::filesystem::path path, std::string field_file, std::size_t nodes)
+    : path_(std::move(path)), field_file_(std::move(field_file)), nodes_(nodes), end_(head.size()) {
+  write_atomically(path_, std::string(head) + std::string(closing_tags));
 }
 
 void XdmfFile::append(std::span<const double> times) {
-  std::string grids;
-  const auto out = std::back_inserter(grids);
-  const auto attribute = [&](const char* name, const char* dataset) {
+  pending_.insert(pending_.end(), times.begin(), times.end());
+  if (Clock::now() >= next_) publish();
+}
+
+void XdmfFile::close() {
+  if (!pending_.empty()) publish();
+}
+
+void XdmfFile::publish() {
+  const auto started = Clock::now();
+  std::filesystem::path next = path_;
+  next += ".part";
+  try {
+    std::filesystem::copy_file(path_, next, std::filesystem::copy_options::overwrite_existing);
+    OutputFile file(next, OutputFile::Content::keep);
+    std::size_t end = end_;
+    std::string text;
+    for (std::size_t i = 0; i < pending_.size(); ++i) {
+      text += grid(rows_ + i, pending_[i]);
+      if (text.size() < (1 << 20) && i + 1 < pending_.size()) continue;
+      file.write_at(end, text);
+      end += text.size();
+      text.clear();
+    }
+    file.write_at(end, closing_tags);
+    file.close();
+    std::filesystem::rename(next, path_);
+    end_ = end;
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw IoError(path_, "cannot be replaced: " + error.code().message());
+  }
+  rows_ += pending_.size();
+  pending_.clear();
+  next_ = Clock::now() + 20 * (Clock::now() - started);
+}
+
+std::string XdmfFile::grid(std::size_t row, double time) const {
+  std::string text = fmt::format(
+      "<Grid Name=\"{0}\" GridType=\"Uniform\"><Time Value=\"{1}\"/>\n"
+      "<Topology TopologyType=\"Polyline\" NumberOfElements=\"1\" NodesPerElement=\"{2}\">"
+      "<DataItem Dimensions=\"1 {2}\" Format=\"HDF\" NumberType=\"Int\" "
+      "Precision=\"4\">{3}:/line</DataItem></Topology>\n"
+      "<Geometry GeometryType=\"XYZ\"><DataItem Dimensions=\"{2} 3\" Format=\"HDF\" NumberType=\"Float\" "
+      "Precision=\"8\">{3}:/points</DataItem></Geometry>\n",
+      row, time, nodes_, field_file_);
+  for (const auto& [name, dataset] : {std::pair{"displacement", "u"}, std::pair{"velocity", "v"}})
     // The dataset grows while the run lasts, so its extent is given as far as this row.
-    fmt::format_to(out,
+    fmt::format_to(std::back_inserter(text),
                    "<Attribute Name=\"{0}\" AttributeType=\"Scalar\" Center=\"Node\">"
                    "<DataItem ItemType=\"HyperSlab\" Dimensions=\"1 {1}\" Type=\"HyperSlab\">"
                    "<DataItem Dimensions=\"3 2\" Format=\"XML\" NumberType=\"Int\">{2} 0 1 1 1 {1}</DataItem>"
                    "<DataItem Dimensions=\"{3} {1}\" Format=\"HDF\" NumberType=\"Float\" Precision=\"8\">{4}:/{5}"
                    "</DataItem></DataItem></Attribute>\n",
-                   name, nodes_, rows_, rows_ + 1, field_file_, dataset);
-  };
-  for (const double time : times) {
-    fmt::format_to(out,
-                   "<Grid Name=\"{0}\" GridType=\"Uniform\"><Time Value=\"{1}\"/>\n"
-                   "<Topology TopologyType=\"Polyline\" NumberOfElements=\"1\" NodesPerElement=\"{2}\">"
-                   "<DataItem Dimensions=\"1 {2}\" Format=\"HDF\" NumberType=\"Int\" Precision=\"4\">{3}:/line"
-                   "</DataItem></Topology>\n"
-                   "<Geometry GeometryType=\"XYZ\"><DataItem Dimensions=\"{2} 3\" Format=\"HDF\" NumberType=\"Float\" "
-                   "Precision=\"8\">{3}:/points</DataItem></Geometry>\n",
-                   rows_, time, nodes_, field_file_);
-    attribute("displacement", "u");
-    attribute("velocity", "v");
-    grids += "</Grid>\n";
-    ++rows_;
-  }
-  // One call: a kill leaves the file with the old end or with the new one.
-  file_.write_at(end_, grids + std::string(closing_tags));
-  end_ += grids.size();
+                   name, nodes_, row, row + 1, field_file_, dataset);
+  return text + "</Grid>\n";
 }
 
 }  // namespace viscobar

@@ -65,8 +65,7 @@ TEST(ImpactPrediction, ScalesWithUnits) {
       for (const double mass : {0.0, h / 2}) {
         const ImpactPrediction plain = predict_impact({1.0, 1.0, 1.0, viscosity}, h, mass, epsilon, 0.5);
         const Bar scaled{a, c / a, c * a / (b * b), viscosity * c * a / b};
-        const ImpactPrediction other =
-            predict_impact(scaled, h * a, mass * c, epsilon * b * b / c, 0.5 * a / b);
+        const ImpactPrediction other = predict_impact(scaled, h * a, mass * c, epsilon * b * b / c, 0.5 * a / b);
         EXPECT_NEAR(other.penetration, a * plain.penetration, 1e-14 * a);
         EXPECT_EQ(other.layer, plain.layer);
       }

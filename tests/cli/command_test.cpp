@@ -44,8 +44,8 @@ class Command : public testing::Test {
 
   /// Exit code; what the command printed is in out() and err().
   int run(const std::string& arguments, const std::string& before = "") {
-    const std::string line = "cd '" + scratch.path().string() + "' && " + before + "'" VISCOBAR_COMMAND "' " + arguments +
-                             " >out.txt 2>err.txt";
+    const std::string line = "cd '" + scratch.path().string() + "' && " + before + "'" VISCOBAR_COMMAND "' " +
+                             arguments + " >out.txt 2>err.txt";
     const int status = std::system(line.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
@@ -158,10 +158,12 @@ TEST_F(Command, AnInterruptStopsCleanlyAndKeepsWhatWasReached) {
     // A run of minutes, signalled once it has rows on disk. What a shell starts in the background ignores SIGINT: env
     // undoes that.
     std::ofstream(scratch / "interrupt.sh")
-        << "env --default-signal=INT '" VISCOBAR_COMMAND "' run falling.toml -o results --json "
+        << "env --default-signal=INT '" VISCOBAR_COMMAND
+           "' run falling.toml -o results --json "
            "--set method.name=fully_discrete --set time.end=1e5 >out.txt 2>err.txt &\n"
            "for i in $(seq 100); do sleep 0.1; test -s results/ends.csv && break; done\n"
-           "kill -" + signal + " $!\nwait $!\n";
+           "kill -" +
+               signal + " $!\nwait $!\n";
     std::filesystem::remove_all(scratch / "results");
     const int status = std::system(("cd '" + scratch.path().string() + "' && bash interrupt.sh").c_str());
     EXPECT_EQ(WEXITSTATUS(status), 130) << err();
@@ -176,8 +178,9 @@ TEST_F(Command, AnInterruptStopsCleanlyAndKeepsWhatWasReached) {
 
 TEST_F(Command, ProgressIsForTerminalsOnly) {
   // Some seconds of steps: without a terminal nothing may appear, on one (script makes it) a percentage does.
-  const std::string arguments = "run falling.toml -o results --set method.name=fully_discrete --set method.step=1e-6 "
-                                "--set time.end=4";
+  const std::string arguments =
+      "run falling.toml -o results --set method.name=fully_discrete --set method.step=1e-6 "
+      "--set time.end=4";
   ASSERT_EQ(run(arguments), 0) << err();
   EXPECT_TRUE(err().empty()) << err();
   const std::string on_terminal = "cd '" + scratch.path().string() + "' && script -qec \"'" VISCOBAR_COMMAND "' " +
@@ -205,7 +208,8 @@ TEST_F(Command, CheckSaysWhatModelTheSceneNeeds) {
 TEST_F(Command, CheckWarnsOfChatterAndSaysWhatHelps) {
   ASSERT_EQ(run("check falling.toml --set bar.viscosity=0.001"), 0);
   EXPECT_TRUE(has(err(), "chatter is expected")) << err();
-  for (const std::string cure : {"--set mesh.mass=redistributed", "--set contact.restitution=0", "--set contact.epsilon=0.06"}) {
+  for (const std::string cure :
+       {"--set mesh.mass=redistributed", "--set contact.restitution=0", "--set contact.epsilon=0.06"}) {
     ASSERT_EQ(run("check falling.toml --set bar.viscosity=0.001 " + cure), 0) << err();
     EXPECT_TRUE(err().empty()) << cure << err();
   }

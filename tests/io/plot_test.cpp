@@ -21,8 +21,10 @@ std::vector<std::string> labels(const Ticks& ticks) {
 }
 
 TEST(Ticks, AreRoundNumbersWithTheDigitsTheyNeed) {
-  EXPECT_EQ(labels(ticks({"", -0.3, 1.1}, 6)), (std::vector<std::string>{"−0.2", "0.0", "0.2", "0.4", "0.6", "0.8", "1.0"}));
-  EXPECT_EQ(labels(ticks({"", 0.0, 40.0}, 9)), (std::vector<std::string>{"0", "5", "10", "15", "20", "25", "30", "35", "40"}));
+  EXPECT_EQ(labels(ticks({"", -0.3, 1.1}, 6)),
+            (std::vector<std::string>{"−0.2", "0.0", "0.2", "0.4", "0.6", "0.8", "1.0"}));
+  EXPECT_EQ(labels(ticks({"", 0.0, 40.0}, 9)),
+            (std::vector<std::string>{"0", "5", "10", "15", "20", "25", "30", "35", "40"}));
 }
 
 TEST(Ticks, OfAnyRangeAreAFewInsideIt) {
@@ -136,12 +138,14 @@ double luminance(Colour colour) {
 }
 
 TEST(ColourMap, TheSequentialOneGrowsLighterAllTheWay) {
-  for (int i = 0; i < 64; ++i) EXPECT_LT(luminance(sequential().at(i / 64.0)), luminance(sequential().at((i + 1) / 64.0)));
+  for (int i = 0; i < 64; ++i)
+    EXPECT_LT(luminance(sequential().at(i / 64.0)), luminance(sequential().at((i + 1) / 64.0)));
 }
 
 TEST(ColourMap, TheDivergingOneIsLightestAtZeroAndAlikeOnBothSides) {
   for (int i = 0; i < 32; ++i) {
-    const double inner = luminance(diverging().at(0.5 + i / 64.0)), outer = luminance(diverging().at(0.5 + (i + 1) / 64.0));
+    const double inner = luminance(diverging().at(0.5 + i / 64.0)),
+                 outer = luminance(diverging().at(0.5 + (i + 1) / 64.0));
     EXPECT_LT(outer, inner);
     EXPECT_LT(luminance(diverging().at(0.5 - (i + 1) / 64.0)), luminance(diverging().at(0.5 - i / 64.0)));
     EXPECT_NEAR(luminance(diverging().at(0.5 - i / 64.0)), inner, 0.1);

@@ -31,11 +31,11 @@ TEST(RecordRun, WritesARowForEveryOutputTimeAndEveryContactChange) {
 
 TEST(RecordRun, AnInterruptedRunKeepsWhatItReached) {
   const Scratch scratch;
-  Recording recording;
-  recording.progress = [](double time, std::size_t) {
+  RecordOptions options;
+  options.progress = [](double time, std::size_t) {
     if (time > 0.5) throw Interrupted();
   };
-  const RunRecord record = record_run(bouncing_bar(), scratch.path(), recording);
+  const RunRecord record = record_run(bouncing_bar(), scratch.path(), options);
   EXPECT_EQ(record.outcome.ending, Ending::interrupted);
   const Json summary = summary_in(scratch.path());
   EXPECT_EQ(summary["completed"], false);
@@ -52,9 +52,8 @@ TEST(RecordRun, AnInterruptedRunKeepsWhatItReached) {
 TEST(RecordRun, AFailedIntegrationKeepsWhatItReachedAndSaysWhy) {
   const Scratch scratch;
   SceneFile scene = bouncing_bar();
-  scene.run.scene.load = GeneralLoad{[](double, double t) {
-    return t > 0.5 ? std::numeric_limits<double>::quiet_NaN() : 0.0;
-  }};
+  scene.run.scene.load =
+      GeneralLoad{[](double, double t) { return t > 0.5 ? std::numeric_limits<double>::quiet_NaN() : 0.0; }};
   const RunRecord record = record_run(scene, scratch.path());
   EXPECT_EQ(record.outcome.ending, Ending::failed);
   const Json summary = summary_in(scratch.path());
@@ -96,13 +95,13 @@ TEST(RecordRun, TouchesNoDirectoryThatHoldsOtherFiles) {
 TEST(RecordRun, AKilledRunLeavesASummaryThatSaysSoAndNoOldReport) {
   const Scratch scratch;
   record_run(bouncing_bar(), scratch.path());
-  Recording recording;
-  recording.progress = [&](double, std::size_t steps) {
+  RecordOptions options;
+  options.progress = [&](double, std::size_t steps) {
     if (steps > 1) return;
     EXPECT_EQ(summary_in(scratch.path())["completed"], false);
     EXPECT_FALSE(std::filesystem::exists(scratch / "report.html"));
   };
-  record_run(bouncing_bar(), scratch.path(), recording);
+  record_run(bouncing_bar(), scratch.path(), options);
   EXPECT_EQ(summary_in(scratch.path())["completed"], true);
 }
 

@@ -34,14 +34,16 @@ TEST(Report, NeedsNothingFromOutside) {
   const std::size_t image = report.html.find("data:image/png"), end = report.html.find('"', image);
   ASSERT_NE(image, std::string::npos);
   const std::string text = report.html.substr(0, image + 5) + report.html.substr(end);
-  EXPECT_FALSE(std::regex_search(text, std::regex(R"re((src|href)\s*=\s*"(?!data:)|@import|url\((?!#)|<script|<link)re")));
+  EXPECT_FALSE(
+      std::regex_search(text, std::regex(R"re((src|href)\s*=\s*"(?!data:)|@import|url\((?!#)|<script|<link)re")));
   EXPECT_FALSE(report.has("http:"));
   EXPECT_FALSE(report.has("https:"));
 }
 
 TEST(Report, ShowsWhatTheSceneHas) {
   const Page report = page(bouncing_bar());
-  for (const char* heading : {"Displacement over space and time", "Profiles", "Ends", "Reactions", "Energy", "Contact changes"})
+  for (const char* heading :
+       {"Displacement over space and time", "Profiles", "Ends", "Reactions", "Energy", "Contact changes"})
     EXPECT_TRUE(report.has(std::string("<h2>") + heading)) << heading;
   EXPECT_TRUE(report.has("in contact"));
   EXPECT_TRUE(report.has("contact springs"));
@@ -51,8 +53,17 @@ TEST(Report, ShowsWhatTheSceneHas) {
 TEST(Report, LeavesOutWhatTheSceneDoesNotHave) {
   const Page report = page(free_bar());
   EXPECT_TRUE(report.has("<h2>Ends"));
-  for (const char* absent : {"<h2>Reactions", "in contact", "contact springs", "<h2>Contact", "penetration", "obstacle"})
+  for (const char* absent :
+       {"<h2>Reactions", "in contact", "contact springs", "<h2>Contact", "penetration", "obstacle"})
     EXPECT_FALSE(report.has(absent)) << absent;
+}
+
+TEST(Report, AFixedEndHasNoTrace) {
+  SceneFile scene = bouncing_bar();
+  scene.run.scene.right = Fixed{};
+  const Page report = page(scene);
+  EXPECT_TRUE(report.has("u(0, t)"));
+  EXPECT_FALSE(report.has("u(L, t)"));
 }
 
 TEST(Report, MarksContactUnderASpan) {

@@ -41,10 +41,27 @@ TEST(Summary, HasEveryPromisedKeyAndTheBooksBalance) {
   const RunRecord record = record_run(bouncing_bar(), scratch / "out");
   const Json summary = Json::parse(record.summary);
   EXPECT_EQ(read_text(scratch / "out/summary.json"), record.summary);
-  for (const char* key :
-       {"method", "unknowns", "steps", "rhs_evaluations", "linear_solves", "matrix_factorisations", "event_evaluations",
-        "load_evaluations", "events", "wall_seconds", "integration_seconds", "reached_time", "completed",
-        "max_penetration", "energy", "scene", "mass", "contact", "versions", "platform", "error"})
+  for (const char* key : {"method",
+                          "unknowns",
+                          "steps",
+                          "rhs_evaluations",
+                          "linear_solves",
+                          "matrix_factorisations",
+                          "event_evaluations",
+                          "load_evaluations",
+                          "events",
+                          "wall_seconds",
+                          "integration_seconds",
+                          "reached_time",
+                          "completed",
+                          "max_penetration",
+                          "energy",
+                          "scene",
+                          "mass",
+                          "contact",
+                          "versions",
+                          "platform",
+                          "error"})
     EXPECT_TRUE(summary.contains(key)) << key;
   for (const char* key : {"initial", "final", "dissipated", "work", "balance_error"})
     EXPECT_TRUE(summary["energy"][key].is_number()) << key;

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "support/exact_solutions.hpp"
-#include "support/recording.hpp"
+#include "support/run_trace.hpp"
 #include "viscobar/schemes/schemes.hpp"
 
 namespace viscobar {
@@ -15,7 +15,7 @@ namespace {
 constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr Mass all_masses[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::redistributed};
 
-FullRecording run_steps(const BarSystem& system, double dt, double end, FullyDiscrete scheme = {}) {
+RunTrace run_steps(const BarSystem& system, double dt, double end, FullyDiscrete scheme = {}) {
   scheme.step = dt;
   return record(system, uniform_times(dt, static_cast<std::size_t>(std::lround(end / dt))), scheme);
 }

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "support/exact_solutions.hpp"
-#include "support/recording.hpp"
+#include "support/run_trace.hpp"
 #include "viscobar/dynamics/errors.hpp"
 #include "viscobar/schemes/schemes.hpp"
 

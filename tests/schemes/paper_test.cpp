@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "support/recording.hpp"
+#include "support/run_trace.hpp"
 #include "viscobar/schemes/schemes.hpp"
 
 namespace viscobar {
@@ -24,7 +24,7 @@ Load figures_two_and_three() {
   return SeparableLoad{[](double x) { return std::cos(2 * x); }, [](double t) { return std::sin(t * std::sqrt(2.0)); }};
 }
 
-FullRecording run_section_four(const Scene& scene) {
+RunTrace run_section_four(const Scene& scene) {
   return record(BarSystem(scene, {26.0, 702}, Mass::consistent), uniform_times(0.125, 320), FullyDiscrete{0.125});
 }
 

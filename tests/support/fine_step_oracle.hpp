@@ -44,9 +44,8 @@ class FineStepOracle {
     }
     const Eigen::Index massive = end_ - begin_;
     inverse_ = Matrix(inertia.block(begin_, begin_, massive, massive)).inverse();
-    const std::vector<double> masses = system.effective_masses();
     for (const Contact& contact : system.contacts())
-      laws_.push_back(penalty_law(penalty, contact.weight, masses[contact.unknown]));
+      laws_.push_back(penalty_law(penalty, contact.weight, system.contact_mass(contact)));
     closed_.assign(laws_.size(), false);
     if (system.loaded()) load_.emplace(system);
     complete(u, v);

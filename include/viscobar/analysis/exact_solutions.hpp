@@ -71,7 +71,7 @@ struct PeriodThree {
 ///         + (V epsilon / pi) int_{E/eta}^inf e^{-xt} z / (x (1 + epsilon^2 x^2 z^2)) dx,    z^2 = rho (eta x - E),
 ///
 /// s_k the two roots of epsilon^2 rho s^2 (E + eta s) = 1 with epsilon s Z = -1. As epsilon -> 0, with tau = (epsilon
-/// sqrt(rho eta))^{2/3}, the largest penetration is 0.8580 V tau at t = 1.646 tau. It holds until the other end is
+/// sqrt(rho eta))^{2/3}, the largest penetration is 0.8580 V tau at t = 1.645 tau. It holds until the other end is
 /// heard of: t < 2 L / c, and t << rho L^2 / eta for the precursor that viscosity sends.
 struct ImpactLaw {
   Bar bar;

@@ -47,8 +47,8 @@ struct ContactRegime {
 /// Otherwise the end node stops alone, its neighbour going on at V: m d'' + (eta/h)(d' - V) + d/epsilon = 0 has the
 /// peak
 ///     d = (V / omega) (2 zeta + exp(-zeta (pi - arccos zeta) / sqrt(1 - zeta^2))),   omega = 1 / sqrt(m epsilon),
-/// and without mass the force is that of the dashpot or of the wave, d = V epsilon max(eta / h, sqrt(rho E)). A contact's
-/// own dashpot makes it smaller; it is left out.
+/// and without mass the force is that of the dashpot or of the wave, d = V epsilon max(eta / h, sqrt(rho E)). A
+/// contact's own dashpot makes it smaller; it is left out.
 ImpactPrediction predict_impact(const Bar& bar, double spacing, double effective_mass, double epsilon, double speed);
 
 /// One for each end with an obstacle and one, its worst, for a span obstacle, of a penalised method with epsilon > 0;

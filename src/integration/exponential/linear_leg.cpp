@@ -3,7 +3,7 @@
 namespace viscobar::exponential {
 
 template <class Real>
-LinearLeg<Real>::LinearLeg(const BarSystem& system, double origin, std::span<const double> steady_load,
+LinearLeg<Real>::LinearLeg(const BarSystem& system, const Eigen::VectorXd& origin, std::span<const double> steady_load,
                            std::vector<ClosedContact> closed)
     : n_(static_cast<Index>(system.size())),
       massive_begin_(static_cast<Index>(system.massive_begin())),
@@ -12,6 +12,7 @@ LinearLeg<Real>::LinearLeg(const BarSystem& system, double origin, std::span<con
       right_fixed_(system.right_fixed()),
       stiffness_(system.bar().modulus / system.mesh().spacing()),
       damping_(system.bar().viscosity / system.mesh().spacing()),
+      origin_(origin),
       steady_load_(steady_load.begin(), steady_load.end()),
       closed_(std::move(closed)) {
   moving_begin_ = system.damped() ? 0 : massive_begin_;
@@ -19,8 +20,8 @@ LinearLeg<Real>::LinearLeg(const BarSystem& system, double origin, std::span<con
 
   std::vector<double> nodal(system.mesh().nodes());
   system.expand_displacement(std::vector<double>(system.size(), 0.0), nodal);
-  left_displacement_ = nodal.front() - origin;
-  right_displacement_ = nodal.back() - origin;
+  left_displacement_ = nodal.front() - origin[0];
+  right_displacement_ = nodal.back() - origin[n_ - 1];
 
   const SymmetricTridiagonal& inertia = system.inertia();
   for (Index i = massive_begin_; i < massive_end_; ++i) {
@@ -68,12 +69,13 @@ typename LinearLeg<Real>::Series LinearLeg<Real>::expand(const Vector& y, Real o
       Real k_c = 0, surface = 0;
       for (const ClosedContact& contact : closed_)
         if (contact.unknown == end) k_c = contact.law.stiffness, surface = contact.surface;
+      const Real beside = u[neighbour] + constant * (origin_[neighbour] - origin_[end]);
       if (damping_ == 0)
-        c(end, k) = u[neighbour] + (p(end) - k_c * (u[neighbour] - constant * surface)) / (stiffness_ + k_c);
+        c(end, k) = beside + (p(end) - k_c * (beside - constant * surface)) / (stiffness_ + k_c);
       else if (k < order)
-        c(end, k + 1) = c(neighbour, k + 1) +
-                        (p(end) + stiffness_ * (u[neighbour] - u[end]) - k_c * (u[end] - constant * surface)) * tau /
-                            (Real(k + 1) * damping_);
+        c(end, k + 1) =
+            c(neighbour, k + 1) + (p(end) + stiffness_ * (beside - u[end]) - k_c * (u[end] - constant * surface)) *
+                                      tau / (Real(k + 1) * damping_);
     };
     if (massive_begin_ > 0) move_massless(0, 1);
     if (massive_end_ < n_) move_massless(n_ - 1, n_ - 2);
@@ -81,7 +83,10 @@ typename LinearLeg<Real>::Series LinearLeg<Real>::expand(const Vector& y, Real o
 
     const auto v = c.col(k + 1);  // times tau / (k + 1) the velocity's coefficient
     const Real rate = Real(k + 1) / tau, damping = damping_ * rate;
-    const auto stress = [&](Index i) { return stiffness_ * (u[i + 1] - u[i]) + damping * (v[i + 1] - v[i]); };
+    const auto stress = [&](Index i) {
+      const Real strain = u[i + 1] - u[i] + constant * (origin_[i + 1] - origin_[i]);
+      return stiffness_ * strain + damping * (v[i + 1] - v[i]);
+    };
     Real left = 0;
     if (massive_begin_ > 0)
       left = stress(0);

@@ -25,10 +25,10 @@ struct ClosedContact {
 ///
 ///     rho M u'' = p(t) - E K u - eta K u' - sum over closed contacts of (k (u_c - surface_c) + b u_c') e_c,
 ///
-/// u measured from `origin`, linear with constant coefficients in y = (u, v): u of the nodes with an equation of
-/// motion, v of the massive ones. A massless node moves by its own balance, u_0' from it with viscosity; without, the
-/// balance is algebraic and u_0 is no part of y. `Real` is double for steps and long double for the matrices that many
-/// steps share.
+/// u of each node measured from its entry of `origin`, linear with constant coefficients in y = (u, v): u of the nodes
+/// with an equation of motion, v of the massive ones. A massless node moves by its own balance, u_0' from it with
+/// viscosity; without, the balance is algebraic and u_0 is no part of y. `Real` is double for steps and long double for
+/// the matrices that many steps share.
 template <class Real>
 class LinearLeg {
  public:
@@ -36,7 +36,7 @@ class LinearLeg {
   /// Column k holds tau^k u^(k) / k! of all n unknowns.
   using Series = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
 
-  LinearLeg(const BarSystem& system, double origin, std::span<const double> steady_load,
+  LinearLeg(const BarSystem& system, const Eigen::VectorXd& origin, std::span<const double> steady_load,
             std::vector<ClosedContact> closed);
 
   Index size() const { return moving_ + (massive_end_ - massive_begin_); }  ///< entries of y
@@ -63,7 +63,8 @@ class LinearLeg {
   Real left_displacement_, right_displacement_;  // of fixed ends
   Real stiffness_, damping_;                     // of an element: E / h, eta / h
   std::vector<Real> lower_, inverse_pivot_;      // L D L^T of the massive block of rho M
-  std::vector<double> steady_load_;              // empty, or n entries
+  Eigen::VectorXd origin_;
+  std::vector<double> steady_load_;  // empty, or n entries
   std::vector<ClosedContact> closed_;
 };
 

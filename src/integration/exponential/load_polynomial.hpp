@@ -31,8 +31,9 @@ class LoadInterpolation {
   std::span<const double> steady() const { return steady_; }
   bool varies() const { return load_.has_value(); }
 
-  /// Interpolates at Chebyshev's points of [t, t + tau]. Returns whether the last two Chebyshev coefficients are below
-  /// 1e-14 of the largest load so far.
+  /// Interpolates at Chebyshev's points of [t, t + tau]. Returns whether the last Chebyshev coefficients are below
+  /// 1e-14 of the largest load so far, or below 1e-11 of it and level: the rounding of the load itself, that no shorter
+  /// step would lower.
   bool fit(double t, double tau, LoadPolynomial& out);
 
   /// Coefficients over the unknowns (n entries each), of the part that varies and of all: no columns without any.

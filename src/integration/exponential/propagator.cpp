@@ -32,8 +32,8 @@ double rate_bound(const BarSystem& system, double inverse_inertia, const std::ve
 
 }  // namespace
 
-Propagator::Propagator(const BarSystem& system, double origin, double inverse_inertia, const LoadInterpolation& load,
-                       std::vector<ClosedContact> closed, std::size_t& exponentials)
+Propagator::Propagator(const BarSystem& system, const VectorXd& origin, double inverse_inertia,
+                       const LoadInterpolation& load, std::vector<ClosedContact> closed, std::size_t& exponentials)
     : leg_(system, origin, load.steady(), closed),
       extended_leg_(system, origin, load.steady(), closed),
       load_(load),

@@ -21,8 +21,8 @@ class Propagator {
  public:
   /// `inverse_inertia` is the norm of (rho M)^{-1} on the massive nodes. `load` and `exponentials`, to which the number
   /// of matrices built is added, outlive this.
-  Propagator(const BarSystem& system, double origin, double inverse_inertia, const LoadInterpolation& load,
-             std::vector<ClosedContact> closed, std::size_t& exponentials);
+  Propagator(const BarSystem& system, const Eigen::VectorXd& origin, double inverse_inertia,
+             const LoadInterpolation& load, std::vector<ClosedContact> closed, std::size_t& exponentials);
 
   const LinearLeg<double>& leg() const { return leg_; }
 

@@ -29,10 +29,11 @@ PropagatorCache::PropagatorCache(const PenalisedSystem& system, const LoadInterp
     : system_(system),
       load_(load),
       exponentials_(exponentials),
-      inverse_inertia_(norm_of_inverse_inertia(system.bar())) {}
+      inverse_inertia_(norm_of_inverse_inertia(system.bar())),
+      origin_(VectorXd::Zero(static_cast<Index>(system.size()))) {}
 
-void PropagatorCache::measure_from(double origin) {
-  origin_ = origin;
+void PropagatorCache::measure_from_obstacle(std::size_t c) {
+  origin_[node(c)] = -system_.contact(c).gap;
   entries_.clear();
 }
 
@@ -45,7 +46,7 @@ Propagator& PropagatorCache::present() {
   } else {
     std::vector<ClosedContact> closed;
     for (std::size_t c = 0; c < state.size(); ++c)
-      if (state[c]) closed.push_back({static_cast<Index>(system_.contact(c).unknown), surface(c), system_.law(c)});
+      if (state[c]) closed.push_back({node(c), surface(c), system_.law(c)});
     entries_.push_back({state, std::make_unique<Propagator>(system_.bar(), origin_, inverse_inertia_, load_,
                                                             std::move(closed), exponentials_)});
     // Twenty levels of (2n)^2 numbers, and one of twice the length; a quarter of a GiB for all states.

@@ -18,13 +18,15 @@ class PropagatorCache {
   /// For the present contact states of the system. Valid until the next call.
   Propagator& present();
 
-  /// What displacements are measured from.
-  double origin() const { return origin_; }
-  void measure_from(double origin);
+  /// What the displacements of the unknowns are measured from, and from where in future that of contact c's node.
+  const Eigen::VectorXd& origin() const { return origin_; }
+  void measure_from_obstacle(std::size_t c);
   /// Where contact c begins, measured from the origin.
-  double surface(std::size_t c) const { return -system_.contact(c).gap - origin_; }
+  double surface(std::size_t c) const { return -system_.contact(c).gap - origin_[node(c)]; }
 
  private:
+  Index node(std::size_t c) const { return static_cast<Index>(system_.contact(c).unknown); }
+
   struct Entry {
     std::vector<bool> closed;
     std::unique_ptr<Propagator> propagator;
@@ -34,7 +36,7 @@ class PropagatorCache {
   const LoadInterpolation& load_;
   std::size_t& exponentials_;
   double inverse_inertia_;
-  double origin_ = 0.0;
+  Eigen::VectorXd origin_;
   std::vector<Entry> entries_;  // the last used at the end
 };
 

@@ -10,7 +10,7 @@ namespace viscobar::plot {
 
 namespace {
 
-constexpr double width = 960.0, left = 74.0, right = 800.0, top = 12.0, below = 46.0, legend_pitch = 19.0;
+constexpr double width = 960.0, left = 84.0, right = 800.0, top = 12.0, below = 46.0, legend_pitch = 19.0;
 
 }  // namespace
 

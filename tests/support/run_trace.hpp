@@ -9,7 +9,7 @@
 namespace viscobar {
 
 /// Everything that a run told its observers.
-struct FullRecording {
+struct RunTrace {
   std::vector<double> times, reaction_left, reaction_right, progress;
   std::vector<std::vector<double>> u, v;  ///< over all nodes, one a time
   std::vector<Event> events;
@@ -18,8 +18,8 @@ struct FullRecording {
 
 /// Runs `system` from its initial state by any method.
 template <class Method>
-FullRecording record(const BarSystem& system, std::span<const double> times, const Method& method) {
-  FullRecording recording;
+RunTrace record(const BarSystem& system, std::span<const double> times, const Method& method) {
+  RunTrace recording;
   Observers observers;
   observers.snapshot = [&](const Snapshot& now) {
     recording.times.push_back(now.time);
