@@ -164,7 +164,7 @@ TEST(ElasticImpact, IsAWaveThatKeepsMomentumAndEnergy) {
       const double d = 1e-6;
       EXPECT_NEAR((impact.u(x, t + d) - impact.u(x, t - d)) / (2 * d), impact.v(x, t), eps / d * 10);
     }
-  EXPECT_EQ(impact.u(0.7, 5.0), impact.u(1.9, 5.0));
+  EXPECT_NEAR(impact.u(0.7, 5.0), impact.u(1.9, 5.0), 10 * eps);
 }
 
 TEST(Error, OfTheInterpolantIsTheMeshErrorAloneAndOfAShiftTheShift) {
