@@ -170,8 +170,10 @@ Scene ManufacturedContact::scene() const {
 }
 
 Solution solution(const ElasticImpact& impact) {
-  return {impact.scene(), [impact](double x, double t) { return impact.u(x, t); },
-          [impact](double x, double t) { return impact.v(x, t); }, [impact](double t) { return impact.reaction(t); },
+  return {impact.scene(),
+          [impact](double x, double t) { return impact.u(x, t); },
+          [impact](double x, double t) { return impact.v(x, t); },
+          [impact](double t) { return impact.reaction(t); },
           {}};
 }
 

@@ -119,7 +119,8 @@ TEST(ManufacturedContact, SolvesTheEquation) {
         EXPECT_NEAR(bar.density * u_tt - bar.modulus * u_xx - bar.viscosity * v_xx, contact.f(x, t),
                     d * d / 6 * bar.density * std::pow(3 * 5.0, 4) + 100 * eps / (d * d))
             << ends << " " << x << " " << t;
-        EXPECT_NEAR(contact.v(x, t), (contact.u(x, t + d) - contact.u(x, t - d)) / (2 * d), d * d / 6 * std::pow(3 * 5.0, 3));
+        EXPECT_NEAR(contact.v(x, t), (contact.u(x, t + d) - contact.u(x, t - d)) / (2 * d),
+                    d * d / 6 * std::pow(3 * 5.0, 3));
       }
   }
 }
@@ -130,7 +131,9 @@ TEST(ManufacturedContact, ItsStressAtTheEndsIsTheReactionAndTheConstraintIsCompl
   const double d = 1e-3, length = contact.bar.length;
   for (double t = 0.01; t < 9.0; t += 0.17) {
     const auto stress = [&](double x, double sign) {  // one-sided, second order
-      const auto slope = [&](auto f) { return sign * (-3 * f(x) + 4 * f(x + sign * d) - f(x + sign * 2 * d)) / (2 * d); };
+      const auto slope = [&](auto f) {
+        return sign * (-3 * f(x) + 4 * f(x + sign * d) - f(x + sign * 2 * d)) / (2 * d);
+      };
       return contact.bar.modulus * slope([&](double y) { return contact.u(y, t); }) +
              contact.bar.viscosity * slope([&](double y) { return contact.v(y, t); });
     };

@@ -1,7 +1,7 @@
 // Prints the errors of several redistributed masses against exact solutions: the table "which redistribution" of
-// docs/penalty-limit.md. The inertia is the only difference: the time stepping is scheme (2.8) with a small step, written
-// out here because the library has one redistribution, the first of the list.
-// Run: build/release/tests/measure_redistribution
+// docs/penalty-limit.md. The inertia is the only difference: the time stepping is scheme (2.8) with a small step,
+// written out here because the library has one redistribution, the first of the list. Run:
+// build/release/tests/measure_redistribution
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -93,7 +93,8 @@ Recording run(const Scene& scene, const Mesh& mesh, const SymmetricTridiagonal& 
   recording.mesh = mesh;
   std::optional<LoadVector> load;
   if (system.loaded()) load.emplace(system);
-  std::vector<double> before = system.initial_state().u, now = before, next(n), product(n), v = system.initial_state().v;
+  std::vector<double> before = system.initial_state().u, now = before, next(n), product(n),
+                      v = system.initial_state().v;
   for (std::size_t i = 0; i < n; ++i) now[i] += dt * v[i];
   now[0] = std::max(now[0], spring > 0.0 ? now[0] : -gap);
   const auto keep = [&](double t, const std::vector<double>& u, double reaction) {
@@ -133,9 +134,10 @@ Recording run(const Scene& scene, const Mesh& mesh, const SymmetricTridiagonal& 
 }
 
 void against_solution(const char* title, const exact::Solution& solution, double end, double step_share) {
-  fmt::print("\n### {}\n\n| redistribution | elements | u, L2 | order | u at the ends | order | v, L2 | order | reaction, "
-             "L1 | order |\n|---|---|---|---|---|---|---|---|---|---|\n",
-             title);
+  fmt::print(
+      "\n### {}\n\n| redistribution | elements | u, L2 | order | u at the ends | order | v, L2 | order | reaction, "
+      "L1 | order |\n|---|---|---|---|---|---|---|---|---|---|\n",
+      title);
   for (const Candidate& candidate : candidates) {
     std::optional<exact::Error> coarse;
     for (const std::size_t elements : {20u, 40u, 80u, 160u}) {
@@ -160,16 +162,16 @@ void against_impact_law(double viscosity, double epsilon) {
   const exact::ImpactLaw law{{1.0, 1.0, 1.0, viscosity}, 1.0, epsilon, 0.0};
   const double tau = viscosity > 0.0 ? std::cbrt(epsilon * epsilon * viscosity) : epsilon, end = 5 * tau;
   const double top = viscosity > 0.0 ? law.peak()->penetration : epsilon;
-  fmt::print("\n### Penalised impact, eta = {}, epsilon = {}: max |d - d_exact| / max d_exact to 5 tau\n\n"
-             "| redistribution | 50 | 100 | 200 | 400 elements |\n|---|---|---|---|---|\n",
-             viscosity, epsilon);
+  fmt::print(
+      "\n### Penalised impact, eta = {}, epsilon = {}: max |d - d_exact| / max d_exact to 5 tau\n\n"
+      "| redistribution | 50 | 100 | 200 | 400 elements |\n|---|---|---|---|---|\n",
+      viscosity, epsilon);
   for (const Candidate& candidate : candidates) {
     fmt::print("| {} |", candidate.label);
     for (const std::size_t elements : {50u, 100u, 200u, 400u}) {
       const Mesh mesh{1.0, elements};
       constexpr std::size_t steps = 8000;
-      const Recording recording =
-          run(law.scene(), mesh, candidate.inertia(mesh), end / steps, steps, 1 / epsilon);
+      const Recording recording = run(law.scene(), mesh, candidate.inertia(mesh), end / steps, steps, 1 / epsilon);
       double worst = 0.0;
       for (std::size_t k = 0; k < recording.times.size(); k += 20)
         worst = std::max(worst, std::abs(-recording.displacement(k)[0] - law.penetration(recording.times[k])));

@@ -59,8 +59,8 @@ struct PeriodThree {
   static Scene scene();
 };
 
-/// Penetration d(t) of a long bar that meets the penalised obstacle, reaction = d / epsilon, at -speed, t from the first
-/// touch on. The bar answers to a force with the impedance Z(s) = sqrt(rho (E + eta s)), so that in Laplace space
+/// Penetration d(t) of a long bar that meets the penalised obstacle, reaction = d / epsilon, at -speed, t from the
+/// first touch on. The bar answers to a force with the impedance Z(s) = sqrt(rho (E + eta s)), so that in Laplace space
 ///
 ///     d^(s) = V epsilon Z / (s (1 + epsilon s Z)).
 ///
