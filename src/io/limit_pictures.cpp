@@ -133,7 +133,7 @@ std::string difference_picture(const LimitStudy& study, const LimitResult& resul
         points_of(rows_of(result, m), [](const LimitRow& row) { return row.difference_to_rigid.value_or(0.0); });
     const Axis y = decades_of("end difference", {scheme, rigid}, {orders.scheme_error});
     Figure figure(x, y, 380.0);
-    mark_boundaries(figure, {.rows = {}, .orders = {orders}}, x);
+    mark_boundaries(figure, {.rows = {}, .orders = {orders}, .failed = {}}, x);
     if (result.orders.size() > 1) figure.legend_note(mesh_label(result, m));
     // Wide, to be seen below the other where the two agree.
     series(figure, scheme, plot::series_colour(1), "to the scheme", 4.0);

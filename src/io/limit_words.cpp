@@ -25,8 +25,8 @@ std::string power(std::optional<double> value) {
 }  // namespace
 
 std::span<const LimitRow> rows_of(const LimitResult& result, std::size_t mesh) {
-  const std::size_t count = result.rows.size() / result.orders.size();
-  return std::span(result.rows).subspan(mesh * count, count);
+  const LimitOrders& orders = result.orders[mesh];
+  return std::span(result.rows).subspan(orders.first_row, orders.row_count);
 }
 
 std::size_t finest(const LimitResult& result) {
@@ -40,11 +40,20 @@ LimitTheory theory(const LimitStudy& study) {
   return {0.5, study.scene.restitution ? std::optional(0.5) : std::nullopt};
 }
 
+std::string verdict_word(const std::optional<Verdict>& verdict) {
+  return std::string(verdict ? name(*verdict) : "undecided");
+}
+
 std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
   const LimitRow &first = rows.front(), &last = rows.back();
   const double error = orders.scheme_error;
   const std::string scheme =
       fmt::format("the scheme's own error at dt = {:.3g} ({:.2g}, by halving it)", orders.scheme_step, error);
+  if (!orders.verdict)
+    return fmt::format(
+        "at epsilon = {:.2g} the difference to the scheme is {:.2g}, more than {}: whether it falls "
+        "with epsilon takes a second epsilon to say",
+        last.epsilon, last.difference_to_scheme, scheme);
   if (orders.verdict == Verdict::plateau) {
     std::string text = fmt::format("the difference to the scheme stays near {:.2g} at epsilon = {:.2g}",
                                    last.difference_to_scheme, last.epsilon);
