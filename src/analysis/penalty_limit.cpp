@@ -234,8 +234,8 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
   orders.to_rigid = small(to_rigid, orders.tolerance_error);
   orders.to_scheme = small(to_scheme, floor);
   if (orders.boundary) {
-    orders.penetration_layer = fit(rows, penetration, 0.0, 100.0 * *orders.boundary, every, every);
-    orders.to_rigid_layer = fit(rows, to_rigid, orders.tolerance_error, 100.0 * *orders.boundary, every, every);
+    orders.penetration_layer = fit(rows, penetration, 0.0, 100.0 * *orders.boundary, every, two_decades);
+    orders.to_rigid_layer = fit(rows, to_rigid, orders.tolerance_error, 100.0 * *orders.boundary, every, two_decades);
   }
   orders.verdict = judge(rows, floor);
   return orders;
