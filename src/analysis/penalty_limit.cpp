@@ -218,8 +218,10 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
   orders.scheme_events = mesh.scheme().events.size();
   orders.tolerance_error = 100.0 * scheme.tolerance.relative * largest_displacement(mesh.scheme());
   const double h = scheme.mesh().spacing();
-  // zeta ~ 1 of a contact node, in any units.
-  if (bar.viscosity > 0.0) orders.boundary = bar.density * h * h * h / (bar.viscosity * bar.viscosity);
+  const bool span = scheme.scene.span.has_value();
+  // zeta ~ 1 of an end node on its spring 1 / epsilon; under a span the spring is h / epsilon.
+  if (bar.viscosity > 0.0)
+    orders.boundary = bar.density * h * h * h * (span ? h : 1.0) / (bar.viscosity * bar.viscosity);
   const double floor = 3.0 * orders.scheme_error + orders.tolerance_error;
   constexpr double every = std::numeric_limits<double>::infinity(), two_decades = 100.0;
   const auto small = [&](auto value, double lowest) {
@@ -233,7 +235,7 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
   orders.penetration = small(penetration, 0.0);
   orders.to_rigid = small(to_rigid, orders.tolerance_error);
   orders.to_scheme = small(to_scheme, floor);
-  if (orders.boundary) {
+  if (orders.boundary && !span) {
     orders.penetration_layer = fit(rows, penetration, 0.0, 100.0 * *orders.boundary, every, two_decades);
     orders.to_rigid_layer = fit(rows, to_rigid, orders.tolerance_error, 100.0 * *orders.boundary, every, two_decades);
   }

@@ -53,7 +53,7 @@ Json to_json(const LimitStudy& study, const LimitOrders& orders, std::span<const
           {"layer_resolved",
            {{"penetration", detailed(orders.penetration_layer)},
             {"to_rigid", detailed(orders.to_rigid_layer)},
-            {"theory", powers.layer}}},
+            {"theory", value_or_null(powers.layer)}}},
           {"scheme_step", orders.scheme_step},
           {"scheme_error", orders.scheme_error},
           {"scheme_events", orders.scheme_events},
@@ -102,7 +102,8 @@ std::string numbers(const LimitStudy& study, const LimitResult& result) {
   all.add("Scheme's time step", plot::readable(orders.scheme_step),
           fmt::format("error {}, by halving it", plot::readable(orders.scheme_error, 2)));
   all.add("Error of the tolerance", plot::readable(orders.tolerance_error, 2), "at most, in a difference");
-  if (orders.boundary) all.add("Regimes meet at", plot::readable(*orders.boundary, 3), "ε = ρh³/η²");
+  if (orders.boundary)
+    all.add("Regimes meet at", plot::readable(*orders.boundary, 3), "ε = " + std::string(theory(study).boundary));
   return all.html("The study");
 }
 

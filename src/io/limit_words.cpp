@@ -37,7 +37,11 @@ std::size_t finest(const LimitResult& result) {
 
 LimitTheory theory(const LimitStudy& study) {
   if (study.scene.mass == Mass::redistributed) return {1.0, 1.0};
-  return {0.5, study.scene.restitution ? std::optional(0.5) : std::nullopt};
+  const bool common = study.scene.restitution.has_value();
+  if (!study.scene.scene.span) return {0.5, common ? std::optional(0.5) : std::nullopt};
+  // Contacts of neighbours are one impact each only where the mass does not couple them.
+  const bool apart = study.scene.mass != Mass::consistent;
+  return {0.5, common && apart ? std::optional(0.5) : std::nullopt, std::nullopt, "ρh⁴/η²"};
 }
 
 std::string verdict_word(const std::optional<Verdict>& verdict) {
@@ -66,6 +70,10 @@ std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, s
              ". A contact node with mass rebounds from an undamped penalty and not from the scheme's constraint: "
              "contact.restitution gives both the same law" +
              (study.scene.scene.span ? "" : ", --mass redistributed takes the mass away");
+    if (study.scene.scene.span && study.scene.mass == Mass::consistent)
+      return text +
+             ". Under a span obstacle the consistent mass ties the impacts of neighbours together, where penalty and "
+             "scheme share no law; with --mass lumped they do";
     return text + ". Penalty and scheme have one law of impact here, so a smaller epsilon or --steps should tell more";
   }
   std::string text =

@@ -22,7 +22,8 @@ std::size_t finest(const LimitResult& result);
 struct LimitTheory {
   double penetration = 1.0;
   std::optional<double> difference;
-  double layer = 2.0 / 3.0;
+  std::optional<double> layer = 2.0 / 3.0;
+  const char* boundary = "ρh³/η²";  ///< the epsilon where the two meet
 };
 LimitTheory theory(const LimitStudy& study);
 

@@ -168,6 +168,35 @@ TEST(PenaltyLimit, APathToTheBarExistsOnThePapersMassOfOrderTwoInH) {
   EXPECT_NEAR(std::log2(difference(0.01, 108) / difference(0.01, 216)), 2.0, 0.1);
 }
 
+// The paper's bar over a distributed obstacle (examples/scenes/paper-span.toml) on a coarse mesh: it arrives unevenly,
+// node by node.
+Case paper_span(Mass mass) {
+  Case run;
+  run.scene.bar = {26.0, 1.0, 1.0, 1.0};
+  run.scene.span = Obstacle{650.0};
+  run.scene.displacement = run.scene.velocity = [](double x) { return x * (1.0 - x); };
+  run.elements = 26;
+  run.mass = mass;
+  run.restitution = 0.0;
+  run.step = 2e-4;
+  run.end = 40.0;
+  return run;
+}
+
+TEST(PenaltyLimit, UnderASpanOneRestitutionGivesOneLimitWhereTheMassDoesNotTieNeighboursTogether) {
+  // Below epsilon = rho h^4 / eta^2 = 1 a node is at rest before its neighbours drag it along.
+  const LimitResult lumped = penalty_limit(study_of(paper_span(Mass::lumped), decades(1e-5, 1e-7)));
+  EXPECT_EQ(only(lumped).verdict, Verdict::converges);
+  EXPECT_NEAR(*only(lumped).boundary, 1.0, 1e-12);
+  EXPECT_NEAR(only(lumped).to_scheme->order, 0.5, 0.05);
+  EXPECT_FALSE(only(lumped).penetration_layer);
+  // On the consistent mass the impact of a node is an impulse on its neighbours, which share it between them by a law
+  // of their own: a plateau, small beside the 650 that the bar falls.
+  const LimitResult consistent = penalty_limit(study_of(paper_span(Mass::consistent), decades(1e-5, 1e-7)));
+  EXPECT_EQ(only(consistent).verdict, Verdict::plateau);
+  EXPECT_LT(consistent.rows.back().difference_to_scheme, 0.01 * 650.0);
+}
+
 TEST(PenaltyLimit, OneEpsilonAloneHasNoVerdictUnlessItIsAtTheSchemesError) {
   Case scene = paper_throw(0.01);
   scene.step = 1e-4;

@@ -56,7 +56,9 @@ struct LimitOrders {
   double scheme_error = 0.0;  ///< of the scheme's end traces by its time step: twice the change when dt is halved
   std::size_t scheme_events = 0;
   double tolerance_error = 0.0;    ///< what the time integration may add to a difference
-  std::optional<double> boundary;  ///< epsilon = rho h^3 / eta^2, where the two powers of the penetration meet
+  /// epsilon = rho h^3 / eta^2, where the two powers of the penetration meet; under a span obstacle rho h^4 / eta^2,
+  /// below which a node has come to rest before viscosity drags it along with its neighbours
+  std::optional<double> boundary;
   /// Powers of epsilon over the last two decades above the floor, where they are closest to their limits: in the regime
   /// of small epsilon, below boundary / 100, where the node alone answers; of all rows when fewer than two lie there.
   std::optional<ObservedOrder> penetration, to_rigid, to_scheme;
