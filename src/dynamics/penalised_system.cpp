@@ -30,6 +30,18 @@ double PenalisedSystem::clearance_rounding(std::size_t i, double largest) const 
   return 32.0 * std::numeric_limits<double>::epsilon() * (contact(i).gap + largest);
 }
 
+double PenalisedSystem::contact_noise(double rate) const {
+  double noise = 0.0;
+  const double h = bar_.mesh().spacing(), viscous = bar_.bar().viscosity / (bar_.bar().density * h * h);
+  for (std::size_t i = 0; i < laws_.size(); ++i) {
+    if (!closed(i)) continue;
+    const std::size_t node = contact(i).unknown;
+    const double own = massless(node) ? 0.0 : std::sqrt(laws_[i].stiffness / bar_.inertia().diagonal[node]);
+    noise = std::max(noise, contact(i).gap * std::min(rate, std::max(viscous, own)));
+  }
+  return std::numeric_limits<double>::epsilon() * noise;
+}
+
 bool PenalisedSystem::massless(std::size_t unknown) const {
   return unknown < bar_.massive_begin() || unknown >= bar_.massive_end();
 }

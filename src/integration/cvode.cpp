@@ -176,7 +176,8 @@ class CvodeStepper {
   }
 
   static int error_weights(N_Vector y, N_Vector weights, void* user) noexcept {
-    static_cast<CvodeStepper*>(user)->weights_.fill(values(y), values(weights));
+    auto* stepper = static_cast<CvodeStepper*>(user);
+    stepper->weights_.fill(values(y), stepper->leg_.contact_noise(), values(weights));
     return 0;
   }
 

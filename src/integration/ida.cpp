@@ -126,7 +126,8 @@ class IdaStepper {
   }
 
   static int error_weights(N_Vector y, N_Vector weights, void* user) noexcept {
-    static_cast<IdaStepper*>(user)->weights_.fill(values(y), values(weights));
+    auto* stepper = static_cast<IdaStepper*>(user);
+    stepper->weights_.fill(values(y), stepper->leg_.contact_noise(), values(weights));
     return 0;
   }
 

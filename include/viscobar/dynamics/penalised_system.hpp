@@ -58,6 +58,11 @@ class PenalisedSystem {
   /// What a clearance may be wrong by through rounding alone, for displacements up to `largest`.
   double clearance_rounding(std::size_t i, double largest) const;
 
+  /// What the velocities may be wrong by through the rounding of closed contacts' displacements alone, for steps that
+  /// resolve no more than `rate`: a stiff contact passes each unit of rounding of u on to its node within a step, and
+  /// viscosity to the neighbours. At most rounding times the fastest rate of the contact.
+  double contact_noise(double rate) const;
+
   /// out = M f(t) - E K u - eta K w + reactions; w is the velocity of all unknowns.
   void force(double t, std::span<const double> u, std::span<const double> w, std::span<double> out);
 

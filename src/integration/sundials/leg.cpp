@@ -22,7 +22,7 @@ double ErrorWeights::displacement_tolerance() const {
   return (tolerance_.relative * largest_u_ + tolerance_.absolute) / tightening_;
 }
 
-void ErrorWeights::fill(std::span<double> y, std::span<double> weights) {
+void ErrorWeights::fill(std::span<double> y, double noise, std::span<double> weights) {
   largest_u_ = std::max(largest_u_, largest(layout_.u(y)));
   largest_w_ = std::max(largest_w_, largest(layout_.w(y)));
   // Below a few units of rounding no step could pass.
@@ -30,7 +30,8 @@ void ErrorWeights::fill(std::span<double> y, std::span<double> weights) {
   const double absolute = tolerance_.absolute / tightening_;
   std::ranges::fill(layout_.u(weights), 1.0 / (relative * largest_u_ + absolute));
   const auto w = layout_.w(weights);
-  std::ranges::fill(w, 1.0 / (relative * largest_w_ + absolute));
+  // An error test that sees noise shrinks the step, which makes more of it.
+  std::ranges::fill(w, 1.0 / std::max(relative * largest_w_ + absolute, 4.0 * noise));
   std::ranges::fill(w.first(massive_begin_), 0.0);
   std::ranges::fill(w.subspan(massive_end_), 0.0);
   std::ranges::fill(weights.subspan(2 * layout_.nodes), 0.0);
@@ -48,6 +49,10 @@ void Leg::solve(double m, double c, double k, std::span<double> x) {
   ++statistics.linear_solves;
   // A sweep carries what is not finite to the ends.
   if (!std::isfinite(x.front()) || !std::isfinite(x.back())) throw StepFailure("the solution is no longer finite");
+}
+
+double Leg::contact_noise() const {
+  return system.contact_noise(factorised_ ? m_ / c_ : std::numeric_limits<double>::infinity());
 }
 
 void Leg::subtract_inertia(double factor, std::span<const double> x, std::span<double> out) {

@@ -44,7 +44,8 @@ class ErrorWeights {
         accumulated_(system.dissipates() ? 150.0 : 1000.0),
         tightening_(1.0) {}
 
-  void fill(std::span<double> y, std::span<double> weights);
+  /// `noise` is what the velocities are not known better than.
+  void fill(std::span<double> y, double noise, std::span<double> weights);
   /// The local tolerance is the requested one divided by 150 + 6 (contact changes so far), or by 1000 + 6 (...) where
   /// nothing dissipates: local errors add up, an undamped bar forgets none of them, and a bounce multiplies what was
   /// there before it. Measured in docs/methods.md.
@@ -70,6 +71,9 @@ class Leg {
 
   /// x <- D(m,c,k)^{-1} x; factorises only when a coefficient or a contact has changed.
   void solve(double m, double c, double k, std::span<double> x);
+
+  /// What the velocities may be wrong by through the rounding of closed contacts, at the step solved for last.
+  double contact_noise() const;
 
   /// out -= factor * rho M x
   void subtract_inertia(double factor, std::span<const double> x, std::span<double> out);
