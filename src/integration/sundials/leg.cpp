@@ -51,10 +51,6 @@ void Leg::solve(double m, double c, double k, std::span<double> x) {
   if (!std::isfinite(x.front()) || !std::isfinite(x.back())) throw StepFailure("the solution is no longer finite");
 }
 
-double Leg::contact_noise() const {
-  return system.contact_noise(factorised_ ? m_ / c_ : std::numeric_limits<double>::infinity());
-}
-
 void Leg::subtract_inertia(double factor, std::span<const double> x, std::span<double> out) {
   const SymmetricTridiagonal& inertia = system.bar().inertia();
   const std::size_t n = out.size();
