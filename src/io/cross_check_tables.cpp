@@ -16,7 +16,9 @@ constexpr std::size_t most_contacts = 30;
 
 std::string count(std::size_t value) { return fmt::format("{}", value); }
 
-std::string settings(const Case& run, NumberText number) {
+std::string settings(const MethodRun& method, NumberText number) {
+  const Case& run = method.run;
+  if (!method.built_in) return "";
   if (is_scheme(run.method)) return "step " + number(*run.step);
   if (is_adaptive(run.method)) return "tolerance " + number(run.tolerance.relative);
   return "";
@@ -32,8 +34,7 @@ Table method_table(const CrossCheck& check, NumberText number) {
       3,
       {}};
   for (const MethodRun& run : check.runs) {
-    std::vector<std::string> row = {std::string(name(run.run.method)), std::string(name(run.mass)),
-                                    settings(run.run, number)};
+    std::vector<std::string> row = {run.label, std::string(name(run.mass)), settings(run, number)};
     if (run.recording) {
       const Statistics& s = run.recording->statistics;
       row.insert(row.end(), {count(s.steps), number(s.integration_seconds), count(run.recording->events.size()),
@@ -56,11 +57,11 @@ Table difference_table(const CrossCheck& check, NumberText number) {
   for (std::size_t i = 0; i < check.runs.size(); ++i) {
     const Comparison* d = check.to_reference(i);
     if (!d) continue;
-    table.rows.push_back({std::string(name(check.runs[i].run.method)), std::string(name(check.runs[i].mass)),
-                          number(d->displacement_l2), number(d->displacement_h1), number(d->velocity_l2),
-                          number(d->end_trace),
+    const auto known = [&](const std::optional<double>& value) { return value ? number(*value) : std::string(); };
+    table.rows.push_back({check.runs[i].label, std::string(name(check.runs[i].mass)), known(d->displacement_l2),
+                          known(d->displacement_h1), known(d->velocity_l2), number(d->end_trace),
                           fmt::format("{} of {}, {}", d->events_matched, d->events, d->events_other),
-                          d->largest_event_shift ? number(*d->largest_event_shift) : "", number(d->energy_final)});
+                          known(d->largest_event_shift), known(d->energy_final)});
   }
   return table;
 }
@@ -79,7 +80,7 @@ Table contact_table(const CrossCheck& check, NumberText number) {
       }
       keys.push_back(key);
     }
-    rows[key].push_back({place(period), std::string(name(run.run.method)), fmt::format("{:.6g}", period.begin),
+    rows[key].push_back({place(period), run.label, fmt::format("{:.6g}", period.begin),
                          fmt::format("{:.6g}", period.end), period.where == Where::span ? "" : number(period.impulse),
                          count(period.bounces)});
   };
@@ -99,7 +100,7 @@ Table contact_table(const CrossCheck& check, NumberText number) {
 std::vector<std::string> remarks(const MethodChoice& choice, const CrossCheck& check) {
   std::vector<std::string> found;
   for (const MethodRun& run : check.runs)
-    if (!run.recording) found.push_back(fmt::format("{} failed: {}", name(run.run.method), run.error));
+    if (!run.recording) found.push_back(fmt::format("{} failed: {}", run.label, run.error));
   for (const MethodName method : choice.default_step)
     for (const Case& run : choice.cases)
       if (run.method == method)
@@ -110,8 +111,9 @@ std::vector<std::string> remarks(const MethodChoice& choice, const CrossCheck& c
   std::string masses;
   bool differ = false;
   for (const MethodRun& run : check.runs) {
+    if (!run.built_in) continue;
     differ = differ || run.mass != check.runs.front().mass;
-    masses += fmt::format("{}{} on the {} mass", masses.empty() ? "" : ", ", name(run.run.method), name(run.mass));
+    masses += fmt::format("{}{} on the {} mass", masses.empty() ? "" : ", ", run.label, name(run.mass));
   }
   if (differ)
     found.push_back(
@@ -119,10 +121,10 @@ std::vector<std::string> remarks(const MethodChoice& choice, const CrossCheck& c
         "which only a finer mesh removes: " +
         masses);
   const bool penalty = std::any_of(check.runs.begin(), check.runs.end(), [](const MethodRun& run) {
-    return is_penalised(run.run.method) && !make_system(run.run).contacts().empty();
+    return run.built_in && is_penalised(run.run.method) && !make_system(run.run).contacts().empty();
   });
-  const bool exact =
-      std::any_of(check.runs.begin(), check.runs.end(), [](const MethodRun& run) { return is_scheme(run.run.method); });
+  const bool exact = std::any_of(check.runs.begin(), check.runs.end(),
+                                 [](const MethodRun& run) { return run.built_in && is_scheme(run.run.method); });
   if (penalty && exact && !check.runs.front().run.restitution && check.runs.front().run.mass != Mass::redistributed)
     found.push_back(
         "contact nodes with mass rebound from an undamped penalty and do not from the schemes' constraint; "
