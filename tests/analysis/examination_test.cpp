@@ -94,7 +94,7 @@ TEST(Examination, ABoundOnWhatASchemeDoesNotGiveIsNotPassed) {
 }
 
 TEST(Examination, TakesTheExactSolutionForItsRefereeWhereThereIsOne) {
-  const exact::Solution solution = exact::solution(exact::ManufacturedContact{});
+  const exact::Solution solution = exact::later(exact::solution(exact::ManufacturedContact{}), 0.1);
   Case run = fall();
   run.scene = solution.scene;
   const Trial trial{"manufactured", run, solution, {}, {.end_trace = 0.1}};
