@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace viscobar {
 
 namespace {
@@ -31,6 +33,8 @@ void judge(const Bounds& bounds, const Comparison& found, const std::string& ref
   hold("displacement, H1", found.displacement_h1, bounds.displacement_h1);
   hold("velocity, L2", found.velocity_l2, bounds.velocity_l2);
   hold("end trace", found.end_trace, bounds.end_trace);
+  for (const auto& [a, b] : found.contacts)
+    if (a.where != Where::span) hold("impulse", std::abs(a.impulse - b.impulse), bounds.impulse);
   if (!bounds.event_shift) return;
   if (found.events_matched != found.events || found.events_matched != found.events_other)
     findings.push_back(
@@ -53,7 +57,7 @@ TrialResult one(const std::string& label, const Solver& scheme, const Trial& tri
     if (runs[i].label == "exact") bounds.event_shift.reset();  // an exact solution lists no changes
     judge(bounds, *difference, runs[i].label, result.findings);
   }
-  if (trial.solution && result.scheme().recording)
+  if (trial.solution && result.scheme().recording && result.scheme().recording->mesh.elements == trial.run.elements)
     result.error = exact::error(*result.scheme().recording, *trial.solution);
   return result;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 #include "io/csv.hpp"
 
@@ -69,31 +70,35 @@ Table difference_table(const CrossCheck& check, NumberText number) {
 Table contact_table(const CrossCheck& check, NumberText number) {
   Table table{{"where", "method", "begin", "end", "impulse", "bounces"}, 2, {}};
   if (!check.reference) return table;
-  // The k-th period at a place beside the k-th of the others.
-  std::vector<std::string> keys;
-  std::map<std::string, std::vector<std::vector<std::string>>> rows;
-  const auto add = [&](const MethodRun& run, const std::string& key, const ContactPeriod& period) {
-    if (rows[key].empty()) {
-      if (keys.size() == most_contacts) {
-        rows.erase(key);
-        return;
-      }
-      keys.push_back(key);
-    }
-    rows[key].push_back({place(period), run.label, fmt::format("{:.6g}", period.begin),
-                         fmt::format("{:.6g}", period.end), period.where == Where::span ? "" : number(period.impulse),
-                         count(period.bounces)});
+  // Each period of the reference with those that match it; what has no match stands alone, where its time puts it.
+  struct Group {
+    ContactPeriod first;
+    std::vector<std::vector<std::string>> rows;
   };
-  for (const MethodRun& run : check.runs) {
-    if (!run.recording) continue;
-    std::map<std::string, std::size_t> seen;
+  using Key = std::tuple<Where, std::size_t, double>;
+  const auto key = [](const ContactPeriod& period) { return Key{period.where, period.node, period.begin}; };
+  std::vector<Group> groups;
+  std::map<Key, std::size_t> of_reference;
+  for (std::size_t i = 0; i < check.runs.size(); ++i) {
+    const MethodRun& run = check.runs[i];
+    std::map<Key, std::size_t> matched;
+    if (const Comparison* difference = check.to_reference(i))
+      for (const auto& [first, other] : difference->contacts) matched[key(other)] = of_reference.at(key(first));
     for (const ContactPeriod& period : run.contacts) {
-      const std::string where = place(period);
-      add(run, fmt::format("{} {}", where, seen[where]++), period);
+      const auto found = matched.find(key(period));
+      const std::size_t group = found == matched.end() ? groups.size() : found->second;
+      if (group == groups.size()) groups.push_back({period, {}});
+      if (i == *check.reference) of_reference[key(period)] = group;
+      groups[group].rows.push_back({place(period), run.label, fmt::format("{:.6g}", period.begin),
+                                    fmt::format("{:.6g}", period.end),
+                                    period.where == Where::span ? "" : number(period.impulse), count(period.bounces)});
     }
   }
-  for (const std::string& key : keys)
-    for (auto& row : rows[key]) table.rows.push_back(std::move(row));
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const Group& a, const Group& b) { return a.first.begin < b.first.begin; });
+  if (groups.size() > most_contacts) groups.resize(most_contacts);
+  for (Group& group : groups)
+    for (auto& row : group.rows) table.rows.push_back(std::move(row));
   return table;
 }
 

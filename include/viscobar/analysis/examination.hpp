@@ -15,6 +15,7 @@ struct Bounds {
   std::optional<double> displacement_l2 = std::nullopt, displacement_h1 = std::nullopt;
   std::optional<double> velocity_l2 = std::nullopt, end_trace = std::nullopt;
   std::optional<double> event_shift = std::nullopt;  ///< then every contact change must also have its partner
+  std::optional<double> impulse = std::nullopt;      ///< of each contact that both have, at the ends
 };
 
 /// A scene on which a scheme is examined.
@@ -30,7 +31,7 @@ struct Trial {
 struct TrialResult {
   std::string name;
   CrossCheck check;
-  std::optional<exact::Error> error;  ///< to the exact solution
+  std::optional<exact::Error> error;  ///< to the exact solution; absent for a scheme that gives its ends only
   std::vector<Finding> findings;      ///< bounds exceeded (key: referee and quantity) and runs that failed
 
   bool passed() const { return findings.empty(); }
