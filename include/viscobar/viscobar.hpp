@@ -6,6 +6,7 @@
 #include "viscobar/analysis/comparison.hpp"
 #include "viscobar/analysis/coupling.hpp"
 #include "viscobar/analysis/cross_check.hpp"
+#include "viscobar/analysis/end_traces.hpp"
 #include "viscobar/analysis/exact_solutions.hpp"
 #include "viscobar/analysis/examination.hpp"
 #include "viscobar/analysis/first_impact.hpp"

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace viscobar {
@@ -124,10 +125,23 @@ std::vector<Finding> validate(const Case& run) {
   return findings;
 }
 
+MethodName penalised_method(const Case& run) {
+  Case study = run;
+  if (!is_penalised(study.method)) study.method = MethodName::cvode;
+  const std::vector<Finding> findings = validate(study);
+  const bool refused = std::any_of(findings.begin(), findings.end(),
+                                   [](const Finding& finding) { return finding.key == "method.name"; });
+  return refused ? MethodName::ida : study.method;
+}
+
 BarSystem make_system(const Case& run) { return BarSystem(run.scene, run.mesh(), effective_mass(run)); }
 
 Statistics simulate(const Case& run, const BarSystem& system, const Observers& observers) {
-  const std::vector<double> times = run.output_times();
+  return simulate(run, system, run.output_times(), observers);
+}
+
+Statistics simulate(const Case& run, const BarSystem& system, std::span<const double> times,
+                    const Observers& observers) {
   const Penalty penalty{run.epsilon.value_or(1.0), run.restitution.value_or(1.0)};
   const State start = system.initial_state();
   switch (run.method) {

@@ -126,12 +126,11 @@ CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result
   Coupling coupling;
   coupling.mesh_order = error->order;
   coupling.limit = rigid ? "rigid" : "scheme";
-  const std::size_t per_mesh = result.rows.size() / result.orders.size();
   std::vector<double> h, epsilon;
   for (std::size_t i = 0; i < by_mesh.size(); ++i) {
     const LimitOrders& orders = result.orders[by_mesh[i]];
     Coupling::Mesh mesh{orders.elements, spacings[i], error->constant * std::pow(spacings[i], error->order), {}, 0.0};
-    const auto rows = std::span(result.rows).subspan(by_mesh[i] * per_mesh, per_mesh);
+    const auto rows = std::span(result.rows).subspan(orders.first_row, orders.row_count);
     if (const auto found =
             crossing(rows, rigid, mesh.mesh_error, rigid ? orders.tolerance_error : orders.scheme_error)) {
       mesh.epsilon = found->epsilon;

@@ -18,11 +18,12 @@ SceneOptions::SceneOptions(CLI::App& command) {
   command.add_flag("--json", json, "Print one JSON document on standard output, and nothing else there");
 }
 
-SceneFile SceneOptions::read(const std::vector<std::string>& defaults, const std::vector<std::string>& settings) const {
+SceneFile SceneOptions::read(const std::vector<std::string>& defaults, const std::vector<std::string>& settings,
+                             const Adaptation& adapt) const {
   std::vector<std::string> all = defaults;
   all.insert(all.end(), overrides.begin(), overrides.end());
   all.insert(all.end(), settings.begin(), settings.end());
-  return read_scene(file, all);
+  return read_scene(file, all, adapt);
 }
 
 OutputOptions::OutputOptions(CLI::App& command) {

@@ -20,8 +20,10 @@ struct SceneOptions {
   bool json = false;
 
   explicit SceneOptions(CLI::App& command);
-  /// The scene, values of `defaults` and `settings` ("table.key=value") put before and after the user's own.
-  SceneFile read(const std::vector<std::string>& defaults = {}, const std::vector<std::string>& settings = {}) const;
+  /// The scene, values of `defaults` and `settings` ("table.key=value") put before and after the user's own,
+  /// `adapt` applied before it is validated.
+  SceneFile read(const std::vector<std::string>& defaults = {}, const std::vector<std::string>& settings = {},
+                 const Adaptation& adapt = {}) const;
 };
 
 /// What every command that writes results understands: -o DIR and --quiet.

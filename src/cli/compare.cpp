@@ -62,7 +62,9 @@ CompareCommand::CompareCommand(CLI::App& app)
 
 int CompareCommand::operator()() const {
   const std::vector<MethodName> methods = methods_named(methods_);
-  const SceneFile scene = scene_.read();
+  const SceneFile scene = scene_.read({}, {}, [](Case& run) {
+    if (is_penalised(run.method)) run.method = penalised_method(run);
+  });
   const MethodChoice choice =
       command_.count("--methods") ? chosen_methods(scene.run, methods) : fitting_methods(scene.run);
   if (choice.cases.size() < 2) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 
 #include "cli/commands.hpp"
@@ -74,7 +75,8 @@ int LimitCommand::operator()() const {
   std::vector<std::string> settings;
   if (!mass_.empty()) settings.push_back("mesh.mass=" + mass_);
   // The scene's own epsilon, which it may lack, is not used.
-  const SceneFile scene = scene_.read({fmt::format("contact.epsilon={}", study.epsilons.front())}, settings);
+  const SceneFile scene = scene_.read({fmt::format("contact.epsilon={}", study.epsilons.front())}, settings,
+                                      [](Case& run) { run.method = penalised_method(run); });
   study.scene = scene.run;
   const Scene& bar = scene.run.scene;
   if (!is_obstacle(bar.left) && !is_obstacle(bar.right) && !bar.span)
@@ -87,9 +89,10 @@ int LimitCommand::operator()() const {
   prepare_result_directory(directory);
 
   end_on_interrupt();
-  if (!scene_.json && !output_.quiet && on_terminal())
-    fmt::print(stderr, "{} penalised runs and their limits are going on\n", meshes * study.epsilons.size());
+  StudyProgress progress("runs");
+  if (!output_.quiet && on_terminal()) study.progress = std::ref(progress);
   const LimitResult result = penalty_limit(study);
+  progress.clear();
   const CouplingResult coupling = balance_errors(study, result);
   const std::string json = limit_json(scene, study, result, coupling);
   write_atomically(directory / "limit.json", json);
@@ -99,7 +102,9 @@ int LimitCommand::operator()() const {
   else if (!output_.quiet)
     print(fmt::format("{}\n\n{}", bar.title.empty() ? scene_.file : bar.title, limit_text(study, result, coupling)) +
           row("pictures", (directory / "limit.html").string()));
-  return success;
+  for (const FailedRun& run : result.failed)
+    fmt::print(stderr, "viscobar: epsilon = {} on {} elements: {}\n", run.epsilon, run.elements, run.what);
+  return result.failed.empty() ? success : run_failed;
 }
 
 }  // namespace viscobar::cli

@@ -41,6 +41,20 @@ void Progress::clear() {
   shown_ = false;
 }
 
+void StudyProgress::operator()(std::size_t done, std::size_t of) {
+  fmt::print(stderr, "\r\033[K{:5.1f} %  {} of {} {}", 100.0 * static_cast<double>(done) / static_cast<double>(of),
+             done, of, what_);
+  std::fflush(stderr);
+  shown_ = true;
+}
+
+void StudyProgress::clear() {
+  if (!shown_) return;
+  fmt::print(stderr, "\r\033[K");
+  std::fflush(stderr);
+  shown_ = false;
+}
+
 bool on_terminal() { return isatty(STDERR_FILENO) == 1; }
 
 }  // namespace viscobar::cli

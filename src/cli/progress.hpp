@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <string_view>
 
 namespace viscobar::cli {
 
@@ -20,6 +21,22 @@ class Progress {
   using Clock = std::chrono::steady_clock;
   double end_;
   Clock::time_point started_ = Clock::now(), next_ = started_ + std::chrono::seconds(1);
+  bool shown_ = false;
+};
+
+/// The same for a study of many runs.
+class StudyProgress {
+ public:
+  explicit StudyProgress(std::string_view what) : what_(what) {}
+  ~StudyProgress() { clear(); }
+  StudyProgress(const StudyProgress&) = delete;
+  StudyProgress& operator=(const StudyProgress&) = delete;
+
+  void operator()(std::size_t done, std::size_t of);
+  void clear();
+
+ private:
+  std::string_view what_;
   bool shown_ = false;
 };
 

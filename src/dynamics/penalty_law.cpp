@@ -7,7 +7,7 @@ namespace viscobar {
 double damping_ratio(double restitution) {
   if (restitution <= 0.0) return 1.0;
   const double logarithm = std::log(restitution);
-  return -logarithm / std::hypot(std::numbers::pi, logarithm);
+  return std::abs(logarithm) / std::hypot(std::numbers::pi, logarithm);
 }
 
 PenaltyLaw penalty_law(const Penalty& penalty, double weight, double effective_mass) {

@@ -76,23 +76,24 @@ void slope_line(Figure& figure, Point through, double order, double low, double 
 
 /// Lines of theory for one curve: the node's power below the boundary of the regimes, the layer's above.
 void theory_lines(Figure& figure, const std::vector<Point>& points, const Axis& x, std::optional<double> boundary,
-                  std::optional<double> node, double layer) {
+                  std::optional<double> node, std::optional<double> layer) {
   if (points.empty()) return;
   const double border = std::clamp(boundary.value_or(x.high), x.low, x.high);
   if (node && border > 3.0 * x.low) slope_line(figure, points.back(), *node, x.low, border);
-  if (border < x.high / 3.0) slope_line(figure, points.front(), layer, border, x.high);
+  if (layer && border < x.high / 3.0) slope_line(figure, points.front(), *layer, border, x.high);
 }
 
 bool inside(std::optional<double> boundary, const Axis& x) {
   return boundary && *boundary > x.low && *boundary < x.high;
 }
 
-void mark_boundaries(Figure& figure, const LimitResult& result, const Axis& x) {
+void mark_boundaries(Figure& figure, const LimitResult& result, const LimitTheory& powers, const Axis& x) {
   for (std::size_t m = 0; m < result.orders.size(); ++m) {
     const auto& boundary = result.orders[m].boundary;
     if (!inside(boundary, x)) continue;
     figure.marker_line(*boundary, {mesh_colour(result, m), true, 1.0},
-                       result.orders.size() == 1 ? "ε = ρh³/η²" : fmt::format("{}", result.orders[m].elements));
+                       result.orders.size() == 1 ? fmt::format("ε = {}", powers.boundary)
+                                                 : fmt::format("{}", result.orders[m].elements));
   }
 }
 
@@ -104,20 +105,23 @@ std::string penetration_picture(const LimitStudy& study, const LimitResult& resu
     lines.push_back(points_of(rows_of(result, m), [](const LimitRow& row) { return row.max_penetration; }));
   const Axis x = epsilon_axis(result);
   Figure figure(x, decades_of("largest penetration", lines), 380.0);
-  mark_boundaries(figure, result, x);
+  const LimitTheory powers = theory(study);
+  mark_boundaries(figure, result, powers, x);
   for (std::size_t m = 0; m < lines.size(); ++m)
     series(figure, lines[m], mesh_colour(result, m), mesh_label(result, m));
   const std::size_t best = finest(result);
-  const LimitTheory powers = theory(study);
   theory_lines(figure, lines[best], x, result.orders[best].boundary, powers.penetration, powers.layer);
   std::string caption =
       "How far the bar goes into the obstacles. Grey dashes: slopes of the theory, drawn below the measured line";
   if (const auto& boundary = result.orders[best].boundary; inside(boundary, x))
-    caption +=
-        "; the upright line at <i>ε</i> = <i>ρh</i>³/<i>η</i>² separates the regimes: left of it the contact node "
-        "answers alone, right of it the mesh resolves the layer that a contact strains";
+    caption += fmt::format(
+        "; the upright line at <i>ε</i> = {} separates the regimes: left of it the contact node "
+        "answers alone, right of it {}",
+        powers.boundary,
+        powers.layer ? "the mesh resolves the layer that a contact strains"
+                     : "viscosity drags it along with its neighbours");
   else if (boundary)
-    caption += fmt::format("; the regimes meet at <i>ε</i> = <i>ρh</i>³/<i>η</i>² = {}, {} the picture",
+    caption += fmt::format("; the regimes meet at <i>ε</i> = {} = {}, {} the picture", powers.boundary,
                            readable(*boundary, 3), *boundary >= x.high ? "right of" : "left of");
   return figure_html(figure.svg("Largest penetration over the penalty"), "Penetration", caption + ".");
 }
@@ -133,7 +137,7 @@ std::string difference_picture(const LimitStudy& study, const LimitResult& resul
         points_of(rows_of(result, m), [](const LimitRow& row) { return row.difference_to_rigid.value_or(0.0); });
     const Axis y = decades_of("end difference", {scheme, rigid}, {orders.scheme_error});
     Figure figure(x, y, 380.0);
-    mark_boundaries(figure, {.rows = {}, .orders = {orders}}, x);
+    mark_boundaries(figure, {.rows = {}, .orders = {orders}, .failed = {}}, powers, x);
     if (result.orders.size() > 1) figure.legend_note(mesh_label(result, m));
     // Wide, to be seen below the other where the two agree.
     series(figure, scheme, plot::series_colour(1), "to the scheme", 4.0);

@@ -18,6 +18,8 @@ using Json = nlohmann::ordered_json;
 Json value_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 Json order_or_null(const std::optional<ObservedOrder>& order) { return order ? Json(order->order) : Json(nullptr); }
 
+Json verdict_or_null(const std::optional<Verdict>& verdict) { return verdict ? Json(name(*verdict)) : Json(nullptr); }
+
 Json detailed(const std::optional<ObservedOrder>& order) {
   if (!order) return nullptr;
   return {{"order", order->order}, {"standard_error", order->standard_error}};
@@ -39,7 +41,7 @@ Json to_json(const LimitRow& row) {
 Json to_json(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
   const LimitTheory powers = theory(study);
   return {{"elements", orders.elements},
-          {"verdict", name(orders.verdict)},
+          {"verdict", verdict_or_null(orders.verdict)},
           {"reason", verdict_reason(study, orders, rows)},
           {"boundary", value_or_null(orders.boundary)},
           {"small_epsilon",
@@ -51,7 +53,7 @@ Json to_json(const LimitStudy& study, const LimitOrders& orders, std::span<const
           {"layer_resolved",
            {{"penetration", detailed(orders.penetration_layer)},
             {"to_rigid", detailed(orders.to_rigid_layer)},
-            {"theory", powers.layer}}},
+            {"theory", value_or_null(powers.layer)}}},
           {"scheme_step", orders.scheme_step},
           {"scheme_error", orders.scheme_error},
           {"scheme_events", orders.scheme_events},
@@ -73,7 +75,7 @@ Json to_json(const CouplingResult& result) {
 }
 
 std::string verdict_sentence(const LimitStudy& study, const LimitResult& result, std::size_t mesh) {
-  return fmt::format("{}: {}.", name(result.orders[mesh].verdict),
+  return fmt::format("{}: {}.", verdict_word(result.orders[mesh].verdict),
                      verdict_reason(study, result.orders[mesh], rows_of(result, mesh)));
 }
 
@@ -81,7 +83,7 @@ std::string head(const LimitStudy& study, const LimitResult& result) {
   std::string out;
   for (std::size_t m = 0; m < result.orders.size(); ++m) {
     const LimitOrders& orders = result.orders[m];
-    const std::string verdict(name(orders.verdict));
+    const std::string verdict = verdict_word(orders.verdict);
     const std::string mesh = result.orders.size() > 1 ? fmt::format(" on {} elements", orders.elements) : "";
     out += fmt::format("<p class=\"verdict {0}\"><b>{0}{1}</b>: {2}.</p>\n", verdict, mesh,
                        plot::escaped(verdict_reason(study, orders, rows_of(result, m))));
@@ -100,7 +102,8 @@ std::string numbers(const LimitStudy& study, const LimitResult& result) {
   all.add("Scheme's time step", plot::readable(orders.scheme_step),
           fmt::format("error {}, by halving it", plot::readable(orders.scheme_error, 2)));
   all.add("Error of the tolerance", plot::readable(orders.tolerance_error, 2), "at most, in a difference");
-  if (orders.boundary) all.add("Regimes meet at", plot::readable(*orders.boundary, 3), "ε = ρh³/η²");
+  if (orders.boundary)
+    all.add("Regimes meet at", plot::readable(*orders.boundary, 3), "ε = " + std::string(theory(study).boundary));
   return all.html("The study");
 }
 
@@ -112,7 +115,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   const LimitOrders& orders = result.orders[best];
   Json json;
   json["title"] = study.scene.scene.title;
-  json["verdict"] = name(orders.verdict);
+  json["verdict"] = verdict_or_null(orders.verdict);
   json["reason"] = verdict_reason(study, orders, rows_of(result, best));
   json["order_penetration"] = order_or_null(orders.penetration);
   json["order_to_rigid"] = order_or_null(orders.to_rigid);
@@ -121,6 +124,9 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   json["restitution"] = value_or_null(study.scene.restitution);
   json["rows"] = Json::array();
   for (const LimitRow& row : result.rows) json["rows"].push_back(to_json(row));
+  json["failed"] = Json::array();
+  for (const FailedRun& run : result.failed)
+    json["failed"].push_back({{"epsilon", run.epsilon}, {"elements", run.elements}, {"error", run.what}});
   json["meshes"] = Json::array();
   for (std::size_t m = 0; m < result.orders.size(); ++m)
     json["meshes"].push_back(to_json(study, result.orders[m], rows_of(result, m)));

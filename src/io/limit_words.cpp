@@ -25,8 +25,8 @@ std::string power(std::optional<double> value) {
 }  // namespace
 
 std::span<const LimitRow> rows_of(const LimitResult& result, std::size_t mesh) {
-  const std::size_t count = result.rows.size() / result.orders.size();
-  return std::span(result.rows).subspan(mesh * count, count);
+  const LimitOrders& orders = result.orders[mesh];
+  return std::span(result.rows).subspan(orders.first_row, orders.row_count);
 }
 
 std::size_t finest(const LimitResult& result) {
@@ -37,7 +37,15 @@ std::size_t finest(const LimitResult& result) {
 
 LimitTheory theory(const LimitStudy& study) {
   if (study.scene.mass == Mass::redistributed) return {1.0, 1.0};
-  return {0.5, study.scene.restitution ? std::optional(0.5) : std::nullopt};
+  const bool common = study.scene.restitution.has_value();
+  if (!study.scene.scene.span) return {0.5, common ? std::optional(0.5) : std::nullopt};
+  // Contacts of neighbours are one impact each only where the mass does not couple them.
+  const bool apart = study.scene.mass != Mass::consistent;
+  return {0.5, common && apart ? std::optional(0.5) : std::nullopt, std::nullopt, "ρh⁴/η²"};
+}
+
+std::string verdict_word(const std::optional<Verdict>& verdict) {
+  return std::string(verdict ? name(*verdict) : "undecided");
 }
 
 std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
@@ -45,6 +53,11 @@ std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, s
   const double error = orders.scheme_error;
   const std::string scheme =
       fmt::format("the scheme's own error at dt = {:.3g} ({:.2g}, by halving it)", orders.scheme_step, error);
+  if (!orders.verdict)
+    return fmt::format(
+        "at epsilon = {:.2g} the difference to the scheme is {:.2g}, more than {}: whether it falls "
+        "with epsilon takes a second epsilon to say",
+        last.epsilon, last.difference_to_scheme, scheme);
   if (orders.verdict == Verdict::plateau) {
     std::string text = fmt::format("the difference to the scheme stays near {:.2g} at epsilon = {:.2g}",
                                    last.difference_to_scheme, last.epsilon);
@@ -57,6 +70,10 @@ std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, s
              ". A contact node with mass rebounds from an undamped penalty and not from the scheme's constraint: "
              "contact.restitution gives both the same law" +
              (study.scene.scene.span ? "" : ", --mass redistributed takes the mass away");
+    if (study.scene.scene.span && study.scene.mass == Mass::consistent)
+      return text +
+             ". Under a span obstacle the consistent mass ties the impacts of neighbours together, where penalty and "
+             "scheme share no law; with --mass lumped they do";
     return text + ". Penalty and scheme have one law of impact here, so a smaller epsilon or --steps should tell more";
   }
   std::string text =

@@ -22,9 +22,13 @@ std::size_t finest(const LimitResult& result);
 struct LimitTheory {
   double penetration = 1.0;
   std::optional<double> difference;
-  double layer = 2.0 / 3.0;
+  std::optional<double> layer = 2.0 / 3.0;
+  const char* boundary = "ρh³/η²";  ///< the epsilon where the two meet
 };
 LimitTheory theory(const LimitStudy& study);
+
+/// The verdict's word; "undecided" where there is none.
+std::string verdict_word(const std::optional<Verdict>& verdict);
 
 /// Why the verdict on a mesh is what it is, with the numbers that it rests on.
 std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows);

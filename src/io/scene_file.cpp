@@ -130,9 +130,10 @@ std::vector<Finding> check_load_values(const SceneEntries& entries, const Mesh& 
 }
 
 // Validates the case until nothing new comes up: what is found wrong is taken out of the case, for it may hide more.
-Case validated_case(SceneEntries& entries) {
+Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
   for (;;) {
     Case run = case_of(entries);
+    if (adapt) adapt(run);
     std::vector<Finding> findings = validate(run);
     for (Finding& finding : check_load_values(entries, run.mesh())) findings.push_back(std::move(finding));
     std::erase_if(findings, [&](const Finding& finding) { return entries.faulty(finding.key); });
@@ -154,6 +155,7 @@ std::string describe(const SceneEntries& entries, const Case& run) {
     else
       value = *entries.number(key.name);
   }
+  json["method"]["name"] = name(run.method);
   json["output"]["every"] = run.output_every;
   return json.dump(2);
 }
@@ -173,21 +175,23 @@ std::string Diagnostic::text() const {
 SceneError::SceneError(std::vector<Diagnostic> found)
     : std::runtime_error(all_texts(found)), diagnostics(std::move(found)) {}
 
-SceneFile parse_scene(const std::string& text, const std::string& source, std::span<const std::string> overrides) {
+SceneFile parse_scene(const std::string& text, const std::string& source, std::span<const std::string> overrides,
+                      const Adaptation& adapt) {
   SceneEntries entries(text, source, overrides);
   SceneFile scene;
   if (entries.readable()) {
     check_end(entries, "left");
     check_end(entries, "right");
     check_load_keys(entries);
-    scene.run = validated_case(entries);
+    scene.run = validated_case(entries, adapt);
   }
   if (auto found = entries.diagnostics(); !found.empty()) throw SceneError(std::move(found));
   scene.description = describe(entries, scene.run);
   return scene;
 }
 
-SceneFile read_scene(const std::filesystem::path& file, std::span<const std::string> overrides) {
+SceneFile read_scene(const std::filesystem::path& file, std::span<const std::string> overrides,
+                     const Adaptation& adapt) {
   const auto fail = [&](const std::string& problem) {
     throw SceneError({{file.string(), 1, 1, "", "cannot be read: " + problem}});
   };
@@ -197,7 +201,7 @@ SceneFile read_scene(const std::filesystem::path& file, std::span<const std::str
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!stream.eof()) fail(errno != 0 ? std::strerror(errno) : "it is longer than 1 MiB");
   text.resize(static_cast<std::size_t>(stream.gcount()));
-  return parse_scene(text, file.string(), overrides);
+  return parse_scene(text, file.string(), overrides, adapt);
 }
 
 }  // namespace viscobar

@@ -84,7 +84,7 @@ class Run {
 
   // Output times in (t_{n-1}, t_n]: u and v = (u^{n+1} - u^{n-1}) / (2 dt) and lambda at t_{n-1} and t_n, interpolated.
   void write_until(std::size_t n) {
-    if (written_ == 0) write(start_.u, start_.v, 0.0);
+    if (written_ == 0) write_start();
     while (written_ < times_.size() && (times_[written_] <= time(n) || n == steps_)) {
       const double dt = scheme_.step, theta = std::min((times_[written_] - time(n - 1)) / dt, 1.0);
       const auto p = step_->p(), a = step_->acceleration(), a_before = step_->acceleration_before(), u = step_->u();
@@ -94,6 +94,18 @@ class Run {
       }
       write(u_, v_, theta);
     }
+  }
+
+  // The state at the start, massless nodes as the balance of their rows puts them.
+  void write_start() {
+    std::ranges::copy(start_.u, u_.begin());
+    std::ranges::copy(start_.v, v_.begin());
+    for (const std::size_t i : {std::size_t{0}, u_.size() - 1}) {
+      if (i >= system_.massive_begin() && i < system_.massive_end()) continue;
+      u_[i] = step_->u()[i] - scheme_.step * step_->p()[i];
+      v_[i] = step_->p()[i];
+    }
+    write(u_, v_, 0.0);
   }
 
   void write(std::span<const double> u, std::span<const double> v, double theta) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -54,11 +55,17 @@ struct Case {
 /// method. Empty when simulate() can start.
 std::vector<Finding> validate(const Case& run);
 
+/// The penalised method that a study of a case takes: the case's own, or cvode for one that does not penalise, and ida
+/// where that one cannot take the scene (massless contact nodes without viscosity).
+MethodName penalised_method(const Case& run);
+
 /// The semi-discrete system of a sound case; `finite_difference` runs on the lumped mass when the case says
 /// "consistent", since (3.22) is (2.8) with a diagonal product, and `rigid` always on the redistributed mass.
 BarSystem make_system(const Case& run);
 
-/// Runs a sound case by its method. @throws IntegrationError
+/// Runs a sound case by its method, on its own output times or on others. @throws IntegrationError
 Statistics simulate(const Case& run, const BarSystem& system, const Observers& observers);
+Statistics simulate(const Case& run, const BarSystem& system, std::span<const double> times,
+                    const Observers& observers);
 
 }  // namespace viscobar

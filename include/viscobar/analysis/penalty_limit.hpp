@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -13,11 +15,12 @@ namespace viscobar {
 /// A penalty-limit study: the penalised system at each epsilon against the fully discrete scheme on the same mass and
 /// restitution, and, where the mass has massless contact nodes, against the rigid limit.
 struct LimitStudy {
-  Case scene;                         ///< its method is the penalised one to study; a scheme's or rigid's: cvode or ida
+  Case scene;                         ///< studied by its penalised_method()
   std::vector<double> epsilons;       ///< decreasing
   std::vector<std::size_t> elements;  ///< meshes; empty: the scene's
   std::vector<double> steps;          ///< of the scheme, one for each mesh; empty: see scheme_step()
   std::size_t threads = 0;            ///< 0: all cores
+  std::function<void(std::size_t done, std::size_t of)> progress = {};  ///< told after each run, one call at a time
 };
 
 struct LimitRow {
@@ -26,10 +29,17 @@ struct LimitRow {
   Mass mass = Mass::consistent;
   std::size_t events = 0;
   double max_penetration = 0.0;
-  double difference_to_scheme = 0.0;          ///< max over time and ends of |u - u_scheme|
+  double difference_to_scheme = 0.0;          ///< max over comparison_times() and ends of |u - u_scheme|
   std::optional<double> difference_to_rigid;  ///< likewise
   std::size_t steps = 0;
   double seconds = 0.0;
+};
+
+/// A penalised run that could not be finished.
+struct FailedRun {
+  double epsilon = 0.0;
+  std::size_t elements = 0;
+  std::string what;
 };
 
 enum class Verdict {
@@ -41,22 +51,26 @@ std::string_view name(Verdict verdict);
 /// What the rows of one mesh say.
 struct LimitOrders {
   std::size_t elements = 0;
+  std::size_t first_row = 0, row_count = 0;  ///< of LimitResult::rows
   double scheme_step = 0.0;
   double scheme_error = 0.0;  ///< of the scheme's end traces by its time step: twice the change when dt is halved
   std::size_t scheme_events = 0;
   double tolerance_error = 0.0;    ///< what the time integration may add to a difference
-  std::optional<double> boundary;  ///< epsilon = rho h^3 / eta^2, where the two powers of the penetration meet
-  /// Powers of epsilon, values at a floor left out: in the regime of small epsilon, below boundary / 100, where the
-  /// node alone answers; over all rows when fewer than two lie there.
+  /// epsilon = rho h^3 / eta^2, where the two powers of the penetration meet; under a span obstacle rho h^4 / eta^2,
+  /// below which a node has come to rest before viscosity drags it along with its neighbours
+  std::optional<double> boundary;
+  /// Powers of epsilon over the last two decades above the floor, where they are closest to their limits: in the regime
+  /// of small epsilon, below boundary / 100, where the node alone answers; of all rows when fewer than two lie there.
   std::optional<ObservedOrder> penetration, to_rigid, to_scheme;
   /// Where the mesh resolves the contact layer, epsilon > 100 boundary.
   std::optional<ObservedOrder> penetration_layer, to_rigid_layer;
-  Verdict verdict = Verdict::converges;
+  std::optional<Verdict> verdict;  ///< absent where one epsilon alone is above the scheme's own error
 };
 
 struct LimitResult {
   std::vector<LimitRow> rows;       ///< mesh by mesh, epsilon decreasing
   std::vector<LimitOrders> orders;  ///< one for each mesh
+  std::vector<FailedRun> failed;
 };
 
 /// epsilon from `first` down to `last`, `per_decade` values a decade.
@@ -66,7 +80,9 @@ std::vector<double> decades(double first, double last, std::size_t per_decade = 
 double scheme_step(const Case& run);
 
 /// Runs the study, independent runs on all cores. The tolerance is the scene's, but at most 1e-10.
-/// @throws IntegrationError, std::invalid_argument (the scene has no obstacle, or a run of it is not sound)
+/// A penalised run that fails is listed and leaves the others standing.
+/// @throws IntegrationError (the scheme, the rigid limit, or every penalised run of a mesh failed),
+///         std::invalid_argument (the scene has no obstacle, or a run of it is not sound)
 LimitResult penalty_limit(const LimitStudy& study);
 
 }  // namespace viscobar

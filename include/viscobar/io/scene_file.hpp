@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -35,11 +36,16 @@ struct SceneFile {
   std::string description;
 };
 
+/// What a study makes of a case before it is validated, such as another method.
+using Adaptation = std::function<void(Case&)>;
+
 /// Reads a scene (TOML, see docs/scene-file.md), applies overrides "table.key=value" in order, validates.
 /// @throws SceneError with every error of the file in one go
-SceneFile read_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
+SceneFile read_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {},
+                     const Adaptation& adapt = {});
 
 /// The same from text; `source` names it in diagnostics.
-SceneFile parse_scene(const std::string& text, const std::string& source, std::span<const std::string> overrides = {});
+SceneFile parse_scene(const std::string& text, const std::string& source, std::span<const std::string> overrides = {},
+                      const Adaptation& adapt = {});
 
 }  // namespace viscobar

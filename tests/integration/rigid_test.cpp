@@ -1,0 +1,200 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "support/run_trace.hpp"
+#include "viscobar/analysis/exact_solutions.hpp"
+#include "viscobar/integration/integrate.hpp"
+
+namespace viscobar {
+namespace {
+
+const Tolerance tight{1e-9, 1e-12};
+
+RunTrace run(const Scene& scene, std::size_t elements, std::span<const double> times, Tolerance tolerance = tight) {
+  const BarSystem system(scene, {scene.bar.length, elements}, Mass::redistributed);
+  return record(system, times, Rigid{tolerance});
+}
+
+// examples/scenes/chatter.toml
+Scene thrown(double viscosity) {
+  Scene scene;
+  scene.bar.viscosity = viscosity;
+  scene.left = scene.right = Obstacle{0.1};
+  scene.displacement = [](double x) { return x * (1.0 - x); };
+  scene.velocity = [](double x) { return -x * (1.0 - x); };
+  return scene;
+}
+
+// Unstrained, at rest on its obstacles or in flight, under a uniform load.
+Scene under_load(double viscosity, double gap, double speed, double load) {
+  Scene scene;
+  scene.bar.viscosity = viscosity;
+  scene.left = Obstacle{gap};
+  scene.displacement = [](double) { return 0.0; };
+  scene.velocity = [speed](double) { return -speed; };
+  scene.load = SteadyLoad{[load](double) { return load; }};
+  return scene;
+}
+
+class RigidByViscosity : public testing::TestWithParam<double> {};
+
+TEST_P(RigidByViscosity, HoldsAClosedNodeAtItsObstacleWithAReactionThatNeverPulls) {
+  const std::vector<double> times = uniform_times(6.0 / 997, 997);
+  const RunTrace trace = run(thrown(GetParam()), 27, times);
+  ASSERT_GE(trace.events.size(), 2u);
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    for (const auto& [u, reaction] : {std::pair{trace.u[k].front(), trace.reaction_left[k]},
+                                      std::pair{trace.u[k].back(), trace.reaction_right[k]}}) {
+      EXPECT_GE(reaction, 0.0);
+      // 100 times the tolerance is what a run keeps; a held node is held exactly.
+      EXPECT_GE(u, -0.1 - 100 * 0.25e-9);
+      if (reaction > 0.0) {
+        EXPECT_EQ(u, -0.1);
+      }
+    }
+  }
+}
+
+TEST_P(RigidByViscosity, MovesAMirrorSymmetricBarSymmetricallyWithBothEndsAtTheSameInstants) {
+  const std::vector<double> times = uniform_times(0.05, 120);
+  const RunTrace trace = run(thrown(GetParam()), 27, times);
+  ASSERT_EQ(trace.events.size() % 2, 0u);
+  for (std::size_t i = 0; i < trace.events.size(); i += 2) {
+    const Event &one = trace.events[i], &other = trace.events[i + 1];
+    EXPECT_NE(one.where, other.where);
+    EXPECT_EQ(one.change, other.change);
+    EXPECT_NEAR(one.time, other.time, 100 * 1e-9) << "the shift of an event by the error of a run";
+  }
+  for (const auto& u : trace.u)
+    for (std::size_t i = 0; i < u.size(); ++i) EXPECT_NEAR(u[i], u[u.size() - 1 - i], 100 * 0.25e-9);
+}
+
+TEST_P(RigidByViscosity, TheImpulseOfTheReactionsIsTheGainOfMomentum) {
+  constexpr std::size_t intervals = 24000;
+  constexpr double every = 6.0 / intervals;
+  const Scene scene = thrown(GetParam());
+  const BarSystem system(scene, {1.0, 27}, Mass::redistributed);
+  const RunTrace trace = run(scene, 27, uniform_times(every, intervals));
+  const auto momentum = [&](const std::vector<double>& v) {
+    std::vector<double> inertia(v.size());
+    system.inertia().multiply(v, inertia);
+    return std::accumulate(inertia.begin(), inertia.end(), 0.0);
+  };
+  double impulse = 0.0, strongest = 0.0;
+  for (std::size_t k = 0; k < intervals; ++k) {
+    const double before = trace.reaction_left[k] + trace.reaction_right[k];
+    const double after = trace.reaction_left[k + 1] + trace.reaction_right[k + 1];
+    impulse += every / 2 * (before + after);
+    strongest = std::max(strongest, after);
+    // The trapezoidal rule may be wrong by half the jump times the interval at each change, and by O(every^2) between.
+    EXPECT_NEAR(impulse, momentum(trace.v[k + 1]) - momentum(trace.v[0]),
+                static_cast<double>(trace.events.size()) * every * std::max(strongest, 0.1));
+  }
+  EXPECT_GT(impulse, 0.1);
+}
+
+TEST_P(RigidByViscosity, ABarAtRestOnItsObstacleStaysAndCarriesItsWeight) {
+  const std::vector<double> times = uniform_times(0.5, 100);
+  // Compressed by its own weight 1, the solution of E u'' = 1 with u(0) = -gap and a free end.
+  Scene scene = under_load(GetParam(), 0.1, 0.0, -1.0);
+  scene.displacement = [](double x) { return -0.1 - x + x * x / 2; };
+  const RunTrace trace = run(scene, 16, times);
+  ASSERT_EQ(trace.events.size(), 1u);
+  EXPECT_EQ(trace.events[0].change, Change::closing);
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    EXPECT_NEAR(trace.reaction_left[k], 1.0, 1e-6) << times[k];
+    for (std::size_t i = 0; i < trace.u[k].size(); ++i) EXPECT_NEAR(trace.u[k][i], trace.u[0][i], 100e-9);
+  }
+}
+
+TEST_P(RigidByViscosity, AFlightThatOnlyTouchesGoesOnAsIfNothingWereThere) {
+  // About u = -t + t^2, with what the massless node does to it; the far obstacle shows how deep the end dips.
+  const std::vector<double> times = uniform_times(1e-3, 1000);
+  const RunTrace far = run(under_load(GetParam(), 10.0, 1.0, 2.0), 8, times);
+  const auto deepest =
+      std::min_element(far.u.begin(), far.u.end(), [](const auto& a, const auto& b) { return a.front() < b.front(); });
+  ASSERT_EQ(far.events.size(), 0u);
+  // The vertex of the parabola through the three lowest values.
+  const double before = (deepest - 1)->front(), at = deepest->front(), after = (deepest + 1)->front();
+  const double dip = at - (after - before) * (after - before) / (8 * (after - 2 * at + before));
+  for (const double clearance : {1e-6, 1e-9, 0.0, -1e-9, -1e-8}) {
+    const RunTrace trace = run(under_load(GetParam(), -dip + clearance, 1.0, 2.0), 8, times);
+    EXPECT_TRUE(trace.statistics.completed);
+    EXPECT_EQ(trace.events.size() % 2, 0u) << "what closes opens";
+    EXPECT_LE(trace.events.size(), clearance > 1e-7 ? 0u : 2u);
+    for (std::size_t k = 0; k < times.size(); ++k)
+      EXPECT_NEAR(trace.u[k].front(), far.u[k].front(), 100e-9 + 10 * std::max(0.0, -clearance))
+          << clearance << " " << times[k];
+  }
+}
+
+TEST_P(RigidByViscosity, TheSmallestMeshesRun) {
+  const std::vector<double> times = uniform_times(0.1, 60);
+  const RunTrace two_ends = run(thrown(GetParam()), 3, times);
+  EXPECT_TRUE(two_ends.statistics.completed);
+  Scene one_end = thrown(GetParam());
+  one_end.right = Free{};
+  for (const std::size_t elements : {std::size_t{2}, std::size_t{3}})
+    EXPECT_TRUE(run(one_end, elements, times).statistics.completed);
+}
+
+TEST_P(RigidByViscosity, KeepsTheBalanceOfEnergy) {
+  const RunTrace trace = run(thrown(GetParam()), 27, uniform_times(1.0, 6));
+  const EnergyAccount& energy = trace.statistics.energy.value();
+  // An impact of a massless node costs no energy: only what viscosity takes is missing.
+  EXPECT_NEAR(energy.balance_error(), 0.0, 1000 * 1e-9 * energy.initial);
+  EXPECT_EQ(energy.dissipated > 0.0, GetParam() > 0.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Viscosities, RigidByViscosity, testing::Values(0.0, 0.01, 1.0));
+
+TEST(Rigid, ABarThatComesToRestDoesNotToggleItsContacts) {
+  // With eta = 1 the throw dies out against both obstacles, the reactions with it.
+  const RunTrace trace = run(thrown(1.0), 27, uniform_times(10.0, 20));
+  EXPECT_LE(trace.events.size(), 4u);
+  EXPECT_LT(trace.statistics.steps, 20000u);
+}
+
+TEST(Rigid, FollowsTheGrazingContactsOfTheManufacturedSolutionOneByOne) {
+  for (const bool both : {false, true}) {
+    exact::ManufacturedContact contact;
+    if (both) contact.right = contact.left;
+    const RunTrace trace = run(contact.scene(), 200, uniform_times(0.01, 250));
+    const std::vector<Event> changes = contact.changes(2.5);
+    ASSERT_EQ(trace.events.size(), changes.size()) << both;
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+      EXPECT_EQ(trace.events[i].change, changes[i].change);
+      // The opening s_+^3 is cubic at a change and the reaction quadratic: an error O(h^2) moves it by at most its
+      // cube root.
+      EXPECT_NEAR(trace.events[i].time, changes[i].time, std::cbrt(1.0 / (200.0 * 200.0))) << i;
+    }
+  }
+}
+
+TEST(Rigid, AnElasticImpactLastsTheTransitThereAndBackAndGivesTheSpeedBack) {
+  exact::ElasticImpact impact;
+  for (const std::size_t elements : {std::size_t{50}, std::size_t{400}}) {
+    const RunTrace trace = run(impact.scene(), elements, uniform_times(0.05, 60));
+    // Dispersion smears a front over h^(2/3) and lets the reaction touch zero before it is back for good.
+    const double smear = std::pow(1.0 / static_cast<double>(elements), 2.0 / 3.0);
+    ASSERT_GE(trace.events.size(), 2u);
+    EXPECT_NEAR(trace.events.front().time, impact.closing(), 1e-7);
+    EXPECT_NEAR(trace.events.back().time, impact.opening(), 4 * smear);
+    const auto& v = trace.v.back();
+    EXPECT_NEAR(std::accumulate(v.begin() + 1, v.end() - 1, 0.0) / static_cast<double>(v.size() - 2), impact.speed,
+                2 * smear);
+  }
+}
+
+TEST(Rigid, NeedsContactNodesWithoutMass) {
+  for (const Mass mass : {Mass::consistent, Mass::lumped, Mass::paper}) {
+    const BarSystem system(thrown(0.1), {1.0, 8}, mass);
+    EXPECT_THROW(record(system, uniform_times(0.1, 2), Rigid{}), std::invalid_argument);
+  }
+}
+
+}  // namespace
+}  // namespace viscobar
