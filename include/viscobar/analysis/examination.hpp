@@ -43,7 +43,7 @@ struct TrialResult {
 /// Runs a scheme of your own on each trial beside the referees and holds it to the trial's bounds.
 ///
 ///     Trial trial{"throw", run, {}, {MethodName::cvode, MethodName::ida}, {.end_trace = 1e-5}};
-///     for (const TrialResult& result : examine("mine", my_scheme, {{trial}})) std::cout << trial_text(result);
+///     for (const TrialResult& result : examine("mine", my_scheme, {&trial, 1})) std::cout << trial_text(result);
 ///
 /// A scheme that throws, or whose recording does not fit the case, is a finding, not an exception.
 /// @throws std::invalid_argument when a referee that was asked for does not fit the scene
