@@ -7,6 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include "analysis/matching.hpp"
+
 namespace viscobar {
 
 double l2_norm(const Mesh& mesh, std::span<const double> nodal) {
@@ -43,9 +45,9 @@ double integral(std::span<const double> times, std::span<const double> values, d
 
 // Whether the reaction at an end is that of this contact alone.
 const std::vector<double>* end_reaction(const Recording& recording, Where where) {
-  if (where == Where::left) return &recording.reaction_left;
-  if (where == Where::right) return &recording.reaction_right;
-  return nullptr;
+  if (where == Where::span) return nullptr;
+  const auto& reaction = where == Where::left ? recording.reaction_left : recording.reaction_right;
+  return reaction.empty() ? nullptr : &reaction;
 }
 
 }  // namespace
@@ -79,51 +81,87 @@ std::vector<ContactPeriod> contact_periods(const Recording& recording, double me
   return periods;
 }
 
-Comparison compare(const Recording& first, const Recording& other) {
-  if (first.mesh.elements != other.mesh.elements || first.times != other.times)
-    throw std::invalid_argument("only recordings on the same mesh and time grid can be compared");
-  Comparison result;
+namespace {
+
+// Two mean distances of the longer list; a single time is matched with a single one wherever it is.
+double reach(std::size_t first, std::size_t other, double duration) {
+  return 2.0 * duration / static_cast<double>(std::max(first, other));
+}
+
+void match_events(const Recording& first, const Recording& other, double duration, Comparison& result) {
+  using Kind = std::tuple<Where, std::size_t, Change>;
+  std::map<Kind, std::pair<std::vector<double>, std::vector<double>>> times;
+  for (const Event& event : first.events) times[{event.where, event.node, event.change}].first.push_back(event.time);
+  for (const Event& event : other.events) times[{event.where, event.node, event.change}].second.push_back(event.time);
+  for (const auto& [kind, lists] : times) {
+    const auto& [a, b] = lists;
+    for (const Match& match : match_times(a, b, reach(a.size(), b.size(), duration))) {
+      const double shift = std::abs(a[match.first] - b[match.other]);
+      ++result.events_matched;
+      result.largest_event_shift = std::max(result.largest_event_shift.value_or(0.0), shift);
+    }
+  }
+}
+
+// By the middle of the period: one that two methods see merged differently is still the same.
+void match_contacts(const Recording& first, const Recording& other, double duration, Comparison& result) {
+  // Bounces closer together than a hundredth of the run belong to one contact.
+  const double merge = 0.01 * duration;
+  std::map<Place, std::pair<std::vector<ContactPeriod>, std::vector<ContactPeriod>>> periods;
+  for (const ContactPeriod& p : contact_periods(first, merge)) periods[{p.where, p.node}].first.push_back(p);
+  for (const ContactPeriod& p : contact_periods(other, merge)) periods[{p.where, p.node}].second.push_back(p);
+  const auto middles = [](const std::vector<ContactPeriod>& list) {
+    std::vector<double> times;
+    for (const ContactPeriod& p : list) times.push_back(0.5 * (p.begin + p.end));
+    return times;
+  };
+  for (const auto& [place, lists] : periods) {
+    const auto& [a, b] = lists;
+    for (const Match& match : match_times(middles(a), middles(b), reach(a.size(), b.size(), duration)))
+      result.contacts.push_back({a[match.first], b[match.other]});
+  }
+  std::stable_sort(result.contacts.begin(), result.contacts.end(),
+                   [](const auto& a, const auto& b) { return a.first.begin < b.first.begin; });
+}
+
+// Largest norm of the difference over time; absent where one of the two has no such field.
+std::optional<double> largest_difference(const Recording& first, const Recording& other,
+                                         const std::vector<double> Recording::*field,
+                                         double (*norm)(const Mesh&, std::span<const double>)) {
+  const std::vector<double>&a = first.*field, &b = other.*field;
+  if (first.mesh.elements != other.mesh.elements || a.size() != b.size()) return std::nullopt;
   const std::size_t nodes = first.mesh.nodes();
   std::vector<double> difference(nodes);
-  const auto subtract = [&](std::span<const double> a, std::span<const double> b) -> std::span<const double> {
-    for (std::size_t j = 0; j < nodes; ++j) difference[j] = a[j] - b[j];
-    return difference;
-  };
+  double largest = 0.0;
+  for (std::size_t k = 0; k + nodes <= a.size(); k += nodes) {
+    for (std::size_t j = 0; j < nodes; ++j) difference[j] = a[k + j] - b[k + j];
+    largest = std::max(largest, norm(first.mesh, difference));
+  }
+  return largest;
+}
+
+}  // namespace
+
+Comparison compare(const Recording& first, const Recording& other) {
+  const bool same_mesh = first.mesh.elements == other.mesh.elements;
+  if (first.times != other.times || !(same_mesh || first.mesh.elements == 1 || other.mesh.elements == 1))
+    throw std::invalid_argument("only recordings on the same mesh and time grid can be compared");
+  Comparison result;
+  result.displacement_l2 = largest_difference(first, other, &Recording::u, l2_norm);
+  result.displacement_h1 = largest_difference(first, other, &Recording::u, h1_seminorm);
+  result.velocity_l2 = largest_difference(first, other, &Recording::v, l2_norm);
   for (std::size_t k = 0; k < first.times.size(); ++k) {
-    const auto u = subtract(first.displacement(k), other.displacement(k));
-    result.displacement_l2 = std::max(result.displacement_l2, l2_norm(first.mesh, u));
-    result.displacement_h1 = std::max(result.displacement_h1, h1_seminorm(first.mesh, u));
-    result.end_trace = std::max({result.end_trace, std::abs(u.front()), std::abs(u.back())});
-    const auto v = subtract(first.velocity(k), other.velocity(k));
-    result.velocity_l2 = std::max(result.velocity_l2, l2_norm(first.mesh, v));
+    const auto a = first.displacement(k), b = other.displacement(k);
+    result.end_trace = std::max({result.end_trace, std::abs(a.front() - b.front()), std::abs(a.back() - b.back())});
   }
   result.events = first.events.size();
   result.events_other = other.events.size();
-  std::map<std::tuple<Where, std::size_t, Change>, std::vector<double>> times;
-  for (const Event& event : first.events) times[{event.where, event.node, event.change}].push_back(event.time);
-  std::map<std::tuple<Where, std::size_t, Change>, std::size_t> used;
-  for (const Event& event : other.events) {
-    const std::tuple key{event.where, event.node, event.change};
-    const auto found = times.find(key);
-    if (found == times.end() || used[key] == found->second.size()) continue;
-    const double shift = std::abs(found->second[used[key]++] - event.time);
-    ++result.events_matched;
-    result.largest_event_shift = std::max(result.largest_event_shift.value_or(0.0), shift);
-  }
   if (first.statistics.energy && other.statistics.energy)
     result.energy_final = first.statistics.energy->final - other.statistics.energy->final;
-
-  // Bounces closer together than a hundredth of the run belong to one contact.
-  const double merge = first.times.empty() ? 0.0 : 0.01 * (first.times.back() - first.times.front());
-  std::map<Place, std::vector<ContactPeriod>> others;
-  for (const ContactPeriod& period : contact_periods(other, merge))
-    others[{period.where, period.node}].push_back(period);
-  std::map<Place, std::size_t> next;
-  for (const ContactPeriod& period : contact_periods(first, merge)) {
-    const Place place{period.where, period.node};
-    const auto& list = others[place];
-    if (next[place] < list.size()) result.contacts.push_back({period, list[next[place]++]});
-  }
+  if (first.times.empty()) return result;
+  const double duration = first.times.back() - first.times.front();
+  match_events(first, other, duration, result);
+  match_contacts(first, other, duration, result);
   return result;
 }
 

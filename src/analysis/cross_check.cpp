@@ -8,6 +8,7 @@
 #include "viscobar/analysis/impulse.hpp"
 #include "viscobar/analysis/parallel.hpp"
 #include "viscobar/analysis/penalty_limit.hpp"
+#include "viscobar/analysis/recorder.hpp"
 
 namespace viscobar {
 
@@ -29,16 +30,24 @@ std::optional<std::string> try_method(MethodChoice& choice, const Case& scene, M
   return std::nullopt;
 }
 
-MethodRun attempt(const Case& run) {
+MethodRun attempt(const Contender& contender) {
+  const Case& run = contender.run;
   MethodRun result;
+  result.label = contender.label;
+  result.built_in = !contender.solver;
   result.run = run;
+  result.mass = run.mass;
   try {
-    result.mass = make_system(run).mass();
-    result.recording = record(run);
-    const std::vector<double>& times = result.recording->times;
-    result.contacts = contact_periods(*result.recording, 0.01 * (times.back() - times.front()));
-    const EndImpulses impulses(run, *result.recording);
-    for (ContactPeriod& period : result.contacts) period.impulse = impulses.over(period);
+    if (result.built_in) result.mass = make_system(run).mass();
+    Recording recording = result.built_in ? record(run) : contender.solver(run);
+    if (const auto problem = fault(recording, run)) throw std::invalid_argument(*problem);
+    const std::vector<double>& times = recording.times;
+    result.contacts = contact_periods(recording, 0.01 * (times.back() - times.front()));
+    if (result.built_in) {
+      const EndImpulses impulses(run, recording);
+      for (ContactPeriod& period : result.contacts) period.impulse = impulses.over(period);
+    }
+    result.recording = std::move(recording);
   } catch (const std::exception& error) {
     result.error = error.what();
   }
@@ -90,14 +99,21 @@ bool CrossCheck::completed() const {
 }
 
 CrossCheck cross_check(std::span<const Case> cases, std::size_t threads) {
+  std::vector<Contender> contenders;
+  for (const Case& run : cases) contenders.push_back({std::string(name(run.method)), run, {}});
+  return cross_check(contenders, threads);
+}
+
+CrossCheck cross_check(std::span<const Contender> contenders, std::size_t threads) {
+  const std::size_t count = contenders.size();
   CrossCheck result;
-  result.runs.resize(cases.size());
+  result.runs.resize(count);
   parallel_for(
-      cases.size(), [&](std::size_t i) { result.runs[i] = attempt(cases[i]); }, threads);
-  for (std::size_t i = 0; i < cases.size(); ++i) {
+      count, [&](std::size_t i) { result.runs[i] = attempt(contenders[i]); }, threads);
+  for (std::size_t i = 0; i < count; ++i) {
     if (!result.runs[i].recording) continue;
     if (!result.reference) result.reference = i;
-    for (std::size_t j = i + 1; j < cases.size(); ++j) {
+    for (std::size_t j = i + 1; j < count; ++j) {
       const MethodRun &first = result.runs[i], &other = result.runs[j];
       if (!other.recording) continue;
       Comparison difference = compare(*first.recording, *other.recording);

@@ -21,9 +21,11 @@ using plot::Point;
 using plot::Range;
 
 /// The colour of a method is the same in every picture, whatever else is there.
-std::string colour(const MethodRun& run) { return plot::series_colour(static_cast<std::size_t>(run.run.method)); }
+std::string colour(const MethodRun& run) {
+  return run.built_in ? plot::series_colour(static_cast<std::size_t>(run.run.method)) : "var(--ink)";
+}
 
-std::string label(const MethodRun& run) { return std::string(name(run.run.method)); }
+const std::string& label(const MethodRun& run) { return run.label; }
 
 std::vector<const MethodRun*> finished(const CrossCheck& check) {
   std::vector<const MethodRun*> runs;
@@ -82,7 +84,8 @@ std::string differences_picture(const CrossCheck& check) {
   double low = std::numeric_limits<double>::infinity(), high = 0.0;
   std::vector<double> difference(r.mesh.nodes());
   for (std::size_t i = 0; i < check.runs.size(); ++i) {
-    if (!check.to_reference(i)) continue;
+    const Comparison* known = check.to_reference(i);
+    if (!known || !known->displacement_l2) continue;  // a scheme that gives its ends only has no field to show
     runs.push_back(&check.runs[i]);
     lines.push_back(trace(r, [&](std::size_t k) {
       const auto u = r.displacement(k), other = check.runs[i].recording->displacement(k);
@@ -171,13 +174,13 @@ Json to_json(const ContactPeriod& period) {
 }
 
 Json to_json(const MethodRun& run) {
-  Json json = {{"method", name(run.run.method)}, {"mass", name(run.mass)}};
-  if (is_scheme(run.run.method)) json["step"] = *run.run.step;
-  if (is_adaptive(run.run.method)) {
+  Json json = {{"method", run.label}, {"mass", name(run.mass)}};
+  if (run.built_in && is_scheme(run.run.method)) json["step"] = *run.run.step;
+  if (run.built_in && is_adaptive(run.run.method)) {
     json["relative_tolerance"] = run.run.tolerance.relative;
     json["absolute_tolerance"] = run.run.tolerance.absolute;
   }
-  if (is_penalised(run.run.method) && run.run.epsilon) json["epsilon"] = *run.run.epsilon;
+  if (run.built_in && is_penalised(run.run.method) && run.run.epsilon) json["epsilon"] = *run.run.epsilon;
   if (run.run.restitution) json["restitution"] = *run.run.restitution;
   json["completed"] = run.recording.has_value();
   json["error"] = run.recording ? Json(nullptr) : Json(run.error);
@@ -206,7 +209,8 @@ Json to_json(const MethodRun& run) {
 }  // namespace
 
 std::string cross_check_json(const SceneFile& scene, const MethodChoice& choice, const CrossCheck& check) {
-  const auto method = [&](std::size_t i) { return Json(name(check.runs[i].run.method)); };
+  const auto method = [&](std::size_t i) { return Json(check.runs[i].label); };
+  const auto known = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
   Json json;
   json["title"] = scene.run.scene.title;
   json["reference"] = check.reference ? method(*check.reference) : Json(nullptr);
@@ -217,15 +221,15 @@ std::string cross_check_json(const SceneFile& scene, const MethodChoice& choice,
   for (const auto& [first, other, d] : check.pairs) {
     Json pair = {{"first", method(first)},
                  {"other", method(other)},
-                 {"displacement_l2", d.displacement_l2},
-                 {"displacement_h1", d.displacement_h1},
-                 {"velocity_l2", d.velocity_l2},
+                 {"displacement_l2", known(d.displacement_l2)},
+                 {"displacement_h1", known(d.displacement_h1)},
+                 {"velocity_l2", known(d.velocity_l2)},
                  {"end_trace", d.end_trace},
                  {"events_first", d.events},
                  {"events_other", d.events_other},
                  {"events_matched", d.events_matched},
-                 {"largest_event_shift", d.largest_event_shift ? Json(*d.largest_event_shift) : Json(nullptr)},
-                 {"energy_final", d.energy_final},
+                 {"largest_event_shift", known(d.largest_event_shift)},
+                 {"energy_final", known(d.energy_final)},
                  {"contacts", Json::array()}};
     for (const auto& [a, b] : d.contacts)
       pair["contacts"].push_back({{"where", place(a)}, {"first", to_json(a)}, {"other", to_json(b)}});
@@ -243,8 +247,8 @@ std::string cross_check_json(const SceneFile& scene, const MethodChoice& choice,
 std::string cross_check_text(const MethodChoice& choice, const CrossCheck& check) {
   std::string out = "Methods\n" + text(method_table(check, plain_number));
   if (const Table differences = difference_table(check, plain_number); !differences.rows.empty())
-    out += fmt::format("\nDifference to {}: largest over time\n", name(check.runs[*check.reference].run.method)) +
-           text(differences);
+    out +=
+        fmt::format("\nDifference to {}: largest over time\n", label(check.runs[*check.reference])) + text(differences);
   if (const Table contacts = contact_table(check, plain_number); !contacts.rows.empty())
     out += "\nContact periods, bounces within a hundredth of the run counted as one\n" + text(contacts);
   out += "\n";
@@ -259,11 +263,12 @@ std::string cross_check_html(const Scene& scene, const MethodChoice& choice, con
     for (const std::string& remark : remarks(choice, check))
       notes += "<p class=\"note\">" + plot::escaped(remark) + ".</p>\n";
     if (const Table differences = difference_table(check, readable_number); !differences.rows.empty())
-      body += section_html("Difference to " + label(check.runs[*check.reference]),
-                           html(differences) +
-                               "<p class=\"note\">Largest over the output times; changes matched: place by place, the "
-                               "k-th with the k-th, of those of the reference and of the method.</p>\n" +
-                               notes);
+      body +=
+          section_html("Difference to " + label(check.runs[*check.reference]),
+                       html(differences) +
+                           "<p class=\"note\">Largest over the output times; changes matched: place by place and in "
+                           "order of time, of those of the reference and of the method.</p>\n" +
+                           notes);
     body += ends_picture(scene, check) + differences_picture(check) + contacts_picture(scene, check) +
             reactions_picture(scene, check);
     if (const Table contacts = contact_table(check, readable_number); !contacts.rows.empty())

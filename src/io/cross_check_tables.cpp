@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 #include "io/csv.hpp"
 
@@ -16,7 +17,9 @@ constexpr std::size_t most_contacts = 30;
 
 std::string count(std::size_t value) { return fmt::format("{}", value); }
 
-std::string settings(const Case& run, NumberText number) {
+std::string settings(const MethodRun& method, NumberText number) {
+  const Case& run = method.run;
+  if (!method.built_in) return "";
   if (is_scheme(run.method)) return "step " + number(*run.step);
   if (is_adaptive(run.method)) return "tolerance " + number(run.tolerance.relative);
   return "";
@@ -32,8 +35,7 @@ Table method_table(const CrossCheck& check, NumberText number) {
       3,
       {}};
   for (const MethodRun& run : check.runs) {
-    std::vector<std::string> row = {std::string(name(run.run.method)), std::string(name(run.mass)),
-                                    settings(run.run, number)};
+    std::vector<std::string> row = {run.label, std::string(name(run.mass)), settings(run, number)};
     if (run.recording) {
       const Statistics& s = run.recording->statistics;
       row.insert(row.end(), {count(s.steps), number(s.integration_seconds), count(run.recording->events.size()),
@@ -56,11 +58,11 @@ Table difference_table(const CrossCheck& check, NumberText number) {
   for (std::size_t i = 0; i < check.runs.size(); ++i) {
     const Comparison* d = check.to_reference(i);
     if (!d) continue;
-    table.rows.push_back({std::string(name(check.runs[i].run.method)), std::string(name(check.runs[i].mass)),
-                          number(d->displacement_l2), number(d->displacement_h1), number(d->velocity_l2),
-                          number(d->end_trace),
+    const auto known = [&](const std::optional<double>& value) { return value ? number(*value) : std::string(); };
+    table.rows.push_back({check.runs[i].label, std::string(name(check.runs[i].mass)), known(d->displacement_l2),
+                          known(d->displacement_h1), known(d->velocity_l2), number(d->end_trace),
                           fmt::format("{} of {}, {}", d->events_matched, d->events, d->events_other),
-                          d->largest_event_shift ? number(*d->largest_event_shift) : "", number(d->energy_final)});
+                          known(d->largest_event_shift), known(d->energy_final)});
   }
   return table;
 }
@@ -68,38 +70,42 @@ Table difference_table(const CrossCheck& check, NumberText number) {
 Table contact_table(const CrossCheck& check, NumberText number) {
   Table table{{"where", "method", "begin", "end", "impulse", "bounces"}, 2, {}};
   if (!check.reference) return table;
-  // The k-th period at a place beside the k-th of the others.
-  std::vector<std::string> keys;
-  std::map<std::string, std::vector<std::vector<std::string>>> rows;
-  const auto add = [&](const MethodRun& run, const std::string& key, const ContactPeriod& period) {
-    if (rows[key].empty()) {
-      if (keys.size() == most_contacts) {
-        rows.erase(key);
-        return;
-      }
-      keys.push_back(key);
-    }
-    rows[key].push_back({place(period), std::string(name(run.run.method)), fmt::format("{:.6g}", period.begin),
-                         fmt::format("{:.6g}", period.end), period.where == Where::span ? "" : number(period.impulse),
-                         count(period.bounces)});
+  // Each period of the reference with those that match it; what has no match stands alone, where its time puts it.
+  struct Group {
+    ContactPeriod first;
+    std::vector<std::vector<std::string>> rows;
   };
-  for (const MethodRun& run : check.runs) {
-    if (!run.recording) continue;
-    std::map<std::string, std::size_t> seen;
+  using Key = std::tuple<Where, std::size_t, double>;
+  const auto key = [](const ContactPeriod& period) { return Key{period.where, period.node, period.begin}; };
+  std::vector<Group> groups;
+  std::map<Key, std::size_t> of_reference;
+  for (std::size_t i = 0; i < check.runs.size(); ++i) {
+    const MethodRun& run = check.runs[i];
+    std::map<Key, std::size_t> matched;
+    if (const Comparison* difference = check.to_reference(i))
+      for (const auto& [first, other] : difference->contacts) matched[key(other)] = of_reference.at(key(first));
     for (const ContactPeriod& period : run.contacts) {
-      const std::string where = place(period);
-      add(run, fmt::format("{} {}", where, seen[where]++), period);
+      const auto found = matched.find(key(period));
+      const std::size_t group = found == matched.end() ? groups.size() : found->second;
+      if (group == groups.size()) groups.push_back({period, {}});
+      if (i == *check.reference) of_reference[key(period)] = group;
+      groups[group].rows.push_back({place(period), run.label, fmt::format("{:.6g}", period.begin),
+                                    fmt::format("{:.6g}", period.end),
+                                    period.where == Where::span ? "" : number(period.impulse), count(period.bounces)});
     }
   }
-  for (const std::string& key : keys)
-    for (auto& row : rows[key]) table.rows.push_back(std::move(row));
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const Group& a, const Group& b) { return a.first.begin < b.first.begin; });
+  if (groups.size() > most_contacts) groups.resize(most_contacts);
+  for (Group& group : groups)
+    for (auto& row : group.rows) table.rows.push_back(std::move(row));
   return table;
 }
 
 std::vector<std::string> remarks(const MethodChoice& choice, const CrossCheck& check) {
   std::vector<std::string> found;
   for (const MethodRun& run : check.runs)
-    if (!run.recording) found.push_back(fmt::format("{} failed: {}", name(run.run.method), run.error));
+    if (!run.recording) found.push_back(fmt::format("{} failed: {}", run.label, run.error));
   for (const MethodName method : choice.default_step)
     for (const Case& run : choice.cases)
       if (run.method == method)
@@ -110,8 +116,9 @@ std::vector<std::string> remarks(const MethodChoice& choice, const CrossCheck& c
   std::string masses;
   bool differ = false;
   for (const MethodRun& run : check.runs) {
+    if (!run.built_in) continue;
     differ = differ || run.mass != check.runs.front().mass;
-    masses += fmt::format("{}{} on the {} mass", masses.empty() ? "" : ", ", name(run.run.method), name(run.mass));
+    masses += fmt::format("{}{} on the {} mass", masses.empty() ? "" : ", ", run.label, name(run.mass));
   }
   if (differ)
     found.push_back(
@@ -119,10 +126,10 @@ std::vector<std::string> remarks(const MethodChoice& choice, const CrossCheck& c
         "which only a finer mesh removes: " +
         masses);
   const bool penalty = std::any_of(check.runs.begin(), check.runs.end(), [](const MethodRun& run) {
-    return is_penalised(run.run.method) && !make_system(run.run).contacts().empty();
+    return run.built_in && is_penalised(run.run.method) && !make_system(run.run).contacts().empty();
   });
-  const bool exact =
-      std::any_of(check.runs.begin(), check.runs.end(), [](const MethodRun& run) { return is_scheme(run.run.method); });
+  const bool exact = std::any_of(check.runs.begin(), check.runs.end(),
+                                 [](const MethodRun& run) { return run.built_in && is_scheme(run.run.method); });
   if (penalty && exact && !check.runs.front().run.restitution && check.runs.front().run.mass != Mass::redistributed)
     found.push_back(
         "contact nodes with mass rebound from an undamped penalty and do not from the schemes' constraint; "

@@ -6,6 +6,8 @@
 #include <complex>
 #include <limits>
 
+#include "viscobar/analysis/recorder.hpp"
+
 namespace viscobar::exact {
 namespace {
 
@@ -168,6 +170,30 @@ TEST(ElasticImpact, IsAWaveThatKeepsMomentumAndEnergy) {
       EXPECT_NEAR((impact.u(x, t + d) - impact.u(x, t - d)) / (2 * d), impact.v(x, t), eps / d * 10);
     }
   EXPECT_NEAR(impact.u(0.7, 5.0), impact.u(1.9, 5.0), 10 * eps);
+}
+
+TEST(Solution, AsASolverHasNoErrorAndFitsItsCase) {
+  const Solution exact = solution(ManufacturedContact{});
+  Case run;
+  run.scene = exact.scene;
+  run.elements = 7;
+  const Recording recording = solver(exact)(run);
+  EXPECT_EQ(fault(recording, run), std::nullopt);
+  const Error found = error(recording, exact);
+  EXPECT_EQ(found.displacement_l2 + found.velocity_l2 + found.end_trace + found.reaction_l1, 0.0);
+}
+
+TEST(Solution, LaterIsTheSameMotionFromThenOn) {
+  const Solution exact = solution(ManufacturedContact{}), then = later(exact, 0.6);
+  for (const double x : {0.0, 0.3, 1.0}) {
+    EXPECT_EQ(then.scene.displacement(x), exact.u(x, 0.6));
+    EXPECT_EQ(then.scene.velocity(x), exact.v(x, 0.6));
+    EXPECT_EQ(then.u(x, 0.25), exact.u(x, 0.6 + 0.25));
+    EXPECT_EQ(std::get<GeneralLoad>(*then.scene.load).density(x, 0.25),
+              std::get<GeneralLoad>(*exact.scene.load).density(x, 0.6 + 0.25));
+  }
+  EXPECT_EQ(then.reaction_left(0.1), exact.reaction_left(0.6 + 0.1));
+  EXPECT_FALSE(later(solution(ElasticImpact{}), 1.0).reaction_right);
 }
 
 TEST(Error, OfTheInterpolantIsTheMeshErrorAloneAndOfAShiftTheShift) {

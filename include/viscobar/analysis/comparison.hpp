@@ -26,23 +26,26 @@ struct ContactPeriod {
 /// Contacts in the order of their beginning; one still closed at the end of the recording ends there.
 std::vector<ContactPeriod> contact_periods(const Recording& recording, double merge);
 
-/// How far two recordings of one scene on the same mesh and time grid are apart.
+/// How far two recordings of one scene are apart. Where one of them has the ends only (a mesh of one element), or no
+/// velocity, the norms that need the field are absent.
 struct Comparison {
-  double displacement_l2 = 0.0;  ///< max over time of the L2 norm
-  double displacement_h1 = 0.0;  ///< max over time of the H1 seminorm
-  double velocity_l2 = 0.0;
+  std::optional<double> displacement_l2;  ///< max over time of the L2 norm
+  std::optional<double> displacement_h1;  ///< max over time of the H1 seminorm
+  std::optional<double> velocity_l2;
   double end_trace = 0.0;  ///< max over time and both ends of |u - u'|
   std::size_t events = 0, events_other = 0;
-  std::size_t events_matched = 0;             ///< the k-th closing or opening at a place with the k-th of the other
+  /// Closings with closings and openings with openings, place by place and in order of time, so that the shifts are
+  /// small: a change that one of the two lacks stays alone.
+  std::size_t events_matched = 0;
   std::optional<double> largest_event_shift;  ///< over the matched events
-  double energy_final = 0.0;                  ///< difference of the final energies
+  std::optional<double> energy_final;         ///< difference of the final energies
   struct Contact {
     ContactPeriod first, other;
   };
-  std::vector<Contact> contacts;  ///< contact periods matched in order of time, place by place
+  std::vector<Contact> contacts;  ///< contact periods, matched likewise
 };
 
-/// @throws std::invalid_argument when meshes or time grids differ
+/// @throws std::invalid_argument when meshes (other than that of the ends) or time grids differ
 Comparison compare(const Recording& first, const Recording& other);
 
 }  // namespace viscobar

@@ -29,12 +29,21 @@ MethodChoice fitting_methods(const Case& scene);
 /// These methods in this order. @throws std::invalid_argument when one does not fit the scene, or comes twice
 MethodChoice chosen_methods(const Case& scene, std::span<const MethodName> methods);
 
+/// One entry of a cross-check: a built-in method, or a scheme of your own.
+struct Contender {
+  std::string label;   ///< its name in tables
+  Case run;            ///< what it is given
+  Solver solver = {};  ///< empty: the case's own method
+};
+
 /// One run of a cross-check.
 struct MethodRun {
+  std::string label;
+  bool built_in = true;  ///< run by the case's own method
   Case run;
   Mass mass = Mass::consistent;         ///< that the method ran on, which may differ from the scene's
   std::optional<Recording> recording;   ///< absent when the run failed
-  std::vector<ContactPeriod> contacts;  ///< bounces within a hundredth of the run merged; impulses by EndImpulses
+  std::vector<ContactPeriod> contacts;  ///< bounces within a hundredth of the run merged; impulses see below
   std::string error;
 };
 
@@ -53,8 +62,10 @@ struct CrossCheck {
   bool completed() const;
 };
 
-/// Runs the cases, which share mesh and output times, on all cores (or on `threads`). A run that fails is reported
-/// and leaves the others standing.
+/// Runs the contenders, which share mesh and output times, on all cores (or on `threads`; solvers are then called at
+/// the same time). A run that fails, or a recording that does not fit its case, is reported and leaves the others
+/// standing. Impulses are those of EndImpulses for built-in methods and integrals of the reactions for others.
+CrossCheck cross_check(std::span<const Contender> contenders, std::size_t threads = 0);
 CrossCheck cross_check(std::span<const Case> cases, std::size_t threads = 0);
 
 }  // namespace viscobar

@@ -132,9 +132,15 @@ struct Solution {
 Solution solution(const ElasticImpact& impact);
 Solution solution(const ManufacturedContact& contact);
 
+/// The same motion from t0 on, as a scene that begins there. Its load must be a GeneralLoad, or none.
+Solution later(Solution solution, double t0);
+
+/// The solution itself as a solver, to stand beside others in a cross-check: sampled at nodes and output times.
+Solver solver(Solution solution);
+
 /// How far a recording is from an exact solution: maxima over its times, of the L2 norms over the bar (of the nodal
 /// interpolant) and at the ends, and the L1 norm in time of the reactions' error (by the trapezoidal rule), which
-/// exists also where the reaction jumps.
+/// exists also where the reaction jumps. What a recording does not have counts as 0.
 struct Error {
   double displacement_l2 = 0.0;
   double velocity_l2 = 0.0;

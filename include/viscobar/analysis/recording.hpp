@@ -12,6 +12,7 @@
 namespace viscobar {
 
 /// A run kept in memory, to be compared with another: the field on a time grid, the reactions at the ends, the events.
+/// On a mesh of one element it may hold the ends of a finer one, for a scheme that knows nothing else.
 struct Recording {
   std::string label;
   Mesh mesh;
@@ -30,7 +31,8 @@ struct Recording {
 /// Runs a sound case and keeps it, on its own output times. @throws IntegrationError
 Recording record(const Case& run);
 
-/// Any scheme, also one of your own: it advances the case and gives the recording on run.output_times().
+/// Any scheme, also one of your own: it advances the case and gives the recording on run.output_times(), which Recorder
+/// makes out of its steps. Velocities, reactions, events and statistics may be missing.
 using Solver = std::function<Recording(const Case& run)>;
 
 }  // namespace viscobar

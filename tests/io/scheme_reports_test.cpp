@@ -1,0 +1,54 @@
+#include "viscobar/io/scheme_reports.hpp"
+
+#include <gtest/gtest.h>
+
+#include "io/cross_check_tables.hpp"
+
+namespace viscobar {
+namespace {
+
+// A bar at rest whose left end is said to be in contact for half a unit of time from each of these times on.
+Solver in_contact(std::vector<double> closings) {
+  return [closings](const Case& run) {
+    Recording recording;
+    recording.mesh = run.mesh();
+    recording.times = run.output_times();
+    recording.u.assign(recording.times.size() * recording.mesh.nodes(), 0.0);
+    for (const double t : closings) {
+      recording.events.push_back({t, Where::left, 0, Change::closing, -1.0});
+      recording.events.push_back({t + 0.5, Where::left, 0, Change::opening, 1.0});
+    }
+    return recording;
+  };
+}
+
+Case ten_units() {
+  Case run;
+  run.elements = 2;
+  run.end = 10.0;
+  return run;
+}
+
+TEST(ContactTable, AMissedContactDoesNotShiftTheRowsOfTheLaterOnes) {
+  const Contender contenders[] = {{"all", ten_units(), in_contact({1, 3, 5, 7})},
+                                  {"some", ten_units(), in_contact({1, 5.1, 7, 9})}};
+  const Table table = contact_table(cross_check(contenders), plain_number);
+  std::vector<std::pair<std::string, std::string>> found;
+  for (const auto& row : table.rows) found.emplace_back(row[1], row[2]);
+  const std::vector<std::pair<std::string, std::string>> expected = {{"all", "1"},  {"some", "1"},   {"all", "3"},
+                                                                     {"all", "5"},  {"some", "5.1"}, {"all", "7"},
+                                                                     {"some", "7"}, {"some", "9"}};
+  EXPECT_EQ(found, expected);
+}
+
+TEST(OrderText, GivesTheOrderBetweenTwoLevelsAndOfAll) {
+  OrderStudy study;
+  study.rows = {{10, std::nullopt, {4e-2, 0.0, 1e-2, 0.0}}, {20, std::nullopt, {1e-2, 0.0, 5e-3, 0.0}}};
+  study.displacement_l2 = ObservedOrder{2.0, 0.0};
+  const std::string text = order_text(study);
+  EXPECT_NE(text.find("      20     -   0.01   2.00      0.005   1.00"), std::string::npos) << text;
+  EXPECT_NE(text.find("order of u in L2: 2.00 +- 0.00"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace viscobar

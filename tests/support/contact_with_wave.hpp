@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+#include "viscobar/analysis/exact_solutions.hpp"
+
+namespace viscobar::exact {
+
+/// A manufactured contact with a wave on top,
+///
+///     u + b cos(omega t) psi,    f + b ((E cos(omega t) - eta omega sin(omega t)) (-psi'') - rho omega^2 cos(omega t)
+///     psi),
+///
+/// psi = sin^2(pi x / L): it vanishes at both ends with its slope, so gaps, reactions and contact times stay. The
+/// manufactured contact alone is a polynomial of degree 2 (one end) or 3 in x, for which three-point differences are
+/// exact: measured with it, a mesh error would be missing.
+///
+/// It begins at t0: at t0 = 0 the ends touch at rest and the wave alone accelerates, at 0.1 they are on their way.
+inline Solution contact_with_wave(const ManufacturedContact& contact, double t0) {
+  constexpr double b = 0.1, omega = 3.0;
+  const Bar bar = contact.bar;
+  const double k = 2 * std::numbers::pi / bar.length;
+  const auto psi = [k](double x) { return 0.5 * (1 - std::cos(k * x)); };
+  const auto psi_xx = [k](double x) { return 0.5 * k * k * std::cos(k * x); };
+  Solution sum = solution(contact);
+  sum.u = [=](double x, double t) { return contact.u(x, t) + b * std::cos(omega * t) * psi(x); };
+  sum.v = [=](double x, double t) { return contact.v(x, t) - b * omega * std::sin(omega * t) * psi(x); };
+  sum.scene.load = GeneralLoad{[=](double x, double t) {
+    const double c = b * std::cos(omega * t), s = b * std::sin(omega * t);
+    return contact.f(x, t) - (bar.modulus * c - bar.viscosity * omega * s) * psi_xx(x) -
+           bar.density * omega * omega * c * psi(x);
+  }};
+  return later(std::move(sum), t0);
+}
+
+}  // namespace viscobar::exact
