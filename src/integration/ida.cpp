@@ -119,6 +119,8 @@ class IdaStepper {
     check("IDASetUserData", IDASetUserData(memory, this));
     check("IDAWFtolerances", IDAWFtolerances(memory, error_weights));
     check("IDASetNonlinearSolver", IDASetNonlinearSolver(memory, solver_.get()));
+    // From rest the library begins with a thousandth of the run and finds its step by failing; ten times need not do.
+    check("IDASetMaxErrTestFails", IDASetMaxErrTestFails(memory, 50));
   }
 
   void check(const char* call, int flag) {

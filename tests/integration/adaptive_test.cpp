@@ -239,6 +239,21 @@ TYPED_TEST(Adaptive, OneUnknownIsEnough) {
     EXPECT_NEAR(run.u[k][0], std::cos(std::sqrt(3.0) * run.times[k]), constant * 1e-9);
 }
 
+TYPED_TEST(Adaptive, StartsFromRestUnderALoadThatGrowsFromZero) {
+  // u'' = 0 at the start as well: nothing there tells an integrator how long its first step may be.
+  Scene scene = falling_bar(10.0, 0.0, 0.5);
+  scene.load = SeparableLoad{[](double) { return 1.0; }, [](double t) { return 1e3 * t; }};
+  for (const double relative : {1e-8, 1e-10, 1e-12}) {
+    TypeParam method;
+    method.penalty = {1e-4, 1.0};
+    method.tolerance = {relative, 1e-2 * relative};
+    const auto run = record(scene, {1.0, 10}, Mass::consistent, method, grid(0.3, 3));
+    // Uniform under a uniform load: rho u'' = 1e3 t.
+    const double exact = 1e3 * 0.3 * 0.3 * 0.3 / 6;
+    for (const double u : run.u.back()) EXPECT_NEAR(u, exact, constant * relative * exact) << relative;
+  }
+}
+
 TYPED_TEST(Adaptive, HundredThousandElementsRun) {
   // The impact of a long bar does not know how finely it is cut: steps and penetration are those of a coarser mesh.
   Scene scene = falling_bar(0.1, 0.5, 1.0);
