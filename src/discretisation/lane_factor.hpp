@@ -34,37 +34,43 @@ class LaneFactor {
   template <class Row>
   void eliminate(Row&& right, std::span<double> y, std::span<double> interface) const {
     if (order_.rows == 0) return;
+    // Copies, since a store of lanes may alias anything.
+    const double *lower = lower_.data(), *from_left = from_left_.data();
+    const std::size_t reach = reach_, m = inner_rows();
+    double* row = &y[order_.row(0)];
     Lanes eliminated = 0.0, pull = 0.0;
-    std::size_t k = 0;
-    const auto next = [&] {
-      eliminated = right(k) - lower_[k] * eliminated;
-      store_lanes(eliminated, &y[order_.row(k)]);
-    };
-    for (; k < reach_; ++k) {
-      next();
-      pull += from_left_[k] * eliminated;
+    for (std::size_t k = 0; k < reach; ++k, row += lane_count) {
+      eliminated = right(k) - lower[k] * eliminated;
+      pull += from_left[k] * eliminated;
+      store_lanes(eliminated, row);
     }
-    for (; k < inner_rows(); ++k) next();
+    for (std::size_t k = reach; k < m; ++k, row += lane_count) {
+      eliminated = right(k) - lower[k] * eliminated;
+      store_lanes(eliminated, row);
+    }
     double* left = &interface[order_.first - 1];
     store_lanes(load_lanes(left) + pull, left);
-    store_lanes(load_lanes(left + 1) - lower_[k] * eliminated, left + 1);
+    store_lanes(load_lanes(left + 1) - lower[m] * eliminated, left + 1);
   }
 
   /// Second sweep, from the solution at the interface: `use(k, x)` receives row k of x, k = m - 1, ..., 0.
   template <class Row>
   void substitute(std::span<const double> interface, std::span<const double> y, Row&& use) const {
     if (order_.rows == 0) return;
+    const double *lower = lower_.data() + 1, *inverse_pivot = inverse_pivot_.data(), *from_left = from_left_.data();
+    const std::size_t reach = reach_;
+    const double* rows = &y[order_.row(0)];
     const Lanes left = load_lanes(&interface[order_.first - 1]);
     Lanes x = load_lanes(&interface[order_.first]);
     std::size_t k = inner_rows();
-    while (k > reach_) {
+    while (k > reach) {
       --k;
-      x = inverse_pivot_[k] * load_lanes(&y[order_.row(k)]) - lower_[k + 1] * x;
+      x = inverse_pivot[k] * load_lanes(rows + k * lane_count) - lower[k] * x;
       use(k, x);
     }
     while (k > 0) {
       --k;
-      x = inverse_pivot_[k] * load_lanes(&y[order_.row(k)]) + from_left_[k] * left - lower_[k + 1] * x;
+      x = inverse_pivot[k] * load_lanes(rows + k * lane_count) + from_left[k] * left - lower[k] * x;
       use(k, x);
     }
   }

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <experimental/simd>
 #include <span>
+#include <vector>
 
 namespace viscobar {
 
@@ -42,6 +44,27 @@ struct LaneOrder {
       for (std::size_t l = 0; l < lane_count; ++l) out[row(k) + l] = nodal[first + l * rows + k];
     for (std::size_t i = size() - last; i < size(); ++i) out[i] = nodal[i];
   }
+};
+
+/// Fields in a LaneOrder, zero at first. Rows begin on cache lines, and the same row of different fields lies at
+/// different places of a page: a processor that takes a load for a store a page apart would wait for it.
+class LaneFields {
+ public:
+  LaneFields(const LaneOrder& order, std::size_t count) : size_(order.size()) {
+    constexpr std::size_t line = 64 / sizeof(double), page = 4096 / sizeof(double), apart = page / 8 + line;
+    stride_ = (size_ + page - 1) / page * page + apart;
+    block_.resize(count * stride_ + 2 * line);
+    const std::size_t address = reinterpret_cast<std::uintptr_t>(block_.data()) / sizeof(double);
+    begin_ = line + (line - (address + order.first) % line) % line;
+  }
+  LaneFields(const LaneFields&) = delete;
+  LaneFields& operator=(const LaneFields&) = delete;
+
+  std::span<double> operator[](std::size_t i) { return std::span(block_).subspan(begin_ + i * stride_, size_); }
+
+ private:
+  std::size_t size_, stride_, begin_;
+  std::vector<double> block_;
 };
 
 }  // namespace viscobar

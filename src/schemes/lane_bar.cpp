@@ -60,16 +60,19 @@ void eliminate(const LaneFactor& factor, const Stress& stress, std::span<const d
   const std::size_t m = factor.inner_rows(), separators = order.row(m);
   const auto borders = at_borders(order, [&](std::size_t i, std::size_t j) { return stress.nodes(i, j); });
   store_lanes(load_lanes(&borders[1]) - stress.rows(order.row(m - 1), separators), &interface[order.first]);
-  Lanes before = load_lanes(&borders[0]);
-  const auto force = [&](std::size_t k) {
-    const Lanes behind = stress.rows(order.row(k), order.row(k + 1)), difference = behind - before;
+  auto force = [stress, row = order.row(0), before = load_lanes(&borders[0])](std::size_t k) mutable {
+    const std::size_t here = row + k * lane_count;
+    const Lanes behind = stress.rows(here, here + lane_count), difference = behind - before;
     before = behind;
     return difference;
   };
   if (load.empty()) return factor.eliminate(force, y, interface);
   for (std::size_t i = 0; i < interface.size(); ++i)
     interface[i] += load[i < order.first ? i : i + (order.size() - interface.size())];
-  factor.eliminate([&](std::size_t k) { return force(k) + load_lanes(&load[order.row(k)]); }, y, interface);
+  auto loaded = [force, rows = &load[order.row(0)]](std::size_t k) mutable {
+    return force(k) + load_lanes(rows + k * lane_count);
+  };
+  factor.eliminate(loaded, y, interface);
 }
 
 }  // namespace

@@ -39,7 +39,8 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
       factor_(covers_span(system.contacts()) ? LaneFactor() : LaneFactor(step_matrix(system, dt_))),
       order_(factor_.order().size() > 0 ? factor_.order() : LaneOrder{system.size(), 0, 0}),
       bar_(system, order_),
-      contacts_(bounded_nodes(system.contacts())) {
+      contacts_(bounded_nodes(system.contacts())),
+      fields_(order_, system.loaded() && order_.rows > 0 ? 5 : 4) {
   if (covers_span(system.contacts())) {
     solver_.emplace<SpanConstraint>(step_matrix(system, dt_));
     interface_.resize(system.size());
@@ -56,8 +57,6 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
     }
   }
   if (system.loaded()) load_.emplace(system);
-  if (system.loaded() && order_.rows > 0) ordered_load_.resize(system.size());
-  for (std::vector<double>* field : {&u_, &p_, &a_, &before_}) field->resize(system.size());
   for (std::vector<double>* values : {&lower_, &bound_, &reaction_, &reaction_before_})
     values->resize(contacts_.size());
 
@@ -70,7 +69,7 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
 void TimeStep::start_from(const State& start, double begin, Start order) {
   order_.from_nodes(start.u, u_);
   order_.from_nodes(start.v, p_);
-  const std::vector<double> v = p_;
+  const std::vector<double> v(p_.begin(), p_.end());
   for (std::size_t k = 0; k < contacts_.size(); ++k) lower_[k] = -contacts_[k].gap;
   if (order == Start::second_order) {
     // The Taylor term with the step's own matrix in place of rho M: a difference of O(dt^3), and it stays bounded at
@@ -132,8 +131,8 @@ void TimeStep::evaluate_load(double t) {
   if (order_.rows == 0) {
     load_now_ = load_->at(t);
   } else if (!known) {
-    order_.from_nodes(load_->at(t), ordered_load_);
-    load_now_ = ordered_load_;
+    order_.from_nodes(load_->at(t), fields_[4]);
+    load_now_ = fields_[4];
   }
 }
 
@@ -159,10 +158,11 @@ void TimeStep::solve(double lever) {
 template <class Use>
 void TimeStep::substitute(Use&& use) {
   eliminated_ = false;
-  factor_.substitute(interface_, a_, [&](std::size_t k, const Lanes& a) {
-    store_lanes(a, &a_[order_.row(k)]);
-    use(order_.row(k), a);
-  });
+  const auto row = [use, rows = a_.data(), first = order_.first](std::size_t k, const Lanes& a) {
+    store_lanes(a, rows + first + k * lane_count);
+    use(first + k * lane_count, a);
+  };
+  factor_.substitute(interface_, a_, row);
   const std::size_t skipped = a_.size() - interface_.size();
   for (std::size_t i = 0; i < interface_.size(); ++i) {
     const std::size_t place = i < order_.first ? i : i + skipped;
@@ -177,12 +177,12 @@ std::span<const double> TimeStep::acceleration() {
 
 namespace {
 
-void move(double dt, double a, double& p, double& u) {
+[[gnu::always_inline]] inline void move(double dt, double a, double& p, double& u) {
   p += dt * a;
   u += dt * p;
 }
 
-void move(double dt, const Lanes& a, double& p, double& u) {
+[[gnu::always_inline]] inline void move(double dt, const Lanes& a, double& p, double& u) {
   const Lanes moved = load_lanes(&p) + dt * a;
   store_lanes(moved, &p);
   store_lanes(load_lanes(&u) + dt * moved, &u);
@@ -195,7 +195,7 @@ void TimeStep::advance() {
   // The velocity of a held node from its displacements, so that rest is exact and not rounding's motion.
   for (std::size_t k = 0; k < contacts_.size(); ++k) bound_[k] = (lower_[k] - u_[contacts_[k].unknown]) / dt_;
   if (eliminated_)
-    substitute([&](std::size_t i, const auto& a) { move(dt_, a, p_[i], u_[i]); });
+    substitute([dt = dt_, p = p_.data(), u = u_.data()](std::size_t i, const auto& a) { move(dt, a, p[i], u[i]); });
   else
     for (std::size_t i = 0; i < u_.size(); ++i) move(dt_, a_[i], p_[i], u_[i]);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {

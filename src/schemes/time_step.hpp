@@ -82,11 +82,11 @@ class TimeStep {
   LaneOrder order_;
   LaneBar bar_;
   std::optional<LoadVector> load_;
-  std::vector<double> ordered_load_;
   std::span<const double> load_now_;
   std::vector<Contact> contacts_;
   std::variant<TridiagonalFactor, EndConstraint, SpanConstraint> solver_;
-  std::vector<double> u_, p_, a_, before_;
+  LaneFields fields_;
+  std::span<double> u_ = fields_[0], p_ = fields_[1], a_ = fields_[2], before_ = fields_[3];
   std::vector<double> interface_;                                   // a^n there; under a span obstacle the force
   bool eliminated_ = false;                                         // a_ waits for the second sweep
   std::vector<double> lower_, bound_, reaction_, reaction_before_;  // one a contact
