@@ -43,4 +43,3 @@ BENCHMARK(scheme_step)->RangeMultiplier(10)->Range(100, 1000000);
 
 }  // namespace
 }  // namespace viscobar
-

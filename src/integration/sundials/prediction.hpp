@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+namespace viscobar::sundials {
+
+/// x_k += x_{k+1}, put off. CVODE predicts by multiplying its history with Pascal's triangle,
+///
+///     for k = 1 ... q:  for j = q ... k:  z_{j-1} += z_j,
+///
+/// as q (q + 1) / 2 separate sums of vectors that move three times q (q + 1) / 2 numbers through memory for each entry;
+/// in one pass it is 2 q + 1. The sums are the same and in the same order, so the result is too, to the last bit.
+class Prediction {
+ public:
+  /// Puts x += y off; both of n entries. False when there is no room: carry_out() first.
+  bool put_off(double* x, const double* y, std::size_t n);
+
+  bool empty() const { return count_ == 0; }
+  void carry_out();
+
+ private:
+  std::size_t order() const;  // q when the sums put off are a whole triangle, 0 otherwise
+
+  struct Sum {
+    double* x = nullptr;
+    const double* y = nullptr;
+  };
+  std::array<Sum, 78> sums_{};  // order 12
+  std::size_t count_ = 0, size_ = 0;
+};
+
+}  // namespace viscobar::sundials
