@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 
-#include "integration/sundials/prediction.hpp"
+#include "integration/sundials/history_sums.hpp"
 
 namespace viscobar::sundials {
 
@@ -14,14 +14,14 @@ struct Content {
   const std::vector<std::size_t>* entries = nullptr;  // of a probe
 };
 
-// What CVODE asked for and nobody has looked at yet. An integration and its vectors stay in one thread.
-constinit thread_local Prediction prediction;
+// Asked for, and not looked at yet. An integration and its vectors stay in one thread.
+constinit thread_local HistorySums put_off_sums;
 
 Eigen::ArrayXd& stored(N_Vector x) { return static_cast<Content*>(x->content)->data; }
 
 // The first look at a vector passes here.
 Content& content(N_Vector x) {
-  if (!prediction.empty()) prediction.carry_out();
+  if (!put_off_sums.empty()) put_off_sums.carry_out();
   return *static_cast<Content*>(x->content);
 }
 Eigen::ArrayXd& array(N_Vector x) { return content(x).data; }
@@ -81,7 +81,7 @@ int scale_add_multi(int count, sunrealtype* c, N_Vector x, N_Vector* y, N_Vector
 
 bool put_off(N_Vector x, N_Vector y) {
   auto &sum = stored(x), &term = stored(y);
-  return prediction.put_off(sum.data(), term.data(), static_cast<std::size_t>(sum.size()));
+  return put_off_sums.put_off(sum.data(), term.data(), static_cast<std::size_t>(sum.size()));
 }
 
 void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z) noexcept {
