@@ -7,10 +7,11 @@
 
 namespace viscobar::baseline {
 
-/// What every contender of a comparison returns: u(0, t) at the given times, and the steps it took.
+/// What every contender of a comparison returns: u(0, t) at the given times, the steps it took, and the contact changes
+/// that it located, if it does.
 struct Trace {
   std::vector<double> left;
-  std::size_t steps = 0;
+  std::size_t steps = 0, changes = 0;
 };
 
 /// What a contender is given. The mass must be lumped: the baselines need u'' explicitly.
@@ -52,10 +53,20 @@ class Interleaved {
   std::vector<double> load_, inverse_mass_;
 };
 
-/// CVODE as its examples use it: serial vector, band matrix and band solver, analytic Jacobian, backward
-/// differentiation. With `restart` its own root finding locates the contact changes and each one re-initialises;
-/// without, it steps across the kink.
-Trace stock_cvode(const Problem& problem, double relative, double absolute, bool restart);
+/// What stock CVODE does at a contact change.
+enum class AtChange {
+  nothing,       ///< steps across the kink
+  restart,       ///< locates it by its root finding and re-initialises, with a first step of its own estimation
+  restart_kept,  ///< the same with the first step that the last start was given
+  restart_last   ///< the same with a tenth of the last step before the change
+};
+
+/// CVODE as its examples use it: serial vector, band matrix and band solver, analytic Jacobian, and the formulas given.
+Trace stock_cvode(const Problem& problem, double relative, double absolute, AtChange change, bool adams = false);
+
+/// Scheme (2.8) in the paper's way: the system for u^{n+1}, solved without obstacles, and again with the left, the
+/// right, both ends held, until a solution fits. Returns u^n(0) of every step.
+std::vector<double> paper_scheme(const BarSystem& system, double step, std::size_t steps);
 
 /// Boost.Odeint: rosenbrock4 (dense matrices, small meshes only) and dopri5, each with its error control.
 Trace rosenbrock4(const Problem& problem, double relative, double absolute);

@@ -77,8 +77,10 @@ int register_all() {
       {"cvode_global", ours<Cvode, ErrorControl::global>, 10000},
       {"ida_local", ours<Ida, ErrorControl::local>, 10000},
       {"ida_global", ours<Ida, ErrorControl::global>, 10000},
-      {"stock_restart", [](auto& p, double r, double a) { return baseline::stock_cvode(p, r, a, true); }, 10000},
-      {"stock_plain", [](auto& p, double r, double a) { return baseline::stock_cvode(p, r, a, false); }, 10000},
+      {"stock_restart",
+       [](auto& p, double r, double a) { return baseline::stock_cvode(p, r, a, baseline::AtChange::restart); }, 10000},
+      {"stock_plain",
+       [](auto& p, double r, double a) { return baseline::stock_cvode(p, r, a, baseline::AtChange::nothing); }, 10000},
       {"rosenbrock4", baseline::rosenbrock4, 27},
       {"dopri5", baseline::dopri5, 27},
   };

@@ -15,4 +15,14 @@ inline Scene throw_scene(double viscosity = 0.1) {
   return scene;
 }
 
+/// A straight bar under its weight, at rest at first, that both obstacles carry from the start (gap 0) or that falls.
+inline Scene weight_scene(double viscosity, double gap) {
+  Scene scene;
+  scene.bar.viscosity = viscosity;
+  scene.left = scene.right = Obstacle{gap};
+  scene.displacement = scene.velocity = [](double) { return 0.0; };
+  scene.load = SteadyLoad{[](double) { return -1.0; }};
+  return scene;
+}
+
 }  // namespace viscobar

@@ -39,7 +39,7 @@ void check(int flag, const char* call) {
 
 }  // namespace
 
-Trace stock_cvode(const Problem& problem, double relative, double absolute, bool restart) {
+Trace stock_cvode(const Problem& problem, double relative, double absolute, AtChange change, bool adams) {
   Interleaved system(problem);
   SUNContext context = nullptr;
   check(SUNContext_Create(nullptr, &context), "SUNContext_Create");
@@ -47,7 +47,7 @@ Trace stock_cvode(const Problem& problem, double relative, double absolute, bool
   N_Vector y = N_VNew_Serial(size, context);
   std::ranges::copy(system.start(), NV_DATA_S(y));
   double t = problem.times.front();
-  void* memory = CVodeCreate(CV_BDF, context);
+  void* memory = CVodeCreate(adams ? CV_ADAMS : CV_BDF, context);
   SUNMatrix matrix = SUNBandMatrix(size, 3, 3, context);
   SUNLinearSolver solver = SUNLinSol_Band(y, matrix, context);
   check(CVodeInit(memory, rates, t, y), "CVodeInit");
@@ -57,7 +57,7 @@ Trace stock_cvode(const Problem& problem, double relative, double absolute, bool
   check(CVodeSetJacFn(memory, jacobian), "CVodeSetJacFn");
   check(CVodeSetMaxNumSteps(memory, 100000000), "CVodeSetMaxNumSteps");
   check(CVodeSetStopTime(memory, problem.times.back()), "CVodeSetStopTime");
-  if (restart) check(CVodeRootInit(memory, 2, clearances), "CVodeRootInit");
+  if (change != AtChange::nothing) check(CVodeRootInit(memory, 2, clearances), "CVodeRootInit");
 
   Trace trace;
   long steps = 0;
@@ -71,7 +71,11 @@ Trace stock_cvode(const Problem& problem, double relative, double absolute, bool
     check(flag, "CVode");
     if (flag == CV_ROOT_RETURN) {
       count_leg();
+      double first = 0.0;
+      if (change == AtChange::restart_kept) check(CVodeGetActualInitStep(memory, &first), "CVodeGetActualInitStep");
+      if (change == AtChange::restart_last) check(CVodeGetLastStep(memory, &first), "CVodeGetLastStep"), first /= 10;
       check(CVodeReInit(memory, t, y), "CVodeReInit");
+      check(CVodeSetInitStep(memory, std::min(first, problem.times.back() - t)), "CVodeSetInitStep");
       check(CVodeSetStopTime(memory, problem.times.back()), "CVodeSetStopTime");
     } else {
       trace.left.push_back(NV_DATA_S(y)[0]);

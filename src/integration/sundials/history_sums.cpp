@@ -1,5 +1,6 @@
 #include "integration/sundials/history_sums.hpp"
 
+#include <algorithm>
 #include <experimental/simd>
 #include <utility>
 
@@ -58,8 +59,13 @@ bool HistorySums::put_off(double* x, const double* y, std::size_t n) {
 }
 
 std::size_t HistorySums::cascade() const {
+  // Of different vectors: one that comes back would have to be read again.
+  const auto seen = [&](const double* x, std::size_t count) {
+    return std::any_of(sums_.begin(), sums_.begin() + static_cast<std::ptrdiff_t>(count),
+                       [x](const Sum& sum) { return sum.x == x || sum.y == x; });
+  };
   std::size_t q = 1;
-  while (q < count_ && sums_[q].y == sums_[q - 1].x) ++q;
+  while (q < count_ && sums_[q].y == sums_[q - 1].x && !seen(sums_[q].x, q)) ++q;
   return q;
 }
 
