@@ -86,8 +86,8 @@ int register_all() {
   };
   for (const std::size_t elements : {std::size_t{27}, std::size_t{1000}, std::size_t{10000}})
     for (const Entry& entry : entries)
-      for (int digits = 4; digits <= (elements < 10000 ? 8 : 6); ++digits) {
-        if (elements > entry.largest) continue;
+      for (const int digits : {4, 6, 8}) {
+        if (elements > entry.largest || (elements == 10000 && digits != 6)) continue;
         const double tolerance = std::pow(10.0, -digits);
         const std::string name =
             "integrators/" + std::string(entry.name) + "/" + std::to_string(elements) + "/" + std::to_string(digits);

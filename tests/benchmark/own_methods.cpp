@@ -33,20 +33,23 @@ void run(benchmark::State& state, const Setting& setting) {
   state.counters["events"] = static_cast<double>(statistics.events);
 }
 
+template <class Method>
 void add(const std::string& name, const Setting& setting) {
-  benchmark::RegisterBenchmark(("cvode/" + name).c_str(), run<Cvode>, setting)->Unit(benchmark::kMillisecond);
-  benchmark::RegisterBenchmark(("ida/" + name).c_str(), run<Ida>, setting)->Unit(benchmark::kMillisecond);
+  benchmark::RegisterBenchmark(name.c_str(), run<Method>, setting)->Unit(benchmark::kMillisecond);
 }
 
 int register_all() {
   for (const std::size_t elements : {27, 100, 1000, 10000, 100000})
     for (const Mass mass : {Mass::lumped, Mass::redistributed})
-      add("mesh/" + std::string(name(mass)) + "/" + std::to_string(elements),
-          {elements, mass, 1e-4, 1e-6, 1e-9, ErrorControl::global});
+      add<Cvode>("cvode/mesh/" + std::string(name(mass)) + "/" + std::to_string(elements),
+                 {elements, mass, 1e-4, 1e-6, 1e-9, ErrorControl::global});
   for (int digits = 3; digits <= 8; ++digits)
-    for (const Mass mass : {Mass::lumped, Mass::redistributed})
-      add("epsilon/" + std::string(name(mass)) + "/" + std::to_string(digits),
-          {400, mass, std::pow(10.0, -digits), 1e-5, 1e-8, ErrorControl::global});
+    for (const Mass mass : {Mass::lumped, Mass::redistributed}) {
+      const std::string label = "/epsilon/" + std::string(name(mass)) + "/" + std::to_string(digits);
+      const Setting setting{400, mass, std::pow(10.0, -digits), 1e-5, 1e-8, ErrorControl::global};
+      add<Cvode>("cvode" + label, setting);
+      add<Ida>("ida" + label, setting);
+    }
   return 0;
 }
 

@@ -13,9 +13,7 @@ def main(program, results):
     for control in ("local", "global"):
         runs[control] = viscobar.run(program, "command.toml", 21, method__error_control=control)
         del runs[control]["left"]
-    costs = {"runs": runs, "help": viscobar.process_seconds([program, "--help"]),
-             "check": viscobar.process_seconds([program, "check", str(viscobar.HERE / "command.toml")]),
-             "nothing": viscobar.process_seconds(["/bin/true"])}
+    costs = {"runs": runs, "start": viscobar.least_seconds([program, "--help"])}
     with open(results, "w") as file:
         json.dump(costs, file, indent=1)
 
