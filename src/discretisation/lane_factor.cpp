@@ -6,7 +6,7 @@
 
 namespace viscobar {
 
-LaneFactor::LaneFactor(const SymmetricTridiagonal& matrix) {
+LaneFactor::LaneFactor(const SymmetricTridiagonal& matrix, double scale) : scale_(scale) {
   find_order(matrix);
   if (order_.rows == 0) {
     condensed_ = matrix;
@@ -44,7 +44,7 @@ void LaneFactor::eliminate_inner(double d, double e) {
   // Below the rounding of rounding a neighbour's influence changes nothing; it would end in denormal numbers.
   const double negligible = std::abs(e) * std::pow(std::numeric_limits<double>::epsilon(), 2);
   lower_.assign(m + 1, 0.0);
-  inverse_pivot_.resize(m);
+  scaled_inverse_pivot_.resize(m);
   double pivot = d, influence = -e;
   for (std::size_t k = 0; k < m; ++k) {
     if (k > 0) {
@@ -52,10 +52,10 @@ void LaneFactor::eliminate_inner(double d, double e) {
       influence *= -lower_[k];
     }
     if (!(pivot > 0.0)) throw std::domain_error("tridiagonal matrix is not positive definite");
-    inverse_pivot_[k] = 1.0 / pivot;
-    lower_[k + 1] = e * inverse_pivot_[k];
+    scaled_inverse_pivot_[k] = scale_ / pivot;
+    lower_[k + 1] = e / pivot;
     if (reach_ == k && std::abs(influence) > negligible) {
-      from_left_.push_back(influence * inverse_pivot_[k]);
+      from_left_.push_back(influence / pivot);
       ++reach_;
     }
   }

@@ -23,14 +23,14 @@ class LaneFactor {
  public:
   LaneFactor() = default;
   /// @throws std::domain_error when the matrix is not positive definite
-  explicit LaneFactor(const SymmetricTridiagonal& matrix);
+  explicit LaneFactor(const SymmetricTridiagonal& matrix, double scale = 1.0);
 
   const LaneOrder& order() const { return order_; }
   /// Matrix of the interface; all of A when there are no rows. Whoever factorises it finds out whether it is definite.
   const SymmetricTridiagonal& condensed() const { return condensed_; }
 
-  /// First sweep. `right(k)` is row k of b, asked for k = 0, 1, ... once each; y receives the eliminated rows, and
-  /// `interface`, which holds b there, what they pull.
+  /// First sweep. `right(k)` is row k of b divided by the `scale` of the constructor, asked for k = 0, 1, ... once
+  /// each; y receives the eliminated rows, and `interface`, which holds b there, what they pull.
   template <class Row>
   void eliminate(Row&& right, std::span<double> y, std::span<double> interface) const {
     if (order_.rows == 0) return;
@@ -49,15 +49,16 @@ class LaneFactor {
       store_lanes(eliminated, row);
     }
     double* left = &interface[order_.first - 1];
-    store_lanes(load_lanes(left) + pull, left);
-    store_lanes(load_lanes(left + 1) - lower[m] * eliminated, left + 1);
+    store_lanes(load_lanes(left) + scale_ * pull, left);
+    store_lanes(load_lanes(left + 1) - scale_ * lower[m] * eliminated, left + 1);
   }
 
   /// Second sweep, from the solution at the interface: `use(k, x)` receives row k of x, k = m - 1, ..., 0.
   template <class Row>
   void substitute(std::span<const double> interface, std::span<const double> y, Row&& use) const {
     if (order_.rows == 0) return;
-    const double *lower = lower_.data() + 1, *inverse_pivot = inverse_pivot_.data(), *from_left = from_left_.data();
+    const double *lower = lower_.data() + 1, *inverse_pivot = scaled_inverse_pivot_.data(),
+                 *from_left = from_left_.data();
     const std::size_t reach = reach_;
     const double* rows = &y[order_.row(0)];
     const Lanes left = load_lanes(&interface[order_.first - 1]);
@@ -76,7 +77,7 @@ class LaneFactor {
   }
 
   /// m, rows without the separators.
-  std::size_t inner_rows() const { return inverse_pivot_.size(); }
+  std::size_t inner_rows() const { return scaled_inverse_pivot_.size(); }
 
  private:
   void find_order(const SymmetricTridiagonal& matrix);
@@ -84,8 +85,9 @@ class LaneFactor {
   void condense(const SymmetricTridiagonal& matrix, double e);
 
   LaneOrder order_;
-  std::vector<double> lower_, inverse_pivot_, from_left_;  // l_0 = 0, ..., l_m; w; g
-  std::size_t reach_ = 0;                                  // rows that feel their left neighbour at all
+  double scale_ = 1.0;
+  std::vector<double> lower_, scaled_inverse_pivot_, from_left_;  // l_0 = 0, ..., l_m; scale w; g
+  std::size_t reach_ = 0;                                         // rows that feel their left neighbour at all
   SymmetricTridiagonal condensed_;
 };
 

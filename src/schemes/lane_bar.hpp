@@ -14,6 +14,9 @@ class LaneBar {
  public:
   LaneBar(const BarSystem& system, const LaneOrder& order) : system_(system), order_(order) {}
 
+  /// E / h, by which the factor must be scaled: the rows of the force are made per E / h.
+  static double stiffness(const BarSystem& system);
+
   /// First sweep of A a = -(E K u + eta K w) + load, the force made row by row on the way. y receives the eliminated
   /// rows, `interface` its right-hand side; `load` is empty when there is none.
   void eliminate_force(const LaneFactor& factor, std::span<const double> u, std::span<const double> w,

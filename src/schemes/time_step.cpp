@@ -36,7 +36,8 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
     : system_(system),
       dt_(scheme.step),
       restitution_(scheme.restitution),
-      factor_(covers_span(system.contacts()) ? LaneFactor() : LaneFactor(step_matrix(system, dt_))),
+      factor_(covers_span(system.contacts()) ? LaneFactor()
+                                             : LaneFactor(step_matrix(system, dt_), LaneBar::stiffness(system))),
       order_(factor_.order().size() > 0 ? factor_.order() : LaneOrder{system.size(), 0, 0}),
       bar_(system, order_),
       contacts_(bounded_nodes(system.contacts())),
@@ -163,11 +164,10 @@ void TimeStep::substitute(Use&& use) {
     use(first + k * lane_count, a);
   };
   factor_.substitute(interface_, a_, row);
+  for (std::size_t i = 0; i < order_.first; ++i) use(i, a_[i] = interface_[i]);
+  if (order_.rows > 0) row(order_.rows - 1, load_lanes(&interface_[order_.first]));
   const std::size_t skipped = a_.size() - interface_.size();
-  for (std::size_t i = 0; i < interface_.size(); ++i) {
-    const std::size_t place = i < order_.first ? i : i + skipped;
-    use(place, a_[place] = interface_[i]);
-  }
+  for (std::size_t i = a_.size() - order_.last; i < a_.size(); ++i) use(i, a_[i] = interface_[i - skipped]);
 }
 
 std::span<const double> TimeStep::acceleration() {
