@@ -41,6 +41,19 @@ void Progress::clear() {
   shown_ = false;
 }
 
+void StatusLine::show(std::string_view what) {
+  fmt::print(stderr, "\r\033[K{}", what);
+  std::fflush(stderr);
+  shown_ = true;
+}
+
+void StatusLine::clear() {
+  if (!shown_) return;
+  fmt::print(stderr, "\r\033[K");
+  std::fflush(stderr);
+  shown_ = false;
+}
+
 bool on_terminal() { return isatty(STDERR_FILENO) == 1; }
 
 }  // namespace viscobar::cli

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <string_view>
 
 namespace viscobar::cli {
 
@@ -20,6 +21,21 @@ class Progress {
   using Clock = std::chrono::steady_clock;
   double end_;
   Clock::time_point started_ = Clock::now(), next_ = started_ + std::chrono::seconds(1);
+  bool shown_ = false;
+};
+
+/// A line on the terminal that says what is being done, overwritten by the next.
+class StatusLine {
+ public:
+  StatusLine() = default;
+  ~StatusLine() { clear(); }
+  StatusLine(const StatusLine&) = delete;
+  StatusLine& operator=(const StatusLine&) = delete;
+
+  void show(std::string_view what);
+  void clear();
+
+ private:
   bool shown_ = false;
 };
 

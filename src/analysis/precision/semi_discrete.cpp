@@ -1,0 +1,84 @@
+#include <fmt/format.h>
+
+#include "analysis/precision/reference.hpp"
+
+namespace viscobar::precision {
+
+namespace {
+
+// Beyond this, dense matrix exponentials take longer than everything else together.
+constexpr std::size_t most_exponential_elements = 100;
+
+std::string described(const Case& run) {
+  if (is_scheme(run.method)) return fmt::format("{} at step {:.3g}", name(run.method), *run.step);
+  if (is_adaptive(run.method)) return fmt::format("{} at tolerance {:.3g}", name(run.method), run.tolerance.relative);
+  return std::string(name(run.method));
+}
+
+/// Ways to solve the system, the best first. Two neighbours differ in method or in fineness.
+std::vector<Case> routes(const Case& scene, const System& system, const Fineness& fineness) {
+  Case base = scene;
+  base.elements = system.elements;
+  base.mass = system.mass;
+  if (system.epsilon > 0.0) base.epsilon = system.epsilon;
+  std::vector<Case> all;
+  const auto add = [&](MethodName method, double coarser) {
+    Case run = base;
+    run.method = method;
+    run.tolerance.absolute *= coarser * fineness.tolerance / run.tolerance.relative;
+    run.tolerance.relative = coarser * fineness.tolerance;
+    if (is_scheme(method)) run.step = coarser * fineness.step;
+    if (validate(run).empty()) all.push_back(std::move(run));
+  };
+  switch (system.law) {
+    case System::Law::penalised:
+      if (system.elements <= most_exponential_elements) add(MethodName::exponential, 1.0);
+      for (const MethodName method : {MethodName::cvode, MethodName::ida})
+        for (const double coarser : {1.0, 10.0}) add(method, coarser);
+      break;
+    case System::Law::rigid:
+      for (const double coarser : {1.0, 10.0}) add(MethodName::rigid, coarser);
+      break;
+    case System::Law::impact:
+      for (const double coarser : {1.0, 2.0}) add(MethodName::fully_discrete, coarser);
+      break;
+  }
+  return all;
+}
+
+}  // namespace
+
+System system_of(const Case& run) {
+  const BarSystem system = make_system(run);
+  System::Law law = System::Law::penalised;
+  if (!system.contacts().empty() && !is_penalised(run.method))
+    law = system.has_massless() ? System::Law::rigid : System::Law::impact;
+  const bool penalised = !system.contacts().empty() && law == System::Law::penalised;
+  return {run.elements, system.mass(), law, penalised ? run.epsilon.value_or(0.0) : 0.0};
+}
+
+SemiDiscrete solve_in_time(const Case& scene, const System& system, const Fineness& fineness, double seconds) {
+  SemiDiscrete result;
+  std::string problems;
+  const Mesh mesh{scene.scene.bar.length, system.elements};
+  for (const Case& run : routes(scene, system, fineness)) {
+    try {
+      Field field = std::move(fields_of(run, std::span(&mesh, 1), seconds).front());
+      if (result.field) {
+        result.error = distance(*result.field, field);
+        result.what += fmt::format(", checked by {}", described(run));
+        return result;
+      }
+      result.what = described(run);
+      result.field = std::move(field);
+    } catch (const std::exception& error) {
+      problems += fmt::format("{}{}: {}", problems.empty() ? "" : "; ", described(run), error.what());
+    }
+  }
+  // What nothing has checked is no reference.
+  result.field.reset();
+  result.problem = problems.empty() ? "no method gives it" : problems;
+  return result;
+}
+
+}  // namespace viscobar::precision

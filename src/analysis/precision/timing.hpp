@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "viscobar/analysis/work_precision.hpp"
+
+namespace viscobar::precision {
+
+/// A row to be, and the case that it is of.
+struct Timed {
+  Case run;
+  PrecisionRow row;
+};
+
+/// The tolerances or steps of a method on its mesh, the coarsest first.
+std::vector<Timed> settings_of(const PrecisionStudy& study, const Case& run);
+
+/// Times the rows one by one, until they take too long: then the others are left out.
+void time_rows(const PrecisionStudy& study, std::vector<Timed>& rows, std::vector<PrecisionResult::LeftOut>& left_out);
+
+}  // namespace viscobar::precision

@@ -1,0 +1,193 @@
+#include "io/precision_words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace viscobar {
+
+namespace {
+
+/// A part this much smaller than another is not worth paying for.
+constexpr double negligible = 0.1;
+
+/// A measured error that its reference can tell from zero, else the bound that remains.
+std::string measured(const std::optional<double>& error, double reference_error, NumberText number) {
+  if (!error) return "-";
+  return *error > 3.0 * reference_error ? number(*error) : fmt::format("<{}", number(*error + reference_error));
+}
+
+std::string part(const std::optional<double>& value, NumberText number) { return value ? number(*value) : "-"; }
+
+const char* setting_word(MethodName method) { return is_scheme(method) ? "step" : "tolerance"; }
+
+std::string capital(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text;
+}
+
+/// The largest setting from which on the time error stays below `bound`.
+std::optional<double> enough(std::span<const PrecisionRow> rows, double bound) {
+  std::optional<double> found;
+  for (auto row = rows.rbegin(); row != rows.rend(); ++row) {
+    if (!row->time_error) continue;
+    if (*row->time_error > bound) break;
+    found = row->setting;
+  }
+  return found;
+}
+
+std::optional<double> smallest_time_error(std::span<const PrecisionRow> rows) {
+  std::optional<double> smallest;
+  for (const PrecisionRow& row : rows)
+    if (row.time_error && (!smallest || *row.time_error < *smallest)) smallest = row.time_error;
+  return smallest;
+}
+
+/// epsilon at which the penalty's part would be `wanted`, by its observed power; not far from what was measured.
+std::optional<double> epsilon_for(const ErrorParts& parts, double epsilon, double wanted) {
+  if (!parts.penalty_order || *parts.penalty_order < 0.1 || !(*parts.penalty > 0.0)) return std::nullopt;
+  const double factor = std::pow(wanted / *parts.penalty, 1.0 / *parts.penalty_order);
+  return epsilon * std::clamp(factor, 1e-3, 1e3);
+}
+
+}  // namespace
+
+std::span<const PrecisionRow> rows_of(const PrecisionResult& result, const ErrorParts& parts) {
+  const auto same = [&](const PrecisionRow& row) {
+    return row.method == parts.method && row.elements == parts.elements;
+  };
+  const auto begin = std::find_if(result.rows.begin(), result.rows.end(), same);
+  const auto end = std::find_if_not(begin, result.rows.end(), same);
+  return {begin, end};
+}
+
+std::string largest_part(const PrecisionResult& result, const PrecisionRow& row) {
+  const ErrorParts& parts = result.parts_of(row);
+  if (!parts.space || !row.time_error) return "";
+  const double penalty = parts.penalty.value_or(0.0);
+  if (*row.time_error >= std::max(*parts.space, penalty)) return "time";
+  return penalty > *parts.space ? "penalty" : "space";
+}
+
+Table precision_table(const PrecisionStudy& study, const PrecisionResult& result, NumberText number) {
+  const bool penalised = std::any_of(result.parts.begin(), result.parts.end(),
+                                     [](const ErrorParts& parts) { return parts.penalty.has_value(); });
+  Table table{{"method", "setting"}, 2, {}};
+  table.header.insert(table.header.end(), {"seconds", "steps", "error", "space"});
+  if (penalised) table.header.emplace_back("penalty");
+  table.header.insert(table.header.end(), {"time", "largest part"});
+  const double reference_error = result.reference ? result.reference->error : 0.0;
+  for (const PrecisionRow& row : result.rows) {
+    std::vector<std::string> cells = {std::string(name(row.method)), row.label};
+    if (!row.failure.empty()) {
+      cells.emplace_back("failed");
+      table.rows.push_back(std::move(cells));
+      continue;
+    }
+    const ErrorParts& parts = result.parts_of(row);
+    cells.insert(cells.end(), {number(row.seconds), fmt::format("{}", row.steps),
+                               measured(row.error, reference_error, number), part(parts.space, number)});
+    if (penalised) cells.push_back(part(parts.penalty, number));
+    cells.insert(cells.end(),
+                 {measured(row.time_error, parts.time_reference_error, number), largest_part(result, row)});
+    table.rows.push_back(std::move(cells));
+  }
+  (void)study;
+  return table;
+}
+
+std::string advice(const PrecisionStudy& study, const PrecisionResult& result, const ErrorParts& parts,
+                   NumberText number) {
+  const auto rows = rows_of(result, parts);
+  const auto time = smallest_time_error(rows);
+  if (!time) return parts.problem.empty() ? "no run to judge by" : "the time error is not known: " + parts.problem;
+  if (!parts.space) return fmt::format("the time error comes down to {}; the others are not known", number(*time));
+  const double space = *parts.space, penalty = parts.penalty.value_or(0.0);
+  const double rest = std::max(space, penalty);
+  const double epsilon = study.scene.epsilon.value_or(0.0);
+  const char* setting = setting_word(parts.method);
+  if (*time > rest)
+    return fmt::format("time dominates down to the smallest {}: {}, against {} of {}", setting, number(*time),
+                       number(rest), penalty > space ? "the penalty" : "space");
+
+  std::string text = penalty > space ? fmt::format("the penalty dominates: {}, against {} of space", number(penalty),
+                                                   number(space))
+                                     : fmt::format("space dominates: {}", number(space));
+  if (parts.penalty && penalty <= space) text += fmt::format(", against {} of the penalty", number(penalty));
+  std::string vain;
+  if (const auto setting_enough = enough(rows, negligible * rest); setting_enough && *setting_enough > 0.0)
+    vain = fmt::format("a {} below {}", setting, number(*setting_enough));
+  if (parts.penalty && penalty <= space)
+    if (const auto enough_epsilon = epsilon_for(parts, epsilon, negligible * space))
+      vain += fmt::format("{}an epsilon below {}", vain.empty() ? "" : " or ", number(*enough_epsilon));
+  if (!vain.empty()) text += fmt::format("; {} buys nothing", vain);
+  if (penalty > space) {
+    const auto balanced = epsilon_for(parts, epsilon, space);
+    text += balanced ? fmt::format("; from epsilon = {} on the mesh would be the larger part", number(*balanced))
+                     : "; it does not fall with epsilon here, see viscobar check";
+  }
+  return text;
+}
+
+std::string reference_sentence(const PrecisionResult& result, NumberText number) {
+  if (!result.reference) return "No total error is given, for the reference failed: " + result.no_reference + ".";
+  const PrecisionReference& r = *result.reference;
+  if (r.closed_form) return fmt::format("Errors are against the closed form: {}.", r.what);
+  return fmt::format("Errors are against a finer run: {}, itself good to about {} by its last two meshes{}.", r.what,
+                     number(r.error), r.order ? fmt::format(" (observed order in h {:.2f})", *r.order) : "");
+}
+
+Table time_reference_table(const PrecisionResult& result, NumberText number) {
+  Table table{{"method", "elements", "mass", "time errors are against", "which is good to", "power of epsilon"}, 4, {}};
+  for (const ErrorParts& parts : result.parts)
+    table.rows.push_back({std::string(name(parts.method)), fmt::format("{}", parts.elements),
+                          std::string(name(parts.mass)),
+                          parts.time_reference.empty() ? fmt::format("nothing: {}", parts.problem) : parts.time_reference,
+                          parts.time_reference.empty() ? "-" : number(parts.time_reference_error),
+                          parts.penalty_order ? fmt::format("{:.2f}", *parts.penalty_order) : "-"});
+  return table;
+}
+
+Table mesh_table(const PrecisionReference& reference, NumberText number) {
+  Table table{{"elements", "difference to the next", "order"}, 0, {}};
+  for (std::size_t i = 0; i < reference.levels.size(); ++i) {
+    const auto difference = reference.levels[i].difference;
+    const auto before = i > 0 ? reference.levels[i - 1].difference : std::nullopt;
+    const bool order = difference && before && *difference > 0.0 && *before > 0.0;
+    table.rows.push_back({fmt::format("{}", reference.levels[i].elements), difference ? number(*difference) : "-",
+                          order ? fmt::format("{:.2f}", std::log2(*before / *difference)) : "-"});
+  }
+  return table;
+}
+
+std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionResult& result) {
+  std::vector<std::string> found;
+  for (const PrecisionRow& row : result.rows)
+    if (!row.failure.empty()) found.push_back(fmt::format("{}, {}, failed: {}", name(row.method), row.label, row.failure));
+  for (const auto& [method, elements, what, reason] : result.left_out) {
+    const std::string mesh = study.elements.size() > 1 && what.empty() ? fmt::format(" on {} elements", elements) : "";
+    found.push_back(what.empty() ? fmt::format("{}{} was left out: {}", name(method), mesh, reason)
+                                 : fmt::format("{} was left out from {} on: {}", name(method), what, reason));
+  }
+  for (const ErrorParts& parts : result.parts)
+    if (parts.time_reference.empty() && !parts.problem.empty())
+      found.push_back(fmt::format("{} on {} elements has no time errors: {}", name(parts.method), parts.elements,
+                                  parts.problem));
+  const Case& scene = study.scene;
+  const bool penalised = std::any_of(result.parts.begin(), result.parts.end(),
+                                     [](const ErrorParts& parts) { return parts.penalty.has_value(); });
+  if (penalised && !scene.restitution && scene.mass != Mass::redistributed)
+    found.emplace_back(
+        scene.scene.span
+            ? "under a span obstacle an undamped penalty rebounds and the scheme that the errors are against does not: "
+              "two solutions of one problem, whose difference is no error of a mesh; contact.restitution gives both "
+              "the same law"
+            : "the contact nodes have mass and rebound from the undamped penalty; what that does to the solution is "
+              "in the space part, for it vanishes with h alone");
+  for (std::string& text : found) text = capital(text);
+  return found;
+}
+
+}  // namespace viscobar
