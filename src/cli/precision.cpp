@@ -65,8 +65,7 @@ PrecisionCommand::PrecisionCommand(CLI::App& app)
   command_.add_option("--tolerance", tolerance_, "Relative tolerances of adaptive methods, a decade apart")
       ->type_name("FIRST:LAST")
       ->capture_default_str();
-  command_
-      .add_option("--halvings", halvings_, "How often the schemes' step is halved, from h / c on")
+  command_.add_option("--halvings", halvings_, "How often the schemes' step is halved, from h / c on")
       ->type_name("N")
       ->check(CLI::Range(0, 30))
       ->capture_default_str();
@@ -119,8 +118,8 @@ int PrecisionCommand::operator()() const {
   else if (!output_.quiet)
     print(fmt::format("{}\n\n{}\n", title.empty() ? scene_.file : title, precision_text(study, result)) +
           row("pictures", (directory / "precision.html").string()));
-  const bool something = std::any_of(result.rows.begin(), result.rows.end(),
-                                     [](const PrecisionRow& run) { return run.failure.empty(); });
+  const bool something =
+      std::any_of(result.rows.begin(), result.rows.end(), [](const PrecisionRow& run) { return run.failure.empty(); });
   if (!something) fmt::print(stderr, "viscobar: every run failed; the first: {}\n", result.rows.front().failure);
   return something ? success : run_failed;
 }

@@ -15,7 +15,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* norm = "largest |u - u_ref| over the output times and the nodes of the mesh, in the unit of u";
+constexpr const char* norm =
+    "largest |u - u_ref| over the output times t > 0 and the nodes of the mesh, in the unit of u";
 
 Json value_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
@@ -49,8 +50,7 @@ Json to_json(const PrecisionStudy& study, const PrecisionResult& result, const E
           {"penalty_order", value_or_null(parts.penalty_order)},
           {"penalty_against", text_or_null(parts.penalty_against)},
           {"time_reference", text_or_null(parts.time_reference)},
-          {"time_reference_error",
-           parts.time_reference.empty() ? Json(nullptr) : Json(parts.time_reference_error)},
+          {"time_reference_error", parts.time_reference.empty() ? Json(nullptr) : Json(parts.time_reference_error)},
           {"problem", text_or_null(parts.problem)},
           {"advice", advice(study, result, parts, plain_number)}};
 }
@@ -66,15 +66,8 @@ Json to_json(const PrecisionResult& result) {
                {"largest_displacement", reference.largest_displacement},
                {"meshes", Json::array()}};
   for (const auto& level : reference.levels)
-    json["meshes"].push_back(
-        {{"elements", level.elements}, {"difference_to_next", value_or_null(level.difference)}});
+    json["meshes"].push_back({{"elements", level.elements}, {"difference_to_next", value_or_null(level.difference)}});
   return json;
-}
-
-std::string named(const PrecisionStudy& study, const ErrorParts& parts) {
-  std::string text(name(parts.method));
-  if (study.elements.size() > 1) text += fmt::format(" on {} elements", parts.elements);
-  return text;
 }
 
 std::string numbers(const PrecisionStudy& study, const PrecisionResult& result) {
@@ -84,21 +77,23 @@ std::string numbers(const PrecisionStudy& study, const PrecisionResult& result) 
   if (result.reference) {
     all.add("Largest |u|", plot::readable(result.reference->largest_displacement, 3));
     all.add("Reference", result.reference->closed_form ? "closed form" : "finer run",
-            result.reference->closed_form ? plot::escaped(result.reference->what)
-                                          : fmt::format("{}; good to {}", result.reference->what,
-                                                        plot::readable(result.reference->error, 2)));
+            result.reference->closed_form
+                ? plot::escaped(result.reference->what)
+                : fmt::format("{}; good to {}", result.reference->what, plot::readable(result.reference->error, 2)));
   }
-  all.add("Errors taken at", fmt::format("{:.0f} times", result.times),
+  all.add("Errors taken at", fmt::format("{} times", result.times),
           fmt::format("{} apart", plot::readable(result.every)));
   return all.html("The study");
 }
 
 std::string head(const PrecisionStudy& study, const PrecisionResult& result) {
+  const auto meshes = meshes_in(result);
   std::string out;
-  for (const ErrorParts& parts : result.parts)
-    out += fmt::format("<p class=\"verdict\"><b>{}</b>: {}.</p>\n", named(study, parts),
-                       plot::escaped(advice(study, result, parts, readable_number)));
-  return out;
+  for (const std::size_t elements : meshes)
+    for (const auto& [methods, text] : advice_on_mesh(study, result, elements, readable_number))
+      out += fmt::format("<b>{}{}</b>: {}.<br>\n", methods,
+                         meshes.size() > 1 ? fmt::format(" on {} elements", elements) : "", plot::escaped(text));
+  return fmt::format("<p class=\"verdict\">{}</p>\n", out);
 }
 
 std::string list(const std::vector<std::string>& lines) {
@@ -125,6 +120,7 @@ std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, 
         {{"method", name(method)}, {"elements", elements}, {"from", text_or_null(what)}, {"reason", reason}});
   json["remarks"] = remarks(study, result);
   json["output_every"] = result.every;
+  json["core_share"] = result.core_share;
   json["scene"] = Json::parse(scene.description);
   json["version"] = versions().viscobar;
   json["platform"] = versions().platform;
@@ -132,9 +128,12 @@ std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, 
 }
 
 std::string precision_text(const PrecisionStudy& study, const PrecisionResult& result) {
-  std::string out = text(precision_table(study, result, plain_number)) + "\n";
-  for (const ErrorParts& parts : result.parts)
-    out += fmt::format("{}: {}.\n", named(study, parts), advice(study, result, parts, plain_number));
+  std::string out = text(precision_table(result, plain_number)) + "\n";
+  const auto meshes = meshes_in(result);
+  for (const std::size_t elements : meshes)
+    for (const auto& [methods, advised] : advice_on_mesh(study, result, elements, plain_number))
+      out += fmt::format("{}{}: {}.\n", methods, meshes.size() > 1 ? fmt::format(" on {} elements", elements) : "",
+                         advised);
   out += fmt::format("\n{}\nThe error is the {}.\n", reference_sentence(result, plain_number), norm);
   out += fmt::format("\n{}", text(time_reference_table(result, plain_number)));
   if (const auto lines = remarks(study, result); !lines.empty()) {
@@ -145,13 +144,14 @@ std::string precision_text(const PrecisionStudy& study, const PrecisionResult& r
 }
 
 std::string precision_html(const PrecisionStudy& study, const PrecisionResult& result) {
-  std::string body = numbers(study, result) + error_picture(result) + time_error_picture(result) + parts_picture(result);
-  body += section_html("Every run", html(precision_table(study, result, readable_number)));
+  std::string body =
+      numbers(study, result) + error_picture(result) + time_error_picture(result) + parts_picture(result);
+  body += section_html("Every run", html(precision_table(result, readable_number)));
   std::string references = fmt::format("<p>{}</p>\n", plot::escaped(reference_sentence(result, readable_number))) +
                            html(time_reference_table(result, readable_number));
   if (result.reference && !result.reference->levels.empty())
-    references += fmt::format("<h2>Refinement of the reference</h2>\n{}",
-                              html(mesh_table(*result.reference, readable_number)));
+    references +=
+        fmt::format("<h2>Refinement of the reference</h2>\n{}", html(mesh_table(*result.reference, readable_number)));
   body += section_html("What the errors are against", references + list(remarks(study, result)));
   const Scene& scene = study.scene.scene;
   return page_html((scene.title.empty() ? "A scene" : scene.title) + ": speed against error", scene,

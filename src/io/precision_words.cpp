@@ -12,10 +12,12 @@ namespace {
 /// A part this much smaller than another is not worth paying for.
 constexpr double negligible = 0.1;
 
-/// A measured error that its reference can tell from zero, else the bound that remains.
+bool resolved(double error, double reference_error) { return error > 3.0 * reference_error; }
+
+/// A measured error that its reference can tell from its own, else the bound that remains.
 std::string measured(const std::optional<double>& error, double reference_error, NumberText number) {
   if (!error) return "-";
-  return *error > 3.0 * reference_error ? number(*error) : fmt::format("<{}", number(*error + reference_error));
+  return resolved(*error, reference_error) ? number(*error) : fmt::format("<{}", number(*error + reference_error));
 }
 
 std::string part(const std::optional<double>& value, NumberText number) { return value ? number(*value) : "-"; }
@@ -45,11 +47,27 @@ std::optional<double> smallest_time_error(std::span<const PrecisionRow> rows) {
   return smallest;
 }
 
+/// The time error of a scheme that has stopped falling over the last halvings of its step.
+std::optional<double> stagnation(const PrecisionResult& result, const ErrorParts& parts) {
+  constexpr std::size_t halvings = 3;
+  const auto rows = rows_of(result, parts);
+  if (!is_scheme(parts.method) || rows.size() <= halvings) return std::nullopt;
+  const auto first = rows[rows.size() - 1 - halvings].time_error, last = rows.back().time_error;
+  if (!first || !last || *last < 10.0 * parts.time_reference_error || *first > 1.5 * *last) return std::nullopt;
+  return last;
+}
+
+/// Two digits: as good as such a figure is.
+double rough(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
+  return std::round(value / unit) * unit;
+}
+
 /// epsilon at which the penalty's part would be `wanted`, by its observed power; not far from what was measured.
 std::optional<double> epsilon_for(const ErrorParts& parts, double epsilon, double wanted) {
   if (!parts.penalty_order || *parts.penalty_order < 0.1 || !(*parts.penalty > 0.0)) return std::nullopt;
   const double factor = std::pow(wanted / *parts.penalty, 1.0 / *parts.penalty_order);
-  return epsilon * std::clamp(factor, 1e-3, 1e3);
+  return rough(epsilon * std::clamp(factor, 1e-3, 1e3));
 }
 
 }  // namespace
@@ -63,6 +81,11 @@ std::span<const PrecisionRow> rows_of(const PrecisionResult& result, const Error
   return {begin, end};
 }
 
+std::optional<double> resolved_time_error(const PrecisionResult& result, const PrecisionRow& row) {
+  const double own = result.parts_of(row).time_reference_error;
+  return row.time_error && resolved(*row.time_error, own) ? row.time_error : std::nullopt;
+}
+
 std::string largest_part(const PrecisionResult& result, const PrecisionRow& row) {
   const ErrorParts& parts = result.parts_of(row);
   if (!parts.space || !row.time_error) return "";
@@ -71,16 +94,22 @@ std::string largest_part(const PrecisionResult& result, const PrecisionRow& row)
   return penalty > *parts.space ? "penalty" : "space";
 }
 
-Table precision_table(const PrecisionStudy& study, const PrecisionResult& result, NumberText number) {
+Table precision_table(const PrecisionResult& result, NumberText number) {
   const bool penalised = std::any_of(result.parts.begin(), result.parts.end(),
                                      [](const ErrorParts& parts) { return parts.penalty.has_value(); });
-  Table table{{"method", "setting"}, 2, {}};
+  const bool several = meshes_in(result).size() > 1;
+  Table table{{"method"}, several ? 3U : 2U, {}};
+  if (several) table.header.emplace_back("elements");
+  table.header.emplace_back("setting");
   table.header.insert(table.header.end(), {"seconds", "steps", "error", "space"});
   if (penalised) table.header.emplace_back("penalty");
   table.header.insert(table.header.end(), {"time", "largest part"});
   const double reference_error = result.reference ? result.reference->error : 0.0;
   for (const PrecisionRow& row : result.rows) {
-    std::vector<std::string> cells = {std::string(name(row.method)), row.label};
+    std::vector<std::string> cells = {std::string(name(row.method))};
+    if (several) cells.push_back(fmt::format("{}", row.elements));
+    cells.push_back(row.setting > 0.0 ? fmt::format("{} {}", setting_word(row.method), number(row.setting))
+                                      : row.label);
     if (!row.failure.empty()) {
       cells.emplace_back("failed");
       table.rows.push_back(std::move(cells));
@@ -94,7 +123,6 @@ Table precision_table(const PrecisionStudy& study, const PrecisionResult& result
                  {measured(row.time_error, parts.time_reference_error, number), largest_part(result, row)});
     table.rows.push_back(std::move(cells));
   }
-  (void)study;
   return table;
 }
 
@@ -112,10 +140,10 @@ std::string advice(const PrecisionStudy& study, const PrecisionResult& result, c
     return fmt::format("time dominates down to the smallest {}: {}, against {} of {}", setting, number(*time),
                        number(rest), penalty > space ? "the penalty" : "space");
 
-  std::string text = penalty > space ? fmt::format("the penalty dominates: {}, against {} of space", number(penalty),
-                                                   number(space))
-                                     : fmt::format("space dominates: {}", number(space));
-  if (parts.penalty && penalty <= space) text += fmt::format(", against {} of the penalty", number(penalty));
+  std::string text = penalty > space
+                         ? fmt::format("the penalty dominates: {}, against {} of space", number(penalty), number(space))
+                         : fmt::format("space dominates: {}", number(space));
+  if (penalty > 0.0 && penalty <= space) text += fmt::format(", against {} of the penalty", number(penalty));
   std::string vain;
   if (const auto setting_enough = enough(rows, negligible * rest); setting_enough && *setting_enough > 0.0)
     vain = fmt::format("a {} below {}", setting, number(*setting_enough));
@@ -125,10 +153,32 @@ std::string advice(const PrecisionStudy& study, const PrecisionResult& result, c
   if (!vain.empty()) text += fmt::format("; {} buys nothing", vain);
   if (penalty > space) {
     const auto balanced = epsilon_for(parts, epsilon, space);
-    text += balanced ? fmt::format("; from epsilon = {} on the mesh would be the larger part", number(*balanced))
+    text += balanced ? fmt::format("; below epsilon = {} the mesh is the larger part", number(*balanced))
                      : "; it does not fall with epsilon here, see viscobar check";
   }
   return text;
+}
+
+std::vector<Advice> advice_on_mesh(const PrecisionStudy& study, const PrecisionResult& result, std::size_t elements,
+                                   NumberText number) {
+  std::vector<Advice> all;
+  for (const ErrorParts& parts : result.parts) {
+    if (parts.elements != elements) continue;
+    const std::string text = advice(study, result, parts, number), method(name(parts.method));
+    const auto same = std::find_if(all.begin(), all.end(), [&](const Advice& known) { return known.text == text; });
+    if (same == all.end())
+      all.push_back({method, text});
+    else
+      same->methods += ", " + method;
+  }
+  return all;
+}
+
+std::vector<std::size_t> meshes_in(const PrecisionResult& result) {
+  std::vector<std::size_t> meshes;
+  for (const ErrorParts& parts : result.parts)
+    if (std::find(meshes.begin(), meshes.end(), parts.elements) == meshes.end()) meshes.push_back(parts.elements);
+  return meshes;
 }
 
 std::string reference_sentence(const PrecisionResult& result, NumberText number) {
@@ -142,11 +192,11 @@ std::string reference_sentence(const PrecisionResult& result, NumberText number)
 Table time_reference_table(const PrecisionResult& result, NumberText number) {
   Table table{{"method", "elements", "mass", "time errors are against", "which is good to", "power of epsilon"}, 4, {}};
   for (const ErrorParts& parts : result.parts)
-    table.rows.push_back({std::string(name(parts.method)), fmt::format("{}", parts.elements),
-                          std::string(name(parts.mass)),
-                          parts.time_reference.empty() ? fmt::format("nothing: {}", parts.problem) : parts.time_reference,
-                          parts.time_reference.empty() ? "-" : number(parts.time_reference_error),
-                          parts.penalty_order ? fmt::format("{:.2f}", *parts.penalty_order) : "-"});
+    table.rows.push_back(
+        {std::string(name(parts.method)), fmt::format("{}", parts.elements), std::string(name(parts.mass)),
+         parts.time_reference.empty() ? fmt::format("nothing: {}", parts.problem) : parts.time_reference,
+         parts.time_reference.empty() ? "-" : number(parts.time_reference_error),
+         parts.penalty_order ? fmt::format("{:.2f}", *parts.penalty_order) : "-"});
   return table;
 }
 
@@ -165,7 +215,8 @@ Table mesh_table(const PrecisionReference& reference, NumberText number) {
 std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionResult& result) {
   std::vector<std::string> found;
   for (const PrecisionRow& row : result.rows)
-    if (!row.failure.empty()) found.push_back(fmt::format("{}, {}, failed: {}", name(row.method), row.label, row.failure));
+    if (!row.failure.empty())
+      found.push_back(fmt::format("{}, {}, failed: {}", name(row.method), row.label, row.failure));
   for (const auto& [method, elements, what, reason] : result.left_out) {
     const std::string mesh = study.elements.size() > 1 && what.empty() ? fmt::format(" on {} elements", elements) : "";
     found.push_back(what.empty() ? fmt::format("{}{} was left out: {}", name(method), mesh, reason)
@@ -173,19 +224,31 @@ std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionRes
   }
   for (const ErrorParts& parts : result.parts)
     if (parts.time_reference.empty() && !parts.problem.empty())
-      found.push_back(fmt::format("{} on {} elements has no time errors: {}", name(parts.method), parts.elements,
-                                  parts.problem));
+      found.push_back(
+          fmt::format("{} on {} elements has no time errors: {}", name(parts.method), parts.elements, parts.problem));
+  for (const ErrorParts& parts : result.parts)
+    if (const auto stuck = stagnation(result, parts))
+      found.push_back(
+          fmt::format("{} on {} elements does not tend to that semi-discrete solution: its time error stays "
+                      "near {} however small the step",
+                      name(parts.method), parts.elements, plain_number(*stuck)));
+  if (result.core_share < 0.9)
+    found.push_back(
+        fmt::format("other work kept the machine busy: the timed runs had {:.0f} % of a core, so seconds are "
+                    "longer than they need be",
+                    100.0 * result.core_share));
   const Case& scene = study.scene;
-  const bool penalised = std::any_of(result.parts.begin(), result.parts.end(),
-                                     [](const ErrorParts& parts) { return parts.penalty.has_value(); });
-  if (penalised && !scene.restitution && scene.mass != Mass::redistributed)
+  const bool touched = std::any_of(result.parts.begin(), result.parts.end(),
+                                   [](const ErrorParts& parts) { return parts.penalty.value_or(0.0) > 0.0; });
+  if (touched && !scene.restitution && scene.mass != Mass::redistributed)
     found.emplace_back(
         scene.scene.span
-            ? "under a span obstacle an undamped penalty rebounds and the scheme that the errors are against does not: "
-              "two solutions of one problem, whose difference is no error of a mesh; contact.restitution gives both "
-              "the same law"
-            : "the contact nodes have mass and rebound from the undamped penalty; what that does to the solution is "
-              "in the space part, for it vanishes with h alone");
+            ? "where an undamped penalty rebounds from a span obstacle and the scheme does not, these are two "
+              "solutions "
+              "of one problem, and their difference, here in the space part, falls with no mesh; contact.restitution "
+              "gives both the same law"
+            : "where a contact node with mass rebounds from the undamped penalty, that counts as space: only a finer "
+              "mesh makes it smaller, or contact.restitution or mesh.mass = \"redistributed\"");
   for (std::string& text : found) text = capital(text);
   return found;
 }

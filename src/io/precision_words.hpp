@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,14 +14,27 @@ namespace viscobar {
 /// The rows that belong to a method on a mesh.
 std::span<const PrecisionRow> rows_of(const PrecisionResult& result, const ErrorParts& parts);
 
+/// The time error, absent also where its reference cannot tell it from its own error.
+std::optional<double> resolved_time_error(const PrecisionResult& result, const PrecisionRow& row);
+
 /// space, penalty or time: the largest part of the row's error; empty where they are not known.
 std::string largest_part(const PrecisionResult& result, const PrecisionRow& row);
 
-Table precision_table(const PrecisionStudy& study, const PrecisionResult& result, NumberText number);
+Table precision_table(const PrecisionResult& result, NumberText number);
 
 /// What to pay for: which part dominates, and from which tolerance (or step) and epsilon on nothing is gained.
 std::string advice(const PrecisionStudy& study, const PrecisionResult& result, const ErrorParts& parts,
                    NumberText number);
+
+/// Advice for the methods on a mesh, those named together that get the same.
+struct Advice {
+  std::string methods, text;
+};
+std::vector<Advice> advice_on_mesh(const PrecisionStudy& study, const PrecisionResult& result, std::size_t elements,
+                                   NumberText number);
+
+/// In the order of the rows.
+std::vector<std::size_t> meshes_in(const PrecisionResult& result);
 
 /// What the errors are measured against, and how good that is.
 std::string reference_sentence(const PrecisionResult& result, NumberText number);

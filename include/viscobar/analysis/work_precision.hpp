@@ -13,7 +13,7 @@ namespace viscobar {
 
 /// Speed against error: every method at every tolerance (adaptive methods) or step (schemes), on every mesh. Errors are
 ///
-///     max over output times and mesh nodes of |u - u'|,
+///     max over output times t > 0 and mesh nodes of |u - u'|,
 ///
 /// in the unit of u. With u_* the solution of the continuous problem, u_h that of the semi-discrete one without penalty
 /// (epsilon = 0) and u_{h,epsilon} with it, the error of a run splits as
@@ -29,9 +29,9 @@ struct PrecisionStudy {
   std::vector<std::size_t> elements;  ///< meshes, all on the scene's epsilon; empty: the scene's
   std::size_t halvings = 9;           ///< of the schemes' step, from h / c on
   std::size_t repeat = 0;             ///< timed runs of a row, odd; 0: 3 of a long one up to 11 of a short one
-  double seconds = 1.0;               ///< a run that would take longer is left out; references may take 20 times as long
-  std::optional<KnownSolution> exact;                    ///< of a scene of one's own; absent: recognised where possible
-  std::size_t threads = 0;                               ///< of references and errors; timed runs have the machine alone
+  double seconds = 1.0;  ///< a run that would take longer is left out; references may take 20 times as long
+  std::optional<KnownSolution> exact;  ///< of a scene of one's own; absent: recognised where possible
+  std::size_t threads = 0;             ///< of references and errors; timed runs have the machine alone
   std::function<void(const std::string& what)> progress;  ///< what is being run; may be empty
 };
 
@@ -43,7 +43,7 @@ struct PrecisionRow {
   double setting = 0.0;          ///< tolerance or step; 0 for exponential
   std::string label;
   std::size_t steps = 0;
-  double seconds = 0.0;              ///< median of `runs`, the integration alone
+  double seconds = 0.0;  ///< median of `runs`, the integration alone
   std::size_t runs = 0;
   std::optional<double> error;       ///< to u_*; absent where there is no reference, or the run failed
   std::optional<double> time_error;  ///< to the exact solution of the semi-discrete system
@@ -72,9 +72,9 @@ struct PrecisionReference {
   };
   std::string what;
   bool closed_form = false;
-  double error = 0.0;                ///< of the finest, d / (2^order - 1) from its difference d to the one before
-  std::optional<double> order;       ///< observed power of h, over the last three meshes
-  std::vector<Level> levels;         ///< the meshes that it was refined over
+  double error = 0.0;                 ///< of the finest, d / (2^order - 1) from its difference d to the one before
+  std::optional<double> order;        ///< observed power of h, over the last three meshes
+  std::vector<Level> levels;          ///< the meshes that it was refined over
   double largest_displacement = 0.0;  ///< max |u_*|
 };
 
@@ -90,8 +90,9 @@ struct PrecisionResult {
   std::vector<PrecisionRow> rows;  ///< mesh by mesh, method by method, tolerance or step decreasing
   std::vector<ErrorParts> parts;   ///< one for each method on each mesh
   std::vector<LeftOut> left_out;
-  double times = 0.0;  ///< output times at which errors are taken, `every` apart
-  double every = 0.0;
+  double core_share = 1.0;  ///< of a core that the timed runs had; less where other work kept the machine busy
+  std::size_t times = 0;  ///< number of output times at which errors are taken,
+  double every = 0.0;     ///< and how far apart they are
 
   const ErrorParts& parts_of(const PrecisionRow& row) const;
 };

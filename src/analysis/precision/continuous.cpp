@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/precision/reference.hpp"
+#include "analysis/precision/solved.hpp"
 
 namespace viscobar::precision {
 
 namespace {
 
 constexpr double tolerance = 1e-9;
-constexpr std::size_t fine = 1000;         // elements from which on no further mesh is needed,
-constexpr std::size_t least_doublings = 2;  // after so many: three meshes show an order
+constexpr std::size_t fine = 1000;          // elements from which on no further mesh is needed,
+constexpr std::size_t least_doublings = 3;  // after so many: the last three of four meshes show an order
 
 Case on_mesh(const Case& scene, std::size_t elements) {
   Case run = scene;
@@ -21,6 +21,7 @@ Case on_mesh(const Case& scene, std::size_t elements) {
   run.tolerance.relative = tolerance;
   if (validate(run).empty()) return run;
   run.method = MethodName::fully_discrete;
+  run.start = Start::second_order;
   run.step = run.mesh().spacing() / (16.0 * std::sqrt(run.scene.bar.modulus / run.scene.bar.density));
   return run;
 }
@@ -69,8 +70,9 @@ Continuous refine(const Case& scene, std::span<const Mesh> meshes, double second
     if (const double before = *levels[levels.size() - 3].difference; before > 0.0)
       reference.order = std::log2(before / last);
   reference.largest_displacement = largest(result.fields);
-  // Neighbouring meshes differ by (2^q - 1) times the error of the finer one; without an order to believe in, q = 1.
-  const double order = reference.order ? std::clamp(*reference.order, 0.3, 2.0) : 1.0;
+  // Neighbouring meshes differ by (2^q - 1) times the error of the finer one; without a q to believe in, that much.
+  const bool believable = reference.order && *reference.order < 2.5;
+  const double order = believable ? std::clamp(*reference.order, 0.3, 2.0) : 1.0;
   reference.error = last / (std::exp2(order) - 1.0) + tolerance * reference.largest_displacement;
   result.reference = std::move(reference);
   return result;

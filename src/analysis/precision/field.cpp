@@ -52,6 +52,9 @@ double distance(std::span<const double> a, std::span<const double> b) {
   return largest;
 }
 
-double distance(const Field& a, const Field& b) { return distance(std::span(a.u), std::span(b.u)); }
+double distance(const Field& a, const Field& b) {
+  const std::size_t start = a.mesh.nodes();
+  return distance(std::span(a.u).subspan(start), std::span(b.u).subspan(start));
+}
 
 }  // namespace viscobar::precision

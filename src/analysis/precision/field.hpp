@@ -39,7 +39,8 @@ Field field_of(const SpaceTimeFunction& u, const Mesh& mesh, std::span<const dou
 
 double distance(std::span<const double> a, std::span<const double> b);
 
-/// max over times and nodes, on the same mesh and times
+/// max over nodes and times after the start, on the same mesh and times. What methods make of initial data that a
+/// massless node contradicts is no error of theirs.
 double distance(const Field& a, const Field& b);
 
 }  // namespace viscobar::precision

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <ctime>
 
 #include "analysis/precision/field.hpp"
 
@@ -25,7 +27,7 @@ double median(std::vector<double> values) {
 }
 
 /// The first run, which warms the caches, is watched by a clock and not counted.
-void time_row(const PrecisionStudy& study, Timed& timed) {
+void time_row(const PrecisionStudy& study, Timed& timed, Spent& spent) {
   Case run = timed.run;
   run.output_every = run.end;  // output times do not change the trajectory
   const BarSystem system = make_system(run);
@@ -36,7 +38,11 @@ void time_row(const PrecisionStudy& study, Timed& timed) {
   timed.row.steps = first.steps;
   timed.row.runs = runs_for(study, first.integration_seconds);
   std::vector<double> seconds;
+  const auto begun = std::chrono::steady_clock::now();
+  const std::clock_t used = std::clock();
   for (std::size_t k = 0; k < timed.row.runs; ++k) seconds.push_back(simulate(run, system, {}).integration_seconds);
+  spent.processor += static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC;
+  spent.wall += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   timed.row.seconds = median(std::move(seconds));
 }
 
@@ -82,24 +88,27 @@ std::vector<Timed> settings_of(const PrecisionStudy& study, const Case& run) {
   return all;
 }
 
-void time_rows(const PrecisionStudy& study, std::vector<Timed>& rows, std::vector<PrecisionResult::LeftOut>& left_out) {
+Spent time_rows(const PrecisionStudy& study, std::vector<Timed>& rows,
+                std::vector<PrecisionResult::LeftOut>& left_out) {
+  Spent spent;
   std::vector<double> seconds;
   for (auto timed = rows.begin(); timed != rows.end(); ++timed) {
     PrecisionRow& row = timed->row;
     if (study.progress) study.progress(fmt::format("{}, {} elements, {}", name(row.method), row.elements, row.label));
     try {
       if (expected(seconds) > study.seconds) throw TooLong();
-      time_row(study, *timed);
+      time_row(study, *timed, spent);
       seconds.push_back(row.seconds);
     } catch (const TooLong&) {
       left_out.push_back({row.method, row.elements, row.label,
                           fmt::format("takes more than {:.3g} s a run, see --seconds", study.seconds)});
       rows.erase(timed, rows.end());
-      return;
+      break;
     } catch (const std::exception& error) {
       row.failure = error.what();
     }
   }
+  return spent;
 }
 
 }  // namespace viscobar::precision

@@ -1,0 +1,120 @@
+#include "analysis/precision/references.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "viscobar/analysis/parallel.hpp"
+
+namespace viscobar::precision {
+
+namespace {
+
+// References may take this many times as long as a timed run: they are made once.
+constexpr double patience = 20.0;
+
+/// The penalised problem a decade closer to its limit, and the limit: epsilon = 0 where the contact nodes are massless,
+/// epsilon / 100 where they have mass and epsilon = 0 is no system.
+System softer(System system) {
+  system.epsilon /= 10.0;
+  return system;
+}
+
+System limit_of(const System& system) {
+  if (system.mass == Mass::redistributed) return {system.elements, system.mass, System::Law::rigid, 0.0};
+  return softer(softer(system));
+}
+
+bool penalised(const System& system) { return system.epsilon > 0.0; }
+
+/// The problems of the rows, each to be solved finer than every row of it.
+std::map<System, Fineness> problems_of(std::span<const Timed> rows) {
+  constexpr double unset = std::numeric_limits<double>::infinity();
+  std::map<System, Fineness> problems;
+  for (const auto& [run, row] : rows) {
+    if (!row.failure.empty()) continue;
+    Fineness& fineness = problems.try_emplace(system_of(run), Fineness{unset, unset}).first->second;
+    if (is_adaptive(row.method)) fineness.tolerance = std::min(fineness.tolerance, row.setting / 10.0);
+    if (is_scheme(row.method)) fineness.step = std::min(fineness.step, row.setting / 4.0);
+  }
+  for (auto& [system, fineness] : problems)
+    if (fineness.tolerance == unset) fineness.tolerance = Fineness{}.tolerance;
+  for (const auto& [system, fineness] : std::map(problems))
+    if (penalised(system)) {
+      problems.try_emplace(softer(system), fineness);
+      problems.try_emplace(limit_of(system), fineness);
+    }
+  return problems;
+}
+
+}  // namespace
+
+References::References(const PrecisionStudy& study, const Case& scene, std::span<const Mesh> meshes,
+                       std::span<const Timed> rows) {
+  const auto problems = problems_of(rows);
+  const std::vector<std::pair<System, Fineness>> jobs(problems.begin(), problems.end());
+  std::vector<SemiDiscrete> found(jobs.size());
+  const double seconds = patience * study.seconds;
+  parallel_for(
+      jobs.size() + 1,
+      [&](std::size_t i) {
+        if (i > 0) {
+          found[i - 1] = solve_in_time(scene, jobs[i - 1].first, jobs[i - 1].second, seconds);
+          return;
+        }
+        const auto known = study.exact ? study.exact : known_solution(scene.scene, scene.end);
+        continuous_ = known ? closed_form(*known, scene, meshes) : refine(scene, meshes, seconds);
+      },
+      study.threads);
+  for (std::size_t i = 0; i < jobs.size(); ++i) solved_.emplace(jobs[i].first, std::move(found[i]));
+}
+
+const Field* References::exact(std::size_t elements) const {
+  for (const Field& field : continuous_.fields)
+    if (field.mesh.elements == elements) return &field;
+  return nullptr;
+}
+
+const Field* References::field(const System& system) const {
+  const auto found = solved_.find(system);
+  return found != solved_.end() && found->second.field ? &*found->second.field : nullptr;
+}
+
+const Field* References::semi_discrete(const Case& run) const { return field(system_of(run)); }
+
+ErrorParts References::parts(const Timed& timed) const {
+  ErrorParts parts;
+  parts.method = timed.row.method;
+  parts.elements = timed.row.elements;
+  parts.mass = timed.row.mass;
+  const System own = system_of(timed.run);
+  const auto found = solved_.find(own);
+  parts.problem = found == solved_.end() ? "every run failed" : found->second.problem;
+  if (!field(own)) return parts;
+  parts.time_reference = found->second.what;
+  parts.time_reference_error = found->second.error;
+  const Field* limit = field(penalised(own) ? limit_of(own) : own);
+  const Field* exact_field = exact(parts.elements);
+  if (limit && exact_field) parts.space = distance(*limit, *exact_field);
+  if (limit && penalised(own)) add_penalty(parts, own);
+  return parts;
+}
+
+void References::add_penalty(ErrorParts& parts, const System& own) const {
+  const System end = limit_of(own);
+  const bool rigid = end.law == System::Law::rigid;
+  const Field &here = *field(own), &limit = *field(end);
+  parts.penalty = distance(here, limit);
+  parts.penalty_against = rigid ? solved_.at(end).what : "epsilon / 100 by " + solved_.at(end).what;
+  const Field* next = field(softer(own));
+  if (!next) return;
+  // Differences to the limit itself fall with its power, and so do those between neighbours.
+  const double first = rigid ? *parts.penalty : distance(here, *next), second = distance(*next, limit);
+  const double least = 3.0 * parts.time_reference_error;
+  if (first > least && second > least) parts.penalty_order = std::log10(first / second);
+}
+
+}  // namespace viscobar::precision
