@@ -90,7 +90,10 @@ std::string largest_part(const PrecisionResult& result, const PrecisionRow& row)
   const ErrorParts& parts = result.parts_of(row);
   if (!parts.space || !row.time_error) return "";
   const double penalty = parts.penalty.value_or(0.0);
-  if (*row.time_error >= std::max(*parts.space, penalty)) return "time";
+  const double rest = std::max(*parts.space, penalty);
+  if (*row.time_error + parts.time_reference_error > rest && !resolved(*row.time_error, parts.time_reference_error))
+    return "";
+  if (*row.time_error >= rest) return "time";
   return penalty > *parts.space ? "penalty" : "space";
 }
 
@@ -136,6 +139,10 @@ std::string advice(const PrecisionStudy& study, const PrecisionResult& result, c
   const double rest = std::max(space, penalty);
   const double epsilon = study.scene.epsilon.value_or(0.0);
   const char* setting = setting_word(parts.method);
+  if (*time + parts.time_reference_error > rest && !resolved(*time, parts.time_reference_error))
+    return fmt::format("time, below {} at the smallest {}, and {}, {}, are not told apart by this reference",
+                       number(*time + parts.time_reference_error), setting, penalty > space ? "the penalty" : "space",
+                       number(rest));
   if (*time > rest)
     return fmt::format("time dominates down to the smallest {}: {}, against {} of {}", setting, number(*time),
                        number(rest), penalty > space ? "the penalty" : "space");

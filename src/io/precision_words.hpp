@@ -17,7 +17,7 @@ std::span<const PrecisionRow> rows_of(const PrecisionResult& result, const Error
 /// The time error, absent also where its reference cannot tell it from its own error.
 std::optional<double> resolved_time_error(const PrecisionResult& result, const PrecisionRow& row);
 
-/// space, penalty or time: the largest part of the row's error; empty where they are not known.
+/// space, penalty or time: the largest part of the row's error; empty where they are not known or not told apart.
 std::string largest_part(const PrecisionResult& result, const PrecisionRow& row);
 
 Table precision_table(const PrecisionResult& result, NumberText number);

@@ -21,7 +21,7 @@ namespace viscobar {
 ///     u - u_*  =  (u - u_{h,epsilon})  +  (u_{h,epsilon} - u_h)  +  (u_h - u_*),     time + penalty + space.
 ///
 /// u_h is the rigid limit on massless contact nodes; on nodes with mass that of the method's own law of impact: a
-/// penalty at epsilon / 100, which an undamped node leaves elastically, or a scheme at a far smaller step.
+/// penalty at epsilon / 100, extrapolated where it falls by a power of epsilon, or a scheme at a far smaller step.
 struct PrecisionStudy {
   Case scene;
   std::vector<MethodName> methods;    ///< empty: all that fit the scene, but for exponential

@@ -57,4 +57,10 @@ double distance(const Field& a, const Field& b) {
   return distance(std::span(a.u).subspan(start), std::span(b.u).subspan(start));
 }
 
+Field extrapolated(const Field& fine, const Field& coarse, double ratio) {
+  Field result = fine;
+  for (std::size_t i = 0; i < result.u.size(); ++i) result.u[i] += (fine.u[i] - coarse.u[i]) / (ratio - 1.0);
+  return result;
+}
+
 }  // namespace viscobar::precision

@@ -43,4 +43,7 @@ double distance(std::span<const double> a, std::span<const double> b);
 /// massless node contradicts is no error of theirs.
 double distance(const Field& a, const Field& b);
 
+/// fine + (fine - coarse) / (ratio - 1), where the error of `coarse` is `ratio` times that of `fine`.
+Field extrapolated(const Field& fine, const Field& coarse, double ratio);
+
 }  // namespace viscobar::precision

@@ -96,25 +96,37 @@ ErrorParts References::parts(const Timed& timed) const {
   if (!field(own)) return parts;
   parts.time_reference = found->second.what;
   parts.time_reference_error = found->second.error;
-  const Field* limit = field(penalised(own) ? limit_of(own) : own);
   const Field* exact_field = exact(parts.elements);
-  if (limit && exact_field) parts.space = distance(*limit, *exact_field);
-  if (limit && penalised(own)) add_penalty(parts, own);
+  const auto measure_space = [&](const Field& limit) {
+    if (exact_field) parts.space = distance(limit, *exact_field);
+  };
+  if (!penalised(own)) {
+    measure_space(*field(own));
+  } else if (const auto limit = penalty_limit(own, parts)) {
+    measure_space(*limit);
+    parts.penalty = distance(*field(own), *limit);
+  }
   return parts;
 }
 
-void References::add_penalty(ErrorParts& parts, const System& own) const {
+std::optional<Field> References::penalty_limit(const System& own, ErrorParts& parts) const {
   const System end = limit_of(own);
+  const Field *here = field(own), *next = field(softer(own)), *last = field(end);
+  if (!last) return std::nullopt;
   const bool rigid = end.law == System::Law::rigid;
-  const Field &here = *field(own), &limit = *field(end);
-  parts.penalty = distance(here, limit);
-  parts.penalty_against = rigid ? solved_.at(end).what : "epsilon / 100 by " + solved_.at(end).what;
-  const Field* next = field(softer(own));
-  if (!next) return;
+  parts.penalty_against = solved_.at(end).what;
+  if (!rigid) parts.penalty_against = fmt::format("epsilon / 100 by {}", parts.penalty_against);
+  if (!next) return *last;
   // Differences to the limit itself fall with its power, and so do those between neighbours.
-  const double first = rigid ? *parts.penalty : distance(here, *next), second = distance(*next, limit);
+  const double first = distance(*here, rigid ? *last : *next), second = distance(*next, *last);
   const double least = 3.0 * parts.time_reference_error;
-  if (first > least && second > least) parts.penalty_order = std::log10(first / second);
+  if (first < least || second < least) return *last;
+  parts.penalty_order = std::log10(first / second);
+  // What a power law leaves from epsilon / 100 on to 0 would else be taken for space.
+  constexpr double least_order = 0.4, greatest_order = 1.5;
+  if (rigid || *parts.penalty_order < least_order || *parts.penalty_order > greatest_order) return *last;
+  parts.penalty_against += ", extrapolated";
+  return extrapolated(*last, *next, std::pow(10.0, *parts.penalty_order));
 }
 
 }  // namespace viscobar::precision

@@ -27,7 +27,8 @@ class References {
 
  private:
   const Field* field(const System& system) const;
-  void add_penalty(ErrorParts& parts, const System& own) const;
+  /// The solution that the penalised one tends to; tells the parts how that was found, and at which power of epsilon.
+  std::optional<Field> penalty_limit(const System& own, ErrorParts& parts) const;
 
   std::map<System, SemiDiscrete> solved_;
   Continuous continuous_;

@@ -50,14 +50,6 @@ std::vector<Case> routes(const Case& scene, const System& system, const Fineness
   return all;
 }
 
-/// u + (u - u_2) / (2^q - 1) of a step and its double.
-Field extrapolated(const Field& fine, const Field& coarse, double order) {
-  Field result = fine;
-  const double factor = 1.0 / (std::exp2(order) - 1.0);
-  for (std::size_t i = 0; i < result.u.size(); ++i) result.u[i] += factor * (fine.u[i] - coarse.u[i]);
-  return result;
-}
-
 /// The limit of a scheme from three steps, by the order that they show; its error by what the smallest step changed.
 SemiDiscrete limit_of_steps(const std::vector<Case>& runs, std::span<const Mesh> mesh, double seconds) {
   std::vector<Field> fields;
@@ -65,8 +57,8 @@ SemiDiscrete limit_of_steps(const std::vector<Case>& runs, std::span<const Mesh>
   const double here = distance(fields[0], fields[1]), before = distance(fields[1], fields[2]);
   const double order = here > 0.0 ? std::clamp(std::log2(before / here), 1.0, 2.0) : 2.0;
   SemiDiscrete result;
-  result.field = extrapolated(fields[0], fields[1], order);
-  result.error = distance(*result.field, extrapolated(fields[1], fields[2], order));
+  result.field = extrapolated(fields[0], fields[1], std::exp2(order));
+  result.error = distance(*result.field, extrapolated(fields[1], fields[2], std::exp2(order)));
   result.what =
       fmt::format("{0} extrapolated from steps {1:.3g}, 2 and 4 times that", name(runs[0].method), *runs[0].step);
   return result;
