@@ -17,13 +17,16 @@ namespace {
 
 using namespace precision;
 
-/// Errors are taken at the scene's output times, or at every n-th where their fields would fill the memory.
+/// Errors are taken at the scene's output times and at equal parts between them, for an impact on a stiff penalty is
+/// shorter than an output interval; at every n-th output time where the fields would fill the memory.
 double error_times(const Case& scene, const std::vector<Mesh>& meshes) {
   constexpr double most_times = 2000.0, most_entries = 4e6;
   std::size_t nodes = 0;
   for (const Mesh& mesh : meshes) nodes = std::max(nodes, mesh.nodes());
   const double most = std::clamp(most_entries / static_cast<double>(nodes), 50.0, most_times);
-  return scene.output_every * std::max(1.0, std::ceil(scene.end / scene.output_every / most));
+  const double outputs = scene.end / scene.output_every;
+  return outputs > most ? scene.output_every * std::ceil(outputs / most)
+                        : scene.output_every / std::floor(most / std::max(1.0, outputs));
 }
 
 /// Why the method does not fit the scene; its step is the study's to choose.

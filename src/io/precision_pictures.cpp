@@ -127,7 +127,7 @@ std::string error_picture(const PrecisionResult& result) {
   const std::string picture = diagram(result, meshes, "error", error, result.reference->error, "Error over seconds");
   if (picture.empty()) return {};
   std::string caption =
-      "Largest |<i>u</i> − <i>u</i><sub>∗</sub>| over output times and nodes, over the median time of the integration: "
+      "Largest |<i>u</i> − <i>u</i><sub>∗</sub>| over times and nodes, over the median time of the integration: "
       "the lower left is better. Where a line is flat, a smaller tolerance or step is paid for in vain. ";
   if (meshes.size() > 1) caption += "Numbers: elements. ";
   return figure_html(picture, "Speed against error", caption + "Schemes are dashed.");

@@ -15,8 +15,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* norm =
-    "largest |u - u_ref| over the output times t > 0 and the nodes of the mesh, in the unit of u";
+std::string norm(const PrecisionResult& result) {
+  return fmt::format(
+      "largest |u - u_ref| over {} times, {:.3g} apart, and the nodes of the mesh, in the unit of u, the start left "
+      "out",
+      result.times, result.every);
+}
 
 Json value_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
@@ -107,7 +111,7 @@ std::string list(const std::vector<std::string>& lines) {
 std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, const PrecisionResult& result) {
   Json json;
   json["title"] = study.scene.scene.title;
-  json["norm"] = norm;
+  json["norm"] = norm(result);
   json["reference"] = to_json(result);
   json["epsilon"] = value_or_null(study.scene.epsilon);
   json["rows"] = Json::array();
@@ -119,7 +123,7 @@ std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, 
     json["left_out"].push_back(
         {{"method", name(method)}, {"elements", elements}, {"from", text_or_null(what)}, {"reason", reason}});
   json["remarks"] = remarks(study, result);
-  json["output_every"] = result.every;
+  json["errors_every"] = result.every;
   json["core_share"] = result.core_share;
   json["scene"] = Json::parse(scene.description);
   json["version"] = versions().viscobar;
@@ -134,7 +138,7 @@ std::string precision_text(const PrecisionStudy& study, const PrecisionResult& r
     for (const auto& [methods, advised] : advice_on_mesh(study, result, elements, plain_number))
       out += fmt::format("{}{}: {}.\n", methods, meshes.size() > 1 ? fmt::format(" on {} elements", elements) : "",
                          advised);
-  out += fmt::format("\n{}\nThe error is the {}.\n", reference_sentence(result, plain_number), norm);
+  out += fmt::format("\n{}\nThe error is the {}.\n", reference_sentence(result, plain_number), norm(result));
   out += fmt::format("\n{}", text(time_reference_table(result, plain_number)));
   if (const auto lines = remarks(study, result); !lines.empty()) {
     out += "\n";

@@ -104,6 +104,21 @@ TEST(WorkPrecision, PenaltyOnNodesWithMassIsMeasuredAgainstASmallerEpsilon) {
   EXPECT_GT(*parts.penalty_order, 0.0);
 }
 
+// Two ways to one semi-discrete solution: epsilon to 0 by matrix exponentials, dt to 0 by the scheme.
+TEST(WorkPrecision, PenaltyAndSchemeOfOneLawOfImpactLeaveTheSameSpace) {
+  PrecisionStudy study = two_ends();
+  study.elements = {16};
+  study.methods = {MethodName::cvode, MethodName::fully_discrete};
+  study.tolerances = {1e-6};
+  study.scene.epsilon = 1e-4;
+  study.scene.restitution = 0.0;
+  const PrecisionResult result = work_precision(study);
+  const double penalised = *parts_of(result, MethodName::cvode, 16).space;
+  const double scheme = *parts_of(result, MethodName::fully_discrete, 16).space;
+  // What epsilon / 100 leaves, less what extrapolation takes of it.
+  EXPECT_NEAR(penalised, scheme, 0.01 * *parts_of(result, MethodName::cvode, 16).penalty);
+}
+
 TEST(WorkPrecision, TimeFollowsTheToleranceAndTheStep) {
   const PrecisionStudy study = manufactured();
   const PrecisionResult result = work_precision(study);

@@ -13,10 +13,11 @@ namespace viscobar {
 
 /// Speed against error: every method at every tolerance (adaptive methods) or step (schemes), on every mesh. Errors are
 ///
-///     max over output times t > 0 and mesh nodes of |u - u'|,
+///     max over times t > 0 and mesh nodes of |u - u'|,
 ///
-/// in the unit of u. With u_* the solution of the continuous problem, u_h that of the semi-discrete one without penalty
-/// (epsilon = 0) and u_{h,epsilon} with it, the error of a run splits as
+/// in the unit of u, at up to 2000 times: the output times and as many between them, or every n-th of them where a
+/// field of many nodes would fill the memory. With u_* the solution of the continuous problem, u_h that of the
+/// semi-discrete one without penalty (epsilon = 0) and u_{h,epsilon} with it, the error of a run splits as
 ///
 ///     u - u_*  =  (u - u_{h,epsilon})  +  (u_{h,epsilon} - u_h)  +  (u_h - u_*),     time + penalty + space.
 ///
@@ -91,8 +92,8 @@ struct PrecisionResult {
   std::vector<ErrorParts> parts;   ///< one for each method on each mesh
   std::vector<LeftOut> left_out;
   double core_share = 1.0;  ///< of a core that the timed runs had; less where other work kept the machine busy
-  std::size_t times = 0;  ///< number of output times at which errors are taken,
-  double every = 0.0;     ///< and how far apart they are
+  std::size_t times = 0;    ///< number of times at which errors are taken,
+  double every = 0.0;       ///< and how far apart they are
 
   const ErrorParts& parts_of(const PrecisionRow& row) const;
 };
