@@ -4,6 +4,7 @@
 
 #include "io/page.hpp"
 #include "io/plot/figure.hpp"
+#include "io/precision_advice.hpp"
 #include "io/precision_pictures.hpp"
 #include "io/precision_words.hpp"
 #include "viscobar/io/study_reports.hpp"

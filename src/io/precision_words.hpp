@@ -14,6 +14,12 @@ namespace viscobar {
 /// The rows that belong to a method on a mesh.
 std::span<const PrecisionRow> rows_of(const PrecisionResult& result, const ErrorParts& parts);
 
+/// Whether a reference can tell an error from its own.
+bool resolved(double error, double reference_error);
+
+/// tolerance or step
+const char* setting_word(MethodName method);
+
 /// The time error, absent also where its reference cannot tell it from its own error.
 std::optional<double> resolved_time_error(const PrecisionResult& result, const PrecisionRow& row);
 
@@ -21,17 +27,6 @@ std::optional<double> resolved_time_error(const PrecisionResult& result, const P
 std::string largest_part(const PrecisionResult& result, const PrecisionRow& row);
 
 Table precision_table(const PrecisionResult& result, NumberText number);
-
-/// What to pay for: which part dominates, and from which tolerance (or step) and epsilon on nothing is gained.
-std::string advice(const PrecisionStudy& study, const PrecisionResult& result, const ErrorParts& parts,
-                   NumberText number);
-
-/// Advice for the methods on a mesh, those named together that get the same.
-struct Advice {
-  std::string methods, text;
-};
-std::vector<Advice> advice_on_mesh(const PrecisionStudy& study, const PrecisionResult& result, std::size_t elements,
-                                   NumberText number);
 
 /// In the order of the rows.
 std::vector<std::size_t> meshes_in(const PrecisionResult& result);
