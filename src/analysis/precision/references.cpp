@@ -30,16 +30,41 @@ System limit_of(const System& system) {
 
 bool penalised(const System& system) { return system.epsilon > 0.0; }
 
-/// The problems of the rows, each to be solved finer than every row of it.
-std::map<System, Fineness> problems_of(std::span<const Timed> rows) {
+/// A tolerance a tenth of the row's, or a step a quarter of it; smaller still where that takes no long time, so that
+/// few and coarse rows have a good reference, too.
+double finer_than(const Timed& timed, double seconds) {
+  constexpr double fine_tolerance = 2e-10, fine_parts = 1024.0;  // of the time that a wave takes through an element
+  const bool scheme = is_scheme(timed.row.method);
+  const Bar& bar = timed.run.scene.bar;
+  const double enough =
+      scheme ? timed.run.mesh().spacing() / std::sqrt(bar.modulus / bar.density) / fine_parts : fine_tolerance;
+  // A decade of tolerance and half of a step both take about twice as long.
+  double setting = timed.row.setting / (scheme ? 4.0 : 10.0), cost = timed.row.seconds * (scheme ? 7.0 : 2.0);
+  for (; setting > enough && cost < 0.2 * seconds; cost *= 2.0) setting /= scheme ? 2.0 : 10.0;
+  return setting;
+}
+
+/// The problems of the rows, each to be solved finer than the finest row of it.
+std::map<System, Fineness> problems_of(std::span<const Timed> rows, double seconds) {
   constexpr double unset = std::numeric_limits<double>::infinity();
-  std::map<System, Fineness> problems;
-  for (const auto& [run, row] : rows) {
-    if (!row.failure.empty()) continue;
-    Fineness& fineness = problems.try_emplace(system_of(run), Fineness{unset, unset}).first->second;
-    if (is_adaptive(row.method)) fineness.tolerance = std::min(fineness.tolerance, row.setting / 10.0);
-    if (is_scheme(row.method)) fineness.step = std::min(fineness.step, row.setting / 4.0);
-  }
+  std::map<System, Fineness> smallest, problems;
+  const auto each = [&](auto visit) {
+    for (const Timed& timed : rows)
+      if (timed.row.failure.empty()) visit(timed, system_of(timed.run));
+  };
+  const auto lower = [](Fineness& fineness, MethodName method, double setting) {
+    if (is_adaptive(method)) fineness.tolerance = std::min(fineness.tolerance, setting);
+    if (is_scheme(method)) fineness.step = std::min(fineness.step, setting);
+  };
+  each([&](const Timed& timed, const System& system) {
+    problems.try_emplace(system, Fineness{unset, unset});
+    lower(smallest.try_emplace(system, Fineness{unset, unset}).first->second, timed.row.method, timed.row.setting);
+  });
+  each([&](const Timed& timed, const System& system) {
+    const Fineness& last = smallest.at(system);
+    if (timed.row.setting == (is_scheme(timed.row.method) ? last.step : last.tolerance))
+      lower(problems.at(system), timed.row.method, finer_than(timed, seconds));
+  });
   for (auto& [system, fineness] : problems)
     if (fineness.tolerance == unset) fineness.tolerance = Fineness{}.tolerance;
   for (const auto& [system, fineness] : std::map(problems))
@@ -54,10 +79,10 @@ std::map<System, Fineness> problems_of(std::span<const Timed> rows) {
 
 References::References(const PrecisionStudy& study, const Case& scene, std::span<const Mesh> meshes,
                        std::span<const Timed> rows) {
-  const auto problems = problems_of(rows);
+  const double seconds = patience * study.seconds;
+  const auto problems = problems_of(rows, seconds);
   const std::vector<std::pair<System, Fineness>> jobs(problems.begin(), problems.end());
   std::vector<SemiDiscrete> found(jobs.size());
-  const double seconds = patience * study.seconds;
   parallel_for(
       jobs.size() + 1,
       [&](std::size_t i) {
