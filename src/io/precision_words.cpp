@@ -139,9 +139,9 @@ std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionRes
                                  : fmt::format("{} was left out from {} on: {}", name(method), what, reason));
   }
   for (const ErrorParts& parts : result.parts)
-    if (parts.time_reference.empty() && !parts.problem.empty())
-      found.push_back(
-          fmt::format("{} on {} elements has no time errors: {}", name(parts.method), parts.elements, parts.problem));
+    if (!parts.problem.empty())
+      found.push_back(fmt::format("{} on {} elements has no {}: {}", name(parts.method), parts.elements,
+                                  parts.time_reference.empty() ? "time errors" : "space and penalty", parts.problem));
   for (const ErrorParts& parts : result.parts)
     if (const auto stuck = stagnation(result, parts))
       found.push_back(

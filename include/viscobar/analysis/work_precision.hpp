@@ -62,7 +62,7 @@ struct ErrorParts {
   std::string penalty_against;          ///< what stands for epsilon = 0
   std::string time_reference;           ///< what the time errors are against; empty where there is nothing,
   double time_reference_error = 0.0;    ///< how good that is: its difference to another route or to a coarser run
-  std::string problem;                  ///< and then why
+  std::string problem;                  ///< why a part or the reference is missing
 };
 
 /// u_*, and how good it is.

@@ -137,7 +137,15 @@ ErrorParts References::parts(const Timed& timed) const {
 std::optional<Field> References::penalty_limit(const System& own, ErrorParts& parts) const {
   const System end = limit_of(own);
   const Field *here = field(own), *next = field(softer(own)), *last = field(end);
-  if (!last) return std::nullopt;
+  if (!last && !next) {
+    parts.problem = "what the penalty tends to was not found: " + solved_.at(end).problem;
+    return std::nullopt;
+  }
+  if (!last) {
+    parts.penalty_against = fmt::format("epsilon / 10 by {}, for the limit failed: {}", solved_.at(softer(own)).what,
+                                        solved_.at(end).problem);
+    return *next;
+  }
   const bool rigid = end.law == System::Law::rigid;
   parts.penalty_against = solved_.at(end).what;
   if (!rigid) parts.penalty_against = fmt::format("epsilon / 100 by {}", parts.penalty_against);

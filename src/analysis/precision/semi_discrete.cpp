@@ -100,6 +100,8 @@ SemiDiscrete solve_in_time(const Case& scene, const System& system, const Finene
       result.field = std::move(field);
     } catch (const std::exception& error) {
       problems += fmt::format("{}{}: {}", problems.empty() ? "" : "; ", described(run), error.what());
+      // The others would take as long, but for those that a dense exponential was too slow for.
+      if (dynamic_cast<const TooLong*>(&error) && run.method != MethodName::exponential) break;
     }
   }
   // What nothing has checked is no reference.
