@@ -61,9 +61,9 @@ void paper(benchmark::State& state, double gap) {
   per_node(state, static_cast<double>(steps));
 }
 
-BENCHMARK(triad)->RangeMultiplier(10)->Range(100, 1000000);
-BENCHMARK_CAPTURE(scheme, flight, flight)->RangeMultiplier(10)->Range(100, 1000000);
-BENCHMARK_CAPTURE(scheme, contact, contact)->RangeMultiplier(10)->Range(100, 1000000);
+BENCHMARK(triad)->RangeMultiplier(10)->Range(100, 1000000)->Repetitions(9);
+BENCHMARK_CAPTURE(scheme, flight, flight)->RangeMultiplier(10)->Range(100, 1000000)->Repetitions(9);
+BENCHMARK_CAPTURE(scheme, contact, contact)->RangeMultiplier(10)->Range(100, 1000000)->Repetitions(9);
 BENCHMARK_CAPTURE(paper, flight, flight)->Arg(1000)->Arg(100000);
 BENCHMARK_CAPTURE(paper, contact, contact)->Arg(1000)->Arg(100000);
 
