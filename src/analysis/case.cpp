@@ -10,6 +10,8 @@ std::string_view name(MethodName method) {
   switch (method) {
     case MethodName::cvode: return "cvode";
     case MethodName::ida: return "ida";
+    case MethodName::arkode: return "arkode";
+    case MethodName::odeint: return "odeint";
     case MethodName::rigid: return "rigid";
     case MethodName::exponential: return "exponential";
     case MethodName::fully_discrete: return "fully_discrete";
@@ -134,6 +136,8 @@ Statistics simulate(const Case& run, const BarSystem& system, const Observers& o
     case MethodName::cvode:
       return integrate(system, start, times, Cvode{penalty, run.tolerance, run.formulas}, observers);
     case MethodName::ida: return integrate(system, start, times, Ida{penalty, run.tolerance}, observers);
+    case MethodName::arkode: return integrate(system, start, times, Arkode{penalty, run.tolerance}, observers);
+    case MethodName::odeint: break;
     case MethodName::rigid: return integrate(system, start, times, Rigid{run.tolerance}, observers);
     case MethodName::exponential: return integrate(system, start, times, Exponential{penalty}, observers);
     case MethodName::fully_discrete:

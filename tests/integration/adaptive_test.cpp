@@ -58,7 +58,7 @@ Scene falling_bar(double height, double speed, double viscosity) {
 
 template <class Method>
 struct Adaptive : testing::Test {};
-using Methods = testing::Types<Cvode, Ida>;
+using Methods = testing::Types<Cvode, Ida, Arkode>;
 TYPED_TEST_SUITE(Adaptive, Methods);
 
 TYPED_TEST(Adaptive, RigidFlightMeetsTheObstacleAtGapOverSpeed) {

@@ -114,7 +114,7 @@ TEST_P(Agreement, ErrorsAndEventsFollowTheTolerance) {
       for (const double epsilon : obstacle ? std::vector{1e-2, 1e-4, 1e-6} : std::vector{1e-2}) {
         const Case run = scene(ends, mass, loaded, viscosity, epsilon);
         const Recording reference = run_by(run, MethodName::exponential, 1.0);
-        for (const MethodName method : {MethodName::cvode, MethodName::ida}) {
+        for (const MethodName method : {MethodName::cvode, MethodName::ida, MethodName::arkode}) {
           if (method == MethodName::cvode && mass == Mass::redistributed && viscosity == 0.0 && obstacle) continue;
           double previous = 0.0;
           for (const double tolerance : {1e-6, 1e-8, 1e-10}) {
@@ -162,7 +162,7 @@ TEST(AgreementOfChatter, HoldsToTheLastBounce) {
     run.epsilon = epsilon;
     const Recording reference = run_by(run, MethodName::exponential, 1.0);
     EXPECT_EQ(reference.events.size(), changes) << epsilon;
-    for (const MethodName method : {MethodName::cvode, MethodName::ida}) {
+    for (const MethodName method : {MethodName::cvode, MethodName::ida, MethodName::arkode}) {
       for (const double tolerance : {1e-6, 1e-8, 1e-10}) {
         const Recording other = run_by(run, method, tolerance);
         const std::string what = std::string(name(method)) + ", epsilon " + std::to_string(epsilon) + ", tolerance " +

@@ -49,6 +49,8 @@ int main() {
   const Variant variants[] = {
       {"cvode", MethodName::cvode, ErrorControl::global, Formulas::automatic},
       {"ida", MethodName::ida, ErrorControl::global, Formulas::automatic},
+      {"arkode", MethodName::arkode, ErrorControl::global, Formulas::automatic},
+      {"arkode, local error control", MethodName::arkode, ErrorControl::local, Formulas::automatic},
       {"cvode, local error control", MethodName::cvode, ErrorControl::local, Formulas::automatic},
       {"cvode, bdf only", MethodName::cvode, ErrorControl::global, Formulas::bdf},
       {"cvode, adams only", MethodName::cvode, ErrorControl::global, Formulas::adams},

@@ -13,11 +13,11 @@
 
 namespace viscobar {
 
-enum class MethodName { cvode, ida, rigid, exponential, fully_discrete, finite_difference };
+enum class MethodName { cvode, ida, arkode, odeint, rigid, exponential, fully_discrete, finite_difference };
 
-inline constexpr MethodName all_methods[] = {MethodName::cvode,          MethodName::ida,
-                                             MethodName::rigid,          MethodName::exponential,
-                                             MethodName::fully_discrete, MethodName::finite_difference};
+inline constexpr MethodName all_methods[] = {
+    MethodName::cvode, MethodName::ida,         MethodName::arkode,         MethodName::odeint,
+    MethodName::rigid, MethodName::exponential, MethodName::fully_discrete, MethodName::finite_difference};
 
 std::string_view name(MethodName method);
 bool is_penalised(MethodName method);  ///< needs epsilon where the scene has an obstacle

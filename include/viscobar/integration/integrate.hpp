@@ -40,6 +40,14 @@ struct Ida {
   Tolerance tolerance;
 };
 
+/// Implicit Runge-Kutta method of order 5 by SUNDIALS' ARKODE (ESDIRK547L2SA2 of Kennedy and Carpenter: seven stages,
+/// all but the first with the same matrix, stiffly accurate and L-stable); takes massless nodes, also without
+/// viscosity. A one-step method: no order has to be built up again after a contact change.
+struct Arkode {
+  Penalty penalty;
+  Tolerance tolerance;
+};
+
 /// Matrix exponentials between contact changes located to rounding. Cost O(n^2) a sub-step and O(n^3) a contact state:
 /// for small meshes, and as the reference of the other methods.
 struct Exponential {
@@ -61,6 +69,8 @@ struct Rigid {
 Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Cvode& method,
                      const Observers& observers);
 Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Ida& method,
+                     const Observers& observers);
+Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Arkode& method,
                      const Observers& observers);
 Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times,
                      const Exponential& method, const Observers& observers);

@@ -1,0 +1,35 @@
+#include "integration/error_weights.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <limits>
+
+namespace viscobar {
+
+namespace {
+
+double largest(std::span<const double> x) {
+  return Eigen::Map<const Eigen::ArrayXd>(x.data(), static_cast<Eigen::Index>(x.size())).abs().maxCoeff();
+}
+
+}  // namespace
+
+double ErrorWeights::displacement_tolerance() const {
+  return (tolerance_.relative * largest_u_ + tolerance_.absolute) / tightening_;
+}
+
+void ErrorWeights::fill(std::span<double> y, std::span<double> weights) {
+  largest_u_ = std::max(largest_u_, largest(layout_.u(y)));
+  largest_w_ = std::max(largest_w_, largest(layout_.w(y)));
+  // Below a few units of rounding no step could pass.
+  const double relative = std::max(tolerance_.relative / tightening_, 16.0 * std::numeric_limits<double>::epsilon());
+  const double absolute = tolerance_.absolute / tightening_;
+  std::ranges::fill(layout_.u(weights), 1.0 / (relative * largest_u_ + absolute));
+  const auto w = layout_.w(weights);
+  std::ranges::fill(w, 1.0 / (relative * largest_w_ + absolute));
+  std::ranges::fill(w.first(massive_begin_), 0.0);
+  std::ranges::fill(w.subspan(massive_end_), 0.0);
+  std::ranges::fill(weights.subspan(2 * layout_.nodes), 0.0);
+}
+
+}  // namespace viscobar
