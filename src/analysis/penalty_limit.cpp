@@ -46,7 +46,8 @@ Case penalised_case(const LimitStudy& study, std::size_t elements, double epsilo
   run.epsilon = epsilon;
   if (!is_penalised(run.method)) run.method = MethodName::cvode;
   const bool algebraic = run.mass == Mass::redistributed && run.scene.bar.viscosity == 0.0;
-  if (run.method == MethodName::cvode && algebraic) run.method = MethodName::ida;
+  const bool differential = run.method == MethodName::cvode || run.method == MethodName::odeint;
+  if (differential && algebraic) run.method = MethodName::ida;
   run.tolerance.relative = std::min(run.tolerance.relative, 1e-10);
   run.tolerance.absolute = std::min(run.tolerance.absolute, 1e-13);
   run.output_every = run.end / comparison_points;

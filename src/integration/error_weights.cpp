@@ -18,9 +18,9 @@ double ErrorWeights::displacement_tolerance() const {
   return (tolerance_.relative * largest_u_ + tolerance_.absolute) / tightening_;
 }
 
-void ErrorWeights::fill(std::span<double> y, std::span<double> weights) {
-  largest_u_ = std::max(largest_u_, largest(layout_.u(y)));
-  largest_w_ = std::max(largest_w_, largest(layout_.w(y)));
+void ErrorWeights::fill(std::span<const double> y, std::span<double> weights) {
+  largest_u_ = std::max(largest_u_, largest(y.first(layout_.nodes)));
+  largest_w_ = std::max(largest_w_, largest(y.subspan(layout_.nodes, layout_.nodes)));
   // Below a few units of rounding no step could pass.
   const double relative = std::max(tolerance_.relative / tightening_, 16.0 * std::numeric_limits<double>::epsilon());
   const double absolute = tolerance_.absolute / tightening_;

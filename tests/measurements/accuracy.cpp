@@ -1,4 +1,4 @@
-// Prints how far cvode and ida are from the exponential reference, in multiples of the requested tolerance, and what it
+// Prints how far the adaptive methods are from the exponential reference, in multiples of the requested tolerance, and what it
 // costs them: the tables of docs/methods.md. Run: build/release/tests/measure_accuracy
 #include <fmt/format.h>
 
@@ -31,7 +31,8 @@ struct Variant {
   const char* label;
   MethodName method;
   ErrorControl control;
-  Formulas formulas;
+  Formulas formulas = Formulas::automatic;
+  Stepper stepper = Stepper::automatic;
 };
 
 double error(const std::vector<double>& a, const std::vector<double>& b) {
@@ -47,11 +48,13 @@ double error(const std::vector<double>& a, const std::vector<double>& b) {
 
 int main() {
   const Variant variants[] = {
-      {"cvode", MethodName::cvode, ErrorControl::global, Formulas::automatic},
-      {"ida", MethodName::ida, ErrorControl::global, Formulas::automatic},
-      {"arkode", MethodName::arkode, ErrorControl::global, Formulas::automatic},
-      {"arkode, local error control", MethodName::arkode, ErrorControl::local, Formulas::automatic},
-      {"cvode, local error control", MethodName::cvode, ErrorControl::local, Formulas::automatic},
+      {"cvode", MethodName::cvode, ErrorControl::global},
+      {"ida", MethodName::ida, ErrorControl::global},
+      {"arkode", MethodName::arkode, ErrorControl::global},
+      {"odeint, dopri5", MethodName::odeint, ErrorControl::global, Formulas::automatic, Stepper::dopri5},
+      {"odeint, rosenbrock4", MethodName::odeint, ErrorControl::global, Formulas::automatic, Stepper::rosenbrock4},
+      {"cvode, local error control", MethodName::cvode, ErrorControl::local},
+      {"arkode, local error control", MethodName::arkode, ErrorControl::local},
       {"cvode, bdf only", MethodName::cvode, ErrorControl::global, Formulas::bdf},
       {"cvode, adams only", MethodName::cvode, ErrorControl::global, Formulas::adams},
   };
@@ -68,6 +71,7 @@ int main() {
         for (const Variant& variant : variants) {
           run.method = variant.method;
           run.formulas = variant.formulas;
+          run.stepper = variant.stepper;
           if (!validate(run).empty()) continue;
           // Massless nodes are stiff at any time: Adams' formulas would take as many steps as they have time constants.
           if (variant.formulas == Formulas::adams && (mass == Mass::redistributed || viscosity > 0.05)) continue;

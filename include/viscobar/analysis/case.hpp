@@ -38,6 +38,7 @@ struct Case {
   MethodName method = MethodName::cvode;
   Tolerance tolerance;
   Formulas formulas = Formulas::automatic;  ///< of cvode
+  Stepper stepper = Stepper::automatic;     ///< of odeint
   std::optional<double> step;
   Start start = Start::first_order;
 
@@ -57,6 +58,9 @@ std::vector<Finding> validate(const Case& run);
 /// The semi-discrete system of a sound case; `finite_difference` runs on the lumped mass when the case says
 /// "consistent", since (3.22) is (2.8) with a diagonal product, and `rigid` always on the redistributed mass.
 BarSystem make_system(const Case& run);
+
+/// The options of `odeint` that a case asks for.
+Odeint odeint(const Case& run);
 
 /// Runs a sound case by its method. @throws IntegrationError
 Statistics simulate(const Case& run, const BarSystem& system, const Observers& observers);

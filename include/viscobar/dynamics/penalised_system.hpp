@@ -98,6 +98,7 @@ class PenalisedSystem {
   double load_power(double t, std::span<const double> w);
   bool dissipates() const { return bar_.damped() || dashpots_; }
   bool loaded() const { return load_.has_value(); }
+  bool load_varies() const { return load_ && !load_->steady(); }
 
   std::size_t load_evaluations() const { return load_ ? load_->evaluations() : 0; }
 
