@@ -65,14 +65,24 @@ void StepPolynomial::drive(Relaxation& relaxation) {
                                    w1 - w0 - (2.0 * a0 + a1) / 3.0 + 10.0 * d,
                                    0.5 * (w0 - w1) + 0.25 * (a0 + a1) - 15.0 * d,
                                    6.0 * d};
-  const double early = relaxation.load;
-  const double middle = system_.load(row.unknown, begin_.t + 0.5 * h);
-  const double late = relaxation.load = system_.load(row.unknown, end_.t);
   for (std::size_t j = 0; j < 6; ++j)
     relaxation.drive[j] = row.u_share * u[j] + (j < 5 ? static_cast<double>(j + 1) * u[j + 1] / h : 0.0);
-  relaxation.drive[0] += row.constant + row.load_share * early;
-  relaxation.drive[1] += row.load_share * (4.0 * middle - 3.0 * early - late);
-  relaxation.drive[2] += row.load_share * 2.0 * (early - 2.0 * middle + late);
+  relaxation.drive[0] += row.constant + row.load_share * relaxation.load;
+  if (!system_.load_varies()) return;
+  // Newton's form through s = 0, 1/4, ..., 1.
+  std::array<double, 5> f{relaxation.load};
+  for (std::size_t j = 1; j < 5; ++j)
+    f[j] = system_.load(row.unknown, j == 4 ? end_.t : begin_.t + 0.25 * static_cast<double>(j) * h);
+  relaxation.load = f[4];
+  for (std::size_t order = 1; order < 5; ++order)
+    for (std::size_t j = 4; j >= order; --j) f[j] = (f[j] - f[j - 1]) / (0.25 * static_cast<double>(order));
+  std::array<double, 5> power{f[4]};
+  for (std::size_t k = 4; k-- > 0;) {
+    const double node = 0.25 * static_cast<double>(k);
+    for (std::size_t j = 4; j > 0; --j) power[j] = power[j - 1] - node * power[j];
+    power[0] = f[k] - node * power[0];
+  }
+  for (std::size_t j = 1; j < 5; ++j) relaxation.drive[j] += row.load_share * power[j];
 }
 
 StepPolynomial::Weights StepPolynomial::weights(double s, int derivative) {
@@ -93,7 +103,8 @@ double StepPolynomial::defect(std::size_t i) const {
   const double h = length(), u0 = begin_.y[i], u1 = end_.y[i];
   const double missing =
       u1 - u0 - 0.5 * h * (begin_.y[n + i] + end_.y[n + i]) + h * h / 12.0 * (end_.a[i] - begin_.a[i]);
-  return std::abs(missing) > 4.0 * std::numeric_limits<double>::epsilon() * std::abs(u0) ? missing : 0.0;
+  const double rounding = 8.0 * std::numeric_limits<double>::epsilon() * (std::abs(u0) + std::abs(u1));
+  return std::abs(missing) > rounding ? missing : 0.0;
 }
 
 double StepPolynomial::massive(std::size_t i, const Weights& weights) const {

@@ -22,7 +22,7 @@ namespace viscobar {
 ///
 /// A massless node has no acceleration to rely on, it follows its neighbour as its row says: without viscosity at
 /// once, with it by a relaxation that may be stiff beyond measure, and which is solved exactly for the neighbour's
-/// quintic and a load quadratic on the step.
+/// quintic and a load that is interpolated at five points of the step.
 ///
 /// The energy account of the step is the integral of its rates over the polynomial, by Gauss' formula.
 class StepPolynomial {

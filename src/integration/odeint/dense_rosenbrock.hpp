@@ -8,7 +8,8 @@
 
 namespace viscobar {
 
-/// Odeint's rosenbrock4 for y' = f(t, y) with a constant dense Jacobian.
+/// Odeint's rosenbrock4 for y' = f(t, y) with a constant dense Jacobian. Time is one more unknown, of rate 1: with the
+/// coefficients that Boost 1.74 has for df/dt the formulas are of order 2 only.
 class DenseRosenbrock {
  public:
   using Rate = std::function<void(double t, const double* y, double* rate)>;

@@ -82,9 +82,14 @@ class Rosenbrock4 {
     const double before = std::max(0.0, t - step), after = t + step;
     for (std::size_t i = 0; i < n; ++i) load_rate_[i] = -system.load(i, before);
     for (std::size_t i = 0; i < n; ++i) load_rate_[i] = (load_rate_[i] + system.load(i, after)) / (after - before);
-    for (const auto& row : system.relaxing_rows()) out[row.unknown] = row.load_share * load_rate_[row.unknown];
-    std::ranges::copy(load_rate_, out.begin() + static_cast<std::ptrdiff_t>(n));
-    system.bar().accelerate(out.subspan(n, n));
+    const std::span<double> a = out.subspan(n, n);
+    std::ranges::copy(load_rate_, a.begin());
+    // What the load does to the velocity of a massless node, that node does to its neighbour.
+    for (const auto& row : system.relaxing_rows()) {
+      out[row.unknown] = row.load_share * load_rate_[row.unknown];
+      a[row.next] += bar.viscosity / system.bar().mesh().spacing() * out[row.unknown];
+    }
+    system.bar().accelerate(a);
   }
 
   FirstOrder form_;

@@ -1,0 +1,72 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <new>
+
+#include "viscobar/integration/integrate.hpp"
+
+namespace {
+std::size_t allocations = 0;
+}
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size ? size : 1)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace viscobar {
+namespace {
+
+struct Count {
+  std::size_t allocations, steps;
+};
+
+// A leg of a bar that flies between two obstacles under a load, searched for contact and accounted for.
+template <class Method>
+Count counted(const Method& method, double viscosity) {
+  Scene scene;
+  scene.bar.viscosity = viscosity;
+  scene.left = scene.right = Obstacle{0.3};
+  scene.displacement = [](double x) { return 0.1 * std::cos(3 * x); };
+  scene.velocity = [](double) { return 0.1; };
+  scene.load = GeneralLoad{[](double x, double t) { return 0.1 * x * std::sin(9 * t); }};
+  const BarSystem system(scene, {1.0, 20}, Mass::consistent);
+  const State start = system.initial_state();
+  double seen = 0.0;
+  Observers observers;
+  observers.energy = true;
+  observers.progress = [&](double time) { seen += time; };
+  const double times[] = {0.0, 1.0};
+  const std::size_t before = allocations;
+  const Statistics statistics = integrate(system, start, times, method, observers);
+  return {allocations - before, statistics.steps};
+}
+
+TEST(Arkode, StepsAllocateNothing) {
+  for (const double viscosity : {0.0, 0.1}) {
+    const Count few = counted(Arkode{{}, {1e-4, 1e-7}}, viscosity),
+                many = counted(Arkode{{}, {1e-9, 1e-12}}, viscosity);
+    EXPECT_GT(many.steps, 2 * few.steps);
+    EXPECT_EQ(many.allocations, few.allocations);
+  }
+}
+
+// rosenbrock4 does: the matrix sums of Boost make temporaries.
+TEST(Odeint, ExplicitStepsAllocateNothing) {
+  {
+    const Count few = counted(Odeint{{}, {1e-4, 1e-7}, Stepper::dopri5, {}}, 0.1);
+    const Count many = counted(Odeint{{}, {1e-9, 1e-12}, Stepper::dopri5, {}}, 0.1);
+    EXPECT_GT(many.steps, few.steps);
+    EXPECT_EQ(many.allocations, few.allocations);
+  }
+  const Count few = counted(Odeint{{}, {}, Stepper::symplectic, 1e-3}, 0.0);
+  const Count many = counted(Odeint{{}, {}, Stepper::symplectic, 1e-4}, 0.0);
+  EXPECT_EQ(many.allocations, few.allocations);
+}
+
+}  // namespace
+}  // namespace viscobar
