@@ -64,7 +64,7 @@ class ArkodeStepper {
     evaluate(t, start.y, values(rate_));
     std::ranges::copy(leg_.layout.w(values(rate_)), start.a.begin());
     step_.restart();
-    // A reset keeps the step of the leg before: most changes alter nothing that the step depends on.
+    // A reset keeps the step of the leg before, which chatter makes right more often than a first step found anew.
     if (memory_)
       check("ARKStepReset", ARKStepReset(memory_.get(), t, state_.get()));
     else

@@ -103,7 +103,7 @@ double StepPolynomial::defect(std::size_t i) const {
   const double h = length(), u0 = begin_.y[i], u1 = end_.y[i];
   const double missing =
       u1 - u0 - 0.5 * h * (begin_.y[n + i] + end_.y[n + i]) + h * h / 12.0 * (end_.a[i] - begin_.a[i]);
-  const double rounding = 8.0 * std::numeric_limits<double>::epsilon() * (std::abs(u0) + std::abs(u1));
+  const double rounding = 2.0 * std::numeric_limits<double>::epsilon() * (std::abs(u0) + std::abs(u1));
   return std::abs(missing) > rounding ? missing : 0.0;
 }
 
