@@ -106,7 +106,7 @@ class ArkodeStepper {
     // The step is interpolated by StepPolynomial; the least that the library can be asked to keep for its own.
     check("ARKStepSetInterpolantType", ARKStepSetInterpolantType(memory, ARK_INTERP_LAGRANGE));
     check("ARKStepSetInterpolantDegree", ARKStepSetInterpolantDegree(memory, 0));
-    // Between two changes the steps are of one size; a controller that looks at the last error alone makes 15 % fewer.
+    // Between two changes the steps are of one size; a controller that looks at the last error alone makes fewer.
     check("ARKStepSetAdaptivityMethod", ARKStepSetAdaptivityMethod(memory, ARK_ADAPT_I, 1, 0, nullptr));
     // The step of the leg before may be far too long for a stiff contact.
     check("ARKStepSetMaxErrTestFails", ARKStepSetMaxErrTestFails(memory, 50));

@@ -23,8 +23,9 @@ namespace {
 constexpr std::size_t most_dense_nodes = 100;
 constexpr double most_steps = 1e9;
 
-// A factorisation of order 2 n costs as much as n^2 / 4 explicit steps, and a run makes some 500 of them.
-constexpr double dense_step_cost = 125.0;
+// Steps of dopri5 per n^2 from which on rosenbrock4 is cheaper: a dense step costs as much as n^2 / 17 explicit ones, and a
+// run makes some 900 (docs/methods.md).
+constexpr double dense_worth = 50.0;
 
 // |R(z)| of dopri5 stays below 1 on the negative real axis up to here.
 constexpr double real_stability = 3.3;
@@ -112,7 +113,7 @@ OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method) 
   const double explicit_steps = duration * bound.decay / real_stability;
   if (plan.stepper == Stepper::automatic) {
     const auto n = static_cast<double>(system.size());
-    const bool dense = system.size() <= most_dense_nodes && explicit_steps > dense_step_cost * n * n;
+    const bool dense = system.size() <= most_dense_nodes && explicit_steps > dense_worth * n * n;
     plan.stepper = dense ? Stepper::rosenbrock4 : Stepper::dopri5;
   }
   if (system.has_massless() && !system.damped()) {
