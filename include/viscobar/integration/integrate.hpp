@@ -60,8 +60,8 @@ enum class Stepper {
 };
 std::string_view name(Stepper stepper);
 
-/// Boost.Odeint on the explicit form u' = w, w' = (rho M)^{-1} F: shares no formula and no solver with the SUNDIALS methods.
-/// Refuses massless nodes without viscosity, whose rows are algebraic.
+/// Boost.Odeint on the explicit form u' = w, w' = (rho M)^{-1} F: shares no formula and no solver with the SUNDIALS
+/// methods. Refuses massless nodes without viscosity, whose rows are algebraic.
 struct Odeint {
   Penalty penalty;
   Tolerance tolerance;
