@@ -106,6 +106,53 @@ class CheckCommand {
   SceneOptions scene_;
 };
 
+class ListCommand {
+ public:
+  explicit ListCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  CLI::App& command_;
+  std::string what_;
+  bool json_ = false, markdown_ = false;
+};
+
+class NewCommand {
+ public:
+  explicit NewCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  CLI::App& command_;
+  std::string file_;
+};
+
+class InfoCommand {
+ public:
+  explicit InfoCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  CLI::App& command_;
+  std::string directory_;
+  bool json_ = false;
+};
+
+class ExportCommand {
+ public:
+  explicit ExportCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  CLI::App& command_;
+  std::string directory_, format_ = "csv", where_;
+  bool quiet_ = false;
+};
+
 /// Writes to standard output and makes sure that it got there. @throws IoError
 void print(std::string_view text);
 

@@ -54,6 +54,10 @@ int run(int argc, char** argv) {
   const CompareCommand compare_command(app);
   const LimitCommand limit_command(app);
   const PrecisionCommand precision_command(app);
+  const ListCommand list_command(app);
+  const NewCommand new_command(app);
+  const InfoCommand info_command(app);
+  const ExportCommand export_command(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -66,7 +70,12 @@ int run(int argc, char** argv) {
   if (run_command.chosen()) return run_command();
   if (check_command.chosen()) return check_command();
   if (compare_command.chosen()) return compare_command();
-  return limit_command.chosen() ? limit_command() : precision_command();
+  if (limit_command.chosen()) return limit_command();
+  if (list_command.chosen()) return list_command();
+  if (new_command.chosen()) return new_command();
+  if (info_command.chosen()) return info_command();
+  if (export_command.chosen()) return export_command();
+  return precision_command();
 }
 
 }  // namespace
