@@ -1,16 +1,30 @@
-# cmake --install: the program, the library, its headers, and what find_package(viscobar) and pkg-config need.
+# cmake --install: the program with its man page and completions (component "program"), and the library, its headers and
+# what find_package(viscobar) and pkg-config need (component "development").
 include(CMakePackageConfigHelpers)
 
 set_target_properties(viscobar PROPERTIES VERSION ${PROJECT_VERSION}
                                           SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/viscobar)
-install(TARGETS viscobar EXPORT viscobarTargets)
-install(DIRECTORY include/viscobar TYPE INCLUDE FILES_MATCHING PATTERN "*.hpp")
-install(EXPORT viscobarTargets NAMESPACE viscobar:: DESTINATION ${package_dir})
+install(TARGETS viscobar EXPORT viscobarTargets
+        ARCHIVE COMPONENT development LIBRARY COMPONENT program NAMELINK_COMPONENT development)
+install(DIRECTORY include/viscobar TYPE INCLUDE COMPONENT development FILES_MATCHING PATTERN "*.hpp")
+install(EXPORT viscobarTargets NAMESPACE viscobar:: DESTINATION ${package_dir} COMPONENT development)
 if(TARGET viscobar_cli)
   file(RELATIVE_PATH libraries_from_program ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
   set_target_properties(viscobar_cli PROPERTIES INSTALL_RPATH "$ORIGIN/${libraries_from_program}")
-  install(TARGETS viscobar_cli)
+  install(TARGETS viscobar_cli COMPONENT program)
+  # The program writes them itself, from the definition of its command line. Debian's zsh looks in vendor-completions.
+  set(shell_dir ${PROJECT_BINARY_DIR}/shell)
+  add_custom_command(TARGET viscobar_cli POST_BUILD COMMAND ${CMAKE_COMMAND} -E make_directory ${shell_dir}
+                     COMMAND viscobar_cli man > ${shell_dir}/viscobar.1
+                     COMMAND viscobar_cli completion bash > ${shell_dir}/viscobar
+                     COMMAND viscobar_cli completion zsh > ${shell_dir}/_viscobar VERBATIM)
+  install(FILES ${shell_dir}/viscobar.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+  install(FILES ${shell_dir}/viscobar DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
+  foreach(zsh_dir site-functions vendor-completions)
+    install(FILES ${shell_dir}/_viscobar DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/${zsh_dir} COMPONENT program)
+  endforeach()
+  install(DIRECTORY examples/scenes DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT program)
 endif()
 
 # A static library leaves the linking of what it uses to whom it is linked into.
@@ -22,7 +36,7 @@ list(JOIN sundials_components " " sundials_component_words)
 configure_package_config_file(cmake/viscobarConfig.cmake.in viscobarConfig.cmake INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(viscobarConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/viscobarConfig.cmake ${PROJECT_BINARY_DIR}/viscobarConfigVersion.cmake
-        DESTINATION ${package_dir})
+        DESTINATION ${package_dir} COMPONENT development)
 
 set(pkgconfig_requires "")
 set(pkgconfig_libraries "-lviscobar")
@@ -36,4 +50,5 @@ if(viscobar_type STREQUAL "STATIC_LIBRARY")
 endif()
 file(RELATIVE_PATH prefix_from_pkgconfig ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
 configure_file(cmake/viscobar.pc.in viscobar.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/viscobar.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES ${PROJECT_BINARY_DIR}/viscobar.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+        COMPONENT development)

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/messages.hpp"
 #include "viscobar/analysis/first_impact.hpp"
 #include "viscobar/analysis/regime.hpp"
 
@@ -205,7 +206,7 @@ int CheckCommand::operator()() const {
   for (const ContactRegime& regime : regimes)
     text += row(fmt::format("{} contact", name(regime.where)), to_text(regime));
   print(text);
-  for (const std::string& caution : cautions) fmt::print(stderr, "warning: {}\n", caution);
+  for (const std::string& caution : cautions) warn(caution);
   return success;
 }
 

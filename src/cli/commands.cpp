@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <system_error>
 
+#include "cli/messages.hpp"
 #include "viscobar/io/io_error.hpp"
 
 namespace viscobar::cli {
@@ -23,7 +24,11 @@ SceneFile SceneOptions::read(const std::vector<std::string>& defaults, const std
   std::vector<std::string> all = defaults;
   all.insert(all.end(), overrides.begin(), overrides.end());
   all.insert(all.end(), settings.begin(), settings.end());
-  return read_scene(file, all, adapt);
+  SceneFile scene = read_scene(file, all, adapt);
+  const Case& run = scene.run;
+  detail(fmt::format("read {}: \"{}\", {} elements, {} to t = {}", file, run.scene.title, run.elements,
+                     name(run.method), run.end));
+  return scene;
 }
 
 OutputOptions::OutputOptions(CLI::App& command) {
@@ -36,7 +41,16 @@ OutputOptions::OutputOptions(CLI::App& command) {
 }
 
 std::filesystem::path OutputOptions::directory(const SceneOptions& scene) const {
-  return where.empty() ? std::filesystem::path(scene.file).stem() += ".out" : std::filesystem::path(where);
+  const auto chosen = where.empty() ? std::filesystem::path(scene.file).stem() += ".out" : std::filesystem::path(where);
+  detail("results go to " + chosen.string());
+  return chosen;
+}
+
+void add_threads(CLI::App& command, std::size_t& threads, const std::string& what) {
+  constexpr std::size_t most = 4096;
+  command.add_option("--threads", threads, what + " (default: one a core)")
+      ->type_name("N")
+      ->check(CLI::Range(std::size_t{1}, most));
 }
 
 void print(std::string_view text) {

@@ -106,6 +106,79 @@ class CheckCommand {
   SceneOptions scene_;
 };
 
+class ListCommand {
+ public:
+  explicit ListCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  CLI::App& command_;
+  std::string what_;
+  bool json_ = false, markdown_ = false;
+};
+
+class NewCommand {
+ public:
+  explicit NewCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  CLI::App& command_;
+  std::string file_;
+};
+
+class InfoCommand {
+ public:
+  explicit InfoCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  CLI::App& command_;
+  std::string directory_;
+  bool json_ = false;
+};
+
+class ExportCommand {
+ public:
+  explicit ExportCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  CLI::App& command_;
+  std::string directory_, format_ = "csv", where_;
+  bool quiet_ = false;
+};
+
+class CompletionCommand {
+ public:
+  explicit CompletionCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  const CLI::App& app_;
+  CLI::App& command_;
+  std::string shell_;
+};
+
+class ManCommand {
+ public:
+  explicit ManCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  const CLI::App& app_;
+  CLI::App& command_;
+};
+
+/// --threads N, the same for all commands that have it; 0 when it is not given, which means one a core.
+void add_threads(CLI::App& command, std::size_t& threads, const std::string& what = "Runs at a time");
+
 /// Writes to standard output and makes sure that it got there. @throws IoError
 void print(std::string_view text);
 

@@ -5,6 +5,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
+#include "cli/messages.hpp"
 #include "cli/method_names.hpp"
 #include "io/output_file.hpp"
 #include "io/result_directory.hpp"
@@ -39,7 +40,7 @@ CompareCommand::CompareCommand(CLI::App& app)
       ->type_name("NAME,NAME...")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command_.add_option("--threads", threads_, "Runs at a time (default: one a core)")->type_name("N");
+  add_threads(command_, threads_);
 }
 
 int CompareCommand::operator()() const {
@@ -70,7 +71,7 @@ int CompareCommand::operator()() const {
                       cross_check_text(choice, check)) +
           row("pictures", (directory / "compare.html").string()));
   for (const MethodRun& run : check.runs)
-    if (!run.recording) fmt::print(stderr, "viscobar: {}: {}\n", name(run.run.method), run.error);
+    if (!run.recording) complain(fmt::format("{}: {}", name(run.run.method), run.error));
   return check.completed() ? success : run_failed;
 }
 

@@ -7,6 +7,7 @@
 #include "cli/commands.hpp"
 #include "cli/decade_range.hpp"
 #include "cli/interrupt.hpp"
+#include "cli/messages.hpp"
 #include "cli/progress.hpp"
 #include "io/output_file.hpp"
 #include "io/result_directory.hpp"
@@ -45,7 +46,7 @@ LimitCommand::LimitCommand(CLI::App& app)
   list("--elements", elements_, "Meshes, in place of the scene's; three or more give epsilon(h)", "N,N...");
   list("--steps", steps_, "Time steps of the scheme, one for each mesh (default: the scene's, or h / (100 c))",
        "DT,DT...");
-  command_.add_option("--threads", threads_, "Runs at a time (default: one a core)")->type_name("N");
+  add_threads(command_, threads_);
 }
 
 int LimitCommand::operator()() const {
@@ -86,7 +87,7 @@ int LimitCommand::operator()() const {
     print(fmt::format("{}\n\n{}", bar.title.empty() ? scene_.file : bar.title, limit_text(study, result, coupling)) +
           row("pictures", (directory / "limit.html").string()));
   for (const FailedRun& run : result.failed)
-    fmt::print(stderr, "viscobar: epsilon = {} on {} elements: {}\n", run.epsilon, run.elements, run.what);
+    complain(fmt::format("epsilon = {} on {} elements: {}", run.epsilon, run.elements, run.what));
   return result.failed.empty() ? success : run_failed;
 }
 

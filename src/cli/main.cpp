@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <csignal>
-#include <cstdio>
 
 #include "cli/commands.hpp"
+#include "cli/messages.hpp"
 #include "io/nearest_name.hpp"
 #include "viscobar/io/versions.hpp"
 
@@ -54,19 +54,35 @@ int run(int argc, char** argv) {
   const CompareCommand compare_command(app);
   const LimitCommand limit_command(app);
   const PrecisionCommand precision_command(app);
+  const ListCommand list_command(app);
+  const NewCommand new_command(app);
+  const InfoCommand info_command(app);
+  const ExportCommand export_command(app);
+  const CompletionCommand completion_command(app);
+  const ManCommand man_command(app);
+  MessageOptions messages;
+  for (CLI::App* command : app.get_subcommands({})) messages.add_to(*command);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == success) return app.exit(error);
-    fmt::print(stderr, "viscobar: {}\n", explanation(app, error));
+    complain(explanation(app, error));
     const auto chosen = app.get_subcommands();
-    fmt::print(stderr, "viscobar {}--help says more.\n", chosen.empty() ? "" : chosen.front()->get_name() + " ");
+    say(fmt::format("viscobar {}--help says more.", chosen.empty() ? "" : chosen.front()->get_name() + " "));
     return wrong_input;
   }
+  messages.begin(argc, argv);
   if (run_command.chosen()) return run_command();
   if (check_command.chosen()) return check_command();
   if (compare_command.chosen()) return compare_command();
-  return limit_command.chosen() ? limit_command() : precision_command();
+  if (limit_command.chosen()) return limit_command();
+  if (list_command.chosen()) return list_command();
+  if (new_command.chosen()) return new_command();
+  if (info_command.chosen()) return info_command();
+  if (export_command.chosen()) return export_command();
+  if (completion_command.chosen()) return completion_command();
+  if (man_command.chosen()) return man_command();
+  return precision_command();
 }
 
 }  // namespace
@@ -78,15 +94,15 @@ int main(int argc, char** argv) {
   // A limit on file sizes is an error like a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   try {
-    return cli::run(argc, argv);
+    return cli::end_messages(cli::run(argc, argv));
   } catch (const SceneError& error) {
-    for (const Diagnostic& diagnostic : error.diagnostics) fmt::print(stderr, "{}\n", diagnostic.text());
-    return cli::wrong_input;
+    for (const Diagnostic& diagnostic : error.diagnostics) cli::say(diagnostic.text());
+    return cli::end_messages(cli::wrong_input);
   } catch (const std::invalid_argument& error) {
-    fmt::print(stderr, "viscobar: {}\n", error.what());
-    return cli::wrong_input;
+    cli::complain(error.what());
+    return cli::end_messages(cli::wrong_input);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "viscobar: {}\n", error.what());
-    return cli::run_failed;
+    cli::complain(error.what());
+    return cli::end_messages(cli::run_failed);
   }
 }

@@ -7,6 +7,7 @@
 #include "cli/commands.hpp"
 #include "cli/decade_range.hpp"
 #include "cli/interrupt.hpp"
+#include "cli/messages.hpp"
 #include "cli/method_names.hpp"
 #include "cli/progress.hpp"
 #include "io/output_file.hpp"
@@ -62,8 +63,7 @@ PrecisionCommand::PrecisionCommand(CLI::App& app)
       ->type_name("SECONDS")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command_.add_option("--threads", threads_, "References at a time (default: one a core); timed runs run alone")
-      ->type_name("N");
+  add_threads(command_, threads_, "References at a time; timed runs run alone");
 }
 
 int PrecisionCommand::operator()() const {
@@ -101,7 +101,7 @@ int PrecisionCommand::operator()() const {
           row("pictures", (directory / "precision.html").string()));
   const bool something =
       std::any_of(result.rows.begin(), result.rows.end(), [](const PrecisionRow& run) { return run.failure.empty(); });
-  if (!something) fmt::print(stderr, "viscobar: every run failed; the first: {}\n", result.rows.front().failure);
+  if (!something) complain(fmt::format("every run failed; the first: {}", result.rows.front().failure));
   return something ? success : run_failed;
 }
 

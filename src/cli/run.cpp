@@ -5,7 +5,9 @@
 
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
+#include "cli/messages.hpp"
 #include "cli/progress.hpp"
+#include "io/csv.hpp"
 #include "viscobar/io/record_run.hpp"
 
 namespace viscobar::cli {
@@ -69,12 +71,16 @@ int RunCommand::operator()() const {
     if (interrupt_asked()) throw Interrupted();
     if (progress) (*progress)(time, steps);
   };
+  options.event = [](const Event& event) {
+    detail(fmt::format("t = {:.9g}: {} {}, velocity {:.6g}", event.time, place(event),
+                       event.change == Change::closing ? "closes" : "opens", event.velocity));
+  };
   const RunRecord record = record_run(scene, directory, options);
   progress.reset();
 
   const Outcome& outcome = record.outcome;
   if (outcome.ending != Ending::completed)
-    fmt::print(stderr, "viscobar: stopped at t = {}: {}\n", outcome.reached_time, outcome.error);
+    complain(fmt::format("stopped at t = {}: {}", outcome.reached_time, outcome.error));
   if (scene_.json)
     print(record.summary);
   else if (!output_.quiet)

@@ -98,6 +98,7 @@ RunRecord record_run(const SceneFile& scene, const fs::path& directory, const Re
     files.events.append(event);
     contact.add(event);
     data.add(event);
+    if (options.event) options.event(event);
   };
   observers.progress = [&](double time) {
     outcome.reached_time = time;

@@ -72,9 +72,10 @@ std::string range_problem(const Range& range, double value) {
 }
 
 std::string choice_problem(const SceneKey& key, const std::string& value) {
-  if (std::find(key.choices.begin(), key.choices.end(), value) != key.choices.end()) return {};
-  const std::string known = fmt::format("\"{}\"", fmt::join(key.choices, "\", \""));
-  const auto nearest = nearest_name(value, key.choices);
+  const std::vector<std::string_view> names = key.choice_names();
+  if (std::find(names.begin(), names.end(), value) != names.end()) return {};
+  const std::string known = fmt::format("\"{}\"", fmt::join(names, "\", \""));
+  const auto nearest = nearest_name(value, names);
   return fmt::format("cannot be \"{}\"; {}", value,
                      nearest ? fmt::format("nearest is \"{}\"", *nearest) : "there are " + known);
 }

@@ -20,16 +20,49 @@ constexpr double smallest = 1e-100, largest = 1e100;
 constexpr Range positive{smallest, largest, "> 0"};
 constexpr Range not_negative{0.0, largest, ">= 0"};
 
-constexpr std::string_view ends[] = {"obstacle", "free", "fixed"};
-constexpr std::string_view masses[] = {"consistent", "lumped", "paper", "redistributed"};
-constexpr std::string_view methods[] = {"cvode", "ida",         "arkode",         "odeint",
-                                        "rigid", "exponential", "fully_discrete", "finite_difference"};
-constexpr std::string_view steppers[] = {"automatic", "rosenbrock4", "dopri5", "symplectic"};
-constexpr std::string_view starts[] = {"first_order", "second_order"};
-constexpr std::string_view controls[] = {"global", "local"};
-constexpr std::string_view formulas[] = {"automatic", "adams", "bdf"};
-
 // clang-format off
+constexpr Choice ends[] = {
+    {"obstacle", "u >= -gap; the reaction pushes, never pulls, and only in contact; wants a gap"},
+    {"free", "no stress, E u_x + eta u_xt = 0"},
+    {"fixed", "keeps its initial displacement"},
+};
+constexpr Choice masses[] = {
+    {"consistent", "exact for linear elements, (h/6) [2 1; 1 2] per element"},
+    {"lumped", "diagonal by the trapezoidal rule, h/2 at the ends"},
+    {"paper", "diagonal with weight h at the ends too, as the paper's finite difference scheme is printed"},
+    {"redistributed", "consistent, but nodes at an obstacle have no mass and cannot bounce; no span obstacle, not finite_difference, not cvode or odeint without viscosity"},
+};
+constexpr Choice methods[] = {
+    {"cvode", "penalised bar, multistep formulas of SUNDIALS' CVODE"},
+    {"ida", "penalised bar as a differential-algebraic system, SUNDIALS' IDA: also massless nodes without viscosity"},
+    {"arkode", "penalised bar, implicit Runge-Kutta of order 5, SUNDIALS' ARKODE: also massless nodes without viscosity"},
+    {"odeint", "penalised bar by Boost.Odeint: dopri5, rosenbrock4 or a symplectic formula, see method.stepper"},
+    {"rigid", "the limit epsilon = 0 itself, on the redistributed mass; no span obstacle"},
+    {"exponential", "penalised bar by matrix exponentials, a reference on small meshes"},
+    {"fully_discrete", "the paper's scheme (2.8), implicit in the constraint"},
+    {"finite_difference", "the paper's scheme (3.22): (2.8) with a diagonal mass"},
+};
+constexpr Choice starts[] = {
+    {"first_order", "u_0 + dt u_1"},
+    {"second_order", "u_0 + dt u_1 + dt^2/2 u''"},
+};
+constexpr Choice controls[] = {
+    {"global", "the error of the solution"},
+    {"local", "that of each step"},
+};
+constexpr Choice formulas[] = {
+    {"automatic", "chosen leg by leg, by the bar's stiffness"},
+    {"adams", "Adams-Moulton, for bars that are not stiff"},
+    {"bdf", "backward differentiation, for stiff ones"},
+};
+
+constexpr Choice steppers[] = {
+    {"automatic", "dopri5, or rosenbrock4 where a small mesh is stiff"},
+    {"rosenbrock4", "linearly implicit, dense matrices, up to 100 unknown nodes"},
+    {"dopri5", "explicit"},
+    {"symplectic", "explicit with fixed steps method.step, viscosity 0 and no restitution"},
+};
+
 constexpr SceneKey keys[] = {
     {"title", text, optional, "", "", "free text, for reports"},
 
@@ -81,10 +114,12 @@ const SceneKey* first_key(Condition condition) {
   return found == std::end(keys) ? nullptr : found;
 }
 
+}  // namespace
+
 std::string type_words(const SceneKey& key) {
   switch (key.type) {
     case text: return "text";
-    case choice: return fmt::format("`{}`", fmt::join(key.choices, "`, `"));
+    case choice: return fmt::format("`{}`", fmt::join(key.choice_names(), "`, `"));
     case number: return fmt::format("number {}", key.range.words);
     case count: return fmt::format("whole number {}", key.range.words);
     case formula: return fmt::format("number, or formula in {}", key.variables == "xt" ? "x and t" : key.variables);
@@ -99,14 +134,18 @@ std::string default_words(const SceneKey& key) {
   return fmt::format("required in `[{}]`{}", key.table(), key.fallback.empty() ? "" : ", else " + value);
 }
 
-}  // namespace
-
 std::string_view SceneKey::table() const {
   const std::size_t dot = name.find('.');
   return dot == name.npos ? std::string_view{} : name.substr(0, dot);
 }
 
 std::string_view SceneKey::leaf() const { return name.substr(name.find('.') + 1); }
+
+std::vector<std::string_view> SceneKey::choice_names() const {
+  std::vector<std::string_view> names;
+  for (const Choice& known : choices) names.push_back(known.name);
+  return names;
+}
 
 std::span<const SceneKey> scene_keys() { return keys; }
 
@@ -130,11 +169,6 @@ const SceneKey* nearest_scene_key(std::string_view table, std::string_view leaf)
     if (key.table() == table) siblings.push_back(key.leaf());
   if (const auto nearest = nearest_name(leaf, siblings)) return find_scene_key(table, *nearest);
   return first_key([&](const SceneKey& key) { return key.leaf() == leaf; });
-}
-
-std::string documentation_row(const SceneKey& key) {
-  return fmt::format("| `{}` | {} | {} | {} | {} |", key.name, type_words(key), default_words(key), key.unit,
-                     key.meaning);
 }
 
 }  // namespace viscobar

@@ -3,6 +3,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace viscobar {
 
@@ -20,6 +21,11 @@ struct Range {
   std::string_view words;
 };
 
+/// A word that a key may have as its value, and what it means.
+struct Choice {
+  std::string_view name, meaning;
+};
+
 /// All that is said about one key of a scene file. Reading, checking, suggesting and documenting go by this table.
 struct SceneKey {
   std::string_view name;  ///< "table.key", or a key above the first table
@@ -29,11 +35,12 @@ struct SceneKey {
   std::string_view unit;
   std::string_view meaning;
   Range range{};                                ///< of a number or count
-  std::span<const std::string_view> choices{};  ///< of a choice
+  std::span<const Choice> choices{};  ///< of a choice
   std::string_view variables{};                 ///< of a formula: "x", "t" or "xt"
 
   std::string_view table() const;  ///< empty above the first table
   std::string_view leaf() const;   ///< the key within its table
+  std::vector<std::string_view> choice_names() const;
 };
 
 std::span<const SceneKey> scene_keys();
@@ -50,7 +57,8 @@ bool is_scene_table(std::string_view name);
 /// another table.
 const SceneKey* nearest_scene_key(std::string_view table, std::string_view leaf);
 
-/// The row of the key in docs/scene-file.md: key, type, default, unit, meaning.
-std::string documentation_row(const SceneKey& key);
+/// Type and default of a key in words, with `code` marked as in Markdown.
+std::string type_words(const SceneKey& key);
+std::string default_words(const SceneKey& key);
 
 }  // namespace viscobar

@@ -43,4 +43,11 @@ std::string html(const Table& table) {
   return out + "</tbody></table></div>\n";
 }
 
+std::string markdown(const Table& table) {
+  std::string out = fmt::format("| {} |\n|", fmt::join(table.header, " | "));
+  for (std::size_t c = 0; c < table.header.size(); ++c) out += c < table.words ? "---|" : "---:|";
+  for (const auto& row : table.rows) out += fmt::format("\n| {} |", fmt::join(row, " | "));
+  return out + "\n";
+}
+
 }  // namespace viscobar

@@ -21,5 +21,6 @@ std::string readable_number(double value);  ///< for a page: 3 digits, powers of
 
 std::string text(const Table& table);
 std::string html(const Table& table);
+std::string markdown(const Table& table);
 
 }  // namespace viscobar

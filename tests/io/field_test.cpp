@@ -135,6 +135,37 @@ TEST(FieldFile, XdmfIsWellFormedAndNamesRowsThatExist) {
   EXPECT_EQ(rows, (std::vector<int>{0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6}));
 }
 
+// Every reference field.h5:/name of the description is a dataset, and the extents it gives are those of the dataset; of
+// one that grows they end at the row that is meant.
+TEST(FieldFile, XdmfNamesDatasetsThatExistWithTheirExtents) {
+  const Scratch scratch;
+  const std::size_t rows = 7;
+  FieldFile file(scratch.path(), Mesh{1.0, 4}, 3);
+  append(file, 5, 0, rows);
+  file.close();
+  const std::string text = read_text(scratch / "field.xdmf");
+  const std::regex reference("<DataItem Dimensions=\"(\\d+) (\\d+)\" Format=\"HDF\"[^>]*>([^:<]+):/(\\w+)\\s*</DataItem>");
+  std::size_t found = 0, last_row = 0;
+  for (std::sregex_iterator it(text.begin(), text.end(), reference), end; it != end; ++it, ++found) {
+    const std::smatch& match = *it;
+    EXPECT_EQ(match[3], "field.h5");
+    const std::string name = match[4];
+    const std::vector<hsize_t> given{std::stoull(match[1]), std::stoull(match[2])};
+    const Dataset dataset = read(scratch / "field.h5", name.c_str());
+    if (name == "u" || name == "v") {
+      EXPECT_EQ(given[1], dataset.extent[1]);
+      EXPECT_LE(given[0], dataset.extent[0]);
+      last_row = std::max<std::size_t>(last_row, given[0]);
+    } else if (name == "line") {
+      EXPECT_EQ(given, (std::vector<hsize_t>{1, dataset.extent[0]}));
+    } else {
+      EXPECT_EQ(given, dataset.extent) << name;
+    }
+  }
+  EXPECT_EQ(found, 4 * rows);  // line, points, u and v of each time
+  EXPECT_EQ(last_row, rows);
+}
+
 TEST(FieldFile, AFileThatMayNotGrowIsAnErrorThatNamesIt) {
   const Scratch scratch;
   const pid_t child = fork();

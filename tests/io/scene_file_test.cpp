@@ -370,12 +370,6 @@ TEST(SceneFile, IsRestoredByItsDescription) {
   }
 }
 
-TEST(SceneKeys, AreEachDocumentedInTheWordsOfTheTable) {
-  const std::string page = content(root / "docs/scene-file.md");
-  for (const SceneKey& key : scene_keys())
-    EXPECT_NE(page.find(documentation_row(key) + "\n"), std::string::npos) << documentation_row(key);
-}
-
 TEST(SceneKeys, BelongToTheTablesInTheirOrder) {
   std::vector<std::string_view> tables;
   for (const SceneKey& key : scene_keys())

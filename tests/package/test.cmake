@@ -11,6 +11,11 @@ endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/prefix)
 run(${WORK_DIR}/prefix/bin/viscobar --version)
+foreach(file man/man1/viscobar.1 bash-completion/completions/viscobar zsh/site-functions/_viscobar)
+  if(NOT EXISTS ${WORK_DIR}/prefix/share/${file})
+    message(FATAL_ERROR "share/${file} is not installed")
+  endif()
+endforeach()
 
 # Moved: nothing may point to where it was installed first, or into the build.
 file(RENAME ${WORK_DIR}/prefix ${WORK_DIR}/moved)

@@ -39,6 +39,8 @@ struct Outcome {
 struct RecordOptions {
   /// After each step; may throw Interrupted.
   std::function<void(double time, std::size_t steps)> progress;
+  /// After each contact change.
+  std::function<void(const Event& event)> event;
   /// Start of the wall clock.
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
 };

@@ -1,0 +1,20 @@
+# cpack -G DEB: the program as a Debian package, with the libraries it is linked to as its only dependencies. For other
+# machines than this one configure with the preset "package", which does not tune the code for the machine it is built on.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME viscobar)
+set(CPACK_PACKAGE_CONTACT "the viscobar developers <viscobar@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "motion of a viscoelastic bar against rigid obstacles")
+set(CPACK_PACKAGE_DESCRIPTION "Integrates the penalised semi-discrete bar by SUNDIALS' CVODE and IDA with located
+contact changes, or the contact problem by fully discrete schemes, and compares them.")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_INSTALL_CMAKE_PROJECTS "${PROJECT_BINARY_DIR};viscobar;program;/")
+set(CPACK_COMPONENTS_ALL program)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_GROUPING ALL_COMPONENTS_IN_ONE)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/viscobar RENAME copyright COMPONENT program)
+include(CPack)

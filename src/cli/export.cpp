@@ -1,0 +1,36 @@
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "cli/commands.hpp"
+#include "io/export_result.hpp"
+#include "io/nearest_name.hpp"
+
+namespace viscobar::cli {
+
+ExportCommand::ExportCommand(CLI::App& app)
+    : command_(*app.add_subcommand("export", "Write the field and the end traces of a run as CSV or NumPy arrays")) {
+  command_.add_option("directory", directory_, "Where `viscobar run` put its results")->required()->type_name("DIR");
+  command_.add_option("--format", format_, "Of the files")->type_name("csv|npy")->capture_default_str();
+  command_.add_option("-o,--output", where_, "Where they go; what is there is replaced (default: DIR/csv or DIR/npy)")
+      ->type_name("DIR");
+  command_.add_flag("--quiet", quiet_, "Print nothing but errors");
+}
+
+int ExportCommand::operator()() const {
+  const std::vector<std::string_view> known = {"csv", "npy"};
+  if (format_ != "csv" && format_ != "npy") {
+    const auto nearest = nearest_name(format_, known);
+    throw std::invalid_argument(fmt::format(
+        "--format: there is no format \"{}\"{}", format_,
+        nearest ? fmt::format("; did you mean {}?", *nearest) : fmt::format(", only {}", fmt::join(known, ", "))));
+  }
+  const std::filesystem::path target =
+      where_.empty() ? std::filesystem::path(directory_) / format_ : std::filesystem::path(where_);
+  const auto files = export_result(directory_, format_ == "csv" ? ExportFormat::csv : ExportFormat::npy, target);
+  if (!quiet_)
+    for (const auto& file : files) print(file.string() + "\n");
+  return success;
+}
+
+}  // namespace viscobar::cli

@@ -1,0 +1,17 @@
+#include "cli/commands.hpp"
+#include "io/result_info.hpp"
+
+namespace viscobar::cli {
+
+InfoCommand::InfoCommand(CLI::App& app)
+    : command_(*app.add_subcommand("info", "Say what is in a directory of results")) {
+  command_.add_option("directory", directory_, "Where a command put its results")->required()->type_name("DIR");
+  command_.add_flag("--json", json_, "Print one JSON document on standard output, and nothing else there");
+}
+
+int InfoCommand::operator()() const {
+  print(json_ ? result_json(directory_) : result_text(directory_));
+  return success;
+}
+
+}  // namespace viscobar::cli

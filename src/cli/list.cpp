@@ -1,0 +1,67 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "cli/commands.hpp"
+#include "io/nearest_name.hpp"
+#include "io/vocabulary.hpp"
+
+namespace viscobar::cli {
+
+namespace {
+
+constexpr Vocabulary all[] = {Vocabulary::methods, Vocabulary::masses, Vocabulary::keys};
+
+std::vector<Vocabulary> chosen_lists(const std::string& word) {
+  if (word.empty()) return {std::begin(all), std::end(all)};
+  std::vector<std::string_view> known;
+  for (const Vocabulary list : all) {
+    if (name(list) == word) return {list};
+    known.push_back(name(list));
+  }
+  const auto nearest = nearest_name(word, known);
+  throw std::invalid_argument(fmt::format(
+      "list: there is no list of \"{}\"{}", word,
+      nearest ? fmt::format("; did you mean {}?", *nearest) : fmt::format(", only of {}", fmt::join(known, ", "))));
+}
+
+/// For the terminal, where backquotes mean nothing and the table of the keys would be too wide.
+std::string terminal_text(Vocabulary list) {
+  Table table = vocabulary_table(list);
+  for (auto& row : table.rows)
+    for (std::string& cell : row) std::erase(cell, '`');
+  if (list != Vocabulary::keys) return text(table);
+  std::string lines;
+  for (const auto& row : table.rows) {
+    const std::string unit = row[3].empty() || row[3] == "1" ? "" : "; unit: " + row[3];
+    const std::string fallback = row[2].starts_with("required") || row[2] == "none" ? row[2] : "default " + row[2];
+    lines += fmt::format("  {}\n      {}\n      {}; {}{}\n", row[0], row[4], row[1],
+                         row[2] == "none" ? "no default" : fallback, unit);
+  }
+  return lines;
+}
+
+}  // namespace
+
+ListCommand::ListCommand(CLI::App& app)
+    : command_(*app.add_subcommand("list", "List the methods, the masses and the keys of a scene file")) {
+  command_.add_option("what", what_, "One of the lists (default: all of them)")->type_name("methods|masses|keys");
+  CLI::Option* json =
+      command_.add_flag("--json", json_, "Print one JSON document on standard output, and nothing else there");
+  command_.add_flag("--markdown", markdown_, "Print the tables of docs/scene-file.md")->excludes(json);
+}
+
+int ListCommand::operator()() const {
+  nlohmann::ordered_json json;
+  std::string text;
+  for (const Vocabulary list : chosen_lists(what_)) {
+    if (!text.empty()) text += "\n";
+    text += markdown_ ? markdown(vocabulary_table(list)) : terminal_text(list);
+    if (json_) json[name(list)] = nlohmann::ordered_json::parse(vocabulary_json(list));
+  }
+  print(json_ ? json.dump(2) + "\n" : text);
+  return success;
+}
+
+}  // namespace viscobar::cli

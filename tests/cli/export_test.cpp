@@ -1,0 +1,173 @@
+// What `viscobar export` and the scripts of examples/ read out of a result is what is in it.
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+
+#include "cli/command.hpp"
+#include "io/field_reader.hpp"
+
+namespace viscobar {
+namespace {
+
+using testing_cli::content;
+using testing_cli::fs::path;
+using Quantity = FieldReader::Quantity;
+
+struct Array {
+  std::string head;
+  std::vector<double> values;
+};
+
+// By the letter of the format: magic, version 1.0, a length in two bytes, a header that ends in a line feed at a
+// multiple of 64, the numbers.
+Array read_npy(const path& file) {
+  const std::string bytes = content(file);
+  EXPECT_EQ(bytes.substr(0, 8), std::string("\x93NUMPY\x01\x00", 8)) << file;
+  const std::size_t length = static_cast<unsigned char>(bytes[8]) + 256u * static_cast<unsigned char>(bytes[9]);
+  EXPECT_EQ((10 + length) % 64, 0u);
+  EXPECT_EQ(bytes[10 + length - 1], '\n');
+  Array array{bytes.substr(10, length), std::vector<double>((bytes.size() - 10 - length) / sizeof(double))};
+  std::memcpy(array.values.data(), bytes.data() + 10 + length, array.values.size() * sizeof(double));
+  return array;
+}
+
+std::vector<double> numbers(const std::string& line) {
+  std::vector<double> found;
+  const char *at = line.data(), *end = at + line.size();
+  while (at < end) {
+    double value = 0.0;
+    const auto [next, error] = std::from_chars(at, end, value);
+    if (error == std::errc()) found.push_back(value);
+    at = std::find(next, end, ',') + 1;
+  }
+  return found;
+}
+
+class Export : public testing_cli::Command {
+ protected:
+  Export() {
+    viscobar("new scene.toml");
+    // 301 rows of 1001 nodes: more than one block of 131 rows.
+    viscobar("run scene.toml --quiet -o out --set mesh.elements=1000 --set time.end=0.3 --set output.every=1e-3");
+  }
+
+  std::vector<double> field(const FieldReader& reader, Quantity quantity) const {
+    std::vector<double> values(reader.rows() * reader.nodes());
+    reader.read(quantity, 0, values);
+    return values;
+  }
+
+  /// Runs a script of examples/ on the result, or says why not.
+  std::string run_script(const std::string& interpreter, const std::string& script) const {
+    const std::string line = "cd '" + directory_.string() + "' && " + interpreter +
+                             " '" VISCOBAR_SOURCE_DIR "/examples/" + script + "' out >script.txt 2>script-error.txt";
+    const int status = std::system(line.c_str());
+    EXPECT_EQ(status, 0) << content(directory_ / "script-error.txt");
+    return content(directory_ / "script.txt");
+  }
+};
+
+TEST_F(Export, OfNumpyArraysHoldsTheFieldBitForBit) {
+  ASSERT_EQ(viscobar("export out --format npy").code, 0);
+  const FieldReader reader(directory_ / "out/field.h5");
+  ASSERT_EQ(reader.rows(), 301u);
+  ASSERT_EQ(reader.nodes(), 1001u);
+  EXPECT_EQ(read_npy(directory_ / "out/npy/x.npy").values, reader.x());
+  EXPECT_EQ(read_npy(directory_ / "out/npy/t.npy").values, reader.times());
+  const Array u = read_npy(directory_ / "out/npy/u.npy"), v = read_npy(directory_ / "out/npy/v.npy");
+  EXPECT_TRUE(u.values == field(reader, Quantity::displacement));
+  EXPECT_TRUE(v.values == field(reader, Quantity::velocity));
+  EXPECT_TRUE(u.head.starts_with("{'descr': '<f8', 'fortran_order': False, 'shape': (301, 1001,), }")) << u.head;
+  const Array ends = read_npy(directory_ / "out/npy/ends.npy");
+  ASSERT_EQ(ends.values.size(), 301u * 7u);
+  EXPECT_EQ(ends.values[7 * 300], 0.3);
+  EXPECT_EQ(ends.values[7 * 300 + 1], u.values[300 * 1001]);
+}
+
+TEST_F(Export, OfCsvHoldsTheFieldBitForBit) {
+  ASSERT_EQ(viscobar("export out -o plain").code, 0);
+  const FieldReader reader(directory_ / "out/field.h5");
+  for (const auto& [name, quantity] :
+       {std::pair{"plain/u.csv", Quantity::displacement}, std::pair{"plain/v.csv", Quantity::velocity}}) {
+    std::ifstream stream(directory_ / name);
+    std::string line;
+    std::getline(stream, line);
+    EXPECT_EQ(line.substr(0, 2), "t,");
+    EXPECT_EQ(numbers(line.substr(2)), reader.x());
+    const std::vector<double> values = field(reader, quantity);
+    for (std::size_t row = 0; row < reader.rows(); ++row) {
+      ASSERT_TRUE(std::getline(stream, line));
+      const std::vector<double> found = numbers(line);
+      ASSERT_EQ(found.size(), 1002u);
+      ASSERT_EQ(found[0], reader.times()[row]);
+      ASSERT_TRUE(std::equal(found.begin() + 1, found.end(), values.begin() + static_cast<long>(row * 1001)));
+    }
+    EXPECT_FALSE(std::getline(stream, line));
+  }
+  EXPECT_EQ(content(directory_ / "plain/ends.csv"), content(directory_ / "out/ends.csv"));
+}
+
+TEST_F(Export, OfARunThatStoppedHasTheRowsItReached) {
+  EXPECT_EQ(viscobar("run scene.toml --quiet -o cut --set 'load.density=sqrt(0.205-t)'").code, 1);
+  ASSERT_EQ(viscobar("export cut --format npy --quiet").code, 0);
+  const std::size_t rows = read_npy(directory_ / "cut/npy/t.npy").values.size();
+  EXPECT_GT(rows, 1u);
+  EXPECT_LE(rows, 21u);
+  EXPECT_EQ(read_npy(directory_ / "cut/npy/u.npy").values.size(), rows * 28u);
+}
+
+TEST_F(Export, OfWhatIsNoRunIsTheUsersError) {
+  EXPECT_EQ(viscobar("export nowhere").code, 2);
+  EXPECT_EQ(viscobar("export .").code, 2);
+  const auto misspelt = viscobar("export out --format nyp");
+  EXPECT_EQ(misspelt.code, 2);
+  EXPECT_NE(misspelt.error.find("did you mean npy?"), std::string::npos) << misspelt.error;
+  std::ofstream(directory_ / "out/field.h5") << "no HDF5";
+  EXPECT_EQ(viscobar("export out").code, 1);
+}
+
+// What both scripts print: the counts, and the extremes to at least 12 digits.
+void expect_extremes(const std::string& printed, const std::vector<double>& u, const std::vector<double>& v) {
+  EXPECT_NE(printed.find("301 times and 1001 nodes"), std::string::npos) << printed;
+  const auto largest = [](const std::vector<double>& values) {
+    double most = 0.0;
+    for (const double value : values) most = std::max(most, std::abs(value));
+    return most;
+  };
+  const auto after = [&](const std::string& words) {
+    return std::stod(printed.substr(printed.find(words) + words.size()));
+  };
+  EXPECT_NEAR(after("|u| ="), largest(u), 1e-12 * largest(u));
+  EXPECT_NEAR(after("|v| ="), largest(v), 1e-12 * largest(v));
+}
+
+TEST_F(Export, IsNotNeededByAPythonScriptOfTenLines) {
+  const std::string python = "/usr/bin/python3";  // Debian's, which has its packages
+  if (std::system((python + " -c 'import h5py' 2>/dev/null").c_str()) != 0)
+    GTEST_SKIP() << "python3-h5py is not installed";
+  const FieldReader reader(directory_ / "out/field.h5");
+  expect_extremes(run_script(python, "read_result.py"), field(reader, Quantity::displacement),
+                  field(reader, Quantity::velocity));
+}
+
+TEST_F(Export, IsNotNeededByAnOctaveScriptOfTenLines) {
+  if (std::system("octave-cli --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "octave is not installed";
+  const FieldReader reader(directory_ / "out/field.h5");
+  expect_extremes(run_script("octave-cli -q", "read_result.m"), field(reader, Quantity::displacement),
+                  field(reader, Quantity::velocity));
+}
+
+TEST_F(Export, NumpyArraysAreReadByNumpy) {
+  if (std::system("/usr/bin/python3 -c 'import h5py' 2>/dev/null") != 0)
+    GTEST_SKIP() << "python3-h5py is not installed";
+  ASSERT_EQ(viscobar("export out --format npy").code, 0);
+  std::ofstream(directory_ / "equal.py") << "import h5py, numpy\nfield = h5py.File('out/field.h5')\n"
+                                            "for name in 'xtuv':\n"
+                                            "  assert (numpy.load(f'out/npy/{name}.npy') == field[name][:]).all()\n";
+  EXPECT_EQ(std::system(("cd '" + directory_.string() + "' && /usr/bin/python3 equal.py").c_str()), 0);
+}
+
+}  // namespace
+}  // namespace viscobar

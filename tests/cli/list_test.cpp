@@ -1,0 +1,70 @@
+// `viscobar list` and what the pages say are the same table.
+#include "cli/command.hpp"
+#include "io/vocabulary.hpp"
+#include "viscobar/analysis/case.hpp"
+
+namespace viscobar {
+namespace {
+
+using List = testing_cli::Command;
+
+/// What stands in docs/scene-file.md between the comment that names a command and the next comment.
+std::string between_comments(const std::string& page, const std::string& command) {
+  const std::string opening = "<!-- " + command + " -->\n";
+  const std::size_t begin = page.find(opening);
+  if (begin == std::string::npos) return "not on the page";
+  return page.substr(begin + opening.size(), page.find("<!-- -->", begin) - begin - opening.size());
+}
+
+TEST_F(List, IsWhatThePageOfTheSceneFileHolds) {
+  const std::string page = testing_cli::content(VISCOBAR_SOURCE_DIR "/docs/scene-file.md");
+  for (const std::string what : {"methods", "masses", "keys"}) {
+    const auto listed = viscobar("list " + what + " --markdown");
+    EXPECT_EQ(listed.code, 0);
+    EXPECT_EQ(between_comments(page, "viscobar list " + what + " --markdown"), listed.out) << what;
+  }
+}
+
+TEST_F(List, NamesEveryMethodAndMassInTheirOrder) {
+  const auto json = viscobar("list --json").json();
+  ASSERT_EQ(json["methods"].size(), std::size(all_methods));
+  for (std::size_t i = 0; i < std::size(all_methods); ++i) {
+    EXPECT_EQ(json["methods"][i]["method"], name(all_methods[i]));
+    EXPECT_EQ(json["methods"][i]["needs_step"], is_scheme(all_methods[i]));
+  }
+  EXPECT_EQ(json["masses"].size(), 4u);
+  EXPECT_EQ(json["keys"].size(), vocabulary_table(Vocabulary::keys).rows.size());
+}
+
+TEST_F(List, GivesTheLimitsAndDefaultsOfAKey) {
+  const auto listed = viscobar("list keys --json").json()["keys"];
+  const auto find = [&](const std::string& name) {
+    for (const auto& key : listed)
+      if (key["key"] == name) return key;
+    return nlohmann::json();
+  };
+  EXPECT_EQ(find("contact.restitution")["limits"], nlohmann::json({{"low", 0.0}, {"high", 1.0}}));
+  EXPECT_EQ(find("bar.density")["default"], 1.0);
+  EXPECT_EQ(find("method.name")["default"], "cvode");
+  EXPECT_EQ(find("bar.length")["required"], "always");
+  EXPECT_EQ(find("bar.length")["unit"], "length");
+}
+
+TEST_F(List, WithoutAWordPrintsAllThatItsWordsPrint) {
+  const std::string all = viscobar("list").out;
+  for (const std::string what : {"methods", "masses", "keys"}) {
+    const auto one = viscobar("list " + what);
+    EXPECT_EQ(one.code, 0);
+    EXPECT_NE(all.find(one.out), std::string::npos) << what;
+    EXPECT_EQ(one.out.find('`'), std::string::npos);
+  }
+}
+
+TEST_F(List, OfAMisspeltWordNamesTheNearest) {
+  const auto ended = viscobar("list mehtods");
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_NE(ended.error.find("did you mean methods?"), std::string::npos) << ended.error;
+}
+
+}  // namespace
+}  // namespace viscobar

@@ -1,0 +1,45 @@
+# Builds the Debian package and inspects it: what it depends on and what it holds; then unpacks it elsewhere and runs it.
+# Given: BUILD_DIR, WORK_DIR, CPACK.
+file(REMOVE_RECURSE ${WORK_DIR})
+file(MAKE_DIRECTORY ${WORK_DIR})
+function(run out)
+  execute_process(COMMAND ${ARGN} WORKING_DIRECTORY ${WORK_DIR} RESULT_VARIABLE code OUTPUT_VARIABLE text ERROR_VARIABLE error)
+  if(NOT code EQUAL 0)
+    list(JOIN ARGN " " words)
+    message(FATAL_ERROR "${words}: ${code}\n${text}${error}")
+  endif()
+  set(${out} "${text}" PARENT_SCOPE)
+endfunction()
+
+run(ignored ${CPACK} -G DEB --config ${BUILD_DIR}/CPackConfig.cmake -B ${WORK_DIR})
+file(GLOB packages ${WORK_DIR}/*.deb)
+list(LENGTH packages count)
+if(NOT count EQUAL 1)
+  message(FATAL_ERROR "one package expected: ${packages}")
+endif()
+
+run(control dpkg-deb -f ${packages})
+message(STATUS "${control}")
+foreach(field "Package: viscobar" "Section: science" "Depends: " "libc6" "libsundials" "libhdf5" "libmuparser" "libfmt")
+  if(NOT control MATCHES "${field}")
+    message(FATAL_ERROR "the control file lacks ${field}")
+  endif()
+endforeach()
+if(control MATCHES "-dev|gtest|eigen|cli11|tomlplusplus|nlohmann")
+  message(FATAL_ERROR "the package depends on what only the build needs")
+endif()
+
+run(content dpkg-deb -c ${packages})
+foreach(file usr/bin/viscobar usr/share/man/man1/viscobar.1 usr/share/bash-completion/completions/viscobar
+             usr/share/zsh/vendor-completions/_viscobar usr/share/doc/viscobar/copyright
+             usr/share/doc/viscobar/examples/scenes/chatter.toml)
+  if(NOT content MATCHES " \\./${file}")
+    message(FATAL_ERROR "the package lacks ${file}\n${content}")
+  endif()
+endforeach()
+if(content MATCHES "\\.hpp|\\.a\n|\\.cmake|\\.pc\n")
+  message(FATAL_ERROR "the package holds files of the library\n${content}")
+endif()
+
+run(ignored dpkg-deb -x ${packages} ${WORK_DIR}/root)
+run(version ${WORK_DIR}/root/usr/bin/viscobar --version)
