@@ -78,6 +78,23 @@ class LimitCommand {
   std::vector<double> steps_;
 };
 
+class PrecisionCommand {
+ public:
+  explicit PrecisionCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  CLI::App& command_;
+  SceneOptions scene_;
+  OutputOptions output_;
+  std::string tolerance_ = "1e-3:1e-10";
+  std::vector<std::string> methods_;
+  std::vector<std::size_t> elements_;
+  std::size_t halvings_ = 9, repeat_ = 0, threads_ = 0;
+  double seconds_ = 1.0;
+};
+
 class CheckCommand {
  public:
   explicit CheckCommand(CLI::App& app);

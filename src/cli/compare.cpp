@@ -1,12 +1,11 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
-#include "io/nearest_name.hpp"
+#include "cli/method_names.hpp"
 #include "io/output_file.hpp"
 #include "io/result_directory.hpp"
 #include "viscobar/io/study_reports.hpp"
@@ -14,23 +13,6 @@
 namespace viscobar::cli {
 
 namespace {
-
-std::vector<MethodName> methods_named(const std::vector<std::string>& words) {
-  std::vector<std::string> known;
-  for (const MethodName method : all_methods) known.emplace_back(name(method));
-  std::vector<MethodName> methods;
-  for (const std::string& word : words) {
-    const auto found = std::find(known.begin(), known.end(), word);
-    if (found == known.end()) {
-      const auto nearest = nearest_name(word, known);
-      throw std::invalid_argument(fmt::format(
-          "--methods: there is no method \"{}\"{}", word,
-          nearest ? fmt::format("; did you mean {}?", *nearest) : fmt::format(", only {}", fmt::join(known, ", "))));
-    }
-    methods.push_back(all_methods[found - known.begin()]);
-  }
-  return methods;
-}
 
 /// Fields of every method are kept, displacement and velocity at each node and output time.
 void check_memory(const Case& run, std::size_t methods) {

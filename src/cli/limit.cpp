@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <stdexcept>
 
 #include "cli/commands.hpp"
@@ -89,10 +88,11 @@ int LimitCommand::operator()() const {
   prepare_result_directory(directory);
 
   end_on_interrupt();
-  StudyProgress progress("runs");
-  if (!output_.quiet && on_terminal()) study.progress = std::ref(progress);
+  StatusLine status;
+  if (!output_.quiet && on_terminal())
+    study.progress = [&](std::size_t done, std::size_t of) { status.show(fmt::format("{} of {} runs", done, of)); };
   const LimitResult result = penalty_limit(study);
-  progress.clear();
+  status.clear();
   const CouplingResult coupling = balance_errors(study, result);
   const std::string json = limit_json(scene, study, result, coupling);
   write_atomically(directory / "limit.json", json);

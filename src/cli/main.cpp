@@ -53,6 +53,7 @@ int run(int argc, char** argv) {
   const CheckCommand check_command(app);
   const CompareCommand compare_command(app);
   const LimitCommand limit_command(app);
+  const PrecisionCommand precision_command(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -64,7 +65,8 @@ int run(int argc, char** argv) {
   }
   if (run_command.chosen()) return run_command();
   if (check_command.chosen()) return check_command();
-  return compare_command.chosen() ? compare_command() : limit_command();
+  if (compare_command.chosen()) return compare_command();
+  return limit_command.chosen() ? limit_command() : precision_command();
 }
 
 }  // namespace

@@ -41,14 +41,13 @@ void Progress::clear() {
   shown_ = false;
 }
 
-void StudyProgress::operator()(std::size_t done, std::size_t of) {
-  fmt::print(stderr, "\r\033[K{:5.1f} %  {} of {} {}", 100.0 * static_cast<double>(done) / static_cast<double>(of),
-             done, of, what_);
+void StatusLine::show(std::string_view what) {
+  fmt::print(stderr, "\r\033[K{}", what);
   std::fflush(stderr);
   shown_ = true;
 }
 
-void StudyProgress::clear() {
+void StatusLine::clear() {
   if (!shown_) return;
   fmt::print(stderr, "\r\033[K");
   std::fflush(stderr);

@@ -24,19 +24,18 @@ class Progress {
   bool shown_ = false;
 };
 
-/// The same for a study of many runs.
-class StudyProgress {
+/// A line on the terminal that says what is being done, overwritten by the next.
+class StatusLine {
  public:
-  explicit StudyProgress(std::string_view what) : what_(what) {}
-  ~StudyProgress() { clear(); }
-  StudyProgress(const StudyProgress&) = delete;
-  StudyProgress& operator=(const StudyProgress&) = delete;
+  StatusLine() = default;
+  ~StatusLine() { clear(); }
+  StatusLine(const StatusLine&) = delete;
+  StatusLine& operator=(const StatusLine&) = delete;
 
-  void operator()(std::size_t done, std::size_t of);
+  void show(std::string_view what);
   void clear();
 
  private:
-  std::string_view what_;
   bool shown_ = false;
 };
 

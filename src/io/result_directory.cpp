@@ -11,7 +11,7 @@ namespace viscobar {
 
 void prepare_result_directory(const std::filesystem::path& directory) {
   namespace fs = std::filesystem;
-  constexpr std::array summaries = {"summary.json", "compare.json", "limit.json"};
+  constexpr std::array summaries = {"summary.json", "compare.json", "limit.json", "precision.json"};
   std::error_code error;
   const bool there = fs::exists(directory, error);
   if (there && !fs::is_directory(directory))

@@ -41,8 +41,7 @@ class Run {
       u_nodal_.resize(system.mesh().nodes());
       v_nodal_.resize(system.mesh().nodes());
     }
-    if (observers_.snapshot) u_.resize(system.size());
-    if (observers_.snapshot || observers_.energy) v_.resize(system.size());
+    if (observers_.snapshot) u_.resize(system.size()), v_.resize(system.size());
   }
 
   Statistics operator()() {
@@ -75,8 +74,8 @@ class Run {
       if (observers_.progress) stopwatch_.outside([&] { observers_.progress(reached); });
       if (n == steps_) return;
       if (!was_active_.empty()) find_events(n);
-      if (observers_.energy) account();
       step.advance();
+      if (observers_.energy) account();
       if (scheme_.restitution > 0.0) measure_penetration();
       step.balance(time(n + 1));
     }
@@ -88,10 +87,9 @@ class Run {
     while (written_ < times_.size() && (times_[written_] <= time(n) || n == steps_)) {
       const double dt = scheme_.step, theta = std::min((times_[written_] - time(n - 1)) / dt, 1.0);
       const auto p = step_->p(), a = step_->acceleration(), a_before = step_->acceleration_before(), u = step_->u();
-      for (std::size_t i = 0; i < u.size(); ++i) {
-        u_[i] = u[i] - (1.0 - theta) * dt * p[i];
-        v_[i] = p[i] + dt / 2 * (theta * a[i] - (1.0 - theta) * a_before[i]);
-      }
+      const LaneOrder& order = step_->order();
+      order.to_nodes([&](std::size_t i) { return u[i] - (1.0 - theta) * dt * p[i]; }, u_);
+      order.to_nodes([&](std::size_t i) { return p[i] + dt / 2 * (theta * a[i] - (1.0 - theta) * a_before[i]); }, v_);
       write(u_, v_, theta);
     }
   }
@@ -165,20 +163,18 @@ class Run {
     stopwatch_.outside([&] { observers_.event(event); });
   }
 
-  // dE = dt (f, v) - eta dt a(v, v) + dt lambda v,  v = (u^{n+1} - u^{n-1}) / (2 dt)
+  // dE = dt (f, v) - eta dt a(v, v) + dt lambda v,  v = (u^{n+1} - u^{n-1}) / (2 dt), the step being made
   void account() {
     const double dt = scheme_.step;
     const auto p = step_->p(), a = step_->acceleration();
-    for (std::size_t i = 0; i < v_.size(); ++i) v_[i] = p[i] + dt / 2 * a[i];
     EnergyAccount& energy = *statistics_.energy;
-    if (system_.damped()) energy.dissipated += dt * system_.bar().viscosity * system_.squared_strain_rate(v_);
+    if (system_.damped()) energy.dissipated += dt * system_.bar().viscosity * step_->squared_strain_rate();
     const auto& contacts = step_->contacts();
-    for (std::size_t k = 0; k < contacts.size(); ++k)
-      energy.dissipated -= dt * step_->reaction()[k] * v_[contacts[k].unknown];
-    if (system_.loaded()) {
-      const auto load = step_->load();
-      energy.work += dt * std::inner_product(load.begin(), load.end(), v_.begin(), 0.0);
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const std::size_t i = contacts[k].unknown;
+      energy.dissipated -= dt * step_->reaction()[k] * (p[i] - dt / 2 * a[i]);
     }
+    if (system_.loaded()) energy.work += dt * step_->load_power();
   }
 
   // The constraint bounds u^{n+1} + e u^{n-1}, not u^{n+1}.

@@ -24,26 +24,40 @@ bool covers_span(const std::vector<Contact>& contacts) {
   return std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.where == Where::span; });
 }
 
+SymmetricTridiagonal step_matrix(const BarSystem& system, double dt) {
+  SymmetricTridiagonal matrix;
+  system.dynamic_stiffness(1.0, dt / 2, dt * dt / 2, matrix);
+  return matrix;
+}
+
 }  // namespace
 
 TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, const FullyDiscrete& scheme)
-    : system_(system), dt_(scheme.step), restitution_(scheme.restitution), contacts_(bounded_nodes(system.contacts())) {
-  SymmetricTridiagonal matrix;
-  system.dynamic_stiffness(1.0, dt_ / 2, dt_ * dt_ / 2, matrix);
+    : system_(system),
+      dt_(scheme.step),
+      restitution_(scheme.restitution),
+      factor_(covers_span(system.contacts()) ? LaneFactor()
+                                             : LaneFactor(step_matrix(system, dt_), LaneBar::stiffness(system))),
+      order_(factor_.order().size() > 0 ? factor_.order() : LaneOrder{system.size(), 0, 0}),
+      bar_(system, order_),
+      contacts_(bounded_nodes(system.contacts())),
+      fields_(order_, system.loaded() && order_.rows > 0 ? 5 : 4) {
   if (covers_span(system.contacts())) {
-    solver_.emplace<SpanConstraint>(matrix);
-    force_.resize(system.size());
-  } else if (!contacts_.empty()) {
-    std::vector<std::size_t> ends;
-    for (const Contact& contact : contacts_) ends.push_back(contact.unknown);
-    solver_.emplace<EndConstraint>(matrix, ends);
-    solves_ = ends.size();
+    solver_.emplace<SpanConstraint>(step_matrix(system, dt_));
+    interface_.resize(system.size());
   } else {
-    std::get<TridiagonalFactor>(solver_).factorise(matrix);
+    const SymmetricTridiagonal& condensed = factor_.condensed();
+    interface_.resize(condensed.size());
+    if (contacts_.empty()) {
+      std::get<TridiagonalFactor>(solver_).factorise(condensed);
+    } else {
+      std::vector<std::size_t> ends;
+      for (const Contact& contact : contacts_) ends.push_back(contact.unknown == 0 ? 0 : condensed.size() - 1);
+      solver_.emplace<EndConstraint>(condensed, ends);
+      solves_ = ends.size();
+    }
   }
   if (system.loaded()) load_.emplace(system);
-  a_.resize(system.size());
-  before_.resize(system.size());
   for (std::vector<double>* values : {&lower_, &bound_, &reaction_, &reaction_before_})
     values->resize(contacts_.size());
 
@@ -54,15 +68,17 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
 }
 
 void TimeStep::start_from(const State& start, double begin, Start order) {
-  u_ = start.u;
-  p_ = start.v;
+  order_.from_nodes(start.u, u_);
+  order_.from_nodes(start.v, p_);
+  const std::vector<double> v(p_.begin(), p_.end());
   for (std::size_t k = 0; k < contacts_.size(); ++k) lower_[k] = -contacts_[k].gap;
   if (order == Start::second_order) {
     // The Taylor term with the step's own matrix in place of rho M: a difference of O(dt^3), and it stays bounded at
     // any dt / h, where dt^2 (rho M)^{-1} K would not.
     evaluate_load(begin);
     solve(dt_ / 2);
-    for (std::size_t i = 0; i < p_.size(); ++i) p_[i] += dt_ / 2 * a_[i];
+    const auto a = acceleration();
+    for (std::size_t i = 0; i < p_.size(); ++i) p_[i] += dt_ / 2 * a[i];
   }
   if (system_.massive_begin() > 0) settle_massless(contacts_.front().gap, 0, 1, begin);
   if (system_.massive_end() < system_.size()) {
@@ -74,7 +90,7 @@ void TimeStep::start_from(const State& start, double begin, Start order) {
     p = std::max(p, (lower_[k] - u_[contacts_[k].unknown]) / dt_);
   }
   for (std::size_t i = 0; i < u_.size(); ++i) {
-    a_[i] = (p_[i] - start.v[i]) / (dt_ / 2);
+    a_[i] = (p_[i] - v[i]) / (dt_ / 2);
     u_[i] += dt_ * p_[i];
   }
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
@@ -111,35 +127,77 @@ void TimeStep::balance(double t) {
 
 void TimeStep::evaluate_load(double t) {
   if (!load_) return;
-  if (!load_->steady() || load_evaluations_ == 0) ++load_evaluations_;
-  load_now_ = load_->at(t);
+  const bool known = load_->steady() && load_evaluations_ > 0;
+  if (!known) ++load_evaluations_;
+  if (order_.rows == 0) {
+    load_now_ = load_->at(t);
+  } else if (!known) {
+    order_.from_nodes(load_->at(t), fields_[4]);
+    load_now_ = fields_[4];
+  }
 }
 
-// Finds a and lambda such that u + dt (p + lever a) lies above lower_.
+// Finds a at the interface and lambda such that u + dt (p + lever a) lies above lower_.
 void TimeStep::solve(double lever) {
-  auto* span = std::get_if<SpanConstraint>(&solver_);
-  std::vector<double>& force = span ? force_ : a_;
-  system_.internal_force(u_, p_, force);
-  if (load_)
-    for (std::size_t i = 0; i < force.size(); ++i) force[i] += load_now_[i];
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const std::size_t i = contacts_[k].unknown;
     bound_[k] = ((lower_[k] - u_[i]) / dt_ - p_[i]) / lever;
   }
-  if (span) return span->solve(force_, bound_, a_, reaction_);
+  if (auto* span = std::get_if<SpanConstraint>(&solver_)) {
+    system_.internal_force(u_, p_, interface_);
+    for (std::size_t i = 0; i < load_now_.size(); ++i) interface_[i] += load_now_[i];
+    return span->solve(interface_, bound_, a_, reaction_);
+  }
+  bar_.eliminate_force(factor_, u_, p_, load_now_, a_, interface_);
+  eliminated_ = true;
   ++solves_;
-  if (auto* ends = std::get_if<EndConstraint>(&solver_)) return ends->solve(a_, bound_, reaction_);
-  std::get<TridiagonalFactor>(solver_).solve(a_);
+  if (auto* ends = std::get_if<EndConstraint>(&solver_)) return ends->solve(interface_, bound_, reaction_);
+  std::get<TridiagonalFactor>(solver_).solve(interface_);
 }
+
+// Second sweep; `use(i, a)` sees every node, or row of nodes, stored at i.
+template <class Use>
+void TimeStep::substitute(Use&& use) {
+  eliminated_ = false;
+  const auto row = [use, rows = a_.data(), first = order_.first](std::size_t k, const Lanes& a) {
+    store_lanes(a, rows + first + k * lane_count);
+    use(first + k * lane_count, a);
+  };
+  factor_.substitute(interface_, a_, row);
+  for (std::size_t i = 0; i < order_.first; ++i) use(i, a_[i] = interface_[i]);
+  if (order_.rows > 0) row(order_.rows - 1, load_lanes(&interface_[order_.first]));
+  const std::size_t skipped = a_.size() - interface_.size();
+  for (std::size_t i = a_.size() - order_.last; i < a_.size(); ++i) use(i, a_[i] = interface_[i - skipped]);
+}
+
+std::span<const double> TimeStep::acceleration() {
+  if (eliminated_) substitute([](std::size_t, const auto&) {});
+  return a_;
+}
+
+namespace {
+
+[[gnu::always_inline]] inline void move(double dt, double a, double& p, double& u) {
+  p += dt * a;
+  u += dt * p;
+}
+
+[[gnu::always_inline]] inline void move(double dt, const Lanes& a, double& p, double& u) {
+  const Lanes moved = load_lanes(&p) + dt * a;
+  store_lanes(moved, &p);
+  store_lanes(load_lanes(&u) + dt * moved, &u);
+}
+
+}  // namespace
 
 void TimeStep::advance() {
   const std::span<const unsigned char> held = active();
   // The velocity of a held node from its displacements, so that rest is exact and not rounding's motion.
   for (std::size_t k = 0; k < contacts_.size(); ++k) bound_[k] = (lower_[k] - u_[contacts_[k].unknown]) / dt_;
-  for (std::size_t i = 0; i < u_.size(); ++i) {
-    p_[i] += dt_ * a_[i];
-    u_[i] += dt_ * p_[i];
-  }
+  if (eliminated_)
+    substitute([dt = dt_, p = p_.data(), u = u_.data()](std::size_t i, const auto& a) { move(dt, a, p[i], u[i]); });
+  else
+    for (std::size_t i = 0; i < u_.size(); ++i) move(dt_, a_[i], p_[i], u_[i]);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const std::size_t i = contacts_[k].unknown;
     if (held[k]) p_[i] = bound_[k];
@@ -155,13 +213,15 @@ std::span<const unsigned char> TimeStep::active() const {
 
 bool TimeStep::finite() const {
   if (std::holds_alternative<SpanConstraint>(solver_)) return std::isfinite(std::accumulate(a_.begin(), a_.end(), 0.0));
-  return std::isfinite(a_.front()) && std::isfinite(a_.back());
+  return std::isfinite(interface_.front()) && std::isfinite(interface_.back());
 }
 
 double TimeStep::energy() const {
-  std::vector<double> u_before(u_);
-  for (std::size_t i = 0; i < u_before.size(); ++i) u_before[i] -= dt_ * p_[i];
-  return (system_.energy(u_, p_) + system_.energy(u_before, p_)) / 2;
+  std::vector<double> u(u_.size()), u_before(u_.size()), p(u_.size());
+  order_.to_nodes([&](std::size_t i) { return u_[i]; }, u);
+  order_.to_nodes([&](std::size_t i) { return u_[i] - dt_ * p_[i]; }, u_before);
+  order_.to_nodes([&](std::size_t i) { return p_[i]; }, p);
+  return (system_.energy(u, p) + system_.energy(u_before, p)) / 2;
 }
 
 std::size_t TimeStep::linear_solves() const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "schemes/end_constraint.hpp"
+#include "schemes/lane_bar.hpp"
 #include "schemes/span_constraint.hpp"
 #include "viscobar/schemes/schemes.hpp"
 
@@ -19,6 +20,10 @@ namespace viscobar {
 ///     p^{n+1/2} = p^{n-1/2} + dt a^n,    u^{n+1} = u^n + dt p^{n+1/2},
 ///
 /// which is (2.8) without its cancellations: a rigid motion has a = 0 exactly, and no term is divided by dt^2.
+///
+/// Fields are in the order of order(), in which a step is two sweeps over the bar: one makes the force and eliminates,
+/// the other substitutes back and moves the nodes. The contacts of the ends lie in the small system between them.
+/// Under a span obstacle the order is that of the nodes.
 class TimeStep {
  public:
   /// Finds u^1 by `scheme.start`, projected on K_h node by node, and the balance at t_1. A massless node has no
@@ -31,12 +36,13 @@ class TimeStep {
   /// Finds a^n and lambda^n, the balance at t = t_n. @throws LoadError
   void balance(double t);
 
-  /// From n to n + 1.
+  /// From n to n + 1; acceleration() stays a^n.
   void advance();
 
+  const LaneOrder& order() const { return order_; }
   std::span<const double> u() const { return u_; }                         ///< u^n
   std::span<const double> p() const { return p_; }                         ///< p^{n-1/2}
-  std::span<const double> acceleration() const { return a_; }              ///< a^n
+  std::span<const double> acceleration();                                  ///< a^n
   std::span<const double> acceleration_before() const { return before_; }  ///< a^{n-1}
 
   /// Nodes with an obstacle in the order of the unknowns, each with the obstacle that bounds it most.
@@ -47,6 +53,10 @@ class TimeStep {
 
   /// M f(t_n); only for a loaded system.
   std::span<const double> load() const { return load_now_; }
+
+  /// After advance(): int v_x^2 and v.M f(t_n) of v^n = (u^{n+1} - u^{n-1}) / (2 dt)
+  double squared_strain_rate() const { return bar_.squared_strain_rate(p_, -dt_ / 2, a_); }
+  double load_power() const { return power(load_now_, p_, -dt_ / 2, a_); }
 
   /// Whether a^n is; what is not spreads over the nodes that are solved for together.
   bool finite() const;
@@ -61,17 +71,24 @@ class TimeStep {
  private:
   void evaluate_load(double t);
   void solve(double lever);
+  template <class Use>
+  void substitute(Use&& use);
   void start_from(const State& start, double begin, Start order);
   void settle_massless(double gap, std::size_t end, std::size_t next, double begin);
 
   const BarSystem& system_;
   double dt_, restitution_;
+  LaneFactor factor_;  // of the rows between the interface's; none under a span obstacle
+  LaneOrder order_;
+  LaneBar bar_;
   std::optional<LoadVector> load_;
   std::span<const double> load_now_;
   std::vector<Contact> contacts_;
   std::variant<TridiagonalFactor, EndConstraint, SpanConstraint> solver_;
-  std::vector<double> u_, p_, a_, before_;
-  std::vector<double> force_;                                       // only SpanConstraint solves out of place
+  LaneFields fields_;
+  std::span<double> u_ = fields_[0], p_ = fields_[1], a_ = fields_[2], before_ = fields_[3];
+  std::vector<double> interface_;                                   // a^n there; under a span obstacle the force
+  bool eliminated_ = false;                                         // a_ waits for the second sweep
   std::vector<double> lower_, bound_, reaction_, reaction_before_;  // one a contact
   std::size_t solves_ = 0, load_evaluations_ = 0;
 };

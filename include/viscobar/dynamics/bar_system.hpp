@@ -51,6 +51,9 @@ class BarSystem {
   bool loaded() const { return load_.has_value(); }
   bool left_fixed() const { return left_fixed_.has_value(); }
   bool right_fixed() const { return right_fixed_.has_value(); }
+  /// Displacement of a fixed end.
+  std::optional<double> left_displacement() const { return left_fixed_; }
+  std::optional<double> right_displacement() const { return right_fixed_; }
 
   /// rho M; the row of a massless node is zero.
   const SymmetricTridiagonal& inertia() const { return inertia_; }

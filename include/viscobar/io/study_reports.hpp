@@ -5,6 +5,7 @@
 #include "viscobar/analysis/coupling.hpp"
 #include "viscobar/analysis/cross_check.hpp"
 #include "viscobar/analysis/penalty_limit.hpp"
+#include "viscobar/analysis/work_precision.hpp"
 #include "viscobar/io/scene_file.hpp"
 
 namespace viscobar {
@@ -19,5 +20,10 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
                        const CouplingResult& coupling);
 std::string limit_text(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling);
 std::string limit_html(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling);
+
+/// Likewise of `viscobar precision`.
+std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, const PrecisionResult& result);
+std::string precision_text(const PrecisionStudy& study, const PrecisionResult& result);
+std::string precision_html(const PrecisionStudy& study, const PrecisionResult& result);
 
 }  // namespace viscobar

@@ -1,6 +1,9 @@
 #include "integration/sundials/vector.hpp"
 
 #include <Eigen/Core>
+#include <algorithm>
+
+#include "integration/sundials/history_sums.hpp"
 
 namespace viscobar::sundials {
 
@@ -11,7 +14,16 @@ struct Content {
   const std::vector<std::size_t>* entries = nullptr;  // of a probe
 };
 
-Content& content(N_Vector x) { return *static_cast<Content*>(x->content); }
+// Asked for, and not looked at yet. An integration and its vectors stay in one thread.
+constinit thread_local HistorySums put_off_sums;
+
+Eigen::ArrayXd& stored(N_Vector x) { return static_cast<Content*>(x->content)->data; }
+
+// The first look at a vector passes here.
+Content& content(N_Vector x) {
+  if (!put_off_sums.empty()) put_off_sums.carry_out();
+  return *static_cast<Content*>(x->content);
+}
 Eigen::ArrayXd& array(N_Vector x) { return content(x).data; }
 
 N_Vector clone(N_Vector x) noexcept {
@@ -24,7 +36,7 @@ N_Vector clone(N_Vector x) noexcept {
 }
 
 void destroy(N_Vector x) noexcept {
-  delete static_cast<Content*>(x->content);
+  delete &content(x);
   x->content = nullptr;
   N_VFreeEmpty(x);
 }
@@ -56,11 +68,24 @@ int probed_combination(int count, sunrealtype* c, N_Vector* x, N_Vector z) noexc
 }
 
 int scale_add_multi(int count, sunrealtype* c, N_Vector x, N_Vector* y, N_Vector* z) noexcept {
-  for (int k = 0; k < count; ++k) array(z[k]) = array(y[k]) + c[k] * array(x);
+  const auto& added = array(x);
+  // Piece by piece, so that x is read from memory once.
+  constexpr Eigen::Index piece = 1024;
+  for (Eigen::Index i = 0; i < added.size(); i += piece) {
+    const Eigen::Index n = std::min(piece, added.size() - i);
+    for (int k = 0; k < count; ++k)
+      stored(z[k]).segment(i, n) = stored(y[k]).segment(i, n) + c[k] * added.segment(i, n);
+  }
   return 0;
 }
 
+bool put_off(N_Vector x, N_Vector y) {
+  auto &sum = stored(x), &term = stored(y);
+  return put_off_sums.put_off(sum.data(), term.data(), static_cast<std::size_t>(sum.size()));
+}
+
 void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z) noexcept {
+  if (a == 1.0 && b == 1.0 && x == z && y != z && put_off(x, y)) return;
   if (a == 1.0)
     array(z) = array(x) + b * array(y);
   else

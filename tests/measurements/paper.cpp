@@ -1,5 +1,5 @@
 // Runs the paper's six panels in both readings by fully_discrete and by cvode, writes the pictures of docs/paper.md and
-// prints its table. Run in the project's folder: build/release/tests/paper_figures docs/figures
+// prints its table. Run in the project's folder: build/release/tests/measure_paper docs/figures
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,0 +1,127 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "cli/commands.hpp"
+#include "cli/interrupt.hpp"
+#include "cli/method_names.hpp"
+#include "cli/progress.hpp"
+#include "io/output_file.hpp"
+#include "io/result_directory.hpp"
+#include "viscobar/analysis/penalty_limit.hpp"
+#include "viscobar/io/study_reports.hpp"
+
+namespace viscobar::cli {
+
+namespace {
+
+double tolerance(const std::string& word) {
+  std::size_t read = 0;
+  double value = 0.0;
+  try {
+    value = std::stod(word, &read);
+  } catch (const std::logic_error&) {
+    read = 0;
+  }
+  if (read == 0 || read != word.size() || !(value >= 1e-14 && value <= 0.1))
+    throw std::invalid_argument(
+        fmt::format("--tolerance: \"{}\" is not a number from 1e-14 to 0.1; write 1e-3:1e-10", word));
+  return value;
+}
+
+/// "first:last", or one value.
+std::vector<double> tolerances(const std::string& range) {
+  const std::size_t colon = range.find(':');
+  const double a = tolerance(range.substr(0, colon));
+  const double b = colon == std::string::npos ? a : tolerance(range.substr(colon + 1));
+  return decades(std::max(a, b), std::min(a, b));
+}
+
+void check_lists(const PrecisionStudy& study) {
+  for (auto mesh = study.elements.begin(); mesh != study.elements.end(); ++mesh)
+    if (std::find(study.elements.begin(), mesh, *mesh) != mesh)
+      throw std::invalid_argument(fmt::format("--elements: {} is given twice", *mesh));
+  for (auto method = study.methods.begin(); method != study.methods.end(); ++method)
+    if (std::find(study.methods.begin(), method, *method) != method)
+      throw std::invalid_argument(fmt::format("--methods: {} is asked for twice", name(*method)));
+  if (study.repeat % 2 == 0 && study.repeat > 0)
+    throw std::invalid_argument("--repeat: the median needs an odd number of runs, 3 or more");
+}
+
+}  // namespace
+
+PrecisionCommand::PrecisionCommand(CLI::App& app)
+    : command_(*app.add_subcommand("precision",
+                                   "Measure speed against error for the methods that fit the scene, and what the "
+                                   "error consists of: space, penalty, time")),
+      scene_(command_),
+      output_(command_) {
+  command_.add_option("--methods", methods_, "The methods (default: all that fit the scene)")
+      ->type_name("NAME,NAME...")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command_.add_option("--tolerance", tolerance_, "Relative tolerances of adaptive methods, a decade apart")
+      ->type_name("FIRST:LAST")
+      ->capture_default_str();
+  command_.add_option("--halvings", halvings_, "How often the schemes' step is halved, from h / c on")
+      ->type_name("N")
+      ->check(CLI::Range(0, 30))
+      ->capture_default_str();
+  command_.add_option("--elements", elements_, "Meshes, in place of the scene's")
+      ->type_name("N,N...")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber)
+      ->allow_extra_args(false);
+  command_.add_option("--repeat", repeat_, "Timed runs of each row, whose median counts (default: 3 to 11)")
+      ->type_name("N")
+      ->check(CLI::Range(3, 9999));
+  command_.add_option("--seconds", seconds_, "Runs that take longer are left out")
+      ->type_name("SECONDS")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command_.add_option("--threads", threads_, "References at a time (default: one a core); timed runs run alone")
+      ->type_name("N");
+}
+
+int PrecisionCommand::operator()() const {
+  PrecisionStudy study;
+  study.methods = methods_named(methods_);
+  study.tolerances = tolerances(tolerance_);
+  study.elements = elements_;
+  study.halvings = halvings_;
+  study.repeat = repeat_;
+  study.seconds = seconds_;
+  study.threads = threads_;
+  check_lists(study);
+  std::vector<std::string> mesh;  // the scene is checked on the finest mesh
+  if (!elements_.empty())
+    mesh.push_back(fmt::format("mesh.elements={}", *std::max_element(elements_.begin(), elements_.end())));
+  const SceneFile scene = scene_.read({}, mesh);
+  study.scene = scene.run;
+  const std::filesystem::path directory = output_.directory(scene_);
+  prepare_result_directory(directory);
+
+  end_on_interrupt();
+  StatusLine status;
+  if (!scene_.json && !output_.quiet && on_terminal())
+    study.progress = [&](const std::string& what) { status.show(what); };
+  const PrecisionResult result = work_precision(study);
+  status.clear();
+  const std::string json = precision_json(scene, study, result);
+  write_atomically(directory / "precision.json", json);
+  write_atomically(directory / "precision.html", precision_html(study, result));
+  const std::string& title = scene.run.scene.title;
+  if (scene_.json)
+    print(json);
+  else if (!output_.quiet)
+    print(fmt::format("{}\n\n{}\n", title.empty() ? scene_.file : title, precision_text(study, result)) +
+          row("pictures", (directory / "precision.html").string()));
+  const bool something =
+      std::any_of(result.rows.begin(), result.rows.end(), [](const PrecisionRow& run) { return run.failure.empty(); });
+  if (!something) fmt::print(stderr, "viscobar: every run failed; the first: {}\n", result.rows.front().failure);
+  return something ? success : run_failed;
+}
+
+}  // namespace viscobar::cli

@@ -1,0 +1,121 @@
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "cli/command.hpp"
+
+namespace viscobar::testing_cli {
+namespace {
+
+using Json = nlohmann::json;
+
+class Precision : public Command {
+ protected:
+  Json study(const std::string& arguments) const {
+    const Ended ended = viscobar("precision " + arguments + " --json --repeat 3 --seconds 60");
+    EXPECT_EQ(ended.code, 0) << ended.error;
+    return ended.code == 0 ? ended.json() : Json::object();
+  }
+  const std::string few_ = " --tolerance 1e-4:1e-6 --halvings 2";
+};
+
+TEST_F(Precision, RowsHaveWhatScriptsRelyOn) {
+  const Json result = study(scene("unit-both-ends") + few_);
+  ASSERT_EQ(result["rows"].size(), 3u * 3u + 2u * 3u) << "cvode, ida, rigid; fully_discrete, finite_difference";
+  for (const Json& row : result["rows"]) {
+    for (const char* key :
+         {"method", "label", "error", "seconds", "steps", "runs", "elements", "mass", "space", "time", "largest_part"})
+      EXPECT_TRUE(row.contains(key) && !row[key].is_null()) << key << " in " << row;
+    EXPECT_EQ(row["runs"], 3);
+    EXPECT_GT(row["seconds"].get<double>(), 0.0);
+    EXPECT_TRUE(row.contains("tolerance") != row.contains("step")) << row;
+    EXPECT_TRUE(row["failure"].is_null());
+    const bool penalised = row["method"] == "cvode" || row["method"] == "ida";
+    EXPECT_NE(row["penalty"].is_null(), penalised) << row;
+  }
+  EXPECT_EQ(result["reference"]["kind"], "finer run");
+  EXPECT_GT(result["reference"]["error"].get<double>(), 0.0);
+  EXPECT_NE(result["reference"]["description"].get<std::string>().find("rigid on"), std::string::npos);
+  EXPECT_EQ(result["parts"].size(), 5u);
+  for (const Json& parts : result["parts"])
+    EXPECT_NE(parts["advice"].get<std::string>().find("dominates"), std::string::npos);
+  EXPECT_NE(result["norm"].get<std::string>().find("in the unit of u"), std::string::npos);
+}
+
+TEST_F(Precision, AnExactSceneIsMeasuredAgainstItsClosedForm) {
+  const Json result = study(scene("period-3") + few_ + " --methods rigid,fully_discrete --set mesh.elements=20");
+  EXPECT_EQ(result["reference"]["kind"], "closed form");
+  EXPECT_EQ(result["reference"]["error"], 0.0);
+  EXPECT_NE(result["reference"]["what"].get<std::string>().find("period-3"), std::string::npos);
+}
+
+TEST_F(Precision, SeveralMeshesAreNamedInTheLabels) {
+  const Json result = study(scene("unit-both-ends") + " --tolerance 1e-5 --methods rigid --elements 9,18");
+  ASSERT_EQ(result["rows"].size(), 2u);
+  EXPECT_EQ(result["rows"][1]["elements"], 18);
+  EXPECT_EQ(result["rows"][0]["label"], "9 elements, tolerance 1e-05");
+}
+
+TEST_F(Precision, TheTableNamesThePartsTheNormAndTheReference) {
+  const Ended ended = viscobar("precision " + scene("unit-both-ends") + few_ + " -o out");
+  EXPECT_EQ(ended.code, 0) << ended.error;
+  for (const char* word : {"space", "penalty", "time", "largest part", "dominates", "buys nothing",
+                           "Errors are against", "in the unit of u", "out/precision.html"})
+    EXPECT_NE(ended.out.find(word), std::string::npos) << word;
+  const std::string page = content(directory_ / "out" / "precision.html");
+  EXPECT_NE(page.find("<svg"), std::string::npos);
+  EXPECT_EQ(page.find("http"), std::string::npos) << "the page must need no network";
+  EXPECT_EQ(Json::parse(content(directory_ / "out" / "precision.json"))["rows"].size(), 15u);
+}
+
+TEST_F(Precision, QuietPrintsNothing) {
+  const Ended ended = viscobar("precision " + scene("unit-both-ends") + few_ + " --methods rigid --quiet");
+  EXPECT_EQ(ended.code, 0) << ended.error;
+  EXPECT_EQ(ended.out + ended.error, "");
+  EXPECT_TRUE(fs::exists(directory_ / "unit-both-ends.out" / "precision.json"));
+}
+
+TEST_F(Precision, EndsWithOneWhenEveryRunFails) {
+  const Ended ended = viscobar("precision " + scene("unit-both-ends") + few_ +
+                               " --methods rigid --set 'load.density=\"t > 0.5 ? 1/0 : 0\"' --json");
+  EXPECT_EQ(ended.code, 1);
+  EXPECT_NE(ended.error.find("every run failed"), std::string::npos) << ended.error;
+  const Json result = ended.json();
+  EXPECT_EQ(result["rows"].size(), 3u);
+  EXPECT_FALSE(result["rows"][0]["failure"].is_null());
+  EXPECT_TRUE(result["rows"][0]["error"].is_null());
+  EXPECT_TRUE(result["reference"]["error"].is_null());
+}
+
+TEST_F(Precision, RefusesWhatItCannotStudy) {
+  const auto refused = [&](const std::string& arguments, const std::string& why) {
+    const Ended ended = viscobar("precision " + arguments);
+    EXPECT_EQ(ended.code, 2) << arguments;
+    EXPECT_NE(ended.error.find(why), std::string::npos) << arguments << ": " << ended.error;
+    EXPECT_EQ(ended.out, "") << arguments;
+  };
+  const std::string unit = scene("unit-both-ends");
+  refused(unit + " --tolerance 1e-3:tight", "\"tight\" is not a number");
+  refused(unit + " --tolerance 1e-3:1e-20", "1e-14");
+  refused(unit + " --methods cvod", "did you mean cvode");
+  refused(unit + " --methods cvode,cvode", "twice");
+  refused(unit + " --elements 9,9", "twice");
+  refused(unit + " --elements 9,-3", "--elements");
+  refused(unit + " --repeat 4", "odd");
+  refused(unit + " --repeat 1", "--repeat");
+  refused(unit + " --seconds 0", "--seconds");
+  refused(unit + " --tolerances 1e-3", "did you mean --tolerance");
+  refused(scene("unit-span") + " --methods rigid", "rigid does not fit the scene");
+  refused("missing.toml", "missing.toml");
+}
+
+TEST_F(Precision, HelpNamesEveryOption) {
+  const Ended ended = viscobar("precision --help");
+  EXPECT_EQ(ended.code, 0);
+  for (const char* option : {"--methods", "--tolerance", "--halvings", "--elements", "--repeat", "--seconds",
+                             "--threads", "--output", "--json", "--set", "--quiet"})
+    EXPECT_NE(ended.out.find(option), std::string::npos) << option;
+}
+
+}  // namespace
+}  // namespace viscobar::testing_cli
