@@ -124,7 +124,7 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<
   }
   double rate = modulus * w[next];
   if (load_ && !load_->steady()) {
-    const double transit = h * std::sqrt(bar_.bar().density / bar_.bar().modulus);
+    const double transit = bar_.mesh().spacing() * std::sqrt(bar_.bar().density / bar_.bar().modulus);
     // No load is asked for before the start, where it need not exist.
     const double step = 1e-4 * transit, before = std::max(0.0, t - step), after = t + step;
     const double early = load_->at(before)[end];
@@ -159,6 +159,24 @@ void PenalisedSystem::complete_displacement_of(std::size_t end, double t, std::s
 void PenalisedSystem::complete_displacement(double t, std::span<double> u) {
   if (bar_.massive_begin() == 1) complete_displacement_of(0, t, u);
   if (bar_.massive_end() + 1 == size()) complete_displacement_of(size() - 1, t, u);
+}
+
+std::vector<PenalisedSystem::RelaxingRow> PenalisedSystem::relaxing_rows() const {
+  std::vector<RelaxingRow> rows;
+  if (!bar_.damped()) return rows;
+  const double modulus = bar_.bar().modulus, viscosity = bar_.bar().viscosity;
+  for (const std::size_t end : {std::size_t{0}, size() - 1}) {
+    if (!massless(end) || held(end)) continue;
+    const double h = bar_.spacing_at(end);
+    RelaxingRow row{end, neighbour(end), modulus / viscosity, modulus / viscosity, h / viscosity, 0.0};
+    for (std::size_t i = 0; i < laws_.size(); ++i) {
+      if (!closed(i) || contact(i).unknown != end) continue;
+      row.rate += laws_[i].stiffness * h / viscosity;
+      row.constant -= laws_[i].stiffness * h / viscosity * contact(i).gap;
+    }
+    rows.push_back(row);
+  }
+  return rows;
 }
 
 void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w) {

@@ -74,9 +74,6 @@ std::string range_problem(const Range& range, double value) {
 std::string choice_problem(const SceneKey& key, const std::string& value) {
   if (std::find(key.choices.begin(), key.choices.end(), value) != key.choices.end()) return {};
   const std::string known = fmt::format("\"{}\"", fmt::join(key.choices, "\", \""));
-  constexpr std::string_view planned[] = {"arkode", "odeint"};
-  if (key.name == "method.name" && std::find(std::begin(planned), std::end(planned), value) != std::end(planned))
-    return fmt::format("\"{}\" is not built in this version; there are {}", value, known);
   const auto nearest = nearest_name(value, key.choices);
   return fmt::format("cannot be \"{}\"; {}", value,
                      nearest ? fmt::format("nearest is \"{}\"", *nearest) : "there are " + known);

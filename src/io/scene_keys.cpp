@@ -22,7 +22,9 @@ constexpr Range not_negative{0.0, largest, ">= 0"};
 
 constexpr std::string_view ends[] = {"obstacle", "free", "fixed"};
 constexpr std::string_view masses[] = {"consistent", "lumped", "paper", "redistributed"};
-constexpr std::string_view methods[] = {"cvode", "ida", "rigid", "exponential", "fully_discrete", "finite_difference"};
+constexpr std::string_view methods[] = {"cvode", "ida",         "arkode",         "odeint",
+                                        "rigid", "exponential", "fully_discrete", "finite_difference"};
+constexpr std::string_view steppers[] = {"automatic", "rosenbrock4", "dopri5", "symplectic"};
 constexpr std::string_view starts[] = {"first_order", "second_order"};
 constexpr std::string_view controls[] = {"global", "local"};
 constexpr std::string_view formulas[] = {"automatic", "adams", "bdf"};
@@ -59,12 +61,13 @@ constexpr SceneKey keys[] = {
     {"contact.restitution", number, optional, "", "1", "restitution of a node; absent: undamped spring in penalised methods, implicit constraint in the others", {0.0, 1.0, "0 to 1"}},
 
     {"method.name", choice, optional, "\"cvode\"", "", "how the scene is integrated", {}, methods},
-    {"method.relative_tolerance", number, optional, "1e-6", "1", "cvode, ida: local error allowed, relative to the largest displacement and velocity", {smallest, 0.1, "> 0, <= 0.1"}},
-    {"method.absolute_tolerance", number, optional, "1e-9", "length", "cvode, ida: local error always allowed; the same number serves the velocity", positive},
+    {"method.relative_tolerance", number, optional, "1e-6", "1", "adaptive methods: error allowed, relative to the largest displacement and velocity", {smallest, 0.1, "> 0, <= 0.1"}},
+    {"method.absolute_tolerance", number, optional, "1e-9", "length", "adaptive methods: error always allowed; the same number serves the velocity", positive},
     {"method.error_control", choice, optional, "\"global\"", "", "what the tolerances bound: the error of the solution, or that of each step", {}, controls},
     {"method.formulas", choice, optional, "\"automatic\"", "", "multistep formulas of cvode", {}, formulas},
-    {"method.step", number, optional, "", "time", "time step of fully_discrete and finite_difference, which need it", positive},
-    {"method.start", choice, optional, "\"first_order\"", "", "first step of these two: u_0 + dt u_1, or with the term dt^2/2 u'' too", {}, starts},
+    {"method.stepper", choice, optional, "\"automatic\"", "", "formulas of odeint", {}, steppers},
+    {"method.step", number, optional, "", "time", "time step of fully_discrete, finite_difference and odeint's symplectic stepper, which need it", positive},
+    {"method.start", choice, optional, "\"first_order\"", "", "first step of the two schemes: u_0 + dt u_1, or with the term dt^2/2 u'' too", {}, starts},
 
     {"output.every", number, optional, "", "time", "interval of the output times; absent: time.end / 100", positive},
 };

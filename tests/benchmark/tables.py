@@ -14,7 +14,7 @@ def medians(path):
     runs = {}
     for row in json.loads(path.read_text())["benchmarks"]:
         if row.get("run_type") == "iteration":
-            runs.setdefault(row["run_name"], []).append(row)
+            runs.setdefault(row["run_name"].split("/repeats:")[0], []).append(row)
     to_ms = {"ns": 1e-6, "us": 1e-3, "ms": 1.0, "s": 1e3}
     result = {}
     for name, rows in runs.items():
