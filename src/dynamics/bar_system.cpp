@@ -163,20 +163,12 @@ double BarSystem::stiffness_diagonal(std::size_t i) const {
 }
 
 void BarSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const {
+  if (!inverse_spacing_.empty()) return graded_stiffness(m, c * bar_.viscosity + k * bar_.modulus, out);
   const std::size_t n = size();
   const double scale = c * bar_.viscosity + k * bar_.modulus;
   const double off = -scale / mesh_.spacing();
   out.diagonal.resize(n);
   out.off_diagonal.resize(n - 1);
-  if (!inverse_spacing_.empty()) {
-    const std::size_t first = first_node();
-    for (std::size_t i = 0; i < n; ++i) out.diagonal[i] = m * inertia_.diagonal[i] + scale * stiffness_diagonal(i);
-    for (std::size_t i = 0; i + 1 < n; ++i) {
-      const double mass = inertia_.off_diagonal.empty() ? 0.0 : m * inertia_.off_diagonal[i];
-      out.off_diagonal[i] = mass - scale * inverse_spacing_[first + i];
-    }
-    return;
-  }
   const double inner = 2.0 * scale / mesh_.spacing();
   for (std::size_t i = 0; i < n; ++i) out.diagonal[i] = m * inertia_.diagonal[i] + inner;
   out.diagonal[0] = m * inertia_.diagonal[0] + scale * stiffness_diagonal(0);
@@ -185,6 +177,17 @@ void BarSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiag
     std::fill(out.off_diagonal.begin(), out.off_diagonal.end(), off);
   else
     for (std::size_t i = 0; i + 1 < n; ++i) out.off_diagonal[i] = m * inertia_.off_diagonal[i] + off;
+}
+
+void BarSystem::graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const {
+  const std::size_t n = size(), first = first_node();
+  out.diagonal.resize(n);
+  out.off_diagonal.resize(n - 1);
+  for (std::size_t i = 0; i < n; ++i) out.diagonal[i] = m * inertia_.diagonal[i] + scale * stiffness_diagonal(i);
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    const double mass = inertia_.off_diagonal.empty() ? 0.0 : m * inertia_.off_diagonal[i];
+    out.off_diagonal[i] = mass - scale * inverse_spacing_[first + i];
+  }
 }
 
 double BarSystem::squared_strain(std::span<const double> u) const {

@@ -122,6 +122,7 @@ class BarSystem {
   };
 
   void graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
+  void graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const;  // scale K + m rho M
 
   Mesh mesh_;
   Mass mass_;
