@@ -58,6 +58,12 @@ double squared_differences(std::span<const double> x, const double* left, const 
   return sum;
 }
 
+double uniform_stiffness_diagonal(const BarSystem& system, std::size_t i) {
+  const bool bare_left = i == 0 && !system.left_fixed();
+  const bool bare_right = i + 1 == system.size() && !system.right_fixed();
+  return (2.0 - (bare_left ? 1.0 : 0.0) - (bare_right ? 1.0 : 0.0)) / system.mesh().spacing();
+}
+
 }  // namespace
 
 BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(mesh), mass_(mass), bar_(scene.bar) {
@@ -153,13 +159,9 @@ void BarSystem::graded_force(std::span<const double> u, std::span<const double> 
 }
 
 double BarSystem::stiffness_diagonal(std::size_t i) const {
-  if (!inverse_spacing_.empty()) {
-    const std::size_t node = i + first_node();
-    return (node > 0 ? inverse_spacing_[node - 1] : 0.0) + (node < mesh_.elements ? inverse_spacing_[node] : 0.0);
-  }
-  const bool bare_left = i == 0 && !left_fixed_;
-  const bool bare_right = i + 1 == size() && !right_fixed_;
-  return (2.0 - (bare_left ? 1.0 : 0.0) - (bare_right ? 1.0 : 0.0)) / mesh_.spacing();
+  if (inverse_spacing_.empty()) return uniform_stiffness_diagonal(*this, i);
+  const std::size_t node = i + first_node();
+  return (node > 0 ? inverse_spacing_[node - 1] : 0.0) + (node < mesh_.elements ? inverse_spacing_[node] : 0.0);
 }
 
 void BarSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const {
@@ -171,8 +173,8 @@ void BarSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiag
   out.off_diagonal.resize(n - 1);
   const double inner = 2.0 * scale / mesh_.spacing();
   for (std::size_t i = 0; i < n; ++i) out.diagonal[i] = m * inertia_.diagonal[i] + inner;
-  out.diagonal[0] = m * inertia_.diagonal[0] + scale * stiffness_diagonal(0);
-  out.diagonal[n - 1] = m * inertia_.diagonal[n - 1] + scale * stiffness_diagonal(n - 1);
+  out.diagonal[0] = m * inertia_.diagonal[0] + scale * uniform_stiffness_diagonal(*this, 0);
+  out.diagonal[n - 1] = m * inertia_.diagonal[n - 1] + scale * uniform_stiffness_diagonal(*this, n - 1);
   if (inertia_.off_diagonal.empty())
     std::fill(out.off_diagonal.begin(), out.off_diagonal.end(), off);
   else
