@@ -46,6 +46,23 @@ Mass effective_mass(const Case& run) {
   return run.method == MethodName::finite_difference && run.mass == Mass::consistent ? Mass::lumped : run.mass;
 }
 
+// Beyond it the first element is less than the rounding of the nodes of a large mesh; it gained nothing long before.
+constexpr double largest_grading = 1e6;
+
+void check_grading(const Case& run, std::vector<Finding>& findings) {
+  if (run.grading == 1.0) return;
+  if (!is_obstacle(run.scene.left) && !is_obstacle(run.scene.right))
+    findings.push_back({"mesh.grading", "has no end with an obstacle to shrink the elements towards; leave it out"});
+  else if (run.method == MethodName::finite_difference)
+    findings.push_back({"mesh.grading",
+                        "does not fit finite_difference, whose elements are of equal length; leave it out, or use "
+                        "fully_discrete with the mass \"lumped\""});
+  else if (run.mass == Mass::paper && run.method != MethodName::rigid)
+    findings.push_back({"mesh.grading",
+                        "does not fit the mass \"paper\", which has one weight h for all nodes; leave it out, or use "
+                        "\"lumped\""});
+}
+
 Penalty penalty(const Case& run) { return {run.epsilon.value_or(1.0), run.restitution.value_or(1.0)}; }
 
 void check_initial_nodes(const Case& run, std::vector<Finding>& findings) {
@@ -87,6 +104,8 @@ std::vector<Finding> validate(const Case& run) {
   tolerance("method.relative_tolerance", run.tolerance.relative, 0.1);
   tolerance("method.absolute_tolerance", run.tolerance.absolute, 1e300);
   if (run.elements < 1) findings.push_back({"mesh.elements", "must be at least 1"});
+  if (!(run.grading >= 1.0 && run.grading <= largest_grading))
+    findings.push_back({"mesh.grading", fmt::format("must lie in [1, {}], is {}", largest_grading, run.grading)});
   if (!findings.empty()) return findings;
 
   const Scene& scene = run.scene;
@@ -123,6 +142,7 @@ std::vector<Finding> validate(const Case& run) {
     findings.push_back({"method.step", fmt::format("is missing: {} has a fixed time step", name(run.method))});
   if (is_scheme(run.method) && run.step && run.end / *run.step > 1e12)
     findings.push_back({"method.step", fmt::format("gives more than 1e12 steps up to end = {}", run.end)});
+  check_grading(run, findings);
   check_initial_nodes(run, findings);
   if (findings.empty() && run.method == MethodName::odeint)
     if (const OdeintPlan what = plan(make_system(run), run.end, odeint(run)); what.refusal)

@@ -13,6 +13,11 @@ namespace viscobar {
 
 double l2_norm(const Mesh& mesh, std::span<const double> nodal) {
   double sum = 0.0;
+  if (!mesh.uniform()) {
+    for (std::size_t j = 0; j + 1 < nodal.size(); ++j)
+      sum += mesh.element(j) * (nodal[j] * nodal[j] + nodal[j] * nodal[j + 1] + nodal[j + 1] * nodal[j + 1]);
+    return std::sqrt(sum / 3.0);
+  }
   for (std::size_t j = 0; j + 1 < nodal.size(); ++j)
     sum += nodal[j] * nodal[j] + nodal[j] * nodal[j + 1] + nodal[j + 1] * nodal[j + 1];
   return std::sqrt(sum * mesh.spacing() / 3.0);
@@ -20,6 +25,13 @@ double l2_norm(const Mesh& mesh, std::span<const double> nodal) {
 
 double h1_seminorm(const Mesh& mesh, std::span<const double> nodal) {
   double sum = 0.0;
+  if (!mesh.uniform()) {
+    for (std::size_t j = 0; j + 1 < nodal.size(); ++j) {
+      const double difference = nodal[j + 1] - nodal[j];
+      sum += difference * difference / mesh.element(j);
+    }
+    return std::sqrt(sum);
+  }
   for (std::size_t j = 0; j + 1 < nodal.size(); ++j) {
     const double difference = nodal[j + 1] - nodal[j];
     sum += difference * difference;
@@ -129,7 +141,7 @@ std::optional<double> largest_difference(const Recording& first, const Recording
                                          const std::vector<double> Recording::*field,
                                          double (*norm)(const Mesh&, std::span<const double>)) {
   const std::vector<double>&a = first.*field, &b = other.*field;
-  if (first.mesh.elements != other.mesh.elements || a.size() != b.size()) return std::nullopt;
+  if (!same_nodes(first.mesh, other.mesh) || a.size() != b.size()) return std::nullopt;
   const std::size_t nodes = first.mesh.nodes();
   std::vector<double> difference(nodes);
   double largest = 0.0;
@@ -143,7 +155,7 @@ std::optional<double> largest_difference(const Recording& first, const Recording
 }  // namespace
 
 Comparison compare(const Recording& first, const Recording& other) {
-  const bool same_mesh = first.mesh.elements == other.mesh.elements;
+  const bool same_mesh = same_nodes(first.mesh, other.mesh);
   if (first.times != other.times || !(same_mesh || first.mesh.elements == 1 || other.mesh.elements == 1))
     throw std::invalid_argument("only recordings on the same mesh and time grid can be compared");
   Comparison result;

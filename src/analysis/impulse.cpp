@@ -13,7 +13,8 @@ EndImpulses::EndImpulses(const Case& run, const Recording& recording)
   if (system.loaded()) load.emplace(system);
   const std::size_t n = system.size();
   const Bar& bar = system.bar();
-  const double h = system.mesh().spacing();
+  const Mesh& mesh = system.mesh();
+  const double h_left = mesh.element(0), h_right = mesh.element(mesh.elements - 1);
   std::vector<double> momentum(n), force(n);
   const std::vector<double> rest(n);
   struct Row {
@@ -35,8 +36,9 @@ EndImpulses::EndImpulses(const Case& run, const Recording& recording)
       if (before) sum += stored - before->stored + 0.5 * (times_[k] - times_[k - 1]) * (rate + before->rate);
       before = Row{stored, rate};
     };
-    advance(left, momentum.front() + bar.viscosity * (nodal[0] - nodal[1]) / h, -force.front(), left_sum);
-    advance(right, momentum.back() + bar.viscosity * (nodal[last] - nodal[last - 1]) / h, -force.back(), right_sum);
+    advance(left, momentum.front() + bar.viscosity * (nodal[0] - nodal[1]) / h_left, -force.front(), left_sum);
+    advance(right, momentum.back() + bar.viscosity * (nodal[last] - nodal[last - 1]) / h_right, -force.back(),
+            right_sum);
     left_.push_back(left_sum);
     right_.push_back(right_sum);
   }

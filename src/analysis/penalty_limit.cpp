@@ -217,7 +217,7 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
   orders.scheme_error = 2.0 * largest_difference(mesh.scheme(), mesh.finer_scheme());
   orders.scheme_events = mesh.scheme().events.size();
   orders.tolerance_error = 100.0 * scheme.tolerance.relative * largest_displacement(mesh.scheme());
-  const double h = scheme.mesh().spacing();
+  const double h = scheme.mesh().smallest();  // of the contact nodes
   const bool span = scheme.scene.span.has_value();
   // zeta ~ 1 of an end node on its spring 1 / epsilon; under a span the spring is h / epsilon.
   if (bar.viscosity > 0.0)

@@ -47,11 +47,11 @@ std::vector<ContactRegime> contact_regimes(const Case& run, const BarSystem& sys
   const std::vector<double> masses = system.effective_masses();
   const State start = system.initial_state();
   const Bar& bar = system.bar();
-  const double h = system.mesh().spacing();
   const double own = run.restitution ? damping_ratio(*run.restitution) : 0.0;
   for (const Contact& contact : system.contacts()) {
     if (contact.where == Where::span) continue;
     ContactRegime regime;
+    const double h = system.spacing_at(contact.unknown);
     regime.where = contact.where;
     regime.effective_mass = masses[contact.unknown];
     if (const double m = regime.effective_mass; m > 0.0) {

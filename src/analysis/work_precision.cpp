@@ -102,8 +102,12 @@ const ErrorParts& PrecisionResult::parts_of(const PrecisionRow& row) const {
 
 PrecisionResult work_precision(const PrecisionStudy& study) {
   std::vector<Mesh> meshes;
-  for (const std::size_t count : study.elements) meshes.push_back({study.scene.scene.bar.length, count});
-  if (meshes.empty()) meshes.push_back(study.scene.mesh());
+  Mesh mesh = study.scene.mesh();
+  if (study.elements.empty()) meshes.push_back(mesh);
+  for (const std::size_t count : study.elements) {
+    mesh.elements = count;
+    meshes.push_back(mesh);
+  }
   Case scene = study.scene;
   scene.output_every = error_times(scene, meshes);
 

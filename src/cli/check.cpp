@@ -102,8 +102,8 @@ void predict(ContactRegime& regime, const std::optional<std::vector<FirstImpact>
              const BarSystem& system) {
   const FirstImpact* first = hit(hits, regime.where);
   if (!first || first->speed == 0.0 || regime.where == Where::span) return;
-  regime.impact =
-      predict_impact(system.bar(), system.mesh().spacing(), regime.effective_mass, *run.epsilon, first->speed);
+  const double h = system.spacing_at(regime.where == Where::left ? 0 : system.size() - 1);
+  regime.impact = predict_impact(system.bar(), h, regime.effective_mass, *run.epsilon, first->speed);
 }
 
 std::string impact_text(const Case& run, const std::optional<std::vector<FirstImpact>>& hits) {
@@ -167,6 +167,7 @@ int CheckCommand::operator()() const {
   json["nodes"] = system.mesh().nodes();
   json["unknown_nodes"] = system.size();
   json["spacing"] = system.mesh().spacing();
+  if (!system.mesh().uniform()) json["smallest_element"] = system.mesh().smallest();
   json["mass"] = viscobar::name(system.mass());
   json["terms"] = {{"inertia", system.has_massless() ? "massless contact nodes" : "every node"},
                    {"elasticity", true},
@@ -195,7 +196,10 @@ int CheckCommand::operator()() const {
       row("unknowns", fmt::format("{} nodes of {}, displacement and velocity", system.size(), system.mesh().nodes()));
   text += row("inertia", fmt::format("{} mass{}", viscobar::name(system.mass()),
                                      system.has_massless() ? ", massless contact nodes" : ""));
-  text += row("elasticity", fmt::format("E = {}, h = {:.4g}", run.scene.bar.modulus, system.mesh().spacing()));
+  text += row("elasticity", fmt::format("E = {}, h = {:.4g}{}", run.scene.bar.modulus, system.mesh().spacing(),
+                                        system.mesh().uniform() ? ""
+                                                                : fmt::format(" on average, {:.4g} at the contacts",
+                                                                              system.mesh().smallest())));
   text += row("damping", system.damped() ? fmt::format("eta = {}", run.scene.bar.viscosity) : "none");
   text += row("load", load_kind(run.scene));
   text += row("contact", system.contacts().empty() ? "none" : contact_kind(run));

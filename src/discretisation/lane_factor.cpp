@@ -17,6 +17,13 @@ LaneFactor::LaneFactor(const SymmetricTridiagonal& matrix, double scale) : scale
   condense(matrix, e);
 }
 
+LaneFactor LaneFactor::without_rows(const SymmetricTridiagonal& matrix) {
+  LaneFactor factor;
+  factor.order_ = {matrix.size(), 0, 0};
+  factor.condensed_ = matrix;
+  return factor;
+}
+
 // Rows that are alike, with what couples them to their neighbours, divided evenly; the rest goes to the ends.
 void LaneFactor::find_order(const SymmetricTridiagonal& matrix) {
   const std::size_t n = matrix.size();

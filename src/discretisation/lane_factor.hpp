@@ -24,6 +24,8 @@ class LaneFactor {
   LaneFactor() = default;
   /// @throws std::domain_error when the matrix is not positive definite
   explicit LaneFactor(const SymmetricTridiagonal& matrix, double scale = 1.0);
+  /// For a matrix whose rows are not alike: all of it is the interface.
+  static LaneFactor without_rows(const SymmetricTridiagonal& matrix);
 
   const LaneOrder& order() const { return order_; }
   /// Matrix of the interface; all of A when there are no rows. Whoever factorises it finds out whether it is definite.

@@ -14,7 +14,27 @@ std::string_view name(Mass mass) {
   return {};
 }
 
+namespace {
+
+SymmetricTridiagonal graded_mass_matrix(const Mesh& mesh, Mass mass) {
+  if (mass == Mass::paper)
+    throw std::invalid_argument("mass \"paper\" has one weight h for all nodes: it needs elements of equal length");
+  const bool lumped = mass == Mass::lumped;
+  SymmetricTridiagonal matrix;
+  matrix.diagonal.assign(mesh.nodes(), 0.0);
+  for (std::size_t j = 0; j < mesh.elements; ++j) {
+    const double h = mesh.element(j), share = lumped ? h / 2 : h / 3;
+    matrix.diagonal[j] += share;
+    matrix.diagonal[j + 1] += share;
+    if (!lumped) matrix.off_diagonal.push_back(h / 6);
+  }
+  return matrix;
+}
+
+}  // namespace
+
 SymmetricTridiagonal mass_matrix(const Mesh& mesh, Mass mass) {
+  if (!mesh.uniform()) return graded_mass_matrix(mesh, mass);
   const double h = mesh.spacing();
   const std::size_t n = mesh.nodes();
   SymmetricTridiagonal matrix;
@@ -31,13 +51,16 @@ SymmetricTridiagonal mass_matrix(const Mesh& mesh, Mass mass) {
 
 namespace {
 
-// Replaces the end element's energy (h/6)(v0^2 + v0 v1 + v1^2) by its value at v0 = 2 v1 - v2, which is
-// (h/6)(7 v1^2 - 5 v1 v2 + v2^2); all entries below are those of twice that form.
-void make_massless(double h, double& end, double& end_next, double& next, double& next_inner, double& inner) {
+// Replaces the end element's energy (h/6)(v0^2 + v0 v1 + v1^2) by its value at v0 = (1 + a) v1 - a v2, a the ratio of
+// its size to the next one's, which is (h/6)((3 + 3a + a^2) v1^2 - (3a + 2a^2) v1 v2 + a^2 v2^2); all entries below are
+// those of twice that form.
+void make_massless(double h, double beside, double& end, double& end_next, double& next, double& next_inner,
+                   double& inner) {
+  const double a = h / beside;
   end = end_next = 0.0;
-  next += 7 * h / 3 - h / 3;
-  next_inner -= 5 * h / 6;
-  inner += h / 3;
+  next += (3 + a * (3 + a)) * h / 3 - h / 3;
+  next_inner -= a * (3 + 2 * a) * h / 6;
+  inner += a * a * h / 3;
 }
 
 }  // namespace
@@ -49,12 +72,13 @@ SymmetricTridiagonal inertia_matrix(const Mesh& mesh, Mass mass, bool left_conta
   if (mesh.elements < contacts + 1)
     throw std::invalid_argument("mass \"redistributed\" needs at least " + std::to_string(contacts + 1) +
                                 " elements here: the mass of a contact node moves to the next two nodes");
-  const double h = mesh.spacing();
   auto& d = matrix.diagonal;
   auto& o = matrix.off_diagonal;
   const std::size_t last = mesh.elements;
-  if (left_contact) make_massless(h, d[0], o[0], d[1], o[1], d[2]);
-  if (right_contact) make_massless(h, d[last], o[last - 1], d[last - 1], o[last - 2], d[last - 2]);
+  if (left_contact) make_massless(mesh.element(0), mesh.element(1), d[0], o[0], d[1], o[1], d[2]);
+  if (right_contact)
+    make_massless(mesh.element(last - 1), mesh.element(last - 2), d[last], o[last - 1], d[last - 1], o[last - 2],
+                  d[last - 2]);
   return matrix;
 }
 

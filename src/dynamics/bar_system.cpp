@@ -26,6 +26,20 @@ std::vector<double> nodal_values(const Mesh& mesh, const SpaceFunction& f) {
   return values;
 }
 
+// Sum over the elements of (difference of the ends' values)^2 / h.
+double graded_squared_strain(std::span<const double> x, const double* left, const double* right,
+                             std::span<const double> inverse_spacing) {
+  double sum = 0.0;
+  const auto add = [&](std::size_t element, double difference) {
+    sum += difference * difference * inverse_spacing[element];
+  };
+  const std::size_t first = left ? 1 : 0;
+  for (std::size_t i = 0; i + 1 < x.size(); ++i) add(first + i, x[i + 1] - x[i]);
+  if (left) add(0, x.front() - *left);
+  if (right) add(inverse_spacing.size() - 1, *right - x.back());
+  return sum;
+}
+
 // Sum of the squared differences of neighbours, the fixed neighbours being given.
 double squared_differences(std::span<const double> x, const double* left, const double* right) {
   // Partial sums, since one alone would wait for each addition.
@@ -44,6 +58,12 @@ double squared_differences(std::span<const double> x, const double* left, const 
   return sum;
 }
 
+double uniform_stiffness_diagonal(const BarSystem& system, std::size_t i) {
+  const bool bare_left = i == 0 && !system.left_fixed();
+  const bool bare_right = i + 1 == system.size() && !system.right_fixed();
+  return (2.0 - (bare_left ? 1.0 : 0.0) - (bare_right ? 1.0 : 0.0)) / system.mesh().spacing();
+}
+
 }  // namespace
 
 BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(mesh), mass_(mass), bar_(scene.bar) {
@@ -60,6 +80,8 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(me
         "mass \"redistributed\" cannot serve a span obstacle: every node is a contact node and must keep its mass");
   massless_left_ = redistributed && is_obstacle(scene.left);
   massless_right_ = redistributed && is_obstacle(scene.right);
+  if (!mesh.uniform())
+    for (std::size_t j = 0; j < mesh.elements; ++j) inverse_spacing_.push_back(1.0 / mesh.element(j));
   inertia_ = restrict_to(inertia_matrix(mesh, mass, massless_left_, massless_right_), first, n);
   for (double& entry : inertia_.diagonal) entry *= bar_.density;
   for (double& entry : inertia_.off_diagonal) entry *= bar_.density;
@@ -69,10 +91,11 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(me
   if (const auto* right = std::get_if<Obstacle>(&scene.right))
     contacts_.push_back({n - 1, right->gap, 1.0, Where::right});
   if (scene.span) {
-    const double h = mesh.spacing();
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t node = i + first;
-      contacts_.push_back({i, scene.span->gap, node == 0 || node == mesh.elements ? h / 2 : h, Where::span});
+      const double before = node > 0 ? mesh.element(node - 1) : 0.0;
+      const double after = node < mesh.elements ? mesh.element(node) : 0.0;
+      contacts_.push_back({i, scene.span->gap, (before + after) / 2, Where::span});
     }
   }
 
@@ -100,6 +123,7 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(me
 }
 
 void BarSystem::internal_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
+  if (!inverse_spacing_.empty()) return graded_force(u, w, out);
   const std::size_t n = size();
   const double stiffness = bar_.modulus / mesh_.spacing();
   const double damping = bar_.viscosity / mesh_.spacing();
@@ -121,13 +145,27 @@ void BarSystem::internal_force(std::span<const double> u, std::span<const double
     inner([=](std::size_t i) { return stiffness * (u[i + 1] - u[i]); });
 }
 
+void BarSystem::graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
+  const std::size_t n = size(), first = first_node();
+  const double modulus = bar_.modulus, viscosity = bar_.viscosity;
+  double before = left_fixed_ ? inverse_spacing_[0] * (modulus * (u[0] - *left_fixed_) + viscosity * w[0]) : 0.0;
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    const double next = inverse_spacing_[first + i] * (modulus * (u[i + 1] - u[i]) + viscosity * (w[i + 1] - w[i]));
+    out[i] = next - before;
+    before = next;
+  }
+  const double right = right_fixed_ ? modulus * (*right_fixed_ - u[n - 1]) - viscosity * w[n - 1] : 0.0;
+  out[n - 1] = inverse_spacing_.back() * right - before;
+}
+
 double BarSystem::stiffness_diagonal(std::size_t i) const {
-  const bool bare_left = i == 0 && !left_fixed_;
-  const bool bare_right = i + 1 == size() && !right_fixed_;
-  return (2.0 - (bare_left ? 1.0 : 0.0) - (bare_right ? 1.0 : 0.0)) / mesh_.spacing();
+  if (inverse_spacing_.empty()) return uniform_stiffness_diagonal(*this, i);
+  const std::size_t node = i + first_node();
+  return (node > 0 ? inverse_spacing_[node - 1] : 0.0) + (node < mesh_.elements ? inverse_spacing_[node] : 0.0);
 }
 
 void BarSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const {
+  if (!inverse_spacing_.empty()) return graded_stiffness(m, c * bar_.viscosity + k * bar_.modulus, out);
   const std::size_t n = size();
   const double scale = c * bar_.viscosity + k * bar_.modulus;
   const double off = -scale / mesh_.spacing();
@@ -135,22 +173,36 @@ void BarSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiag
   out.off_diagonal.resize(n - 1);
   const double inner = 2.0 * scale / mesh_.spacing();
   for (std::size_t i = 0; i < n; ++i) out.diagonal[i] = m * inertia_.diagonal[i] + inner;
-  out.diagonal[0] = m * inertia_.diagonal[0] + scale * stiffness_diagonal(0);
-  out.diagonal[n - 1] = m * inertia_.diagonal[n - 1] + scale * stiffness_diagonal(n - 1);
+  out.diagonal[0] = m * inertia_.diagonal[0] + scale * uniform_stiffness_diagonal(*this, 0);
+  out.diagonal[n - 1] = m * inertia_.diagonal[n - 1] + scale * uniform_stiffness_diagonal(*this, n - 1);
   if (inertia_.off_diagonal.empty())
     std::fill(out.off_diagonal.begin(), out.off_diagonal.end(), off);
   else
     for (std::size_t i = 0; i + 1 < n; ++i) out.off_diagonal[i] = m * inertia_.off_diagonal[i] + off;
 }
 
+void BarSystem::graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const {
+  const std::size_t n = size(), first = first_node();
+  out.diagonal.resize(n);
+  out.off_diagonal.resize(n - 1);
+  for (std::size_t i = 0; i < n; ++i) out.diagonal[i] = m * inertia_.diagonal[i] + scale * stiffness_diagonal(i);
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    const double mass = inertia_.off_diagonal.empty() ? 0.0 : m * inertia_.off_diagonal[i];
+    out.off_diagonal[i] = mass - scale * inverse_spacing_[first + i];
+  }
+}
+
 double BarSystem::squared_strain(std::span<const double> u) const {
-  return squared_differences(u, left_fixed_ ? &*left_fixed_ : nullptr, right_fixed_ ? &*right_fixed_ : nullptr) /
-         mesh_.spacing();
+  const double *left = left_fixed_ ? &*left_fixed_ : nullptr, *right = right_fixed_ ? &*right_fixed_ : nullptr;
+  if (!inverse_spacing_.empty()) return graded_squared_strain(u, left, right, inverse_spacing_);
+  return squared_differences(u, left, right) / mesh_.spacing();
 }
 
 double BarSystem::squared_strain_rate(std::span<const double> w) const {
   const double still = 0.0;
-  return squared_differences(w, left_fixed_ ? &still : nullptr, right_fixed_ ? &still : nullptr) / mesh_.spacing();
+  const double *left = left_fixed_ ? &still : nullptr, *right = right_fixed_ ? &still : nullptr;
+  if (!inverse_spacing_.empty()) return graded_squared_strain(w, left, right, inverse_spacing_);
+  return squared_differences(w, left, right) / mesh_.spacing();
 }
 
 double BarSystem::energy(std::span<const double> u, std::span<const double> w) const {

@@ -32,7 +32,7 @@ double PenalisedSystem::clearance_rounding(std::size_t i, double largest) const 
 
 double PenalisedSystem::contact_noise(double rate) const {
   double noise = 0.0;
-  const double h = bar_.mesh().spacing(), viscous = bar_.bar().viscosity / (bar_.bar().density * h * h);
+  const double h = bar_.mesh().smallest(), viscous = bar_.bar().viscosity / (bar_.bar().density * h * h);
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!closed(i)) continue;
     const std::size_t node = contact(i).unknown;
@@ -71,13 +71,13 @@ double PenalisedSystem::indicator_offset(std::size_t i, double t) {
   const std::size_t node = contact(i).unknown;
   const bool reaction = massless(node) && (!bar_.damped() || (rigid_ && closed(i)));
   if (!load_ || !reaction) return contact(i).gap;
-  return contact(i).gap + load_->at(t)[node] * bar_.mesh().spacing() / bar_.bar().modulus;
+  return contact(i).gap + load_->at(t)[node] * bar_.spacing_at(node) / bar_.bar().modulus;
 }
 
 double PenalisedSystem::penetration_share(std::size_t i) const {
   if (rigid_) return 0.0;
   if (bar_.damped() || !massless(contact(i).unknown)) return 1.0;
-  return 1.0 / (1.0 + laws_[i].stiffness * bar_.mesh().spacing() / bar_.bar().modulus);
+  return 1.0 / (1.0 + laws_[i].stiffness * bar_.spacing_at(contact(i).unknown) / bar_.bar().modulus);
 }
 
 void PenalisedSystem::force(double t, std::span<const double> u, std::span<const double> w, std::span<double> out) {
@@ -111,7 +111,7 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<
     w[end] = 0.0;
     return;
   }
-  const double h = bar_.mesh().spacing();
+  const double h = bar_.spacing_at(end);
   const double modulus = bar_.bar().modulus / h, damping = bar_.bar().viscosity / h;
   const std::size_t next = neighbour(end);
   if (bar_.damped()) {
@@ -124,7 +124,7 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<
   }
   double rate = modulus * w[next];
   if (load_ && !load_->steady()) {
-    const double transit = h * std::sqrt(bar_.bar().density / bar_.bar().modulus);
+    const double transit = bar_.mesh().spacing() * std::sqrt(bar_.bar().density / bar_.bar().modulus);
     // No load is asked for before the start, where it need not exist.
     const double step = 1e-4 * transit, before = std::max(0.0, t - step), after = t + step;
     const double early = load_->at(before)[end];
@@ -145,7 +145,7 @@ void PenalisedSystem::complete_displacement_of(std::size_t end, double t, std::s
     return;
   }
   if (bar_.damped()) return;
-  const double modulus = bar_.bar().modulus / bar_.mesh().spacing();
+  const double modulus = bar_.bar().modulus / bar_.spacing_at(end);
   double force = modulus * u[neighbour(end)], stiffness = modulus;
   if (load_) force += load_->at(t)[end];
   for (std::size_t i = 0; i < laws_.size(); ++i) {
@@ -164,9 +164,10 @@ void PenalisedSystem::complete_displacement(double t, std::span<double> u) {
 std::vector<PenalisedSystem::RelaxingRow> PenalisedSystem::relaxing_rows() const {
   std::vector<RelaxingRow> rows;
   if (!bar_.damped()) return rows;
-  const double h = bar_.mesh().spacing(), modulus = bar_.bar().modulus, viscosity = bar_.bar().viscosity;
+  const double modulus = bar_.bar().modulus, viscosity = bar_.bar().viscosity;
   for (const std::size_t end : {std::size_t{0}, size() - 1}) {
     if (!massless(end) || held(end)) continue;
+    const double h = bar_.spacing_at(end);
     RelaxingRow row{end, neighbour(end), modulus / viscosity, modulus / viscosity, h / viscosity, 0.0};
     for (std::size_t i = 0; i < laws_.size(); ++i) {
       if (!closed(i) || contact(i).unknown != end) continue;
@@ -215,7 +216,7 @@ double PenalisedSystem::reaction(std::size_t i, double t, std::span<const double
   const std::size_t next = neighbour(node);
   const double load = load_ ? load_->at(t)[node] : 0.0;
   const double stress = bar_.bar().modulus * (u[next] - u[node]) + bar_.bar().viscosity * (w[next] - w[node]);
-  return std::max(0.0, -stress / bar_.mesh().spacing() - load);
+  return std::max(0.0, -stress / bar_.spacing_at(node) - load);
 }
 
 double PenalisedSystem::energy(std::span<const double> u, std::span<const double> w) const {

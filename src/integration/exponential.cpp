@@ -265,8 +265,8 @@ class Run {
       const MatrixXd load = load_.total(p);
       const Index shared = std::min(load.cols(), result.size());
       if (shared > 0)
-        result.head(shared) +=
-            load.row(node(c)).head(shared).transpose() * (system_.mesh().spacing() / system_.bar().modulus);
+        result.head(shared) += load.row(node(c)).head(shared).transpose() *
+                               (system_.spacing_at(static_cast<std::size_t>(node(c))) / system_.bar().modulus);
     } else {
       result = series.row(node(c)).transpose();
     }

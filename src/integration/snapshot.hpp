@@ -33,7 +33,7 @@ class SnapshotBuilder {
   double stress(std::size_t element) const {
     const Bar& bar = system_.bar().bar();
     const double strain = u_[element + 1] - u_[element], rate = v_[element + 1] - v_[element];
-    return (bar.modulus * strain + bar.viscosity * rate) / system_.bar().mesh().spacing();
+    return (bar.modulus * strain + bar.viscosity * rate) / system_.bar().mesh().element(element);
   }
 
   PenalisedSystem& system_;

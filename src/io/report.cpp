@@ -28,7 +28,11 @@ std::string numbers(const Case& run, const BarSystem& system, const Outcome& out
   if (data.has_springs()) all.add("Penalty ε", readable(*run.epsilon));
   if (run.restitution && !system.contacts().empty()) all.add("Restitution", readable(*run.restitution));
   all.add("Elements", fmt::format("{}", system.mesh().elements),
-          fmt::format("h = {}, {} mass", readable(system.mesh().spacing()), name(system.mass())));
+          fmt::format("h = {}{}, {} mass", readable(system.mesh().spacing()),
+                      system.mesh().uniform()
+                          ? ""
+                          : fmt::format(" on average, {} at the contacts", readable(system.mesh().smallest())),
+                      name(system.mass())));
   if (outcome.statistics) all.add("Unknowns", outcome.statistics->unknowns);
   all.add("Simulated time", readable(outcome.reached_time),
           outcome.ending == Ending::completed ? std::string() : "of " + readable(run.end));

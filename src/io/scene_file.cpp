@@ -72,6 +72,7 @@ Case case_of(const SceneEntries& entries) {
   run.scene.load = load_of(entries);
 
   run.elements = static_cast<std::size_t>(number("mesh.elements", 1.0));  // the nodes 0 and L are those of any mesh
+  run.grading = number("mesh.grading", 1.0);
   run.mass = chosen("mesh.mass", all_masses, Mass::consistent);
   run.epsilon = optional_number("contact.epsilon", 1.0);
   run.restitution = optional_number("contact.restitution", 1.0);

@@ -86,7 +86,8 @@ constexpr SceneKey keys[] = {
 
     {"time.end", number, required, "", "time", "T, the end of the run, which begins at t = 0", positive},
 
-    {"mesh.elements", count, required, "", "1", "number of elements of equal length", {1.0, 1e8, "1 to 1e8"}},
+    {"mesh.elements", count, required, "", "1", "number of elements, of equal length unless graded", {1.0, 1e8, "1 to 1e8"}},
+    {"mesh.grading", number, optional, "1", "1", "size of the elements away from an obstacle to that at it, towards which they shrink", {1.0, 1e6, "1 to 1e6"}},
     {"mesh.mass", choice, optional, "\"consistent\"", "", "mass matrix", {}, masses},
 
     {"contact.epsilon", number, optional, "", "length / stress", "reaction = penetration / epsilon; penalised methods need it where there is an obstacle", positive},

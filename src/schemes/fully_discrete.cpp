@@ -134,7 +134,7 @@ class Run {
     const Bar& bar = system_.bar();
     return (bar.modulus * (u_nodal_[element + 1] - u_nodal_[element]) +
             bar.viscosity * (v_nodal_[element + 1] - v_nodal_[element])) /
-           system_.mesh().spacing();
+           system_.mesh().element(element);
   }
 
   // u^{n+1} is known now. A contact closes at the first t_{n+1} that it holds, with the velocity before, and opens at

@@ -89,6 +89,11 @@ double LaneBar::stiffness(const BarSystem& system) { return system.bar().modulus
 
 void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> u, std::span<const double> w,
                               std::span<const double> load, std::span<double> y, std::span<double> interface) const {
+  if (!system_.mesh().uniform()) {
+    system_.internal_force(u, w, interface);
+    for (std::size_t i = 0; i < load.size(); ++i) interface[i] += load[i];
+    return;
+  }
   const double relaxation = system_.bar().viscosity / system_.bar().modulus;
   const std::size_t n = order_.size();
   const auto left_end = system_.left_displacement(), right_end = system_.right_displacement();
@@ -110,6 +115,13 @@ double LaneBar::squared_strain_rate(std::span<const double> p, double lever, std
   const auto node = [&](std::size_t i) { return p[i] + lever * a[i]; };
   const auto squared = [&](std::size_t i, std::size_t j) { return (node(j) - node(i)) * (node(j) - node(i)); };
   double sum = 0.0;
+  if (const Mesh& mesh = system_.mesh(); !mesh.uniform()) {
+    const std::size_t first = system_.first_node();
+    for (std::size_t i = 0; i + 1 < n; ++i) sum += squared(i, i + 1) / mesh.element(first + i);
+    if (system_.left_fixed()) sum += node(0) * node(0) / mesh.element(0);
+    if (system_.right_fixed()) sum += node(n - 1) * node(n - 1) / mesh.element(mesh.elements - 1);
+    return sum;
+  }
   for (std::size_t i = 0; i + 1 < order_.first; ++i) sum += squared(i, i + 1);
   if (order_.rows > 0) {
     const std::size_t separators = order_.row(order_.rows - 1), end = order_.row(order_.rows);

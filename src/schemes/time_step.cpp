@@ -30,14 +30,17 @@ SymmetricTridiagonal step_matrix(const BarSystem& system, double dt) {
   return matrix;
 }
 
+LaneFactor lane_factor(const BarSystem& system, const SymmetricTridiagonal& matrix) {
+  return system.mesh().uniform() ? LaneFactor(matrix, LaneBar::stiffness(system)) : LaneFactor::without_rows(matrix);
+}
+
 }  // namespace
 
 TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, const FullyDiscrete& scheme)
     : system_(system),
       dt_(scheme.step),
       restitution_(scheme.restitution),
-      factor_(covers_span(system.contacts()) ? LaneFactor()
-                                             : LaneFactor(step_matrix(system, dt_), LaneBar::stiffness(system))),
+      factor_(covers_span(system.contacts()) ? LaneFactor() : lane_factor(system, step_matrix(system, dt_))),
       order_(factor_.order().size() > 0 ? factor_.order() : LaneOrder{system.size(), 0, 0}),
       bar_(system, order_),
       contacts_(bounded_nodes(system.contacts())),
@@ -105,7 +108,7 @@ void TimeStep::settle_massless(double gap, std::size_t end, std::size_t next, do
     double pull = 0.0;
     if (load_) {
       evaluate_load(t);
-      pull = system_.mesh().spacing() * load_now_[end];
+      pull = system_.spacing_at(end) * load_now_[end];
     }
     return (memory * relaxed + pull) / (memory + bar.modulus);
   };

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -88,6 +89,33 @@ TEST(Mass, LumpedMinusConsistentIsASixthOfTheStiffnessAndThePapersProductAddsHal
   const double paper = product(mass_matrix(mesh, Mass::paper), u, v);
   EXPECT_NEAR(lumped - exact, h * h / 6 * a, 50 * eps);
   EXPECT_NEAR(paper - lumped, h / 2 * (u.front() * v.front() + u.back() * v.back()), 50 * eps);
+}
+
+// On unequal elements the extrapolation to the end has other weights; what it keeps is the same.
+TEST(Mass, OnAGradedMeshKeepsTotalCentreAndMomentOfInertia) {
+  for (const Mass mass : {Mass::consistent, Mass::lumped, Mass::redistributed})
+    for (const bool left : {false, true})
+      for (const bool right : {false, true})
+        for (const std::size_t elements : {3u, 8u, 51u}) {
+          const Mesh mesh{3.0, elements, {16.0, left, right}};
+          const auto matrix = inertia_matrix(mesh, mass, left, right);
+          const auto one = power_of_x(mesh, 0), x = power_of_x(mesh, 1);
+          const double rounding = 10 * static_cast<double>(elements) * eps;
+          EXPECT_NEAR(product(matrix, one, one), 3.0, 3.0 * rounding) << name(mass) << " " << elements;
+          EXPECT_NEAR(product(matrix, one, x), 4.5, 4.5 * rounding) << name(mass) << " " << elements;
+          // The trapezoidal rule adds h^3 / 6 an element.
+          double surplus = 0.0;
+          if (mass == Mass::lumped)
+            for (std::size_t j = 0; j < elements; ++j) surplus += std::pow(mesh.element(j), 3) / 6;
+          EXPECT_NEAR(product(matrix, x, x), 9.0 + surplus, 30.0 * rounding) << name(mass) << " " << elements;
+          if (mass != Mass::redistributed) continue;
+          EXPECT_EQ(matrix.diagonal.front() == 0.0 && matrix.off_diagonal.front() == 0.0, left);
+          EXPECT_EQ(matrix.diagonal.back() == 0.0 && matrix.off_diagonal.back() == 0.0, right);
+        }
+}
+
+TEST(Mass, OfThePaperRefusesUnequalElements) {
+  EXPECT_THROW(mass_matrix({1.0, 5, {2.0, true, false}}, Mass::paper), std::invalid_argument);
 }
 
 }  // namespace

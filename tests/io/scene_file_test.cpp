@@ -347,7 +347,7 @@ TEST(SceneFile, DescribesEveryKeyAsUnderstood) {
     "initial": {"displacement": "x*(1-x)", "velocity": 0.0},
     "load": {"density": "sin(t)"},
     "time": {"end": 4.0},
-    "mesh": {"elements": 8, "mass": "lumped"},
+    "mesh": {"elements": 8, "grading": 1.0, "mass": "lumped"},
     "method": {"name": "cvode", "relative_tolerance": 1e-6, "absolute_tolerance": 1e-9,
                "error_control": "global", "formulas": "automatic", "stepper": "automatic", "start": "first_order"},
     "output": {"every": 0.04}})json");

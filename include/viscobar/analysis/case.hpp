@@ -31,6 +31,7 @@ struct Case {
   Scene scene;
 
   std::size_t elements = 1;
+  double grading = 1.0;  ///< of the mesh towards the ends with an obstacle; 1: uniform
   Mass mass = Mass::consistent;
 
   std::optional<double> epsilon;      ///< reaction = penetration / epsilon
@@ -46,7 +47,9 @@ struct Case {
   double end = 1.0;
   double output_every = 0.1;
 
-  Mesh mesh() const { return {scene.bar.length, elements}; }
+  Mesh mesh() const {
+    return {scene.bar.length, elements, {grading, is_obstacle(scene.left), is_obstacle(scene.right)}};
+  }
 
   /// 0, every, 2 every, ..., and the end, which is always there. The last interval may be shorter.
   std::vector<double> output_times() const;

@@ -19,12 +19,14 @@ std::string_view name(Mass mass);
 
 /// P1 mass matrix of unit density over all nodes of the mesh, contact nodes treated alike: the matrix that weighs the
 /// load. `redistributed` gives the consistent matrix here.
+/// @throws std::invalid_argument for `paper` on a mesh that is not uniform.
 SymmetricTridiagonal mass_matrix(const Mesh& mesh, Mass mass);
 
 /// Inertia of unit density over all nodes when the ends marked are contact nodes. Differs from mass_matrix() only for
 /// `redistributed`: the row of a marked end is zero, and the kinetic energy is that of the velocity field extrapolated
-/// linearly to the end, v_0 = 2 v_1 - v_2, which keeps the total mass, the centre of mass and the moment of inertia
-/// of the end patch and leaves the matrix tridiagonal.
+/// linearly to the end, v_0 = (1 + a) v_1 - a v_2 with the sizes' ratio a = h_0 / h_1 (2 v_1 - v_2 on a uniform mesh),
+/// which keeps the total mass, the centre of mass and the moment of inertia of the end patch and leaves the matrix
+/// tridiagonal.
 /// @throws std::invalid_argument when the mesh has too few elements to redistribute: marked ends + 1 are needed.
 SymmetricTridiagonal inertia_matrix(const Mesh& mesh, Mass mass, bool left_contact, bool right_contact);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -45,6 +46,10 @@ class BarSystem {
   std::size_t size() const { return inertia_.size(); }            ///< n, number of unknown nodes
   std::size_t first_node() const { return left_fixed_ ? 1 : 0; }  ///< mesh node of unknown 0
   const Mesh& mesh() const { return mesh_; }
+  /// Size of the element at an unknown, on its right but at the last node.
+  double spacing_at(std::size_t unknown) const {
+    return mesh_.element(std::min(unknown + first_node(), mesh_.elements - 1));
+  }
   Mass mass() const { return mass_; }
   const Bar& bar() const { return bar_; }
   bool damped() const { return bar_.viscosity > 0.0; }
@@ -68,7 +73,8 @@ class BarSystem {
   /// out = -(E K u + eta K w). Stresses are differences of neighbours, so a rigid motion gives exactly zero.
   void internal_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
 
-  /// K_ii over the unknowns: 2/h, and 1/h at an end that is not fixed. Off the diagonal K is -1/h.
+  /// K_ii over the unknowns: the sum of 1/h of the elements beside, 2/h and, at an end that is not fixed, 1/h on a
+  /// uniform mesh. Off the diagonal K is -1/h.
   double stiffness_diagonal(std::size_t i) const;
 
   /// D(m,c,k) = m rho M + (c eta + k E) K over the unknowns, written into `out` (allocates only when `out` grows).
@@ -115,11 +121,15 @@ class BarSystem {
     SymmetricTridiagonal mass;  // over all nodes
   };
 
+  void graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
+  void graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const;  // scale K + m rho M
+
   Mesh mesh_;
   Mass mass_;
   Bar bar_;
   std::optional<double> left_fixed_, right_fixed_;  // displacement of a fixed end
   bool massless_left_ = false, massless_right_ = false;
+  std::vector<double> inverse_spacing_;  // 1/h of every element; empty for a uniform mesh
   SymmetricTridiagonal inertia_;
   TridiagonalFactor massive_factor_;  // of the massive block of rho M
   std::vector<Contact> contacts_;

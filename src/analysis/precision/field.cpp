@@ -17,8 +17,11 @@ void interpolate(const Mesh& from, std::span<const double> u, const Mesh& to, st
   for (std::size_t j = 0; j < to.nodes(); ++j) {
     const std::size_t scaled = j * from.elements, element = scaled / to.elements, rest = scaled % to.elements;
     out[j] = u[element];
-    if (rest > 0)
+    if (rest == 0) continue;
+    if (from.uniform())
       out[j] += (u[element + 1] - u[element]) * static_cast<double>(rest) / static_cast<double>(to.elements);
+    else
+      out[j] += (u[element + 1] - u[element]) * (to.node(j) - from.node(element)) / from.element(element);
   }
 }
 

@@ -28,7 +28,7 @@ class TooLong : public std::runtime_error {
 /// An observer of progress that ends a run by TooLong.
 std::function<void(double)> deadline(double seconds);
 
-/// P1 interpolation; exact at nodes that the meshes share.
+/// P1 interpolation between meshes of one grading; exact at nodes that they share.
 void interpolate(const Mesh& from, std::span<const double> u, const Mesh& to, std::span<double> out);
 
 /// Runs the case and keeps its displacement on each of the meshes. @throws TooLong, IntegrationError,

@@ -78,7 +78,8 @@ System system_of(const Case& run) {
 SemiDiscrete solve_in_time(const Case& scene, const System& system, const Fineness& fineness, double seconds) {
   SemiDiscrete result;
   std::string problems;
-  const Mesh mesh{scene.scene.bar.length, system.elements};
+  Mesh mesh = scene.mesh();
+  mesh.elements = system.elements;
   const std::vector<Case> runs = routes(scene, system, fineness);
   if (system.law == System::Law::impact) {
     try {

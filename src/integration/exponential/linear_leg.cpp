@@ -1,5 +1,7 @@
 #include "integration/exponential/linear_leg.hpp"
 
+#include <algorithm>
+
 namespace viscobar::exponential {
 
 template <class Real>
@@ -10,13 +12,20 @@ LinearLeg<Real>::LinearLeg(const BarSystem& system, const Eigen::VectorXd& origi
       massive_end_(static_cast<Index>(system.massive_end())),
       left_fixed_(system.left_fixed()),
       right_fixed_(system.right_fixed()),
-      stiffness_(system.bar().modulus / system.mesh().spacing()),
-      damping_(system.bar().viscosity / system.mesh().spacing()),
+      damped_(system.damped()),
+      uniform_(system.mesh().uniform()),
       origin_(origin),
       steady_load_(steady_load.begin(), steady_load.end()),
       closed_(std::move(closed)) {
   moving_begin_ = system.damped() ? 0 : massive_begin_;
   moving_ = system.damped() ? n_ : massive_end_ - massive_begin_;
+
+  const Mesh& mesh = system.mesh();
+  for (std::size_t node = system.first_node(); node <= system.first_node() + system.size(); ++node) {
+    const double h = mesh.element(std::clamp<std::size_t>(node, 1, mesh.elements) - 1);  // beyond an end: any
+    stiffness_.push_back(system.bar().modulus / h);
+    damping_.push_back(system.bar().viscosity / h);
+  }
 
   std::vector<double> nodal(system.mesh().nodes());
   system.expand_displacement(std::vector<double>(system.size(), 0.0), nodal);
@@ -69,35 +78,36 @@ typename LinearLeg<Real>::Series LinearLeg<Real>::expand(const Vector& y, Real o
       Real k_c = 0, surface = 0;
       for (const ClosedContact& contact : closed_)
         if (contact.unknown == end) k_c = contact.law.stiffness, surface = contact.surface;
+      const Real stiffness = stiffness_[end == 0 ? 1 : end], viscous = damping_[end == 0 ? 1 : end];
       const Real beside = u[neighbour] + constant * (origin_[neighbour] - origin_[end]);
-      if (damping_ == 0)
-        c(end, k) = beside + (p(end) - k_c * (beside - constant * surface)) / (stiffness_ + k_c);
+      if (!damped_)
+        c(end, k) = beside + (p(end) - k_c * (beside - constant * surface)) / (stiffness + k_c);
       else if (k < order)
         c(end, k + 1) =
-            c(neighbour, k + 1) + (p(end) + stiffness_ * (beside - u[end]) - k_c * (u[end] - constant * surface)) *
-                                      tau / (Real(k + 1) * damping_);
+            c(neighbour, k + 1) + (p(end) + stiffness * (beside - u[end]) - k_c * (u[end] - constant * surface)) * tau /
+                                      (Real(k + 1) * viscous);
     };
     if (massive_begin_ > 0) move_massless(0, 1);
     if (massive_end_ < n_) move_massless(n_ - 1, n_ - 2);
     if (k + 2 > order) continue;
 
     const auto v = c.col(k + 1);  // times tau / (k + 1) the velocity's coefficient
-    const Real rate = Real(k + 1) / tau, damping = damping_ * rate;
+    const Real rate = Real(k + 1) / tau;
     const auto stress = [&](Index i) {
       const Real strain = u[i + 1] - u[i] + constant * (origin_[i + 1] - origin_[i]);
-      return stiffness_ * strain + damping * (v[i + 1] - v[i]);
+      return stiffness_[i + 1] * strain + damping_[i + 1] * rate * (v[i + 1] - v[i]);
     };
     Real left = 0;
     if (massive_begin_ > 0)
       left = stress(0);
     else if (left_fixed_)
-      left = stiffness_ * (u[0] - constant * left_displacement_) + damping * v[0];
+      left = stiffness_[0] * (u[0] - constant * left_displacement_) + damping_[0] * rate * v[0];
     for (Index i = massive_begin_; i < massive_end_; ++i) {
       Real right = 0;
       if (i + 1 < n_)
         right = stress(i);
       else if (right_fixed_)
-        right = stiffness_ * (constant * right_displacement_ - u[i]) - damping * v[i];
+        right = stiffness_[n_] * (constant * right_displacement_ - u[i]) - damping_[n_] * rate * v[i];
       force[i - massive_begin_] = right - left + p(i);
       left = right;
     }
@@ -137,10 +147,17 @@ typename LinearLeg<Real>::Vector LinearLeg<Real>::pack(const Vector& u, const Ve
 
 template <class Real>
 Real LinearLeg<Real>::dissipation(const Vector& v) const {
-  Real sum = (v.tail(n_ - 1) - v.head(n_ - 1)).squaredNorm();
-  if (left_fixed_) sum += v[0] * v[0];
-  if (right_fixed_) sum += v[n_ - 1] * v[n_ - 1];
-  sum *= damping_;
+  Real sum = 0;
+  if (uniform_) {
+    sum = (v.tail(n_ - 1) - v.head(n_ - 1)).squaredNorm();
+    if (left_fixed_) sum += v[0] * v[0];
+    if (right_fixed_) sum += v[n_ - 1] * v[n_ - 1];
+    sum *= damping_[0];
+  } else {
+    for (Index i = 0; i + 1 < n_; ++i) sum += damping_[i + 1] * (v[i + 1] - v[i]) * (v[i + 1] - v[i]);
+    if (left_fixed_) sum += damping_[0] * v[0] * v[0];
+    if (right_fixed_) sum += damping_[n_] * v[n_ - 1] * v[n_ - 1];
+  }
   for (const ClosedContact& contact : closed_) sum += contact.law.damping * v[contact.unknown] * v[contact.unknown];
   return sum;
 }

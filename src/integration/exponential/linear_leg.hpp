@@ -59,10 +59,10 @@ class LinearLeg {
   void solve_inertia(Vector& force) const;
 
   Index n_, moving_begin_, moving_, massive_begin_, massive_end_;
-  bool left_fixed_, right_fixed_;
+  bool left_fixed_, right_fixed_, damped_, uniform_;
   Real left_displacement_, right_displacement_;  // of fixed ends
-  Real stiffness_, damping_;                     // of an element: E / h, eta / h
-  std::vector<Real> lower_, inverse_pivot_;      // L D L^T of the massive block of rho M
+  std::vector<Real> stiffness_, damping_;    // E / h, eta / h of the elements left and right of unknown i: [i], [i+1]
+  std::vector<Real> lower_, inverse_pivot_;  // L D L^T of the massive block of rho M
   Eigen::VectorXd origin_;
   std::vector<double> steady_load_;  // empty, or n entries
   std::vector<ClosedContact> closed_;

@@ -12,8 +12,8 @@ namespace {
 
 // Bound of the rates |lambda| of the leg: sqrt(|M^-1| |K|) + |M^-1| |C| + the massless nodes' own relaxation.
 double rate_bound(const BarSystem& system, double inverse_inertia, const std::vector<ClosedContact>& closed) {
-  const double stiffness = system.bar().modulus / system.mesh().spacing();
-  const double damping = system.bar().viscosity / system.mesh().spacing();
+  const double stiffness = system.bar().modulus / system.mesh().smallest();
+  const double damping = system.bar().viscosity / system.mesh().smallest();
   double contact_stiffness = 0.0, contact_damping = 0.0, massless_stiffness = 0.0;
   for (const ClosedContact& contact : closed) {
     const auto node = static_cast<std::size_t>(contact.unknown);

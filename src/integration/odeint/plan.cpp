@@ -38,7 +38,7 @@ struct Spectrum {
 // Bounds: the largest eigenvalue of K against M element by element, plus what a contact adds to its node.
 Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
   const Bar& bar = system.bar();
-  const double h = system.mesh().spacing();
+  const double h = system.mesh().smallest();
   const bool diagonal = system.inertia().off_diagonal.empty();
   const double mesh = (diagonal ? 4.0 : 12.0) / (h * h * bar.density);
   double square = mesh * bar.modulus, decay = mesh * bar.viscosity;
@@ -49,7 +49,8 @@ Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
         penalty_law(penalty, contact.weight, penalty.restitution < 1.0 ? system.contact_mass(contact) : 0.0);
     double mass = masses[contact.unknown];
     if (mass == 0.0) {
-      if (bar.viscosity > 0.0) decay = std::max(decay, (bar.modulus + law.stiffness * h) / bar.viscosity);
+      if (bar.viscosity > 0.0)
+        decay = std::max(decay, (bar.modulus + law.stiffness * system.spacing_at(contact.unknown)) / bar.viscosity);
       continue;
     }
     if (contact.where == Where::span && !diagonal) mass = bar.density * contact.weight / 3.0;
