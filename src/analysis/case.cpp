@@ -11,6 +11,8 @@ std::string_view name(MethodName method) {
   switch (method) {
     case MethodName::cvode: return "cvode";
     case MethodName::ida: return "ida";
+    case MethodName::arkode: return "arkode";
+    case MethodName::odeint: return "odeint";
     case MethodName::rigid: return "rigid";
     case MethodName::exponential: return "exponential";
     case MethodName::fully_discrete: return "fully_discrete";
@@ -25,9 +27,7 @@ bool is_scheme(MethodName method) {
 
 bool is_penalised(MethodName method) { return !is_scheme(method) && method != MethodName::rigid; }
 
-bool is_adaptive(MethodName method) {
-  return method == MethodName::cvode || method == MethodName::ida || method == MethodName::rigid;
-}
+bool is_adaptive(MethodName method) { return !is_scheme(method) && method != MethodName::exponential; }
 
 std::vector<double> Case::output_times() const {
   std::vector<double> times;
@@ -45,6 +45,8 @@ Mass effective_mass(const Case& run) {
   if (run.method == MethodName::rigid) return Mass::redistributed;
   return run.method == MethodName::finite_difference && run.mass == Mass::consistent ? Mass::lumped : run.mass;
 }
+
+Penalty penalty(const Case& run) { return {run.epsilon.value_or(1.0), run.restitution.value_or(1.0)}; }
 
 void check_initial_nodes(const Case& run, std::vector<Finding>& findings) {
   const Mesh mesh = run.mesh();
@@ -122,8 +124,13 @@ std::vector<Finding> validate(const Case& run) {
   if (is_scheme(run.method) && run.step && run.end / *run.step > 1e12)
     findings.push_back({"method.step", fmt::format("gives more than 1e12 steps up to end = {}", run.end)});
   check_initial_nodes(run, findings);
+  if (findings.empty() && run.method == MethodName::odeint)
+    if (const OdeintPlan what = plan(make_system(run), run.end, odeint(run)); what.refusal)
+      findings.push_back(*what.refusal);
   return findings;
 }
+
+Odeint odeint(const Case& run) { return {penalty(run), run.tolerance, run.stepper, run.step}; }
 
 MethodName penalised_method(const Case& run) {
   Case study = run;
@@ -142,14 +149,15 @@ Statistics simulate(const Case& run, const BarSystem& system, const Observers& o
 
 Statistics simulate(const Case& run, const BarSystem& system, std::span<const double> times,
                     const Observers& observers) {
-  const Penalty penalty{run.epsilon.value_or(1.0), run.restitution.value_or(1.0)};
   const State start = system.initial_state();
   switch (run.method) {
     case MethodName::cvode:
-      return integrate(system, start, times, Cvode{penalty, run.tolerance, run.formulas}, observers);
-    case MethodName::ida: return integrate(system, start, times, Ida{penalty, run.tolerance}, observers);
+      return integrate(system, start, times, Cvode{penalty(run), run.tolerance, run.formulas}, observers);
+    case MethodName::ida: return integrate(system, start, times, Ida{penalty(run), run.tolerance}, observers);
+    case MethodName::arkode: return integrate(system, start, times, Arkode{penalty(run), run.tolerance}, observers);
+    case MethodName::odeint: return integrate(system, start, times, odeint(run), observers);
     case MethodName::rigid: return integrate(system, start, times, Rigid{run.tolerance}, observers);
-    case MethodName::exponential: return integrate(system, start, times, Exponential{penalty}, observers);
+    case MethodName::exponential: return integrate(system, start, times, Exponential{penalty(run)}, observers);
     case MethodName::fully_discrete:
     case MethodName::finite_difference:
       return integrate(system, start, times, FullyDiscrete{*run.step, run.start, run.restitution.value_or(0.0)},

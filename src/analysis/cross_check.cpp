@@ -16,6 +16,8 @@ namespace {
 
 // Beyond this, dense matrix exponentials take longer than everything else together.
 constexpr std::size_t most_exponential_elements = 100;
+// Steps times nodes of an explicit method, some ten seconds of them.
+constexpr double most_explicit_work = 5e8;
 
 /// Takes the method in, or says why it does not fit.
 std::optional<std::string> try_method(MethodChoice& choice, const Case& scene, MethodName method) {
@@ -28,6 +30,15 @@ std::optional<std::string> try_method(MethodChoice& choice, const Case& scene, M
   if (needs_step) choice.default_step.push_back(method);
   choice.cases.push_back(std::move(run));
   return std::nullopt;
+}
+
+std::optional<std::string> takes_long(const Case& scene, MethodName method) {
+  Case run = scene;
+  run.method = method;
+  if (method != MethodName::odeint || !validate(run).empty()) return std::nullopt;
+  const double steps = plan(make_system(run), run.end, odeint(run)).least_steps;
+  if (steps * static_cast<double>(run.elements) <= most_explicit_work) return std::nullopt;
+  return fmt::format("would make {:.1e} steps, for it is explicit; it runs when asked for by name", steps);
 }
 
 MethodRun attempt(const Contender& contender) {
@@ -71,6 +82,8 @@ MethodChoice fitting_methods(const Case& scene) {
     if (method == MethodName::exponential && scene.elements > most_exponential_elements)
       choice.skipped.push_back(
           {method, fmt::format("takes long on {} elements; it runs when asked for by name", scene.elements)});
+    else if (auto slow = takes_long(scene, method))
+      choice.skipped.push_back({method, std::move(*slow)});
     else if (auto reason = try_method(choice, scene, method))
       choice.skipped.push_back({method, std::move(*reason)});
   }

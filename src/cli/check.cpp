@@ -42,6 +42,13 @@ std::string contact_kind(const Case& run) {
   return run.method == MethodName::rigid ? "rigid: closed nodes are held" : "exact constraint in every step";
 }
 
+std::string method_text(const Case& run, const BarSystem& system) {
+  if (run.method != MethodName::odeint) return std::string(viscobar::name(run.method));
+  const OdeintPlan what = plan(system, run.end, odeint(run));
+  return fmt::format("odeint, {}{}", viscobar::name(what.stepper),
+                     what.least_steps > 1e4 ? fmt::format(", at least {:.1e} steps", what.least_steps) : "");
+}
+
 std::string events(const Case& run, const BarSystem& system) {
   if (system.contacts().empty()) return "none";
   if (is_scheme(run.method)) return "none: the constraint is solved in every step";
@@ -156,6 +163,7 @@ int CheckCommand::operator()() const {
   Json json;
   json["title"] = run.scene.title;
   json["method"] = viscobar::name(run.method);
+  if (run.method == MethodName::odeint) json["stepper"] = viscobar::name(plan(system, run.end, odeint(run)).stepper);
   json["nodes"] = system.mesh().nodes();
   json["unknown_nodes"] = system.size();
   json["spacing"] = system.mesh().spacing();
@@ -182,7 +190,7 @@ int CheckCommand::operator()() const {
   }
 
   std::string text = fmt::format("{}: sound\n", run.scene.title.empty() ? scene_.file : run.scene.title);
-  text += row("method", viscobar::name(run.method));
+  text += row("method", method_text(run, system));
   text +=
       row("unknowns", fmt::format("{} nodes of {}, displacement and velocity", system.size(), system.mesh().nodes()));
   text += row("inertia", fmt::format("{} mass{}", viscobar::name(system.mass()),

@@ -1,10 +1,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "cli/commands.hpp"
+#include "cli/decade_range.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
 #include "cli/progress.hpp"
@@ -16,26 +17,8 @@ namespace viscobar::cli {
 
 namespace {
 
-double positive_number(const std::string& word) {
-  std::size_t read = 0;
-  double value = 0.0;
-  try {
-    value = std::stod(word, &read);
-  } catch (const std::logic_error&) {
-    read = 0;
-  }
-  if (read == 0 || read != word.size() || !std::isfinite(value) || value <= 0.0)
-    throw std::invalid_argument(fmt::format("--epsilon: \"{}\" is not a positive number; write 1e-2:1e-8", word));
-  return value;
-}
-
-/// "first:last", or one value.
-std::vector<double> epsilons(const std::string& range, std::size_t per_decade) {
-  const std::size_t colon = range.find(':');
-  const double a = positive_number(range.substr(0, colon));
-  const double b = colon == std::string::npos ? a : positive_number(range.substr(colon + 1));
-  return decades(std::max(a, b), std::min(a, b), per_decade);
-}
+constexpr DecadeRange epsilons{"--epsilon", "a positive number", "1e-2:1e-8", std::numeric_limits<double>::min(),
+                               std::numeric_limits<double>::max()};
 
 }  // namespace
 

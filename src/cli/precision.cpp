@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "cli/commands.hpp"
+#include "cli/decade_range.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
 #include "cli/method_names.hpp"
@@ -18,27 +19,7 @@ namespace viscobar::cli {
 
 namespace {
 
-double tolerance(const std::string& word) {
-  std::size_t read = 0;
-  double value = 0.0;
-  try {
-    value = std::stod(word, &read);
-  } catch (const std::logic_error&) {
-    read = 0;
-  }
-  if (read == 0 || read != word.size() || !(value >= 1e-14 && value <= 0.1))
-    throw std::invalid_argument(
-        fmt::format("--tolerance: \"{}\" is not a number from 1e-14 to 0.1; write 1e-3:1e-10", word));
-  return value;
-}
-
-/// "first:last", or one value.
-std::vector<double> tolerances(const std::string& range) {
-  const std::size_t colon = range.find(':');
-  const double a = tolerance(range.substr(0, colon));
-  const double b = colon == std::string::npos ? a : tolerance(range.substr(colon + 1));
-  return decades(std::max(a, b), std::min(a, b));
-}
+constexpr DecadeRange tolerances{"--tolerance", "a number from 1e-14 to 0.1", "1e-3:1e-10", 1e-14, 0.1};
 
 void check_lists(const PrecisionStudy& study) {
   for (auto mesh = study.elements.begin(); mesh != study.elements.end(); ++mesh)

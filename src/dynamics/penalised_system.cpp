@@ -161,6 +161,23 @@ void PenalisedSystem::complete_displacement(double t, std::span<double> u) {
   if (bar_.massive_end() + 1 == size()) complete_displacement_of(size() - 1, t, u);
 }
 
+std::vector<PenalisedSystem::RelaxingRow> PenalisedSystem::relaxing_rows() const {
+  std::vector<RelaxingRow> rows;
+  if (!bar_.damped()) return rows;
+  const double h = bar_.mesh().spacing(), modulus = bar_.bar().modulus, viscosity = bar_.bar().viscosity;
+  for (const std::size_t end : {std::size_t{0}, size() - 1}) {
+    if (!massless(end) || held(end)) continue;
+    RelaxingRow row{end, neighbour(end), modulus / viscosity, modulus / viscosity, h / viscosity, 0.0};
+    for (std::size_t i = 0; i < laws_.size(); ++i) {
+      if (!closed(i) || contact(i).unknown != end) continue;
+      row.rate += laws_[i].stiffness * h / viscosity;
+      row.constant -= laws_[i].stiffness * h / viscosity * contact(i).gap;
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
 void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w) {
   for (std::size_t i = 0; i < laws_.size(); ++i) set_closed(i, false);
   complete_displacement(t, u);

@@ -3,7 +3,9 @@
 #include <numbers>
 #include <utility>
 
-#include "integration/multistep_run.hpp"
+#include "integration/error_weights.hpp"
+#include "integration/stepwise_run.hpp"
+#include "integration/sundials/leg.hpp"
 #include "viscobar/integration/integrate.hpp"
 
 namespace viscobar {
@@ -17,33 +19,12 @@ struct CvodeDeleter {
 };
 
 // The corrector of CVODE asks for x with  x = gamma f(t, y_pred + x) - rl1 z,  z the scaled rate of the predictor.
-// With x_u = gamma (w_pred + x_w) - rl1 z_u put into the momentum rows, and those multiplied by rho M,
-//     D(1, gamma, gamma^2) x_w = gamma F(t, u_pred + gamma w_pred - rl1 z_u, w_pred) - rl1 rho M z_w,
-// which is also right for massless rows, where rho M = 0.
 void solve_step(Leg& leg, std::span<double> correction) {
   double t = 0.0, gamma = 0.0, rl1 = 0.0;
   N_Vector predicted = nullptr, current = nullptr, rate = nullptr, scaled_rate = nullptr;
   void* user = nullptr;
   CVodeGetNonlinearSystemData(leg.memory, &t, &predicted, &current, &rate, &gamma, &rl1, &scaled_rate, &user);
-  const Layout& layout = leg.layout;
-  const std::size_t n = layout.nodes;
-  const double *u = values(predicted).data(), *w = u + n, *z = values(scaled_rate).data();
-  double *x_u = correction.data(), *x_w = x_u + n, *explicit_u = leg.field.data();
-  for (std::size_t i = 0; i < n; ++i) {
-    x_u[i] = gamma * w[i] - rl1 * z[i];
-    explicit_u[i] = u[i] + x_u[i];
-  }
-  const std::span<double> right(x_w, n);
-  leg.system.force(t, leg.field, {w, n}, right);
-  ++leg.statistics.rhs_evaluations;
-  for (double& entry : right) entry *= gamma;
-  leg.subtract_inertia(rl1, {z + n, n}, right);
-  leg.solve(1.0, gamma, gamma * gamma, right);
-  for (std::size_t i = 0; i < n; ++i) x_u[i] += gamma * x_w[i];
-  if (layout.size == 2 * n) return;
-  for (std::size_t i = 0; i < n; ++i) leg.field[i] = w[i] + x_w[i];
-  leg.account_rates(t, leg.field, correction);
-  for (std::size_t k = 2 * n; k < layout.size; ++k) correction[k] = gamma * correction[k] - rl1 * z[k];
+  leg.solve_first_order(t, gamma, values(predicted), -rl1, values(scaled_rate), correction);
 }
 
 using Memory = std::unique_ptr<void, CvodeDeleter>;
@@ -52,7 +33,7 @@ class CvodeStepper {
  public:
   CvodeStepper(PenalisedSystem& system, const Layout& layout, const Cvode& method, double end, Statistics& statistics)
       : leg_(system, layout, statistics),
-        weights_(system, layout, method.tolerance),
+        weights_(system, layout, method.tolerance, multistep_accumulation),
         formulas_(method.formulas),
         end_(end),
         state_(make_vector(layout.size, context_)),
@@ -207,7 +188,7 @@ Statistics integrate(const BarSystem& system, const State& start, std::span<cons
   const Layout layout(penalised, observers.energy);
   Statistics statistics;
   CvodeStepper stepper(penalised, layout, method, times.back(), statistics);
-  return run_multistep("cvode", penalised, layout, stepper, statistics, start, times, observers);
+  return run_stepwise("cvode", penalised, layout, stepper, statistics, start, times, observers);
 }
 
 }  // namespace viscobar

@@ -1,6 +1,8 @@
 #include <ida/ida.h>
 
-#include "integration/multistep_run.hpp"
+#include "integration/error_weights.hpp"
+#include "integration/stepwise_run.hpp"
+#include "integration/sundials/leg.hpp"
 #include "viscobar/integration/integrate.hpp"
 
 namespace viscobar {
@@ -46,7 +48,7 @@ class IdaStepper {
   IdaStepper(PenalisedSystem& system, const Layout& layout, const Tolerance& tolerance, double end,
              Statistics& statistics)
       : leg_(system, layout, statistics),
-        weights_(system, layout, tolerance),
+        weights_(system, layout, tolerance, multistep_accumulation),
         end_(end),
         state_(make_vector(layout.size, context_)),
         rate_(make_vector(layout.size, context_)),
@@ -152,7 +154,7 @@ Statistics integrate(const BarSystem& system, const State& start, std::span<cons
   const Layout layout(penalised, observers.energy);
   Statistics statistics;
   IdaStepper stepper(penalised, layout, method.tolerance, times.back(), statistics);
-  return run_multistep("ida", penalised, layout, stepper, statistics, start, times, observers);
+  return run_stepwise("ida", penalised, layout, stepper, statistics, start, times, observers);
 }
 
 }  // namespace viscobar

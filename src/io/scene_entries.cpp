@@ -75,9 +75,6 @@ std::string choice_problem(const SceneKey& key, const std::string& value) {
   const std::vector<std::string_view> names = key.choice_names();
   if (std::find(names.begin(), names.end(), value) != names.end()) return {};
   const std::string known = fmt::format("\"{}\"", fmt::join(names, "\", \""));
-  constexpr std::string_view planned[] = {"arkode", "odeint"};
-  if (key.name == "method.name" && std::find(std::begin(planned), std::end(planned), value) != std::end(planned))
-    return fmt::format("\"{}\" is not built in this version; there are {}", value, known);
   const auto nearest = nearest_name(value, names);
   return fmt::format("cannot be \"{}\"; {}", value,
                      nearest ? fmt::format("nearest is \"{}\"", *nearest) : "there are " + known);

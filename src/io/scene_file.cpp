@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t largest_file = 1 << 20;  // bytes; a scene takes about one thousand
 
+constexpr Stepper all_steppers[] = {Stepper::automatic, Stepper::rosenbrock4, Stepper::dopri5, Stepper::symplectic};
 constexpr Mass all_masses[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::redistributed};
 
 EndCondition end_of(const SceneEntries& entries, const std::string& side) {
@@ -80,6 +81,7 @@ Case case_of(const SceneEntries& entries) {
                    local ? ErrorControl::local : ErrorControl::global};
   const auto formulas = entries.text("method.formulas");
   run.formulas = formulas == "adams" ? Formulas::adams : formulas == "bdf" ? Formulas::bdf : Formulas::automatic;
+  run.stepper = chosen("method.stepper", all_steppers, Stepper::automatic);
   run.start = entries.text("method.start") == "second_order" ? Start::second_order : Start::first_order;
 
   run.end = number("time.end", 1.0);

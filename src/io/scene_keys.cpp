@@ -30,15 +30,23 @@ constexpr Choice masses[] = {
     {"consistent", "exact for linear elements, (h/6) [2 1; 1 2] per element"},
     {"lumped", "diagonal by the trapezoidal rule, h/2 at the ends"},
     {"paper", "diagonal with weight h at the ends too, as the paper's finite difference scheme is printed"},
-    {"redistributed", "consistent, but nodes at an obstacle have no mass and cannot bounce; no span obstacle, not finite_difference, not cvode without viscosity"},
+    {"redistributed", "consistent, but nodes at an obstacle have no mass and cannot bounce; no span obstacle, not finite_difference, neither cvode nor odeint without viscosity"},
 };
 constexpr Choice methods[] = {
     {"cvode", "penalised bar, multistep formulas of SUNDIALS' CVODE"},
     {"ida", "penalised bar as a differential-algebraic system, SUNDIALS' IDA: also massless nodes without viscosity"},
+    {"arkode", "penalised bar, implicit Runge-Kutta formulas of order 5 of SUNDIALS' ARKODE: also massless nodes without viscosity"},
+    {"odeint", "penalised bar by Boost.Odeint's steppers, an independent integrator"},
     {"rigid", "the limit epsilon = 0 itself, on the redistributed mass; no span obstacle"},
     {"exponential", "penalised bar by matrix exponentials, a reference on small meshes"},
     {"fully_discrete", "the paper's scheme (2.8), implicit in the constraint"},
     {"finite_difference", "the paper's scheme (3.22): (2.8) with a diagonal mass"},
+};
+constexpr Choice steppers[] = {
+    {"automatic", "rosenbrock4 or dopri5, by what their steps cost"},
+    {"rosenbrock4", "linearly implicit, order 4, dense matrices: few nodes"},
+    {"dopri5", "explicit, order 5"},
+    {"symplectic", "explicit, order 4, steps of method.step; no viscosity"},
 };
 constexpr Choice starts[] = {
     {"first_order", "u_0 + dt u_1"},
@@ -84,12 +92,13 @@ constexpr SceneKey keys[] = {
     {"contact.restitution", number, optional, "", "1", "restitution of a node; absent: undamped spring in penalised methods, implicit constraint in the others", {0.0, 1.0, "0 to 1"}},
 
     {"method.name", choice, optional, "\"cvode\"", "", "how the scene is integrated", {}, methods},
-    {"method.relative_tolerance", number, optional, "1e-6", "1", "cvode, ida, rigid: local error allowed, relative to the largest displacement and velocity", {smallest, 0.1, "> 0, <= 0.1"}},
-    {"method.absolute_tolerance", number, optional, "1e-9", "length", "cvode, ida, rigid: local error always allowed; the same number serves the velocity", positive},
+    {"method.relative_tolerance", number, optional, "1e-6", "1", "adaptive methods: error allowed, relative to the largest displacement and velocity", {smallest, 0.1, "> 0, <= 0.1"}},
+    {"method.absolute_tolerance", number, optional, "1e-9", "length", "adaptive methods: error always allowed; the same number serves the velocity", positive},
     {"method.error_control", choice, optional, "\"global\"", "", "what the tolerances bound: the error of the solution, or that of each step", {}, controls},
     {"method.formulas", choice, optional, "\"automatic\"", "", "multistep formulas of cvode", {}, formulas},
-    {"method.step", number, optional, "", "time", "time step of fully_discrete and finite_difference, which need it", positive},
-    {"method.start", choice, optional, "\"first_order\"", "", "first step of these two: u_0 + dt u_1, or with the term dt^2/2 u'' too", {}, starts},
+    {"method.stepper", choice, optional, "\"automatic\"", "", "formulas of odeint", {}, steppers},
+    {"method.step", number, optional, "", "time", "time step of fully_discrete, finite_difference and odeint's symplectic stepper, which need it", positive},
+    {"method.start", choice, optional, "\"first_order\"", "", "first step of the two schemes: u_0 + dt u_1, or with the term dt^2/2 u'' too", {}, starts},
 
     {"output.every", number, optional, "", "time", "interval of the output times; absent: time.end / 100", positive},
 };

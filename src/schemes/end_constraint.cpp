@@ -47,12 +47,13 @@ void EndConstraint::solve(std::span<double> x, std::span<const double> bound, st
       lambda = {std::max(-excess_0 / determinant, 0.0), std::max(-excess_1 / determinant, 0.0)};
     }
   }
-  for (std::size_t k = 0; k < count; ++k) {
-    multiplier[k] = lambda[k];
-    if (!active_[k]) continue;
-    const double* column = columns_[k].values.data();
-    for (std::size_t i = 0; i < x.size(); ++i) x[i] += lambda[k] * column[i];
-  }
+  for (std::size_t k = 0; k < count; ++k) multiplier[k] = lambda[k];
+  if (!active_[0] && !active_[1]) return;
+  const double *first = columns_.front().values.data(), *last = columns_.back().values.data();
+  double* values = x.data();
+  const std::size_t n = x.size();
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < n; ++i) values[i] += lambda[0] * first[i] + lambda[1] * last[i];
   for (std::size_t k = 0; k < count; ++k)
     if (active_[k]) x[columns_[k].entry] = bound[k];
 }

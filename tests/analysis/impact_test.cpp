@@ -122,7 +122,8 @@ TEST_P(FlatFall, LeavesTheSpanWithItsRestitution) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, FlatFall,
-                         testing::Combine(testing::Values(MethodName::cvode, MethodName::ida, MethodName::exponential,
+                         testing::Combine(testing::Values(MethodName::cvode, MethodName::ida, MethodName::arkode,
+                                                          MethodName::odeint, MethodName::exponential,
                                                           MethodName::fully_discrete),
                                           testing::Values(0.0, 0.25, 0.5, 1.0)));
 

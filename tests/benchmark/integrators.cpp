@@ -1,4 +1,4 @@
-// cvode and ida against stock CVODE and Boost.Odeint: one scene, the same semi-discrete system, the same tolerances;
+// cvode, ida and arkode against stock CVODE and Boost.Odeint: one scene, the same semi-discrete system, the same tolerances;
 // the error of u(0, t) at 201 times against a run of cvode at tolerance 1e-11.
 #include <benchmark/benchmark.h>
 
@@ -77,6 +77,8 @@ int register_all() {
       {"cvode_global", ours<Cvode, ErrorControl::global>, 10000},
       {"ida_local", ours<Ida, ErrorControl::local>, 10000},
       {"ida_global", ours<Ida, ErrorControl::global>, 10000},
+      {"arkode_local", ours<Arkode, ErrorControl::local>, 10000},
+      {"arkode_global", ours<Arkode, ErrorControl::global>, 10000},
       {"stock_restart",
        [](auto& p, double r, double a) { return baseline::stock_cvode(p, r, a, baseline::AtChange::restart); }, 10000},
       {"stock_plain",

@@ -1,4 +1,4 @@
-// What runs of cvode and ida cost by mesh, and by penalty and mass: the throw, T = 2.
+// What runs of cvode, ida and arkode cost by mesh, and by penalty and mass: the throw, T = 2.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -49,6 +49,7 @@ int register_all() {
       const Setting setting{400, mass, std::pow(10.0, -digits), 1e-5, 1e-8, ErrorControl::global};
       add<Cvode>("cvode" + label, setting);
       add<Ida>("ida" + label, setting);
+      add<Arkode>("arkode" + label, setting);
     }
   return 0;
 }

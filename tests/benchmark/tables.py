@@ -14,7 +14,7 @@ def medians(path):
     runs = {}
     for row in json.loads(path.read_text())["benchmarks"]:
         if row.get("run_type") == "iteration":
-            runs.setdefault(row["run_name"], []).append(row)
+            runs.setdefault(row["run_name"].split("/repeats:")[0], []).append(row)
     to_ms = {"ns": 1e-6, "us": 1e-3, "ms": 1.0, "s": 1e3}
     result = {}
     for name, rows in runs.items():
@@ -78,8 +78,9 @@ def integrators(results):
 
 def own_methods(results):
     rows = [[f"{mass}, {method}", *(results[f"{method}/epsilon/{mass}/{digits}"][what] for digits in range(3, 9))]
-            for what in ("steps", "ms") for mass in ("lumped", "redistributed") for method in ("cvode", "ida")]
-    for row, what in zip(rows, ["steps"] * 4 + ["ms"] * 4):
+            for what in ("steps", "ms") for mass in ("lumped", "redistributed")
+            for method in ("cvode", "ida", "arkode")]
+    for row, what in zip(rows, ["steps"] * 6 + ["ms"] * 6):
         row[0] += f", {what}"
     table("The throw, J = 400, tolerance 1e-5 (global): steps and time by penalty",
           ["mass, method", *(f"epsilon 1e-{digits}" for digits in range(3, 9))], rows)

@@ -81,7 +81,8 @@ TEST_F(Command, JsonPrintsExactlyTheSummary) {
 }
 
 TEST_F(Command, EveryMethodThatFitsTheSceneRunsIt) {
-  for (const std::string method : {"cvode", "ida", "exponential", "fully_discrete", "finite_difference", "rigid"}) {
+  for (const std::string method :
+       {"cvode", "ida", "arkode", "odeint", "exponential", "fully_discrete", "finite_difference", "rigid"}) {
     ASSERT_EQ(run("run falling.toml --json -o " + method + " --set method.name=" + method), 0) << method << err();
     const Json summary = Json::parse(out());
     EXPECT_EQ(summary["method"], method);

@@ -14,11 +14,11 @@ TEST_F(Compare, RunsEveryMethodThatFitsAndMatchesTheirContacts) {
   ASSERT_EQ(ended.code, 0) << ended.error;
   const Json result = ended.json();
   EXPECT_EQ(result["reference"], "exponential");
-  EXPECT_EQ(result["methods"].size(), 6u);
-  EXPECT_EQ(result["pairs"].size(), 15u);
+  EXPECT_EQ(result["methods"].size(), 8u);
+  EXPECT_EQ(result["pairs"].size(), 28u);
   EXPECT_TRUE(result["completed"]);
-  EXPECT_EQ(result["methods"][3]["method"], "rigid");
-  EXPECT_EQ(result["methods"][3]["mass"], "redistributed");
+  EXPECT_EQ(result["methods"][5]["method"], "rigid");
+  EXPECT_EQ(result["methods"][5]["mass"], "redistributed");
   for (const Json& pair : result["pairs"]) {
     const std::string methods = pair["first"].get<std::string>() + " " + pair["other"].get<std::string>();
     EXPECT_LE(pair["events_matched"], pair["events_first"]) << methods;
@@ -62,6 +62,8 @@ TEST_F(Compare, MethodsThatDoNotFitAreLeftOutWithAReasonButRefusedByName) {
   std::string skipped;
   for (const Json& entry : result["skipped"]) skipped += entry["method"].get<std::string>() + " ";
   EXPECT_NE(skipped.find("cvode"), std::string::npos);
+  EXPECT_NE(skipped.find("odeint"), std::string::npos);
+  EXPECT_EQ(skipped.find("arkode"), std::string::npos);
   const Ended named = viscobar("compare " + scene("period-3") + " --methods ida,cvode");
   EXPECT_EQ(named.code, 2);
   EXPECT_NE(named.error.find("cvode does not fit the scene"), std::string::npos) << named.error;
@@ -84,6 +86,16 @@ TEST_F(Compare, LeavesTheExponentialMethodToSmallMeshes) {
   const Json result = ended.json();
   EXPECT_EQ(result["reference"], "cvode");
   EXPECT_EQ(result["skipped"][0]["method"], "exponential");
+}
+
+TEST_F(Compare, LeavesOutAnExplicitMethodThatWouldTakeLong) {
+  // 12 eta T / (3.3 rho h^2) = 3.6e6 steps on 1000 elements.
+  const Ended ended =
+      viscobar("compare " + scene("chatter") +
+               " --set mesh.elements=1000 --set bar.viscosity=1 --set time.end=1 --set output.every=0.5 "
+               "--set method.step=0.01 --json");
+  ASSERT_EQ(ended.code, 0) << ended.error;
+  EXPECT_NE(ended.json()["skipped"].dump().find("for it is explicit"), std::string::npos);
 }
 
 TEST_F(Compare, TakesASpanObstacle) {

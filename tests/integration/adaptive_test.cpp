@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <type_traits>
 #include <vector>
 
 #include "viscobar/integration/integrate.hpp"
@@ -58,7 +59,11 @@ Scene falling_bar(double height, double speed, double viscosity) {
 
 template <class Method>
 struct Adaptive : testing::Test {};
-using Methods = testing::Types<Cvode, Ida>;
+template <Stepper chosen>
+struct OdeintBy : Odeint {
+  OdeintBy(const Penalty& given = {}, const Tolerance& wanted = {}) : Odeint{given, wanted, chosen, {}} {}
+};
+using Methods = testing::Types<Cvode, Ida, Arkode, OdeintBy<Stepper::dopri5>, OdeintBy<Stepper::rosenbrock4>>;
 TYPED_TEST_SUITE(Adaptive, Methods);
 
 TYPED_TEST(Adaptive, RigidFlightMeetsTheObstacleAtGapOverSpeed) {
@@ -68,9 +73,12 @@ TYPED_TEST(Adaptive, RigidFlightMeetsTheObstacleAtGapOverSpeed) {
       const auto run = record(falling_bar(gap, speed, viscosity), Mesh{1.0, 9}, Mass::consistent,
                               TypeParam{Penalty{1e-3}, {}}, grid(1.5 * time, 3));
       ASSERT_FALSE(run.events.empty());
-      // No strain, no error: a few roundings a step remain, of some hundred steps.
-      EXPECT_NEAR(run.events[0].time, time, 1000 * 2.3e-16 * time) << viscosity << ", " << gap;
-      EXPECT_NEAR(run.events[0].velocity, -speed, 1000 * 2.3e-16);
+      // No strain, no error: a few roundings a step remain, of some hundred steps, of more where stability asks for
+      // them; and a dense matrix of entries 12 eta / (rho h^2) gives strains of that many roundings a unit of velocity.
+      const double entries = std::is_same_v<TypeParam, OdeintBy<Stepper::rosenbrock4>> ? 972.0 * viscosity : 0.0;
+      const double rounding = 2.3e-16 * std::max({1000.0, static_cast<double>(run.statistics.steps), entries});
+      EXPECT_NEAR(run.events[0].time, time, rounding * time) << viscosity << ", " << gap;
+      EXPECT_NEAR(run.events[0].velocity, -speed, rounding) << viscosity << ", " << gap;
       EXPECT_EQ(run.events[0].change, Change::closing);
       EXPECT_EQ(run.events[0].where, Where::left);
     }
@@ -127,6 +135,7 @@ TYPED_TEST(Adaptive, ElasticImpactLastsTwoTransitTimes) {
   // d = V eps (2 exp(-(t - 2)/eps) - 1): contact for 2 L / c + eps ln 2, with reaction E V / c meanwhile. epsilon is
   // chosen well above h / E, where the end node does not bounce by itself; the mesh smears the front over (h^2
   // t)^(1/3).
+  if (std::is_same_v<TypeParam, OdeintBy<Stepper::rosenbrock4>>) GTEST_SKIP() << "400 elements are too many";
   const double speed = 0.5, epsilon = 0.02;
   const Scene scene = falling_bar(0.1, speed, 0.0);
   const Mesh mesh{1.0, 400};
@@ -255,6 +264,7 @@ TYPED_TEST(Adaptive, StartsFromRestUnderALoadThatGrowsFromZero) {
 }
 
 TYPED_TEST(Adaptive, HundredThousandElementsRun) {
+  if (std::is_base_of_v<Odeint, TypeParam>) GTEST_SKIP() << "neither dense nor explicit";
   // The impact of a long bar does not know how finely it is cut: steps and penetration are those of a coarser mesh.
   Scene scene = falling_bar(0.1, 0.5, 1.0);
   const TypeParam method{Penalty{1e-4}, {1e-5, 1e-8}};
@@ -272,20 +282,30 @@ TEST(Cvode, RefusesMasslessNodesWithoutViscosity) {
   EXPECT_THROW(integrate(system, system.initial_state(), grid(1.0, 2), Cvode{}, {}), std::invalid_argument);
 }
 
-TEST(Ida, RedistributedMassHasNoBounceAtAnyPenalty) {
+template <class Method>
+struct Algebraic : testing::Test {};
+using TakingAlgebraicRows = testing::Types<Ida, Arkode>;
+TYPED_TEST_SUITE(Algebraic, TakingAlgebraicRows);
+
+TYPED_TEST(Algebraic, RedistributedMassHasNoBounceAtAnyPenalty) {
   for (const double epsilon : {1e-2, 1e-5, 1e-8, 1e-11}) {
-    const auto run =
-        record(falling_bar(0.2, 1.0, 0.0), Mesh{1.0, 30}, Mass::redistributed, Ida{Penalty{epsilon}, {}}, grid(2.0, 2));
+    const auto run = record(falling_bar(0.2, 1.0, 0.0), Mesh{1.0, 30}, Mass::redistributed,
+                            TypeParam{Penalty{epsilon}, {}}, grid(2.0, 2));
     EXPECT_EQ(run.events.size(), 1u) << epsilon;
   }
 }
 
-TEST(Cvode, StepsDoNotGrowAsThePenaltyStiffensOnRedistributedMass) {
+template <class Method>
+struct Stiff : testing::Test {};
+using MadeForStiffness = testing::Types<Cvode, Arkode>;
+TYPED_TEST_SUITE(Stiff, MadeForStiffness);
+
+TYPED_TEST(Stiff, StepsDoNotGrowAsThePenaltyStiffensOnRedistributedMass) {
   std::vector<std::size_t> steps;
   for (const double epsilon : {1e-3, 1e-5, 1e-8}) {
     Scene scene = falling_bar(0.1, 0.5, 0.1);
     scene.right = Obstacle{0.1};
-    const auto run = record(scene, Mesh{1.0, 27}, Mass::redistributed, Cvode{Penalty{epsilon}, {}}, grid(4.0, 2));
+    const auto run = record(scene, Mesh{1.0, 27}, Mass::redistributed, TypeParam{Penalty{epsilon}, {}}, grid(4.0, 2));
     steps.push_back(run.statistics.steps);
   }
   EXPECT_LT(*std::max_element(steps.begin(), steps.end()), 2 * *std::min_element(steps.begin(), steps.end()));

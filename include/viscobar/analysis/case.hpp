@@ -14,11 +14,11 @@
 
 namespace viscobar {
 
-enum class MethodName { cvode, ida, rigid, exponential, fully_discrete, finite_difference };
+enum class MethodName { cvode, ida, arkode, odeint, rigid, exponential, fully_discrete, finite_difference };
 
-inline constexpr MethodName all_methods[] = {MethodName::cvode,          MethodName::ida,
-                                             MethodName::rigid,          MethodName::exponential,
-                                             MethodName::fully_discrete, MethodName::finite_difference};
+inline constexpr MethodName all_methods[] = {
+    MethodName::cvode, MethodName::ida,         MethodName::arkode,         MethodName::odeint,
+    MethodName::rigid, MethodName::exponential, MethodName::fully_discrete, MethodName::finite_difference};
 
 std::string_view name(MethodName method);
 bool is_penalised(MethodName method);  ///< needs epsilon where the scene has an obstacle
@@ -39,6 +39,7 @@ struct Case {
   MethodName method = MethodName::cvode;
   Tolerance tolerance;
   Formulas formulas = Formulas::automatic;  ///< of cvode
+  Stepper stepper = Stepper::automatic;     ///< of odeint
   std::optional<double> step;
   Start start = Start::first_order;
 
@@ -62,6 +63,9 @@ MethodName penalised_method(const Case& run);
 /// The semi-discrete system of a sound case; `finite_difference` runs on the lumped mass when the case says
 /// "consistent", since (3.22) is (2.8) with a diagonal product, and `rigid` always on the redistributed mass.
 BarSystem make_system(const Case& run);
+
+/// The options of `odeint` that a case asks for.
+Odeint odeint(const Case& run);
 
 /// Runs a sound case by its method, on its own output times or on others. @throws IntegrationError
 Statistics simulate(const Case& run, const BarSystem& system, const Observers& observers);

@@ -76,6 +76,18 @@ class PenalisedSystem {
   /// Sets the displacement of massless unknowns for eta = 0, where their rows are algebraic. Nothing to do otherwise.
   void complete_displacement(double t, std::span<double> u);
 
+  /// The row of a massless unknown with viscosity, as an equation of first order:
+  ///
+  ///     u_i' + rate u_i = u_next' + u_share u_next + load_share (M f)_i + constant.
+  struct RelaxingRow {
+    std::size_t unknown, next;
+    double rate, u_share, load_share, constant;
+  };
+  /// Those of the massless unknowns that are not held, as long as no contact changes; none for eta = 0.
+  std::vector<RelaxingRow> relaxing_rows() const;
+  /// (M f)_i at t, 0 without a load.
+  double load(std::size_t unknown, double t) { return load_ ? load_->at(t)[unknown] : 0.0; }
+
   /// Opens or closes each contact as the state at the start asks for: closed when it penetrates, or touches and moves
   /// in, or touches at rest and is pressed in. Completes u and w at massless nodes on the way.
   void settle(double t, std::span<double> u, std::span<double> w);
@@ -91,6 +103,7 @@ class PenalisedSystem {
   double load_power(double t, std::span<const double> w);
   bool dissipates() const { return bar_.damped() || dashpots_; }
   bool loaded() const { return load_.has_value(); }
+  bool load_varies() const { return load_ && !load_->steady(); }
 
   std::size_t load_evaluations() const { return load_ ? load_->evaluations() : 0; }
 

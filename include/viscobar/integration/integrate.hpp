@@ -1,10 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <span>
+#include <string_view>
 
 #include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/dynamics/penalty_law.hpp"
 #include "viscobar/dynamics/run.hpp"
+#include "viscobar/scene/scene.hpp"
 
 namespace viscobar {
 
@@ -40,6 +43,40 @@ struct Ida {
   Tolerance tolerance;
 };
 
+/// Implicit Runge-Kutta method of order 5 by SUNDIALS' ARKODE (ESDIRK547L2SA2 of Kennedy and Carpenter: seven stages,
+/// all but the first with the same matrix, stiffly accurate and L-stable); takes massless nodes, also without
+/// viscosity. A one-step method: no order has to be built up again after a contact change.
+struct Arkode {
+  Penalty penalty;
+  Tolerance tolerance;
+};
+
+/// Steppers of Boost.Odeint; `automatic` is rosenbrock4 or dopri5, by what the steps of either cost (docs/methods.md).
+enum class Stepper {
+  automatic,
+  rosenbrock4,  ///< linearly implicit, order 4, dense matrices: few nodes
+  dopri5,       ///< explicit, order 5
+  symplectic    ///< explicit, order 4, fixed step; no viscosity, no dashpot
+};
+std::string_view name(Stepper stepper);
+
+/// Boost.Odeint on the explicit form u' = w, w' = (rho M)^{-1} F: shares no formula and no solver with the SUNDIALS
+/// methods. Refuses massless nodes without viscosity, whose rows are algebraic.
+struct Odeint {
+  Penalty penalty;
+  Tolerance tolerance;
+  Stepper stepper = Stepper::automatic;
+  std::optional<double> step;  ///< of symplectic, which needs it and has no use for the tolerance
+};
+
+/// What Odeint would do with a system for a given time.
+struct OdeintPlan {
+  Stepper stepper = Stepper::dopri5;
+  double least_steps = 0.0;        ///< that stability, or the fixed step, asks for
+  std::optional<Finding> refusal;  ///< why the method does not fit
+};
+OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method);
+
 /// Matrix exponentials between contact changes located to rounding. Cost O(n^2) a sub-step and O(n^3) a contact state:
 /// for small meshes, and as the reference of the other methods.
 struct Exponential {
@@ -61,6 +98,10 @@ struct Rigid {
 Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Cvode& method,
                      const Observers& observers);
 Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Ida& method,
+                     const Observers& observers);
+Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Arkode& method,
+                     const Observers& observers);
+Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Odeint& method,
                      const Observers& observers);
 Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times,
                      const Exponential& method, const Observers& observers);

@@ -2,40 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Core>
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
+#include "integration/step_failure.hpp"
+
 namespace viscobar::sundials {
-
-namespace {
-
-double largest(std::span<const double> x) {
-  return Eigen::Map<const Eigen::ArrayXd>(x.data(), static_cast<Eigen::Index>(x.size())).abs().maxCoeff();
-}
-
-}  // namespace
-
-double ErrorWeights::displacement_tolerance() const {
-  return (tolerance_.relative * largest_u_ + tolerance_.absolute) / tightening_;
-}
-
-void ErrorWeights::fill(std::span<double> y, double noise, std::span<double> weights) {
-  largest_u_ = std::max(largest_u_, largest(layout_.u(y)));
-  largest_w_ = std::max(largest_w_, largest(layout_.w(y)));
-  // Below a few units of rounding no step could pass.
-  const double relative = std::max(tolerance_.relative / tightening_, 16.0 * std::numeric_limits<double>::epsilon());
-  const double absolute = tolerance_.absolute / tightening_;
-  std::ranges::fill(layout_.u(weights), 1.0 / (relative * largest_u_ + absolute));
-  const auto w = layout_.w(weights);
-  // An error test that sees noise shrinks the step, which makes more of it.
-  std::ranges::fill(w, 1.0 / std::max(relative * largest_w_ + absolute, 4.0 * noise));
-  std::ranges::fill(w.first(massive_begin_), 0.0);
-  std::ranges::fill(w.subspan(massive_end_), 0.0);
-  std::ranges::fill(weights.subspan(2 * layout_.nodes), 0.0);
-}
 
 void Leg::solve(double m, double c, double k, std::span<double> x) {
   if (!factorised_ || m != m_ || c != c_ || k != k_ || revision_ != system.revision()) {
@@ -49,6 +21,28 @@ void Leg::solve(double m, double c, double k, std::span<double> x) {
   ++statistics.linear_solves;
   // A sweep carries what is not finite to the ends.
   if (!std::isfinite(x.front()) || !std::isfinite(x.back())) throw StepFailure("the solution is no longer finite");
+}
+
+void Leg::solve_first_order(double t, double gamma, std::span<const double> y, double factor, std::span<const double> z,
+                            std::span<double> x) {
+  const std::size_t n = layout.nodes;
+  const double *u = y.data(), *w = u + n;
+  double *x_u = x.data(), *x_w = x_u + n, *explicit_u = field.data();
+  for (std::size_t i = 0; i < n; ++i) {
+    x_u[i] = gamma * w[i] + factor * z[i];
+    explicit_u[i] = u[i] + x_u[i];
+  }
+  const std::span<double> right(x_w, n);
+  system.force(t, field, {w, n}, right);
+  ++statistics.rhs_evaluations;
+  for (double& entry : right) entry *= gamma;
+  subtract_inertia(-factor, z.subspan(n, n), right);
+  solve(1.0, gamma, gamma * gamma, right);
+  for (std::size_t i = 0; i < n; ++i) x_u[i] += gamma * x_w[i];
+  if (layout.size == 2 * n) return;
+  for (std::size_t i = 0; i < n; ++i) field[i] = w[i] + x_w[i];
+  account_rates(t, field, x);
+  for (std::size_t k = 2 * n; k < layout.size; ++k) x[k] = gamma * x[k] + factor * z[k];
 }
 
 void Leg::subtract_inertia(double factor, std::span<const double> x, std::span<double> out) {

@@ -5,21 +5,23 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "dynamics/stopwatch.hpp"
 #include "integration/event_search.hpp"
+#include "integration/layout.hpp"
 #include "integration/snapshot.hpp"
-#include "integration/sundials/leg.hpp"
+#include "integration/step_failure.hpp"
 #include "viscobar/dynamics/errors.hpp"
 #include "viscobar/dynamics/penalised_system.hpp"
 #include "viscobar/dynamics/run.hpp"
 
 namespace viscobar {
 
-/// The run of an adaptive multistep method on the penalised system: steps on legs of constant contact states, a
-/// located change ending a leg, output interpolated. A Stepper offers
+/// The run of a method that makes steps and interpolates them, on the penalised system: steps on legs of constant
+/// contact states, a located change ending a leg, output interpolated. A Stepper offers
 ///
 ///     restart(t, y)            begin a leg at t with the state y (its massless entries completed)
 ///     double advance()         make one step towards the end, return the time reached
@@ -29,10 +31,10 @@ namespace viscobar {
 ///     double largest()         largest |u| so far
 ///     double displacement_tolerance()    local error of u that a step may make
 template <class Stepper>
-class MultistepRun {
+class StepwiseRun {
  public:
-  MultistepRun(PenalisedSystem& system, const sundials::Layout& layout, Stepper& stepper, Statistics& statistics,
-               std::span<const double> times, const Observers& observers)
+  StepwiseRun(PenalisedSystem& system, const Layout& layout, Stepper& stepper, Statistics& statistics,
+              std::span<const double> times, const Observers& observers)
       : system_(system),
         layout_(layout),
         stepper_(stepper),
@@ -157,7 +159,7 @@ class MultistepRun {
     last_contact_ = contact;
     last_change_ = t;
     if (toggles_ > 20)
-      throw sundials::StepFailure(fmt::format(
+      throw StepFailure(fmt::format(
           "a contact opens and closes for ever at t = {}: the clearance is below the rounding of the displacement; "
           "choose a larger epsilon, or measure displacements from the obstacle",
           t));
@@ -166,7 +168,7 @@ class MultistepRun {
   void stall_check(double before, double reached) {
     stalled_ = reached > before ? 0 : stalled_ + 1;
     if (stalled_ > 100)
-      throw sundials::StepFailure(
+      throw StepFailure(
           fmt::format("the step has shrunk below the rounding of the time t = {}; loosen the tolerance or choose a "
                       "larger epsilon",
                       before));
@@ -187,7 +189,7 @@ class MultistepRun {
   }
 
   PenalisedSystem& system_;
-  sundials::Layout layout_;
+  Layout layout_;
   Stepper& stepper_;
   Statistics& statistics_;
   std::span<const double> times_;
@@ -203,10 +205,10 @@ class MultistepRun {
 
 /// Makes the run and turns whatever stops it into an IntegrationError that says how far it came.
 template <class Stepper>
-Statistics run_multistep(const char* method, PenalisedSystem& system, const sundials::Layout& layout, Stepper& stepper,
-                         Statistics& statistics, const State& start, std::span<const double> times,
-                         const Observers& observers) {
-  MultistepRun<Stepper> run(system, layout, stepper, statistics, times, observers);
+Statistics run_stepwise(const char* method, PenalisedSystem& system, const Layout& layout, Stepper& stepper,
+                        Statistics& statistics, const State& start, std::span<const double> times,
+                        const Observers& observers) {
+  StepwiseRun<Stepper> run(system, layout, stepper, statistics, times, observers);
   const auto conclude = [&] {
     const BarSystem& bar = system.bar();
     statistics.unknowns = bar.size() + (bar.massive_end() - bar.massive_begin());
@@ -220,7 +222,7 @@ Statistics run_multistep(const char* method, PenalisedSystem& system, const sund
   };
   try {
     run(start);
-  } catch (const sundials::StepFailure& failure) {
+  } catch (const StepFailure& failure) {
     throw explain(failure);
   } catch (const LoadError& error) {
     throw explain(error);

@@ -1,0 +1,36 @@
+#include "integration/error_weights.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <limits>
+
+namespace viscobar {
+
+namespace {
+
+double largest(std::span<const double> x) {
+  return Eigen::Map<const Eigen::ArrayXd>(x.data(), static_cast<Eigen::Index>(x.size())).abs().maxCoeff();
+}
+
+}  // namespace
+
+double ErrorWeights::displacement_tolerance() const {
+  return (tolerance_.relative * largest_u_ + tolerance_.absolute) / tightening_;
+}
+
+void ErrorWeights::fill(std::span<const double> y, double noise, std::span<double> weights) {
+  largest_u_ = std::max(largest_u_, largest(y.first(layout_.nodes)));
+  largest_w_ = std::max(largest_w_, largest(y.subspan(layout_.nodes, layout_.nodes)));
+  // Below a few units of rounding no step could pass.
+  const double relative = std::max(tolerance_.relative / tightening_, 16.0 * std::numeric_limits<double>::epsilon());
+  const double absolute = tolerance_.absolute / tightening_;
+  std::ranges::fill(layout_.u(weights), 1.0 / (relative * largest_u_ + absolute));
+  const auto w = layout_.w(weights);
+  // An error test that sees noise shrinks the step, which makes more of it.
+  std::ranges::fill(w, 1.0 / std::max(relative * largest_w_ + absolute, 4.0 * noise));
+  std::ranges::fill(w.first(massive_begin_), 0.0);
+  std::ranges::fill(w.subspan(massive_end_), 0.0);
+  std::ranges::fill(weights.subspan(2 * layout_.nodes), 0.0);
+}
+
+}  // namespace viscobar

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "integration/layout.hpp"
+#include "viscobar/integration/integrate.hpp"
+
+namespace viscobar {
+
+/// What the errors that a method makes within its bound for a step add up to in a run, in multiples of that bound:
+/// local errors add up, an undamped bar forgets none of them, and a bounce multiplies what was there before it.
+/// Measured in docs/methods.md.
+struct Accumulation {
+  double dissipating, conserving, per_change;
+};
+inline constexpr Accumulation multistep_accumulation{150.0, 1000.0, 6.0};
+/// One-step methods advance the more accurate of the two solutions whose difference is their error estimate.
+inline constexpr Accumulation one_step_accumulation{2.0, 10.0, 1.0};
+
+/// Error weights of Tolerance: 1 / (relative max|u| + absolute) for each entry of u, likewise for w, 0 for dependent
+/// entries and the energy account. The maxima run over the time passed, so that a bar at rest for a moment does not ask
+/// for absurd accuracy.
+class ErrorWeights {
+ public:
+  ErrorWeights(const PenalisedSystem& system, const Layout& layout, const Tolerance& tolerance,
+               const Accumulation& accumulation)
+      : layout_(layout),
+        tolerance_(tolerance),
+        massive_begin_(system.bar().massive_begin()),
+        massive_end_(system.bar().massive_end()),
+        accumulated_(system.dissipates() ? accumulation.dissipating : accumulation.conserving),
+        per_change_(accumulation.per_change) {}
+
+  /// `noise` is what the velocities are not known better than.
+  void fill(std::span<const double> y, double noise, std::span<double> weights);
+  /// The local tolerance is the requested one divided by what errors accumulate to after that many contact changes.
+  void tighten(std::size_t changes) {
+    if (tolerance_.control == ErrorControl::global)
+      tightening_ = accumulated_ + per_change_ * static_cast<double>(changes);
+  }
+  double largest_displacement() const { return largest_u_; }
+  double displacement_tolerance() const;
+
+ private:
+  Layout layout_;
+  Tolerance tolerance_;
+  std::size_t massive_begin_, massive_end_;
+  double largest_u_ = 0.0, largest_w_ = 0.0, accumulated_, per_change_, tightening_ = 1.0;
+};
+
+}  // namespace viscobar

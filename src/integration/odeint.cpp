@@ -1,0 +1,129 @@
+#include <numeric>
+#include <stdexcept>
+
+#include "integration/error_weights.hpp"
+#include "integration/odeint/dopri5.hpp"
+#include "integration/odeint/rosenbrock4.hpp"
+#include "integration/odeint/symplectic.hpp"
+#include "integration/stepwise_run.hpp"
+#include "viscobar/integration/integrate.hpp"
+
+namespace viscobar {
+
+namespace {
+
+/// Steps of Odeint's formulas on the legs of a run. Their size is controlled here, by the error of Tolerance in the
+/// maximum norm, because Odeint's own controllers know other norms; and they are interpolated by the quintic, whose
+/// order is above that of Odeint's own (four for dopri5, three for rosenbrock4).
+template <class Formulas>
+class OdeintStepper {
+ public:
+  OdeintStepper(PenalisedSystem& system, const Layout& layout, const Odeint& method, std::span<const double> times,
+                Statistics& statistics)
+      : statistics_(statistics),
+        motion_(system, false),
+        weights_(system, motion_, method.tolerance, one_step_accumulation),
+        formulas_(system, statistics),
+        step_(system, layout),
+        end_(times.back()),
+        size_(adaptive ? 1e-3 * (times.back() - times.front()) : *method.step),
+        scales_(motion_.size) {}
+
+  void begin_run(std::vector<std::size_t> sampled_entries) { step_.begin_run(std::move(sampled_entries)); }
+
+  void restart(double t, std::span<const double> y) {
+    weights_.tighten(statistics_.events);
+    StepPolynomial::End& start = step_.end();
+    start.t = t;
+    std::ranges::copy(y, start.y.begin());
+    formulas_.begin_leg(start);
+    step_.restart();
+  }
+
+  double advance() {
+    step_.advance();
+    const StepPolynomial::End& from = step_.begin();
+    weights_.fill(motion(from.y), 0.0, scales_);
+    if constexpr (adaptive)
+      make_controlled_step(from.t);
+    else
+      make_step(from.t);
+    step_.finish();
+    return step_.end().t;
+  }
+
+  std::size_t order() const { return StepPolynomial::degree; }
+  void interpolate(double t, std::span<double> y) { step_.at(t, y); }
+  std::span<const double> sample(double t, int derivative) { return step_.sample(t, derivative); }
+  double largest() const { return weights_.largest_displacement(); }
+  double displacement_tolerance() const { return weights_.displacement_tolerance(); }
+
+ private:
+  static constexpr bool adaptive = requires { Formulas::error_order; };
+
+  std::span<const double> motion(const std::vector<double>& y) const { return std::span(y).first(motion_.size); }
+
+  // The time that a step of the present size leads to: the end, where it would leave a rounding to go.
+  double target(double t) const { return t + size_ * (1.0 + 1e-9) >= end_ ? end_ : t + size_; }
+
+  void make_step(double t) {
+    StepPolynomial::End& reached = step_.end();
+    reached.t = target(t);
+    formulas_.step(t, reached.t - t, motion(step_.begin().y), reached);
+    if (!std::isfinite(std::reduce(reached.y.begin(), reached.y.begin() + static_cast<std::ptrdiff_t>(motion_.size))))
+      throw StepFailure("the solution is no longer finite");
+  }
+
+  void make_controlled_step(double t) {
+    StepPolynomial::End& reached = step_.end();
+    for (double growth = 5.0;; growth = 1.0) {
+      reached.t = target(t);
+      const double h = reached.t - t;
+      if (h <= 16.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), end_) && reached.t < end_)
+        throw StepFailure(
+            fmt::format("the step has shrunk to the rounding of the time t = {}; loosen the tolerance", t));
+      const double error = formulas_.attempt(t, h, scales_, reached);
+      const double factor = std::clamp(0.9 * std::pow(error, -1.0 / Formulas::error_order), 0.2, growth);
+      if (error > 1.0) {
+        size_ = h * factor;
+        continue;
+      }
+      // The last step may have been cut short: it says nothing against a longer one.
+      size_ = std::max(size_ * (factor < 1.0 ? factor : 1.0), h * factor);
+      return;
+    }
+  }
+
+  Statistics& statistics_;
+  Layout motion_;  // without the energy account
+  ErrorWeights weights_;
+  Formulas formulas_;
+  StepPolynomial step_;
+  double end_, size_;
+  std::vector<double> scales_;
+};
+
+template <class Formulas>
+Statistics run_by(PenalisedSystem& system, const State& start, std::span<const double> times, const Odeint& method,
+                  const Observers& observers) {
+  const Layout layout(system, observers.energy);
+  Statistics statistics;
+  OdeintStepper<Formulas> stepper(system, layout, method, times, statistics);
+  return run_stepwise("odeint", system, layout, stepper, statistics, start, times, observers);
+}
+
+}  // namespace
+
+Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Odeint& method,
+                     const Observers& observers) {
+  const OdeintPlan what = plan(system, times.back() - times.front(), method);
+  if (what.refusal) throw std::invalid_argument(what.refusal->key + ": " + what.refusal->problem);
+  PenalisedSystem penalised(system, method.penalty);
+  switch (what.stepper) {
+    case Stepper::rosenbrock4: return run_by<Rosenbrock4>(penalised, start, times, method, observers);
+    case Stepper::symplectic: return run_by<Symplectic>(penalised, start, times, method, observers);
+    default: return run_by<Dopri5>(penalised, start, times, method, observers);
+  }
+}
+
+}  // namespace viscobar

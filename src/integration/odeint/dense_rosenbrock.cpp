@@ -1,0 +1,54 @@
+#include "integration/odeint/dense_rosenbrock.hpp"
+
+#include <boost/numeric/odeint/stepper/rosenbrock4.hpp>
+#include <boost/numeric/ublas/matrix.hpp>
+#include <boost/numeric/ublas/matrix_proxy.hpp>
+#include <boost/numeric/ublas/vector.hpp>
+#include <utility>
+
+namespace viscobar {
+
+using Vector = boost::numeric::ublas::vector<double>;
+using Matrix = boost::numeric::ublas::matrix<double>;
+
+struct DenseRosenbrock::Dense {
+  std::size_t size;  // of y; time comes behind
+  Rate rate;
+  TimeRate time_rate;
+  Vector state, next, error, time_column;
+  Matrix jacobian;
+  boost::numeric::odeint::rosenbrock4<double> stepper;
+};
+
+DenseRosenbrock::DenseRosenbrock(std::size_t size, Rate rate, TimeRate time_rate) {
+  const Vector zero(size + 1, 0.0);
+  dense_.reset(new Dense{
+      size, std::move(rate), std::move(time_rate), zero, zero, zero, zero, Matrix(size + 1, size + 1, 0.0), {}});
+}
+
+DenseRosenbrock::~DenseRosenbrock() = default;
+
+double* DenseRosenbrock::state() { return &dense_->state[0]; }
+double& DenseRosenbrock::jacobian(std::size_t row, std::size_t column) { return dense_->jacobian(row, column); }
+const double* DenseRosenbrock::next() const { return &dense_->next[0]; }
+const double* DenseRosenbrock::error() const { return &dense_->error[0]; }
+
+void DenseRosenbrock::attempt(double t, double h) {
+  Dense& dense = *dense_;
+  const auto rate = [&dense](const Vector& y, Vector& out, double) {
+    dense.rate(y[dense.size], &y[0], &out[0]);
+    out[dense.size] = 1.0;
+  };
+  const auto jacobian = [&dense](const Vector&, Matrix& out, double at, Vector& time_rate) {
+    dense.time_rate(at, &dense.time_column[0]);
+    noalias(column(dense.jacobian, dense.size)) = dense.time_column;
+    noalias(out) = dense.jacobian;
+    time_rate.clear();
+  };
+  dense.state[dense.size] = t;
+  dense.stepper.do_step(std::make_pair(rate, jacobian), dense.state, t, dense.next, h, dense.error);
+}
+
+void DenseRosenbrock::accept() { dense_->state.swap(dense_->next); }
+
+}  // namespace viscobar

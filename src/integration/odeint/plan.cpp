@@ -1,0 +1,141 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "integration/odeint/symplectic.hpp"
+#include "viscobar/integration/integrate.hpp"
+
+namespace viscobar {
+
+std::string_view name(Stepper stepper) {
+  switch (stepper) {
+    case Stepper::automatic: return "automatic";
+    case Stepper::rosenbrock4: return "rosenbrock4";
+    case Stepper::dopri5: return "dopri5";
+    case Stepper::symplectic: return "symplectic";
+  }
+  return {};
+}
+
+namespace {
+
+constexpr std::size_t most_dense_nodes = 100;
+constexpr double most_steps = 1e9;
+
+// Steps of dopri5 per n^2 from which on rosenbrock4 is cheaper: a dense step costs as much as n^2 / 17 explicit ones,
+// and a run makes some 900 (docs/methods.md).
+constexpr double dense_worth = 50.0;
+
+// |R(z)| of dopri5 stays below 1 on the negative real axis up to here.
+constexpr double real_stability = 3.3;
+
+struct Spectrum {
+  double frequency;  // of undamped motion, all contacts closed
+  double decay;      // of what only dies out
+};
+
+// Bounds: the largest eigenvalue of K against M element by element, plus what a contact adds to its node.
+Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
+  const Bar& bar = system.bar();
+  const double h = system.mesh().spacing();
+  const bool diagonal = system.inertia().off_diagonal.empty();
+  const double mesh = (diagonal ? 4.0 : 12.0) / (h * h * bar.density);
+  double square = mesh * bar.modulus, decay = mesh * bar.viscosity;
+  const std::vector<double> masses = system.effective_masses();
+  double contact_square = 0.0, contact_decay = 0.0;
+  for (const Contact& contact : system.contacts()) {
+    const PenaltyLaw law =
+        penalty_law(penalty, contact.weight, penalty.restitution < 1.0 ? system.contact_mass(contact) : 0.0);
+    double mass = masses[contact.unknown];
+    if (mass == 0.0) {
+      if (bar.viscosity > 0.0) decay = std::max(decay, (bar.modulus + law.stiffness * h) / bar.viscosity);
+      continue;
+    }
+    if (contact.where == Where::span && !diagonal) mass = bar.density * contact.weight / 3.0;
+    contact_square = std::max(contact_square, law.stiffness / mass);
+    contact_decay = std::max(contact_decay, law.damping / mass);
+  }
+  if (system.has_massless() && bar.viscosity > 0.0) decay = std::max(decay, bar.modulus / bar.viscosity);
+  return {std::sqrt(square + contact_square), decay + contact_decay};
+}
+
+// The largest h omega at which the symplectic formulas keep an oscillation bounded: their matrix on (q, p), of
+// determinant 1, has its eigenvalues on the unit circle as long as |trace| <= 2.
+double symplectic_stability() {
+  const Symplectic::Formulas formulas;
+  const auto bounded = [&](double x) {
+    double trace = 0.0;
+    for (const bool first : {true, false}) {
+      double q = first ? 1.0 : 0.0, p = first ? 0.0 : 1.0;
+      for (std::size_t l = 0; l < formulas.coef_a().size(); ++l) {
+        q += formulas.coef_a()[l] * x * p;
+        p -= formulas.coef_b()[l] * x * q;
+      }
+      trace += first ? q : p;
+    }
+    return std::abs(trace) <= 2.0;
+  };
+  double x = 0.01;
+  while (bounded(x + 0.01)) x += 0.01;
+  return x;
+}
+
+Finding massless_undamped() {
+  return {"method.name",
+          "odeint cannot take massless contact nodes without viscosity: their equations are algebraic; use arkode or "
+          "ida, or a positive bar.viscosity"};
+}
+
+std::optional<Finding> symplectic_refusal(const BarSystem& system, const Odeint& method, const Spectrum& spectrum) {
+  if (system.damped())
+    return Finding{"method.stepper",
+                   fmt::format("symplectic conserves what bar.viscosity = {} dissipates; use dopri5 or rosenbrock4",
+                               system.bar().viscosity)};
+  if (!system.contacts().empty() && method.penalty.restitution < 1.0)
+    return Finding{"method.stepper",
+                   fmt::format("symplectic conserves what contact.restitution = {} dissipates; use dopri5 or "
+                               "rosenbrock4",
+                               method.penalty.restitution)};
+  if (!method.step) return Finding{"method.step", "is missing: the symplectic stepper of odeint has a fixed time step"};
+  const double largest = symplectic_stability() / spectrum.frequency;
+  if (*method.step > largest)
+    return Finding{"method.step",
+                   fmt::format("is {}: the symplectic stepper is unstable here above {:.3g}", *method.step, largest)};
+  return std::nullopt;
+}
+
+}  // namespace
+
+OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method) {
+  OdeintPlan plan{method.stepper, 0.0, std::nullopt};
+  const Spectrum bound = spectrum(system, method.penalty);
+  const double explicit_steps = duration * bound.decay / real_stability;
+  if (plan.stepper == Stepper::automatic) {
+    const auto n = static_cast<double>(system.size());
+    const bool dense = system.size() <= most_dense_nodes && explicit_steps > dense_worth * n * n;
+    plan.stepper = dense ? Stepper::rosenbrock4 : Stepper::dopri5;
+  }
+  if (system.has_massless() && !system.damped()) {
+    plan.refusal = massless_undamped();
+  } else if (plan.stepper == Stepper::symplectic) {
+    plan.refusal = symplectic_refusal(system, method, bound);
+    if (method.step) plan.least_steps = duration / *method.step;
+  } else if (plan.stepper == Stepper::dopri5) {
+    plan.least_steps = explicit_steps;
+  } else if (system.size() > most_dense_nodes) {
+    plan.refusal = Finding{"method.stepper",
+                           fmt::format("rosenbrock4 works with dense matrices, up to {} unknown nodes, here are {}; "
+                                       "use arkode, or dopri5",
+                                       most_dense_nodes, system.size())};
+  }
+  if (!plan.refusal && plan.least_steps > most_steps)
+    plan.refusal = Finding{
+        plan.stepper == Stepper::symplectic ? "method.step" : "method.name",
+        fmt::format(
+            "{} would make at least {:.1e} steps{}", name(plan.stepper), plan.least_steps,
+            plan.stepper == Stepper::dopri5 ? ": it is explicit, and the scene is stiff; use cvode or arkode" : "")};
+  return plan;
+}
+
+}  // namespace viscobar

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "integration/odeint/dense_rosenbrock.hpp"
+#include "integration/odeint/first_order.hpp"
+#include "integration/step_polynomial.hpp"
+
+namespace viscobar {
+
+/// Linearly implicit formulas of order 4, L-stable, with an error estimate of order 3: one dense factorisation of order
+/// 2 n and six solves a step.
+class Rosenbrock4 {
+ public:
+  static constexpr double error_order = 4.0;  // of a step
+
+  Rosenbrock4(PenalisedSystem& system, Statistics& statistics)
+      : form_(system, statistics),
+        statistics_(statistics),
+        size_(2 * system.size()),
+        rate_(size_),
+        load_rate_(system.size()),
+        dense_(
+            size_,
+            [this](double t, const double* y, double* rate) {
+              form_(t, {y, size_}, {rate, size_});
+            },
+            [this](double t, double* rate) {
+              find_time_rate(t, {rate, size_});
+            }) {}
+  Rosenbrock4(const Rosenbrock4&) = delete;
+  Rosenbrock4& operator=(const Rosenbrock4&) = delete;
+
+  void begin_leg(StepPolynomial::End& start) {
+    find_jacobian(start.t);
+    std::copy_n(start.y.begin(), size_, dense_.state());
+    find_acceleration(start);
+  }
+
+  double attempt(double t, double h, std::span<const double> weights, StepPolynomial::End& reached) {
+    dense_.attempt(t, h);
+    ++statistics_.matrix_factorisations;
+    statistics_.linear_solves += 6;
+    const double error = weighted_error({dense_.error(), size_}, weights, {dense_.next(), size_});
+    if (error <= 1.0) {
+      dense_.accept();
+      std::copy_n(dense_.state(), size_, reached.y.begin());
+      find_acceleration(reached);
+    }
+    return error;
+  }
+
+ private:
+  void find_acceleration(StepPolynomial::End& end) {
+    form_(end.t, {dense_.state(), size_}, rate_);
+    std::copy_n(rate_.begin() + static_cast<std::ptrdiff_t>(end.a.size()), end.a.size(), end.a.begin());
+  }
+
+  // On a leg the rate is linear in y: its differences between unit vectors and zero are the columns.
+  void find_jacobian(double t) {
+    std::vector<double> unit(size_, 0.0), at_zero(size_);
+    form_(t, unit, at_zero);
+    for (std::size_t j = 0; j < size_; ++j) {
+      unit[j] = 1.0;
+      form_(t, unit, rate_);
+      unit[j] = 0.0;
+      for (std::size_t i = 0; i < size_; ++i) dense_.jacobian(i, j) = rate_[i] - at_zero[i];
+    }
+  }
+
+  // Of the load, by central differences over 2e-4 element transit times.
+  void find_time_rate(double t, std::span<double> out) {
+    std::ranges::fill(out, 0.0);
+    PenalisedSystem& system = form_.system;
+    if (!system.load_varies()) return;
+    const std::size_t n = system.size();
+    const Bar& bar = system.bar().bar();
+    const double step = 1e-4 * system.bar().mesh().spacing() * std::sqrt(bar.density / bar.modulus);
+    const double before = std::max(0.0, t - step), after = t + step;
+    for (std::size_t i = 0; i < n; ++i) load_rate_[i] = -system.load(i, before);
+    for (std::size_t i = 0; i < n; ++i) load_rate_[i] = (load_rate_[i] + system.load(i, after)) / (after - before);
+    const std::span<double> a = out.subspan(n, n);
+    std::ranges::copy(load_rate_, a.begin());
+    // What the load does to the velocity of a massless node, that node does to its neighbour.
+    for (const auto& row : system.relaxing_rows()) {
+      out[row.unknown] = row.load_share * load_rate_[row.unknown];
+      a[row.next] += bar.viscosity / system.bar().mesh().spacing() * out[row.unknown];
+    }
+    system.bar().accelerate(a);
+  }
+
+  FirstOrder form_;
+  Statistics& statistics_;
+  std::size_t size_;
+  std::vector<double> rate_, load_rate_;
+  DenseRosenbrock dense_;
+};
+
+}  // namespace viscobar

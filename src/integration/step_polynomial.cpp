@@ -1,0 +1,185 @@
+#include "integration/step_polynomial.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace viscobar {
+
+namespace {
+
+// I_j = int_0^s exp(-mu (s - r)) r^j dr, j = 0 .. 5, by I_j = (s^j - j I_{j-1}) / mu, which is taken in the direction
+// in which it forgets errors.
+std::array<double, 6> relaxed_powers(double mu, double s) {
+  std::array<double, 6> power{1.0}, integral{};
+  for (std::size_t j = 1; j < 6; ++j) power[j] = power[j - 1] * s;
+  const double x = mu * s;
+  if (x > 6.0) {
+    integral[0] = (1.0 - std::exp(-x)) / mu;
+    for (std::size_t j = 1; j < 6; ++j) integral[j] = (power[j] - static_cast<double>(j) * integral[j - 1]) / mu;
+    return integral;
+  }
+  double term = power[5] * s / 6.0, sum = term;
+  for (int m = 1; std::abs(term) > 1e-17 * std::abs(sum); ++m) sum += term *= -x / (6.0 + m);
+  integral[5] = sum;
+  for (std::size_t j = 5; j > 0; --j) integral[j - 1] = (power[j] - mu * integral[j]) / static_cast<double>(j);
+  return integral;
+}
+
+}  // namespace
+
+StepPolynomial::StepPolynomial(PenalisedSystem& system, const Layout& layout)
+    : system_(system),
+      layout_(layout),
+      begin_{0.0, std::vector<double>(layout.size), std::vector<double>(layout.nodes)},
+      end_(begin_),
+      inner_(layout.size > 2 * layout.nodes ? layout.size : 0) {}
+
+void StepPolynomial::begin_run(std::vector<std::size_t> sampled_entries) {
+  entries_ = std::move(sampled_entries);
+  sampled_.resize(entries_.size());
+}
+
+void StepPolynomial::restart() {
+  relaxations_.clear();
+  for (const auto& row : system_.relaxing_rows()) relaxations_.push_back({row, system_.load(row.unknown, end_.t), {}});
+}
+
+void StepPolynomial::finish() {
+  system_.complete_displacement(end_.t, layout_.u(end_.y));
+  system_.complete_velocity(end_.t, layout_.u(end_.y), layout_.w(end_.y));
+  for (Relaxation& relaxation : relaxations_) drive(relaxation);
+  add_account(end_.t, end_.y);
+}
+
+void StepPolynomial::drive(Relaxation& relaxation) {
+  const auto& row = relaxation.row;
+  const std::size_t i = row.next, n = layout_.nodes;
+  const double h = length();
+  const double w0 = h * begin_.y[n + i], w1 = h * end_.y[n + i], a0 = h * h * begin_.a[i], a1 = h * h * end_.a[i];
+  const double d = defect(i);
+  const std::array<double, 6> u = {begin_.y[i],
+                                   w0,
+                                   0.5 * a0,
+                                   w1 - w0 - (2.0 * a0 + a1) / 3.0 + 10.0 * d,
+                                   0.5 * (w0 - w1) + 0.25 * (a0 + a1) - 15.0 * d,
+                                   6.0 * d};
+  for (std::size_t j = 0; j < 6; ++j)
+    relaxation.drive[j] = row.u_share * u[j] + (j < 5 ? static_cast<double>(j + 1) * u[j + 1] / h : 0.0);
+  relaxation.drive[0] += row.constant + row.load_share * relaxation.load;
+  if (!system_.load_varies()) return;
+  // Newton's form through s = 0, 1/4, ..., 1.
+  std::array<double, 5> f{relaxation.load};
+  for (std::size_t j = 1; j < 5; ++j)
+    f[j] = system_.load(row.unknown, j == 4 ? end_.t : begin_.t + 0.25 * static_cast<double>(j) * h);
+  relaxation.load = f[4];
+  for (std::size_t order = 1; order < 5; ++order)
+    for (std::size_t j = 4; j >= order; --j) f[j] = (f[j] - f[j - 1]) / (0.25 * static_cast<double>(order));
+  std::array<double, 5> power{f[4]};
+  for (std::size_t k = 4; k-- > 0;) {
+    const double node = 0.25 * static_cast<double>(k);
+    for (std::size_t j = 4; j > 0; --j) power[j] = power[j - 1] - node * power[j];
+    power[0] = f[k] - node * power[0];
+  }
+  for (std::size_t j = 1; j < 5; ++j) relaxation.drive[j] += row.load_share * power[j];
+}
+
+StepPolynomial::Weights StepPolynomial::weights(double s, int derivative) {
+  const double r = 1.0 - s, s2 = s * s, s3 = s2 * s;
+  switch (derivative) {
+    case 0:
+      return {s - s3 + 0.5 * s2 * s2, s3 - 0.5 * s2 * s2, s2 * (0.5 - s * (2.0 / 3.0) + 0.25 * s2),
+              s3 * (0.25 * s - 1.0 / 3.0), s3 * (10.0 - 15.0 * s + 6.0 * s2)};
+    case 1: return {r * r * (1.0 + 2.0 * s), s2 * (3.0 - 2.0 * s), s * r * r, -s2 * r, 30.0 * s2 * r * r};
+    default:
+      return {-6.0 * s * r, 6.0 * s * r, r * (1.0 - 3.0 * s), s * (3.0 * s - 2.0), 60.0 * s * r * (1.0 - 2.0 * s)};
+  }
+}
+
+// Where it is no more than rounding, as in the short steps after a contact change, D / h would be noise.
+double StepPolynomial::defect(std::size_t i) const {
+  const std::size_t n = layout_.nodes;
+  const double h = length(), u0 = begin_.y[i], u1 = end_.y[i];
+  const double missing =
+      u1 - u0 - 0.5 * h * (begin_.y[n + i] + end_.y[n + i]) + h * h / 12.0 * (end_.a[i] - begin_.a[i]);
+  const double rounding = 2.0 * std::numeric_limits<double>::epsilon() * (std::abs(u0) + std::abs(u1));
+  return std::abs(missing) > rounding ? missing : 0.0;
+}
+
+double StepPolynomial::massive(std::size_t i, const Weights& weights) const {
+  const std::size_t n = layout_.nodes;
+  const double h = length();
+  return h * (weights.w0 * begin_.y[n + i] + weights.w1 * end_.y[n + i] +
+              h * (weights.a0 * begin_.a[i] + weights.a1 * end_.a[i])) +
+         weights.defect * defect(i);
+}
+
+double StepPolynomial::relaxed(const Relaxation& relaxation, double s) const {
+  const double h = length(), mu = relaxation.row.rate * h;
+  const std::array<double, 6> powers = relaxed_powers(mu, s);
+  double sum = 0.0;
+  for (std::size_t j = 0; j < 6; ++j) sum += relaxation.drive[j] * powers[j];
+  return std::exp(-mu * s) * begin_.y[relaxation.row.unknown] + h * sum;
+}
+
+void StepPolynomial::motion_at(double t, std::span<double> y) {
+  const std::size_t n = layout_.nodes;
+  const double h = length(), s = (t - begin_.t) / h;
+  const Weights displacement = weights(s, 0), velocity = weights(s, 1);
+  for (std::size_t i = 0; i < n; ++i) {
+    y[i] = begin_.y[i] + massive(i, displacement);
+    y[n + i] = massive(i, velocity) / h;
+  }
+  for (const Relaxation& relaxation : relaxations_) y[relaxation.row.unknown] = relaxed(relaxation, s);
+  system_.complete_displacement(t, layout_.u(y));
+}
+
+void StepPolynomial::at(double t, std::span<double> y) {
+  if (t == end_.t || t == begin_.t) {
+    std::ranges::copy(t == end_.t ? end_.y : begin_.y, y.begin());
+    return;
+  }
+  motion_at(t, y);
+  add_account(t, y);
+}
+
+void StepPolynomial::add_account(double until, std::span<double> y) {
+  if (inner_.empty()) return;
+  const auto accounts = static_cast<std::ptrdiff_t>(2 * layout_.nodes);
+  std::copy(begin_.y.begin() + accounts, begin_.y.end(), y.begin() + accounts);
+  const double half = 0.5 * (until - begin_.t), middle = begin_.t + half, offset = std::sqrt(0.6);
+  for (const auto& [at, weight] : {std::pair{-offset, 5.0 / 9.0}, {0.0, 8.0 / 9.0}, {offset, 5.0 / 9.0}}) {
+    const double t = middle + at * half;
+    motion_at(t, inner_);
+    const std::span<double> w = layout_.w(inner_);
+    system_.complete_velocity(t, layout_.u(inner_), w);
+    if (layout_.dissipated) y[*layout_.dissipated] += half * weight * system_.dissipated_power(w);
+    if (layout_.work) y[*layout_.work] += half * weight * system_.load_power(t, w);
+  }
+}
+
+double StepPolynomial::value(std::size_t unknown, double s, int derivative) const {
+  for (const Relaxation& relaxation : relaxations_) {
+    if (relaxation.row.unknown != unknown) continue;
+    const double u = relaxed(relaxation, s);
+    if (derivative == 0) return u;
+    double rate = 0.0;
+    for (std::size_t j = 6; j-- > 0;) rate = rate * s + relaxation.drive[j];
+    return rate - relaxation.row.rate * u;
+  }
+  const double change = massive(unknown, weights(s, derivative)), h = length();
+  return derivative == 0 ? begin_.y[unknown] + change : change / (derivative == 1 ? h : h * h);
+}
+
+std::span<const double> StepPolynomial::sample(double t, int derivative) {
+  const std::size_t n = layout_.nodes;
+  const double s = (t - begin_.t) / length();
+  for (std::size_t k = 0; k < entries_.size(); ++k) {
+    const std::size_t entry = entries_[k];
+    sampled_[k] = entry < n ? value(entry, s, derivative) : value(entry - n, s, derivative + 1);
+  }
+  return sampled_;
+}
+
+}  // namespace viscobar

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "integration/layout.hpp"
+#include "viscobar/dynamics/penalised_system.hpp"
+
+namespace viscobar {
+
+/// A step of a one-step method as a polynomial. Since u' = w, the displacement, the velocity and the acceleration a at
+/// the two ends of a step of length h determine a quintic in s = (t - t_0) / h: its rate is Hermite's cubic of w and a
+/// with what is missing to u_1 - u_0 added,
+///
+///     w = cubic(w_0, a_0, w_1, a_1) + 30 s^2 (1-s)^2 D / h,   D = u_1 - u_0 - h (w_0 + w_1) / 2 + h^2 (a_1 - a_0) /
+///     12,
+///
+/// wrong by h^6 u^(6) / 46080 in u and by 8e-5 h^5 u^(6) in w, in between: as little as a step of order five, for no
+/// evaluation.
+///
+/// A massless node has no acceleration to rely on, it follows its neighbour as its row says: without viscosity at
+/// once, with it by a relaxation that may be stiff beyond measure, and which is solved exactly for the neighbour's
+/// quintic and a load that is interpolated at five points of the step.
+///
+/// The energy account of the step is the integral of its rates over the polynomial, by Gauss' formula.
+class StepPolynomial {
+ public:
+  static constexpr std::size_t degree = 5;
+
+  /// One end of the step: time, state with the w of massless nodes, acceleration of massive nodes.
+  struct End {
+    double t = 0.0;
+    std::vector<double> y, a;
+  };
+
+  StepPolynomial(PenalisedSystem& system, const Layout& layout);
+
+  void begin_run(std::vector<std::size_t> sampled_entries);
+
+  /// Begins a leg at end(), which has been filled.
+  void restart();
+  /// Makes the end of the last step the beginning of the next; the new end is to be filled, then completed by finish().
+  void advance() { std::swap(begin_, end_); }
+  void finish();
+
+  const End& begin() const { return begin_; }
+  End& end() { return end_; }
+
+  /// The whole state, energy account included.
+  void at(double t, std::span<double> y);
+  /// Derivative (0 or 1) of the sampled entries of (u, w).
+  std::span<const double> sample(double t, int derivative);
+
+ private:
+  // Of h w_0, h w_1, h^2 a_0, h^2 a_1 and D, in a derivative of u - u_0 by s.
+  struct Weights {
+    double w0, w1, a0, a1, defect;
+  };
+  struct Relaxation {
+    PenalisedSystem::RelaxingRow row;
+    double load = 0.0;                 // at the end of the step
+    std::array<double, 6> drive = {};  // right-hand side of the row, powers of s
+  };
+
+  static Weights weights(double s, int derivative);
+  double defect(std::size_t i) const;
+  double massive(std::size_t i, const Weights& weights) const;
+  double relaxed(const Relaxation& relaxation, double s) const;
+  double value(std::size_t unknown, double s, int derivative) const;
+  void drive(Relaxation& relaxation);
+  void motion_at(double t, std::span<double> y);
+  void add_account(double until, std::span<double> y);
+  double length() const { return end_.t - begin_.t; }
+
+  PenalisedSystem& system_;
+  Layout layout_;
+  End begin_, end_;
+  std::vector<Relaxation> relaxations_;
+  std::vector<std::size_t> entries_;
+  std::vector<double> sampled_, inner_;
+};
+
+}  // namespace viscobar
