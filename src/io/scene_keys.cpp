@@ -30,17 +30,23 @@ constexpr Choice masses[] = {
     {"consistent", "exact for linear elements, (h/6) [2 1; 1 2] per element"},
     {"lumped", "diagonal by the trapezoidal rule, h/2 at the ends"},
     {"paper", "diagonal with weight h at the ends too, as the paper's finite difference scheme is printed"},
-    {"redistributed", "consistent, but nodes at an obstacle have no mass and cannot bounce; no span obstacle, not finite_difference, not cvode or odeint without viscosity"},
+    {"redistributed", "consistent, but nodes at an obstacle have no mass and cannot bounce; no span obstacle, not finite_difference, neither cvode nor odeint without viscosity"},
 };
 constexpr Choice methods[] = {
     {"cvode", "penalised bar, multistep formulas of SUNDIALS' CVODE"},
     {"ida", "penalised bar as a differential-algebraic system, SUNDIALS' IDA: also massless nodes without viscosity"},
-    {"arkode", "penalised bar, implicit Runge-Kutta of order 5, SUNDIALS' ARKODE: also massless nodes without viscosity"},
-    {"odeint", "penalised bar by Boost.Odeint: dopri5, rosenbrock4 or a symplectic formula, see method.stepper"},
+    {"arkode", "penalised bar, implicit Runge-Kutta formulas of order 5 of SUNDIALS' ARKODE: also massless nodes without viscosity"},
+    {"odeint", "penalised bar by Boost.Odeint's steppers, an independent integrator"},
     {"rigid", "the limit epsilon = 0 itself, on the redistributed mass; no span obstacle"},
     {"exponential", "penalised bar by matrix exponentials, a reference on small meshes"},
     {"fully_discrete", "the paper's scheme (2.8), implicit in the constraint"},
     {"finite_difference", "the paper's scheme (3.22): (2.8) with a diagonal mass"},
+};
+constexpr Choice steppers[] = {
+    {"automatic", "rosenbrock4 or dopri5, by what their steps cost"},
+    {"rosenbrock4", "linearly implicit, order 4, dense matrices: few nodes"},
+    {"dopri5", "explicit, order 5"},
+    {"symplectic", "explicit, order 4, steps of method.step; no viscosity"},
 };
 constexpr Choice starts[] = {
     {"first_order", "u_0 + dt u_1"},
@@ -54,13 +60,6 @@ constexpr Choice formulas[] = {
     {"automatic", "chosen leg by leg, by the bar's stiffness"},
     {"adams", "Adams-Moulton, for bars that are not stiff"},
     {"bdf", "backward differentiation, for stiff ones"},
-};
-
-constexpr Choice steppers[] = {
-    {"automatic", "dopri5, or rosenbrock4 where a small mesh is stiff"},
-    {"rosenbrock4", "linearly implicit, dense matrices, up to 100 unknown nodes"},
-    {"dopri5", "explicit"},
-    {"symplectic", "explicit with fixed steps method.step, viscosity 0 and no restitution"},
 };
 
 constexpr SceneKey keys[] = {
@@ -86,7 +85,7 @@ constexpr SceneKey keys[] = {
 
     {"time.end", number, required, "", "time", "T, the end of the run, which begins at t = 0", positive},
 
-    {"mesh.elements", count, required, "", "1", "number of elements, of equal length unless graded", {1.0, 1e8, "1 to 1e8"}},
+    {"mesh.elements", count, required, "", "1", "number of elements of equal length", {1.0, 1e8, "1 to 1e8"}},
     {"mesh.grading", number, optional, "1", "1", "size of the elements away from an obstacle to that at it, towards which they shrink", {1.0, 1e6, "1 to 1e6"}},
     {"mesh.mass", choice, optional, "\"consistent\"", "", "mass matrix", {}, masses},
 
