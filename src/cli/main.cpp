@@ -54,6 +54,7 @@ int run(int argc, char** argv) {
   const CompareCommand compare_command(app);
   const LimitCommand limit_command(app);
   const PrecisionCommand precision_command(app);
+  const SweepCommand sweep_command(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -66,7 +67,8 @@ int run(int argc, char** argv) {
   if (run_command.chosen()) return run_command();
   if (check_command.chosen()) return check_command();
   if (compare_command.chosen()) return compare_command();
-  return limit_command.chosen() ? limit_command() : precision_command();
+  if (limit_command.chosen()) return limit_command();
+  return precision_command.chosen() ? precision_command() : sweep_command();
 }
 
 }  // namespace
