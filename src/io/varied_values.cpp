@@ -58,7 +58,7 @@ class RangeReader {
       if (!value && !find(name)) fail(node_.value_at, fmt::format("the range lacks {}", name));
     ProgressionRange range{from.value_or(1.0), to.value_or(1.0), whole("count"), whole("per_decade"), false};
     const TomlNode *count = find("count"), *per_decade = find("per_decade");
-    if (!count && !per_decade) fail(node_.value_at, "the range lacks count or per_decade");
+    if (!count && !per_decade && sound_) fail(node_.value_at, "the range lacks count or per_decade");
     if (count && per_decade) fail(per_decade->key_at, "excludes count: a range has one or the other");
     read_spacing(range);
     if (sound_ && range.count && *range.count == 1.0 && range.from != range.to)
