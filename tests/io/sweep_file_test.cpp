@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 #include "io/sweep_csv.hpp"
@@ -143,7 +145,7 @@ TEST_F(SweepFileTest, EverythingWrongIsSaidAtOnceWithItsPlaceAndTheNearestKey) {
           "2:11: combine: cannot be \"gird\"; nearest is \"grid\"",
           "4:17: bar.viscosity: must be one value, is an array",
           "5:12: time.end: must be positive, is -1",
-          "7:1: bar.lenght: unknown key; nearest is \"length\"",
+          "7:5: bar.lenght: unknown key; nearest is \"length\"",
           "8:21: bar.density: must be positive, is -2",
           "8:27: bar.density: must be a number, is a string",
           "9:39: contact.epsilon: to must be positive in a logarithmic range",
@@ -152,7 +154,7 @@ TEST_F(SweepFileTest, EverythingWrongIsSaidAtOnceWithItsPlaceAndTheNearestKey) {
           "12:15: method.name: must be a list of values, or a range { from, to, count }, or { from, to, per_decade "
           "}; a single value belongs into [set]",
           "13:12: left.gap: is an empty list",
-          "14:1: mehs.elements: unknown table; nearest is [mesh]",
+          "14:6: mehs.elements: unknown table; nearest is [mesh]",
           "15:6: time.end: is given twice: in [set], or in [vary]",
       }));
 }
@@ -200,7 +202,7 @@ INSTANTIATE_TEST_SUITE_P(
                   "bar.density = { from = 1, to = 2, count = 9999 }\n",
                   "5:1: vary: the grid has 99980001 cases, more than 10000000"},
         Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = [1",
-                  "3:16: encountered end-of-file; expected array closing ']' or ','"},
+                  "3:16: Error while parsing array: encountered end-of-file"},
         Malformed{"scene = \"scene.toml\"\n[vary]\ninitial.displacement = [-1, \"-1+x\"]\n",
                   "3:24: initial.displacement: penetrates the obstacle of [left]: u_0(0) = -1 < -gap = -0.1"}));
 
@@ -250,6 +252,27 @@ TEST_F(SweepFileTest, TheTableGivesBackEveryRowBitForBit) {
   const SweepRow* read_back[] = {&back[0], &back[1], &back[2]};
   EXPECT_EQ(sweep_csv(sweep.plan, read_back), sweep_csv(sweep.plan, written));
   EXPECT_EQ(timings_csv(read_back), timings_csv(written));
+}
+
+TEST_F(SweepFileTest, EveryColumnIsDocumented) {
+  std::ostringstream page;
+  page << std::ifstream(VISCOBAR_SOURCE_DIR "/docs/sweep.md").rdbuf();
+  for (const QuantityColumn& column : quantity_columns()) {
+    const std::string row = "| `" + std::string(column.name) + "` | " + std::string(column.unit) + " | " +
+                            std::string(column.meaning) + " |";
+    EXPECT_NE(page.str().find(row), std::string::npos) << row;
+  }
+}
+
+TEST_F(SweepFileTest, EveryExampleIsASweepWhoseCasesCanRun) {
+  std::size_t found = 0;
+  for (const auto& entry : fs::directory_iterator(VISCOBAR_SOURCE_DIR "/examples/sweeps")) {
+    if (entry.path().extension() != ".toml") continue;
+    ++found;
+    const std::vector<double> costs = plan_cases(read_sweep(entry.path()));
+    EXPECT_GT(*std::min_element(costs.begin(), costs.end()), 0.0) << entry.path();
+  }
+  EXPECT_GE(found, 3u);
 }
 
 TEST_F(SweepFileTest, TheTableOfAnotherSweepIsNotTouched) {
