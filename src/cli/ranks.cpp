@@ -38,9 +38,11 @@ namespace {
 using namespace std::chrono_literals;
 
 enum Tag {
+  plan,   // manager: cases whose costs it wants; worker: these
   ready,  // worker: has nothing to tell, wants a case
   row,    // worker: a finished case, wants another
   left,   // worker: is gone
+  begin,  // manager: all is planned
   job,    // manager: a case
   stop    // manager: leave, also in the middle of a case
 };
@@ -127,6 +129,38 @@ SweepCase unpack_case(const std::string& bytes) {
   return one;
 }
 
+std::string pack(const std::vector<SweepCase>& cases) {
+  Packer packer;
+  packer.add(cases.size());
+  for (const SweepCase& one : cases) packer.add(pack(one));
+  return packer.bytes();
+}
+
+/// Index and cost of each case.
+std::string planned(const std::string& scene_text, const std::string& cases) {
+  std::size_t count = 0;
+  Unpacker unpacker(cases);
+  unpacker.get(count);
+  Packer packer;
+  packer.add(count);
+  for (std::string one; count > 0; --count) {
+    unpacker.get(one);
+    const SweepCase read = unpack_case(one);
+    packer.add(read.index);
+    packer.add(planned_seconds(scene_text, read));
+  }
+  return packer.bytes();
+}
+
+void read_costs(const std::string& bytes, std::vector<double>& costs) {
+  std::size_t count = 0, index = 0;
+  Unpacker unpacker(bytes);
+  for (unpacker.get(count); count > 0; --count) {
+    unpacker.get(index);
+    unpacker.get(costs.at(index));
+  }
+}
+
 struct Message {
   int rank;
   Tag tag;
@@ -198,16 +232,39 @@ Ranks::Ranks() {
 }
 
 Ranks::~Ranks() {
-  // Without a scene, as after an error in it, the workers go home at once.
+  // Nothing to run, or an error before: the workers go home.
   std::string none;
   if (is_manager() && !scene_sent_) broadcast(none);
+  if (is_manager() && scene_sent_ && !ran_) run({SweepFile(), {}, [](const SweepRow&) {}, [] {}});
   MPI_Finalize();
 }
 
-bool Ranks::run(const SweepWork& work) {
-  std::string text = work.sweep.scene_text;
+std::vector<double> Ranks::plan(const SweepFile& sweep) {
+  constexpr std::size_t at_a_time = 64;
+  std::string text = sweep.scene_text;
   broadcast(text);
   scene_sent_ = true;
+  std::vector<double> costs(sweep.plan.size());
+  std::size_t next = 0;
+  const auto send_some = [&](int rank) {
+    std::vector<SweepCase> cases;
+    while (next < costs.size() && cases.size() < at_a_time) cases.push_back(case_of(sweep, next++));
+    if (!cases.empty()) send(rank, Tag::plan, pack(cases));
+    return !cases.empty();
+  };
+  int busy = 0;
+  for (int rank = 1; rank < size_; ++rank) busy += send_some(rank) ? 1 : 0;
+  while (busy > 0) {
+    const Message message = wait_for_message();
+    read_costs(message.bytes, costs);
+    if (!send_some(message.rank)) --busy;
+  }
+  for (int rank = 1; rank < size_; ++rank) send(rank, begin);
+  return costs;
+}
+
+bool Ranks::run(const SweepWork& work) {
+  ran_ = true;
   std::vector<bool> told_to_stop(static_cast<std::size_t>(size_));
   const auto tell_to_stop = [&](int rank) {
     if (!told_to_stop[static_cast<std::size_t>(rank)]) send(rank, stop);
@@ -267,6 +324,8 @@ void Ranks::serve() {
   std::string scene_text;
   broadcast(scene_text);
   if (scene_text.empty()) return;
+  for (Message message = wait_for_message(); message.tag == Tag::plan; message = wait_for_message())
+    send(0, Tag::plan, planned(scene_text, message.bytes));
   send(0, ready);
   StopWatch stopped;
   for (;;) {
@@ -295,6 +354,7 @@ Ranks::Ranks() {
       "installed (libopenmpi-dev), or start it without mpirun: it uses all cores of a machine");
 }
 Ranks::~Ranks() = default;
+std::vector<double> Ranks::plan(const SweepFile&) { return {}; }
 bool Ranks::run(const SweepWork&) { return false; }
 void Ranks::serve() {}
 

@@ -119,7 +119,11 @@ int SweepCommand::operator()() const {
     throw std::invalid_argument("--threads: under mpirun every rank but the first runs one case at a time; give -n");
 
   const SweepFile sweep = read_sweep(file_, overrides_);
-  const std::vector<double> costs = plan_cases(sweep, threads_);
+  std::vector<double> costs;
+  if (several) costs = ranks->plan(sweep);
+  // This one also says why, where no case can run.
+  if (std::all_of(costs.begin(), costs.end(), [](double cost) { return cost == 0.0; }))
+    costs = plan_cases(sweep, threads_);
   const fs::path directory = output_.where.empty() ? fs::path(file_).stem() += ".out" : fs::path(output_.where);
   SweepResults results(directory, sweep);
   const std::size_t kept = results.size();

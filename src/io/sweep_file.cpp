@@ -185,11 +185,11 @@ class SweepReader {
 };
 
 // A case is read on a coarse mesh: its initial data are then checked at a few nodes, by the worker at all, and a sweep
-// of large bars is planned as fast as one of small ones.
-double planned_seconds(const SweepFile& sweep, std::size_t index) {
+// of large bars is planned as fast as one of small ones. @throws SceneError
+double cost_of(const std::string& scene_text, const std::string& source, const SweepCase& one) {
   constexpr std::size_t coarse = 32;
   std::size_t elements = 0;
-  Case run = parse_scene(sweep.scene_text, sweep.scene_source, case_of(sweep, index).overrides, [&](Case& read) {
+  Case run = parse_scene(scene_text, source, one.overrides, [&](Case& read) {
                elements = read.elements;
                read.elements = std::min(read.elements, coarse);
              }).run;
@@ -225,6 +225,14 @@ SweepCase case_of(const SweepFile& sweep, std::size_t index) {
   return one;
 }
 
+double planned_seconds(const std::string& scene_text, const SweepCase& one) {
+  try {
+    return cost_of(scene_text, "scene", one);
+  } catch (const SceneError&) {
+    return 0.0;
+  }
+}
+
 std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads) {
   std::vector<double> costs(sweep.plan.size(), 0.0);
   std::vector<std::vector<Diagnostic>> refused(costs.size());
@@ -232,7 +240,7 @@ std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads) {
       costs.size(),
       [&](std::size_t i) {
         try {
-          costs[i] = planned_seconds(sweep, i);
+          costs[i] = cost_of(sweep.scene_text, sweep.scene_source, case_of(sweep, i));
         } catch (const SceneError& error) {
           refused[i] = error.diagnostics;
         }

@@ -64,7 +64,8 @@ void print_foresight(const char* what, const std::vector<double>& estimated, con
              rank_correlation(estimated, measured));
 }
 
-/// What a manager needs for a case: to plan it, before all begins, to send it, and to write its row.
+/// What a manager needs for a case: to plan it, which the workers do before all begins, to send it, and to write its
+/// row.
 struct Manager {
   double plan, dispatch, write, latency;
 };
@@ -75,7 +76,10 @@ double makespan(const std::vector<double>& costs, const std::vector<std::size_t>
                 const Manager& manager) {
   std::priority_queue<double, std::vector<double>, std::greater<>> reports;  // their arrivals
   for (std::size_t k = 0; k < workers; ++k) reports.push(0.0);
-  double manager_free = manager.plan * static_cast<double>(costs.size()), end = 0.0;
+  // The workers plan together.
+  double manager_free =
+      (manager.plan / static_cast<double>(workers) + manager.dispatch) * static_cast<double>(costs.size());
+  double end = 0.0;
   std::size_t served = 0;
   for (const std::size_t i : order) {
     const double begin = std::max(reports.top(), manager_free);

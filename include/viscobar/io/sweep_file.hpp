@@ -41,6 +41,9 @@ struct SweepCase {
 
 SweepCase case_of(const SweepFile& sweep, std::size_t index);
 
+/// What a case of the scene in `scene_text` is estimated to cost; 0 when it is refused.
+double planned_seconds(const std::string& scene_text, const SweepCase& one);
+
 /// Reads every case (on `threads`, or all cores) and estimates what it costs; 0 for one that is refused.
 /// @throws SceneError when all are refused, with all reasons
 std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads = 0);
