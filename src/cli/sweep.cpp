@@ -43,6 +43,8 @@ class SweepProgress {
   }
 
   void show() {
+    if (Clock::now() < next_) return;
+    next_ = Clock::now() + std::chrono::milliseconds(200);
     std::string line = fmt::format("{} of {} cases", done_, costs_.size());
     if (failed_ > 0) line += fmt::format(", {} failed", failed_);
     if (finished_ > 0.0) line += fmt::format("  {} left", duration(seconds_since(started_) * left_ / finished_));
@@ -53,7 +55,7 @@ class SweepProgress {
   std::span<const double> costs_;
   std::size_t done_, failed_ = 0;
   double left_ = 0.0, finished_ = 0.0;
-  Clock::time_point started_ = Clock::now();
+  Clock::time_point started_ = Clock::now(), next_ = started_ + std::chrono::milliseconds(500);
   StatusLine status_;
 };
 

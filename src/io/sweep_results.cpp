@@ -1,6 +1,7 @@
 #include "io/sweep_results.hpp"
 
 #include <algorithm>
+#include <system_error>
 #include <utility>
 
 #include "io/output_file.hpp"
@@ -13,7 +14,11 @@ namespace viscobar {
 namespace {
 
 std::filesystem::path prepared(const std::filesystem::path& directory) {
-  if (!std::filesystem::exists(directory / "sweep.h5")) prepare_result_directory(directory);
+  if (!std::filesystem::exists(directory / "sweep.h5")) {
+    std::error_code ignored;
+    std::filesystem::remove(directory / "sweep.h5.part", ignored);  // of a start that was killed at once
+    prepare_result_directory(directory);
+  }
   return directory / "sweep.h5";
 }
 

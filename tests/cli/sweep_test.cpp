@@ -107,6 +107,12 @@ TEST_F(Sweep, KilledAtAnyMomentItGoesOnAndRepeatsNothing) {
   for (const auto& [index, seconds] : before) EXPECT_EQ(at_the_end.at(index), seconds);
 }
 
+TEST_F(Sweep, KilledWhileItMadeItsTableItBeginsAnew) {
+  fs::create_directories(directory_ / "sweep.out");
+  write("sweep.out/sweep.h5.part", "half a table");
+  EXPECT_EQ(viscobar("sweep sweep.toml --quiet").code, 0);
+}
+
 TEST_F(Sweep, AFinishedSweepRunsNothingAgain) {
   ASSERT_EQ(viscobar("sweep sweep.toml").code, 0);
   const auto before = kept("sweep.out");
