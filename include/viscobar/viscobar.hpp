@@ -4,6 +4,7 @@
 
 #include "viscobar/analysis/case.hpp"
 #include "viscobar/analysis/comparison.hpp"
+#include "viscobar/analysis/cost_estimate.hpp"
 #include "viscobar/analysis/coupling.hpp"
 #include "viscobar/analysis/cross_check.hpp"
 #include "viscobar/analysis/end_traces.hpp"
@@ -19,6 +20,7 @@
 #include "viscobar/analysis/recorder.hpp"
 #include "viscobar/analysis/recording.hpp"
 #include "viscobar/analysis/regime.hpp"
+#include "viscobar/analysis/sweep.hpp"
 #include "viscobar/analysis/work_precision.hpp"
 #include "viscobar/discretisation/mass.hpp"
 #include "viscobar/discretisation/mesh.hpp"
@@ -34,6 +36,7 @@
 #include "viscobar/io/scene_file.hpp"
 #include "viscobar/io/scheme_reports.hpp"
 #include "viscobar/io/study_reports.hpp"
+#include "viscobar/io/sweep_file.hpp"
 #include "viscobar/io/versions.hpp"
 #include "viscobar/scene/scene.hpp"
 #include "viscobar/schemes/schemes.hpp"

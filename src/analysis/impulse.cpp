@@ -1,46 +1,42 @@
 #include "viscobar/analysis/impulse.hpp"
 
 #include <algorithm>
-#include <optional>
 
 namespace viscobar {
+
+EndImpulse::EndImpulse(const BarSystem& system)
+    : system_(system), momentum_(system.size()), force_(system.size()), rest_(system.size()) {
+  if (system.loaded()) load_.emplace(system);
+}
+
+void EndImpulse::add(const Snapshot& at) {
+  const std::size_t n = system_.size(), last = at.u.size() - 1;
+  const Mesh& mesh = system_.mesh();
+  const double eta = system_.bar().viscosity, h_left = mesh.element(0), h_right = mesh.element(mesh.elements - 1);
+  system_.inertia().multiply(at.v.subspan(system_.first_node(), n), momentum_);
+  system_.internal_force(at.u.subspan(system_.first_node(), n), rest_, force_);
+  if (load_) {
+    const auto f = load_->at(at.time);
+    for (std::size_t i = 0; i < n; ++i) force_[i] += f[i];
+  }
+  const auto advance = [&](std::optional<Row>& before, double stored, double rate, double& sum) {
+    if (before) sum += stored - before->stored + 0.5 * (at.time - time_) * (rate + before->rate);
+    before = Row{stored, rate};
+  };
+  advance(left_, momentum_.front() + eta * (at.u[0] - at.u[1]) / h_left, -force_.front(), left_sum_);
+  advance(right_, momentum_.back() + eta * (at.u[last] - at.u[last - 1]) / h_right, -force_.back(), right_sum_);
+  time_ = at.time;
+}
 
 // A scheme's velocity is a difference over two steps and shows an impact that much earlier and later.
 EndImpulses::EndImpulses(const Case& run, const Recording& recording)
     : times_(recording.times), blur_(is_scheme(run.method) ? 2.0 * *run.step : 0.0) {
   const BarSystem system = make_system(run);
-  std::optional<LoadVector> load;
-  if (system.loaded()) load.emplace(system);
-  const std::size_t n = system.size();
-  const Bar& bar = system.bar();
-  const Mesh& mesh = system.mesh();
-  const double h_left = mesh.element(0), h_right = mesh.element(mesh.elements - 1);
-  std::vector<double> momentum(n), force(n);
-  const std::vector<double> rest(n);
-  struct Row {
-    double stored, rate;  // rho M v + eta K u, and E K u - M f
-  };
-  std::optional<Row> left, right;
-  double left_sum = 0.0, right_sum = 0.0;
+  EndImpulse impulse(system);
   for (std::size_t k = 0; k < times_.size(); ++k) {
-    const auto nodal = recording.displacement(k);
-    const auto u = nodal.subspan(system.first_node(), n);
-    system.inertia().multiply(recording.velocity(k).subspan(system.first_node(), n), momentum);
-    system.internal_force(u, rest, force);
-    if (load) {
-      const auto f = load->at(times_[k]);
-      for (std::size_t i = 0; i < n; ++i) force[i] += f[i];
-    }
-    const std::size_t last = nodal.size() - 1;
-    const auto advance = [&](std::optional<Row>& before, double stored, double rate, double& sum) {
-      if (before) sum += stored - before->stored + 0.5 * (times_[k] - times_[k - 1]) * (rate + before->rate);
-      before = Row{stored, rate};
-    };
-    advance(left, momentum.front() + bar.viscosity * (nodal[0] - nodal[1]) / h_left, -force.front(), left_sum);
-    advance(right, momentum.back() + bar.viscosity * (nodal[last] - nodal[last - 1]) / h_right, -force.back(),
-            right_sum);
-    left_.push_back(left_sum);
-    right_.push_back(right_sum);
+    impulse.add({times_[k], recording.displacement(k), recording.velocity(k)});
+    left_.push_back(impulse.left());
+    right_.push_back(impulse.right());
   }
 }
 

@@ -95,6 +95,21 @@ class PrecisionCommand {
   double seconds_ = 1.0;
 };
 
+class SweepCommand {
+ public:
+  explicit SweepCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  CLI::App& command_;
+  std::string file_;
+  std::vector<std::string> overrides_;
+  bool json_ = false;
+  OutputOptions output_;
+  std::size_t threads_ = 0;
+};
+
 class CheckCommand {
  public:
   explicit CheckCommand(CLI::App& app);

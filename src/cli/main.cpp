@@ -54,6 +54,7 @@ int run(int argc, char** argv) {
   const CompareCommand compare_command(app);
   const LimitCommand limit_command(app);
   const PrecisionCommand precision_command(app);
+  const SweepCommand sweep_command(app);
   const ListCommand list_command(app);
   const NewCommand new_command(app);
   const InfoCommand info_command(app);
@@ -82,7 +83,8 @@ int run(int argc, char** argv) {
   if (export_command.chosen()) return export_command();
   if (completion_command.chosen()) return completion_command();
   if (man_command.chosen()) return man_command();
-  return precision_command();
+  if (precision_command.chosen()) return precision_command();
+  return sweep_command();
 }
 
 }  // namespace

@@ -9,16 +9,12 @@
 
 namespace viscobar::cli {
 
-namespace {
-
 std::string duration(double seconds) {
   const auto whole = static_cast<long long>(seconds + 0.5);
   if (whole >= 3600) return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
   if (whole >= 60) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
   return fmt::format("{} s", whole);
 }
-
-}  // namespace
 
 void Progress::operator()(double time, std::size_t steps) {
   constexpr std::size_t between_looks = 16;

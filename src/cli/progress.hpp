@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <string>
 #include <string_view>
 
 namespace viscobar::cli {
@@ -38,6 +39,9 @@ class StatusLine {
  private:
   bool shown_ = false;
 };
+
+/// "35 s", "2 min 05 s", "3 h 07 min"
+std::string duration(double seconds);
 
 /// Standard error is a terminal.
 bool on_terminal();

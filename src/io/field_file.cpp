@@ -9,28 +9,25 @@ namespace viscobar {
 
 namespace {
 
-using PropertyList = Hdf5Handle<H5Pclose>;
-
 constexpr std::size_t block_bytes = 1 << 20;
 
 hid_t create_file(const std::filesystem::path& path) {
-  // HDF5 crashes at exit when it tries once more to write what a full disk refused; nothing of ours waits for the exit.
-  [[maybe_unused]] static const herr_t once = H5dont_atexit();
-  return checked_hdf5(path, "cannot be created",
+  hdf5_without_exit_handler();
+  return hdf5_checked(path, "cannot be created",
                       [&] { return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT); });
 }
 
 Hdf5Dataset create(const std::filesystem::path& path, hid_t file, const char* name, hid_t type,
                    std::span<const hsize_t> extent, std::span<const hsize_t> chunk = {}) {
   const int rank = static_cast<int>(extent.size());
-  const PropertyList properties(H5Pcreate(H5P_DATASET_CREATE));
+  const Hdf5Properties properties(H5Pcreate(H5P_DATASET_CREATE));
   std::vector<hsize_t> largest(extent.begin(), extent.end());
   if (!chunk.empty()) {
     largest[0] = H5S_UNLIMITED;
     H5Pset_chunk(properties.get(), rank, chunk.data());
   }
-  const Dataspace space(H5Screate_simple(rank, extent.data(), largest.data()));
-  return Hdf5Dataset(checked_hdf5(path, "cannot create a dataset", [&] {
+  const Hdf5Dataspace space(H5Screate_simple(rank, extent.data(), largest.data()));
+  return Hdf5Dataset(hdf5_checked(path, "cannot create a dataset", [&] {
     return H5Dcreate2(file, name, type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT);
   }));
 }
@@ -39,7 +36,7 @@ template <class Value>
 void write_all(const std::filesystem::path& path, hid_t file, const char* name, hid_t stored, hid_t type,
                std::span<const hsize_t> extent, const std::vector<Value>& values) {
   const Hdf5Dataset dataset = create(path, file, name, stored, extent);
-  checked_hdf5(path, "cannot be written",
+  hdf5_checked(path, "cannot be written",
                [&] { return H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()); });
 }
 
@@ -47,11 +44,11 @@ void append_rows(const std::filesystem::path& path, const Hdf5Dataset& dataset, 
                  std::span<const hsize_t> count, const std::vector<double>& values) {
   std::vector<hsize_t> extent(count.begin(), count.end());
   extent[0] += first[0];
-  checked_hdf5(path, "cannot grow", [&] { return H5Dset_extent(dataset.get(), extent.data()); });
-  const Dataspace target(H5Dget_space(dataset.get()));
-  const Dataspace source(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr));
+  hdf5_checked(path, "cannot grow", [&] { return H5Dset_extent(dataset.get(), extent.data()); });
+  const Hdf5Dataspace target(H5Dget_space(dataset.get()));
+  const Hdf5Dataspace source(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr));
   H5Sselect_hyperslab(target.get(), H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr);
-  checked_hdf5(path, "cannot be written", [&] {
+  hdf5_checked(path, "cannot be written", [&] {
     return H5Dwrite(dataset.get(), H5T_NATIVE_DOUBLE, source.get(), target.get(), H5P_DEFAULT, values.data());
   });
 }
@@ -92,7 +89,7 @@ void FieldFile::flush() {
   append_rows(path_, t_, std::array<hsize_t, 1>{rows_}, std::array<hsize_t, 1>{times_.size()}, times_);
   append_rows(path_, u_, std::array<hsize_t, 2>{rows_, 0}, std::array<hsize_t, 2>{times_.size(), nodes_}, us_);
   append_rows(path_, v_, std::array<hsize_t, 2>{rows_, 0}, std::array<hsize_t, 2>{times_.size(), nodes_}, vs_);
-  checked_hdf5(path_, "cannot be flushed", [&] { return H5Fflush(file_.get(), H5F_SCOPE_GLOBAL); });
+  hdf5_checked(path_, "cannot be flushed", [&] { return H5Fflush(file_.get(), H5F_SCOPE_GLOBAL); });
   // After the rows, so that it never names one that is not there.
   xdmf_.append(times_);
   rows_ += times_.size();
@@ -104,8 +101,8 @@ void FieldFile::flush() {
 void FieldFile::close() {
   flush();
   for (Hdf5Dataset* dataset : {&t_, &u_, &v_})
-    if (dataset->get() >= 0) checked_hdf5(path_, "cannot be closed", [&] { return H5Dclose(dataset->release()); });
-  if (file_.get() >= 0) checked_hdf5(path_, "cannot be closed", [&] { return H5Fclose(file_.release()); });
+    if (dataset->get() >= 0) hdf5_checked(path_, "cannot be closed", [&] { return H5Dclose(dataset->release()); });
+  if (file_.get() >= 0) hdf5_checked(path_, "cannot be closed", [&] { return H5Fclose(file_.release()); });
   xdmf_.close();
 }
 

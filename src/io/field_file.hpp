@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "io/hdf5_file.hpp"
+#include "io/hdf5_handle.hpp"
 #include "io/output_file.hpp"
 #include "io/xdmf_file.hpp"
 #include "viscobar/discretisation/mesh.hpp"

@@ -9,13 +9,13 @@ namespace viscobar {
 namespace {
 
 Hdf5Dataset open(const std::filesystem::path& path, const Hdf5File& file, const char* name) {
-  return Hdf5Dataset(checked_hdf5(path, "lacks a dataset", [&] { return H5Dopen2(file.get(), name, H5P_DEFAULT); }));
+  return Hdf5Dataset(hdf5_checked(path, "lacks a dataset", [&] { return H5Dopen2(file.get(), name, H5P_DEFAULT); }));
 }
 
 /// Extents of a dataset that must have so many dimensions.
 template <std::size_t Rank>
 std::array<hsize_t, Rank> extent(const std::filesystem::path& path, const Hdf5Dataset& dataset) {
-  const Dataspace space(H5Dget_space(dataset.get()));
+  const Hdf5Dataspace space(H5Dget_space(dataset.get()));
   if (H5Sget_simple_extent_ndims(space.get()) != static_cast<int>(Rank))
     throw IoError(path, "is no field file of viscobar: a dataset has other dimensions");
   std::array<hsize_t, Rank> extents{};
@@ -26,7 +26,7 @@ std::array<hsize_t, Rank> extent(const std::filesystem::path& path, const Hdf5Da
 std::vector<double> vector(const std::filesystem::path& path, const Hdf5File& file, const char* name) {
   const Hdf5Dataset dataset = open(path, file, name);
   std::vector<double> values(extent<1>(path, dataset)[0]);
-  checked_hdf5(path, "cannot be read",
+  hdf5_checked(path, "cannot be read",
                [&] { return H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()); });
   return values;
 }
@@ -36,7 +36,7 @@ std::vector<double> vector(const std::filesystem::path& path, const Hdf5File& fi
 FieldReader::FieldReader(const std::filesystem::path& file)
     : path_(file),
       file_(
-          checked_hdf5(path_, "cannot be opened", [&] { return H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT); })),
+          hdf5_checked(path_, "cannot be opened", [&] { return H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT); })),
       u_(open(path_, file_, "u")),
       v_(open(path_, file_, "v")),
       x_(vector(path_, file_, "x")),
@@ -53,9 +53,9 @@ void FieldReader::read(Quantity quantity, std::size_t first, std::span<double> v
   assert(values.size() % nodes() == 0 && first + values.size() / nodes() <= rows());
   const Hdf5Dataset& dataset = quantity == Quantity::displacement ? u_ : v_;
   const std::array<hsize_t, 2> begin{first, 0}, count{values.size() / nodes(), nodes()};
-  const Dataspace source(H5Dget_space(dataset.get())), target(H5Screate_simple(2, count.data(), nullptr));
+  const Hdf5Dataspace source(H5Dget_space(dataset.get())), target(H5Screate_simple(2, count.data(), nullptr));
   H5Sselect_hyperslab(source.get(), H5S_SELECT_SET, begin.data(), nullptr, count.data(), nullptr);
-  checked_hdf5(path_, "cannot be read", [&] {
+  hdf5_checked(path_, "cannot be read", [&] {
     return H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, target.get(), source.get(), H5P_DEFAULT, values.data());
   });
 }

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "io/hdf5_file.hpp"
+#include "io/hdf5_handle.hpp"
 
 namespace viscobar {
 

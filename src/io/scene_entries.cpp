@@ -20,7 +20,8 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-// A message stays on one line, whatever the user's names hold.
+}  // namespace
+
 std::string one_line(std::string_view text) {
   std::string line;
   for (const char c : text) {
@@ -29,6 +30,8 @@ std::string one_line(std::string_view text) {
   }
   return line;
 }
+
+namespace {
 
 // A TOML value, or else the text itself.
 TomlValue value_of(std::string_view text) {
@@ -40,11 +43,15 @@ TomlValue value_of(std::string_view text) {
   return std::string(text);
 }
 
+}  // namespace
+
 std::string_view kind_of(const TomlValue& value) {
   constexpr std::string_view kinds[] = {"a string", "a whole number", "a number", "a boolean"};
   const auto* other = std::get_if<OtherValue>(&value);
   return other ? other->what : kinds[value.index()];
 }
+
+namespace {
 
 std::optional<double> number_of(const TomlValue& value) {
   if (const auto* integer = std::get_if<std::int64_t>(&value)) return static_cast<double>(*integer);
@@ -93,7 +100,8 @@ std::string formula_problem(const SceneKey& key, const TomlValue& value) {
   return {};
 }
 
-// What is wrong with a value by itself; empty when nothing is.
+}  // namespace
+
 std::string problem_with(const SceneKey& key, const TomlValue& value) {
   switch (key.type) {
     case KeyType::text:
@@ -112,7 +120,14 @@ std::string problem_with(const SceneKey& key, const TomlValue& value) {
   return {};
 }
 
-}  // namespace
+std::string unknown_key(std::string_view table, std::string_view leaf) {
+  if (!table.empty() && !is_scene_table(table)) {
+    const auto nearest = nearest_name(table, scene_tables());
+    return nearest ? fmt::format("unknown table; nearest is [{}]", *nearest)
+                   : fmt::format("unknown table; known are {}", fmt::join(scene_tables(), ", "));
+  }
+  return "unknown key" + suggestion(nearest_scene_key(table, leaf), table);
+}
 
 SceneEntries::SceneEntries(const std::string& text, const std::string& source, std::span<const std::string> overrides)
     : end_{source, {}} {

@@ -2,19 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "io/input_text.hpp"
 #include "io/scene_entries.hpp"
 
 namespace viscobar {
 
 namespace {
-
-constexpr std::size_t largest_file = 1 << 20;  // bytes; a scene takes about one thousand
 
 constexpr Stepper all_steppers[] = {Stepper::automatic, Stepper::rosenbrock4, Stepper::dopri5, Stepper::symplectic};
 constexpr Mass all_masses[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::redistributed};
@@ -195,16 +191,7 @@ SceneFile parse_scene(const std::string& text, const std::string& source, std::s
 
 SceneFile read_scene(const std::filesystem::path& file, std::span<const std::string> overrides,
                      const Adaptation& adapt) {
-  const auto fail = [&](const std::string& problem) {
-    throw SceneError({{file.string(), 1, 1, "", "cannot be read: " + problem}});
-  };
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  std::string text(largest_file + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!stream.eof()) fail(errno != 0 ? std::strerror(errno) : "it is longer than 1 MiB");
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  return parse_scene(text, file.string(), overrides, adapt);
+  return parse_scene(input_text(file), file.string(), overrides, adapt);
 }
 
 }  // namespace viscobar

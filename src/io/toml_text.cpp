@@ -1,6 +1,9 @@
 #include "io/toml_text.hpp"
 
+#include <algorithm>
 #include <string>
+#include <tuple>
+#include <utility>
 
 namespace {
 
@@ -56,17 +59,43 @@ TomlDocument flatten(const toml::table& root) {
   return document;
 }
 
-}  // namespace
+TomlNode tree(const toml::node& node, const toml::key* key = nullptr) {
+  TomlNode copy;
+  if (key) copy.key = key->str();
+  copy.value = plain_value(node);
+  copy.value_at = position(node.source());
+  copy.key_at = key ? position(key->source()) : copy.value_at;
+  if (const auto* array = node.as_array()) {
+    copy.kind = TomlNode::Kind::array;
+    for (const toml::node& element : *array) copy.inside.push_back(tree(element));
+  } else if (const auto* table = node.as_table()) {
+    copy.kind = TomlNode::Kind::table;
+    for (const auto& [name, value] : *table) copy.inside.push_back(tree(value, &name));
+    std::stable_sort(copy.inside.begin(), copy.inside.end(), [](const TomlNode& a, const TomlNode& b) {
+      return std::tie(a.key_at.line, a.key_at.column) < std::tie(b.key_at.line, b.key_at.column);
+    });
+  }
+  return copy;
+}
 
-TomlDocument parse_toml(std::string_view text) {
+template <class Result>
+Result parsed(std::string_view text, Result (*convert)(const toml::table&)) {
   check_text(text);
   try {
-    return flatten(toml::parse(text));
+    return convert(toml::parse(text));
   } catch (const toml::parse_error& error) {
     throw TextError(position(error.source()), std::string(error.description()));
   } catch (const BrokenAssumption&) {
     throw TextError({}, "not a TOML text");
   }
+}
+
+}  // namespace
+
+TomlDocument parse_toml(std::string_view text) { return parsed<TomlDocument>(text, flatten); }
+
+TomlNode parse_toml_tree(std::string_view text) {
+  return parsed<TomlNode>(text, [](const toml::table& root) { return tree(root); });
 }
 
 }  // namespace viscobar

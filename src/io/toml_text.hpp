@@ -38,4 +38,17 @@ struct TomlDocument {
 /// @throws TextError
 TomlDocument parse_toml(std::string_view text);
 
+/// A value with all that is inside of it, in the order of the text: of an array the elements, of a table the entries.
+struct TomlNode {
+  enum class Kind { plain, array, table };
+  std::string key;  ///< empty in an array and at the root
+  Kind kind = Kind::plain;
+  TomlValue value;  ///< of an array or a table an OtherValue
+  std::vector<TomlNode> inside;
+  TextPosition key_at, value_at;
+};
+
+/// The whole text as one table. @throws TextError
+TomlNode parse_toml_tree(std::string_view text);
+
 }  // namespace viscobar

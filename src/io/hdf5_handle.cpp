@@ -1,4 +1,4 @@
-#include "io/hdf5_file.hpp"
+#include "io/hdf5_handle.hpp"
 
 #include <cstdlib>
 #include <string_view>
@@ -20,5 +20,7 @@ std::string hdf5_cause() {
   if (at == std::string::npos) return text;
   return std::generic_category().message(std::atoi(text.c_str() + at + before.size()));
 }
+
+void hdf5_without_exit_handler() { [[maybe_unused]] static const herr_t once = H5dont_atexit(); }
 
 }  // namespace viscobar

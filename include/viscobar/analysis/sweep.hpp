@@ -1,0 +1,109 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace viscobar {
+
+/// A key of a scene with the values that it takes in a sweep, all of one alternative.
+struct VariedKey {
+  using Values = std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<std::string>>;
+  std::string key;  ///< "table.key"
+  Values values;
+
+  std::size_t size() const;
+};
+
+enum class Combine {
+  grid,  ///< every value with every other, the last key running fastest
+  zip    ///< the first values, the second ones, ...
+};
+
+/// Which cases a sweep consists of: case i takes the value choice(i)[k] of key k.
+struct SweepPlan {
+  std::vector<VariedKey> keys;
+  Combine combine = Combine::grid;
+
+  /// Number of cases; that of a grid without keys is 1. A grid of more than 2^64 cases is not counted.
+  std::size_t size() const;
+  std::vector<std::size_t> choice(std::size_t index) const;
+  /// "table.key=value" for each key, as read_scene() takes them; numbers read back to the last bit.
+  std::vector<std::string> overrides(std::size_t index) const;
+};
+
+/// What a sweep tells of each case, apart from its timings: a column of its table each.
+enum class Quantity : std::size_t {
+  unknowns,
+  steps,
+  rhs_evaluations,
+  linear_solves,
+  events,
+  reached_time,
+  max_penetration,
+  energy_initial,
+  energy_final,
+  energy_dissipated,
+  energy_work,
+  energy_balance_error,
+  u_left_final,
+  u_left_min,
+  u_left_max,
+  u_right_final,
+  u_right_min,
+  u_right_max,
+  closings_left,
+  time_in_contact_left,
+  impulse_left,
+  max_reaction_left,
+  closings_right,
+  time_in_contact_right,
+  impulse_right,
+  max_reaction_right,
+  closings_span,
+  count
+};
+
+inline constexpr std::size_t quantities = static_cast<std::size_t>(Quantity::count);
+
+struct QuantityColumn {
+  std::string_view name, unit, meaning;
+};
+
+/// Name, unit and meaning of each quantity, in their order.
+std::span<const QuantityColumn, quantities> quantity_columns();
+
+inline constexpr std::size_t longest_error = 512;  ///< bytes of an error in a row
+
+/// What became of a case.
+struct SweepRow {
+  std::size_t index = 0;
+  bool completed = false;
+  std::string error;  ///< empty when completed; cut off after longest_error bytes
+  std::array<double, quantities> values = [] {
+    std::array<double, quantities> none{};
+    none.fill(std::numeric_limits<double>::quiet_NaN());
+    return none;
+  }();                   ///< NaN is what a table holds where the case has no such value
+  double seconds = 0.0;  ///< wall clock of the whole case
+  double integration_seconds = 0.0;
+
+  double& operator[](Quantity quantity) { return values[static_cast<std::size_t>(quantity)]; }
+  double operator[](Quantity quantity) const { return values[static_cast<std::size_t>(quantity)]; }
+};
+
+/// The order in which cases are handed out, one whenever a worker is free: the most expensive first, so that no long
+/// one is left for the end. With exact costs c the last of m workers is done by
+///
+///     max(sum c / m, max c) (4/3 - 1/(3m))
+///
+/// [Graham 1969]; with wrong ones still by sum c / m + max c. Equal costs keep the order of the cases.
+std::vector<std::size_t> dispatch_order(std::span<const double> costs);
+
+}  // namespace viscobar

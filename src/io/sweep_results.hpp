@@ -1,0 +1,52 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "viscobar/io/sweep_file.hpp"
+
+namespace viscobar {
+
+class SweepTable;
+
+/// The rows of a sweep: in memory, in sweep.h5 each as it comes, in sweep.csv and timings.csv every few seconds.
+class SweepResults {
+ public:
+  /// Goes on with the rows that the directory has of the same sweep, or begins.
+  /// @throws std::invalid_argument when the directory has other files, or another sweep
+  /// @throws IoError
+  SweepResults(const std::filesystem::path& directory, const SweepFile& sweep);
+  ~SweepResults();
+
+  bool has(std::size_t index) const { return rows_[index].has_value(); }
+  std::size_t size() const { return done_; }
+  std::size_t failed() const { return failed_; }
+  /// The finished ones, in the order of the cases.
+  std::vector<const SweepRow*> rows() const;
+
+  /// When it returns the row is safe.
+  void add(const SweepRow& row);
+  /// Writes the CSV files when there is something new and they have been left alone long enough: writing them
+  /// takes at most a twentieth of the time.
+  void refresh_tables();
+  void close();
+
+ private:
+  void keep(SweepRow row);
+  void write_tables();
+
+  using Clock = std::chrono::steady_clock;
+  std::filesystem::path directory_;
+  const SweepPlan& plan_;
+  std::unique_ptr<SweepTable> table_;
+  std::vector<std::optional<SweepRow>> rows_;
+  std::size_t done_ = 0, failed_ = 0;
+  std::optional<std::size_t> written_;  // rows in the CSV files
+  Clock::time_point next_ = Clock::now();
+};
+
+}  // namespace viscobar

@@ -1,0 +1,188 @@
+#include <signal.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <map>
+#include <random>
+#include <thread>
+
+#include "cli/command.hpp"
+#include "io/sweep_results.hpp"
+
+namespace viscobar::testing_cli {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A hundred cases, the longest of which take a hundred times as long as the shortest.
+class Sweep : public Command {
+ protected:
+  Sweep() {
+    write("sweep.toml",
+          "scene = \"" VISCOBAR_SOURCE_DIR
+          "/examples/scenes/chatter.toml\"\n[set]\ntime.end = 3.0\n[vary]\nbar.viscosity = [1.0, 0.01, 0.001]\n"
+          "contact.epsilon = { from = 1e-2, to = 1e-6, per_decade = 2 }\n"
+          "method.name = [\"cvode\", \"ida\", \"fully_discrete\", \"finite_difference\"]\n");
+  }
+
+  void write(const std::string& name, const std::string& text) const { std::ofstream(directory_ / name) << text; }
+
+  std::string table(const std::string& where) const { return content(directory_ / where / "sweep.csv"); }
+
+  /// The rows that are safe now, and how long each took: another number is another run.
+  std::map<std::size_t, double> kept(const std::string& where) const {
+    const SweepFile sweep = read_sweep(directory_ / "sweep.toml");
+    std::map<std::size_t, double> seconds;
+    const SweepResults results(directory_ / where, sweep);
+    for (const SweepRow* row : results.rows()) seconds[row->index] = row->seconds;
+    return seconds;
+  }
+
+  /// Starts a sweep, sends it the signal after a while, says how it ended.
+  int stopped_by(int signal, const std::string& arguments, std::chrono::milliseconds after) const {
+    const pid_t child = fork();
+    if (child == 0) {
+      if (chdir(directory_.c_str()) != 0) _exit(99);
+      if (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)) _exit(99);
+      execl("/bin/sh", "sh", "-c", ("exec '" VISCOBAR_COMMAND "' " + arguments).c_str(), nullptr);
+      _exit(99);
+    }
+    std::this_thread::sleep_for(after);
+    kill(child, signal);
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+};
+
+TEST_F(Sweep, RowsDoNotDependOnTheNumberOfThreads) {
+  ASSERT_EQ(viscobar("sweep sweep.toml --threads 1 -o one").code, 0);
+  ASSERT_EQ(viscobar("sweep sweep.toml --threads 2 -o two").code, 0);
+  ASSERT_EQ(viscobar("sweep sweep.toml --threads 5 -o five").code, 0);
+  EXPECT_EQ(table("one"), table("two"));
+  EXPECT_EQ(table("one"), table("five"));
+  EXPECT_EQ(kept("one").size(), 108u);
+}
+
+TEST_F(Sweep, RowsDoNotDependOnTheNumberOfRanks) {
+  if (std::system("command -v mpirun >/dev/null 2>&1") != 0) GTEST_SKIP() << "no mpirun";
+  if (std::system("ldd '" VISCOBAR_COMMAND "' | grep -q libmpi") != 0) GTEST_SKIP() << "built without MPI";
+  ASSERT_EQ(viscobar("sweep sweep.toml --threads 1 -o one").code, 0);
+  for (const std::string ranks : {"1", "2", "3"}) {
+    const std::string line = "cd '" + directory_.string() + "' && mpirun -n " + ranks +
+                             " --oversubscribe --allow-run-as-root '" VISCOBAR_COMMAND
+                             "' sweep sweep.toml --quiet -o ranks" +
+                             ranks + " 2>&1";
+    ASSERT_EQ(std::system(line.c_str()), 0);
+    EXPECT_EQ(table("one"), table("ranks" + ranks));
+  }
+}
+
+TEST_F(Sweep, KilledAtAnyMomentItGoesOnAndRepeatsNothing) {
+  ASSERT_EQ(viscobar("sweep sweep.toml -o whole").code, 0);
+  std::mt19937 random(std::random_device{}());
+  std::uniform_int_distribution<int> pause(1, 120);
+  std::map<std::size_t, double> before;
+  int kills = 0;
+  for (; kills < 200; ++kills) {
+    const std::chrono::milliseconds after(pause(random));
+    const int end = stopped_by(SIGKILL, "sweep sweep.toml --quiet -o killed", after);
+    if (end == 0) break;
+    ASSERT_EQ(end, -SIGKILL);
+    if (!fs::exists(directory_ / "killed/sweep.h5")) continue;
+    const auto now = kept("killed");
+    for (const auto& [index, seconds] : before) {
+      ASSERT_TRUE(now.contains(index)) << "case " << index << " was lost by kill " << kills;
+      EXPECT_EQ(now.at(index), seconds) << "case " << index << " was run again";
+    }
+    before = now;
+  }
+  const Ended last = viscobar("sweep sweep.toml --json -o killed");
+  ASSERT_EQ(last.code, 0) << last.error;
+  EXPECT_EQ(last.json()["done"], 108);
+  EXPECT_GT(kills, 1) << "the sweep was over before it could be killed";
+  EXPECT_EQ(table("killed"), table("whole"));
+  const auto at_the_end = kept("killed");
+  for (const auto& [index, seconds] : before) EXPECT_EQ(at_the_end.at(index), seconds);
+}
+
+TEST_F(Sweep, KilledWhileItMadeItsTableItBeginsAnew) {
+  fs::create_directories(directory_ / "sweep.out");
+  write("sweep.out/sweep.h5.part", "half a table");
+  EXPECT_EQ(viscobar("sweep sweep.toml --quiet").code, 0);
+}
+
+TEST_F(Sweep, AFinishedSweepRunsNothingAgain) {
+  ASSERT_EQ(viscobar("sweep sweep.toml").code, 0);
+  const auto before = kept("sweep.out");
+  const Ended again = viscobar("sweep sweep.toml --json");
+  ASSERT_EQ(again.code, 0) << again.error;
+  EXPECT_EQ(again.json()["run"], 0);
+  EXPECT_EQ(again.json()["kept"], 108);
+  EXPECT_EQ(kept("sweep.out"), before);
+}
+
+TEST_F(Sweep, InterruptedItKeepsItsRowsAndSays130) {
+  write("long.toml", "scene = \"" VISCOBAR_SOURCE_DIR
+                     "/examples/scenes/chatter.toml\"\n[set]\nmethod.name = \"fully_discrete\"\ntime.end = "
+                     "1e6\noutput.every = 1e5\n[vary]\n"
+                     "bar.viscosity = [1.0, 0.1, 0.01]\nmethod.step = [1e2, 1e-6]\n");
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(stopped_by(SIGINT, "sweep long.toml --threads 4", std::chrono::milliseconds(1000)), 130);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+  const std::string rows = content(directory_ / "long.out/sweep.csv");
+  // The three short cases, and the heading.
+  EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 4) << rows;
+}
+
+TEST_F(Sweep, AFailedCaseIsARowAndTheOthersGoOn) {
+  write("some.toml", "scene = \"" VISCOBAR_SOURCE_DIR
+                     "/examples/scenes/chatter.toml\"\n[set]\nload.density = \"t > 1 ? 1/(t-t) : 0\"\n[vary]\n"
+                     "time.end = [0.5, 2.0]\nmesh.mass = [\"lumped\", \"redistributed\"]\n"
+                     "method.name = [\"cvode\", \"finite_difference\"]\n");
+  const Ended ended = viscobar("sweep some.toml --json");
+  EXPECT_EQ(ended.code, 1);
+  const Json summary = ended.json();
+  EXPECT_EQ(summary["done"], 8);
+  // At t > 1 the load is infinite; finite_difference does not take the redistributed mass.
+  std::vector<std::size_t> failed;
+  for (const Json& one : summary["failed"]) {
+    failed.push_back(one["index"]);
+    EXPECT_NE(one["error"], "");
+  }
+  EXPECT_EQ(failed, (std::vector<std::size_t>{3, 4, 5, 6, 7}));
+  const std::string rows = content(directory_ / "some.out/sweep.csv");
+  EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 9);
+  EXPECT_NE(rows.find("does not fit finite_difference"), std::string::npos);
+  EXPECT_EQ(viscobar("sweep some.toml --quiet").code, 1) << "they are still failed, and not tried again";
+}
+
+TEST_F(Sweep, WrongInputIsSaidAndNothingWritten) {
+  write("wrong.toml", "scene = \"none.toml\"\n[vary]\nbar.viscosty = [1]\n");
+  const Ended ended = viscobar("sweep wrong.toml");
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_EQ(ended.out, "");
+  EXPECT_NE(ended.error.find("wrong.toml:1:9: scene: "), std::string::npos) << ended.error;
+  EXPECT_NE(ended.error.find("nearest is \"viscosity\""), std::string::npos) << ended.error;
+  EXPECT_FALSE(fs::exists(directory_ / "wrong.out"));
+  EXPECT_EQ(viscobar("sweep sweep.toml --set bar.viscosity=1").code, 2);
+  EXPECT_EQ(viscobar("sweep sweep.toml --threads 0").code, 2);
+  EXPECT_EQ(viscobar("sweep").code, 2);
+}
+
+TEST_F(Sweep, NeverWritesIntoADirectoryOfOthersNorOfAnotherSweep) {
+  fs::create_directories(directory_ / "precious");
+  write("precious/thesis.tex", "years");
+  EXPECT_EQ(viscobar("sweep sweep.toml -o precious").code, 2);
+  EXPECT_FALSE(fs::exists(directory_ / "precious/sweep.h5"));
+  ASSERT_EQ(viscobar("sweep sweep.toml --quiet").code, 0);
+  const std::string before = table("sweep.out");
+  const Ended other = viscobar("sweep sweep.toml --set time.end=2");
+  EXPECT_EQ(other.code, 2);
+  EXPECT_NE(other.error.find("another sweep"), std::string::npos) << other.error;
+  EXPECT_EQ(table("sweep.out"), before);
+}
+
+}  // namespace
+}  // namespace viscobar::testing_cli

@@ -1,0 +1,288 @@
+#include "viscobar/io/sweep_file.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "io/sweep_csv.hpp"
+#include "io/sweep_table.hpp"
+
+namespace viscobar {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* scene = R"([bar]
+length = 1.0
+viscosity = 0.1
+[left]
+kind = "obstacle"
+gap = 0.1
+[initial]
+displacement = 0
+velocity = -1
+[time]
+end = 1.0
+[mesh]
+elements = 9
+[contact]
+epsilon = 1e-3
+)";
+
+class SweepFileTest : public testing::Test {
+ protected:
+  SweepFileTest() {
+    fs::create_directories(folder_);
+    write("scene.toml", scene);
+  }
+  ~SweepFileTest() override { fs::remove_all(folder_); }
+
+  void write(const char* name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+
+  SweepFile read(const std::string& text, const std::vector<std::string>& overrides = {}) const {
+    write("sweep.toml", text);
+    return read_sweep(folder_ / "sweep.toml", overrides);
+  }
+
+  /// "line:column: key: message" of everything wrong.
+  std::vector<std::string> faults(const std::string& text) const {
+    try {
+      const SweepFile sweep = read(text);
+      plan_cases(sweep);
+      return {};
+    } catch (const SceneError& error) {
+      std::vector<std::string> texts;
+      for (const Diagnostic& found : error.diagnostics) texts.push_back(found.text().substr(found.source.size() + 1));
+      return texts;
+    }
+  }
+
+  template <class Value>
+  std::vector<Value> values(const std::string& key, const std::string& text) const {
+    const SweepFile sweep = read("scene = \"scene.toml\"\n[vary]\n" + key + " = " + text + "\n");
+    return std::get<std::vector<Value>>(sweep.plan.keys.front().values);
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / ("viscobar-sweep-" + std::to_string(getpid()) + "-" +
+                                                  testing::UnitTest::GetInstance()->current_test_info()->name());
+};
+
+TEST_F(SweepFileTest, TakesNamesQuotedDottedOrInATableAlike) {
+  const std::string head = "scene = \"scene.toml\"\n";
+  for (const std::string vary : {"[vary]\n\"bar.viscosity\" = [1, 2.5]\n\"mesh.elements\" = [3]\n",
+                                 "[vary]\nbar.viscosity = [1, 2.5]\nmesh.elements = [3]\n",
+                                 "[vary.bar]\nviscosity = [1, 2.5]\n[vary.mesh]\nelements = [3]\n"}) {
+    const SweepFile sweep = read(head + vary);
+    ASSERT_EQ(sweep.plan.keys.size(), 2u) << vary;
+    EXPECT_EQ(sweep.plan.keys[0].key, "bar.viscosity");
+    EXPECT_EQ(std::get<std::vector<double>>(sweep.plan.keys[0].values), (std::vector{1.0, 2.5}));
+    EXPECT_EQ(std::get<std::vector<std::int64_t>>(sweep.plan.keys[1].values), (std::vector<std::int64_t>{3}));
+  }
+}
+
+TEST_F(SweepFileTest, KeepsTheOrderOfTheFile) {
+  const SweepFile sweep =
+      read("scene = \"scene.toml\"\n[vary]\ntime.end = [1]\nbar.length = [1]\nmesh.mass = [\"paper\"]\n");
+  EXPECT_EQ(sweep.plan.keys[0].key, "time.end");
+  EXPECT_EQ(sweep.plan.keys[1].key, "bar.length");
+  EXPECT_EQ(sweep.plan.keys[2].key, "mesh.mass");
+}
+
+TEST_F(SweepFileTest, ARangeByDecadesHitsThePowersOfTenExactly) {
+  const auto down = values<double>("contact.epsilon", "{ from = 1e-2, to = 1e-8, per_decade = 2 }");
+  ASSERT_EQ(down.size(), 13u);
+  const double exact[] = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
+  for (std::size_t k = 0; k < 7; ++k) EXPECT_EQ(down[2 * k], exact[k]);
+  // A power and a product, each rounded once.
+  EXPECT_NEAR(down[1] / 1e-2, std::pow(10.0, -0.5), 4e-16);
+  EXPECT_EQ(values<double>("bar.viscosity", "{ from = 3e-2, to = 3, per_decade = 1 }"), (std::vector{3e-2, 0.3, 3.0}));
+  EXPECT_EQ(values<double>("bar.viscosity", "{ from = 1, to = 50, per_decade = 1 }"), (std::vector{1.0, 10.0}));
+}
+
+TEST_F(SweepFileTest, ARangeByCountIsEvenOrGeometricAndHasBothEnds) {
+  EXPECT_EQ(values<double>("left.gap", "{ from = 0, to = 1, count = 5 }"), (std::vector{0.0, 0.25, 0.5, 0.75, 1.0}));
+  const auto log = values<double>("bar.viscosity", "{ from = 1, to = 16, count = 5, spacing = \"log\" }");
+  ASSERT_EQ(log.size(), 5u);
+  for (std::size_t k = 0; k < 5; ++k) EXPECT_NEAR(log[k], std::pow(2.0, k), 4e-16 * std::pow(2.0, k));
+  EXPECT_EQ(log.back(), 16.0);
+}
+
+TEST_F(SweepFileTest, ARangeOfWholeNumbersIsRoundedAndHasEachOnce) {
+  EXPECT_EQ(values<std::int64_t>("mesh.elements", "{ from = 1, to = 100, per_decade = 4 }"),
+            (std::vector<std::int64_t>{1, 2, 3, 6, 10, 18, 32, 56, 100}));
+}
+
+TEST_F(SweepFileTest, FormulasAndNumbersMayStandInOneList) {
+  EXPECT_EQ(values<std::string>("initial.velocity", "[-1, \"-x*(1-x)\", 0.5]"),
+            (std::vector<std::string>{"-1", "-x*(1-x)", "0.5"}));
+}
+
+TEST_F(SweepFileTest, SettingsHoldForAllCasesThoseOfTheCommandLineLast) {
+  const SweepFile sweep =
+      read("scene = \"scene.toml\"\n[set]\ntime.end = 2\nmethod.name = \"ida\"\n[vary]\nbar.viscosity = [1]\n",
+           {"time.end=3"});
+  EXPECT_EQ(case_of(sweep, 0).overrides,
+            (std::vector<std::string>{"time.end=2.0", "method.name=\"ida\"", "time.end=3", "bar.viscosity=1.0"}));
+}
+
+TEST_F(SweepFileTest, EverythingWrongIsSaidAtOnceWithItsPlaceAndTheNearestKey) {
+  const auto found = faults(
+      "scenee = \"none.toml\"\ncombine = \"gird\"\n[set]\nbar.viscosity = [1]\ntime.end = -1\n[vary]\n"
+      "bar.lenght = [1.0]\nbar.density = [1.0, -2.0, \"x\"]\ncontact.epsilon = { from = 1e-2, to = 0, per_decade = 2 "
+      "}\n"
+      "mesh.elements = { from = 9, to = 20, count = 3, per_decade = 2 }\nmesh.mass = { from = 1, to = 2, count = 2 }\n"
+      "method.name = \"cvode\"\nleft.gap = []\nmehs.elements = [1]\ntime.end = [1]\n");
+  EXPECT_EQ(
+      found,
+      (std::vector<std::string>{
+          "1:1: scenee: unknown key; nearest is \"scene\"",
+          "1:10: scene: \"none.toml\" cannot be read: No such file or directory",
+          "2:11: combine: cannot be \"gird\"; nearest is \"grid\"",
+          "4:17: bar.viscosity: must be one value, is an array",
+          "5:12: time.end: must be positive, is -1",
+          "7:5: bar.lenght: unknown key; nearest is \"length\"",
+          "8:21: bar.density: must be positive, is -2",
+          "8:27: bar.density: must be a number, is a string",
+          "9:39: contact.epsilon: to must be positive in a logarithmic range",
+          "10:49: mesh.elements: excludes count: a range has one or the other",
+          "11:13: mesh.mass: takes no numbers, so give a list of its values, not a range",
+          "12:15: method.name: must be a list of values, or a range { from, to, count }, or { from, to, per_decade "
+          "}; a single value belongs into [set]",
+          "13:12: left.gap: is an empty list",
+          "14:6: mehs.elements: unknown table; nearest is [mesh]",
+          "15:6: time.end: is given twice: in [set], or in [vary]",
+      }));
+}
+
+struct Malformed {
+  const char* text;
+  const char* expected;
+};
+
+class MalformedSweep : public SweepFileTest, public testing::WithParamInterface<Malformed> {};
+
+TEST_P(MalformedSweep, IsRefused) {
+  const auto found = faults(GetParam().text);
+  ASSERT_FALSE(found.empty()) << GetParam().text;
+  EXPECT_EQ(found.front(), GetParam().expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Files, MalformedSweep,
+    testing::Values(
+        Malformed{"", "1:1: scene: is missing: the scene file, relative to this one"},
+        Malformed{"scene = 3\n[vary]\nbar.length = [1]\n", "1:9: scene: must be a string, is a whole number"},
+        Malformed{"scene = \"scene.toml\"\n",
+                  "2:1: vary: is missing: a table [vary] with a list or a range for each varied key"},
+        Malformed{"scene = \"scene.toml\"\nvary = 3\n", "2:8: vary: must be a table, written [vary]"},
+        Malformed{"scene = \"scene.toml\"\n[vary]\n", "2:1: vary: is empty: nothing varies"},
+        Malformed{"scene = \"scene.toml\"\n[vary]\nbar = 3\n", "3:1: bar: unknown key; known here: title"},
+        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = {}\n", "3:14: bar.length: the range lacks from"},
+        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = [[1]]\n",
+                  "3:15: bar.length: must be a number, is an array"},
+        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = [nan]\n", "3:15: bar.length: must be finite, is nan"},
+        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = { from = inf, to = 1, count = 2 }\n",
+                  "3:23: bar.length: from must be a finite number"},
+        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = { from = 1, to = 2, count = 0 }\n",
+                  "3:42: bar.length: count must be a whole number from 1 to 1000000"},
+        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = { from = 1, to = 2, count = 1 }\n",
+                  "3:42: bar.length: count must be at least 2, for both ends of the range"},
+        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = { from = -1, to = 2, count = 4 }\n",
+                  "3:14: bar.length: must be positive, is -1"},
+        Malformed{"scene = \"scene.toml\"\n[vary]\nmesh.elements = [1.5]\n",
+                  "3:18: mesh.elements: must be a whole number, written without point or exponent"},
+        Malformed{"scene = \"scene.toml\"\ncombine = \"zip\"\n[vary]\nbar.length = [1, 2]\nbar.density = [1]\n",
+                  "5:15: bar.density: has 1 values where bar.length has 2: zipped keys have the same number"},
+        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = { from = 1, to = 2, count = 9999 }\n"
+                  "bar.density = { from = 1, to = 2, count = 9999 }\n",
+                  "5:1: vary: the grid has 99980001 cases, more than 10000000"},
+        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = [1",
+                  "3:16: Error while parsing array: encountered end-of-file"},
+        Malformed{"scene = \"scene.toml\"\n[vary]\ninitial.displacement = [-1, \"-1+x\"]\n",
+                  "3:24: initial.displacement: penetrates the obstacle of [left]: u_0(0) = -1 < -gap = -0.1"}));
+
+TEST_F(SweepFileTest, ACombinationThatDoesNotFitIsARowNotAnEnd) {
+  const SweepFile sweep = read("scene = \"scene.toml\"\n[vary]\ninitial.displacement = [0, -1]\n");
+  const std::vector<double> costs = plan_cases(sweep);
+  EXPECT_GT(costs[0], 0.0);
+  EXPECT_EQ(costs[1], 0.0);
+  const SweepRow good = run_case(sweep.scene_text, case_of(sweep, 0)),
+                 bad = run_case(sweep.scene_text, case_of(sweep, 1));
+  EXPECT_TRUE(good.completed) << good.error;
+  EXPECT_EQ(good.error, "");
+  EXPECT_EQ(good[Quantity::reached_time], 1.0);
+  EXPECT_FALSE(bad.completed);
+  EXPECT_EQ(bad.error, "initial.displacement: penetrates the obstacle of [left]: u_0(0) = -1 < -gap = -0.1");
+  EXPECT_EQ(bad[Quantity::steps], 0.0);
+  EXPECT_TRUE(std::isnan(bad[Quantity::energy_final]));
+}
+
+TEST_F(SweepFileTest, TheImpulseOfAnElasticImpactIsTwiceTheMomentum) {
+  // alpha = 0, rho = E = L = 1 at speed -1: reaction 1 for 2 L/c = 2, so impulse 2.
+  const SweepFile sweep = read(
+      "scene = \"scene.toml\"\n[set]\nbar.viscosity = 0\nmesh.elements = 200\ntime.end = 4\nmesh.mass = "
+      "\"redistributed\"\n"
+      "[vary]\nmethod.name = [\"rigid\"]\n");
+  const SweepRow row = run_case(sweep.scene_text, case_of(sweep, 0));
+  ASSERT_TRUE(row.completed) << row.error;
+  // What is left is the strain that dispersion leaves in the bar, the momentum of O(h^(2/3)) of it.
+  EXPECT_NEAR(row[Quantity::impulse_left], 2.0, 2.0 * std::pow(1.0 / 200.0, 2.0 / 3.0));
+  EXPECT_TRUE(std::isnan(row[Quantity::impulse_right])) << "there is no obstacle";
+  EXPECT_LT(row[Quantity::u_left_min], -0.1 + 1e-6);
+  EXPECT_EQ(row[Quantity::u_left_max], row[Quantity::u_left_final]);
+}
+
+TEST_F(SweepFileTest, TheTableGivesBackEveryRowBitForBit) {
+  const SweepFile sweep =
+      read("scene = \"scene.toml\"\n[vary]\ninitial.displacement = [0, -1]\nbar.viscosity = [0.1, 0]\n");
+  std::vector<SweepRow> rows;
+  for (const std::size_t i : {3, 0, 1}) {
+    rows.push_back(run_case(sweep.scene_text, case_of(sweep, i)));
+    SweepTable table(folder_ / "sweep.h5", sweep.plan, sweep.identity());  // opened anew for each
+    table.write(rows.back());
+  }
+  const std::vector<SweepRow> back = SweepTable(folder_ / "sweep.h5", sweep.plan, sweep.identity()).read();
+  ASSERT_EQ(back.size(), 3u);
+  const SweepRow* written[] = {&rows[1], &rows[2], &rows[0]};
+  const SweepRow* read_back[] = {&back[0], &back[1], &back[2]};
+  EXPECT_EQ(sweep_csv(sweep.plan, read_back), sweep_csv(sweep.plan, written));
+  EXPECT_EQ(timings_csv(read_back), timings_csv(written));
+}
+
+TEST_F(SweepFileTest, EveryColumnIsDocumented) {
+  std::ostringstream page;
+  page << std::ifstream(VISCOBAR_SOURCE_DIR "/docs/sweep.md").rdbuf();
+  for (const QuantityColumn& column : quantity_columns()) {
+    const std::string row = "| `" + std::string(column.name) + "` | " + std::string(column.unit) + " | " +
+                            std::string(column.meaning) + " |";
+    EXPECT_NE(page.str().find(row), std::string::npos) << row;
+  }
+}
+
+TEST_F(SweepFileTest, EveryExampleIsASweepWhoseCasesCanRun) {
+  std::size_t found = 0;
+  for (const auto& entry : fs::directory_iterator(VISCOBAR_SOURCE_DIR "/examples/sweeps")) {
+    if (entry.path().extension() != ".toml") continue;
+    ++found;
+    const std::vector<double> costs = plan_cases(read_sweep(entry.path()));
+    EXPECT_GT(*std::min_element(costs.begin(), costs.end()), 0.0) << entry.path();
+  }
+  EXPECT_GE(found, 3u);
+}
+
+TEST_F(SweepFileTest, TheTableOfAnotherSweepIsNotTouched) {
+  const std::string head = "scene = \"scene.toml\"\n[vary]\n";
+  const SweepFile one = read(head + "bar.viscosity = [0.1, 0.2]\n"),
+                  other = read(head + "bar.viscosity = [0.1, 0.3]\n");
+  SweepTable(folder_ / "sweep.h5", one.plan, one.identity()).close();
+  EXPECT_THROW(SweepTable(folder_ / "sweep.h5", other.plan, other.identity()), std::invalid_argument);
+  EXPECT_NO_THROW(SweepTable(folder_ / "sweep.h5", one.plan, one.identity()));
+}
+
+}  // namespace
+}  // namespace viscobar
