@@ -34,9 +34,9 @@ struct SceneKey {
   std::string_view fallback;  ///< value when the key is absent, as TOML; empty: none
   std::string_view unit;
   std::string_view meaning;
-  Range range{};                                ///< of a number or count
+  Range range{};                      ///< of a number or count
   std::span<const Choice> choices{};  ///< of a choice
-  std::string_view variables{};                 ///< of a formula: "x", "t" or "xt"
+  std::string_view variables{};       ///< of a formula: "x", "t" or "xt"
 
   std::string_view table() const;  ///< empty above the first table
   std::string_view leaf() const;   ///< the key within its table

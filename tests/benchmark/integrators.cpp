@@ -1,5 +1,5 @@
-// cvode, ida and arkode against stock CVODE and Boost.Odeint: one scene, the same semi-discrete system, the same tolerances;
-// the error of u(0, t) at 201 times against a run of cvode at tolerance 1e-11.
+// cvode, ida and arkode against stock CVODE and Boost.Odeint: one scene, the same semi-discrete system, the same
+// tolerances; the error of u(0, t) at 201 times against a run of cvode at tolerance 1e-11.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

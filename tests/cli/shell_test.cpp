@@ -62,8 +62,9 @@ TEST_F(Shell, ZshTakesItsCompletion) {
   if (run("zsh -fc true 2>/dev/null") != 0) GTEST_SKIP() << "zsh is not installed";
   std::ofstream(directory_ / "_viscobar") << viscobar("completion zsh").out;
   EXPECT_EQ(run("zsh -n _viscobar"), 0);
-  EXPECT_EQ(run("zsh -fc 'fpath=($PWD $fpath); autoload -Uz compinit; compinit -u -D; print $_comps[viscobar]' >name.txt"),
-            0);
+  EXPECT_EQ(
+      run("zsh -fc 'fpath=($PWD $fpath); autoload -Uz compinit; compinit -u -D; print $_comps[viscobar]' >name.txt"),
+      0);
   EXPECT_EQ(content(directory_ / "name.txt"), "_viscobar\n");
 }
 

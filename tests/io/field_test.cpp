@@ -144,7 +144,8 @@ TEST(FieldFile, XdmfNamesDatasetsThatExistWithTheirExtents) {
   append(file, 5, 0, rows);
   file.close();
   const std::string text = read_text(scratch / "field.xdmf");
-  const std::regex reference("<DataItem Dimensions=\"(\\d+) (\\d+)\" Format=\"HDF\"[^>]*>([^:<]+):/(\\w+)\\s*</DataItem>");
+  const std::regex reference(
+      "<DataItem Dimensions=\"(\\d+) (\\d+)\" Format=\"HDF\"[^>]*>([^:<]+):/(\\w+)\\s*</DataItem>");
   std::size_t found = 0, last_row = 0;
   for (std::sregex_iterator it(text.begin(), text.end(), reference), end; it != end; ++it, ++found) {
     const std::smatch& match = *it;

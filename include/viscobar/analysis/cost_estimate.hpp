@@ -11,9 +11,10 @@ namespace viscobar {
 ///
 /// fully_discrete, finite_difference: steps = T / dt.
 ///
-/// cvode, ida, rigid: steps = g (20 starts + 46 log(1 + J) + 8 phi), g = (tolerance / 1e-4)^(-1/7) from multistep formulas
-/// of order about 6. phi is the phase of the fastest wave that is still there at t: no faster than an element lets it
-/// be, none that is overdamped, and of those the ones that viscosity has not yet consumed at the rate eta k^2 / (2 rho),
+/// cvode, ida, rigid: steps = g (20 starts + 46 log(1 + J) + 8 phi), g = (tolerance / 1e-4)^(-1/7) from multistep
+/// formulas of order about 6. phi is the phase of the fastest wave that is still there at t: no faster than an element
+/// lets it be, none that is overdamped, and of those the ones that viscosity has not yet consumed at the rate eta k^2 /
+/// (2 rho),
 ///
 ///     phi = int min(c / h, E / eta, c sqrt(2 rho / (eta t))) dt.
 ///

@@ -55,7 +55,7 @@ struct LimitOrders {
   double scheme_step = 0.0;
   double scheme_error = 0.0;  ///< of the scheme's end traces by its time step: twice the change when dt is halved
   std::size_t scheme_events = 0;
-  double tolerance_error = 0.0;    ///< what the time integration may add to a difference
+  double tolerance_error = 0.0;  ///< what the time integration may add to a difference
   /// epsilon = rho h^3 / eta^2, where the two powers of the penetration meet; under a span obstacle rho h^4 / eta^2,
   /// below which a node has come to rest before viscosity drags it along with its neighbours
   std::optional<double> boundary;
