@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "support/run_trace.hpp"
 #include "viscobar/integration/integrate.hpp"
 
 namespace viscobar {
@@ -15,37 +16,14 @@ namespace {
 
 constexpr double constant = 100.0;  // the multiple of the requested tolerance that errors stay below (docs/methods.md)
 
-struct Recorded {
-  std::vector<double> times;
-  std::vector<std::vector<double>> u, v;
-  std::vector<double> reaction_left, reaction_right;
-  std::vector<Event> events;
-  Statistics statistics;
-};
-
 template <class Method>
-Recorded record(const Scene& scene, const Mesh& mesh, Mass mass, const Method& method,
+RunTrace record(const Scene& scene, const Mesh& mesh, Mass mass, const Method& method,
                 const std::vector<double>& times) {
-  const BarSystem system(scene, mesh, mass);
-  Recorded result;
-  Observers observers;
-  observers.energy = true;
-  observers.snapshot = [&](const Snapshot& s) {
-    result.times.push_back(s.time);
-    result.u.emplace_back(s.u.begin(), s.u.end());
-    result.v.emplace_back(s.v.begin(), s.v.end());
-    result.reaction_left.push_back(s.reaction_left);
-    result.reaction_right.push_back(s.reaction_right);
-  };
-  observers.event = [&](const Event& event) { result.events.push_back(event); };
-  result.statistics = integrate(system, system.initial_state(), times, method, observers);
-  return result;
+  return record(BarSystem(scene, mesh, mass), times, method);
 }
 
 std::vector<double> grid(double end, std::size_t count) {
-  std::vector<double> times(count + 1);
-  for (std::size_t k = 0; k <= count; ++k) times[k] = end * static_cast<double>(k) / static_cast<double>(count);
-  return times;
+  return uniform_times(end / static_cast<double>(count), count);
 }
 
 Scene falling_bar(double height, double speed, double viscosity) {

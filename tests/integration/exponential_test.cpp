@@ -10,6 +10,7 @@
 
 #include "support/fine_step_oracle.hpp"
 #include "support/modal_solution.hpp"
+#include "support/run_trace.hpp"
 #include "viscobar/integration/integrate.hpp"
 
 namespace viscobar {
@@ -21,35 +22,13 @@ using testing_support::ModalSolution;
 // A few hundred steps, each with a rounding or two of numbers of order one in sums over a hundred entries.
 constexpr double accuracy = 1e-12;
 
-struct Recorded {
-  std::vector<double> times;
-  std::vector<std::vector<double>> u, v;
-  std::vector<double> reaction_left, reaction_right;
-  std::vector<Event> events;
-  Statistics statistics;
-};
-
-Recorded record(const BarSystem& system, const std::vector<double>& times, const Penalty& penalty = {},
+RunTrace record(const BarSystem& system, const std::vector<double>& times, const Penalty& penalty = {},
                 bool energy = false) {
-  Recorded result;
-  Observers observers;
-  observers.energy = energy;
-  observers.snapshot = [&](const Snapshot& s) {
-    result.times.push_back(s.time);
-    result.u.emplace_back(s.u.begin(), s.u.end());
-    result.v.emplace_back(s.v.begin(), s.v.end());
-    result.reaction_left.push_back(s.reaction_left);
-    result.reaction_right.push_back(s.reaction_right);
-  };
-  observers.event = [&](const Event& event) { result.events.push_back(event); };
-  result.statistics = integrate(system, system.initial_state(), times, Exponential{penalty}, observers);
-  return result;
+  return record(system, times, Exponential{penalty}, energy);
 }
 
 std::vector<double> grid(double end, std::size_t count) {
-  std::vector<double> times(count + 1);
-  for (std::size_t k = 0; k <= count; ++k) times[k] = end * static_cast<double>(k) / static_cast<double>(count);
-  return times;
+  return uniform_times(end / static_cast<double>(count), count);
 }
 
 double distance(const std::vector<double>& a, const std::vector<double>& b) {

@@ -1,26 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <new>
 #include <numbers>
 
+#include "support/allocations.hpp"
 #include "viscobar/schemes/schemes.hpp"
-
-namespace {
-std::size_t allocations = 0;
-}
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size ? size : 1)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace viscobar {
 namespace {
+
+using testing_support::allocations;
 
 std::size_t allocations_of(const BarSystem& system, double step, double end, double restitution) {
   const State start = system.initial_state();

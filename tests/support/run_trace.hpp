@@ -16,9 +16,9 @@ struct RunTrace {
   Statistics statistics;
 };
 
-/// Runs `system` from its initial state by any method.
+/// Runs `system` from its initial state by any method; `energy` asks for the account.
 template <class Method>
-RunTrace record(const BarSystem& system, std::span<const double> times, const Method& method) {
+RunTrace record(const BarSystem& system, std::span<const double> times, const Method& method, bool energy = true) {
   RunTrace recording;
   Observers observers;
   observers.snapshot = [&](const Snapshot& now) {
@@ -30,7 +30,7 @@ RunTrace record(const BarSystem& system, std::span<const double> times, const Me
   };
   observers.event = [&](const Event& event) { recording.events.push_back(event); };
   observers.progress = [&](double time) { recording.progress.push_back(time); };
-  observers.energy = true;
+  observers.energy = energy;
   recording.statistics = integrate(system, system.initial_state(), times, method, observers);
   return recording;
 }
