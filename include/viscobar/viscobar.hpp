@@ -40,3 +40,7 @@
 #include "viscobar/io/versions.hpp"
 #include "viscobar/scene/scene.hpp"
 #include "viscobar/schemes/schemes.hpp"
+
+/// Motion of a viscoelastic bar against rigid obstacles: scenes, methods, and what is known about their results. A
+/// scene and a method are values (Case), a run is one call (record(), simulate(), record_run()).
+namespace viscobar {}

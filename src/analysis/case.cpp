@@ -5,29 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/method_table.hpp"
+
 namespace viscobar {
 
-std::string_view name(MethodName method) {
-  switch (method) {
-    case MethodName::cvode: return "cvode";
-    case MethodName::ida: return "ida";
-    case MethodName::arkode: return "arkode";
-    case MethodName::odeint: return "odeint";
-    case MethodName::rigid: return "rigid";
-    case MethodName::exponential: return "exponential";
-    case MethodName::fully_discrete: return "fully_discrete";
-    case MethodName::finite_difference: return "finite_difference";
-  }
-  return {};
-}
+std::string_view name(MethodName method) { return method_row(method).name; }
 
-bool is_scheme(MethodName method) {
-  return method == MethodName::fully_discrete || method == MethodName::finite_difference;
-}
+bool is_scheme(MethodName method) { return method_row(method).accuracy == Accuracy::step; }
 
-bool is_penalised(MethodName method) { return !is_scheme(method) && method != MethodName::rigid; }
+bool is_penalised(MethodName method) { return method_row(method).penalised; }
 
-bool is_adaptive(MethodName method) { return !is_scheme(method) && method != MethodName::exponential; }
+bool is_adaptive(MethodName method) { return method_row(method).accuracy == Accuracy::tolerances; }
 
 std::vector<double> Case::output_times() const {
   std::vector<double> times;
@@ -42,8 +30,8 @@ std::vector<double> Case::output_times() const {
 namespace {
 
 Mass effective_mass(const Case& run) {
-  if (run.method == MethodName::rigid) return Mass::redistributed;
-  return run.method == MethodName::finite_difference && run.mass == Mass::consistent ? Mass::lumped : run.mass;
+  const auto mass = method_row(run.method).mass;
+  return mass ? mass(run) : run.mass;
 }
 
 // Beyond it the first element is less than the rounding of the nodes of a large mesh; it gained nothing long before.
@@ -53,17 +41,11 @@ void check_grading(const Case& run, std::vector<Finding>& findings) {
   if (run.grading == 1.0) return;
   if (!is_obstacle(run.scene.left) && !is_obstacle(run.scene.right))
     findings.push_back({"mesh.grading", "has no end with an obstacle to shrink the elements towards; leave it out"});
-  else if (run.method == MethodName::finite_difference)
-    findings.push_back({"mesh.grading",
-                        "does not fit finite_difference, whose elements are of equal length; leave it out, or use "
-                        "fully_discrete with the mass \"lumped\""});
-  else if (run.mass == Mass::paper && run.method != MethodName::rigid)
+  else if (effective_mass(run) == Mass::paper)
     findings.push_back({"mesh.grading",
                         "does not fit the mass \"paper\", which has one weight h for all nodes; leave it out, or use "
                         "\"lumped\""});
 }
-
-Penalty penalty(const Case& run) { return {run.epsilon.value_or(1.0), run.restitution.value_or(1.0)}; }
 
 void check_initial_nodes(const Case& run, std::vector<Finding>& findings) {
   const Mesh mesh = run.mesh();
@@ -117,24 +99,13 @@ std::vector<Finding> validate(const Case& run) {
     findings.push_back({"mesh.elements", "both ends are fixed: 2 elements are needed for one unknown node"});
   if (effective_mass(run) == Mass::redistributed) {
     const std::size_t needed = 1 + static_cast<std::size_t>(left) + static_cast<std::size_t>(right);
-    if (scene.span && run.method == MethodName::rigid)
-      findings.push_back(
-          {"method.name", "rigid needs massless contact nodes, and under a span obstacle every node is one"});
-    else if (scene.span)
+    if (scene.span && run.mass == Mass::redistributed)
       findings.push_back({"mesh.mass",
                           "\"redistributed\" cannot serve a span obstacle: every node is a contact node "
                           "and must keep its mass; use \"consistent\" or \"lumped\""});
-    else if (run.elements < needed)
+    else if (!scene.span && run.elements < needed)
       findings.push_back(
           {"mesh.elements", fmt::format("mass \"redistributed\" needs at least {} elements here", needed)});
-    if (run.method == MethodName::finite_difference)
-      findings.push_back({"mesh.mass",
-                          "\"redistributed\" does not fit finite_difference, whose mass is diagonal; use "
-                          "\"lumped\" or \"paper\", or fully_discrete"});
-    if (run.method == MethodName::cvode && (left || right) && scene.bar.viscosity == 0.0)
-      findings.push_back({"method.name",
-                          "cvode cannot take massless contact nodes without viscosity: their equations "
-                          "are algebraic; use ida, or a positive bar.viscosity"});
   }
   if (is_penalised(run.method) && obstacle && !run.epsilon)
     findings.push_back({"contact.epsilon", fmt::format("is missing: {} penalises the obstacle", name(run.method))});
@@ -144,13 +115,9 @@ std::vector<Finding> validate(const Case& run) {
     findings.push_back({"method.step", fmt::format("gives more than 1e12 steps up to end = {}", run.end)});
   check_grading(run, findings);
   check_initial_nodes(run, findings);
-  if (findings.empty() && run.method == MethodName::odeint)
-    if (const OdeintPlan what = plan(make_system(run), run.end, odeint(run)); what.refusal)
-      findings.push_back(*what.refusal);
+  if (const auto refuse = method_row(run.method).refuse) refuse(run, findings);
   return findings;
 }
-
-Odeint odeint(const Case& run) { return {penalty(run), run.tolerance, run.stepper, run.step}; }
 
 MethodName penalised_method(const Case& run) {
   Case study = run;
@@ -169,21 +136,7 @@ Statistics simulate(const Case& run, const BarSystem& system, const Observers& o
 
 Statistics simulate(const Case& run, const BarSystem& system, std::span<const double> times,
                     const Observers& observers) {
-  const State start = system.initial_state();
-  switch (run.method) {
-    case MethodName::cvode:
-      return integrate(system, start, times, Cvode{penalty(run), run.tolerance, run.formulas}, observers);
-    case MethodName::ida: return integrate(system, start, times, Ida{penalty(run), run.tolerance}, observers);
-    case MethodName::arkode: return integrate(system, start, times, Arkode{penalty(run), run.tolerance}, observers);
-    case MethodName::odeint: return integrate(system, start, times, odeint(run), observers);
-    case MethodName::rigid: return integrate(system, start, times, Rigid{run.tolerance}, observers);
-    case MethodName::exponential: return integrate(system, start, times, Exponential{penalty(run)}, observers);
-    case MethodName::fully_discrete:
-    case MethodName::finite_difference:
-      return integrate(system, start, times, FullyDiscrete{*run.step, run.start, run.restitution.value_or(0.0)},
-                       observers);
-  }
-  return {};
+  return method_row(run.method).run(run, system, system.initial_state(), times, observers);
 }
 
 }  // namespace viscobar

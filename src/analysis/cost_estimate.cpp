@@ -5,27 +5,16 @@
 #include <numbers>
 #include <vector>
 
+#include "analysis/method_table.hpp"
 #include "viscobar/analysis/regime.hpp"
 
 namespace viscobar {
 
 namespace {
 
-// All constants are fits to tests/measurements/sweep.cpp, whose table in docs/sweep.md says how good they are.
+// All constants, and the seconds in the table of methods, are fits to tests/measurements/sweep.cpp, whose table in
+// docs/sweep.md says how good they are.
 constexpr double start_seconds = 3e-4;  // reading, building the system
-
-struct StepSeconds {
-  double step, node;
-};
-
-StepSeconds step_seconds(MethodName method) {
-  switch (method) {
-    case MethodName::ida: return {1.3e-6, 14e-9};
-    case MethodName::fully_discrete:
-    case MethodName::finite_difference: return {0.18e-6, 1.3e-9};
-    default: return {1.6e-6, 12e-9};
-  }
-}
 
 // int min(c/h, E/eta, c sqrt(2 rho / (eta t))) dt over [0, T]
 double wave_phase(const Case& run) {
@@ -75,7 +64,7 @@ double adaptive_steps(const Case& run) {
 
 double estimated_seconds(const Case& run) {
   const auto nodes = static_cast<double>(run.mesh().nodes());
-  const StepSeconds seconds = step_seconds(run.method);
+  const StepSeconds seconds = method_row(run.method).seconds;
   if (is_scheme(run.method)) {
     const double searches = run.scene.span ? 3.0 : 1.0;
     return start_seconds + run.end / *run.step * (seconds.step + searches * seconds.node * nodes);

@@ -4,15 +4,31 @@
 
 namespace viscobar {
 
-std::string_view name(Mass mass) {
+namespace {
+
+struct Words {
+  std::string_view name, meaning;
+};
+
+constexpr Words words(Mass mass) {
   switch (mass) {
-    case Mass::consistent: return "consistent";
-    case Mass::lumped: return "lumped";
-    case Mass::paper: return "paper";
-    case Mass::redistributed: return "redistributed";
+    case Mass::consistent: return {"consistent", "exact for linear elements, (h/6) [2 1; 1 2] per element"};
+    case Mass::lumped: return {"lumped", "diagonal by the trapezoidal rule, h/2 at the ends"};
+    case Mass::paper:
+      return {"paper", "diagonal with weight h at the ends too, as the paper's finite difference scheme is printed"};
+    case Mass::redistributed:
+      return {"redistributed",
+              "consistent, but nodes at an obstacle have no mass and cannot bounce; no span obstacle, not "
+              "finite_difference, neither cvode nor odeint without viscosity"};
   }
   return {};
 }
+
+}  // namespace
+
+std::string_view name(Mass mass) { return words(mass).name; }
+
+std::string_view meaning(Mass mass) { return words(mass).meaning; }
 
 namespace {
 

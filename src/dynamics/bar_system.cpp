@@ -7,6 +7,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "scene/end_kinds.hpp"
+
 namespace viscobar {
 
 namespace {
@@ -67,8 +69,10 @@ double uniform_stiffness_diagonal(const BarSystem& system, std::size_t i) {
 }  // namespace
 
 BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(mesh), mass_(mass), bar_(scene.bar) {
-  if (is_fixed(scene.left)) left_fixed_ = scene.displacement(0.0);
-  if (is_fixed(scene.right)) right_fixed_ = scene.displacement(mesh.length);
+  const EndNode left = end_node(scene.left, scene.displacement(0.0));
+  const EndNode right = end_node(scene.right, scene.displacement(mesh.length));
+  left_fixed_ = left.held;
+  right_fixed_ = right.held;
   const std::size_t fixed = static_cast<std::size_t>(left_fixed()) + static_cast<std::size_t>(right_fixed());
   if (mesh.nodes() <= fixed)
     throw std::invalid_argument("both ends are fixed and the mesh has no node between them: 2 elements are needed");
@@ -78,8 +82,8 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(me
   if (redistributed && scene.span)
     throw std::invalid_argument(
         "mass \"redistributed\" cannot serve a span obstacle: every node is a contact node and must keep its mass");
-  massless_left_ = redistributed && is_obstacle(scene.left);
-  massless_right_ = redistributed && is_obstacle(scene.right);
+  massless_left_ = redistributed && left.gap;
+  massless_right_ = redistributed && right.gap;
   if (!mesh.uniform())
     for (std::size_t j = 0; j < mesh.elements; ++j) inverse_spacing_.push_back(1.0 / mesh.element(j));
   inertia_ = restrict_to(inertia_matrix(mesh, mass, massless_left_, massless_right_), first, n);
@@ -87,9 +91,8 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(me
   for (double& entry : inertia_.off_diagonal) entry *= bar_.density;
   massive_factor_.factorise(restrict_to(inertia_, massive_begin(), massive_end() - massive_begin()));
 
-  if (const auto* left = std::get_if<Obstacle>(&scene.left)) contacts_.push_back({0, left->gap, 1.0, Where::left});
-  if (const auto* right = std::get_if<Obstacle>(&scene.right))
-    contacts_.push_back({n - 1, right->gap, 1.0, Where::right});
+  if (left.gap) contacts_.push_back({0, *left.gap, 1.0, Where::left});
+  if (right.gap) contacts_.push_back({n - 1, *right.gap, 1.0, Where::right});
   if (scene.span) {
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t node = i + first;

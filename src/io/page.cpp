@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "io/plot/figure.hpp"
+#include "scene/end_kinds.hpp"
 #include "viscobar/io/versions.hpp"
 
 namespace viscobar {
@@ -45,10 +46,12 @@ footer { color: var(--soft); font-size: .8125rem; }
 @media print { body { background: none; } main { padding: 0; max-width: none; } section, figure { break-inside: avoid; } }
 )css";
 
-std::string end_text(const EndCondition& end) {
-  if (const auto* body = std::get_if<Obstacle>(&end))
-    return fmt::format("an obstacle, <i>u</i>\u00a0≥\u00a0{}", readable(body->gap == 0.0 ? 0.0 : -body->gap));
-  return is_fixed(end) ? "fixed" : "free";
+std::string end_text(EndCondition end) {
+  const EndKind& kind = end_kind(end);
+  std::string text(kind.in_words);
+  for (const EndNumber& number : kind.numbers)
+    text += fmt::format(", {}\u00a0{}", number.key, readable(number.of(end)));
+  return text;
 }
 
 std::string grouped(std::size_t value) {

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "io/sweep_info.hpp"
 #include "io/table.hpp"
 #include "viscobar/io/io_error.hpp"
 
@@ -109,20 +110,27 @@ constexpr Fact precision_facts[] = {
     {"version", [](const Json& s) { return at(s, "/version"); }},
 };
 
-constexpr struct Kind {
+struct Kind {
   std::string_view name, summary;
-  std::span<const Fact> facts;
-} kinds[] = {
+  std::span<const Fact> facts;  // none: the summary is the table of a sweep
+};
+
+constexpr Kind kinds[] = {
     {"run", "summary.json", run_facts},
     {"compare", "compare.json", compare_facts},
     {"limit", "limit.json", limit_facts},
     {"precision", "precision.json", precision_facts},
+    {"sweep", "sweep.h5", {}},
 };
 
 Json facts(const Kind& kind, const fs::path& file) {
+  Json result = {{"kind", kind.name}, {"file", kind.summary}};
+  if (kind.facts.empty()) {
+    result.update(sweep_facts(file));
+    return result;
+  }
   std::ifstream stream(file);
   if (!stream) throw IoError(file, "cannot be read");
-  Json result = {{"kind", kind.name}, {"file", kind.summary}};
   try {
     const Json summary = Json::parse(stream);
     for (const Fact& fact : kind.facts)
@@ -144,14 +152,20 @@ Json files_in(const fs::path& directory) {
   return files;
 }
 
-Json describe(const fs::path& directory) {
-  if (!fs::is_directory(directory))
-    throw std::invalid_argument(fmt::format("{} is not a directory", directory.string()));
+Json describe(const fs::path& place) {
+  std::string names;
+  for (const Kind& kind : kinds) names += fmt::format("{}{}", names.empty() ? "" : ", ", kind.summary);
+  if (!fs::exists(place)) throw std::invalid_argument(fmt::format("{} does not exist", place.string()));
+  const bool one_file = !fs::is_directory(place);
+  const fs::path directory = !one_file ? place : place.has_parent_path() ? place.parent_path() : fs::path(".");
   Json results = Json::array();
   for (const Kind& kind : kinds)
-    if (fs::exists(directory / kind.summary)) results.push_back(facts(kind, directory / kind.summary));
+    if ((!one_file || place.filename() == kind.summary) && fs::exists(directory / kind.summary))
+      results.push_back(facts(kind, directory / kind.summary));
   if (results.empty())
-    throw std::invalid_argument(fmt::format("{} holds no result of viscobar (no summary.json)", directory.string()));
+    throw std::invalid_argument(
+        one_file ? fmt::format("{} is none of {}", place.string(), names)
+                 : fmt::format("{} holds no result of viscobar (none of {})", directory.string(), names));
   return {{"directory", directory.string()}, {"results", results}, {"files", files_in(directory)}};
 }
 
@@ -171,23 +185,42 @@ std::string size(double bytes) {
   return bytes < 1e9 ? fmt::format("{:.1f} MB", bytes / 1e6) : fmt::format("{:.1f} GB", bytes / 1e9);
 }
 
-}  // namespace
-
-std::string result_json(const fs::path& directory) {
-  return describe(directory).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+// What is counted or spans a range, line by line below the facts.
+std::string sweep_text(const Json& result) {
+  std::string text;
+  for (const Json& error : result["errors"])
+    text += fmt::format("  {} failed: {}\n", words(error["rows"]), words(error["text"]));
+  Table table{{"column", "rows", "from", "to"}, 1, {}};
+  for (const Json& column : result["columns"]) {
+    if (const auto values = column.find("values"); values != column.end()) {
+      for (const Json& value : *values)
+        table.rows.push_back(
+            {fmt::format("{} = {}", words(column["name"]), words(value["text"])), words(value["rows"]), "", ""});
+    } else if (column["rows"] != 0) {
+      table.rows.push_back({words(column["name"]), words(column["rows"]), words(column["from"]), words(column["to"])});
+    }
+  }
+  return text + "\n" + viscobar::text(table);
 }
 
-std::string result_text(const fs::path& directory) {
-  const Json described = describe(directory);
+}  // namespace
+
+std::string result_json(const fs::path& place) {
+  return describe(place).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string result_text(const fs::path& place) {
+  const Json described = describe(place);
   std::string text;
   for (const Json& result : described["results"]) {
-    text += fmt::format("{}: {}\n", directory.string(), words(result["kind"]));
+    text += fmt::format("{}: {}\n", words(described["directory"]), words(result["kind"]));
     for (const auto& [name, value] : result.items()) {
-      if (name == "kind" || name == "file") continue;
+      if (name == "kind" || name == "file" || name == "errors" || name == "columns") continue;
       std::string label = name;
       std::replace(label.begin(), label.end(), '_', ' ');
       text += fmt::format("  {:<20} {}\n", label, words(value));
     }
+    if (result.contains("columns")) text += sweep_text(result);
     text += "\n";
   }
   Table table{{"file", "size"}, 1, {}};

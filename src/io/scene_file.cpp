@@ -7,19 +7,23 @@
 
 #include "io/input_text.hpp"
 #include "io/scene_entries.hpp"
+#include "scene/end_kinds.hpp"
 
 namespace viscobar {
 
 namespace {
 
 constexpr Stepper all_steppers[] = {Stepper::automatic, Stepper::rosenbrock4, Stepper::dopri5, Stepper::symplectic};
-constexpr Mass all_masses[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::redistributed};
 
 EndCondition end_of(const SceneEntries& entries, const std::string& side) {
-  const std::string kind = entries.text(side + ".kind").value_or("free");
-  // A gap that is not known is one that nothing penetrates.
-  if (kind == "obstacle") return Obstacle{entries.number(side + ".gap").value_or(1e100)};
-  if (kind == "fixed") return Fixed{};
+  const auto word = entries.text(side + ".kind");
+  for (const EndKind& kind : end_kinds) {
+    if (word != kind.name) continue;
+    EndCondition end = kind.harmless;
+    for (const EndNumber& number : kind.numbers)
+      if (const auto value = entries.number(fmt::format("{}.{}", side, number.key))) number.of(end) = *value;
+    return end;
+  }
   return Free{};
 }
 
@@ -90,12 +94,16 @@ Case case_of(const SceneEntries& entries) {
 }
 
 void check_end(SceneEntries& entries, const std::string& side) {
-  const auto kind = entries.text(side + ".kind");
-  const std::string gap = side + ".gap";
-  if (!kind || entries.faulty(gap)) return;
-  if (*kind == "obstacle" && !entries.present(gap)) entries.report(gap, "is missing: an obstacle has a gap, u >= -gap");
-  if (*kind != "obstacle" && entries.present(gap))
-    entries.report(gap, fmt::format("belongs to an obstacle; this end is {}", *kind));
+  const auto word = entries.text(side + ".kind");
+  if (!word) return;
+  for (const EndKind& kind : end_kinds)
+    for (const EndNumber& number : kind.numbers) {
+      const std::string key = fmt::format("{}.{}", side, number.key);
+      if (entries.faulty(key) || entries.present(key) == (*word == kind.name)) continue;
+      entries.report(key, *word == kind.name
+                              ? fmt::format("is missing: {} has a {}, {}", kind.in_words, number.key, number.meaning)
+                              : fmt::format("belongs to {}; this end is {}", kind.in_words, *word));
+    }
 }
 
 void check_load_keys(SceneEntries& entries) {

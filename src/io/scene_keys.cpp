@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
+#include <list>
 #include <vector>
 
+#include "analysis/method_table.hpp"
 #include "io/nearest_name.hpp"
+#include "scene/end_kinds.hpp"
 
 namespace viscobar {
 
@@ -21,27 +23,6 @@ constexpr Range positive{smallest, largest, "> 0"};
 constexpr Range not_negative{0.0, largest, ">= 0"};
 
 // clang-format off
-constexpr Choice ends[] = {
-    {"obstacle", "u >= -gap; the reaction pushes, never pulls, and only in contact; wants a gap"},
-    {"free", "no stress, E u_x + eta u_xt = 0"},
-    {"fixed", "keeps its initial displacement"},
-};
-constexpr Choice masses[] = {
-    {"consistent", "exact for linear elements, (h/6) [2 1; 1 2] per element"},
-    {"lumped", "diagonal by the trapezoidal rule, h/2 at the ends"},
-    {"paper", "diagonal with weight h at the ends too, as the paper's finite difference scheme is printed"},
-    {"redistributed", "consistent, but nodes at an obstacle have no mass and cannot bounce; no span obstacle, not finite_difference, neither cvode nor odeint without viscosity"},
-};
-constexpr Choice methods[] = {
-    {"cvode", "penalised bar, multistep formulas of SUNDIALS' CVODE"},
-    {"ida", "penalised bar as a differential-algebraic system, SUNDIALS' IDA: also massless nodes without viscosity"},
-    {"arkode", "penalised bar, implicit Runge-Kutta formulas of order 5 of SUNDIALS' ARKODE: also massless nodes without viscosity"},
-    {"odeint", "penalised bar by Boost.Odeint's steppers, an independent integrator"},
-    {"rigid", "the limit epsilon = 0 itself, on the redistributed mass; no span obstacle"},
-    {"exponential", "penalised bar by matrix exponentials, a reference on small meshes"},
-    {"fully_discrete", "the paper's scheme (2.8), implicit in the constraint"},
-    {"finite_difference", "the paper's scheme (3.22): (2.8) with a diagonal mass"},
-};
 constexpr Choice steppers[] = {
     {"automatic", "rosenbrock4 or dopri5, by what their steps cost"},
     {"rosenbrock4", "linearly implicit, order 4, dense matrices: few nodes"},
@@ -62,7 +43,8 @@ constexpr Choice formulas[] = {
     {"bdf", "backward differentiation, for stiff ones"},
 };
 
-constexpr SceneKey keys[] = {
+// The choices of ends, masses and methods, and the numbers of the ends, come from their own tables.
+constexpr SceneKey rows[] = {
     {"title", text, optional, "", "", "free text, for reports"},
 
     {"bar.length", number, required, "", "length", "length L of the bar, 0 < x < L", positive},
@@ -70,10 +52,8 @@ constexpr SceneKey keys[] = {
     {"bar.modulus", number, optional, "1.0", "stress", "E", positive},
     {"bar.viscosity", number, optional, "0.0", "stress x time", "eta, the paper's alpha; 0 means that no damping term exists", not_negative},
 
-    {"left.kind", choice, required_in_table, "\"free\"", "", "what holds the end at x = 0", {}, ends},
-    {"left.gap", number, optional, "", "length", "u(0,t) >= -gap; an obstacle needs it, no other end has one", not_negative},
-    {"right.kind", choice, required_in_table, "\"free\"", "", "what holds the end at x = L", {}, ends},
-    {"right.gap", number, optional, "", "length", "u(L,t) >= -gap; an obstacle needs it, no other end has one", not_negative},
+    {"left.kind", choice, required_in_table, "\"free\"", "", "what holds the end at x = 0"},
+    {"right.kind", choice, required_in_table, "\"free\"", "", "what holds the end at x = L"},
     {"span.gap", number, required_in_table, "", "length", "u(x,t) >= -gap along the whole bar; without the table there is no such obstacle", not_negative},
 
     {"initial.displacement", formula, required, "", "length", "u_0", {}, {}, "x"},
@@ -87,12 +67,12 @@ constexpr SceneKey keys[] = {
 
     {"mesh.elements", count, required, "", "1", "number of elements of equal length", {1.0, 1e8, "1 to 1e8"}},
     {"mesh.grading", number, optional, "1", "1", "size of the elements away from an obstacle to that at it, towards which they shrink", {1.0, 1e6, "1 to 1e6"}},
-    {"mesh.mass", choice, optional, "\"consistent\"", "", "mass matrix", {}, masses},
+    {"mesh.mass", choice, optional, "\"consistent\"", "", "mass matrix"},
 
     {"contact.epsilon", number, optional, "", "length / stress", "reaction = penetration / epsilon; penalised methods need it where there is an obstacle", positive},
     {"contact.restitution", number, optional, "", "1", "restitution of a node; absent: undamped spring in penalised methods, implicit constraint in the others", {0.0, 1.0, "0 to 1"}},
 
-    {"method.name", choice, optional, "\"cvode\"", "", "how the scene is integrated", {}, methods},
+    {"method.name", choice, optional, "\"cvode\"", "", "how the scene is integrated"},
     {"method.relative_tolerance", number, optional, "1e-6", "1", "adaptive methods: error allowed, relative to the largest displacement and velocity", {smallest, 0.1, "> 0, <= 0.1"}},
     {"method.absolute_tolerance", number, optional, "1e-9", "length", "adaptive methods: error always allowed; the same number serves the velocity", positive},
     {"method.error_control", choice, optional, "\"global\"", "", "what the tolerances bound: the error of the solution, or that of each step", {}, controls},
@@ -108,10 +88,41 @@ constexpr SceneKey keys[] = {
 constexpr std::string_view tables[] = {"bar",  "left", "right",   "span",   "initial", "load",
                                        "time", "mesh", "contact", "method", "output"};
 
+template <class Rows, class Word>
+std::vector<Choice> choices_of(const Rows& rows_of_all, Word word) {
+  std::vector<Choice> choices;
+  for (const auto& row : rows_of_all) choices.push_back(word(row));
+  return choices;
+}
+
+std::span<const Choice> own_choices(std::string_view key) {
+  static const auto masses = choices_of(all_masses, [](Mass mass) { return Choice{name(mass), meaning(mass)}; });
+  static const auto words = [](const auto& row) { return Choice{row.name, row.meaning}; };
+  static const auto methods = choices_of(method_table(), words), ends = choices_of(end_kinds, words);
+  if (key == "mesh.mass") return masses;
+  return key == "method.name" ? methods : ends;
+}
+
+// The keys of an end's numbers, whose texts live as long as the program.
+void add_end_numbers(std::string_view end, std::vector<SceneKey>& keys) {
+  static std::list<std::string> texts;
+  const auto kept = [](std::string text) { return std::string_view(texts.emplace_back(std::move(text))); };
+  for (const EndKind& kind : end_kinds)
+    for (const EndNumber& of_end : kind.numbers)
+      keys.push_back({kept(fmt::format("{}.{}", end, of_end.key)),
+                      number,
+                      optional,
+                      "",
+                      of_end.unit,
+                      kept(fmt::format("{}; {} needs it, no other end has one", of_end.meaning, kind.in_words)),
+                      {of_end.low, of_end.high, of_end.range}});
+}
+
 template <class Condition>
 const SceneKey* first_key(Condition condition) {
-  const auto* found = std::find_if(std::begin(keys), std::end(keys), condition);
-  return found == std::end(keys) ? nullptr : found;
+  const auto keys = scene_keys();
+  const auto found = std::find_if(keys.begin(), keys.end(), condition);
+  return found == keys.end() ? nullptr : &*found;
 }
 
 }  // namespace
@@ -147,7 +158,18 @@ std::vector<std::string_view> SceneKey::choice_names() const {
   return names;
 }
 
-std::span<const SceneKey> scene_keys() { return keys; }
+std::span<const SceneKey> scene_keys() {
+  static const auto keys = [] {
+    std::vector<SceneKey> all;
+    for (SceneKey key : rows) {
+      if (key.type == choice && key.choices.empty()) key.choices = own_choices(key.name);
+      all.push_back(key);
+      if (key.leaf() == "kind") add_end_numbers(key.table(), all);
+    }
+    return all;
+  }();
+  return keys;
+}
 
 std::span<const std::string_view> scene_tables() { return tables; }
 
@@ -165,7 +187,7 @@ const SceneKey* find_scene_key(std::string_view table, std::string_view leaf) {
 
 const SceneKey* nearest_scene_key(std::string_view table, std::string_view leaf) {
   std::vector<std::string_view> siblings;
-  for (const SceneKey& key : keys)
+  for (const SceneKey& key : scene_keys())
     if (key.table() == table) siblings.push_back(key.leaf());
   if (const auto nearest = nearest_name(leaf, siblings)) return find_scene_key(table, *nearest);
   return first_key([&](const SceneKey& key) { return key.leaf() == leaf; });

@@ -14,7 +14,7 @@ namespace viscobar {
 namespace {
 
 constexpr std::string_view head =
-    "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
+    "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n"
     "<Grid Name=\"bar\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
 constexpr std::string_view closing_tags = "</Grid>\n</Domain>\n</Xdmf>\n";
 
@@ -72,14 +72,13 @@ std::string XdmfFile::grid(std::size_t row, double time) const {
       "Precision=\"8\">{3}:/points</DataItem></Geometry>\n",
       row, time, nodes_, field_file_);
   for (const auto& [name, dataset] : {std::pair{"displacement", "u"}, std::pair{"velocity", "v"}})
-    // The dataset grows while the run lasts, so its extent is given as far as this row.
+    // A row of the dataset, as start:stride:count:extent; it grows while the run lasts, so its extent is given as far
+    // as this row.
     fmt::format_to(std::back_inserter(text),
                    "<Attribute Name=\"{0}\" AttributeType=\"Scalar\" Center=\"Node\">"
-                   "<DataItem ItemType=\"HyperSlab\" Dimensions=\"1 {1}\" Type=\"HyperSlab\">"
-                   "<DataItem Dimensions=\"3 2\" Format=\"XML\" NumberType=\"Int\">{2} 0 1 1 1 {1}</DataItem>"
-                   "<DataItem Dimensions=\"{3} {1}\" Format=\"HDF\" NumberType=\"Float\" Precision=\"8\">{4}:/{5}"
-                   "</DataItem></DataItem></Attribute>\n",
-                   name, nodes_, row, row + 1, field_file_, dataset);
+                   "<DataItem Dimensions=\"{1}\" Format=\"HDF\" NumberType=\"Float\" Precision=\"8\">"
+                   "{2}:/{3}|{4} 0:1 1:1 {1}:{5} {1}</DataItem></Attribute>\n",
+                   name, nodes_, field_file_, dataset, row, row + 1);
   return text + "</Grid>\n";
 }
 

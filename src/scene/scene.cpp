@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "scene/end_kinds.hpp"
+
 namespace viscobar {
 
 namespace {
@@ -12,16 +14,19 @@ void require(std::vector<Finding>& findings, bool sound, std::string key, std::s
   if (!sound) findings.push_back({std::move(key), std::move(problem)});
 }
 
-void check_gap(std::vector<Finding>& findings, const std::string& table, const Obstacle& obstacle, const Scene& scene,
+void check_end(std::vector<Finding>& findings, const std::string& table, const Scene& scene, EndCondition end,
                double x) {
-  if (!std::isfinite(obstacle.gap) || obstacle.gap < 0.0) {
-    findings.push_back({table + ".gap", fmt::format("must be finite and not negative, is {}", obstacle.gap)});
-    return;
+  const std::size_t before = findings.size();
+  for (const EndNumber& number : end_kind(end).numbers) {
+    const double value = number.of(end);
+    require(findings, value >= number.low && value <= number.high, fmt::format("{}.{}", table, number.key),
+            fmt::format("must be finite and {}, is {}", number.range, value));
   }
+  if (findings.size() != before) return;
   const double u = scene.displacement ? scene.displacement(x) : 0.0;
-  if (u < -obstacle.gap)
-    findings.push_back({"initial.displacement", fmt::format("penetrates the obstacle of [{}]: u_0({}) = {} < -gap = {}",
-                                                            table, x, u, -obstacle.gap)});
+  if (const auto gap = end_node(end, u).gap; gap && u < -*gap)
+    findings.push_back({"initial.displacement",
+                        fmt::format("penetrates the obstacle of [{}]: u_0({}) = {} < -gap = {}", table, x, u, -*gap)});
 }
 
 }  // namespace
@@ -38,8 +43,8 @@ std::vector<Finding> validate(const Scene& scene) {
   positive("bar.modulus", bar.modulus);
   require(findings, std::isfinite(bar.viscosity) && bar.viscosity >= 0.0, "bar.viscosity",
           fmt::format("must be finite and not negative, is {}", bar.viscosity));
-  if (const auto* left = std::get_if<Obstacle>(&scene.left)) check_gap(findings, "left", *left, scene, 0.0);
-  if (const auto* right = std::get_if<Obstacle>(&scene.right)) check_gap(findings, "right", *right, scene, bar.length);
+  check_end(findings, "left", scene, scene.left, 0.0);
+  check_end(findings, "right", scene, scene.right, bar.length);
   if (scene.span)
     require(findings, std::isfinite(scene.span->gap) && scene.span->gap >= 0.0, "span.gap",
             fmt::format("must be finite and not negative, is {}", scene.span->gap));

@@ -1,4 +1,5 @@
 // Every command of the pages is run as it stands there.
+#include <algorithm>
 #include <regex>
 
 #include "cli/command.hpp"
@@ -8,14 +9,17 @@ namespace {
 
 using testing_cli::content;
 
-/// The lines of a page that are indented by four and begin with the program's name, without the remark at their end; a
-/// synopsis (SCENE, [options], ALPHA for a number) is no command.
-std::vector<std::string> commands_of(const std::string& page) {
-  static const std::regex placeholder("\\[|\\b(SCENE|DIR|FILE|COMMAND|ALPHA|MASS|N|E)\\b"), remark("( +# | {3,}).*$");
+const std::regex placeholder("\\[|\\b(SCENE|SWEEP|DIR|FILE|COMMAND|ALPHA|MASS|N|E)\\b");
+
+/// The lines of a page that are indented by four and whose first word is that of a command, without the remark at their
+/// end; a synopsis (SCENE, [options], ALPHA for a number) is no command.
+std::vector<std::string> commands_of(const std::string& page, const std::regex& first_word) {
+  static const std::regex remark("( +# | {3,}).*$");
   std::vector<std::string> found;
   std::istringstream lines(page);
   for (std::string line; std::getline(lines, line);)
-    if (line.starts_with("    viscobar ") && !std::regex_search(line, placeholder))
+    if (line.starts_with("    ") && std::regex_search(line.substr(4), first_word) &&
+        !std::regex_search(line, placeholder))
       found.push_back(std::regex_replace(line.substr(4), remark, ""));
   return found;
 }
@@ -46,7 +50,7 @@ TEST_P(Docs, CommandsRunAsTheyStandThere) {
   const std::string page = content(testing_cli::fs::path(VISCOBAR_SOURCE_DIR) / GetParam().file);
   testing_cli::fs::create_directory_symlink(VISCOBAR_SOURCE_DIR "/examples", directory_ / "examples");
   std::ofstream(directory_ / "scene.toml") << scene_of(page);
-  const std::vector<std::string> commands = commands_of(page);
+  const std::vector<std::string> commands = commands_of(page, std::regex("^viscobar "));
   EXPECT_GE(commands.size(), GetParam().least);
   for (const std::string& command : commands) {
     if (slow(command)) continue;
@@ -57,11 +61,55 @@ TEST_P(Docs, CommandsRunAsTheyStandThere) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(OfEachPage, Docs,
-                         testing::Values(Page{"README.md", "readme", 6}, Page{"docs/tutorial.md", "tutorial", 12},
-                                         Page{"docs/commands.md", "commands", 20},
-                                         Page{"docs/scene-file.md", "scene_file", 1}),
+constexpr Page pages[] = {{"README.md", "readme", 6},
+                          {"docs/tutorial.md", "tutorial", 12},
+                          {"docs/commands.md", "commands", 20},
+                          {"docs/scene-file.md", "scene_file", 1},
+                          {"docs/penalty-limit.md", "penalty_limit", 1},
+                          {"docs/sweep.md", "sweep", 1}};
+
+INSTANTIATE_TEST_SUITE_P(OfEachPage, Docs, testing::ValuesIn(pages),
                          [](const auto& page) { return std::string(page.param.name); });
+
+/// Commands that no test of this file runs, and what does.
+constexpr struct {
+  const char *begins, *where;
+} elsewhere[] = {
+    {"scripts/demo", "tests/package/newcomer.bash"},
+    {"scripts/test", "is what runs the tests"},
+    {"scripts/benchmark", "takes minutes"},
+    {"cmake --install", "tests/package/newcomer.bash"},
+    {"cmake -S . -B build", "tests/package/newcomer.bash"},
+    {"build/mine", "tests/package/newcomer.bash"},
+    {"export PKG_CONFIG_PATH", "tests/package/newcomer.bash"},
+    {"g++ -std=c++20 -O2 mine.cpp", "tests/package/newcomer.bash"},
+    {"cmake --preset package", "tests/package/deb.cmake"},
+    {"cmake --build --preset release --target docs", "the test of Doxygen's pages"},
+    {"cmake --build --preset release --target measure_", "take minutes"},
+    {"build/release/tests/measure_", "take minutes"},
+    {"time viscobar sweep", "takes minutes; with the same keys the chatter sweep of the page is run"},
+    {"mpirun ", "tests/cli/sweep_test.cpp, on fewer ranks"},
+};
+
+TEST(Pages, HaveNoCommandThatNothingRuns) {
+  namespace fs = testing_cli::fs;
+  std::vector<fs::path> files = {"README.md", "CONTRIBUTING.md"};
+  for (const auto& entry : fs::directory_iterator(VISCOBAR_SOURCE_DIR "/docs"))
+    if (entry.path().extension() == ".md") files.push_back("docs" / entry.path().filename());
+  const std::regex command("^(viscobar|cmake|scripts/|build/|mpirun|export|g\\+\\+|time|make|ctest|python3|octave) ?");
+  std::size_t seen = 0;
+  for (const fs::path& file : files)
+    for (const std::string& line : commands_of(content(fs::path(VISCOBAR_SOURCE_DIR) / file), command)) {
+      ++seen;
+      const bool here =
+          line.starts_with("viscobar ") &&
+          std::any_of(std::begin(pages), std::end(pages), [&](const Page& page) { return file == page.file; });
+      const bool there = std::any_of(std::begin(elsewhere), std::end(elsewhere),
+                                     [&](const auto& known) { return line.starts_with(known.begins); });
+      EXPECT_TRUE(here || there) << file << ": " << line;
+    }
+  EXPECT_GT(seen, 50u);
+}
 
 }  // namespace
 }  // namespace viscobar

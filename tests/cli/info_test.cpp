@@ -1,4 +1,6 @@
 #include "cli/command.hpp"
+#include "io/sweep_table.hpp"
+#include "viscobar/io/sweep_file.hpp"
 
 namespace viscobar {
 namespace {
@@ -50,6 +52,50 @@ TEST_F(Info, TellsOfEveryStudyInTheDirectory) {
     EXPECT_EQ(result["title"], "A bar between two obstacles");
   }
   EXPECT_EQ(viscobar("info out").code, 0);
+}
+
+TEST_F(Info, TellsOfASweepHowManyRowsItHasAndWhatTheySpan) {
+  std::ofstream(directory_ / "sweep.toml")
+      << "scene = \"scene.toml\"\n[set]\ntime.end = 1.0\n[vary]\nmesh.mass = [\"consistent\", \"redistributed\"]\n"
+         "mesh.elements = [8, 16]\nbar.viscosity = [0.0, 0.1]\n";
+  EXPECT_EQ(viscobar("sweep sweep.toml --quiet -o out").code, 1);  // cvode refuses massless nodes without viscosity
+  const auto sweep = viscobar("info out --json").json()["results"][0];
+  EXPECT_EQ(sweep["kind"], "sweep");
+  EXPECT_EQ(sweep["cases"], 8);
+  EXPECT_EQ(sweep["done"], 8);
+  EXPECT_EQ(sweep["failed"], 2);
+  EXPECT_EQ(sweep["remaining"], 0);
+  EXPECT_EQ(sweep["completed"], false);
+  ASSERT_EQ(sweep["errors"].size(), 1u);
+  EXPECT_EQ(sweep["errors"][0]["rows"], 2);
+  const auto column = [&](const std::string& name) {
+    for (const auto& one : sweep["columns"])
+      if (one["name"] == name) return one;
+    return nlohmann::json();
+  };
+  EXPECT_EQ(column("mesh.elements"), nlohmann::json({{"name", "mesh.elements"}, {"rows", 8}, {"from", 8}, {"to", 16}}));
+  EXPECT_EQ(column("mesh.mass")["values"][0]["rows"], 4);
+  EXPECT_EQ(column("u_left_min")["rows"], 6);  // the two that failed have none
+  EXPECT_LE(column("u_left_min")["from"], column("u_left_min")["to"]);
+  EXPECT_EQ(viscobar("info out/sweep.h5 --json").json()["results"][0], sweep);
+  const auto text = viscobar("info out");
+  EXPECT_TRUE(has(text.out, "mesh.mass = redistributed")) << text.out;
+}
+
+TEST_F(Info, TellsOfASweepThatIsNotAtItsEndWhatRemains) {
+  std::ofstream(directory_ / "sweep.toml") << "scene = \"scene.toml\"\n[vary]\nmesh.elements = [8, 16, 32]\n";
+  const SweepFile sweep = read_sweep(directory_ / "sweep.toml");
+  testing_cli::fs::create_directory(directory_ / "out");
+  SweepTable table(directory_ / "out/sweep.h5", sweep.plan, sweep.identity());
+  SweepRow row;
+  row.index = 1;
+  row.completed = true;
+  table.write(row);
+  const auto info = viscobar("info out --json").json()["results"][0];  // the table is open, and locked, here
+  EXPECT_EQ(info["done"], 1);
+  EXPECT_EQ(info["remaining"], 2);
+  EXPECT_EQ(info["completed"], false);
+  EXPECT_EQ(info["columns"][0], nlohmann::json({{"name", "mesh.elements"}, {"rows", 1}, {"from", 16}, {"to", 16}}));
 }
 
 TEST_F(Info, TellsWhyARunIsNotComplete) {

@@ -14,39 +14,34 @@
 
 namespace viscobar {
 
-enum class MethodName { cvode, ida, arkode, odeint, rigid, exponential, fully_discrete, finite_difference };
-
-inline constexpr MethodName all_methods[] = {
-    MethodName::cvode, MethodName::ida,         MethodName::arkode,         MethodName::odeint,
-    MethodName::rigid, MethodName::exponential, MethodName::fully_discrete, MethodName::finite_difference};
-
-std::string_view name(MethodName method);
-bool is_penalised(MethodName method);  ///< needs epsilon where the scene has an obstacle
-bool is_adaptive(MethodName method);   ///< uses the tolerances
-bool is_scheme(MethodName method);     ///< uses the step
+std::string_view name(MethodName method);  ///< in a scene file
+bool is_penalised(MethodName method);      ///< needs epsilon where the scene has an obstacle
+bool is_adaptive(MethodName method);       ///< uses the tolerances
+bool is_scheme(MethodName method);         ///< uses the step
 
 /// A scene together with everything that a run of it needs. Values that the chosen method does not use may be there:
 /// another method can be chosen without editing the scene.
 struct Case {
-  Scene scene;
+  Scene scene;  ///< the physical problem
 
-  std::size_t elements = 1;
-  double grading = 1.0;  ///< of the mesh towards the ends with an obstacle; 1: uniform
-  Mass mass = Mass::consistent;
+  std::size_t elements = 1;      ///< J
+  double grading = 1.0;          ///< of the mesh towards the ends with an obstacle; 1: uniform
+  Mass mass = Mass::consistent;  ///< asked for; `rigid` and `finite_difference` have their own, see make_system()
 
   std::optional<double> epsilon;      ///< reaction = penetration / epsilon
   std::optional<double> restitution;  ///< absent: an undamped spring in the penalty, the implicit constraint in (2.8)
 
-  MethodName method = MethodName::cvode;
-  Tolerance tolerance;
+  MethodName method = MethodName::cvode;    ///< how it is integrated
+  Tolerance tolerance;                      ///< of adaptive methods
   Formulas formulas = Formulas::automatic;  ///< of cvode
   Stepper stepper = Stepper::automatic;     ///< of odeint
-  std::optional<double> step;
-  Start start = Start::first_order;
+  std::optional<double> step;               ///< dt of the schemes and of odeint's symplectic stepper, which need it
+  Start start = Start::first_order;         ///< of the schemes
 
-  double end = 1.0;
-  double output_every = 0.1;
+  double end = 1.0;           ///< T
+  double output_every = 0.1;  ///< interval of the output times
 
+  /// graded towards the ends that have an obstacle.
   Mesh mesh() const {
     return {scene.bar.length, elements, {grading, is_obstacle(scene.left), is_obstacle(scene.right)}};
   }
@@ -72,6 +67,7 @@ Odeint odeint(const Case& run);
 
 /// Runs a sound case by its method, on its own output times or on others. @throws IntegrationError
 Statistics simulate(const Case& run, const BarSystem& system, const Observers& observers);
+/// Likewise.
 Statistics simulate(const Case& run, const BarSystem& system, std::span<const double> times,
                     const Observers& observers);
 

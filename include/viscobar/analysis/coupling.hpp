@@ -16,14 +16,15 @@ namespace viscobar {
 /// K |h_i^q - h_{i+1}^q|. The difference of the penalised solution is interpolated between the rows of a study, on
 /// logarithmic axes.
 struct Coupling {
+  /// A mesh of the study.
   struct Mesh {
-    std::size_t elements = 0;
-    double spacing = 0.0;
+    std::size_t elements = 0;       ///< J
+    double spacing = 0.0;           ///< h
     double mesh_error = 0.0;        ///< K h^q
     std::optional<double> epsilon;  ///< absent where the study's rows do not enclose the mesh error
     double local_order = 0.0;       ///< of the difference in epsilon there, when epsilon is present
   };
-  std::vector<Mesh> meshes;
+  std::vector<Mesh> meshes;          ///< from coarse to fine
   double mesh_order = 0.0;           ///< q
   std::optional<ObservedOrder> law;  ///< epsilon ~ h^s over the meshes
   std::string limit;                 ///< what the differences are to: "rigid" or "scheme"
@@ -31,8 +32,8 @@ struct Coupling {
 
 /// Absent when the data do not carry it, with the reason.
 struct CouplingResult {
-  std::optional<Coupling> coupling;
-  std::string reason;
+  std::optional<Coupling> coupling;  ///< the balance
+  std::string reason;                ///< why there is none; empty when there is one
 };
 
 /// Runs the limit of each mesh once more and balances. `result` is that of the study.
@@ -41,8 +42,10 @@ CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result
 /// q and K with difference[i] ~ K (h[i]^q - h[i+1]^q) for decreasing h, by least squares on logarithms; absent for
 /// fewer than two differences or when none of 0.1 <= q <= 4 stands out.
 struct MeshError {
-  double order = 0.0, constant = 0.0;
+  double order = 0.0;     ///< q
+  double constant = 0.0;  ///< K
 };
+/// `spacings` has one entry more than `differences`.
 std::optional<MeshError> mesh_error(const std::vector<double>& spacings, const std::vector<double>& differences);
 
 }  // namespace viscobar

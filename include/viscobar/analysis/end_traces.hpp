@@ -10,9 +10,10 @@ namespace viscobar {
 
 /// u at both ends of a run, one value each a time, and its contact changes.
 struct EndTraces {
-  std::vector<double> left, right;
-  std::vector<Event> events;
-  Statistics statistics;
+  std::vector<double> left;   ///< u(0, t_k)
+  std::vector<double> right;  ///< u(L, t_k)
+  std::vector<Event> events;  ///< contact changes in order of time
+  Statistics statistics;      ///< of the run
 };
 
 /// Runs a sound case on the given times. @throws IntegrationError

@@ -10,9 +10,9 @@ namespace viscobar {
 
 /// The first contact at a place of the bar, before which no penalty has acted there.
 struct FirstImpact {
-  Where where = Where::left;
-  double time = 0.0;
-  double speed = 0.0;  ///< towards the obstacle
+  Where where = Where::left;  ///< of the obstacle
+  double time = 0.0;          ///< of the closing
+  double speed = 0.0;         ///< towards the obstacle
 };
 
 /// First contacts at the left end, the right end and under the span, as far as they come before the end, by the fully

@@ -18,11 +18,11 @@ namespace viscobar {
 /// snapshots have single samples only, is accounted for. `system` outlives it.
 class EndImpulse {
  public:
-  explicit EndImpulse(const BarSystem& system);
+  explicit EndImpulse(const BarSystem& system);  ///< for a run of this system
 
-  void add(const Snapshot& snapshot);
-  double left() const { return left_sum_; }
-  double right() const { return right_sum_; }
+  void add(const Snapshot& snapshot);          ///< the next one in order of time
+  double left() const { return left_sum_; }    ///< impulse of the left end's reaction so far
+  double right() const { return right_sum_; }  ///< likewise of the right end's
 
  private:
   struct Row {
@@ -39,7 +39,7 @@ class EndImpulse {
 /// EndImpulse at each time of a recording.
 class EndImpulses {
  public:
-  EndImpulses(const Case& run, const Recording& recording);
+  EndImpulses(const Case& run, const Recording& recording);  ///< of what the case gave
 
   /// Over a contact period at an end, taken from the output time before it to the one after it; 0 under a span.
   double over(const ContactPeriod& period) const;

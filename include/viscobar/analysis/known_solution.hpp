@@ -9,8 +9,8 @@ namespace viscobar {
 
 /// The solution of a scene of rho u_tt - E u_xx - eta u_xxt = f in closed form.
 struct KnownSolution {
-  std::string name;
-  SpaceTimeFunction u;
+  std::string name;     ///< what it is, in words
+  SpaceTimeFunction u;  ///< displacement
 };
 
 /// Recognises a scene whose solution up to `end` is known, by the values of its data: initial displacement and velocity

@@ -21,14 +21,18 @@ std::vector<Case> refinements(const Case& coarsest, Refine what, std::size_t lev
 
 /// Errors of a scheme along a refinement, and the powers p of C x^p that they follow, x = h or dt.
 struct OrderStudy {
+  /// One level of the refinement.
   struct Row {
-    std::size_t elements = 0;
-    std::optional<double> step;
-    exact::Error error;
+    std::size_t elements = 0;    ///< J
+    std::optional<double> step;  ///< dt; absent for methods without one
+    exact::Error error;          ///< to the exact solution
   };
-  std::vector<Row> rows;
+  std::vector<Row> rows;  ///< from coarse to fine
   /// By least squares over the rows; absent where an error is zero throughout.
-  std::optional<ObservedOrder> displacement_l2, velocity_l2, end_trace, reaction_l1;
+  std::optional<ObservedOrder> displacement_l2;
+  std::optional<ObservedOrder> velocity_l2;  ///< likewise
+  std::optional<ObservedOrder> end_trace;    ///< likewise
+  std::optional<ObservedOrder> reaction_l1;  ///< likewise
 };
 
 /// Runs the solver on each case, on all cores (or on `threads`), against the exact solution of their scene.

@@ -23,54 +23,61 @@ struct LimitStudy {
   std::function<void(std::size_t done, std::size_t of)> progress = {};  ///< told after each run, one call at a time
 };
 
+/// One penalised run of a study, beside the limits of its mesh.
 struct LimitRow {
-  double epsilon = 0.0;
-  std::size_t elements = 0;
-  Mass mass = Mass::consistent;
-  std::size_t events = 0;
-  double max_penetration = 0.0;
+  double epsilon = 0.0;                       ///< reaction = penetration / epsilon
+  std::size_t elements = 0;                   ///< J
+  Mass mass = Mass::consistent;               ///< that it ran on
+  std::size_t events = 0;                     ///< contact changes
+  double max_penetration = 0.0;               ///< max over time and contacts, >= 0
   double difference_to_scheme = 0.0;          ///< max over comparison_times() and ends of |u - u_scheme|
   std::optional<double> difference_to_rigid;  ///< likewise
-  std::size_t steps = 0;
-  double seconds = 0.0;
+  std::size_t steps = 0;                      ///< of the integrator
+  double seconds = 0.0;                       ///< of the integration alone
 };
 
 /// A penalised run that could not be finished.
 struct FailedRun {
-  double epsilon = 0.0;
-  std::size_t elements = 0;
-  std::string what;
+  double epsilon = 0.0;      ///< of the run
+  std::size_t elements = 0;  ///< J
+  std::string what;          ///< the error's message
 };
 
+/// Whether the penalised bar tends to the scheme as epsilon goes to 0.
 enum class Verdict {
   converges,  ///< the difference falls with epsilon down to the error of the scheme's own time step
   plateau     ///< it stops falling above that
 };
-std::string_view name(Verdict verdict);
+std::string_view name(Verdict verdict);  ///< as in JSON
 
 /// What the rows of one mesh say.
 struct LimitOrders {
-  std::size_t elements = 0;
-  std::size_t first_row = 0, row_count = 0;  ///< of LimitResult::rows
-  double scheme_step = 0.0;
-  double scheme_error = 0.0;  ///< of the scheme's end traces by its time step: twice the change when dt is halved
-  std::size_t scheme_events = 0;
-  double tolerance_error = 0.0;  ///< what the time integration may add to a difference
+  std::size_t elements = 0;       ///< J
+  std::size_t first_row = 0;      ///< index of the mesh's first row in LimitResult::rows
+  std::size_t row_count = 0;      ///< and how many there are
+  double scheme_step = 0.0;       ///< dt of the scheme
+  double scheme_error = 0.0;      ///< of the scheme's end traces by its time step: twice the change when dt is halved
+  std::size_t scheme_events = 0;  ///< contact changes of the scheme
+  double tolerance_error = 0.0;   ///< what the time integration may add to a difference
   /// epsilon = rho h^3 / eta^2, where the two powers of the penetration meet; under a span obstacle rho h^4 / eta^2,
   /// below which a node has come to rest before viscosity drags it along with its neighbours
   std::optional<double> boundary;
   /// Powers of epsilon over the last two decades above the floor, where they are closest to their limits: in the regime
   /// of small epsilon, below boundary / 100, where the node alone answers; of all rows when fewer than two lie there.
-  std::optional<ObservedOrder> penetration, to_rigid, to_scheme;
+  std::optional<ObservedOrder> penetration;
+  std::optional<ObservedOrder> to_rigid;   ///< likewise, of difference_to_rigid
+  std::optional<ObservedOrder> to_scheme;  ///< likewise, of difference_to_scheme
   /// Where the mesh resolves the contact layer, epsilon > 100 boundary.
-  std::optional<ObservedOrder> penetration_layer, to_rigid_layer;
-  std::optional<Verdict> verdict;  ///< absent where one epsilon alone is above the scheme's own error
+  std::optional<ObservedOrder> penetration_layer;
+  std::optional<ObservedOrder> to_rigid_layer;  ///< likewise
+  std::optional<Verdict> verdict;               ///< absent where one epsilon alone is above the scheme's own error
 };
 
+/// What a study found.
 struct LimitResult {
   std::vector<LimitRow> rows;       ///< mesh by mesh, epsilon decreasing
   std::vector<LimitOrders> orders;  ///< one for each mesh
-  std::vector<FailedRun> failed;
+  std::vector<FailedRun> failed;    ///< runs that are not among the rows
 };
 
 /// epsilon from `first` down to `last`, `per_decade` values a decade.

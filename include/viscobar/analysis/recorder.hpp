@@ -21,7 +21,7 @@ namespace viscobar {
 /// u and v hold the J+1 nodes of run.mesh(), or the two ends alone: then only end traces are compared.
 class Recorder {
  public:
-  Recorder(const Case& run, std::string label);
+  Recorder(const Case& run, std::string label);  ///< for the output times and the mesh of `run`
 
   /// The state after a step; times increase strictly, the first one is 0.
   /// @throws std::invalid_argument for another order, a wrong size or a value that is not finite

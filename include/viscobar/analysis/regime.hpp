@@ -10,16 +10,17 @@ namespace viscobar {
 
 /// Largest penetration of the first impact at a given speed, within a factor of two.
 struct ImpactPrediction {
-  enum class Layer { viscous, elastic, node };  ///< what the contact sets in motion first
-  double speed = 0.0;                           ///< V > 0, towards the obstacle
-  double penetration = 0.0;
-  Layer layer = Layer::node;
+  /// What the contact sets in motion first: a viscous layer, an elastic wave, or the end node alone.
+  enum class Layer { viscous, elastic, node };
+  double speed = 0.0;         ///< V > 0, towards the obstacle
+  double penetration = 0.0;   ///< at its peak
+  Layer layer = Layer::node;  ///< on which it rests
 };
 
 /// How a penalised contact behaves on its mesh, judged by the oscillator that its node is: mass m, spring k = w /
 /// epsilon, dashpot to the next node.
 struct ContactRegime {
-  Where where = Where::left;
+  Where where = Where::left;    ///< of the obstacle
   double effective_mass = 0.0;  ///< m = 1 / (e . (rho M)^{-1} e); 0 for a massless node, which cannot bounce
   /// zeta = (eta/h) / (2 sqrt(k m)) + zeta of the contact's own dashpot; absent without mass. Of a span obstacle only
   /// the latter counts: a bar that falls flat does not strain.
@@ -57,9 +58,10 @@ std::vector<ContactRegime> contact_regimes(const Case& run, const BarSystem& sys
 
 /// What a method allocates that grows with the number of nodes, in vectors with an entry a node; to a third or so.
 struct MemoryNeed {
-  std::size_t vectors = 0;
-  std::size_t bytes = 0;
+  std::size_t vectors = 0;  ///< with an entry a node
+  std::size_t bytes = 0;    ///< the same in bytes
 };
+/// Of a sound case on its system.
 MemoryNeed memory_need(const Case& run, const BarSystem& system);
 
 }  // namespace viscobar

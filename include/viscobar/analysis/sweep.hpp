@@ -14,13 +14,15 @@ namespace viscobar {
 
 /// A key of a scene with the values that it takes in a sweep, all of one alternative.
 struct VariedKey {
+  /// Numbers, whole numbers, or texts.
   using Values = std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<std::string>>;
   std::string key;  ///< "table.key"
-  Values values;
+  Values values;    ///< at least one
 
-  std::size_t size() const;
+  std::size_t size() const;  ///< number of values
 };
 
+/// How the values of several keys make cases.
 enum class Combine {
   grid,  ///< every value with every other, the last key running fastest
   zip    ///< the first values, the second ones, ...
@@ -28,12 +30,12 @@ enum class Combine {
 
 /// Which cases a sweep consists of: case i takes the value choice(i)[k] of key k.
 struct SweepPlan {
-  std::vector<VariedKey> keys;
-  Combine combine = Combine::grid;
+  std::vector<VariedKey> keys;      ///< that vary
+  Combine combine = Combine::grid;  ///< how their values go together
 
   /// Number of cases; that of a grid without keys is 1. A grid of more than 2^64 cases is not counted.
   std::size_t size() const;
-  std::vector<std::size_t> choice(std::size_t index) const;
+  std::vector<std::size_t> choice(std::size_t index) const;  ///< an index into the values of each key
   /// "table.key=value" for each key, as read_scene() takes them; numbers read back to the last bit.
   std::vector<std::string> overrides(std::size_t index) const;
 };
@@ -70,10 +72,13 @@ enum class Quantity : std::size_t {
   count
 };
 
-inline constexpr std::size_t quantities = static_cast<std::size_t>(Quantity::count);
+inline constexpr std::size_t quantities = static_cast<std::size_t>(Quantity::count);  ///< their number
 
+/// How a quantity appears in tables.
 struct QuantityColumn {
-  std::string_view name, unit, meaning;
+  std::string_view name;     ///< of the column
+  std::string_view unit;     ///< of the quantity, "1" for a number
+  std::string_view meaning;  ///< in half a sentence
 };
 
 /// Name, unit and meaning of each quantity, in their order.
@@ -83,18 +88,20 @@ inline constexpr std::size_t longest_error = 512;  ///< bytes of an error in a r
 
 /// What became of a case.
 struct SweepRow {
-  std::size_t index = 0;
-  bool completed = false;
-  std::string error;  ///< empty when completed; cut off after longest_error bytes
+  std::size_t index = 0;   ///< of the case in its plan
+  bool completed = false;  ///< whether it reached the end of its time
+  std::string error;       ///< empty when completed; cut off after longest_error bytes
   std::array<double, quantities> values = [] {
     std::array<double, quantities> none{};
     none.fill(std::numeric_limits<double>::quiet_NaN());
     return none;
-  }();                   ///< NaN is what a table holds where the case has no such value
-  double seconds = 0.0;  ///< wall clock of the whole case
-  double integration_seconds = 0.0;
+  }();                               ///< NaN is what a table holds where the case has no such value
+  double seconds = 0.0;              ///< wall clock of the whole case
+  double integration_seconds = 0.0;  ///< of the method alone
 
+  /// The value of a quantity.
   double& operator[](Quantity quantity) { return values[static_cast<std::size_t>(quantity)]; }
+  /// The value of a quantity.
   double operator[](Quantity quantity) const { return values[static_cast<std::size_t>(quantity)]; }
 };
 

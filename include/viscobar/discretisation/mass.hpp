@@ -15,7 +15,11 @@ enum class Mass {
   redistributed  ///< consistent, but contact nodes are massless; see mass_matrix()
 };
 
-std::string_view name(Mass mass);
+/// In the order of the enumeration.
+inline constexpr Mass all_masses[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::redistributed};
+
+std::string_view name(Mass mass);     ///< in a scene file
+std::string_view meaning(Mass mass);  ///< in half a sentence
 
 /// P1 mass matrix of unit density over all nodes of the mesh, contact nodes treated alike: the matrix that weighs the
 /// load. `redistributed` gives the consistent matrix here.

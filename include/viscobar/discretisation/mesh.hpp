@@ -7,10 +7,11 @@ namespace viscobar {
 /// Elements that shrink towards the ends marked: the size at the far end (the middle, where both are marked) is `ratio`
 /// times that at a marked end, and in between it grows by the same amount from one element to the next.
 struct Grading {
-  double ratio = 1.0;
-  bool left = false, right = false;
+  double ratio = 1.0;  ///< >= 1
+  bool left = false;   ///< shrink towards x = 0
+  bool right = false;  ///< shrink towards x = L
 
-  bool operator==(const Grading&) const = default;
+  bool operator==(const Grading&) const = default;  ///< by value
 };
 
 /// P1 mesh with nodes x_j = L g(j / J), j = 0 .. J = elements,
@@ -20,14 +21,15 @@ struct Grading {
 /// 1 - g(1 - s) towards the right one, g(2 s) / 2 and its mirror image towards both. The nodes of a mesh are nodes of
 /// the one with twice its elements.
 struct Mesh {
-  double length = 1.0;
-  std::size_t elements = 1;
-  Grading grading{};
+  double length = 1.0;       ///< L
+  std::size_t elements = 1;  ///< J
+  Grading grading{};         ///< none: all elements alike
 
+  /// Whether all elements have the same size.
   bool uniform() const { return grading.ratio == 1.0 || !(grading.left || grading.right); }
   /// h = L / J, the mean; the size of all elements of a uniform mesh.
   double spacing() const { return length / static_cast<double>(elements); }
-  std::size_t nodes() const { return elements + 1; }
+  std::size_t nodes() const { return elements + 1; }  ///< J + 1
 
   /// x_j; the last node is exactly at `length`.
   double node(std::size_t j) const {

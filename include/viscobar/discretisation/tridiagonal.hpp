@@ -9,10 +9,10 @@ namespace viscobar {
 /// Symmetric tridiagonal matrix A: A(i,i) = diagonal[i], A(i,i+1) = A(i+1,i) = off_diagonal[i].
 /// A diagonal matrix has an empty off_diagonal: nothing is stored or multiplied for what is not there.
 struct SymmetricTridiagonal {
-  std::vector<double> diagonal;      // n
-  std::vector<double> off_diagonal;  // n - 1, or empty
+  std::vector<double> diagonal;      ///< n
+  std::vector<double> off_diagonal;  ///< n - 1, or empty
 
-  std::size_t size() const { return diagonal.size(); }
+  std::size_t size() const { return diagonal.size(); }  ///< n
 
   /// out = A x. `out` and `x` have n entries and do not overlap.
   void multiply(std::span<const double> x, std::span<double> out) const;
@@ -25,6 +25,7 @@ struct SymmetricTridiagonal {
 class TridiagonalFactor {
  public:
   TridiagonalFactor() = default;
+  /// The factor of a matrix, see factorise().
   explicit TridiagonalFactor(const SymmetricTridiagonal& matrix) { factorise(matrix); }
 
   /// Rebuilds the factor in place; allocates only when the size grows.
@@ -34,7 +35,7 @@ class TridiagonalFactor {
   /// x <- A^{-1} x
   void solve(std::span<double> x) const;
 
-  std::size_t size() const { return inverse_pivot_.size(); }
+  std::size_t size() const { return inverse_pivot_.size(); }  ///< n
 
  private:
   std::vector<double> lower_;          // L(i+1,i); empty for a diagonal matrix

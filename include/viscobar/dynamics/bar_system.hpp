@@ -20,15 +20,16 @@ enum class Where { left, right, span };
 
 /// A node that an obstacle bounds from below: u_node >= -gap.
 struct Contact {
-  std::size_t unknown = 0;  ///< index among the unknowns
-  double gap = 0.0;
-  double weight = 1.0;  ///< 1 at an end; trapezoidal weight of the node under a span obstacle
-  Where where = Where::left;
+  std::size_t unknown = 0;    ///< index among the unknowns
+  double gap = 0.0;           ///< >= 0
+  double weight = 1.0;        ///< 1 at an end; trapezoidal weight of the node under a span obstacle
+  Where where = Where::left;  ///< of the obstacle
 };
 
 /// Nodal displacement and velocity of the unknowns (n entries each; fixed nodes are not among them).
 struct State {
-  std::vector<double> u, v;
+  std::vector<double> u;  ///< displacement
+  std::vector<double> v;  ///< velocity
 };
 
 /// The P1 semi-discretisation without its contact forces,
@@ -45,20 +46,20 @@ class BarSystem {
 
   std::size_t size() const { return inertia_.size(); }            ///< n, number of unknown nodes
   std::size_t first_node() const { return left_fixed_ ? 1 : 0; }  ///< mesh node of unknown 0
-  const Mesh& mesh() const { return mesh_; }
+  const Mesh& mesh() const { return mesh_; }                      ///< that it lives on
   /// Size of the element at an unknown, on its right but at the last node.
   double spacing_at(std::size_t unknown) const {
     return mesh_.element(std::min(unknown + first_node(), mesh_.elements - 1));
   }
-  Mass mass() const { return mass_; }
-  const Bar& bar() const { return bar_; }
-  bool damped() const { return bar_.viscosity > 0.0; }
-  bool loaded() const { return load_.has_value(); }
-  bool left_fixed() const { return left_fixed_.has_value(); }
-  bool right_fixed() const { return right_fixed_.has_value(); }
+  Mass mass() const { return mass_; }                            ///< how inertia is integrated
+  const Bar& bar() const { return bar_; }                        ///< its material
+  bool damped() const { return bar_.viscosity > 0.0; }           ///< eta > 0
+  bool loaded() const { return load_.has_value(); }              ///< f is not zero
+  bool left_fixed() const { return left_fixed_.has_value(); }    ///< node 0 is no unknown
+  bool right_fixed() const { return right_fixed_.has_value(); }  ///< node J is no unknown
   /// Displacement of a fixed end.
   std::optional<double> left_displacement() const { return left_fixed_; }
-  std::optional<double> right_displacement() const { return right_fixed_; }
+  std::optional<double> right_displacement() const { return right_fixed_; }  ///< likewise of the right one
 
   /// rho M; the row of a massless node is zero.
   const SymmetricTridiagonal& inertia() const { return inertia_; }
@@ -67,7 +68,9 @@ class BarSystem {
 
   /// Unknowns with inertia are the contiguous range [massive_begin, massive_end).
   std::size_t massive_begin() const { return massless_left_ ? 1 : 0; }
+  /// One past the last unknown with inertia.
   std::size_t massive_end() const { return size() - (massless_right_ ? 1 : 0); }
+  /// Whether any unknown has no inertia.
   bool has_massless() const { return massless_left_ || massless_right_; }
 
   /// out = -(E K u + eta K w). Stresses are differences of neighbours, so a rigid motion gives exactly zero.
@@ -82,7 +85,7 @@ class BarSystem {
 
   /// int u_x^2 of a displacement (fixed ends keep their displacement) and int w_x^2 of a velocity (they stand still).
   double squared_strain(std::span<const double> u) const;
-  double squared_strain_rate(std::span<const double> w) const;
+  double squared_strain_rate(std::span<const double> w) const;  ///< likewise
 
   /// Energy 1/2 w.rho M w + 1/2 E int u_x^2, the contacts' apart.
   double energy(std::span<const double> u, std::span<const double> w) const;
@@ -93,7 +96,7 @@ class BarSystem {
   /// Copies the unknowns into a field over all mesh nodes (J+1 entries); fixed nodes keep their displacement and stand
   /// still.
   void expand_displacement(std::span<const double> u, std::span<double> nodal) const;
-  void expand_velocity(std::span<const double> w, std::span<double> nodal) const;
+  void expand_velocity(std::span<const double> w, std::span<double> nodal) const;  ///< likewise
 
   /// Acceleration of the massive unknowns from a force: force <- (rho M)^{-1} force, zero at massless nodes.
   void accelerate(std::span<double> force) const;
@@ -141,13 +144,13 @@ class BarSystem {
 /// shared. Exists only where the scene has a load.
 class LoadVector {
  public:
-  explicit LoadVector(const BarSystem& system);
+  explicit LoadVector(const BarSystem& system);  ///< of a loaded system, which outlives it
 
   /// M f(t) over the unknowns (n entries), valid until the next call.
   /// @throws LoadError when the load is not finite at t.
   std::span<const double> at(double t);
 
-  bool steady() const;
+  bool steady() const;                                      ///< the same at all times
   std::size_t evaluations() const { return evaluations_; }  ///< of the load's functions of time
 
  private:

@@ -28,14 +28,14 @@ class PenalisedSystem {
   /// @throws std::invalid_argument for epsilon = 0 where a contact node has mass
   PenalisedSystem(const BarSystem& bar, const Penalty& penalty);
 
-  const BarSystem& bar() const { return bar_; }
-  std::size_t size() const { return bar_.size(); }
+  const BarSystem& bar() const { return bar_; }     ///< without its contacts
+  std::size_t size() const { return bar_.size(); }  ///< n, number of unknown nodes
 
-  std::size_t contact_count() const { return laws_.size(); }
-  const Contact& contact(std::size_t i) const { return bar_.contacts()[i]; }
-  const PenaltyLaw& law(std::size_t i) const { return laws_[i]; }
-  bool closed(std::size_t i) const { return closed_[i] != 0; }
-  void set_closed(std::size_t i, bool closed);
+  std::size_t contact_count() const { return laws_.size(); }                  ///< N
+  const Contact& contact(std::size_t i) const { return bar_.contacts()[i]; }  ///< 0 <= i < N
+  const PenaltyLaw& law(std::size_t i) const { return laws_[i]; }             ///< of contact i
+  bool closed(std::size_t i) const { return closed_[i] != 0; }                ///< whether contact i acts
+  void set_closed(std::size_t i, bool closed);                                ///< from here on
   /// Changes whenever a contact does: a factor of the dynamic stiffness is valid for one revision.
   std::uint64_t revision() const { return revision_; }
 
@@ -49,11 +49,12 @@ class PenalisedSystem {
   ///     an undamped massless node           the same in either state, its clearance while it is open: its own
   ///                                         displacement shrinks by 1 + k h/E as it closes, this one passes smoothly
   std::vector<std::size_t> indicator_entries(std::size_t i) const;
+  /// What the values of those entries, in their order, give of p.
   double indicator_linear(std::size_t i, std::span<const double> entries) const;
-  double indicator_offset(std::size_t i, double t);
+  double indicator_offset(std::size_t i, double t);  ///< the rest: gap, and load where the row asks for it
   /// Penetration of a closed contact per -p.
   double penetration_share(std::size_t i) const;
-  bool rigid() const { return rigid_; }
+  bool rigid() const { return rigid_; }  ///< epsilon = 0
 
   /// What a clearance may be wrong by through rounding alone, for displacements up to `largest`.
   double clearance_rounding(std::size_t i, double largest) const;
@@ -80,8 +81,12 @@ class PenalisedSystem {
   ///
   ///     u_i' + rate u_i = u_next' + u_share u_next + load_share (M f)_i + constant.
   struct RelaxingRow {
-    std::size_t unknown, next;
-    double rate, u_share, load_share, constant;
+    std::size_t unknown;  ///< i
+    std::size_t next;     ///< its neighbour
+    double rate;          ///< per time
+    double u_share;       ///< of the neighbour's displacement, per time
+    double load_share;    ///< of the load, velocity per force
+    double constant;      ///< of a closed contact: spring times gap, a velocity
   };
   /// Those of the massless unknowns that are not held, as long as no contact changes; none for eta = 0.
   std::vector<RelaxingRow> relaxing_rows() const;
@@ -101,10 +106,11 @@ class PenalisedSystem {
   double dissipated_power(std::span<const double> w) const;
   /// w.M f(t)
   double load_power(double t, std::span<const double> w);
-  bool dissipates() const { return bar_.damped() || dashpots_; }
-  bool loaded() const { return load_.has_value(); }
-  bool load_varies() const { return load_ && !load_->steady(); }
+  bool dissipates() const { return bar_.damped() || dashpots_; }  ///< by viscosity or a dashpot
+  bool loaded() const { return load_.has_value(); }               ///< f is not zero
+  bool load_varies() const { return load_ && !load_->steady(); }  ///< f depends on time
 
+  /// Of the load's functions of time so far.
   std::size_t load_evaluations() const { return load_ ? load_->evaluations() : 0; }
 
  private:

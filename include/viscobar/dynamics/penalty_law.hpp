@@ -15,6 +15,7 @@ struct PenaltyLaw {
   double stiffness = 0.0;  ///< k >= 0, force per penetration
   double damping = 0.0;    ///< b >= 0, force per rate of penetration
 
+  /// R(d, d'), 0 for d <= 0.
   double reaction(double penetration, double rate) const {
     return penetration > 0.0 ? stiffness * penetration + damping * rate : 0.0;
   }
@@ -22,6 +23,7 @@ struct PenaltyLaw {
   double tangent_stiffness(double penetration) const { return penetration > 0.0 ? stiffness : 0.0; }
   /// dR/dd'
   double tangent_damping(double penetration) const { return penetration > 0.0 ? damping : 0.0; }
+  /// Stored in the spring, k d^2 / 2.
   double energy(double penetration) const {
     return penetration > 0.0 ? 0.5 * stiffness * penetration * penetration : 0.0;
   }
@@ -30,8 +32,8 @@ struct PenaltyLaw {
 /// The paper's parameters of the response: reaction = penetration / epsilon, and the restitution e of a node in
 /// [0, 1] that the dashpot realises (1: no dashpot).
 struct Penalty {
-  double epsilon = 1e-4;
-  double restitution = 1.0;
+  double epsilon = 1e-4;     ///< displacement per stress, > 0; 0: rigid, see integrate(Rigid)
+  double restitution = 1.0;  ///< e
 };
 
 /// zeta with exp(-pi zeta / sqrt(1 - zeta^2)) = restitution: -ln e / sqrt(pi^2 + ln^2 e), and 1 for e = 0.

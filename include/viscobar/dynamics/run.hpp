@@ -13,22 +13,25 @@ namespace viscobar {
 
 /// The solution at one output time, over all J+1 nodes of the mesh.
 struct Snapshot {
-  double time = 0.0;
-  std::span<const double> u, v;
+  double time = 0.0;          ///< t
+  std::span<const double> u;  ///< displacement, J+1 entries, valid during the call
+  std::span<const double> v;  ///< velocity, likewise
   /// Force of the obstacles on the end nodes, R_0 = -s and R_L = s >= 0 in contact; for a fixed end the traction of
   /// the end element, -s and s; 0 at a free end.
-  double reaction_left = 0.0, reaction_right = 0.0;
+  double reaction_left = 0.0;
+  double reaction_right = 0.0;  ///< likewise
 };
 
+/// What a contact does: closing, the node reaches the obstacle; opening, it leaves.
 enum class Change { closing, opening };
 
 /// A contact change.
 struct Event {
-  double time = 0.0;
-  Where where = Where::left;
-  std::size_t node = 0;  ///< mesh node
-  Change change = Change::closing;
-  double velocity = 0.0;  ///< u_t of the node: negative when it closes, the impact velocity
+  double time = 0.0;                ///< t
+  Where where = Where::left;        ///< of the obstacle
+  std::size_t node = 0;             ///< mesh node
+  Change change = Change::closing;  ///< what happens
+  double velocity = 0.0;            ///< u_t of the node: negative when it closes, the impact velocity
 };
 
 /// What listens to a run. Every member may be empty; a run computes only what somebody listens to.
@@ -41,37 +44,39 @@ struct Observers {
 
 /// initial + work = final + dissipated + balance_error, the error being that of the time integration.
 struct EnergyAccount {
-  double initial = 0.0;
-  double final = 0.0;
+  double initial = 0.0;     ///< kinetic, elastic and contact energy at the start
+  double final = 0.0;       ///< the same at the end
   double dissipated = 0.0;  ///< by viscosity, by the dashpots of contacts, and by impacts in a scheme
   double work = 0.0;        ///< of the load
+  /// What the integration lost or gained.
   double balance_error() const { return final + dissipated - initial - work; }
 };
 
 /// What a run did.
 struct Statistics {
-  std::size_t unknowns = 0;  ///< scalars that the method advances
-  std::size_t steps = 0;
+  std::size_t unknowns = 0;         ///< scalars that the method advances
+  std::size_t steps = 0;            ///< in time
   std::size_t rhs_evaluations = 0;  ///< of the right-hand side, of the residual for ida, of the step's for schemes
-  std::size_t linear_solves = 0;
-  std::size_t matrix_factorisations = 0;
-  std::size_t event_evaluations = 0;  ///< steps searched for contact changes; 0 without an obstacle
-  std::size_t load_evaluations = 0;   ///< 0 without a load
-  std::size_t events = 0;
-  double integration_seconds = 0.0;  ///< the method alone, observers' time not counted
-  double reached_time = 0.0;
-  bool completed = false;
-  double max_penetration = 0.0;
-  std::optional<EnergyAccount> energy;
+  std::size_t linear_solves = 0;    ///< tridiagonal
+  std::size_t matrix_factorisations = 0;  ///< tridiagonal
+  std::size_t event_evaluations = 0;      ///< steps searched for contact changes; 0 without an obstacle
+  std::size_t load_evaluations = 0;       ///< 0 without a load
+  std::size_t events = 0;                 ///< contact changes
+  double integration_seconds = 0.0;       ///< the method alone, observers' time not counted
+  double reached_time = 0.0;              ///< how far it came
+  bool completed = false;                 ///< whether to the last output time
+  double max_penetration = 0.0;           ///< max over time and contacts, >= 0
+  std::optional<EnergyAccount> energy;    ///< where Observers asked for it
 };
 
 /// A run that could not go on: which method, which call, what it said and what to change. `statistics` says how far
 /// it came; what the observers were told stays theirs.
 class IntegrationError : public std::runtime_error {
  public:
+  /// With the message and how far the run came.
   IntegrationError(const std::string& what, Statistics reached)
       : std::runtime_error(what), statistics(std::move(reached)) {}
-  Statistics statistics;
+  Statistics statistics;  ///< up to the failure
 };
 
 }  // namespace viscobar

@@ -11,6 +11,15 @@
 
 namespace viscobar {
 
+/// The methods that a scene can ask for by name: those of this header, and the fully discrete schemes (schemes.hpp).
+/// src/analysis/method_table.cpp has a row for each.
+enum class MethodName { cvode, ida, arkode, odeint, rigid, exponential, fully_discrete, finite_difference };
+
+/// In the order of the enumeration.
+inline constexpr MethodName all_methods[] = {
+    MethodName::cvode, MethodName::ida,         MethodName::arkode,         MethodName::odeint,
+    MethodName::rigid, MethodName::exponential, MethodName::fully_discrete, MethodName::finite_difference};
+
 /// What an error bound is about.
 enum class ErrorControl {
   global,  ///< the solution: the bound on a step's error is tightened so that what adds up stays in proportion
@@ -21,9 +30,9 @@ enum class ErrorControl {
 /// relative * max|u| + absolute in the maximum norm over the nodes, that of the velocity field likewise with max|v|,
 /// the maxima over the nodes and over the time passed.
 struct Tolerance {
-  double relative = 1e-6;
-  double absolute = 1e-9;
-  ErrorControl control = ErrorControl::global;
+  double relative = 1e-6;                       ///< of the largest displacement, and of the largest velocity
+  double absolute = 1e-9;                       ///< always allowed; one number serves both fields
+  ErrorControl control = ErrorControl::global;  ///< what the two bound
 };
 
 /// Families of multistep formulas; `automatic` chooses by leg (docs/methods.md).
@@ -31,24 +40,24 @@ enum class Formulas { automatic, adams, bdf };
 
 /// Variable-order, variable-step multistep method of SUNDIALS' CVODE.
 struct Cvode {
-  Penalty penalty;
-  Tolerance tolerance;
-  Formulas formulas = Formulas::automatic;
+  Penalty penalty;                          ///< of the contacts
+  Tolerance tolerance;                      ///< of the solution
+  Formulas formulas = Formulas::automatic;  ///< multistep
 };
 
 /// Backward differentiation on the residual form rho M v' + eta K v + E K u - M f - R = 0 by SUNDIALS' IDA; takes
 /// massless nodes, also without viscosity, where their rows are algebraic.
 struct Ida {
-  Penalty penalty;
-  Tolerance tolerance;
+  Penalty penalty;      ///< of the contacts
+  Tolerance tolerance;  ///< of the solution
 };
 
 /// Implicit Runge-Kutta method of order 5 by SUNDIALS' ARKODE (ESDIRK547L2SA2 of Kennedy and Carpenter: seven stages,
 /// all but the first with the same matrix, stiffly accurate and L-stable); takes massless nodes, also without
 /// viscosity. A one-step method: no order has to be built up again after a contact change.
 struct Arkode {
-  Penalty penalty;
-  Tolerance tolerance;
+  Penalty penalty;      ///< of the contacts
+  Tolerance tolerance;  ///< of the solution
 };
 
 /// Steppers of Boost.Odeint; `automatic` is rosenbrock4 or dopri5, by what the steps of either cost (docs/methods.md).
@@ -58,36 +67,37 @@ enum class Stepper {
   dopri5,       ///< explicit, order 5
   symplectic    ///< explicit, order 4, fixed step; no viscosity, no dashpot
 };
-std::string_view name(Stepper stepper);
+std::string_view name(Stepper stepper);  ///< in a scene file
 
 /// Boost.Odeint on the explicit form u' = w, w' = (rho M)^{-1} F: shares no formula and no solver with the SUNDIALS
 /// methods. Refuses massless nodes without viscosity, whose rows are algebraic.
 struct Odeint {
-  Penalty penalty;
-  Tolerance tolerance;
-  Stepper stepper = Stepper::automatic;
-  std::optional<double> step;  ///< of symplectic, which needs it and has no use for the tolerance
+  Penalty penalty;                       ///< of the contacts
+  Tolerance tolerance;                   ///< of the solution
+  Stepper stepper = Stepper::automatic;  ///< which
+  std::optional<double> step;            ///< of symplectic, which needs it and has no use for the tolerance
 };
 
 /// What Odeint would do with a system for a given time.
 struct OdeintPlan {
-  Stepper stepper = Stepper::dopri5;
-  double least_steps = 0.0;        ///< that stability, or the fixed step, asks for
-  std::optional<Finding> refusal;  ///< why the method does not fit
+  Stepper stepper = Stepper::dopri5;  ///< never automatic
+  double least_steps = 0.0;           ///< that stability, or the fixed step, asks for
+  std::optional<Finding> refusal;     ///< why the method does not fit
 };
+/// Chooses the stepper and counts its steps. O(n).
 OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method);
 
 /// Matrix exponentials between contact changes located to rounding. Cost O(n^2) a sub-step and O(n^3) a contact state:
 /// for small meshes, and as the reference of the other methods.
 struct Exponential {
-  Penalty penalty;
+  Penalty penalty;  ///< of the contacts
 };
 
 /// The limit epsilon = 0 on massless contact nodes: a closed contact holds its node at -gap, its reaction is what the
 /// node's row lacks, and it opens when that reaches zero. By CVODE with viscosity, by IDA without, where the row of an
 /// open contact is algebraic (index 1).
 struct Rigid {
-  Tolerance tolerance;
+  Tolerance tolerance;  ///< of the solution
 };
 
 /// Integrates the penalised system from `start` at times.front() to times.back(), telling the observers.
@@ -97,14 +107,19 @@ struct Rigid {
 /// @throws std::invalid_argument when the method does not fit the system (the message says why)
 Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Cvode& method,
                      const Observers& observers);
+/// Likewise.
 Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Ida& method,
                      const Observers& observers);
+/// Likewise.
 Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Arkode& method,
                      const Observers& observers);
+/// Likewise.
 Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Odeint& method,
                      const Observers& observers);
+/// Likewise.
 Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times,
                      const Exponential& method, const Observers& observers);
+/// Likewise.
 Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Rigid& method,
                      const Observers& observers);
 

@@ -18,8 +18,9 @@ class Interrupted : public std::runtime_error {
   Interrupted() : std::runtime_error("interrupted") {}
 };
 
+/// How a run ended.
 enum class Ending {
-  completed,
+  completed,   ///< at the end of its time
   failed,      ///< the integrator or the disk gave up
   refused,     ///< the method does not fit the system: the user's input
   interrupted  ///< by Interrupted
@@ -27,15 +28,16 @@ enum class Ending {
 
 /// How far a run came.
 struct Outcome {
-  Ending ending = Ending::completed;
-  std::string error;          ///< empty when completed
-  double reached_time = 0.0;  ///< these three are counted by listening, so they are known however the run ended
-  std::size_t steps = 0;
-  std::size_t events = 0;
+  Ending ending = Ending::completed;  ///< how the run ended
+  std::string error;                  ///< empty when completed
+  double reached_time = 0.0;          ///< these three are counted by listening, so they are known however the run ended
+  std::size_t steps = 0;              ///< of the method
+  std::size_t events = 0;             ///< contact changes
   std::optional<Statistics> statistics;  ///< absent when the run was ended from outside
-  double wall_seconds = 0.0;
+  double wall_seconds = 0.0;             ///< of all, reading and writing included
 };
 
+/// What the caller of record_run() wants to hear, and since when it counts.
 struct RecordOptions {
   /// After each step; may throw Interrupted.
   std::function<void(double time, std::size_t steps)> progress;
@@ -47,7 +49,7 @@ struct RecordOptions {
 
 /// What record_run() leaves besides the files.
 struct RunRecord {
-  Outcome outcome;
+  Outcome outcome;      ///< how far it came
   std::string summary;  ///< summary.json as written
 };
 

@@ -15,10 +15,11 @@ namespace viscobar {
 /// One error of a scene file, at the value or key that causes it (line and column count from 1; for a missing key the
 /// position of its table, or of the end of the file when the table is missing, too).
 struct Diagnostic {
-  std::string source;  ///< file name, or "--set" for an override
-  std::size_t line = 1, column = 1;
-  std::string key;      ///< "table.key"
-  std::string message;  ///< what is wrong, with the nearest known key where one is meant
+  std::string source;      ///< file name, or "--set" for an override
+  std::size_t line = 1;    ///< from 1
+  std::size_t column = 1;  ///< from 1, in characters
+  std::string key;         ///< "table.key"
+  std::string message;     ///< what is wrong, with the nearest known key where one is meant
 
   std::string text() const;  ///< file:line:column: key: message
 };
@@ -26,14 +27,14 @@ struct Diagnostic {
 /// The user's scene cannot be run; all that is wrong with it.
 class SceneError : public std::runtime_error {
  public:
-  explicit SceneError(std::vector<Diagnostic> found);
-  std::vector<Diagnostic> diagnostics;
+  explicit SceneError(std::vector<Diagnostic> found);  ///< what() has a line for each
+  std::vector<Diagnostic> diagnostics;                 ///< in the order of the text, overrides last
 };
 
 /// A case as read, and the scene as understood: every key with its value, defaults included, as one JSON object.
 struct SceneFile {
-  Case run;
-  std::string description;
+  Case run;                 ///< sound
+  std::string description;  ///< the JSON object
 };
 
 /// What a study makes of a case before it is validated, such as another method.

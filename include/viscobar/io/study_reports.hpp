@@ -10,20 +10,26 @@
 
 namespace viscobar {
 
-/// What `viscobar compare` tells: as JSON, for the terminal, and as a page with pictures.
+/// What `viscobar compare` tells, as JSON.
 std::string cross_check_json(const SceneFile& scene, const MethodChoice& choice, const CrossCheck& check);
+/// The same for the terminal.
 std::string cross_check_text(const MethodChoice& choice, const CrossCheck& check);
+/// The same as a page with pictures.
 std::string cross_check_html(const Scene& scene, const MethodChoice& choice, const CrossCheck& check);
 
-/// Likewise of `viscobar limit`.
+/// What `viscobar limit` tells, as JSON.
 std::string limit_json(const SceneFile& scene, const LimitStudy& study, const LimitResult& result,
                        const CouplingResult& coupling);
+/// The same for the terminal.
 std::string limit_text(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling);
+/// The same as a page with pictures.
 std::string limit_html(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling);
 
-/// Likewise of `viscobar precision`.
+/// What `viscobar precision` tells, as JSON.
 std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, const PrecisionResult& result);
+/// The same for the terminal.
 std::string precision_text(const PrecisionStudy& study, const PrecisionResult& result);
+/// The same as a page with pictures.
 std::string precision_html(const PrecisionStudy& study, const PrecisionResult& result);
 
 }  // namespace viscobar

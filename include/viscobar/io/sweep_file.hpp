@@ -15,11 +15,11 @@ namespace viscobar {
 
 /// A sweep as read: the scene, what holds for all cases, and what varies.
 struct SweepFile {
-  std::string title;
+  std::string title;                  ///< free text
   std::string scene_source;           ///< path of the scene, for diagnostics
   std::string scene_text;             ///< the scene itself, so that every worker runs the same
   std::vector<std::string> settings;  ///< "table.key=value" for all cases: [set], then those of the command line
-  SweepPlan plan;
+  SweepPlan plan;                     ///< what varies
 
   /// Where a key of [set] or [vary] stands: a finding about its value in a case is one there.
   std::map<std::string, Diagnostic, std::less<>> places;
@@ -35,10 +35,11 @@ SweepFile read_sweep(const std::filesystem::path& file, std::span<const std::str
 
 /// A case as the workers run it: the scene's text and all overrides.
 struct SweepCase {
-  std::size_t index = 0;
-  std::vector<std::string> overrides;
+  std::size_t index = 0;               ///< in the plan
+  std::vector<std::string> overrides;  ///< "table.key=value", settings and varied keys
 };
 
+/// 0 <= index < sweep.plan.size()
 SweepCase case_of(const SweepFile& sweep, std::size_t index);
 
 /// What a case of the scene in `scene_text` is estimated to cost; 0 when it is refused.

@@ -6,10 +6,14 @@ namespace viscobar {
 
 /// What a result was computed with.
 struct Versions {
-  std::string viscobar, sundials, hdf5, eigen;
+  std::string viscobar;  ///< this library
+  std::string sundials;  ///< linked
+  std::string hdf5;      ///< linked
+  std::string eigen;     ///< compiled with
   std::string platform;  ///< operating system, machine, compiler
 };
 
+/// Of this build.
 Versions versions();
 
 }  // namespace viscobar

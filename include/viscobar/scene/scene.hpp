@@ -11,7 +11,7 @@ namespace viscobar {
 /// The bar itself:  rho u_tt - E u_xx - eta u_xxt = f  on 0 < x < length.
 /// Any consistent set of units; the paper's non-dimensional problem has rho = E = 1, eta = alpha.
 struct Bar {
-  double length = 1.0;
+  double length = 1.0;     ///< L > 0
   double density = 1.0;    ///< rho > 0
   double modulus = 1.0;    ///< E > 0
   double viscosity = 0.0;  ///< eta >= 0; zero means that no damping term is built
@@ -26,56 +26,63 @@ struct Fixed {};
 /// Unilateral obstacle (Signorini): 0 <= u + gap, reaction >= 0, and one of the two vanishes
 /// [Petrov 2010, (1.3)]. Bounds the displacement from below at either end.
 struct Obstacle {
-  double gap = 0.0;
+  double gap = 0.0;  ///< >= 0
 };
 
+/// What holds an end of the bar; src/scene/end_kinds.hpp has a row for each alternative.
 using EndCondition = std::variant<Free, Fixed, Obstacle>;
 
+/// Of 0 <= x <= L.
 using SpaceFunction = std::function<double(double x)>;
+/// Of t >= 0.
 using TimeFunction = std::function<double(double t)>;
+/// Of both.
 using SpaceTimeFunction = std::function<double(double x, double t)>;
 
 /// f(x): evaluated once per node.
 struct SteadyLoad {
-  SpaceFunction profile;
+  SpaceFunction profile;  ///< f(x)
 };
 
 /// f(x,t) = profile(x) history(t): the profile is evaluated once per node, the history once per step.
 struct SeparableLoad {
-  SpaceFunction profile;
-  TimeFunction history;
+  SpaceFunction profile;  ///< of x
+  TimeFunction history;   ///< of t
 };
 
 /// f(x,t) of no known structure: evaluated at every node and every step.
 struct GeneralLoad {
-  SpaceTimeFunction density;
+  SpaceTimeFunction density;  ///< f(x,t), force per volume
 };
 
+/// The density f of a load, in the narrowest kind that holds it.
 using Load = std::variant<SteadyLoad, SeparableLoad, GeneralLoad>;
 
 /// The physical problem, free of any discretisation [Petrov 2010, (1.1)-(1.3)].
 struct Scene {
-  std::string title;
-  Bar bar;
-  EndCondition left = Free{};
-  EndCondition right = Free{};
+  std::string title;             ///< free text, for reports
+  Bar bar;                       ///< geometry and material
+  EndCondition left = Free{};    ///< at x = 0
+  EndCondition right = Free{};   ///< at x = L
   std::optional<Obstacle> span;  ///< u(x,t) >= -gap for every x (section 4 of the paper, figure 3)
   SpaceFunction displacement;    ///< u_0(x)
   SpaceFunction velocity;        ///< u_1(x)
-  std::optional<Load> load;
+  std::optional<Load> load;      ///< f; absent: none
 };
 
 /// One thing wrong with the user's input: the key it is about (as in the scene file) and what is wrong with it.
 struct Finding {
-  std::string key;
-  std::string problem;
+  std::string key;      ///< "table.key"
+  std::string problem;  ///< a sentence about its value
 };
 
 /// Everything wrong with a scene: values that are not finite or out of range, initial data that penetrate an
 /// obstacle at an end. Empty when the scene is sound.
 std::vector<Finding> validate(const Scene& scene);
 
+/// Whether the end meets an obstacle.
 inline bool is_obstacle(const EndCondition& end) { return std::holds_alternative<Obstacle>(end); }
+/// Whether the end stands still.
 inline bool is_fixed(const EndCondition& end) { return std::holds_alternative<Fixed>(end); }
 
 }  // namespace viscobar

@@ -16,9 +16,9 @@ enum class Start {
 /// The paper's fully discrete scheme (2.8), with the product of the system's mass; on a lumped or paper mass it is
 /// the finite difference scheme (3.25). Constraint exact, no penalty.
 struct FullyDiscrete {
-  double step = 0.0;
-  Start start = Start::first_order;
-  double restitution = 0.0;  ///< e: the constraint holds for (u^{n+1} + e u^{n-1}) / (1 + e)
+  double step = 0.0;                 ///< dt > 0
+  Start start = Start::first_order;  ///< how u^1 is found
+  double restitution = 0.0;          ///< e: the constraint holds for (u^{n+1} + e u^{n-1}) / (1 + e)
 };
 
 /// Runs the scheme from `start` at times.front() to times.back(); between steps the output is interpolated linearly,

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "viscobar/analysis/case.hpp"
+
+namespace viscobar {
+
+/// What makes a method's error small.
+enum class Accuracy {
+  tolerances,
+  step,     ///< a fixed time step, with the constraint solved in each
+  rounding  ///< nothing: exact in time
+};
+
+/// What a step costs: step + node * (number of nodes) seconds.
+struct StepSeconds {
+  double step, node;
+};
+
+/// All that is said about one method. Scene files, validation, runs, studies and estimates go by this table. A pointer
+/// that is null stands for "as every other method".
+struct MethodRow {
+  MethodName method;
+  std::string_view name, meaning;  ///< in a scene file
+  bool penalised;
+  Accuracy accuracy;
+  StepSeconds seconds;
+  Statistics (*run)(const Case&, const BarSystem&, const State& start, std::span<const double> times, const Observers&);
+  std::size_t (*vectors)(const Case&, const BarSystem&) = nullptr;  ///< own memory, in vectors with an entry a node
+  Mass (*mass)(const Case&) = nullptr;                              ///< that it runs on, where not the case's
+  /// Adds what the method cannot take, of a case whose values are sound by themselves.
+  void (*refuse)(const Case&, std::vector<Finding>&) = nullptr;
+};
+
+/// In the order of all_methods.
+std::span<const MethodRow> method_table();
+
+const MethodRow& method_row(MethodName method);
+
+}  // namespace viscobar

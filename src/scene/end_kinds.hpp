@@ -1,0 +1,72 @@
+#pragma once
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <variant>
+
+#include "viscobar/scene/scene.hpp"
+
+namespace viscobar {
+
+/// What an end condition makes of the end's node. A condition that is neither of these also has a place in BarSystem.
+struct EndNode {
+  std::optional<double> held{};  ///< displacement of a node that does not move and is no unknown
+  std::optional<double> gap{};   ///< u >= -gap, a contact
+};
+
+/// A number that an end condition has, and its key in the end's table of a scene file.
+struct EndNumber {
+  std::string_view key, unit, meaning;
+  double low, high;        ///< the values it may have
+  std::string_view range;  ///< the same in words
+  double& (*of)(EndCondition&);
+};
+
+/// All that is said about one alternative of EndCondition. Scene files, reports, validation and the discretisation go
+/// by this table.
+struct EndKind {
+  std::string_view name;      ///< in a scene file
+  std::string_view in_words;  ///< completes "the end is ..."
+  std::string_view meaning;
+  EndCondition harmless;  ///< with numbers that no other check can take offence at
+  std::span<const EndNumber> numbers;
+  EndNode (*node)(const EndCondition&, double initial_displacement);
+};
+
+inline constexpr EndNumber obstacle_numbers[] = {
+    {"gap", "length", "u >= -gap at this end", 0.0, 1e100, ">= 0",
+     [](EndCondition& end) -> double& { return std::get<Obstacle>(end).gap; }},
+};
+
+inline constexpr EndKind end_kinds[] = {
+    {"obstacle", "an obstacle", "u >= -gap; the reaction pushes, never pulls, and only in contact; wants a gap",
+     Obstacle{1e100}, obstacle_numbers,
+     [](const EndCondition& end, double) { return EndNode{.gap = std::get<Obstacle>(end).gap}; }},
+    {"free",
+     "free",
+     "no stress, E u_x + eta u_xt = 0",
+     Free{},
+     {},
+     [](const EndCondition&, double) { return EndNode{}; }},
+    {"fixed",
+     "fixed",
+     "keeps its initial displacement",
+     Fixed{},
+     {},
+     [](const EndCondition&, double initial) { return EndNode{.held = initial}; }},
+};
+static_assert(std::size(end_kinds) == std::variant_size_v<EndCondition>);
+
+inline const EndKind& end_kind(const EndCondition& end) {
+  return *std::find_if(std::begin(end_kinds), std::end(end_kinds),
+                       [&](const EndKind& kind) { return kind.harmless.index() == end.index(); });
+}
+
+inline EndNode end_node(const EndCondition& end, double initial_displacement) {
+  return end_kind(end).node(end, initial_displacement);
+}
+
+}  // namespace viscobar
