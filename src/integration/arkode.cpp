@@ -75,7 +75,7 @@ class ArkodeStepper {
   double advance() {
     double t = 0.0;
     const int flag = ARKStepEvolve(memory_.get(), end_, state_.get(), &t, ARK_ONE_STEP);
-    if (flag < 0) fail(leg_, "ARKStepEvolve", flag_name(ARKStepGetReturnFlagName(flag)));
+    if (flag < 0) fail(leg_, "ARKStepEvolve", flag, flag_name(ARKStepGetReturnFlagName(flag)), arkode_flags());
     step_.advance();
     StepPolynomial::End& reached = step_.end();
     reached.t = t;
@@ -113,7 +113,7 @@ class ArkodeStepper {
   }
 
   void check(const char* call, int flag) {
-    if (flag != ARK_SUCCESS) fail(leg_, call, flag_name(ARKStepGetReturnFlagName(flag)));
+    if (flag != ARK_SUCCESS) fail(leg_, call, flag, flag_name(ARKStepGetReturnFlagName(flag)), arkode_flags());
   }
 
   void evaluate(double t, std::span<const double> y, std::span<double> rate) {

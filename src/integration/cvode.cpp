@@ -55,7 +55,7 @@ class CvodeStepper {
   double advance() {
     double t = 0.0;
     const int flag = CVode(memory_, end_, state_.get(), &t, CV_ONE_STEP);
-    if (flag < 0) fail(leg_, "CVode", flag_name(CVodeGetReturnFlagName(flag)));
+    if (flag < 0) fail(leg_, "CVode", flag, flag_name(CVodeGetReturnFlagName(flag)), cvode_flags());
     if (t > settles_ && memory_ == adams_.get()) settled_ = true;
     return t;
   }
@@ -137,7 +137,7 @@ class CvodeStepper {
   }
 
   void check(const char* call, int flag) {
-    if (flag != CV_SUCCESS) fail(leg_, call, flag_name(CVodeGetReturnFlagName(flag)));
+    if (flag != CV_SUCCESS) fail(leg_, call, flag, flag_name(CVodeGetReturnFlagName(flag)), cvode_flags());
   }
 
   // Needed at the start of a leg only: the steps use the momentum rows themselves.

@@ -75,7 +75,7 @@ class IdaStepper {
   double advance() {
     double t = 0.0;
     const int flag = IDASolve(memory_.get(), end_, &t, state_.get(), rate_.get(), IDA_ONE_STEP);
-    if (flag < 0) fail(leg_, "IDASolve", flag_name(IDAGetReturnFlagName(flag)));
+    if (flag < 0) fail(leg_, "IDASolve", flag, flag_name(IDAGetReturnFlagName(flag)), ida_flags());
     return t;
   }
 
@@ -126,7 +126,7 @@ class IdaStepper {
   }
 
   void check(const char* call, int flag) {
-    if (flag != IDA_SUCCESS) fail(leg_, call, flag_name(IDAGetReturnFlagName(flag)));
+    if (flag != IDA_SUCCESS) fail(leg_, call, flag, flag_name(IDAGetReturnFlagName(flag)), ida_flags());
   }
 
   static int error_weights(N_Vector y, N_Vector weights, void* user) noexcept {

@@ -161,7 +161,7 @@ class StepwiseRun {
     if (toggles_ > 20)
       throw StepFailure(fmt::format(
           "a contact opens and closes for ever at t = {}: the clearance is below the rounding of the displacement; "
-          "choose a larger epsilon, or measure displacements from the obstacle",
+          "take a larger contact.epsilon, or measure displacements from the obstacle",
           t));
   }
 
@@ -169,8 +169,8 @@ class StepwiseRun {
     stalled_ = reached > before ? 0 : stalled_ + 1;
     if (stalled_ > 100)
       throw StepFailure(
-          fmt::format("the step has shrunk below the rounding of the time t = {}; loosen the tolerance or choose a "
-                      "larger epsilon",
+          fmt::format("the step has shrunk below the rounding of the time t = {}; loosen method.relative_tolerance or "
+                      "take a larger contact.epsilon",
                       before));
   }
 
