@@ -90,6 +90,7 @@ class ArkodeStepper {
   void interpolate(double t, std::span<double> y) { step_.at(t, y); }
   std::span<const double> sample(double t, int derivative) { return step_.sample(t, derivative); }
   double largest() const { return weights_.largest_displacement(); }
+  double fastest() const { return weights_.largest_velocity(); }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
 
  private:

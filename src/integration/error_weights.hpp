@@ -40,6 +40,7 @@ class ErrorWeights {
       tightening_ = accumulated_ + per_change_ * static_cast<double>(changes);
   }
   double largest_displacement() const { return largest_u_; }
+  double largest_velocity() const { return largest_w_; }
   double displacement_tolerance() const;
 
  private:

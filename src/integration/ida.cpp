@@ -96,6 +96,7 @@ class IdaStepper {
   }
 
   double largest() const { return weights_.largest_displacement(); }
+  double fastest() const { return weights_.largest_velocity(); }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
 
  private:

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -38,9 +37,9 @@ Case over_span(std::size_t elements, double wave, double viscosity, double end) 
   Case run;
   run.scene.bar.viscosity = viscosity;
   run.scene.span = Obstacle{0.1};
-  run.scene.displacement = [wave](double x) { return wave * std::cos(4.0 * std::numbers::pi * x); };
+  run.scene.displacement = [wave](double x) { return wave * std::cos(7.0 * x); };
   run.scene.velocity = [](double) { return -1.0; };
-  run.scene.load = SteadyLoad{[](double) { return -1.0; }};
+  run.scene.load = SteadyLoad{[](double) { return -10.0; }};
   run.elements = elements;
   run.epsilon = 1e-4;
   run.end = end;
@@ -66,8 +65,8 @@ std::vector<Setting> settings() {
     list.push_back({fmt::format("chatter-1e-{}", decade), chatter(std::pow(10.0, -decade))});
   for (const std::size_t elements : {200, 1000}) {
     list.push_back({fmt::format("span-flat-{}", elements), over_span(elements, 0.0, 0.01, 2.0)});
-    list.push_back({fmt::format("span-wavy-{}", elements), over_span(elements, 0.02, 0.01, 1.0)});
-    list.push_back({fmt::format("span-undamped-{}", elements), over_span(elements, 0.02, 0.0, 0.5)});
+    list.push_back({fmt::format("span-wavy-{}", elements), over_span(elements, 0.02, 0.01, 2.0)});
+    list.push_back({fmt::format("span-undamped-{}", elements), over_span(elements, 0.02, 0.0, 1.0)});
   }
   list.push_back({"bouncing", bouncing(40.0)});
   return list;
