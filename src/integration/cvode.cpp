@@ -5,6 +5,7 @@
 
 #include "integration/error_weights.hpp"
 #include "integration/stepwise_run.hpp"
+#include "integration/storm_stepper.hpp"
 #include "integration/sundials/leg.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -86,6 +87,7 @@ class CvodeStepper {
 
   double largest() const { return weights_.largest_displacement(); }
   double fastest() const { return weights_.largest_velocity(); }
+  ErrorWeights& weights() { return weights_; }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
 
  private:
@@ -189,7 +191,10 @@ Statistics integrate(const BarSystem& system, const State& start, std::span<cons
   const Layout layout(penalised, observers.energy);
   Statistics statistics;
   CvodeStepper stepper(penalised, layout, method, times.back(), statistics);
-  return run_stepwise("cvode", penalised, layout, stepper, statistics, start, times, observers);
+  if (method.formulas != Formulas::automatic)
+    return run_stepwise("cvode", penalised, layout, stepper, statistics, start, times, observers);
+  StormStepper<CvodeStepper> steps(penalised, layout, method.tolerance, times.back(), statistics, stepper);
+  return run_stepwise("cvode", penalised, layout, steps, statistics, start, times, observers);
 }
 
 }  // namespace viscobar

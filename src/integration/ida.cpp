@@ -2,6 +2,7 @@
 
 #include "integration/error_weights.hpp"
 #include "integration/stepwise_run.hpp"
+#include "integration/storm_stepper.hpp"
 #include "integration/sundials/leg.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -97,6 +98,7 @@ class IdaStepper {
 
   double largest() const { return weights_.largest_displacement(); }
   double fastest() const { return weights_.largest_velocity(); }
+  ErrorWeights& weights() { return weights_; }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
 
  private:
@@ -155,7 +157,8 @@ Statistics integrate(const BarSystem& system, const State& start, std::span<cons
   const Layout layout(penalised, observers.energy);
   Statistics statistics;
   IdaStepper stepper(penalised, layout, method.tolerance, times.back(), statistics);
-  return run_stepwise("ida", penalised, layout, stepper, statistics, start, times, observers);
+  StormStepper<IdaStepper> steps(penalised, layout, method.tolerance, times.back(), statistics, stepper);
+  return run_stepwise("ida", penalised, layout, steps, statistics, start, times, observers);
 }
 
 }  // namespace viscobar

@@ -25,6 +25,9 @@ inline constexpr std::string_view load =
 inline constexpr std::string_view times = "choose a later time.end, or a longer output.every";
 inline constexpr std::string_view length =
     "choose an earlier time.end, loosen method.relative_tolerance, or take a larger contact.epsilon";
+inline constexpr std::string_view chatter =
+    "contact nodes bounce without end: take mesh.mass = \"redistributed\", contact.restitution = 0, or a larger "
+    "contact.epsilon";
 inline constexpr std::string_view memory = "take fewer mesh.elements";
 inline constexpr std::string_view report =
     "nothing in the scene is known to cause it: please report it as an error of viscobar, with the scene; another "

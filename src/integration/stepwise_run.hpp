@@ -12,6 +12,7 @@
 #include "dynamics/stopwatch.hpp"
 #include "integration/event_search.hpp"
 #include "integration/layout.hpp"
+#include "integration/pace_guard.hpp"
 #include "integration/snapshot.hpp"
 #include "integration/step_failure.hpp"
 #include "viscobar/dynamics/errors.hpp"
@@ -43,6 +44,7 @@ class StepwiseRun {
         times_(times),
         observers_(observers),
         search_(system),
+        pace_(times.front(), times.back()),
         snapshot_(system),
         y_(layout.size) {}
 
@@ -67,6 +69,7 @@ class StepwiseRun {
       outputs_until(limit);
       t = limit;
       statistics_.reached_time = t;
+      pace_.step(t, statistics_.events);
       if (observers_.progress) stopwatch_.outside([&] { observers_.progress(t); });
       if (change) {
         stepper_.interpolate(t, y_);
@@ -199,6 +202,7 @@ class StepwiseRun {
   std::span<const double> times_;
   const Observers& observers_;
   EventSearch search_;
+  PaceGuard pace_;
   SnapshotBuilder snapshot_;
   Stopwatch stopwatch_;
   std::vector<double> y_;
