@@ -3,6 +3,7 @@
 // The whole library. viscobar/testing/ is apart: it needs GoogleTest.
 
 #include "viscobar/analysis/case.hpp"
+#include "viscobar/analysis/chatter.hpp"
 #include "viscobar/analysis/comparison.hpp"
 #include "viscobar/analysis/cost_estimate.hpp"
 #include "viscobar/analysis/coupling.hpp"

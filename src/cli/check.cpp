@@ -4,6 +4,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/messages.hpp"
+#include "viscobar/analysis/chatter.hpp"
 #include "viscobar/analysis/first_impact.hpp"
 #include "viscobar/analysis/regime.hpp"
 
@@ -71,10 +72,10 @@ std::string advice(const Case& run, const ContactRegime& regime) {
            ", and the fully discrete scheme's do not: as epsilon goes to 0 the difference to it has a plateau; "
            "contact.restitution = 0 makes the two agree";
   return fmt::format(
-      "{}, so chatter is expected, and as epsilon goes to 0 a plateau in the difference to the fully "
-      "discrete scheme; what helps: mesh.mass = \"redistributed\", contact.restitution = 0, or "
-      "contact.epsilon of at least {:.2g}",
-      bounce, regime.quiet_epsilon);
+      "{}, so chatter is expected, whose every bounce costs steps, and as epsilon goes to 0 a plateau in the "
+      "difference "
+      "to the fully discrete scheme; what helps: {}",
+      bounce, chatter_remedies(run, regime, regime.where));
 }
 
 std::vector<std::string> warnings(const Case& run, const std::vector<ContactRegime>& regimes) {

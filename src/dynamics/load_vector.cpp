@@ -2,11 +2,31 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 
 #include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/dynamics/errors.hpp"
 
 namespace viscobar {
+
+namespace {
+
+// Of a load at `place`, which says where and when: what is no number, or throws, stops a run for the same reason.
+template <class Load>
+double finite(double t, Load&& load, auto&& place) {
+  double value = 0.0;
+  try {
+    value = load();
+  } catch (const std::exception& error) {
+    throw LoadError(t, fmt::format("{} cannot be evaluated: {}", place(), error.what()));
+  } catch (...) {
+    throw LoadError(t, fmt::format("{} cannot be evaluated", place()));
+  }
+  if (!std::isfinite(value)) throw LoadError(t, fmt::format("{} is {}", place(), value));
+  return value;
+}
+
+}  // namespace
 
 LoadVector::LoadVector(const BarSystem& system) : system_(system) {
   if (std::holds_alternative<BarSystem::SteadyVector>(*system.load_)) return;
@@ -21,8 +41,8 @@ std::span<const double> LoadVector::at(double t) {
   if (time_ == t) return weighted_;
   ++evaluations_;
   if (const auto* separable = std::get_if<BarSystem::SeparableVector>(&*system_.load_)) {
-    const double history = separable->history(t);
-    if (!std::isfinite(history)) throw LoadError(t, fmt::format("the history of the load is {} at t = {}", history, t));
+    const double history = finite(
+        t, [&] { return separable->history(t); }, [&] { return fmt::format("the history of the load at t = {}", t); });
     std::transform(separable->weighted.begin(), separable->weighted.end(), weighted_.begin(),
                    [history](double profile) { return history * profile; });
   } else {
@@ -30,9 +50,9 @@ std::span<const double> LoadVector::at(double t) {
     const Mesh& mesh = system_.mesh();
     const std::span<double> values(nodal_.data(), mesh.nodes()), product(nodal_.data() + mesh.nodes(), mesh.nodes());
     for (std::size_t j = 0; j < values.size(); ++j) {
-      values[j] = general.density(mesh.node(j), t);
-      if (!std::isfinite(values[j]))
-        throw LoadError(t, fmt::format("the load is {} at x = {}, t = {}", values[j], mesh.node(j), t));
+      const double x = mesh.node(j);
+      values[j] = finite(
+          t, [&] { return general.density(x, t); }, [&] { return fmt::format("the load at x = {}, t = {}", x, t); });
     }
     general.mass.multiply(values, product);
     std::copy_n(product.begin() + static_cast<std::ptrdiff_t>(system_.first_node()), weighted_.size(),

@@ -5,6 +5,7 @@
 
 #include "integration/error_weights.hpp"
 #include "integration/stepwise_run.hpp"
+#include "integration/storm_stepper.hpp"
 #include "integration/sundials/leg.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -55,7 +56,7 @@ class CvodeStepper {
   double advance() {
     double t = 0.0;
     const int flag = CVode(memory_, end_, state_.get(), &t, CV_ONE_STEP);
-    if (flag < 0) fail(leg_, "CVode", flag_name(CVodeGetReturnFlagName(flag)));
+    if (flag < 0) fail(leg_, "CVode", flag, flag_name(CVodeGetReturnFlagName(flag)), cvode_flags());
     if (t > settles_ && memory_ == adams_.get()) settled_ = true;
     return t;
   }
@@ -85,6 +86,8 @@ class CvodeStepper {
   }
 
   double largest() const { return weights_.largest_displacement(); }
+  double fastest() const { return weights_.largest_velocity(); }
+  ErrorWeights& weights() { return weights_; }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
 
  private:
@@ -137,7 +140,7 @@ class CvodeStepper {
   }
 
   void check(const char* call, int flag) {
-    if (flag != CV_SUCCESS) fail(leg_, call, flag_name(CVodeGetReturnFlagName(flag)));
+    if (flag != CV_SUCCESS) fail(leg_, call, flag, flag_name(CVodeGetReturnFlagName(flag)), cvode_flags());
   }
 
   // Needed at the start of a leg only: the steps use the momentum rows themselves.
@@ -188,7 +191,10 @@ Statistics integrate(const BarSystem& system, const State& start, std::span<cons
   const Layout layout(penalised, observers.energy);
   Statistics statistics;
   CvodeStepper stepper(penalised, layout, method, times.back(), statistics);
-  return run_stepwise("cvode", penalised, layout, stepper, statistics, start, times, observers);
+  if (method.formulas != Formulas::automatic)
+    return run_stepwise("cvode", penalised, layout, stepper, statistics, start, times, observers);
+  StormStepper<CvodeStepper> steps(penalised, layout, method.tolerance, times.back(), statistics, stepper);
+  return run_stepwise("cvode", penalised, layout, steps, statistics, start, times, observers);
 }
 
 }  // namespace viscobar

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 
@@ -39,7 +40,13 @@ class ErrorWeights {
     if (tolerance_.control == ErrorControl::global)
       tightening_ = accumulated_ + per_change_ * static_cast<double>(changes);
   }
+  /// The maxima that another method has seen in the same run.
+  void adopt_largest(const ErrorWeights& other) {
+    largest_u_ = std::max(largest_u_, other.largest_u_);
+    largest_w_ = std::max(largest_w_, other.largest_w_);
+  }
   double largest_displacement() const { return largest_u_; }
+  double largest_velocity() const { return largest_w_; }
   double displacement_tolerance() const;
 
  private:

@@ -2,6 +2,7 @@
 
 #include "integration/error_weights.hpp"
 #include "integration/stepwise_run.hpp"
+#include "integration/storm_stepper.hpp"
 #include "integration/sundials/leg.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -75,7 +76,7 @@ class IdaStepper {
   double advance() {
     double t = 0.0;
     const int flag = IDASolve(memory_.get(), end_, &t, state_.get(), rate_.get(), IDA_ONE_STEP);
-    if (flag < 0) fail(leg_, "IDASolve", flag_name(IDAGetReturnFlagName(flag)));
+    if (flag < 0) fail(leg_, "IDASolve", flag, flag_name(IDAGetReturnFlagName(flag)), ida_flags());
     return t;
   }
 
@@ -96,6 +97,8 @@ class IdaStepper {
   }
 
   double largest() const { return weights_.largest_displacement(); }
+  double fastest() const { return weights_.largest_velocity(); }
+  ErrorWeights& weights() { return weights_; }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
 
  private:
@@ -126,7 +129,7 @@ class IdaStepper {
   }
 
   void check(const char* call, int flag) {
-    if (flag != IDA_SUCCESS) fail(leg_, call, flag_name(IDAGetReturnFlagName(flag)));
+    if (flag != IDA_SUCCESS) fail(leg_, call, flag, flag_name(IDAGetReturnFlagName(flag)), ida_flags());
   }
 
   static int error_weights(N_Vector y, N_Vector weights, void* user) noexcept {
@@ -154,7 +157,8 @@ Statistics integrate(const BarSystem& system, const State& start, std::span<cons
   const Layout layout(penalised, observers.energy);
   Statistics statistics;
   IdaStepper stepper(penalised, layout, method.tolerance, times.back(), statistics);
-  return run_stepwise("ida", penalised, layout, stepper, statistics, start, times, observers);
+  StormStepper<IdaStepper> steps(penalised, layout, method.tolerance, times.back(), statistics, stepper);
+  return run_stepwise("ida", penalised, layout, steps, statistics, start, times, observers);
 }
 
 }  // namespace viscobar

@@ -56,6 +56,7 @@ class OdeintStepper {
   void interpolate(double t, std::span<double> y) { step_.at(t, y); }
   std::span<const double> sample(double t, int derivative) { return step_.sample(t, derivative); }
   double largest() const { return weights_.largest_displacement(); }
+  double fastest() const { return weights_.largest_velocity(); }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
 
  private:
@@ -71,7 +72,7 @@ class OdeintStepper {
     reached.t = target(t);
     formulas_.step(t, reached.t - t, motion(step_.begin().y), reached);
     if (!std::isfinite(std::reduce(reached.y.begin(), reached.y.begin() + static_cast<std::ptrdiff_t>(motion_.size))))
-      throw StepFailure("the solution is no longer finite");
+      throw StepFailure(not_finite);
   }
 
   void make_controlled_step(double t) {
@@ -81,7 +82,7 @@ class OdeintStepper {
       const double h = reached.t - t;
       if (h <= 16.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), end_) && reached.t < end_)
         throw StepFailure(
-            fmt::format("the step has shrunk to the rounding of the time t = {}; loosen the tolerance", t));
+            fmt::format("no step, however short, keeps the tolerance at t = {}; {}", t, remedy::accuracy));
       const double error = formulas_.attempt(t, h, scales_, reached);
       const double factor = std::clamp(0.9 * std::pow(error, -1.0 / Formulas::error_order), 0.2, growth);
       if (error > 1.0) {

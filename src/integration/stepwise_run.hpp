@@ -12,6 +12,7 @@
 #include "dynamics/stopwatch.hpp"
 #include "integration/event_search.hpp"
 #include "integration/layout.hpp"
+#include "integration/pace_guard.hpp"
 #include "integration/snapshot.hpp"
 #include "integration/step_failure.hpp"
 #include "viscobar/dynamics/errors.hpp"
@@ -29,6 +30,7 @@ namespace viscobar {
 ///     interpolate(t, y)        the whole state at a time within that step
 ///     sample(t, k)             k-th derivative of the entries that the event search samples
 ///     double largest()         largest |u| so far
+///     double fastest()         largest |w| so far
 ///     double displacement_tolerance()    local error of u that a step may make
 template <class Stepper>
 class StepwiseRun {
@@ -42,6 +44,7 @@ class StepwiseRun {
         times_(times),
         observers_(observers),
         search_(system),
+        pace_(times.front(), times.back()),
         snapshot_(system),
         y_(layout.size) {}
 
@@ -59,13 +62,14 @@ class StepwiseRun {
         ++statistics_.event_evaluations;
         change = search_.first_change(
             t, reached, stepper_.order(), [&](double at, int derivative) { return stepper_.sample(at, derivative); },
-            [&](std::size_t i) { return uncertainty(i); });
+            [&](std::size_t i) { return uncertainty(i, reached); });
         statistics_.max_penetration = search_.max_penetration();
       }
       const double limit = change.value_or(reached);
       outputs_until(limit);
       t = limit;
       statistics_.reached_time = t;
+      pace_.step(t, statistics_.events);
       if (observers_.progress) stopwatch_.outside([&] { observers_.progress(t); });
       if (change) {
         stepper_.interpolate(t, y_);
@@ -104,10 +108,13 @@ class StepwiseRun {
     restart(t);
   }
 
-  // A spring answers to its own clearance, which is known to rounding. The reaction of a rigid contact is known to the
-  // tolerance only: less than that must not open it, or a bar that comes to rest would toggle for ever.
-  double uncertainty(std::size_t i) const {
-    return system_.rigid() ? stepper_.displacement_tolerance() : system_.clearance_rounding(i, stepper_.largest());
+  // A spring answers to its own clearance, which is known to its rounding and to what a node moves in a rounding of the
+  // time: no change can be located better. The reaction of a rigid contact is known to the tolerance only: less than
+  // that must not open it, or a bar that comes to rest would toggle for ever.
+  double uncertainty(std::size_t i, double t) const {
+    if (system_.rigid()) return stepper_.displacement_tolerance();
+    const double time_rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(t);
+    return system_.clearance_rounding(i, stepper_.largest()) + time_rounding * stepper_.fastest();
   }
 
   void restart(double t) {
@@ -147,7 +154,7 @@ class StepwiseRun {
     };
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
       const std::size_t node = system_.contact(i).unknown;
-      if (i == search_.first_contact() || search_.changes(i, t, y_, velocity[node], uncertainty(i))) switch_one(i);
+      if (i == search_.first_contact() || search_.changes(i, t, y_, velocity[node], uncertainty(i, t))) switch_one(i);
     }
     guard_against_toggling(t, search_.first_contact());
   }
@@ -161,7 +168,7 @@ class StepwiseRun {
     if (toggles_ > 20)
       throw StepFailure(fmt::format(
           "a contact opens and closes for ever at t = {}: the clearance is below the rounding of the displacement; "
-          "choose a larger epsilon, or measure displacements from the obstacle",
+          "take a larger contact.epsilon, or measure displacements from the obstacle",
           t));
   }
 
@@ -169,8 +176,8 @@ class StepwiseRun {
     stalled_ = reached > before ? 0 : stalled_ + 1;
     if (stalled_ > 100)
       throw StepFailure(
-          fmt::format("the step has shrunk below the rounding of the time t = {}; loosen the tolerance or choose a "
-                      "larger epsilon",
+          fmt::format("the step has shrunk below the rounding of the time t = {}; loosen method.relative_tolerance or "
+                      "take a larger contact.epsilon",
                       before));
   }
 
@@ -195,6 +202,7 @@ class StepwiseRun {
   std::span<const double> times_;
   const Observers& observers_;
   EventSearch search_;
+  PaceGuard pace_;
   SnapshotBuilder snapshot_;
   Stopwatch stopwatch_;
   std::vector<double> y_;

@@ -6,6 +6,7 @@
 #include "io/report.hpp"
 #include "io/result_directory.hpp"
 #include "io/summary.hpp"
+#include "viscobar/analysis/chatter.hpp"
 #include "viscobar/io/io_error.hpp"
 
 namespace viscobar {
@@ -93,12 +94,17 @@ RunRecord record_run(const SceneFile& scene, const fs::path& directory, const Re
     contact.add(snapshot);
     data.add(snapshot);
   };
+  ChatterWatch chatter(system);
   observers.event = [&](const Event& event) {
     ++outcome.events;
     files.events.append(event);
     contact.add(event);
     data.add(event);
     if (options.event) options.event(event);
+    if (const auto first = chatter.heard(event)) {
+      outcome.warnings.push_back(chatter_warning(run, system, *first));
+      if (options.warning) options.warning(outcome.warnings.back());
+    }
   };
   observers.progress = [&](double time) {
     outcome.reached_time = time;

@@ -101,13 +101,15 @@ std::string report_html(const Case& run, const BarSystem& system, const Outcome&
   if (data.field.rows() >= 2)
     pictures = displacement_map(run, data) + profiles(run, data) + end_traces(run, outcome, contact, data) +
                reactions(run, contact, data) + energies(data);
-  const std::string failure =
+  std::string head =
       outcome.error.empty()
           ? ""
           : fmt::format("<p class=\"failed\"><b>The run did not complete.</b> It reached t = {}: {}</p>\n",
                         readable(outcome.reached_time), escaped(outcome.error));
+  for (const std::string& warning : outcome.warnings)
+    head += fmt::format("<p class=\"note\">{}</p>\n", escaped(warning));
   return page_html(
-      run.scene.title.empty() ? "A run of viscobar" : run.scene.title, run.scene, failure,
+      run.scene.title.empty() ? "A run of viscobar" : run.scene.title, run.scene, head,
       numbers(run, system, outcome, data) + pictures + contact_table(outcome, contact) + event_table(outcome, data));
 }
 

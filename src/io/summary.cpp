@@ -67,6 +67,7 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
   json["completed"] = outcome.ending == Ending::completed;
   json["ending"] = name(outcome.ending);
   json["error"] = outcome.error.empty() ? Json(nullptr) : Json(outcome.error);
+  json["warnings"] = outcome.warnings;
   json["reached_time"] = outcome.reached_time;
   json["wall_seconds"] = outcome.wall_seconds;
   json["integration_seconds"] = known(&Statistics::integration_seconds);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "viscobar/io/scene_file.hpp"
 
@@ -35,6 +36,7 @@ struct Outcome {
   std::size_t events = 0;             ///< contact changes
   std::optional<Statistics> statistics;  ///< absent when the run was ended from outside
   double wall_seconds = 0.0;             ///< of all, reading and writing included
+  std::vector<std::string> warnings;     ///< of what the run met: chatter
 };
 
 /// What the caller of record_run() wants to hear, and since when it counts.
@@ -43,6 +45,8 @@ struct RecordOptions {
   std::function<void(double time, std::size_t steps)> progress;
   /// After each contact change.
   std::function<void(const Event& event)> event;
+  /// As soon as there is something to warn of, once each.
+  std::function<void(const std::string& warning)> warning;
   /// Start of the wall clock.
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
 };

@@ -20,7 +20,7 @@ void Leg::solve(double m, double c, double k, std::span<double> x) {
   factor_.solve(x);
   ++statistics.linear_solves;
   // A sweep carries what is not finite to the ends.
-  if (!std::isfinite(x.front()) || !std::isfinite(x.back())) throw StepFailure("the solution is no longer finite");
+  if (!std::isfinite(x.front()) || !std::isfinite(x.back())) throw StepFailure(not_finite);
 }
 
 void Leg::solve_first_order(double t, double gamma, std::span<const double> y, double factor, std::span<const double> z,
@@ -93,10 +93,10 @@ NonlinearSolver make_step_solver(Leg& leg, void (*solve)(Leg&, std::span<double>
   return solver;
 }
 
-void fail(Leg& leg, const char* call, std::string flag) {
+void fail(Leg& leg, const char* call, int flag, std::string name, std::span<const ReturnFlag> known) {
   if (leg.error) std::rethrow_exception(std::exchange(leg.error, nullptr));
-  throw StepFailure(
-      fmt::format("{} returned {}{}{}", call, flag, leg.library_message.empty() ? "" : ": ", leg.library_message));
+  throw StepFailure(fmt::format("{} ({} returned {}{}{})", explanation(known, flag), call, name,
+                                leg.library_message.empty() ? "" : ": ", leg.library_message));
 }
 
 }  // namespace viscobar::sundials

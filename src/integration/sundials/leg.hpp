@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "integration/layout.hpp"
+#include "integration/sundials/return_flags.hpp"
 #include "integration/sundials/vector.hpp"
 #include "viscobar/discretisation/tridiagonal.hpp"
 #include "viscobar/dynamics/penalised_system.hpp"
@@ -76,7 +77,8 @@ int guarded(Leg& leg, Body&& body) noexcept {
   }
 }
 
-/// Throws what a callback kept, or a StepFailure made of the call, the flag's name and the library's message.
-[[noreturn]] void fail(Leg& leg, const char* call, std::string flag);
+/// Throws what a callback kept, or a StepFailure that says what a flag of the library means, what to change, and what
+/// the library said.
+[[noreturn]] void fail(Leg& leg, const char* call, int flag, std::string name, std::span<const ReturnFlag> known);
 
 }  // namespace viscobar::sundials

@@ -1,0 +1,146 @@
+// Prints what scenes with many contact changes cost the adaptive methods, and how far they are from a reference: the
+// tables of docs/storms.md. Run: build/release/tests/measure_storms, or with words to look for in the names of scenes
+// and methods; under valgrind --tool=callgrind with a scene and a method, the instructions are those of that run.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <string>
+#include <vector>
+
+#include "viscobar/analysis/recording.hpp"
+
+namespace {
+
+using namespace viscobar;
+
+struct Setting {
+  std::string name;
+  Case run;
+};
+
+Case chatter(double epsilon) {
+  Case run;
+  run.scene.bar.viscosity = 0.01;
+  run.scene.left = run.scene.right = Obstacle{0.1};
+  run.scene.displacement = [](double x) { return x * (1 - x); };
+  run.scene.velocity = [](double x) { return -x * (1 - x); };
+  run.elements = 27;
+  run.epsilon = epsilon;
+  run.end = 6.0;
+  return run;
+}
+
+// A bar over a span obstacle, pulled down; `wave` is the height of its first shape.
+Case over_span(std::size_t elements, double wave, double viscosity, double end) {
+  Case run;
+  run.scene.bar.viscosity = viscosity;
+  run.scene.span = Obstacle{0.1};
+  run.scene.displacement = [wave](double x) { return wave * std::cos(7.0 * x); };
+  run.scene.velocity = [](double) { return -1.0; };
+  run.scene.load = SteadyLoad{[](double) { return -10.0; }};
+  run.elements = elements;
+  run.epsilon = 1e-4;
+  run.end = end;
+  return run;
+}
+
+// An undamped bar that bounces for ever between its weight and the obstacles.
+Case bouncing(double end) {
+  Case run;
+  run.scene.left = run.scene.right = Obstacle{0.01};
+  run.scene.displacement = [](double x) { return 0.003 * x; };
+  run.scene.velocity = [](double) { return -1.0; };
+  run.scene.load = SteadyLoad{[](double) { return -1.0; }};
+  run.elements = 8;
+  run.epsilon = 1e-4;
+  run.end = end;
+  return run;
+}
+
+std::vector<Setting> settings() {
+  std::vector<Setting> list;
+  for (int decade = 2; decade <= 8; ++decade)
+    list.push_back({fmt::format("chatter-1e-{}", decade), chatter(std::pow(10.0, -decade))});
+  for (const std::size_t elements : {200, 1000}) {
+    list.push_back({fmt::format("span-flat-{}", elements), over_span(elements, 0.0, 0.01, 2.0)});
+    list.push_back({fmt::format("span-wavy-{}", elements), over_span(elements, 0.02, 0.01, 2.0)});
+    list.push_back({fmt::format("span-undamped-{}", elements), over_span(elements, 0.02, 0.0, 1.0)});
+  }
+  list.push_back({"bouncing", bouncing(40.0)});
+  return list;
+}
+
+struct Variant {
+  std::string label;
+  MethodName method;
+  Stepper stepper = Stepper::automatic;
+};
+
+double error(const std::vector<double>& a, const std::vector<double>& b) {
+  double largest = 0.0, difference = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    largest = std::max(largest, std::abs(b[i]));
+    difference = std::max(difference, std::abs(a[i] - b[i]));
+  }
+  return difference / largest;
+}
+
+double processor_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+bool wanted(const std::string& name, const char* word) { return !word || name.find(word) != std::string::npos; }
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const char* scene = argc > 1 ? argv[1] : nullptr;
+  const char* method = argc > 2 ? argv[2] : nullptr;
+  const std::vector<double> tolerances = argc > 3 ? std::vector{std::stod(argv[3])} : std::vector{1e-4, 1e-6, 1e-8};
+  const bool judge = argc <= 4;  // a fourth word: run only, without a reference
+  const Variant variants[] = {{"cvode", MethodName::cvode},
+                              {"ida", MethodName::ida},
+                              {"arkode", MethodName::arkode},
+                              {"dopri5", MethodName::odeint, Stepper::dopri5}};
+  for (Setting setting : settings()) {
+    if (!wanted(setting.name, scene)) continue;
+    Case& run = setting.run;
+    run.output_every = run.end / 50;
+    std::vector<double> reference;
+    if (judge) {
+      run.method = run.elements <= 60 ? MethodName::exponential : MethodName::arkode;
+      run.tolerance = {1e-10, 1e-13};
+      const double before = processor_seconds();
+      const Recording best = record(run);
+      reference = best.u;
+      fmt::print("{}: {} contact changes, reference by {} in {:.3g} s\n", setting.name, best.events.size(),
+                 name(run.method), processor_seconds() - before);
+    }
+    for (const Variant& variant : variants) {
+      if (!wanted(variant.label, method)) continue;
+      run.method = variant.method;
+      run.stepper = variant.stepper;
+      for (const double tolerance : tolerances) {
+        run.tolerance = {tolerance, tolerance * 1e-3};
+        try {
+          const double before = processor_seconds();
+          const Recording recording = record(run);
+          const double seconds = processor_seconds() - before;
+          const Statistics& s = recording.statistics;
+          fmt::print("  {:<8} {:.0e}  changes {:>6}  steps {:>8} ({:.1f} a change)  evaluations {:>8}  {:>8.3g} s{}\n",
+                     variant.label, tolerance, s.events, s.steps,
+                     static_cast<double>(s.steps) / static_cast<double>(std::max<std::size_t>(s.events, 1)),
+                     s.rhs_evaluations, seconds,
+                     judge ? fmt::format("  error / tolerance {:.3g}", error(recording.u, reference) / tolerance) : "");
+        } catch (const IntegrationError& failure) {
+          fmt::print("  {:<8} {:.0e}  {}\n", variant.label, tolerance, failure.what());
+        }
+        std::fflush(stdout);
+      }
+    }
+  }
+}
