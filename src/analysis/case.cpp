@@ -163,13 +163,10 @@ MethodName penalised_method(const Case& run) {
 
 BarSystem make_system(const Case& run) { return BarSystem(run.scene, run.mesh(), effective_mass(run)); }
 
-Statistics simulate(const Case& run, const BarSystem& system, const Observers& observers) {
-  return simulate(run, system, run.output_times(), observers);
-}
+namespace {
 
-Statistics simulate(const Case& run, const BarSystem& system, std::span<const double> times,
-                    const Observers& observers) {
-  const State start = system.initial_state();
+Statistics simulate_from(const StartingPoint& start, const Case& run, const BarSystem& system,
+                         std::span<const double> times, const Observers& observers) {
   switch (run.method) {
     case MethodName::cvode:
       return integrate(system, start, times, Cvode{penalty(run), run.tolerance, run.formulas}, observers);
@@ -184,6 +181,21 @@ Statistics simulate(const Case& run, const BarSystem& system, std::span<const do
                        observers);
   }
   return {};
+}
+
+}  // namespace
+
+Statistics simulate(const Case& run, const BarSystem& system, const Observers& observers) {
+  return simulate(run, system, run.output_times(), observers);
+}
+
+Statistics simulate(const Case& run, const BarSystem& system, std::span<const double> times,
+                    const Observers& observers) {
+  return simulate_from(system.initial_state(), run, system, times, observers);
+}
+
+Statistics simulate(const Case& run, const BarSystem& system, const Checkpoint& from, const Observers& observers) {
+  return simulate_from(from, run, system, run.output_times(), observers);
 }
 
 }  // namespace viscobar

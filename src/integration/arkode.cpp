@@ -91,6 +91,7 @@ class ArkodeStepper {
   std::span<const double> sample(double t, int derivative) { return step_.sample(t, derivative); }
   double largest() const { return weights_.largest_displacement(); }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
+  ErrorWeights& weights() { return weights_; }
 
  private:
   void create(double t) {
@@ -155,13 +156,15 @@ class ArkodeStepper {
 
 }  // namespace
 
-Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Arkode& method,
-                     const Observers& observers) {
-  PenalisedSystem penalised(system, method.penalty);
-  const Layout layout(penalised, observers.energy);
-  Statistics statistics;
-  ArkodeStepper stepper(penalised, layout, method.tolerance, times.back(), statistics);
-  return run_stepwise("arkode", penalised, layout, stepper, statistics, start, times, observers);
+Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
+                     const Arkode& method, const Observers& observers) {
+  return run_in_parts(start, observers, [&](const StartingPoint& from) {
+    PenalisedSystem penalised(system, method.penalty);
+    const Layout layout(penalised, observers.energy);
+    Statistics statistics = statistics_before(from);
+    ArkodeStepper stepper(penalised, layout, method.tolerance, times.back(), statistics);
+    return run_stepwise("arkode", penalised, layout, stepper, statistics, from, times, observers);
+  });
 }
 
 }  // namespace viscobar
