@@ -98,7 +98,8 @@ TEST(CheckpointBytes, AnArchiveOfNonsenseIsRefused) {
     std::memcpy(bytes.data() + random() % (bytes.size() - 8), &nonsense, 8);
     RunCheckpoint read;
     try {
-      ArchiveReader(bytes)(read);
+      ArchiveReader reader(bytes);
+      reader(read);
     } catch (const ArchiveError&) {
       ++refused;
     }
