@@ -139,4 +139,8 @@ Statistics simulate(const Case& run, const BarSystem& system, std::span<const do
   return method_row(run.method).run(run, system, system.initial_state(), times, observers);
 }
 
+Statistics simulate(const Case& run, const BarSystem& system, const Checkpoint& from, const Observers& observers) {
+  return method_row(run.method).run(run, system, from, run.output_times(), observers);
+}
+
 }  // namespace viscobar

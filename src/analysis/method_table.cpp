@@ -15,38 +15,38 @@ Mass redistributed(const Case&) { return Mass::redistributed; }
 // (3.22) is (2.8) with a diagonal product.
 Mass diagonal(const Case& run) { return run.mass == Mass::consistent ? Mass::lumped : run.mass; }
 
-Statistics run_cvode(const Case& run, const BarSystem& system, const State& start, std::span<const double> times,
-                     const Observers& observers) {
+Statistics run_cvode(const Case& run, const BarSystem& system, const StartingPoint& start,
+                     std::span<const double> times, const Observers& observers) {
   return integrate(system, start, times, Cvode{penalty(run), run.tolerance, run.formulas}, observers);
 }
 
-Statistics run_ida(const Case& run, const BarSystem& system, const State& start, std::span<const double> times,
+Statistics run_ida(const Case& run, const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                    const Observers& observers) {
   return integrate(system, start, times, Ida{penalty(run), run.tolerance}, observers);
 }
 
-Statistics run_arkode(const Case& run, const BarSystem& system, const State& start, std::span<const double> times,
-                      const Observers& observers) {
+Statistics run_arkode(const Case& run, const BarSystem& system, const StartingPoint& start,
+                      std::span<const double> times, const Observers& observers) {
   return integrate(system, start, times, Arkode{penalty(run), run.tolerance}, observers);
 }
 
-Statistics run_odeint(const Case& run, const BarSystem& system, const State& start, std::span<const double> times,
-                      const Observers& observers) {
+Statistics run_odeint(const Case& run, const BarSystem& system, const StartingPoint& start,
+                      std::span<const double> times, const Observers& observers) {
   return integrate(system, start, times, odeint(run), observers);
 }
 
-Statistics run_rigid(const Case& run, const BarSystem& system, const State& start, std::span<const double> times,
-                     const Observers& observers) {
+Statistics run_rigid(const Case& run, const BarSystem& system, const StartingPoint& start,
+                     std::span<const double> times, const Observers& observers) {
   return integrate(system, start, times, Rigid{run.tolerance}, observers);
 }
 
-Statistics run_exponential(const Case& run, const BarSystem& system, const State& start, std::span<const double> times,
-                           const Observers& observers) {
+Statistics run_exponential(const Case& run, const BarSystem& system, const StartingPoint& start,
+                           std::span<const double> times, const Observers& observers) {
   return integrate(system, start, times, Exponential{penalty(run)}, observers);
 }
 
-Statistics run_scheme(const Case& run, const BarSystem& system, const State& start, std::span<const double> times,
-                      const Observers& observers) {
+Statistics run_scheme(const Case& run, const BarSystem& system, const StartingPoint& start,
+                      std::span<const double> times, const Observers& observers) {
   return integrate(system, start, times, FullyDiscrete{*run.step, run.start, run.restitution.value_or(0.0)}, observers);
 }
 

@@ -29,7 +29,8 @@ struct MethodRow {
   bool penalised;
   Accuracy accuracy;
   StepSeconds seconds;
-  Statistics (*run)(const Case&, const BarSystem&, const State& start, std::span<const double> times, const Observers&);
+  Statistics (*run)(const Case&, const BarSystem&, const StartingPoint& start, std::span<const double> times,
+                    const Observers&);
   std::size_t (*vectors)(const Case&, const BarSystem&) = nullptr;  ///< own memory, in vectors with an entry a node
   Mass (*mass)(const Case&) = nullptr;                              ///< that it runs on, where not the case's
   /// Adds what the method cannot take, of a case whose values are sound by themselves.

@@ -46,6 +46,19 @@ class RunCommand {
   CLI::App& command_;
   SceneOptions scene_;
   OutputOptions output_;
+  std::string checkpoint_;
+};
+
+class ResumeCommand {
+ public:
+  explicit ResumeCommand(CLI::App& app);
+  bool chosen() const { return command_.parsed(); }
+  int operator()() const;
+
+ private:
+  CLI::App& command_;
+  std::string directory_;
+  bool json_ = false, quiet_ = false;
 };
 
 class CompareCommand {

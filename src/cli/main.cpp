@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <csignal>
+#include <new>
 
 #include "cli/commands.hpp"
 #include "cli/messages.hpp"
@@ -50,6 +51,7 @@ int run(int argc, char** argv) {
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.require_subcommand(1);
   const RunCommand run_command(app);
+  const ResumeCommand resume_command(app);
   const CheckCommand check_command(app);
   const CompareCommand compare_command(app);
   const LimitCommand limit_command(app);
@@ -74,6 +76,7 @@ int run(int argc, char** argv) {
   }
   messages.begin(argc, argv);
   if (run_command.chosen()) return run_command();
+  if (resume_command.chosen()) return resume_command();
   if (check_command.chosen()) return check_command();
   if (compare_command.chosen()) return compare_command();
   if (limit_command.chosen()) return limit_command();
@@ -103,6 +106,9 @@ int main(int argc, char** argv) {
   } catch (const std::invalid_argument& error) {
     cli::complain(error.what());
     return cli::end_messages(cli::wrong_input);
+  } catch (const std::bad_alloc&) {
+    cli::complain("there is not enough memory");
+    return cli::end_messages(cli::run_failed);
   } catch (const std::exception& error) {
     cli::complain(error.what());
     return cli::end_messages(cli::run_failed);

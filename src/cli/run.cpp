@@ -1,7 +1,11 @@
 #include <fmt/format.h>
 
+#include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <optional>
+#include <stdexcept>
+#include <utility>
 
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
@@ -52,41 +56,97 @@ int exit_code(Ending ending) {
   return run_failed;
 }
 
-}  // namespace
-
-RunCommand::RunCommand(CLI::App& app)
-    : command_(*app.add_subcommand("run", "Run a scene and write its results and a report with pictures")),
-      scene_(command_),
-      output_(command_) {}
-
-int RunCommand::operator()() const {
-  RecordOptions options;
-  const SceneFile scene = scene_.read();
-  const fs::path directory = output_.directory(scene_);
-
+/// Runs it or goes on with it: what `run` and `resume` have in common.
+template <class Record>
+int shown(const SceneFile& scene, const fs::path& directory, bool json, bool quiet, RecordOptions options,
+          Record&& record) {
   catch_interrupts();
   std::optional<Progress> progress;
-  if (!output_.quiet && !scene_.json && on_terminal()) progress.emplace(scene.run.end);
+  if (!quiet && !json && on_terminal()) progress.emplace(scene.run.end);
   options.progress = [&](double time, std::size_t steps) {
-    if (interrupt_asked()) throw Interrupted();
     if (progress) (*progress)(time, steps);
   };
+  options.stop = interrupt_asked;
   options.event = [](const Event& event) {
     detail(fmt::format("t = {:.9g}: {} {}, velocity {:.6g}", event.time, place(event),
                        event.change == Change::closing ? "closes" : "opens", event.velocity));
   };
   options.warning = [](const std::string& warning) { warn(warning); };
-  const RunRecord record = record_run(scene, directory, options);
+  const RunRecord recorded = record(options);
   progress.reset();
 
-  const Outcome& outcome = record.outcome;
+  const Outcome& outcome = recorded.outcome;
   if (outcome.ending != Ending::completed)
     complain(fmt::format("stopped at t = {}: {}", outcome.reached_time, outcome.error));
-  if (scene_.json)
-    print(record.summary);
-  else if (!output_.quiet)
+  if (outcome.ending == Ending::interrupted)
+    say(fmt::format("viscobar resume {} goes on with it.", directory.string()));
+  if (json)
+    print(recorded.summary);
+  else if (!quiet)
     print(table(scene.run, outcome, directory));
   return exit_code(outcome.ending);
+}
+
+/// A plain number is simulated time; with a unit it is time on the clock.
+std::optional<CheckpointEvery> checkpoint_every(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  constexpr std::pair<std::string_view, double> units[] = {{"s", 1.0}, {"min", 60.0}, {"h", 3600.0}};
+  CheckpointEvery every;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), every.interval);
+  const std::string_view unit(rest, static_cast<std::size_t>(text.data() + text.size() - rest));
+  bool known = unit.empty();
+  for (const auto& [name, seconds] : units) {
+    if (unit != name) continue;
+    known = true;
+    every.clock = CheckpointEvery::Clock::wall;
+    every.interval *= seconds;
+  }
+  if (error != std::errc{} || !known || !(every.interval > 0.0) || !std::isfinite(every.interval))
+    throw std::invalid_argument(fmt::format(
+        "--checkpoint: {} is neither a time of the scene, such as 0.5, nor one on the clock, such as 30s, 5min or 1h",
+        text));
+  return every;
+}
+
+}  // namespace
+
+RunCommand::RunCommand(CLI::App& app)
+    : command_(*app.add_subcommand("run", "Run a scene and write its results and a report with pictures")),
+      scene_(command_),
+      output_(command_) {
+  command_
+      .add_option("--checkpoint", checkpoint_,
+                  "Make checkpoints to go on from with resume: in the time of the scene, such as 0.5, or on the clock, "
+                  "such as 30s, 5min or 1h")
+      ->type_name("INTERVAL");
+}
+
+int RunCommand::operator()() const {
+  RecordOptions options;
+  options.checkpoint = checkpoint_every(checkpoint_);
+  const SceneFile scene = scene_.read();
+  if (options.checkpoint && options.checkpoint->clock == CheckpointEvery::Clock::simulated &&
+      !(options.checkpoint->interval > 1e-12 * scene.run.end))
+    throw std::invalid_argument("--checkpoint: is lost in the rounding of the times of the scene");
+  const fs::path directory = output_.directory(scene_);
+  return shown(scene, directory, scene_.json, output_.quiet, options,
+               [&](const RecordOptions& chosen) { return record_run(scene, directory, chosen); });
+}
+
+ResumeCommand::ResumeCommand(CLI::App& app)
+    : command_(*app.add_subcommand(
+          "resume", "Go on with a run that was stopped, from its last checkpoint, as if it had not been")) {
+  command_.add_option("directory", directory_, "Where the run put its results")->required()->type_name("DIR");
+  command_.add_flag("--json", json_, "Print one JSON document on standard output, and nothing else there");
+  command_.add_flag("--quiet", quiet_, "Print nothing but errors");
+}
+
+int ResumeCommand::operator()() const {
+  const fs::path directory = directory_;
+  RecordOptions options;
+  const SceneFile scene = scene_of_checkpoint(directory);
+  return shown(scene, directory, json_, quiet_, options,
+               [&](const RecordOptions& chosen) { return resume_run(scene, directory, chosen, warn); });
 }
 
 }  // namespace viscobar::cli

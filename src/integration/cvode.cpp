@@ -87,8 +87,8 @@ class CvodeStepper {
 
   double largest() const { return weights_.largest_displacement(); }
   double fastest() const { return weights_.largest_velocity(); }
-  ErrorWeights& weights() { return weights_; }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
+  ErrorWeights& weights() { return weights_; }
 
  private:
   void begin(Memory& memory, double t) {
@@ -182,19 +182,21 @@ class CvodeStepper {
 
 }  // namespace
 
-Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Cvode& method,
-                     const Observers& observers) {
+Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
+                     const Cvode& method, const Observers& observers) {
   if (system.has_massless() && !system.damped())
     throw std::invalid_argument(
         "cvode cannot take massless contact nodes without viscosity: their equations are algebraic; use ida");
-  PenalisedSystem penalised(system, method.penalty);
-  const Layout layout(penalised, observers.energy);
-  Statistics statistics;
-  CvodeStepper stepper(penalised, layout, method, times.back(), statistics);
-  if (method.formulas != Formulas::automatic)
-    return run_stepwise("cvode", penalised, layout, stepper, statistics, start, times, observers);
-  StormStepper<CvodeStepper> steps(penalised, layout, method.tolerance, times.back(), statistics, stepper);
-  return run_stepwise("cvode", penalised, layout, steps, statistics, start, times, observers);
+  return run_in_parts(start, observers, [&](const StartingPoint& from) {
+    PenalisedSystem penalised(system, method.penalty);
+    const Layout layout(penalised, observers.energy);
+    Statistics statistics = statistics_before(from);
+    CvodeStepper stepper(penalised, layout, method, times.back(), statistics);
+    if (method.formulas != Formulas::automatic)
+      return run_stepwise("cvode", penalised, layout, stepper, statistics, from, times, observers);
+    StormStepper<CvodeStepper> steps(penalised, layout, method.tolerance, times.back(), statistics, stepper);
+    return run_stepwise("cvode", penalised, layout, steps, statistics, from, times, observers);
+  });
 }
 
 }  // namespace viscobar

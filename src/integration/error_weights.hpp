@@ -49,6 +49,8 @@ class ErrorWeights {
   double largest_velocity() const { return largest_w_; }
   double displacement_tolerance() const;
 
+  static void members(auto& weights, auto&& each) { each(weights.largest_u_, weights.largest_w_); }
+
  private:
   Layout layout_;
   Tolerance tolerance_;

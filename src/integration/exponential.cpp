@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "dynamics/contact_states.hpp"
+#include "dynamics/parts.hpp"
 #include "dynamics/stopwatch.hpp"
 #include "integration/exponential/energy_integral.hpp"
 #include "integration/exponential/passage.hpp"
@@ -36,25 +38,44 @@ std::span<const double> entries(const VectorXd& x) { return {x.data(), static_ca
 // maximum of the penetration. What a longer step leaves unresolved is found by shorter ones, at last by the series.
 class Run {
  public:
-  Run(const BarSystem& system, std::span<const double> times, const Penalty& penalty, const Observers& observers)
+  Run(const BarSystem& system, const StartingPoint& start, std::span<const double> times, const Penalty& penalty,
+      const Observers& observers)
       : system_(system),
         penalised_(system, penalty),
         times_(times),
         observers_(observers),
         snapshot_(penalised_),
+        before_(statistics_before(start)),
+        statistics_(before_),
         load_(system),
         propagators_(penalised_, load_, statistics_.matrix_factorisations),
-        t_(times.front()) {}
+        t_(begin_of(start, times)),
+        schedule_(observers, times, t_),
+        measured_(contacts(), 0),
+        changes_(contacts()) {}
 
-  Statistics operator()(const State& start) {
+  PartEnd operator()(const StartingPoint& start) {
     try {
-      begin(start);
-      while (t_ < times_.back()) advance();
+      if (const auto* checkpoint = std::get_if<Checkpoint>(&start))
+        go_on(*checkpoint);
+      else
+        begin(std::get<State>(start));
+      while (t_ < times_.back()) {
+        advance();
+        if (t_ < times_.back() && schedule_.due(t_)) return Checkpoint{t_, next_output_, reached(), archived(*this)};
+      }
     } catch (const LoadError& error) {
       fail(error.what());
     }
     statistics_.completed = true;
     return reached();
+  }
+
+  /// What a checkpoint holds of it.
+  static void members(auto& run, auto&& each) {
+    each(std::span(run.y_.data(), static_cast<std::size_t>(run.y_.size())), ContactStates{run.penalised_},
+         std::span(run.measured_), std::span(run.changes_), run.load_, run.load_jumps_, run.largest_displacement_,
+         run.energy_scale_);
   }
 
  private:
@@ -79,8 +100,8 @@ class Run {
 
   Statistics reached() {
     statistics_.reached_time = t_;
-    statistics_.load_evaluations = load_.evaluations() + penalised_.load_evaluations();
-    statistics_.integration_seconds = watch_.seconds();
+    statistics_.load_evaluations = before_.load_evaluations + load_.evaluations() + penalised_.load_evaluations();
+    statistics_.integration_seconds = before_.integration_seconds + watch_.seconds();
     return statistics_;
   }
 
@@ -98,8 +119,7 @@ class Run {
     const VectorXd v = Eigen::Map<const VectorXd>(state.v.data(), static_cast<Index>(system_.size()));
     begin_leg();
     y_ = leg().pack(u, v);
-    measured_.assign(contacts(), false);
-    changes_.assign(contacts(), {t_, 0});
+    std::ranges::fill(changes_, InstantChanges{t_, 0});
     for (std::size_t c = 0; c < contacts(); ++c) {
       if (!penalised_.closed(c)) continue;
       statistics_.max_penetration = std::max(statistics_.max_penetration, -penalised_.clearance(c, state.u));
@@ -111,13 +131,23 @@ class Run {
     if (observers_.energy) statistics_.energy = {.initial = energy_scale_ = penalised_.energy(state.u, state.v)};
   }
 
+  void go_on(const Checkpoint& checkpoint) {
+    begin_leg();
+    y_.resize(leg().size());
+    restore(*this, checkpoint, times_, observers_);
+    next_output_ = checkpoint.outputs;
+    for (std::size_t c = 0; c < contacts(); ++c)
+      if (measured_[c]) propagators_.measure_from_obstacle(c);
+    begin_leg();
+  }
+
   // Measures the displacement of a node from the obstacle that it has come to: the penetration keeps all its digits.
   // The nodes of a span obstacle go together.
   void measure_from_obstacle(std::size_t closing) {
     if (follows(closing) || measured_[closing]) return;
     for (std::size_t c = 0; c < contacts(); ++c) {
       if (penalised_.contact(c).where != penalised_.contact(closing).where) continue;
-      measured_[c] = true;
+      measured_[c] = 1;
       y_[node(c)] += propagators_.origin()[node(c)] + penalised_.contact(c).gap;
       propagators_.measure_from_obstacle(c);
     }
@@ -133,7 +163,7 @@ class Run {
       largest_displacement_ = std::max(
           largest_displacement_,
           (y_.head(leg().displacements()) + propagators_.origin().head(leg().displacements())).cwiseAbs().maxCoeff());
-    const double remaining = times_.back() - t_;
+    const double remaining = schedule_.next().value_or(times_.back()) - t_;
     // A varying load that vanishes at all points of a long step could hide a pulse between them.
     const double longest = load_.varies() ? std::min(remaining, (times_.back() - times_.front()) / 64) : remaining;
     while (level_ > 0 && propagator_->step(level_) > longest) --level_;
@@ -360,8 +390,9 @@ class Run {
   }
 
   struct InstantChanges {
-    double time;
-    int count;
+    double time = 0.0;
+    int count = 0;
+    static void members(auto& changes, auto&& each) { each(changes.time, changes.count); }
   };
 
   const BarSystem& system_;
@@ -370,20 +401,21 @@ class Run {
   const Observers& observers_;
   SnapshotBuilder snapshot_;
   Stopwatch watch_;
-  Statistics statistics_;
+  Statistics before_, statistics_;  // of the parts before this one, and with it
 
   LoadInterpolation load_;
   PropagatorCache propagators_;
   Propagator* propagator_ = nullptr;
 
   double t_;
+  CheckpointSchedule schedule_;
   VectorXd y_;
   LoadPolynomial p_;  // on the current step
   int level_ = 0;     // of the current step; below 0 where the load asks for less than a Taylor series could do
   int wait_ = 0;      // steps until a longer one is tried
   int load_jumps_ = 0;
   std::size_t next_output_ = 0;
-  std::vector<bool> measured_;           // whose node is measured from its obstacle
+  std::vector<unsigned char> measured_;  // whose node is measured from its obstacle
   std::vector<InstantChanges> changes_;  // of each contact at about one time
   double largest_displacement_ = 0.0;
   double energy_scale_ = 0.0;
@@ -391,7 +423,7 @@ class Run {
 
 }  // namespace
 
-Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times,
+Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Exponential& method, const Observers& observers) {
   if (system.size() > max_unknowns)
     throw std::invalid_argument(
@@ -400,7 +432,9 @@ Statistics integrate(const BarSystem& system, const State& start, std::span<cons
                     max_unknowns, system.size()));
   if (!system.contacts().empty() && !(method.penalty.epsilon > 0.0))
     throw std::invalid_argument("exponential needs a positive epsilon; the rigid obstacle is the method rigid");
-  return Run(system, times, method.penalty, observers)(start);
+  return run_in_parts(start, observers, [&](const StartingPoint& from) {
+    return Run(system, from, times, method.penalty, observers)(from);
+  });
 }
 
 }  // namespace viscobar

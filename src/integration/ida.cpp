@@ -98,8 +98,8 @@ class IdaStepper {
 
   double largest() const { return weights_.largest_displacement(); }
   double fastest() const { return weights_.largest_velocity(); }
-  ErrorWeights& weights() { return weights_; }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
+  ErrorWeights& weights() { return weights_; }
 
  private:
   // y' that satisfies the equations: u' = w and rho M w' = F; massless velocities are dependent, their rate is free.
@@ -151,14 +151,16 @@ class IdaStepper {
 
 }  // namespace
 
-Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Ida& method,
-                     const Observers& observers) {
-  PenalisedSystem penalised(system, method.penalty);
-  const Layout layout(penalised, observers.energy);
-  Statistics statistics;
-  IdaStepper stepper(penalised, layout, method.tolerance, times.back(), statistics);
-  StormStepper<IdaStepper> steps(penalised, layout, method.tolerance, times.back(), statistics, stepper);
-  return run_stepwise("ida", penalised, layout, steps, statistics, start, times, observers);
+Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
+                     const Ida& method, const Observers& observers) {
+  return run_in_parts(start, observers, [&](const StartingPoint& from) {
+    PenalisedSystem penalised(system, method.penalty);
+    const Layout layout(penalised, observers.energy);
+    Statistics statistics = statistics_before(from);
+    IdaStepper stepper(penalised, layout, method.tolerance, times.back(), statistics);
+    StormStepper<IdaStepper> steps(penalised, layout, method.tolerance, times.back(), statistics, stepper);
+    return run_stepwise("ida", penalised, layout, steps, statistics, from, times, observers);
+  });
 }
 
 }  // namespace viscobar

@@ -58,6 +58,7 @@ class OdeintStepper {
   double largest() const { return weights_.largest_displacement(); }
   double fastest() const { return weights_.largest_velocity(); }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
+  ErrorWeights& weights() { return weights_; }
 
  private:
   static constexpr bool adaptive = requires { Formulas::error_order; };
@@ -105,25 +106,27 @@ class OdeintStepper {
 };
 
 template <class Formulas>
-Statistics run_by(PenalisedSystem& system, const State& start, std::span<const double> times, const Odeint& method,
+Statistics run_by(const BarSystem& bar, const StartingPoint& start, std::span<const double> times, const Odeint& method,
                   const Observers& observers) {
-  const Layout layout(system, observers.energy);
-  Statistics statistics;
-  OdeintStepper<Formulas> stepper(system, layout, method, times, statistics);
-  return run_stepwise("odeint", system, layout, stepper, statistics, start, times, observers);
+  return run_in_parts(start, observers, [&](const StartingPoint& from) {
+    PenalisedSystem system(bar, method.penalty);
+    const Layout layout(system, observers.energy);
+    Statistics statistics = statistics_before(from);
+    OdeintStepper<Formulas> stepper(system, layout, method, times, statistics);
+    return run_stepwise("odeint", system, layout, stepper, statistics, from, times, observers);
+  });
 }
 
 }  // namespace
 
-Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Odeint& method,
-                     const Observers& observers) {
+Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
+                     const Odeint& method, const Observers& observers) {
   const OdeintPlan what = plan(system, times.back() - times.front(), method);
   if (what.refusal) throw std::invalid_argument(what.refusal->key + ": " + what.refusal->problem);
-  PenalisedSystem penalised(system, method.penalty);
   switch (what.stepper) {
-    case Stepper::rosenbrock4: return run_by<Rosenbrock4>(penalised, start, times, method, observers);
-    case Stepper::symplectic: return run_by<Symplectic>(penalised, start, times, method, observers);
-    default: return run_by<Dopri5>(penalised, start, times, method, observers);
+    case Stepper::rosenbrock4: return run_by<Rosenbrock4>(system, start, times, method, observers);
+    case Stepper::symplectic: return run_by<Symplectic>(system, start, times, method, observers);
+    default: return run_by<Dopri5>(system, start, times, method, observers);
   }
 }
 

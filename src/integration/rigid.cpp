@@ -4,8 +4,8 @@
 
 namespace viscobar {
 
-Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Rigid& method,
-                     const Observers& observers) {
+Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
+                     const Rigid& method, const Observers& observers) {
   const Penalty rigid{0.0, 1.0};
   if (system.has_massless() && !system.damped())
     return integrate(system, start, times, Ida{rigid, method.tolerance}, observers);

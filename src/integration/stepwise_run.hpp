@@ -9,6 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/contact_states.hpp"
+#include "dynamics/parts.hpp"
 #include "dynamics/stopwatch.hpp"
 #include "integration/event_search.hpp"
 #include "integration/layout.hpp"
@@ -36,22 +38,24 @@ template <class Stepper>
 class StepwiseRun {
  public:
   StepwiseRun(PenalisedSystem& system, const Layout& layout, Stepper& stepper, Statistics& statistics,
-              std::span<const double> times, const Observers& observers)
+              std::span<const double> times, const Observers& observers, double begin)
       : system_(system),
         layout_(layout),
         stepper_(stepper),
         statistics_(statistics),
         times_(times),
         observers_(observers),
+        schedule_(observers, times, begin),
         search_(system),
         pace_(times.front(), times.back()),
         snapshot_(system),
         y_(layout.size) {}
 
-  void operator()(const State& start) {
+  /// Up to the next checkpoint, or to the end.
+  std::optional<Checkpoint> operator()(const StartingPoint& start) {
     const double end = times_.back();
-    double t = times_.front();
-    begin(t, start);
+    const double begin = begin_at(start);
+    double t = begin;
     while (t < end) {
       if constexpr (requires { stepper_.before_step(); }) stepper_.before_step();
       const double reached = stepper_.advance();
@@ -63,9 +67,13 @@ class StepwiseRun {
         change = search_.first_change(
             t, reached, stepper_.order(), [&](double at, int derivative) { return stepper_.sample(at, derivative); },
             [&](std::size_t i) { return uncertainty(i, reached); });
-        statistics_.max_penetration = search_.max_penetration();
+        statistics_.max_penetration = std::max(statistics_.max_penetration, search_.max_penetration());
       }
-      const double limit = change.value_or(reached);
+      double limit = change.value_or(reached);
+      if (schedule_.next() && *schedule_.next() < limit) {
+        limit = *schedule_.next();
+        change.reset();
+      }
       outputs_until(limit);
       t = limit;
       statistics_.reached_time = t;
@@ -76,13 +84,24 @@ class StepwiseRun {
         switch_contacts(t);
         // What is left after a change at the very end is no leg.
         if (end - t <= 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end))) break;
-        restart(t);
       } else if (t >= end) {
         stepper_.interpolate(end, y_);
       }
+      if (t > begin && t < end && schedule_.due(t)) {
+        if (!change) stepper_.interpolate(t, y_);
+        return Checkpoint{t, next_output_, {}, archived(*this)};
+      }
+      if (change) restart(t);
     }
     statistics_.reached_time = end;
     finish(end);
+    return std::nullopt;
+  }
+
+  /// What a checkpoint holds of it.
+  static void members(auto& run, auto&& each) {
+    each(std::span(run.y_), ContactStates{run.system_}, run.stepper_.weights(), run.last_contact_, run.toggles_,
+         run.last_change_);
   }
 
   double seconds() const { return stopwatch_.seconds(); }
@@ -91,10 +110,21 @@ class StepwiseRun {
   std::span<double> u() { return layout_.u(y_); }
   std::span<double> w() { return layout_.w(y_); }
 
+  double begin_at(const StartingPoint& start) {
+    stepper_.begin_run(system_.contact_count() > 0 ? search_.sampled_entries() : std::vector<std::size_t>{});
+    if (const auto* checkpoint = std::get_if<Checkpoint>(&start)) {
+      restore(*this, *checkpoint, times_, observers_);
+      next_output_ = checkpoint->outputs;
+      restart(checkpoint->time);
+      return checkpoint->time;
+    }
+    begin(times_.front(), std::get<State>(start));
+    return times_.front();
+  }
+
   void begin(double t, const State& start) {
     std::ranges::copy(start.u, u().begin());
     std::ranges::copy(start.v, w().begin());
-    stepper_.begin_run(system_.contact_count() > 0 ? search_.sampled_entries() : std::vector<std::size_t>{});
     system_.complete_displacement(t, u());
     system_.complete_velocity(t, u(), w());
     const std::vector<double> approach(w().begin(), w().end());
@@ -201,6 +231,7 @@ class StepwiseRun {
   Statistics& statistics_;
   std::span<const double> times_;
   const Observers& observers_;
+  CheckpointSchedule schedule_;
   EventSearch search_;
   PaceGuard pace_;
   SnapshotBuilder snapshot_;
@@ -211,17 +242,19 @@ class StepwiseRun {
   double last_change_ = -std::numeric_limits<double>::infinity();
 };
 
-/// Makes the run and turns whatever stops it into an IntegrationError that says how far it came.
+/// Makes a part of the run and turns whatever stops it into an IntegrationError that says how far it came. `statistics`
+/// are those of the parts before, and become those of all.
 template <class Stepper>
-Statistics run_stepwise(const char* method, PenalisedSystem& system, const Layout& layout, Stepper& stepper,
-                        Statistics& statistics, const State& start, std::span<const double> times,
-                        const Observers& observers) {
-  StepwiseRun<Stepper> run(system, layout, stepper, statistics, times, observers);
+PartEnd run_stepwise(const char* method, PenalisedSystem& system, const Layout& layout, Stepper& stepper,
+                     Statistics& statistics, const StartingPoint& start, std::span<const double> times,
+                     const Observers& observers) {
+  const Statistics before = statistics;
+  StepwiseRun<Stepper> run(system, layout, stepper, statistics, times, observers, begin_of(start, times));
   const auto conclude = [&] {
     const BarSystem& bar = system.bar();
     statistics.unknowns = bar.size() + (bar.massive_end() - bar.massive_begin());
-    statistics.load_evaluations = system.load_evaluations();
-    statistics.integration_seconds = run.seconds();
+    statistics.load_evaluations = before.load_evaluations + system.load_evaluations();
+    statistics.integration_seconds = before.integration_seconds + run.seconds();
   };
   const auto explain = [&](const std::exception& cause) {
     conclude();
@@ -229,7 +262,11 @@ Statistics run_stepwise(const char* method, PenalisedSystem& system, const Layou
                             statistics);
   };
   try {
-    run(start);
+    if (auto checkpoint = run(start)) {
+      conclude();
+      checkpoint->statistics = statistics;
+      return std::move(*checkpoint);
+    }
   } catch (const StepFailure& failure) {
     throw explain(failure);
   } catch (const LoadError& error) {

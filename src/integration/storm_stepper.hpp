@@ -71,6 +71,7 @@ class StormStepper {
   std::span<const double> sample(double t, int derivative) {
     return storm_ ? one_step_->sample(t, derivative) : multistep_.sample(t, derivative);
   }
+  ErrorWeights& weights() { return storm_ ? one_step_->weights() : multistep_.weights(); }
   double largest() const { return storm_ ? one_step_->largest() : multistep_.largest(); }
   double fastest() const { return storm_ ? one_step_->fastest() : multistep_.fastest(); }
   double displacement_tolerance() const {

@@ -27,6 +27,11 @@ class ContactAccount {
   /// Times in contact up to `now`, as far as a picture shows them.
   std::vector<plot::Interval> intervals(double now) const;
 
+  static void members(auto& account, auto&& each) {
+    each(account.closings_, account.duration_, account.impulse_, account.max_reaction_, account.intervals_,
+         account.closed_since_, account.last_);
+  }
+
  private:
   std::size_t closings_ = 0;
   double duration_ = 0.0, impulse_ = 0.0, max_reaction_ = 0.0;
@@ -34,6 +39,7 @@ class ContactAccount {
   std::optional<double> closed_since_;
   struct Sample {
     double time, reaction;
+    static void members(auto& sample, auto&& each) { each(sample.time, sample.reaction); }
   };
   std::optional<Sample> last_;
 };

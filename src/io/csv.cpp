@@ -2,8 +2,16 @@
 
 namespace viscobar {
 
-EndsCsv::EndsCsv(const std::filesystem::path& path) : file_(path) {
-  file_.print("t,u_left,v_left,reaction_left,u_right,v_right,reaction_right");
+namespace {
+
+LineFile line_file(const std::filesystem::path& path, std::optional<std::size_t> keep) {
+  return keep ? LineFile(path, *keep) : LineFile(path);
+}
+
+}  // namespace
+
+EndsCsv::EndsCsv(const std::filesystem::path& path, std::optional<std::size_t> keep) : file_(line_file(path, keep)) {
+  if (!keep) file_.print("t,u_left,v_left,reaction_left,u_right,v_right,reaction_right");
 }
 
 void EndsCsv::append(const Snapshot& at) {
@@ -11,7 +19,10 @@ void EndsCsv::append(const Snapshot& at) {
               at.reaction_right);
 }
 
-EventsCsv::EventsCsv(const std::filesystem::path& path) : file_(path) { file_.print("t,where,change,velocity"); }
+EventsCsv::EventsCsv(const std::filesystem::path& path, std::optional<std::size_t> keep)
+    : file_(line_file(path, keep)) {
+  if (!keep) file_.print("t,where,change,velocity");
+}
 
 void EventsCsv::append(const Event& event) {
   file_.print("{},{},{},{}", event.time, place(event), event.change == Change::closing ? "closing" : "opening",

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 
 #include "io/output_file.hpp"
 #include "viscobar/dynamics/run.hpp"
@@ -10,8 +12,10 @@ namespace viscobar {
 /// ends.csv: a row per output time. Numbers are written in the shortest form that reads back as the same double.
 class EndsCsv {
  public:
-  explicit EndsCsv(const std::filesystem::path& path);
+  /// A new one, or the first `keep` bytes of one that is there.
+  explicit EndsCsv(const std::filesystem::path& path, std::optional<std::size_t> keep = {});
   void append(const Snapshot& snapshot);
+  std::size_t mark() { return file_.mark(); }
   void close() { file_.close(); }
 
  private:
@@ -21,8 +25,10 @@ class EndsCsv {
 /// events.csv: a row per contact change.
 class EventsCsv {
  public:
-  explicit EventsCsv(const std::filesystem::path& path);
+  /// A new one, or the first `keep` bytes of one that is there.
+  explicit EventsCsv(const std::filesystem::path& path, std::optional<std::size_t> keep = {});
   void append(const Event& event);
+  std::size_t mark() { return file_.mark(); }
   void close() { file_.close(); }
 
  private:

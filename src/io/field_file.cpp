@@ -17,8 +17,8 @@ hid_t create_file(const std::filesystem::path& path) {
                       [&] { return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT); });
 }
 
-Hdf5Dataset create(const std::filesystem::path& path, hid_t file, const char* name, hid_t type,
-                   std::span<const hsize_t> extent, std::span<const hsize_t> chunk = {}) {
+Hdf5Dataset create_dataset(const std::filesystem::path& path, hid_t file, const char* name, hid_t type,
+                           std::span<const hsize_t> extent, std::span<const hsize_t> chunk = {}) {
   const int rank = static_cast<int>(extent.size());
   const Hdf5Properties properties(H5Pcreate(H5P_DATASET_CREATE));
   std::vector<hsize_t> largest(extent.begin(), extent.end());
@@ -32,12 +32,14 @@ Hdf5Dataset create(const std::filesystem::path& path, hid_t file, const char* na
   }));
 }
 
+/// Returns where the values are.
 template <class Value>
-void write_all(const std::filesystem::path& path, hid_t file, const char* name, hid_t stored, hid_t type,
-               std::span<const hsize_t> extent, const std::vector<Value>& values) {
-  const Hdf5Dataset dataset = create(path, file, name, stored, extent);
+FieldMark::Region write_all(const std::filesystem::path& path, hid_t file, const char* name, hid_t stored, hid_t type,
+                            std::span<const hsize_t> extent, const std::vector<Value>& values) {
+  const Hdf5Dataset dataset = create_dataset(path, file, name, stored, extent);
   hdf5_checked(path, "cannot be written",
                [&] { return H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()); });
+  return {H5Dget_offset(dataset.get()), H5Dget_storage_size(dataset.get())};
 }
 
 void append_rows(const std::filesystem::path& path, const Hdf5Dataset& dataset, std::span<const hsize_t> first,
@@ -55,25 +57,36 @@ void append_rows(const std::filesystem::path& path, const Hdf5Dataset& dataset, 
 
 }  // namespace
 
-FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, std::size_t expected_rows)
+FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, std::size_t expected_rows,
+                     const FieldMark* mark)
     : path_(directory / "field.h5"),
       nodes_(mesh.nodes()),
       block_rows_(std::max<std::size_t>(1, std::min(block_bytes / (sizeof(double) * nodes_), expected_rows))),
-      xdmf_(directory / "field.xdmf", "field.h5", nodes_),
-      file_(create_file(path_)),
-      t_(create(path_, file_.get(), "t", H5T_IEEE_F64LE, std::array<hsize_t, 1>{0},
-                std::array<hsize_t, 1>{std::clamp<hsize_t>(expected_rows, 1, 4096)})),
-      u_(create(path_, file_.get(), "u", H5T_IEEE_F64LE, std::array<hsize_t, 2>{0, nodes_},
-                std::array<hsize_t, 2>{block_rows_, nodes_})),
-      v_(create(path_, file_.get(), "v", H5T_IEEE_F64LE, std::array<hsize_t, 2>{0, nodes_},
-                std::array<hsize_t, 2>{block_rows_, nodes_})) {
+      time_chunk_(std::clamp<std::size_t>(expected_rows, 1, 4096)),
+      xdmf_(directory / "field.xdmf", "field.h5", nodes_) {
+  if (mark)
+    go_on(*mark);
+  else
+    create(mesh);
+}
+
+void FieldFile::create(const Mesh& mesh) {
+  file_.reset(create_file(path_));
+  using One = std::array<hsize_t, 1>;
+  using Two = std::array<hsize_t, 2>;
+  const auto grown = [&](const char* name, std::span<const hsize_t> extent, std::span<const hsize_t> chunk) {
+    return create_dataset(path_, file_.get(), name, H5T_IEEE_F64LE, extent, chunk).release();
+  };
+  t_.reset(grown("t", One{0}, One{time_chunk_}));
+  u_.reset(grown("u", Two{0, nodes_}, Two{block_rows_, nodes_}));
+  v_.reset(grown("v", Two{0, nodes_}, Two{block_rows_, nodes_}));
   std::vector<double> x(nodes_), points(3 * nodes_, 0.0);
   for (std::size_t j = 0; j < nodes_; ++j) points[3 * j] = x[j] = mesh.node(j);
   std::vector<int> line(nodes_);
   std::iota(line.begin(), line.end(), 0);
-  write_all(path_, file_.get(), "x", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, std::array<hsize_t, 1>{nodes_}, x);
-  write_all(path_, file_.get(), "points", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, std::array<hsize_t, 2>{nodes_, 3}, points);
-  write_all(path_, file_.get(), "line", H5T_STD_I32LE, H5T_NATIVE_INT, std::array<hsize_t, 1>{nodes_}, line);
+  values_ = {write_all(path_, file_.get(), "x", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, One{nodes_}, x),
+             write_all(path_, file_.get(), "points", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, Two{nodes_, 3}, points),
+             write_all(path_, file_.get(), "line", H5T_STD_I32LE, H5T_NATIVE_INT, One{nodes_}, line)};
 }
 
 void FieldFile::append(const Snapshot& snapshot) {
@@ -96,6 +109,44 @@ void FieldFile::flush() {
   times_.clear();
   us_.clear();
   vs_.clear();
+}
+
+void FieldFile::go_on(const FieldMark& mark) {
+  hdf5_without_exit_handler();
+  put_back(path_, mark);
+  file_.reset(
+      hdf5_checked(path_, "cannot be opened", [&] { return H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT); }));
+  for (const auto& [name, dataset] : {std::pair{"t", &t_}, {"u", &u_}, {"v", &v_}})
+    dataset->reset(hdf5_checked(path_, "lacks a dataset", [&] { return H5Dopen2(file_.get(), name, H5P_DEFAULT); }));
+  rows_ = located_ = mark.rows;
+  values_ = mark.values;
+  std::vector<double> times(rows_);
+  hdf5_checked(path_, "cannot be read",
+               [&] { return H5Dread(t_.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, times.data()); });
+  xdmf_.append(times);
+}
+
+// Of a chunk that was not full at the last mark the place is known.
+void FieldFile::locate(const Hdf5Dataset& dataset, hsize_t chunk_rows) {
+  for (hsize_t row = (located_ + chunk_rows - 1) / chunk_rows * chunk_rows; row < rows_; row += chunk_rows) {
+    const std::array<hsize_t, 2> first{row, 0};
+    unsigned filters = 0;
+    haddr_t address = 0;
+    hsize_t size = 0;
+    hdf5_checked(path_, "cannot be searched",
+                 [&] { return H5Dget_chunk_info_by_coord(dataset.get(), first.data(), &filters, &address, &size); });
+    values_.push_back({address, size});
+  }
+}
+
+FieldMark FieldFile::mark() {
+  flush();
+  hdf5_checked(path_, "cannot be flushed", [&] { return H5Fflush(file_.get(), H5F_SCOPE_GLOBAL); });
+  locate(t_, time_chunk_);
+  locate(u_, block_rows_);
+  locate(v_, block_rows_);
+  located_ = rows_;
+  return marked(path_, rows_, values_);
 }
 
 void FieldFile::close() {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "io/field_mark.hpp"
 #include "io/hdf5_handle.hpp"
 #include "io/output_file.hpp"
 #include "io/xdmf_file.hpp"
@@ -17,22 +18,31 @@ namespace viscobar {
 /// `line`, the node numbers. @throws IoError
 class FieldFile {
  public:
-  /// `expected_rows` bounds the size of a block.
-  FieldFile(const std::filesystem::path& directory, const Mesh& mesh, std::size_t expected_rows);
+  /// `expected_rows` bounds the size of a block. With a mark the file is the one that is there, as it was then.
+  FieldFile(const std::filesystem::path& directory, const Mesh& mesh, std::size_t expected_rows,
+            const FieldMark* mark = nullptr);
 
   void append(const Snapshot& snapshot);
   void flush();
+  /// Brings all rows to the disk.
+  FieldMark mark();
   void close();
 
  private:
+  void create(const Mesh& mesh);
+  void go_on(const FieldMark& mark);
+  void locate(const Hdf5Dataset& dataset, hsize_t chunk_rows);
+
   std::filesystem::path path_;
-  std::size_t nodes_, block_rows_;
+  std::size_t nodes_, block_rows_, time_chunk_;
   XdmfFile xdmf_;
   Hdf5File file_;
   Hdf5Dataset t_, u_, v_;
   std::size_t rows_ = 0;                 // in the file
   std::vector<double> times_, us_, vs_;  // not yet in the file
   FlushClock clock_;
+  std::size_t located_ = 0;                // rows whose chunks are among the next
+  std::vector<FieldMark::Region> values_;  // where the values lie, as far as somebody asked
 };
 
 }  // namespace viscobar

@@ -38,6 +38,17 @@ void OutputFile::write_at(std::size_t offset, std::string_view text) {
   }
 }
 
+void OutputFile::cut_at(std::size_t length) {
+  if (::ftruncate(descriptor_, static_cast<off_t>(length)) != 0)
+    throw IoError(path_, "cannot be cut off: " + last_error());
+}
+
+void OutputFile::sync() {
+  // What cannot be synced, as a pipe or a device, cannot lose anything either.
+  if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS)
+    throw IoError(path_, "cannot be brought to the disk: " + last_error());
+}
+
 void OutputFile::close() {
   // Network file systems report a full disk here at the earliest.
   if (descriptor_ >= 0 && ::close(std::exchange(descriptor_, -1)) != 0)
@@ -53,6 +64,15 @@ void LineFile::flush() {
 void LineFile::close() {
   flush();
   file_.close();
+}
+
+void sync_directory(const std::filesystem::path& directory) {
+  const int descriptor = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) throw IoError(directory, "cannot be opened: " + last_error());
+  const bool synced = ::fsync(descriptor) == 0 || errno == EINVAL;
+  const std::string error = last_error();
+  ::close(descriptor);
+  if (!synced) throw IoError(directory, "cannot be brought to the disk: " + error);
 }
 
 void write_atomically(const std::filesystem::path& path, std::string_view text) {

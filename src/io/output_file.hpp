@@ -37,6 +37,10 @@ class OutputFile {
 
   /// Overwrites from `offset` on.
   void write_at(std::size_t offset, std::string_view text);
+  /// Cuts it off behind that many bytes.
+  void cut_at(std::size_t length);
+  /// Returns when the content is on the disk.
+  void sync();
   void close();
 
  private:
@@ -48,6 +52,11 @@ class OutputFile {
 class LineFile {
  public:
   explicit LineFile(std::filesystem::path path) : file_(std::move(path)) {}
+  /// One that is there, cut off behind `keep` bytes, to grow on.
+  LineFile(std::filesystem::path path, std::size_t keep)
+      : file_(std::move(path), OutputFile::Content::keep), written_(keep) {
+    file_.cut_at(keep);
+  }
 
   template <class... Args>
   void print(fmt::format_string<Args...> format, Args&&... args) {
@@ -56,6 +65,12 @@ class LineFile {
     if (block_.size() >= block_size || clock_.due()) flush();
   }
   void flush();
+  /// Brings all lines to the disk and returns their length.
+  std::size_t mark() {
+    flush();
+    file_.sync();
+    return written_;
+  }
   void close();
 
  private:
@@ -65,6 +80,9 @@ class LineFile {
   std::string block_;
   FlushClock clock_;
 };
+
+/// Returns when the names in a directory are on the disk.
+void sync_directory(const std::filesystem::path& directory);
 
 /// Writes a whole file so that a reader sees the old content or the new, never a part.
 void write_atomically(const std::filesystem::path& path, std::string_view text);

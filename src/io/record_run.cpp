@@ -1,7 +1,11 @@
 #include "viscobar/io/record_run.hpp"
 
-#include "io/csv.hpp"
-#include "io/field_file.hpp"
+#include <new>
+
+#include "dynamics/archive.hpp"
+#include "io/checkpoint_file.hpp"
+#include "io/described_scene.hpp"
+#include "io/growing_files.hpp"
 #include "io/output_file.hpp"
 #include "io/report.hpp"
 #include "io/result_directory.hpp"
@@ -14,18 +18,6 @@ namespace viscobar {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The files that grow with a run.
-struct GrowingFiles {
-  EndsCsv ends;
-  EventsCsv events;
-  FieldFile field;
-
-  GrowingFiles(const fs::path& directory, const Case& run)
-      : ends(directory / "ends.csv"),
-        events(directory / "events.csv"),
-        field(directory, run.mesh(), static_cast<std::size_t>(run.end / run.output_every) + 2) {}
-};
 
 /// The first failure is what the user needs to know; those that follow from it are not.
 void fail(Outcome& outcome, Ending ending, const std::string& error) {
@@ -44,9 +36,10 @@ void attempt(Outcome& outcome, Action&& action) {
   }
 }
 
-void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, const Observers& observers) {
+void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, const std::optional<Checkpoint>& from,
+                   const Observers& observers) {
   try {
-    outcome.statistics = simulate(run, system, observers);
+    outcome.statistics = from ? simulate(run, system, *from, observers) : simulate(run, system, observers);
   } catch (const Interrupted& error) {
     fail(outcome, Ending::interrupted, error.what());
   } catch (const IntegrationError& error) {
@@ -54,6 +47,8 @@ void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, c
     fail(outcome, Ending::failed, error.what());
   } catch (const std::invalid_argument& error) {
     fail(outcome, Ending::refused, error.what());
+  } catch (const std::bad_alloc&) {
+    fail(outcome, Ending::failed, "there is not enough memory");
   } catch (const std::exception& error) {
     fail(outcome, Ending::failed, error.what());
   }
@@ -63,10 +58,12 @@ void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, c
   outcome.events = outcome.statistics->events;
 }
 
-}  // namespace
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
-RunRecord record_run(const SceneFile& scene, const fs::path& directory, const RecordOptions& options) {
-  prepare_result_directory(directory);
+/// A run and its files, from the beginning or from a checkpoint.
+RunRecord record(const SceneFile& scene, const fs::path& directory, const RecordOptions& options, RunCheckpoint last) {
   const Case& run = scene.run;
   const BarSystem system = make_system(run);
   ContactSummary contact(run.scene);
@@ -84,8 +81,19 @@ RunRecord record_run(const SceneFile& scene, const fs::path& directory, const Re
   outcome.error = "the run is going on, or was killed";
   write_summary();
   outcome = {};
+  if (last.schedule && !last.motion) write_checkpoint(directory, last);
 
-  GrowingFiles files(directory, run);
+  ChatterWatch chatter(system);
+  if (last.motion) {
+    ArchiveReader archive(last.collected);
+    archive(contact, data, chatter, outcome.warnings);
+    outcome.reached_time = last.motion->time;
+    outcome.steps = last.motion->statistics.steps;
+    outcome.events = last.motion->statistics.events;
+  }
+  outcome.checkpoints = last.times;
+  GrowingFiles files(directory, run, last.motion ? &last.files : nullptr);
+
   Observers observers;
   observers.energy = true;
   observers.snapshot = [&](const Snapshot& snapshot) {
@@ -94,7 +102,6 @@ RunRecord record_run(const SceneFile& scene, const fs::path& directory, const Re
     contact.add(snapshot);
     data.add(snapshot);
   };
-  ChatterWatch chatter(system);
   observers.event = [&](const Event& event) {
     ++outcome.events;
     files.events.append(event);
@@ -106,20 +113,41 @@ RunRecord record_run(const SceneFile& scene, const fs::path& directory, const Re
       if (options.warning) options.warning(outcome.warnings.back());
     }
   };
+  bool stopping = false;
+  const bool simulated = last.schedule && last.schedule->clock == CheckpointEvery::Clock::simulated;
   observers.progress = [&](double time) {
     outcome.reached_time = time;
     ++outcome.steps;
     if (options.progress) options.progress(time, outcome.steps);
+    stopping = stopping || (options.stop && options.stop());
+    if (stopping && simulated) throw Interrupted();
   };
-  simulate_into(outcome, run, system, observers);
+  if (last.schedule || options.stop) {
+    Checkpoints& checkpoints = observers.checkpoints.emplace();
+    auto made = std::chrono::steady_clock::now();
+    if (simulated) checkpoints.every = last.schedule->interval;
+    checkpoints.asked = [&, made]() mutable {
+      if (stopping) return true;
+      if (!last.schedule || simulated || seconds_since(made) < last.schedule->interval) return false;
+      made = std::chrono::steady_clock::now();
+      return true;
+    };
+    checkpoints.take = [&](const Checkpoint& motion) {
+      outcome.checkpoints.push_back(motion.time);
+      ArchiveWriter archive;
+      archive(contact, data, chatter, outcome.warnings);
+      write_checkpoint(directory, {scene.description, last.schedule, motion, files.mark(), archive.take(),
+                                   outcome.checkpoints, last.wall_seconds + seconds_since(options.started)});
+      if (stopping) throw Interrupted();
+    };
+  }
+  simulate_into(outcome, run, system, last.motion, observers);
   // Each for itself: what one cannot write, another may.
   attempt(outcome, [&] { files.ends.close(); });
   attempt(outcome, [&] { files.events.close(); });
   attempt(outcome, [&] { files.field.close(); });
 
-  const auto stop_clock = [&] {
-    outcome.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - options.started).count();
-  };
+  const auto stop_clock = [&] { outcome.wall_seconds = last.wall_seconds + seconds_since(options.started); };
   stop_clock();
   attempt(outcome,
           [&] { write_atomically(directory / "report.html", report_html(run, system, outcome, contact, data)); });
@@ -128,7 +156,39 @@ RunRecord record_run(const SceneFile& scene, const fs::path& directory, const Re
   attempt(outcome, write_summary);
   // The text says what happened also where the file could not.
   if (outcome.ending != before) record.summary = summary_json(scene, system, outcome, contact);
+  if (outcome.ending == Ending::completed) remove_checkpoints(directory);
   return record;
+}
+
+}  // namespace
+
+RunRecord record_run(const SceneFile& scene, const fs::path& directory, const RecordOptions& options) {
+  prepare_result_directory(directory);
+  // One of an earlier run does not belong to the files of this one.
+  remove_checkpoints(directory);
+  RunCheckpoint beginning;
+  beginning.description = scene.description;
+  beginning.schedule = options.checkpoint;
+  return record(scene, directory, options, std::move(beginning));
+}
+
+SceneFile scene_of_checkpoint(const fs::path& directory) {
+  const std::string description = read_checkpoint(directory).checkpoint.description;
+  SceneFile scene = described_scene(description, directory.string());
+  if (scene.description != description)
+    throw IoError(directory, "the scene in the checkpoint is not understood as it was");
+  return scene;
+}
+
+RunRecord resume_run(const SceneFile& scene, const fs::path& directory, const RecordOptions& options,
+                     const std::function<void(const std::string&)>& complain) {
+  FoundCheckpoint found = read_checkpoint(directory);
+  if (found.checkpoint.description != scene.description)
+    throw std::invalid_argument(directory.string() + " holds the checkpoint of another scene; nothing was changed");
+  if (found.checkpoint.motion) found.checkpoint.files.check(directory);
+  if (!found.complaint.empty() && complain) complain(found.complaint);
+  if (!found.complaint.empty()) remove_newest_checkpoint(directory);
+  return record(scene, directory, options, std::move(found.checkpoint));
 }
 
 }  // namespace viscobar

@@ -20,10 +20,14 @@ class ReportData {
 
   struct End {
     plot::ThinnedLine displacement, reaction;
+    static void members(auto& end, auto&& each) { each(end.displacement, end.reaction); }
   };
   /// Of the bar, and stored in the contacts' penalty springs.
   struct Energy {
     plot::ThinnedLine kinetic, elastic, contact, total;
+    static void members(auto& energy, auto&& each) {
+      each(energy.kinetic, energy.elastic, energy.contact, energy.total);
+    }
   };
   static constexpr std::size_t most_events = 50;
 
@@ -32,6 +36,10 @@ class ReportData {
   End left, right;
   Energy energy;
   std::vector<Event> first_events;
+  static void members(auto& data, auto&& each) {
+    each(data.snapshots, data.field, data.left, data.right, data.energy, data.first_events);
+  }
+
   /// Contact springs exist: an obstacle and a penalised method.
   bool has_springs() const { return epsilon_.has_value(); }
 

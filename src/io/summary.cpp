@@ -79,6 +79,7 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
   json["event_evaluations"] = known(&Statistics::event_evaluations);
   json["load_evaluations"] = known(&Statistics::load_evaluations);
   json["events"] = outcome.events;
+  json["checkpoints"] = outcome.checkpoints;
   json["max_penetration"] = known(&Statistics::max_penetration);
   json["energy"] =
       outcome.statistics && outcome.statistics->energy ? to_json(*outcome.statistics->energy) : Json(nullptr);

@@ -14,6 +14,7 @@ namespace viscobar {
 struct ContactSummary {
   struct Span {
     std::size_t closings = 0, openings = 0;
+    static void members(auto& span, auto&& each) { each(span.closings, span.openings); }
   };
   std::optional<ContactAccount> left, right;
   std::optional<Span> span;
@@ -21,6 +22,8 @@ struct ContactSummary {
   explicit ContactSummary(const Scene& scene);
   void add(const Snapshot& snapshot);
   void add(const Event& event);
+
+  static void members(auto& contact, auto&& each) { each(contact.left, contact.right, contact.span); }
 };
 
 /// summary.json: what was run, what it cost, what came out. Numbers that a run could not tell are null.

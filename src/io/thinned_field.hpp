@@ -23,6 +23,10 @@ class ThinnedField {
   std::span<const double> row(std::size_t row) const;
   const std::vector<double>& x() const { return x_; }
 
+  static void members(auto& field, auto&& each) {
+    each(field.stride_, field.count_, field.times_, field.values_, std::span(field.last_), field.last_time_);
+  }
+
   std::size_t time_stride() const { return stride_; }
   std::size_t node_stride() const { return node_stride_; }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "dynamics/parts.hpp"
 #include "dynamics/stopwatch.hpp"
 #include "schemes/time_step.hpp"
 #include "viscobar/dynamics/errors.hpp"
@@ -15,7 +16,8 @@ namespace viscobar {
 
 namespace {
 
-void check(const BarSystem& system, const State& start, std::span<const double> times, const FullyDiscrete& scheme) {
+void check(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
+           const FullyDiscrete& scheme) {
   if (!(scheme.step > 0.0 && std::isnormal(scheme.step * scheme.step)))
     throw std::invalid_argument(fmt::format("the step of a scheme must be positive, is {}", scheme.step));
   if (!(scheme.restitution >= 0.0 && scheme.restitution <= 1.0))
@@ -23,20 +25,27 @@ void check(const BarSystem& system, const State& start, std::span<const double> 
   if (times.size() < 2 || !std::is_sorted(times.begin(), times.end(), std::less_equal<>()) ||
       !std::isfinite(times.front()) || !std::isfinite(times.back()))
     throw std::invalid_argument("two output times at least, finite and strictly increasing, are needed");
-  if (start.u.size() != system.size() || start.v.size() != system.size())
+  const auto* state = std::get_if<State>(&start);
+  if (state && (state->u.size() != system.size() || state->v.size() != system.size()))
     throw std::invalid_argument("the initial state does not have the size of the system");
 }
 
 class Run {
  public:
-  Run(const BarSystem& system, const State& start, std::span<const double> times, const FullyDiscrete& scheme,
+  Run(const BarSystem& system, const StartingPoint& start, std::span<const double> times, const FullyDiscrete& scheme,
       const Observers& observers)
-      : system_(system), start_(start), times_(times), scheme_(scheme), observers_(observers) {
+      : system_(system),
+        start_(start),
+        times_(times),
+        scheme_(scheme),
+        observers_(observers),
+        before_(statistics_before(start)),
+        statistics_(before_) {
     const double steps = (times.back() - times.front()) / scheme.step;
     // An end that misses a step by rounding only is on it.
     steps_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(steps * (1.0 - 1e-12))));
     statistics_.unknowns = system.size();
-    statistics_.reached_time = times.front();
+    statistics_.reached_time = begin_of(start, times);
     if (observers_.snapshot) {
       u_nodal_.resize(system.mesh().nodes());
       v_nodal_.resize(system.mesh().nodes());
@@ -46,7 +55,13 @@ class Run {
 
   Statistics operator()() {
     try {
-      step_.emplace(system_, start_, times_.front(), scheme_);
+      const auto* checkpoint = std::get_if<Checkpoint>(&start_);
+      step_.emplace(system_, checkpoint ? system_.initial_state() : std::get<State>(start_), times_.front(), scheme_);
+      was_active_.assign(step_->contacts().size(), 0);
+      if (checkpoint)
+        go_on(*checkpoint);
+      else if (observers_.energy)
+        statistics_.energy = EnergyAccount{.initial = step_->energy()};
       advance_to_end();
     } catch (const LoadError& error) {
       fail(error.time, error.what());
@@ -58,14 +73,24 @@ class Run {
     return statistics_;
   }
 
+  /// What a checkpoint holds of it, u^{n+1} being known and the outputs told up to t_n.
+  static void members(auto& run, auto&& each) { each(run.n_, *run.step_, std::span(run.was_active_)); }
+
  private:
   double time(std::size_t n) const { return times_.front() + static_cast<double>(n) * scheme_.step; }
 
+  void go_on(const Checkpoint& checkpoint) {
+    restore(*this, checkpoint, times_, observers_);
+    step_->restored();
+    written_ = checkpoint.outputs;
+    step_->balance(time(++n_));
+  }
+
   void advance_to_end() {
     TimeStep& step = *step_;
-    was_active_.assign(step.contacts().size(), 0);
-    if (observers_.energy) statistics_.energy = EnergyAccount{.initial = step.energy()};
-    for (std::size_t n = 1;; ++n) {
+    CheckpointSchedule schedule(observers_, times_, statistics_.reached_time);
+    for (;; ++n_) {
+      const std::size_t n = n_;
       if (!step.finite()) fail(time(n), "the displacement is no longer finite");
       const double reached = n < steps_ ? time(n) : times_.back();
       statistics_.steps = statistics_.rhs_evaluations = n;
@@ -73,10 +98,15 @@ class Run {
       if (observers_.snapshot) write_until(n);
       if (observers_.progress) stopwatch_.outside([&] { observers_.progress(reached); });
       if (n == steps_) return;
+      const bool due = schedule.due(reached);
       if (!was_active_.empty()) find_events(n);
       step.advance();
       if (observers_.energy) account();
       if (scheme_.restitution > 0.0) measure_penetration();
+      if (due) {
+        take_checkpoint(reached);
+        schedule = {observers_, times_, reached};
+      }
       step.balance(time(n + 1));
     }
   }
@@ -96,8 +126,9 @@ class Run {
 
   // The state at the start, massless nodes as the balance of their rows puts them.
   void write_start() {
-    std::ranges::copy(start_.u, u_.begin());
-    std::ranges::copy(start_.v, v_.begin());
+    const State& start = std::get<State>(start_);
+    std::ranges::copy(start.u, u_.begin());
+    std::ranges::copy(start.v, v_.begin());
     for (const std::size_t i : {std::size_t{0}, u_.size() - 1}) {
       if (i >= system_.massive_begin() && i < system_.massive_end()) continue;
       u_[i] = step_->u()[i] - scheme_.step * step_->p()[i];
@@ -183,14 +214,24 @@ class Run {
       statistics_.max_penetration = std::max(statistics_.max_penetration, -(step_->u()[contact.unknown] + contact.gap));
   }
 
+  void take_checkpoint(double t) {
+    count();
+    const Checkpoint checkpoint{t, written_, statistics_, archived(*this)};
+    stopwatch_.outside([&] { observers_.checkpoints->take(checkpoint); });
+  }
+
   void close_account() {
+    count();
+    if (step_ && statistics_.energy) statistics_.energy->final = step_->energy();
+  }
+
+  void count() {
     if (step_) {
       statistics_.linear_solves = step_->linear_solves();
       statistics_.matrix_factorisations = step_->factorisations();
       statistics_.load_evaluations = step_->load_evaluations();
-      if (statistics_.energy) statistics_.energy->final = step_->energy();
     }
-    statistics_.integration_seconds = stopwatch_.seconds();
+    statistics_.integration_seconds = before_.integration_seconds + stopwatch_.seconds();
   }
 
   [[noreturn]] void fail(double t, const std::string& what) {
@@ -199,13 +240,13 @@ class Run {
   }
 
   const BarSystem& system_;
-  const State& start_;
+  const StartingPoint& start_;
   std::span<const double> times_;
   const FullyDiscrete& scheme_;
   const Observers& observers_;
   Stopwatch stopwatch_;
-  Statistics statistics_;
-  std::size_t steps_ = 1, written_ = 0;
+  Statistics before_, statistics_;  // of the run before it was begun from a checkpoint, and with it
+  std::size_t steps_ = 1, n_ = 1, written_ = 0;
   std::vector<unsigned char> was_active_;
   std::vector<double> u_, v_, u_nodal_, v_nodal_;
   std::optional<TimeStep> step_;
@@ -213,7 +254,7 @@ class Run {
 
 }  // namespace
 
-Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times,
+Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const FullyDiscrete& scheme, const Observers& observers) {
   check(system, start, times, scheme);
   return Run(system, start, times, scheme, observers)();

@@ -29,6 +29,16 @@ class SpanConstraint {
   /// 1 where the last solution is held by its bound.
   std::span<const unsigned char> active() const { return active_; }
 
+  /// What the next solution depends on.
+  static void members(auto& constraint, auto&& each) {
+    each(std::span(constraint.active_), constraint.solves_, constraint.factorisations_);
+  }
+  /// Makes the factor that belongs to members() that have been read.
+  void restored() {
+    split();
+    --factorisations_;
+  }
+
   std::size_t solves() const { return solves_; }
   std::size_t factorisations() const { return factorisations_; }
 

@@ -117,6 +117,11 @@ void TimeStep::settle_massless(double gap, std::size_t end, std::size_t next, do
   p_[end] = (u_[next] + dt_ * p_[next] + stretch - u_[end]) / dt_;
 }
 
+void TimeStep::restored() {
+  eliminated_ = false;
+  if (auto* span = std::get_if<SpanConstraint>(&solver_)) span->restored();
+}
+
 void TimeStep::balance(double t) {
   std::swap(a_, before_);
   std::swap(reaction_, reaction_before_);

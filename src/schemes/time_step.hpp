@@ -33,6 +33,14 @@ class TimeStep {
   /// @throws LoadError, std::domain_error when the matrix is not positive definite in floating-point numbers
   TimeStep(const BarSystem& system, const State& start, double begin, const FullyDiscrete& scheme);
 
+  /// All that balance() depends on after advance(), for a checkpoint there.
+  static void members(auto& step, auto&& each) {
+    each(step.u_, step.p_, step.a_, std::span(step.reaction_), step.solves_, step.load_evaluations_);
+    if (auto* span = std::get_if<SpanConstraint>(&step.solver_)) each(*span);
+  }
+  /// Completes what members() that have been read do not hold.
+  void restored();
+
   /// Finds a^n and lambda^n, the balance at t = t_n. @throws LoadError
   void balance(double t);
 

@@ -70,5 +70,8 @@ Statistics simulate(const Case& run, const BarSystem& system, const Observers& o
 /// Likewise.
 Statistics simulate(const Case& run, const BarSystem& system, std::span<const double> times,
                     const Observers& observers);
+/// The same from a checkpoint of a run of this case on its own output times.
+/// @throws std::invalid_argument when it is of another run
+Statistics simulate(const Case& run, const BarSystem& system, const Checkpoint& from, const Observers& observers);
 
 }  // namespace viscobar

@@ -31,10 +31,14 @@ class ChatterWatch {
   /// To be told every change; the first chatter of a run, once.
   std::optional<Chatter> heard(const Event& event);
 
+  static void members(auto& watch, auto&& each) { each(watch.ends_, watch.span_, watch.told_); }
+
  private:
   struct Burst {
     double since = 0.0;
     std::size_t closings = 0;
+
+    static void members(auto& burst, auto&& each) { each(burst.since, burst.closings); }
   };
 
   double window_;

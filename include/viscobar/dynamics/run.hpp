@@ -6,6 +6,8 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <variant>
 
 #include "viscobar/dynamics/bar_system.hpp"
 
@@ -34,14 +36,6 @@ struct Event {
   double velocity = 0.0;            ///< u_t of the node: negative when it closes, the impact velocity
 };
 
-/// What listens to a run. Every member may be empty; a run computes only what somebody listens to.
-struct Observers {
-  std::function<void(const Snapshot&)> snapshot;  ///< at each output time, in order
-  std::function<void(const Event&)> event;        ///< at each contact change, in order
-  std::function<void(double time)> progress;      ///< after each step
-  bool energy = false;                            ///< keep the energy account
-};
-
 /// initial + work = final + dissipated + balance_error, the error being that of the time integration.
 struct EnergyAccount {
   double initial = 0.0;     ///< kinetic, elastic and contact energy at the start
@@ -67,6 +61,39 @@ struct Statistics {
   bool completed = false;                 ///< whether to the last output time
   double max_penetration = 0.0;           ///< max over time and contacts, >= 0
   std::optional<EnergyAccount> energy;    ///< where Observers asked for it
+};
+
+/// All that the rest of a run depends on, between two of its steps. A run that begins from it goes on as the one did
+/// that it was taken from, bit for bit; system, output times, method and whether an energy account is kept must be the
+/// same, and so must the build of the library.
+struct Checkpoint {
+  double time = 0.0;
+  std::size_t outputs = 0;  ///< output times told so far
+  Statistics statistics;    ///< so far
+  std::string state;        ///< the method's own, binary
+};
+
+/// Where a run begins: with initial data, or where another run was.
+using StartingPoint = std::variant<State, Checkpoint>;
+
+/// When a run makes checkpoints, and who takes them.
+///
+/// A method with a memory of its steps begins anew at each of them, as after a contact change, in the run that goes on
+/// as in one that begins from the checkpoint: that is why the two are the same. Where it makes checkpoints is therefore
+/// part of what determines its steps (not of what they approximate). The steps of a scheme do not depend on it.
+struct Checkpoints {
+  std::optional<double> every;  ///< of simulated time: at times.front() + k every, or the first step of a scheme there
+  std::function<bool()> asked;  ///< after each step: whether to make one where it ended; may be empty
+  std::function<void(const Checkpoint&)> take;
+};
+
+/// What listens to a run. Every member may be empty; a run computes only what somebody listens to.
+struct Observers {
+  std::function<void(const Snapshot&)> snapshot;  ///< at each output time, in order
+  std::function<void(const Event&)> event;        ///< at each contact change, in order
+  std::function<void(double time)> progress;      ///< after each step
+  bool energy = false;                            ///< keep the energy account
+  std::optional<Checkpoints> checkpoints;
 };
 
 /// A run that could not go on: which method, which call, what it said and what to change. `statistics` says how far

@@ -105,22 +105,22 @@ struct Rigid {
 /// `times` are the output times: finite, strictly increasing, at least two. They never change the trajectory.
 /// @throws IntegrationError, with what was reached
 /// @throws std::invalid_argument when the method does not fit the system (the message says why)
-Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Cvode& method,
-                     const Observers& observers);
+Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
+                     const Cvode& method, const Observers& observers);
 /// Likewise.
-Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Ida& method,
-                     const Observers& observers);
+Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
+                     const Ida& method, const Observers& observers);
 /// Likewise.
-Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Arkode& method,
-                     const Observers& observers);
+Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
+                     const Arkode& method, const Observers& observers);
 /// Likewise.
-Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Odeint& method,
-                     const Observers& observers);
+Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
+                     const Odeint& method, const Observers& observers);
 /// Likewise.
-Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times,
+Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Exponential& method, const Observers& observers);
 /// Likewise.
-Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times, const Rigid& method,
-                     const Observers& observers);
+Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
+                     const Rigid& method, const Observers& observers);
 
 }  // namespace viscobar

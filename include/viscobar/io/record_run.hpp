@@ -34,15 +34,34 @@ struct Outcome {
   double reached_time = 0.0;          ///< these three are counted by listening, so they are known however the run ended
   std::size_t steps = 0;              ///< of the method
   std::size_t events = 0;             ///< contact changes
+  std::vector<double> checkpoints;    ///< times at which checkpoints were made, in all parts of a run that was stopped
   std::optional<Statistics> statistics;  ///< absent when the run was ended from outside
   double wall_seconds = 0.0;             ///< of all, reading and writing included
   std::vector<std::string> warnings;     ///< of what the run met: chatter
 };
 
+/// How often a recorded run makes a checkpoint.
+struct CheckpointEvery {
+  /// What the interval counts.
+  enum class Clock {
+    simulated,  ///< `interval` in the time of the scene: a run that was stopped and goes on ends as if it had not been
+    wall        ///< `interval` in seconds: bounds what is lost
+  };
+  Clock clock = Clock::simulated;  ///< what the interval counts
+  double interval = 0.0;           ///< positive
+
+  static void members(auto& every, auto&& each) { each(every.clock, every.interval); }
+};
+
 /// What the caller of record_run() wants to hear, and since when it counts.
 struct RecordOptions {
-  /// After each step; may throw Interrupted.
+  /// After each step; may throw Interrupted, which leaves no checkpoint.
   std::function<void(double time, std::size_t steps)> progress;
+  /// After each step: whether to end the run, as interrupted. It leaves a checkpoint where it is; with a schedule in
+  /// simulated time the last one of that stays.
+  std::function<bool()> stop;
+  /// Checkpoints while the run goes on; none otherwise. A resumed run keeps its own.
+  std::optional<CheckpointEvery> checkpoint;
   /// After each contact change.
   std::function<void(const Event& event)> event;
   /// As soon as there is something to warn of, once each.
@@ -63,5 +82,18 @@ struct RunRecord {
 /// @throws std::invalid_argument when the directory holds anything but an earlier result
 /// @throws IoError when the files cannot be created; later failures are in the outcome
 RunRecord record_run(const SceneFile& scene, const std::filesystem::path& directory, const RecordOptions& options = {});
+
+/// The scene of an unfinished run in a directory of results, from its checkpoint.
+/// @throws std::invalid_argument when there is no checkpoint
+/// @throws IoError when no checkpoint there can be read
+SceneFile scene_of_checkpoint(const std::filesystem::path& directory);
+
+/// Goes on with an unfinished run of a scene from its newest sound checkpoint, as if it had not been stopped: what the
+/// files have beyond that is cut off, and they end as those of a run that made the same checkpoints and was never
+/// stopped, bit for bit. What is wrong with a newer checkpoint goes to `complain`, where there is one.
+/// @throws std::invalid_argument when there is no checkpoint, or one of another scene
+/// @throws IoError when no checkpoint there can be read, or a file is shorter than it was then; nothing is changed
+RunRecord resume_run(const SceneFile& scene, const std::filesystem::path& directory, const RecordOptions& options = {},
+                     const std::function<void(const std::string&)>& complain = {});
 
 }  // namespace viscobar

@@ -23,7 +23,7 @@ struct FullyDiscrete {
 
 /// Runs the scheme from `start` at times.front() to times.back(); between steps the output is interpolated linearly,
 /// as in the paper. @throws IntegrationError
-Statistics integrate(const BarSystem& system, const State& start, std::span<const double> times,
+Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const FullyDiscrete& scheme, const Observers& observers);
 
 }  // namespace viscobar

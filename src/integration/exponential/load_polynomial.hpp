@@ -40,6 +40,8 @@ class LoadInterpolation {
   Eigen::MatrixXd varying(const LoadPolynomial& p) const;
   Eigen::MatrixXd total(const LoadPolynomial& p) const;
 
+  static void members(auto& load, auto&& each) { each(load.largest_); }
+
   std::size_t evaluations() const { return load_ ? load_->evaluations() : 0; }
 
  private:

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "io/csv.hpp"
+#include "io/field_file.hpp"
+#include "viscobar/analysis/case.hpp"
+
+namespace viscobar {
+
+/// The files that grow with a run.
+struct GrowingFiles {
+  EndsCsv ends;
+  EventsCsv events;
+  FieldFile field;
+
+  /// As much of them as belongs to a checkpoint.
+  struct Mark {
+    std::size_t ends = 0, events = 0;  ///< bytes
+    FieldMark field;
+
+    /// @throws IoError when one of the files in the directory is shorter than that: it was changed since
+    void check(const std::filesystem::path& directory) const;
+    static void members(auto& mark, auto&& each) { each(mark.ends, mark.events, mark.field); }
+  };
+
+  /// New ones; with a mark those that are there, cut off at it. @throws IoError
+  GrowingFiles(const std::filesystem::path& directory, const Case& run, const Mark* mark = nullptr)
+      : ends(directory / "ends.csv", mark ? std::optional(mark->ends) : std::nullopt),
+        events(directory / "events.csv", mark ? std::optional(mark->events) : std::nullopt),
+        field(directory, run.mesh(), static_cast<std::size_t>(run.end / run.output_every) + 2,
+              mark ? &mark->field : nullptr) {}
+
+  /// Brings all to the disk. @throws IoError
+  Mark mark() { return {ends.mark(), events.mark(), field.mark()}; }
+};
+
+}  // namespace viscobar

@@ -1,0 +1,159 @@
+// What the machine refuses, at every place where it can: memory, room on the disk, renaming, syncing. A run that fails
+// for it says so with exit code 1, and goes on later as if nothing had happened.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "checkpoint/process.hpp"
+#include "io/scratch.hpp"
+
+namespace viscobar {
+namespace {
+
+namespace fs = std::filesystem;
+using testing_checkpoint::Process;
+
+constexpr const char* bouncing = R"toml(
+[bar]
+length = 1.0
+viscosity = 0.1
+[left]
+kind = "obstacle"
+gap = 0.1
+[right]
+kind = "free"
+[initial]
+velocity = "-1-x/10"
+[load]
+density = "-sin(t)*x"
+[time]
+end = 2.0
+[mesh]
+elements = 20
+[contact]
+epsilon = 1e-3
+[method]
+name = "cvode"
+step = 1e-3
+[output]
+every = 0.01
+)toml";
+
+#ifdef __SANITIZE_ADDRESS__
+constexpr bool sanitized = true;  // has an allocator of its own, in front of every other
+#else
+constexpr bool sanitized = false;
+#endif
+
+class Faults : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (sanitized) GTEST_SKIP() << "the sanitizer does not let itself be preloaded upon";
+    std::ofstream(scratch / "bouncing.toml") << bouncing;
+  }
+
+  /// Exit code of the command under a fault; -SIGKILL where it had to be ended.
+  int run(const std::vector<std::string>& arguments, const std::string& fault) {
+    Process process(scratch.path(), arguments,
+                    {"LD_PRELOAD=" VISCOBAR_FAULTS, "VISCOBAR_FAULT=" + fault, "VISCOBAR_FAULT_COUNT=count.txt"});
+    for (int i = 0; i < 60'000 && !process.ended(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (!process.ended()) process.signal(SIGKILL);
+    return process.wait();
+  }
+  std::size_t counted() const { return std::stoul(read_text(scratch / "count.txt")); }
+  std::string err() const { return read_text(scratch / "err.txt"); }
+
+  static std::vector<std::string> command(const std::string& method, const std::string& directory) {
+    return {"run",          "bouncing.toml", "--quiet", "--set",  "method.name=" + method,
+            "--checkpoint", "0.2",           "-o",      directory};
+  }
+
+  /// Numbers up to `last`: all of the first ones, and `count` more, spread evenly.
+  static std::vector<std::size_t> spread(std::size_t first, std::size_t last, std::size_t count) {
+    std::vector<std::size_t> all;
+    const char* every = std::getenv("VISCOBAR_FAULTS_EVERY");  // every so-manieth call: 1 for all of them
+    const std::size_t stride = every ? std::strtoul(every, nullptr, 10) : std::max<std::size_t>(1, last / count);
+    for (std::size_t n = 1; n <= last; n += n <= first && !every ? 1 : stride) all.push_back(n);
+    return all;
+  }
+
+  Scratch scratch;
+};
+
+TEST_F(Faults, NoMemoryIsAFailureAndNeverACrash) {
+  for (const std::string method : {"cvode", "ida", "arkode", "odeint", "exponential", "fully_discrete"}) {
+    SCOPED_TRACE(method);
+    ASSERT_EQ(run(command(method, "whole"), "malloc:0"), 0) << err();
+    const std::size_t allocations = counted();
+    EXPECT_GT(allocations, 1000u);
+    for (const std::size_t n : spread(0, allocations, 40)) {
+      const int code = run(command(method, "out"), "malloc:" + std::to_string(n));
+      EXPECT_TRUE(code == 0 || (code == 1 && !err().empty())) << n << ": " << code << " " << err();
+    }
+  }
+}
+
+TEST_F(Faults, AFullDiskFailsTheRunAndLosesNothing) {
+  ASSERT_EQ(run(command("cvode", "whole"), "write:1000000"), 0) << err();
+  const std::size_t writes = counted();
+  EXPECT_GT(writes, 50u);
+  for (const std::size_t n : spread(10, writes, 30)) {
+    fs::remove_all(scratch / "out");
+    EXPECT_EQ(run(command("cvode", "out"), "write:" + std::to_string(n)), 1) << n;
+    EXPECT_NE(err().find("No space left on device"), std::string::npos) << n << err();
+    EXPECT_NE(err().find("out/"), std::string::npos) << n << err();
+    const bool kept = fs::exists(scratch / "out/checkpoint.bin") || fs::exists(scratch / "out/checkpoint.previous.bin");
+    ASSERT_EQ(run(kept ? std::vector<std::string>{"resume", "out", "--quiet"} : command("cvode", "out"), ""), 0)
+        << n << err();
+    for (const char* file : {"ends.csv", "events.csv", "field.xdmf"})
+      EXPECT_EQ(read_text(scratch / "whole" / file) == read_text(scratch / "out" / file), true) << n << file;
+  }
+}
+
+TEST_F(Faults, ShortWritesLoseNothing) {
+  ASSERT_EQ(run(command("cvode", "whole"), ""), 0) << err();
+  ASSERT_EQ(run(command("cvode", "out"), "short:0"), 0) << err();
+  for (const char* file : {"ends.csv", "events.csv", "field.xdmf", "field.h5"})
+    EXPECT_EQ(read_text(scratch / "whole" / file).size(), read_text(scratch / "out" / file).size()) << file;
+  EXPECT_EQ(read_text(scratch / "whole/ends.csv"), read_text(scratch / "out/ends.csv"));
+}
+
+TEST_F(Faults, WhatCannotBeRenamedOrSyncedFailsTheRunAndLosesNothing) {
+  for (const std::string what : {"rename:", "fsync:"}) {
+    ASSERT_EQ(run(command("cvode", "whole"), what + "1000000"), 0) << err();
+    const std::size_t calls = counted();
+    EXPECT_GT(calls, 10u);
+    for (const std::size_t n : spread(0, calls, 10)) {
+      SCOPED_TRACE(what + std::to_string(n));
+      fs::remove_all(scratch / "out");
+      EXPECT_EQ(run(command("cvode", "out"), what + std::to_string(n)), 1);
+      EXPECT_NE(err().find("Input/output error"), std::string::npos) << err();
+      EXPECT_NE(err().find("out/"), std::string::npos) << err();
+      const bool kept =
+          fs::exists(scratch / "out/checkpoint.bin") || fs::exists(scratch / "out/checkpoint.previous.bin");
+      ASSERT_EQ(run(kept ? std::vector<std::string>{"resume", "out", "--quiet"} : command("cvode", "out"), ""), 0)
+          << err();
+      EXPECT_EQ(read_text(scratch / "whole/ends.csv") == read_text(scratch / "out/ends.csv"), true);
+    }
+  }
+}
+
+TEST_F(Faults, AReadOnlyDirectoryIsNamed) {
+  if (geteuid() == 0) GTEST_SKIP() << "nothing is read-only to root";
+  fs::create_directory(scratch / "closed");
+  fs::permissions(scratch / "closed", fs::perms::owner_read | fs::perms::owner_exec);
+  EXPECT_EQ(run({"run", "bouncing.toml", "--quiet", "-o", "closed/out"}, ""), 1);
+  EXPECT_NE(err().find("closed/out"), std::string::npos) << err();
+}
+
+// 4 GiB of addresses do not hold ten million nodes of a scene that has a hundred million.
+TEST_F(Faults, ASceneTooLargeForTheMemoryIsAFailureThatSaysSo) {
+  const std::string line = "cd '" + scratch.path().string() +
+                           "' && ulimit -v 1000000 && '" VISCOBAR_COMMAND
+                           "' run bouncing.toml --quiet -o out --set mesh.elements=10000000 >out.txt 2>err.txt";
+  EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 1);
+  EXPECT_NE(err().find("not enough memory"), std::string::npos) << err();
+}
+
+}  // namespace
+}  // namespace viscobar

@@ -1,0 +1,164 @@
+// The bytes of a checkpoint: whatever happens to them is noticed.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "dynamics/archive.hpp"
+#include "io/checkpoint_file.hpp"
+#include "io/scratch.hpp"
+#include "viscobar/io/io_error.hpp"
+
+namespace viscobar {
+namespace {
+
+namespace fs = std::filesystem;
+
+RunCheckpoint example(double time = 0.5) {
+  RunCheckpoint checkpoint;
+  checkpoint.description = R"({"title": "a bar"})";
+  checkpoint.schedule = CheckpointEvery{CheckpointEvery::Clock::wall, 30.0};
+  Statistics statistics;
+  statistics.steps = 77;
+  statistics.energy = EnergyAccount{1.0, 0.0, 0.25, 0.0};
+  checkpoint.motion = Checkpoint{time, 6, statistics, std::string(3000, 'y')};
+  checkpoint.files = {120, 40, {6, 4096, {{800, 1000}, {2000, 96}}, std::string(3000, 'o')}};
+  checkpoint.collected = std::string(500, 'c');
+  checkpoint.times = {0.25, time};
+  checkpoint.wall_seconds = 61.0;
+  return checkpoint;
+}
+
+TEST(CheckpointBytes, GiveBackWhatTheyWereMadeOf) {
+  const std::string bytes = encoded(example());
+  const RunCheckpoint read = decoded(bytes);
+  EXPECT_EQ(read.description, example().description);
+  EXPECT_EQ(read.schedule->interval, 30.0);
+  EXPECT_EQ(read.motion->statistics.energy->dissipated, 0.25);
+  EXPECT_EQ(read.files.field.values[1].begin, 2000u);
+  EXPECT_EQ(encoded(read), bytes);
+  RunCheckpoint beginning;
+  beginning.description = "{}";
+  EXPECT_FALSE(decoded(encoded(beginning)).motion);
+}
+
+TEST(CheckpointBytes, EveryTruncationIsNoticed) {
+  const std::string bytes = encoded(example());
+  for (std::size_t length = 0; length < bytes.size(); ++length)
+    EXPECT_THROW(decoded(std::string_view(bytes).substr(0, length)), ArchiveError) << length;
+  EXPECT_THROW(decoded(bytes + '\0'), ArchiveError);
+}
+
+TEST(CheckpointBytes, EveryFlippedBitIsNoticed) {
+  std::string bytes = encoded(example());
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += bit < 8 * 64 ? 1 : 13) {
+    bytes[bit / 8] ^= static_cast<char>(1 << bit % 8);
+    EXPECT_THROW(decoded(bytes), ArchiveError) << bit;
+    bytes[bit / 8] ^= static_cast<char>(1 << bit % 8);
+  }
+  EXPECT_NO_THROW(decoded(bytes));
+}
+
+// Two to twenty flips, stretches of zeros as a lost block leaves them, stretches of noise, parts left out or repeated.
+TEST(CheckpointBytes, AThousandKindsOfDamageAreNoticed) {
+  const std::string sound = encoded(example());
+  std::mt19937_64 random(5);
+  const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+  std::size_t damaged = 0;
+  while (damaged < 1000) {
+    std::string bytes = sound;
+    const std::size_t at = below(bytes.size()), length = 1 + below(std::min<std::size_t>(512, bytes.size() - at));
+    switch (below(5)) {
+      case 0:
+        for (std::size_t flips = 2 + below(19); flips > 0; --flips)
+          bytes[below(bytes.size())] ^= static_cast<char>(1 << below(8));
+        break;
+      case 1: std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), length, '\0'); break;
+      case 2:
+        for (std::size_t i = at; i < at + length; ++i) bytes[i] = static_cast<char>(random());
+        break;
+      case 3: bytes.erase(at, length); break;
+      default: bytes.insert(at, bytes.substr(at, length)); break;
+    }
+    if (bytes == sound) continue;
+    ++damaged;
+    EXPECT_THROW(decoded(bytes), ArchiveError);
+  }
+}
+
+// Behind the checksum, too, nothing is believed: lengths of absurd size must not be allocated.
+TEST(CheckpointBytes, AnArchiveOfNonsenseIsRefused) {
+  std::mt19937_64 random(7);
+  ArchiveWriter archive;
+  archive(example());
+  const std::string sound = archive.take();
+  std::size_t refused = 0;
+  for (std::size_t i = 0; i < 1000; ++i) {
+    std::string bytes = sound;
+    const std::uint64_t nonsense = random() >> random() % 64;
+    std::memcpy(bytes.data() + random() % (bytes.size() - 8), &nonsense, 8);
+    RunCheckpoint read;
+    try {
+      ArchiveReader reader(bytes);
+      reader(read);
+    } catch (const ArchiveError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 0u);
+}
+
+TEST(CheckpointFile, KeepsTheOneBefore) {
+  const Scratch scratch;
+  EXPECT_THROW(read_checkpoint(scratch.path()), std::invalid_argument);
+  write_checkpoint(scratch.path(), example(0.25));
+  write_checkpoint(scratch.path(), example(0.5));
+  write_checkpoint(scratch.path(), example(0.75));
+  EXPECT_EQ(read_checkpoint(scratch.path()).checkpoint.motion->time, 0.75);
+  EXPECT_EQ(read_checkpoint(scratch.path()).complaint, "");
+  fs::resize_file(scratch / "checkpoint.bin", 1000);
+  const FoundCheckpoint found = read_checkpoint(scratch.path());
+  EXPECT_EQ(found.checkpoint.motion->time, 0.5);
+  EXPECT_NE(found.complaint.find("checkpoint.bin: is truncated"), std::string::npos) << found.complaint;
+  fs::resize_file(scratch / "checkpoint.previous.bin", 0);
+  EXPECT_THROW(read_checkpoint(scratch.path()), IoError);
+}
+
+TEST(CheckpointFile, AKillBetweenTheTwoRenamesLeavesTheOneBefore) {
+  const Scratch scratch;
+  write_checkpoint(scratch.path(), example(0.25));
+  fs::rename(scratch / "checkpoint.bin", scratch / "checkpoint.previous.bin");
+  EXPECT_EQ(read_checkpoint(scratch.path()).checkpoint.motion->time, 0.25);
+}
+
+TEST(CheckpointFile, OneThatCannotBeWrittenLeavesTheOthersAlone) {
+  const Scratch scratch;
+  write_checkpoint(scratch.path(), example(0.25));
+  write_checkpoint(scratch.path(), example(0.5));
+  fs::create_symlink("/dev/full", scratch / "checkpoint.part");
+  try {
+    write_checkpoint(scratch.path(), example(0.75));
+    ADD_FAILURE() << "a full disk was not noticed";
+  } catch (const IoError& error) {
+    EXPECT_NE(std::string(error.what()).find("No space left"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(read_checkpoint(scratch.path()).checkpoint.motion->time, 0.5);
+  fs::remove(scratch / "checkpoint.bin");
+  EXPECT_EQ(read_checkpoint(scratch.path()).checkpoint.motion->time, 0.25);
+}
+
+TEST(CheckpointFile, AFailedRenameNamesTheFile) {
+  const Scratch scratch;
+  fs::create_directories(scratch / "checkpoint.bin/in the way");
+  fs::create_directories(scratch / "checkpoint.previous.bin/in the way");
+  try {
+    write_checkpoint(scratch.path(), example());
+    ADD_FAILURE() << "a directory was replaced";
+  } catch (const IoError& error) {
+    EXPECT_NE(std::string(error.what()).find("checkpoint.bin: cannot be replaced"), std::string::npos) << error.what();
+  }
+  EXPECT_TRUE(fs::exists(scratch / "checkpoint.bin/in the way"));
+  EXPECT_FALSE(fs::exists(scratch / "checkpoint.part"));
+}
+
+}  // namespace
+}  // namespace viscobar
