@@ -2,7 +2,18 @@
 # machines than this one configure with the preset "package", which does not tune the code for the machine it is built on.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME viscobar)
-set(CPACK_PACKAGE_CONTACT "the viscobar developers <viscobar@localhost>")
+# Who builds a package maintains it, as with Debian's own tools: DEBFULLNAME and DEBEMAIL say who that is.
+cmake_host_system_information(RESULT package_host QUERY FQDN)
+set(package_name $ENV{DEBFULLNAME})
+set(package_address $ENV{DEBEMAIL})
+if(NOT package_name)
+  set(package_name "the viscobar developers")
+endif()
+if(NOT package_address)
+  set(package_address "root@${package_host}")
+endif()
+set(VISCOBAR_PACKAGE_CONTACT "${package_name} <${package_address}>" CACHE STRING "Maintainer named by the Debian package")
+set(CPACK_PACKAGE_CONTACT "${VISCOBAR_PACKAGE_CONTACT}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "motion of a viscoelastic bar against rigid obstacles")
 set(CPACK_PACKAGE_DESCRIPTION "Integrates the penalised semi-discrete bar by SUNDIALS' CVODE and IDA with located
 contact changes, or the contact problem by fully discrete schemes, and compares them.")

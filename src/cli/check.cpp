@@ -5,6 +5,7 @@
 #include "cli/commands.hpp"
 #include "cli/messages.hpp"
 #include "viscobar/analysis/chatter.hpp"
+#include "io/table.hpp"
 #include "viscobar/analysis/first_impact.hpp"
 #include "viscobar/analysis/regime.hpp"
 
@@ -205,8 +206,8 @@ int CheckCommand::operator()() const {
   text += row("load", load_kind(run.scene));
   text += row("contact", system.contacts().empty() ? "none" : contact_kind(run));
   text += row("event functions", events(run, system));
-  text += row("memory", fmt::format("about {} vectors of {} numbers, {:.3g} MB", memory.vectors, system.size(),
-                                    static_cast<double>(memory.bytes) / 1e6));
+  text += row("memory", fmt::format("about {} vectors of {} numbers, {}", memory.vectors, system.size(),
+                                    byte_number(static_cast<double>(memory.bytes))));
   if (!system.contacts().empty()) text += row("first impacts", impact_text(run, hits));
   for (const ContactRegime& regime : regimes)
     text += row(fmt::format("{} contact", name(regime.where)), to_text(regime));

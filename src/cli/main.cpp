@@ -3,6 +3,7 @@
 #include <csignal>
 #include <new>
 
+#include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/messages.hpp"
 #include "io/nearest_name.hpp"
@@ -42,7 +43,10 @@ std::string explanation(const CLI::App& app, const CLI::ParseError& error) {
     for (const CLI::App* known : app.get_subcommands({})) names.push_back(known->get_name());
     return fmt::format("unknown command {}{}", word, meant(word, names));
   }
-  return error.what();
+  if (!chosen.empty()) return error.what();
+  std::vector<std::string> names;
+  for (const CommandText& known : command_texts(app)) names.push_back(known.name);
+  return fmt::format("no command given; there are {}", fmt::join(names, ", "));
 }
 
 int run(int argc, char** argv) {

@@ -101,6 +101,11 @@ SweepCommand::SweepCommand(CLI::App& app)
   command_.add_option("sweep", file_, "The sweep file (TOML): a scene, and what varies in it")
       ->required()
       ->type_name("SWEEP");
+  command_.get_option("--output")
+      ->description(
+          "Where the rows go; those that are there of the same sweep are kept (default: the sweep's name with "
+          "\".out\", in "
+          "the working directory)");
   command_.add_option("--set", overrides_, "Replace a value of the scene in all cases (repeatable)")
       ->type_name("TABLE.KEY=VALUE")
       ->allow_extra_args(false);

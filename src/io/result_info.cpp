@@ -179,12 +179,6 @@ std::string words(const Json& value) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-std::string size(double bytes) {
-  if (bytes < 1e3) return fmt::format("{} B", bytes);
-  if (bytes < 1e6) return fmt::format("{:.1f} kB", bytes / 1e3);
-  return bytes < 1e9 ? fmt::format("{:.1f} MB", bytes / 1e6) : fmt::format("{:.1f} GB", bytes / 1e9);
-}
-
 // What is counted or spans a range, line by line below the facts.
 std::string sweep_text(const Json& result) {
   std::string text;
@@ -225,7 +219,7 @@ std::string result_text(const fs::path& place) {
   }
   Table table{{"file", "size"}, 1, {}};
   for (const Json& file : described["files"])
-    table.rows.push_back({words(file["name"]), size(file["bytes"].get<double>())});
+    table.rows.push_back({words(file["name"]), byte_number(file["bytes"].get<double>())});
   return text + viscobar::text(table);
 }
 

@@ -40,6 +40,10 @@ class SweepReader {
       throw SceneError(std::move(found_));
     }
     end_ = position_in(text, text.size());
+    if (const TomlNode* bar = inside(root, "bar"); bar && !inside(root, "vary")) {
+      report("", bar->key_at, "this is a scene; a sweep names one, scene = \"...\", and has a table [vary]");
+      throw SceneError(std::move(found_));
+    }
     for (const TomlNode& entry : root.inside) top_level(entry);
     if (!has("scene")) report("scene", end_, "is missing: the scene file, relative to this one");
     if (!has("vary")) report("vary", end_, "is missing: a table [vary] with a list or a range for each varied key");
@@ -56,6 +60,12 @@ class SweepReader {
   }
 
  private:
+  static const TomlNode* inside(const TomlNode& table, std::string_view key) {
+    const auto found =
+        std::find_if(table.inside.begin(), table.inside.end(), [&](const TomlNode& entry) { return entry.key == key; });
+    return found == table.inside.end() ? nullptr : &*found;
+  }
+
   bool has(const std::string& key) const { return seen_.contains(key); }
 
   void report(const std::string& key, TextPosition at, const std::string& message) {

@@ -11,6 +11,12 @@ namespace viscobar {
 std::string plain_number(double value) { return fmt::format("{:.3g}", value); }
 std::string readable_number(double value) { return plot::readable(value, 3); }
 
+std::string byte_number(double bytes) {
+  if (bytes < 1e3) return fmt::format("{} B", bytes);
+  if (bytes < 1e6) return fmt::format("{:.1f} kB", bytes / 1e3);
+  return bytes < 1e9 ? fmt::format("{:.1f} MB", bytes / 1e6) : fmt::format("{:.1f} GB", bytes / 1e9);
+}
+
 std::string text(const Table& table) {
   std::vector<std::size_t> widths;
   for (const std::string& name : table.header) widths.push_back(name.size());

@@ -118,6 +118,7 @@ TEST_F(Command, MisspeltWordsGetTheNearestKnownOne) {
   EXPECT_TRUE(has(err(), "second.toml")) << err();
   EXPECT_EQ(run("run"), 2);
   EXPECT_EQ(run(""), 2);
+  EXPECT_TRUE(has(err(), "there are run, check, compare")) << err();
   EXPECT_TRUE(out().empty());
 }
 

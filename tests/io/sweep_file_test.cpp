@@ -164,6 +164,16 @@ struct Malformed {
   const char* expected;
 };
 
+TEST_F(SweepFileTest, ASceneIsToldFromASweep) {
+  try {
+    read(scene);
+    FAIL() << "a scene was taken for a sweep";
+  } catch (const SceneError& error) {
+    ASSERT_EQ(error.diagnostics.size(), 1u) << error.what();
+    EXPECT_NE(error.diagnostics[0].message.find("this is a scene"), std::string::npos) << error.what();
+  }
+}
+
 class MalformedSweep : public SweepFileTest, public testing::WithParamInterface<Malformed> {};
 
 TEST_P(MalformedSweep, IsRefused) {

@@ -59,7 +59,7 @@ TEST_F(Xdmf, IsReadByItsOwnLibrary) {
     }
   }
 #else
-  GTEST_SKIP() << "libxdmf-dev is not installed";
+  GTEST_SKIP() << "libxdmf-dev or libxml2-dev is not installed";
 #endif
 }
 
