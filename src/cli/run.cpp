@@ -75,7 +75,7 @@ int RunCommand::operator()() const {
     detail(fmt::format("t = {:.9g}: {} {}, velocity {:.6g}", event.time, place(event),
                        event.change == Change::closing ? "closes" : "opens", event.velocity));
   };
-  options.warning = [](const std::string& warning) { warn(warning); };
+  options.warning = [&](const std::string& warning) { output_.quiet ? detail("warning: " + warning) : warn(warning); };
   const RunRecord record = record_run(scene, directory, options);
   progress.reset();
 

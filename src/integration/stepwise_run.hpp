@@ -29,6 +29,8 @@ namespace viscobar {
 ///     std::size_t order()      degree of the interpolant over that step
 ///     interpolate(t, y)        the whole state at a time within that step
 ///     sample(t, k)             k-th derivative of the entries that the event search samples
+///     select(entries)          which of those from now on
+///     hull(lowest, highest)    bounds of each of those over the step
 ///     double largest()         largest |u| so far
 ///     double fastest()         largest |w| so far
 ///     double displacement_tolerance()    local error of u that a step may make
@@ -60,9 +62,7 @@ class StepwiseRun {
       std::optional<double> change;
       if (system_.contact_count() > 0) {
         ++statistics_.event_evaluations;
-        change = search_.first_change(
-            t, reached, stepper_.order(), [&](double at, int derivative) { return stepper_.sample(at, derivative); },
-            [&](std::size_t i) { return uncertainty(i, reached); });
+        change = search_.first_change(t, reached, stepper_, [&](std::size_t i) { return uncertainty(i, reached); });
         statistics_.max_penetration = search_.max_penetration();
       }
       const double limit = change.value_or(reached);
