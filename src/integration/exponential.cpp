@@ -8,6 +8,7 @@
 #include "integration/exponential/energy_integral.hpp"
 #include "integration/exponential/passage.hpp"
 #include "integration/exponential/propagator_cache.hpp"
+#include "integration/pace_guard.hpp"
 #include "integration/snapshot.hpp"
 #include "viscobar/dynamics/errors.hpp"
 #include "viscobar/dynamics/penalised_system.hpp"
@@ -44,6 +45,7 @@ class Run {
         snapshot_(penalised_),
         load_(system),
         propagators_(penalised_, load_, statistics_.matrix_factorisations),
+        pace_(times.front(), times.back(), 10'000, 1e9),
         t_(times.front()) {}
 
   Statistics operator()(const State& start) {
@@ -52,6 +54,8 @@ class Run {
       while (t_ < times_.back()) advance();
     } catch (const LoadError& error) {
       fail(error.what());
+    } catch (const StepFailure& failure) {
+      fail(failure.what());
     }
     statistics_.completed = true;
     return reached();
@@ -149,6 +153,7 @@ class Run {
     else if (!take_long_step(tau))
       return shorten();
     ++statistics_.steps;
+    pace_.step(t_, statistics_.events);
     if (!y_.allFinite()) fail("the solution is not finite");
     if (observers_.progress) watch_.outside([&] { observers_.progress(t_); });
   }
@@ -375,6 +380,7 @@ class Run {
   LoadInterpolation load_;
   PropagatorCache propagators_;
   Propagator* propagator_ = nullptr;
+  PaceGuard pace_;
 
   double t_;
   VectorXd y_;

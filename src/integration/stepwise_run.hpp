@@ -59,6 +59,7 @@ class StepwiseRun {
       const double reached = stepper_.advance();
       ++statistics_.steps;
       stall_check(t, reached);
+      if (reached <= t) continue;  // nothing can be interpolated
       std::optional<double> change;
       if (system_.contact_count() > 0) {
         ++statistics_.event_evaluations;
@@ -175,10 +176,8 @@ class StepwiseRun {
   void stall_check(double before, double reached) {
     stalled_ = reached > before ? 0 : stalled_ + 1;
     if (stalled_ > 100)
-      throw StepFailure(
-          fmt::format("the step has shrunk below the rounding of the time t = {}; loosen method.relative_tolerance or "
-                      "take a larger contact.epsilon",
-                      before));
+      throw StepFailure(fmt::format("no step longer than the rounding of the time keeps the tolerance at t = {}; {}",
+                                    before, remedy::accuracy));
   }
 
   void tell_event(double t, std::size_t i, Change change, double velocity) {
