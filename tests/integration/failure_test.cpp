@@ -53,7 +53,7 @@ void expect_half_kept(const Failed& failed) {
   EXPECT_FALSE(failed.statistics.completed);
   EXPECT_NEAR(failed.statistics.reached_time, 0.5, 0.03) << failed.what;
   EXPECT_LE(failed.statistics.reached_time, 0.5);
-  EXPECT_GT(failed.statistics.reached_time, failed.last_output);
+  EXPECT_GE(failed.statistics.reached_time, failed.last_output);
   EXPECT_LT(failed.statistics.reached_time, failed.last_output + 0.01 + 1e-12) << "every output time was told";
   EXPECT_GT(failed.statistics.steps, 0u);
 }
@@ -107,7 +107,9 @@ TEST_P(Failure, OfTheVeryFirstStepKeepsTheStart) {
   const Failed failed = fail(run, run.output_times());
   EXPECT_EQ(failed.last_output, 0.0);
   EXPECT_TRUE(has(failed, "keeps the tolerance")) << failed.what;
-  if (GetParam() != MethodName::odeint) EXPECT_TRUE(has(failed, "returned ")) << "the library's words: " << failed.what;
+  if (GetParam() != MethodName::odeint) {
+    EXPECT_TRUE(has(failed, "returned ")) << "the library's words: " << failed.what;
+  }
 }
 
 TEST_P(Failure, OfNumbersThatOverflowSaysSo) {
@@ -134,10 +136,10 @@ TEST_P(Failure, ToAnEndWithinTheRoundingOfTheStartIsRefusedOrReached) {
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryAdaptiveMethod, Failure, testing::ValuesIn(adaptive),
-                         [](const auto& info) { return std::string(name(info.param)); });
+                         [](const auto& method) { return std::string(name(method.param)); });
 
 // The reference method creeps up to a pole for ever: no load is without a step that resolves it, but none leads past.
-TEST(Failure, OfTheReferenceAtAPoleIsNoHang) {
+TEST(FailureOfTheReference, AtAPoleIsNoHang) {
   const Case run =
       throw_under(SeparableLoad{[](double) { return 1.0; }, [](double t) { return 1.0 / ((0.5 - t) * (0.5 - t)); }},
                   MethodName::exponential);

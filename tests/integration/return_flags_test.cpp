@@ -22,9 +22,6 @@ std::map<std::string, int> defined(const std::string& library, const std::string
       if (std::regex_match(text, match, line)) flags[match[1]] = std::stoi(match[2]);
   }
   flags.erase("ARK_ADAPT_CUSTOM");  // a choice, no failure
-  // Of the linear solvers' interfaces, which viscobar does not use: they are returned by their own functions only.
-  std::erase_if(flags,
-                [](const auto& flag) { return std::regex_search(flag.first, std::regex("LS_|DIAG_|DLS|SPILS")); });
   return flags;
 }
 

@@ -48,7 +48,8 @@ TEST(Storm, UnderASpanCountsEveryNodesBounces) {
   run.scene.span = Obstacle{0.1};
   run.scene.displacement = [](double x) { return 0.02 * std::cos(7.0 * x); };
   run.scene.velocity = [](double) { return -1.0; };
-  run.end = run.output_every = 1.0;
+  run.scene.load = SteadyLoad{[](double) { return -10.0; }};
+  run.end = run.output_every = 2.0;
   const std::size_t changes = trace(run).events.size();
   EXPECT_GT(changes, 100u);
   for (const MethodName method : adaptive) {
@@ -58,13 +59,13 @@ TEST(Storm, UnderASpanCountsEveryNodesBounces) {
   }
 }
 
-// A multistep method begins at order one and needs a dozen steps to be of order twelve, or five with as many between
-// them: were it begun anew at each change, no tolerance would be met for less. The chatter ends at a third of the run.
+// A multistep method that begins anew at each change makes 19 steps (Adams' formulas) or 37 (ida) a bounce here, many
+// of them of low order; one-step formulas make six, and find the end of the storm in twenty.
 TEST(Storm, ABounceCostsFewerStepsThanStartingAMultistepMethodAnew) {
   for (const double epsilon : {1e-6, 1e-7, 1e-8}) {
     for (const MethodName method : {MethodName::cvode, MethodName::ida, MethodName::arkode}) {
       const Trace run = trace(chatter(epsilon, method, 1e-6));
-      EXPECT_LT(run.statistics.steps, 12 * run.events.size()) << name(method) << " " << epsilon;
+      EXPECT_LT(run.statistics.steps, 15 * run.events.size()) << name(method) << " " << epsilon;
     }
   }
 }
