@@ -71,7 +71,7 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
     detail(fmt::format("t = {:.9g}: {} {}, velocity {:.6g}", event.time, place(event),
                        event.change == Change::closing ? "closes" : "opens", event.velocity));
   };
-  options.warning = [](const std::string& warning) { warn(warning); };
+  options.warning = [&](const std::string& warning) { quiet ? detail("warning: " + warning) : warn(warning); };
   const RunRecord recorded = record(options);
   progress.reset();
 

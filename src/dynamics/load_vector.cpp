@@ -22,7 +22,8 @@ double finite(double t, Load&& load, auto&& place) {
   } catch (...) {
     throw LoadError(t, fmt::format("{} cannot be evaluated", place()));
   }
-  if (!std::isfinite(value)) throw LoadError(t, fmt::format("{} is {}", place(), value));
+  if (!std::isfinite(value))
+    throw LoadError(t, fmt::format("{} is {}", place(), std::isnan(value) ? "not a number" : "infinite"));
   return value;
 }
 

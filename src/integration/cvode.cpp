@@ -1,9 +1,11 @@
 #include <cvode/cvode.h>
 
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "integration/error_weights.hpp"
+#include "integration/hull.hpp"
 #include "integration/stepwise_run.hpp"
 #include "integration/storm_stepper.hpp"
 #include "integration/sundials/leg.hpp"
@@ -42,8 +44,8 @@ class CvodeStepper {
         solver_(make_step_solver(leg_, solve_step, context_)) {}
 
   void begin_run(std::vector<std::size_t> sampled_entries) {
-    entries_ = std::move(sampled_entries);
-    probe_ = make_probe(entries_, context_);
+    probed_.emplace(std::move(sampled_entries));
+    probe_ = make_probe(*probed_, context_);
   }
 
   void restart(double t, std::span<const double> y) {
@@ -83,6 +85,15 @@ class CvodeStepper {
   std::span<const double> sample(double t, int derivative) {
     check("CVodeGetDky", CVodeGetDky(memory_, t, derivative, probe_.get()));
     return values(probe_);
+  }
+
+  void select(std::span<const std::size_t> sampled) { probed_->selected.assign(sampled.begin(), sampled.end()); }
+  void hull(std::span<double> lowest, std::span<double> highest) {
+    double end = 0.0, length = 0.0;
+    check("CVodeGetCurrentTime", CVodeGetCurrentTime(memory_, &end));
+    check("CVodeGetLastStep", CVodeGetLastStep(memory_, &length));
+    taylor_hull(
+        order(), length, [&](int k) { return sample(end, k); }, lowest, highest);
   }
 
   double largest() const { return weights_.largest_displacement(); }
@@ -171,7 +182,7 @@ class CvodeStepper {
   Formulas formulas_;
   double end_;
   Vector state_, interpolated_;
-  std::vector<std::size_t> entries_;
+  std::optional<Probed> probed_;
   Vector probe_;
   NonlinearSolver solver_;
   Memory adams_, bdf_;      // made when first needed

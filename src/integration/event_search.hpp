@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <vector>
@@ -29,25 +30,30 @@ class EventSearch {
       first_.push_back(entries_.size());
       for (const std::size_t entry : system.indicator_entries(i)) entries_.push_back(entry);
     }
+    all_.resize(count_);
+    std::iota(all_.begin(), all_.end(), std::size_t{0});
+    looked_at_ = all_;
     first_.push_back(entries_.size());
+    lowest_.resize(entries_.size());
+    highest_.resize(entries_.size());
   }
 
   /// Entries of (u, w) that the search samples.
   const std::vector<std::size_t>& sampled_entries() const { return entries_; }
 
-  /// Time of the first change in [begin, end] of the interpolant of degree `order`; `sample(t, derivative)` gives its
-  /// value or rate at the sampled entries. `uncertainty(i)` is what the indicator of contact i may be wrong by. Absent:
-  /// no contact changes.
-  template <class Sample, class Uncertainty>
-  std::optional<double> first_change(double begin, double end, std::size_t order, Sample&& sample,
-                                     Uncertainty&& uncertainty) {
+  /// Time of the first change in [begin, end], the step that the stepper (see StepwiseRun) has made last.
+  /// `uncertainty(i)` is what the indicator of contact i may be wrong by. Absent: no contact changes.
+  template <class Stepper, class Uncertainty>
+  std::optional<double> first_change(double begin, double end, Stepper& stepper, Uncertainty&& uncertainty) {
+    if (count_ > few && !look_at_the_near(stepper)) return std::nullopt;
+    const std::size_t order = stepper.order();
     for (std::size_t j = 0; j <= order; ++j) {
       const double t = j == order ? end : begin + (end - begin) * static_cast<double>(j) / static_cast<double>(order);
-      const std::span<const double> y = sample(t, 0);
-      for (std::size_t i = 0; i < count_; ++i) samples_[i * (order + 1) + j] = oriented(i, t, part(i, y));
+      const std::span<const double> y = stepper.sample(t, 0);
+      for (const std::size_t i : looked_at_) samples_[i * (order + 1) + j] = oriented(i, t, part(i, y));
     }
     double first = 2.0;
-    for (std::size_t i = 0; i < count_; ++i) {
+    for (const std::size_t i : looked_at_) {
       const std::span<const double> values(samples_.data() + i * (order + 1), order + 1);
       if (system_.closed(i))
         for (double value : values) max_penetration_ = std::max(max_penetration_, system_.penetration_share(i) * value);
@@ -55,7 +61,7 @@ class EventSearch {
       if (s && *s < first) first = *s, which_ = i;
     }
     if (first > 1.0) return std::nullopt;
-    return polished(begin, end, begin + first * (end - begin), which_, sample);
+    return polished(begin, end, begin + first * (end - begin), which_, stepper);
   }
 
   /// The contact that changes first.
@@ -73,6 +79,29 @@ class EventSearch {
   double max_penetration() const { return max_penetration_; }
 
  private:
+  // So few contacts are sooner sampled than bounded. More are those of a span obstacle, whose nodes have mass: contact
+  // i has the one entry i, its displacement.
+  static constexpr std::size_t few = 4;
+
+  // Under a span obstacle most nodes are far from a change: their hull over the step proves it, and only the others are
+  // sampled. A closed contact is near, too, where it may be deeper than any before. False: none is near.
+  template <class Stepper>
+  bool look_at_the_near(Stepper& stepper) {
+    stepper.select(all_);
+    stepper.hull(lowest_, highest_);
+    looked_at_.clear();
+    for (std::size_t i = 0; i < count_; ++i)
+      if (!far(i)) looked_at_.push_back(i);
+    if (looked_at_.empty()) return false;
+    stepper.select(looked_at_);
+    return true;
+  }
+
+  bool far(std::size_t i) const {
+    const double low = lowest_[i] + system_.contact(i).gap, high = highest_[i] + system_.contact(i).gap;
+    return system_.closed(i) ? high < 0.0 && -low <= max_penetration_ : low > 0.0;
+  }
+
   std::span<const double> part(std::size_t i, std::span<const double> sampled) const {
     return sampled.subspan(first_[i], first_[i + 1] - first_[i]);
   }
@@ -82,11 +111,11 @@ class EventSearch {
   }
 
   // The descent through the uncertainty is late; Newton's method leads back to the zero.
-  template <class Sample>
-  double polished(double begin, double end, double t, std::size_t i, Sample&& sample) {
+  template <class Stepper>
+  double polished(double begin, double end, double t, std::size_t i, Stepper& stepper) {
     for (int iteration = 0; iteration < 4; ++iteration) {
-      const double value = oriented(i, t, part(i, sample(t, 0)));
-      const double rate = sign(i) * system_.indicator_linear(i, part(i, sample(t, 1)));
+      const double value = oriented(i, t, part(i, stepper.sample(t, 0)));
+      const double rate = sign(i) * system_.indicator_linear(i, part(i, stepper.sample(t, 1)));
       if (!(rate < 0.0)) break;
       const double next = std::clamp(t - value / rate, begin, end);
       if (std::abs(next - t) > 1e-3 * (end - begin) || next == t) break;  // a graze: the descent itself is the event
@@ -98,6 +127,8 @@ class EventSearch {
   PenalisedSystem& system_;
   std::size_t count_;
   std::vector<std::size_t> entries_, first_;  // entries of contact i: [first_[i], first_[i + 1])
+  std::vector<std::size_t> all_, looked_at_;  // contacts, and those that are sampled in this step
+  std::vector<double> lowest_, highest_;      // bounds of the entries over the step
   std::vector<double> samples_;
   std::size_t which_ = 0;
   double max_penetration_ = 0.0;

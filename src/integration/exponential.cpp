@@ -10,6 +10,7 @@
 #include "integration/exponential/energy_integral.hpp"
 #include "integration/exponential/passage.hpp"
 #include "integration/exponential/propagator_cache.hpp"
+#include "integration/pace_guard.hpp"
 #include "integration/snapshot.hpp"
 #include "viscobar/dynamics/errors.hpp"
 #include "viscobar/dynamics/penalised_system.hpp"
@@ -49,6 +50,7 @@ class Run {
         statistics_(before_),
         load_(system),
         propagators_(penalised_, load_, statistics_.matrix_factorisations),
+        pace_(times.front(), times.back(), 10'000, 1e9),
         t_(begin_of(start, times)),
         schedule_(observers, times, t_),
         measured_(contacts(), 0),
@@ -66,6 +68,8 @@ class Run {
       }
     } catch (const LoadError& error) {
       fail(error.what());
+    } catch (const StepFailure& failure) {
+      fail(failure.what());
     }
     statistics_.completed = true;
     return reached();
@@ -179,6 +183,7 @@ class Run {
     else if (!take_long_step(tau))
       return shorten();
     ++statistics_.steps;
+    pace_.step(t_, statistics_.events);
     if (!y_.allFinite()) fail("the solution is not finite");
     if (observers_.progress) watch_.outside([&] { observers_.progress(t_); });
   }
@@ -406,6 +411,7 @@ class Run {
   LoadInterpolation load_;
   PropagatorCache propagators_;
   Propagator* propagator_ = nullptr;
+  PaceGuard pace_;
 
   double t_;
   CheckpointSchedule schedule_;

@@ -1,6 +1,9 @@
 #include <ida/ida.h>
 
+#include <optional>
+
 #include "integration/error_weights.hpp"
+#include "integration/hull.hpp"
 #include "integration/stepwise_run.hpp"
 #include "integration/storm_stepper.hpp"
 #include "integration/sundials/leg.hpp"
@@ -57,8 +60,8 @@ class IdaStepper {
         solver_(make_step_solver(leg_, solve_step, context_)) {}
 
   void begin_run(std::vector<std::size_t> sampled_entries) {
-    entries_ = std::move(sampled_entries);
-    probe_ = make_probe(entries_, context_);
+    probed_.emplace(std::move(sampled_entries));
+    probe_ = make_probe(*probed_, context_);
   }
 
   void restart(double t, std::span<const double> y) {
@@ -94,6 +97,15 @@ class IdaStepper {
   std::span<const double> sample(double t, int derivative) {
     check("IDAGetDky", IDAGetDky(memory_.get(), t, derivative, probe_.get()));
     return values(probe_);
+  }
+
+  void select(std::span<const std::size_t> sampled) { probed_->selected.assign(sampled.begin(), sampled.end()); }
+  void hull(std::span<double> lowest, std::span<double> highest) {
+    double end = 0.0, length = 0.0;
+    check("IDAGetCurrentTime", IDAGetCurrentTime(memory_.get(), &end));
+    check("IDAGetLastStep", IDAGetLastStep(memory_.get(), &length));
+    taylor_hull(
+        order(), length, [&](int k) { return sample(end, k); }, lowest, highest);
   }
 
   double largest() const { return weights_.largest_displacement(); }
@@ -143,7 +155,7 @@ class IdaStepper {
   ErrorWeights weights_;
   double end_;
   Vector state_, rate_, interpolated_;
-  std::vector<std::size_t> entries_;
+  std::optional<Probed> probed_;
   Vector probe_;
   NonlinearSolver solver_;
   std::unique_ptr<void, IdaDeleter> memory_;

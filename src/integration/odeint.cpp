@@ -55,6 +55,8 @@ class OdeintStepper {
   std::size_t order() const { return StepPolynomial::degree; }
   void interpolate(double t, std::span<double> y) { step_.at(t, y); }
   std::span<const double> sample(double t, int derivative) { return step_.sample(t, derivative); }
+  void select(std::span<const std::size_t> sampled) { step_.select(sampled); }
+  void hull(std::span<double> lowest, std::span<double> highest) const { step_.hull(lowest, highest); }
   double largest() const { return weights_.largest_displacement(); }
   double fastest() const { return weights_.largest_velocity(); }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
@@ -65,8 +67,13 @@ class OdeintStepper {
 
   std::span<const double> motion(const std::vector<double>& y) const { return std::span(y).first(motion_.size); }
 
+  double rounding(double t) const {
+    return 16.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end_));
+  }
   // The time that a step of the present size leads to: the end, where it would leave a rounding to go.
-  double target(double t) const { return t + size_ * (1.0 + 1e-9) >= end_ ? end_ : t + size_; }
+  double target(double t) const {
+    return t + size_ * (1.0 + 1e-9) >= end_ || end_ - t <= rounding(t) ? end_ : t + size_;
+  }
 
   void make_step(double t) {
     StepPolynomial::End& reached = step_.end();
@@ -81,7 +88,7 @@ class OdeintStepper {
     for (double growth = 5.0;; growth = 1.0) {
       reached.t = target(t);
       const double h = reached.t - t;
-      if (h <= 16.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), end_) && reached.t < end_)
+      if (h <= rounding(t) && reached.t < end_)
         throw StepFailure(
             fmt::format("no step, however short, keeps the tolerance at t = {}; {}", t, remedy::accuracy));
       const double error = formulas_.attempt(t, h, scales_, reached);

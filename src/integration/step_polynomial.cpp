@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace viscobar {
@@ -39,6 +40,8 @@ StepPolynomial::StepPolynomial(PenalisedSystem& system, const Layout& layout)
 void StepPolynomial::begin_run(std::vector<std::size_t> sampled_entries) {
   entries_ = std::move(sampled_entries);
   sampled_.resize(entries_.size());
+  selected_.resize(entries_.size());
+  std::iota(selected_.begin(), selected_.end(), std::size_t{0});
 }
 
 void StepPolynomial::restart() {
@@ -172,10 +175,28 @@ double StepPolynomial::value(std::size_t unknown, double s, int derivative) cons
   return derivative == 0 ? begin_.y[unknown] + change : change / (derivative == 1 ? h : h * h);
 }
 
+void StepPolynomial::hull(std::span<double> lowest, std::span<double> highest) const {
+  const std::size_t n = layout_.nodes;
+  const double h = length(), infinity = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < entries_.size(); ++k) {
+    const std::size_t i = entries_[k];
+    const bool known =
+        i < n && std::ranges::none_of(relaxations_, [i](const Relaxation& r) { return r.row.unknown == i; });
+    if (!known) {
+      lowest[k] = -infinity, highest[k] = infinity;
+      continue;
+    }
+    const double u0 = begin_.y[i], u1 = end_.y[i], w0 = 0.2 * h * begin_.y[n + i], w1 = 0.2 * h * end_.y[n + i];
+    const double a0 = 0.05 * h * h * begin_.a[i], a1 = 0.05 * h * h * end_.a[i];
+    const auto [least, most] = std::minmax({u0, u0 + w0, u0 + 2.0 * w0 + a0, u1 - 2.0 * w1 + a1, u1 - w1, u1});
+    lowest[k] = least, highest[k] = most;
+  }
+}
+
 std::span<const double> StepPolynomial::sample(double t, int derivative) {
   const std::size_t n = layout_.nodes;
   const double s = (t - begin_.t) / length();
-  for (std::size_t k = 0; k < entries_.size(); ++k) {
+  for (const std::size_t k : selected_) {
     const std::size_t entry = entries_[k];
     sampled_[k] = entry < n ? value(entry, s, derivative) : value(entry - n, s, derivative + 1);
   }

@@ -50,8 +50,12 @@ class StepPolynomial {
 
   /// The whole state, energy account included.
   void at(double t, std::span<double> y);
-  /// Derivative (0 or 1) of the sampled entries of (u, w).
+  /// Derivative (0 or 1) of the sampled entries of (u, w), of those selected (all at first).
   std::span<const double> sample(double t, int derivative);
+  void select(std::span<const std::size_t> sampled) { selected_.assign(sampled.begin(), sampled.end()); }
+  /// Bounds of each sampled entry over the step, by Bernstein's coefficients of the quintic; none for velocities and
+  /// massless nodes.
+  void hull(std::span<double> lowest, std::span<double> highest) const;
 
  private:
   // Of h w_0, h w_1, h^2 a_0, h^2 a_1 and D, in a derivative of u - u_0 by s.
@@ -78,7 +82,7 @@ class StepPolynomial {
   Layout layout_;
   End begin_, end_;
   std::vector<Relaxation> relaxations_;
-  std::vector<std::size_t> entries_;
+  std::vector<std::size_t> entries_, selected_;
   std::vector<double> sampled_, inner_;
 };
 

@@ -31,6 +31,8 @@ namespace viscobar {
 ///     std::size_t order()      degree of the interpolant over that step
 ///     interpolate(t, y)        the whole state at a time within that step
 ///     sample(t, k)             k-th derivative of the entries that the event search samples
+///     select(entries)          which of those from now on
+///     hull(lowest, highest)    bounds of each of those over the step
 ///     double largest()         largest |u| so far
 ///     double fastest()         largest |w| so far
 ///     double displacement_tolerance()    local error of u that a step may make
@@ -61,12 +63,11 @@ class StepwiseRun {
       const double reached = stepper_.advance();
       ++statistics_.steps;
       stall_check(t, reached);
+      if (reached <= t) continue;  // nothing can be interpolated
       std::optional<double> change;
       if (system_.contact_count() > 0) {
         ++statistics_.event_evaluations;
-        change = search_.first_change(
-            t, reached, stepper_.order(), [&](double at, int derivative) { return stepper_.sample(at, derivative); },
-            [&](std::size_t i) { return uncertainty(i, reached); });
+        change = search_.first_change(t, reached, stepper_, [&](std::size_t i) { return uncertainty(i, reached); });
         statistics_.max_penetration = std::max(statistics_.max_penetration, search_.max_penetration());
       }
       double limit = change.value_or(reached);
@@ -205,10 +206,8 @@ class StepwiseRun {
   void stall_check(double before, double reached) {
     stalled_ = reached > before ? 0 : stalled_ + 1;
     if (stalled_ > 100)
-      throw StepFailure(
-          fmt::format("the step has shrunk below the rounding of the time t = {}; loosen method.relative_tolerance or "
-                      "take a larger contact.epsilon",
-                      before));
+      throw StepFailure(fmt::format("no step longer than the rounding of the time keeps the tolerance at t = {}; {}",
+                                    before, remedy::accuracy));
   }
 
   void tell_event(double t, std::size_t i, Change change, double velocity) {

@@ -72,6 +72,12 @@ class StormStepper {
     return storm_ ? one_step_->sample(t, derivative) : multistep_.sample(t, derivative);
   }
   ErrorWeights& weights() { return storm_ ? one_step_->weights() : multistep_.weights(); }
+  void select(std::span<const std::size_t> sampled) {
+    storm_ ? one_step_->select(sampled) : multistep_.select(sampled);
+  }
+  void hull(std::span<double> lowest, std::span<double> highest) {
+    storm_ ? one_step_->hull(lowest, highest) : multistep_.hull(lowest, highest);
+  }
   double largest() const { return storm_ ? one_step_->largest() : multistep_.largest(); }
   double fastest() const { return storm_ ? one_step_->fastest() : multistep_.fastest(); }
   double displacement_tolerance() const {

@@ -90,6 +90,8 @@ class ArkodeStepper {
   std::size_t order() const { return StepPolynomial::degree; }
   void interpolate(double t, std::span<double> y) { step_.at(t, y); }
   std::span<const double> sample(double t, int derivative) { return step_.sample(t, derivative); }
+  void select(std::span<const std::size_t> sampled) { step_.select(sampled); }
+  void hull(std::span<double> lowest, std::span<double> highest) const { step_.hull(lowest, highest); }
   double largest() const { return weights_.largest_displacement(); }
   double fastest() const { return weights_.largest_velocity(); }
   ErrorWeights& weights() { return weights_; }

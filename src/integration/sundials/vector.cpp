@@ -11,7 +11,7 @@ namespace {
 
 struct Content {
   Eigen::ArrayXd data;
-  const std::vector<std::size_t>* entries = nullptr;  // of a probe
+  const Probed* probed = nullptr;  // of a probe
 };
 
 // Asked for, and not looked at yet. An integration and its vectors stay in one thread.
@@ -30,7 +30,7 @@ N_Vector clone(N_Vector x) noexcept {
   N_Vector copy = N_VNewEmpty(x->sunctx);
   if (!copy) return nullptr;
   N_VCopyOps(x, copy);
-  copy->content = new (std::nothrow) Content{Eigen::ArrayXd::Zero(array(x).size()), content(x).entries};
+  copy->content = new (std::nothrow) Content{Eigen::ArrayXd::Zero(array(x).size()), content(x).probed};
   if (!copy->content) N_VFreeEmpty(copy), copy = nullptr;
   return copy;
 }
@@ -57,12 +57,13 @@ int linear_combination(int count, sunrealtype* c, N_Vector* x, N_Vector z) noexc
 }
 
 int probed_combination(int count, sunrealtype* c, N_Vector* x, N_Vector z) noexcept {
-  const auto& entries = *content(z).entries;
-  auto& out = array(z);
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    double sum = 0.0;
-    for (int k = 0; k < count; ++k) sum += c[k] * array(x[k])[static_cast<Eigen::Index>(entries[i])];
-    out[static_cast<Eigen::Index>(i)] = sum;
+  const Probed& probed = *content(z).probed;
+  double* out = array(z).data();
+  for (const std::size_t i : probed.selected) out[i] = 0.0;
+  for (int k = 0; k < count; ++k) {
+    if (c[k] == 0.0) continue;  // a derivative at the end of a step is a single term
+    const double* from = array(x[k]).data();
+    for (const std::size_t i : probed.selected) out[i] += c[k] * from[probed.entries[i]];
   }
   return 0;
 }
@@ -94,10 +95,10 @@ void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z
 
 double weighted_max_norm(N_Vector x, N_Vector w) noexcept { return (array(x) * array(w)).abs().maxCoeff(); }
 
-Vector make(Eigen::ArrayXd data, const std::vector<std::size_t>* entries, const Context& context) {
+Vector make(Eigen::ArrayXd data, const Probed* probed, const Context& context) {
   Vector vector(N_VNewEmpty(context.get()));
   if (!vector) throw std::bad_alloc();
-  vector->content = new Content{std::move(data), entries};
+  vector->content = new Content{std::move(data), probed};
   auto& ops = *vector->ops;
   ops.nvgetvectorid = [](N_Vector) noexcept { return SUNDIALS_NVEC_CUSTOM; };
   ops.nvclone = clone;
@@ -117,7 +118,7 @@ Vector make(Eigen::ArrayXd data, const std::vector<std::size_t>* entries, const 
   ops.nvmaxnorm = [](N_Vector x) noexcept { return array(x).abs().maxCoeff(); };
   ops.nvmin = [](N_Vector x) noexcept { return array(x).minCoeff(); };
   ops.nvwrmsnorm = weighted_max_norm;
-  ops.nvlinearcombination = entries ? probed_combination : linear_combination;
+  ops.nvlinearcombination = probed ? probed_combination : linear_combination;
   ops.nvscaleaddmulti = scale_add_multi;
   return vector;
 }
@@ -128,8 +129,8 @@ Vector make_vector(std::size_t size, const Context& context) {
   return make(Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(size)), nullptr, context);
 }
 
-Vector make_probe(const std::vector<std::size_t>& entries, const Context& context) {
-  return make(Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(entries.size())), &entries, context);
+Vector make_probe(const Probed& probed, const Context& context) {
+  return make(Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(probed.entries.size())), &probed, context);
 }
 
 std::span<double> values(N_Vector vector) {

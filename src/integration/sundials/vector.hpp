@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <numeric>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "integration/sundials/handles.hpp"
@@ -13,10 +15,18 @@ namespace viscobar::sundials {
 /// root mean square would dilute the error of one node in an impact by the square root of the mesh size.
 Vector make_vector(std::size_t size, const Context& context);
 
-/// A vector that linear combinations only reach at the given entries of their operands: evaluating an integrator's
+/// What a probe looks at: entry i of it is entries[i] of a vector, where i is among the `selected`; others are left.
+struct Probed {
+  explicit Probed(std::vector<std::size_t> of) : entries(std::move(of)), selected(entries.size()) {
+    std::iota(selected.begin(), selected.end(), std::size_t{0});
+  }
+  std::vector<std::size_t> entries, selected;
+};
+
+/// A vector that linear combinations only reach at the probed entries of their operands: evaluating an integrator's
 /// interpolant into it costs a few operations instead of a pass over the whole history.
-/// `entries` must outlive the vector.
-Vector make_probe(const std::vector<std::size_t>& entries, const Context& context);
+/// `probed` must outlive the vector.
+Vector make_probe(const Probed& probed, const Context& context);
 
 std::span<double> values(N_Vector vector);
 inline std::span<double> values(const Vector& vector) { return values(vector.get()); }

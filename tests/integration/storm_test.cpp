@@ -1,0 +1,167 @@
+// Scenes with many contact changes: every one is counted, and none costs what starting anew would.
+#include <gtest/gtest.h>
+
+#include "integration/pace_guard.hpp"
+#include "support/paper_throw.hpp"
+#include "support/run_trace.hpp"
+#include "viscobar/analysis/case.hpp"
+
+namespace viscobar {
+namespace {
+
+Case chatter(double epsilon, MethodName method, double tolerance) {
+  Case run = paper_throw(0.01);
+  run.epsilon = epsilon;
+  run.method = method;
+  run.tolerance = {tolerance, 1e-3 * tolerance};
+  return run;
+}
+
+struct Trace {
+  std::vector<Event> events;
+  Statistics statistics;
+};
+
+Trace trace(const Case& run) {
+  Trace result;
+  Observers observers;
+  observers.event = [&](const Event& event) { result.events.push_back(event); };
+  result.statistics = simulate(run, make_system(run), observers);
+  return result;
+}
+
+constexpr MethodName adaptive[] = {MethodName::cvode, MethodName::ida, MethodName::arkode, MethodName::odeint};
+
+// agreement_test.cpp holds the times down to epsilon = 1e-6.
+TEST(Storm, EveryBounceIsCounted) {
+  for (const double epsilon : {1e-5, 1e-7, 1e-8}) {
+    const std::size_t changes = trace(chatter(epsilon, MethodName::exponential, 1.0)).events.size();
+    EXPECT_GT(changes, 300u);
+    for (const MethodName method : adaptive)
+      EXPECT_EQ(trace(chatter(epsilon, method, 1e-8)).events.size(), changes) << name(method) << " " << epsilon;
+  }
+}
+
+TEST(Storm, UnderASpanCountsEveryNodesBounces) {
+  Case run = chatter(1e-3, MethodName::exponential, 1.0);
+  run.scene.left = run.scene.right = Free{};
+  run.scene.span = Obstacle{0.1};
+  run.scene.displacement = [](double x) { return 0.02 * std::cos(7.0 * x); };
+  run.scene.velocity = [](double) { return -1.0; };
+  run.scene.load = SteadyLoad{[](double) { return -10.0; }};
+  run.end = run.output_every = 2.0;
+  const std::size_t changes = trace(run).events.size();
+  EXPECT_GT(changes, 100u);
+  for (const MethodName method : adaptive) {
+    run.method = method;
+    run.tolerance = {1e-8, 1e-11};
+    EXPECT_EQ(trace(run).events.size(), changes) << name(method);
+  }
+}
+
+// A multistep method that begins anew at each change makes 19 steps (Adams' formulas) or 37 (ida) a bounce here, many
+// of them of low order; one-step formulas make six, and find the end of the storm in twenty.
+TEST(Storm, ABounceCostsFewerStepsThanStartingAMultistepMethodAnew) {
+  for (const double epsilon : {1e-6, 1e-7, 1e-8}) {
+    for (const MethodName method : {MethodName::cvode, MethodName::ida, MethodName::arkode}) {
+      const Trace run = trace(chatter(epsilon, method, 1e-6));
+      EXPECT_LT(run.statistics.steps, 15 * run.events.size()) << name(method) << " " << epsilon;
+    }
+  }
+}
+
+TEST(Storm, FormulasThatWereAskedForAreNotLeft) {
+  Case run = chatter(1e-6, MethodName::cvode, 1e-6);
+  const std::size_t changing = trace(run).statistics.steps;
+  run.formulas = Formulas::adams;
+  EXPECT_GT(trace(run).statistics.steps, 15 * trace(run).events.size());
+  EXPECT_LT(changing, trace(run).statistics.steps);
+}
+
+TEST(Storm, KeepsTheEnergyAccountAcrossItsMethods) {
+  for (const MethodName method : {MethodName::cvode, MethodName::ida}) {
+    Case run = chatter(1e-6, method, 1e-8);
+    Observers observers;
+    observers.energy = true;
+    const Statistics statistics = simulate(run, make_system(run), observers);
+    // As in adaptive_test.cpp: energy is quadratic, and errors stay below 100 times the tolerance.
+    EXPECT_LE(std::abs(statistics.energy->balance_error()), 2 * 100 * 1e-8 * statistics.energy->initial)
+        << name(method);
+  }
+}
+
+// At t = 1e6 a node at speed 3 moves by 7e-10 in a rounding of the time: its clearance at a change cannot be smaller,
+// and was taken for a new change.
+TEST(Storm, AFastNodeLateInARunChangesItsContactOnce) {
+  Case run = chatter(1e-3, MethodName::cvode, 1e-6);
+  run.scene.right = Free{};
+  run.scene.displacement = [](double) { return 0.0; };
+  run.scene.velocity = [](double) { return -3.0; };
+  for (const MethodName method : adaptive) {
+    run.method = method;
+    const BarSystem system = make_system(run);
+    std::vector<std::size_t> changes;
+    for (const double start : {0.0, 1e3, 1e6}) {
+      std::size_t count = 0;
+      Observers observers;
+      observers.event = [&](const Event&) { ++count; };
+      simulate(run, system, std::vector{start, start + 2.0}, observers);
+      changes.push_back(count);
+    }
+    EXPECT_GE(changes[0], 2u);
+    EXPECT_EQ(changes[1], changes[0]) << name(method);
+    EXPECT_EQ(changes[2], changes[0]) << name(method);
+  }
+}
+
+// An undamped bar under its weight bounces for ever: 700 changes, of which rounding decides the later ones.
+TEST(Storm, BouncingForEverEndsAtTheEndForEveryMethod) {
+  Case run;
+  run.scene.left = run.scene.right = Obstacle{0.01};
+  run.scene.displacement = [](double x) { return 0.003 * x; };
+  run.scene.velocity = [](double) { return -1.0; };
+  run.scene.load = SteadyLoad{[](double) { return -1.0; }};
+  run.elements = 8;
+  run.epsilon = 1e-4;
+  run.end = run.output_every = 40.0;
+  for (const MethodName method : adaptive) {
+    run.method = method;
+    Observers observers;
+    observers.energy = true;
+    const Statistics statistics = simulate(run, make_system(run), observers);
+    EXPECT_TRUE(statistics.completed) << name(method);
+    EXPECT_GT(statistics.events, 400u) << name(method);
+    EXPECT_NEAR(statistics.energy->balance_error(), 0.0, 2 * 100 * run.tolerance.relative * statistics.energy->initial)
+        << name(method);
+  }
+}
+
+TEST(PaceGuard, RefusesAPaceThatDoesNotReachTheEnd) {
+  PaceGuard guard(0.0, 1.0, 100, 1e4);
+  for (int k = 1; k < 1000; ++k) EXPECT_NO_THROW(guard.step(1e-4 * k, 0)) << "1e4 steps in all";
+  PaceGuard slow(0.0, 1.0, 100, 1e4);
+  for (int k = 1; k < 100; ++k) slow.step(9e-5 * k, 0);
+  EXPECT_THROW(slow.step(9e-5 * 100, 0), StepFailure);
+}
+
+TEST(PaceGuard, RefusesStepsThatLeadNowhereAndSaysWhetherContactsAreTheReason) {
+  for (const auto& [changes, remedy] : {std::pair{0u, "method.relative_tolerance"}, {50u, "contact.restitution"}}) {
+    PaceGuard guard(0.0, 1.0, 100, 1e4);
+    for (int k = 1; k < 100; ++k) guard.step(0.0, changes);
+    try {
+      guard.step(0.0, changes);
+      FAIL();
+    } catch (const StepFailure& failure) {
+      EXPECT_NE(std::string(failure.what()).find(remedy), std::string::npos) << failure.what();
+    }
+  }
+}
+
+TEST(PaceGuard, LetsARunReachItsEndHoweverSlowly) {
+  PaceGuard guard(0.0, 1.0, 100, 1e4);
+  for (int k = 1; k < 100; ++k) guard.step(0.5, 0);
+  EXPECT_NO_THROW(guard.step(1.0, 0));
+}
+
+}  // namespace
+}  // namespace viscobar
