@@ -75,6 +75,7 @@ class ArkodeStepper {
   double advance() {
     double t = 0.0;
     const int flag = ARKStepEvolve(memory_.get(), end_, state_.get(), &t, ARK_ONE_STEP);
+    require_memory();
     if (flag < 0) fail(leg_, "ARKStepEvolve", flag_name(ARKStepGetReturnFlagName(flag)));
     step_.advance();
     StepPolynomial::End& reached = step_.end();
@@ -96,6 +97,7 @@ class ArkodeStepper {
  private:
   void create(double t) {
     memory_.reset(ARKStepCreate(nullptr, right_hand_side, t, state_.get(), context_.get()));
+    require_memory();
     if (!memory_) throw std::bad_alloc();
     void* memory = leg_.memory = memory_.get();
     VISCOBAR_KEEP_MESSAGES(ARKStep, memory, context_, leg_.library_message);
@@ -114,6 +116,7 @@ class ArkodeStepper {
   }
 
   void check(const char* call, int flag) {
+    require_memory();
     if (flag != ARK_SUCCESS) fail(leg_, call, flag_name(ARKStepGetReturnFlagName(flag)));
   }
 

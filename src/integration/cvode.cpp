@@ -55,6 +55,7 @@ class CvodeStepper {
   double advance() {
     double t = 0.0;
     const int flag = CVode(memory_, end_, state_.get(), &t, CV_ONE_STEP);
+    require_memory();
     if (flag < 0) fail(leg_, "CVode", flag_name(CVodeGetReturnFlagName(flag)));
     if (t > settles_ && memory_ == adams_.get()) settled_ = true;
     return t;
@@ -138,6 +139,7 @@ class CvodeStepper {
   }
 
   void check(const char* call, int flag) {
+    require_memory();
     if (flag != CV_SUCCESS) fail(leg_, call, flag_name(CVodeGetReturnFlagName(flag)));
   }
 

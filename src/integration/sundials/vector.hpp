@@ -18,6 +18,9 @@ Vector make_vector(std::size_t size, const Context& context);
 /// `entries` must outlive the vector.
 Vector make_probe(const std::vector<std::size_t>& entries, const Context& context);
 
+/// To be called behind each call of the library that may make vectors. @throws std::bad_alloc when it could not
+void require_memory();
+
 std::span<double> values(N_Vector vector);
 inline std::span<double> values(const Vector& vector) { return values(vector.get()); }
 
