@@ -1,6 +1,9 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
+#include <exception>
 #include <new>
 
 #include "cli/command_line.hpp"
@@ -94,6 +97,19 @@ int run(int argc, char** argv) {
   return sweep_command();
 }
 
+/// Where memory ends inside of what promised not to throw, as libraries do: with a message and without allocating one.
+[[noreturn]] void end_without_memory() {
+  try {
+    if (std::current_exception()) throw;
+  } catch (const std::bad_alloc&) {
+    constexpr std::string_view message = "viscobar: there is not enough memory\n";
+    [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, message.data(), message.size());
+    std::_Exit(run_failed);
+  } catch (...) {
+  }
+  std::abort();
+}
+
 }  // namespace
 
 }  // namespace viscobar::cli
@@ -102,6 +118,7 @@ int main(int argc, char** argv) {
   using namespace viscobar;
   // A limit on file sizes is an error like a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
+  std::set_terminate(cli::end_without_memory);
   try {
     return cli::end_messages(cli::run(argc, argv));
   } catch (const SceneError& error) {

@@ -58,6 +58,7 @@ class CvodeStepper {
   double advance() {
     double t = 0.0;
     const int flag = CVode(memory_, end_, state_.get(), &t, CV_ONE_STEP);
+    require_memory();
     if (flag < 0) fail(leg_, "CVode", flag, flag_name(CVodeGetReturnFlagName(flag)), cvode_flags());
     if (t > settles_ && memory_ == adams_.get()) settled_ = true;
     return t;
@@ -151,6 +152,7 @@ class CvodeStepper {
   }
 
   void check(const char* call, int flag) {
+    require_memory();
     if (flag != CV_SUCCESS) fail(leg_, call, flag, flag_name(CVodeGetReturnFlagName(flag)), cvode_flags());
   }
 

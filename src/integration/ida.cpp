@@ -79,6 +79,7 @@ class IdaStepper {
   double advance() {
     double t = 0.0;
     const int flag = IDASolve(memory_.get(), end_, &t, state_.get(), rate_.get(), IDA_ONE_STEP);
+    require_memory();
     if (flag < 0) fail(leg_, "IDASolve", flag, flag_name(IDAGetReturnFlagName(flag)), ida_flags());
     return t;
   }
@@ -141,6 +142,7 @@ class IdaStepper {
   }
 
   void check(const char* call, int flag) {
+    require_memory();
     if (flag != IDA_SUCCESS) fail(leg_, call, flag, flag_name(IDAGetReturnFlagName(flag)), ida_flags());
   }
 

@@ -97,13 +97,11 @@ void write_checkpoint(const fs::path& directory, const RunCheckpoint& checkpoint
     if (fs::exists(target)) fs::rename(target, directory / previous);
     fs::rename(part, target);
     sync_directory(directory);
-  } catch (const fs::filesystem_error& error) {
+  } catch (const std::exception& error) {
     std::error_code ignored;
     fs::remove(part, ignored);
-    throw IoError(target, "cannot be replaced: " + error.code().message());
-  } catch (const IoError&) {
-    std::error_code ignored;
-    fs::remove(part, ignored);
+    if (const auto* failed = dynamic_cast<const fs::filesystem_error*>(&error))
+      throw IoError(target, "cannot be replaced: " + failed->code().message());
     throw;
   }
 }

@@ -83,11 +83,11 @@ void write_atomically(const std::filesystem::path& path, std::string_view text) 
     file.write_at(0, text);
     file.close();
     std::filesystem::rename(temporary, path);
-  } catch (const std::filesystem::filesystem_error& error) {
-    throw IoError(path, "cannot be replaced: " + error.code().message());
-  } catch (const IoError&) {
+  } catch (const std::exception& error) {
     std::error_code ignored;
     std::filesystem::remove(temporary, ignored);
+    if (const auto* failed = dynamic_cast<const std::filesystem::filesystem_error*>(&error))
+      throw IoError(path, "cannot be replaced: " + failed->code().message());
     throw;
   }
 }

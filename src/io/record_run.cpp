@@ -3,6 +3,7 @@
 #include <new>
 
 #include "dynamics/archive.hpp"
+#include "io/checkpoint_clock.hpp"
 #include "io/checkpoint_file.hpp"
 #include "io/described_scene.hpp"
 #include "io/growing_files.hpp"
@@ -115,6 +116,8 @@ RunRecord record(const SceneFile& scene, const fs::path& directory, const Record
   };
   bool stopping = false;
   const bool simulated = last.schedule && last.schedule->clock == CheckpointEvery::Clock::simulated;
+  std::optional<CheckpointClock> clock;
+  if (last.schedule && !simulated) clock.emplace(last.schedule->interval);
   observers.progress = [&](double time) {
     outcome.reached_time = time;
     ++outcome.steps;
@@ -124,20 +127,19 @@ RunRecord record(const SceneFile& scene, const fs::path& directory, const Record
   };
   if (last.schedule || options.stop) {
     Checkpoints& checkpoints = observers.checkpoints.emplace();
-    auto made = std::chrono::steady_clock::now();
     if (simulated) checkpoints.every = last.schedule->interval;
-    checkpoints.asked = [&, made]() mutable {
-      if (stopping) return true;
-      if (!last.schedule || simulated || seconds_since(made) < last.schedule->interval) return false;
-      made = std::chrono::steady_clock::now();
-      return true;
-    };
+    checkpoints.asked = [&] { return stopping || (clock && clock->due()); };
     checkpoints.take = [&](const Checkpoint& motion) {
-      outcome.checkpoints.push_back(motion.time);
-      ArchiveWriter archive;
-      archive(contact, data, chatter, outcome.warnings);
-      write_checkpoint(directory, {scene.description, last.schedule, motion, files.mark(), archive.take(),
-                                   outcome.checkpoints, last.wall_seconds + seconds_since(options.started)});
+      const auto write = [&] {
+        std::vector<double> times = outcome.checkpoints;
+        times.push_back(motion.time);
+        ArchiveWriter archive;
+        archive(contact, data, chatter, outcome.warnings);
+        write_checkpoint(directory, {scene.description, last.schedule, motion, files.mark(), archive.take(), times,
+                                     last.wall_seconds + seconds_since(options.started)});
+        outcome.checkpoints = std::move(times);
+      };
+      clock ? clock->make(write) : write();
       if (stopping) throw Interrupted();
     };
   }

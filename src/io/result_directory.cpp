@@ -17,7 +17,11 @@ void prepare_result_directory(const std::filesystem::path& directory) {
   if (there && !fs::is_directory(directory))
     throw std::invalid_argument(directory.string() + " is not a directory; choose another place for the results");
   const auto has = [&](const char* file) { return fs::exists(directory / file); };
-  if (there && !fs::is_empty(directory, error) && std::none_of(summaries.begin(), summaries.end(), has))
+  // What a run leaves that was killed before it had a summary.
+  const auto begun = [](const fs::directory_entry& entry) { return entry.path().extension() == ".part"; };
+  const auto files = [&] { return fs::directory_iterator(directory, error); };
+  if (there && !std::all_of(begin(files()), end(files()), begun) &&
+      std::none_of(summaries.begin(), summaries.end(), has))
     throw std::invalid_argument(directory.string() +
                                 " holds files and no result of viscobar (no summary.json); nothing was overwritten, "
                                 "choose another directory");

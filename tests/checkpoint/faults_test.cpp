@@ -23,6 +23,7 @@ gap = 0.1
 [right]
 kind = "free"
 [initial]
+displacement = 0.0
 velocity = "-1-x/10"
 [load]
 density = "-sin(t)*x"
@@ -99,7 +100,9 @@ TEST_F(Faults, AFullDiskFailsTheRunAndLosesNothing) {
   EXPECT_GT(writes, 50u);
   for (const std::size_t n : spread(10, writes, 30)) {
     fs::remove_all(scratch / "out");
-    EXPECT_EQ(run(command("cvode", "out"), "write:" + std::to_string(n)), 1) << n;
+    const int code = run(command("cvode", "out"), "write:" + std::to_string(n));
+    if (counted() < n) continue;  // how often field.xdmf is renewed depends on the clock
+    EXPECT_EQ(code, 1) << n;
     EXPECT_NE(err().find("No space left on device"), std::string::npos) << n << err();
     EXPECT_NE(err().find("out/"), std::string::npos) << n << err();
     const bool kept = fs::exists(scratch / "out/checkpoint.bin") || fs::exists(scratch / "out/checkpoint.previous.bin");
@@ -138,15 +141,12 @@ TEST_F(Faults, WhatCannotBeRenamedOrSyncedFailsTheRunAndLosesNothing) {
   }
 }
 
-TEST_F(Faults, AReadOnlyDirectoryIsNamed) {
-  if (geteuid() == 0) GTEST_SKIP() << "nothing is read-only to root";
-  fs::create_directory(scratch / "closed");
-  fs::permissions(scratch / "closed", fs::perms::owner_read | fs::perms::owner_exec);
-  EXPECT_EQ(run({"run", "bouncing.toml", "--quiet", "-o", "closed/out"}, ""), 1);
-  EXPECT_NE(err().find("closed/out"), std::string::npos) << err();
+TEST_F(Faults, APlaceThatTakesNoFilesIsNamed) {
+  EXPECT_EQ(run({"run", "bouncing.toml", "--quiet", "-o", "/proc/out"}, ""), 1);
+  EXPECT_NE(err().find("/proc/out"), std::string::npos) << err();
 }
 
-// 4 GiB of addresses do not hold ten million nodes of a scene that has a hundred million.
+// A gigabyte of addresses does not hold the matrices of ten million nodes.
 TEST_F(Faults, ASceneTooLargeForTheMemoryIsAFailureThatSaysSo) {
   const std::string line = "cd '" + scratch.path().string() +
                            "' && ulimit -v 1000000 && '" VISCOBAR_COMMAND

@@ -71,7 +71,7 @@ class Resume : public testing::Test {
 
   static std::string without_seconds(const std::string& page) {
     std::string text = page;
-    for (std::size_t at = 0; (at = text.find(" s</td>", at)) != text.npos;) {
+    for (std::size_t at = 0; (at = text.find(" s</dd>", at)) != text.npos;) {
       const std::size_t begin = text.rfind('>', at);
       text.erase(begin, at - begin);
       at = begin + 1;

@@ -76,6 +76,7 @@ class ArkodeStepper {
   double advance() {
     double t = 0.0;
     const int flag = ARKStepEvolve(memory_.get(), end_, state_.get(), &t, ARK_ONE_STEP);
+    require_memory();
     if (flag < 0) fail(leg_, "ARKStepEvolve", flag, flag_name(ARKStepGetReturnFlagName(flag)), arkode_flags());
     step_.advance();
     StepPolynomial::End& reached = step_.end();
@@ -100,6 +101,7 @@ class ArkodeStepper {
  private:
   void create(double t) {
     memory_.reset(ARKStepCreate(nullptr, right_hand_side, t, state_.get(), context_.get()));
+    require_memory();
     if (!memory_) throw std::bad_alloc();
     void* memory = leg_.memory = memory_.get();
     VISCOBAR_KEEP_MESSAGES(ARKStep, memory, context_, leg_.library_message);
@@ -118,6 +120,7 @@ class ArkodeStepper {
   }
 
   void check(const char* call, int flag) {
+    require_memory();
     if (flag != ARK_SUCCESS) fail(leg_, call, flag, flag_name(ARKStepGetReturnFlagName(flag)), arkode_flags());
   }
 

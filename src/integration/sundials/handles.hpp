@@ -7,11 +7,18 @@
 
 #include <cstdlib>
 #include <memory>
+#include <new>
 #include <string>
 
 // Everything that differs between the versions 6.4 and 7.x of SUNDIALS is in this file.
 
 namespace viscobar::sundials {
+
+// Without memory for it, a message is lost.
+inline void keep_message(const char* message, void* sink) noexcept try {
+  *static_cast<std::string*>(sink) = message;
+} catch (const std::bad_alloc&) {
+}
 
 /// VISCOBAR_KEEP_MESSAGES(package, memory, context, sink): what the library would print goes into the string `sink`.
 #if SUNDIALS_VERSION_MAJOR >= 7
@@ -19,7 +26,7 @@ using boolean = sunbooleantype;
 inline constexpr auto no_communicator = SUN_COMM_NULL;
 inline void keep_message(int, const char*, const char*, const char* message, SUNErrCode, void* sink,
                          SUNContext) noexcept {
-  *static_cast<std::string*>(sink) = message;
+  keep_message(message, sink);
 }
 #define VISCOBAR_KEEP_MESSAGES(package, memory, context, sink) \
   SUNContext_PushErrHandler((context).get(), viscobar::sundials::keep_message, &(sink))
@@ -27,7 +34,7 @@ inline void keep_message(int, const char*, const char*, const char* message, SUN
 using boolean = booleantype;
 inline constexpr void* no_communicator = nullptr;
 inline void keep_message(int, const char*, const char*, char* message, void* sink) noexcept {
-  *static_cast<std::string*>(sink) = message;
+  keep_message(message, sink);
 }
 #define VISCOBAR_KEEP_MESSAGES(package, memory, context, sink) \
   package##SetErrHandlerFn((memory), viscobar::sundials::keep_message, &(sink))

@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <new>
+#include <utility>
 
 #include "integration/sundials/history_sums.hpp"
 
@@ -12,7 +14,10 @@ namespace {
 struct Content {
   Eigen::ArrayXd data;
   const Probed* probed = nullptr;  // of a probe
+  int owners = 1;
 };
+
+constinit thread_local bool out_of_memory = false;
 
 // Asked for, and not looked at yet. An integration and its vectors stay in one thread.
 constinit thread_local HistorySums put_off_sums;
@@ -26,16 +31,24 @@ Content& content(N_Vector x) {
 }
 Eigen::ArrayXd& array(N_Vector x) { return content(x).data; }
 
+// The library takes for granted that it gets a vector. Without memory it gets the same one again, and require_memory()
+// ends what it makes of that.
 N_Vector clone(N_Vector x) noexcept {
   N_Vector copy = N_VNewEmpty(x->sunctx);
-  if (!copy) return nullptr;
-  N_VCopyOps(x, copy);
-  copy->content = new (std::nothrow) Content{Eigen::ArrayXd::Zero(array(x).size()), content(x).probed};
-  if (!copy->content) N_VFreeEmpty(copy), copy = nullptr;
-  return copy;
+  try {
+    if (!copy || N_VCopyOps(x, copy) != 0) throw std::bad_alloc();
+    copy->content = new Content{Eigen::ArrayXd::Zero(array(x).size()), content(x).probed};
+    return copy;
+  } catch (const std::bad_alloc&) {
+    if (copy) N_VFreeEmpty(copy);
+    out_of_memory = true;
+    ++content(x).owners;
+    return x;
+  }
 }
 
 void destroy(N_Vector x) noexcept {
+  if (--content(x).owners > 0) return;
   delete &content(x);
   x->content = nullptr;
   N_VFreeEmpty(x);
@@ -131,6 +144,10 @@ Vector make_vector(std::size_t size, const Context& context) {
 
 Vector make_probe(const Probed& probed, const Context& context) {
   return make(Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(probed.entries.size())), &probed, context);
+}
+
+void require_memory() {
+  if (std::exchange(out_of_memory, false)) throw std::bad_alloc();
 }
 
 std::span<double> values(N_Vector vector) {

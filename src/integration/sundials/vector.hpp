@@ -28,6 +28,9 @@ struct Probed {
 /// `probed` must outlive the vector.
 Vector make_probe(const Probed& probed, const Context& context);
 
+/// To be called behind each call of the library that may make vectors. @throws std::bad_alloc when it could not
+void require_memory();
+
 std::span<double> values(N_Vector vector);
 inline std::span<double> values(const Vector& vector) { return values(vector.get()); }
 
