@@ -36,6 +36,13 @@ struct OutputOptions {
   std::filesystem::path directory(const SceneOptions& scene) const;
 };
 
+/// The same of a command whose results have pictures: --figures.
+struct PictureOptions : OutputOptions {
+  bool figures = false;
+
+  explicit PictureOptions(CLI::App& command);
+};
+
 class RunCommand {
  public:
   explicit RunCommand(CLI::App& app);
@@ -45,7 +52,7 @@ class RunCommand {
  private:
   CLI::App& command_;
   SceneOptions scene_;
-  OutputOptions output_;
+  PictureOptions output_;
 };
 
 class CompareCommand {
@@ -57,7 +64,7 @@ class CompareCommand {
  private:
   CLI::App& command_;
   SceneOptions scene_;
-  OutputOptions output_;
+  PictureOptions output_;
   std::vector<std::string> methods_;
   std::size_t threads_ = 0;
 };
@@ -71,7 +78,7 @@ class LimitCommand {
  private:
   CLI::App& command_;
   SceneOptions scene_;
-  OutputOptions output_;
+  PictureOptions output_;
   std::string epsilon_ = "1e-2:1e-8", mass_;
   std::size_t per_decade_ = 1, threads_ = 0;
   std::vector<std::size_t> elements_;
@@ -87,7 +94,7 @@ class PrecisionCommand {
  private:
   CLI::App& command_;
   SceneOptions scene_;
-  OutputOptions output_;
+  PictureOptions output_;
   std::string tolerance_ = "1e-3:1e-10";
   std::vector<std::string> methods_;
   std::vector<std::size_t> elements_;

@@ -61,6 +61,7 @@ RunCommand::RunCommand(CLI::App& app)
 
 int RunCommand::operator()() const {
   RecordOptions options;
+  options.figures = output_.figures;
   const SceneFile scene = scene_.read();
   const fs::path directory = output_.directory(scene_);
 

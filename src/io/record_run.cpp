@@ -6,6 +6,7 @@
 #include "io/report.hpp"
 #include "io/result_directory.hpp"
 #include "io/summary.hpp"
+#include "io/write_page.hpp"
 #include "viscobar/io/io_error.hpp"
 
 namespace viscobar {
@@ -115,8 +116,11 @@ RunRecord record_run(const SceneFile& scene, const fs::path& directory, const Re
     outcome.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - options.started).count();
   };
   stop_clock();
-  attempt(outcome,
-          [&] { write_atomically(directory / "report.html", report_html(run, system, outcome, contact, data)); });
+  attempt(outcome, [&] {
+    const Page page = report_page(run, system, outcome, contact, data);
+    write_atomically(directory / "report.html", page.html());
+    if (options.figures) write_figures(directory, page.figure_files());
+  });
   stop_clock();
   const Ending before = outcome.ending;
   attempt(outcome, write_summary);

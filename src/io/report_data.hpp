@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "io/plot/thinning.hpp"
+#include "io/thinned_events.hpp"
 #include "io/thinned_field.hpp"
 #include "viscobar/analysis/case.hpp"
 
@@ -18,12 +19,14 @@ class ReportData {
   void add(const Snapshot& snapshot);
   void add(const Event& event);
 
+  /// Detail to zoom into: a picture of the whole could show some 600.
+  static constexpr std::size_t buckets = 1000;
   struct End {
-    plot::ThinnedLine displacement, reaction;
+    plot::ThinnedLine displacement{buckets}, reaction{buckets};
   };
   /// Of the bar, and stored in the contacts' penalty springs.
   struct Energy {
-    plot::ThinnedLine kinetic, elastic, contact, total;
+    plot::ThinnedLine kinetic{buckets}, elastic{buckets}, contact{buckets}, total{buckets};
   };
   static constexpr std::size_t most_events = 50;
 
@@ -32,6 +35,7 @@ class ReportData {
   End left, right;
   Energy energy;
   std::vector<Event> first_events;
+  ThinnedEvents marked_events;
   /// Contact springs exist: an obstacle and a penalised method.
   bool has_springs() const { return epsilon_.has_value(); }
 

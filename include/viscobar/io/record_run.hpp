@@ -41,6 +41,8 @@ struct RecordOptions {
   std::function<void(double time, std::size_t steps)> progress;
   /// After each contact change.
   std::function<void(const Event& event)> event;
+  /// Each picture of the report also as figures/NAME.svg.
+  bool figures = false;
   /// Start of the wall clock.
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
 };

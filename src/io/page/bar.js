@@ -1,0 +1,121 @@
+// The bar at one time: its displacement upwards over position, coloured as in the map, above its obstacles.
+
+class BarPicture {
+  static thickness = 9;
+
+  /// @param supports what holds the ends @param reactions functions of time, or null: {left, right}
+  constructor(field, colours, supports, reactions) {
+    Object.assign(this, { field, colours, supports, reactions });
+    this.envelope = field.envelope();
+  }
+
+  drawEnvelope(chart, context) {
+    const { x } = this.field, { low, high } = this.envelope, lift = BarPicture.thickness * chart.ratio;
+    context.beginPath();
+    x.forEach((at, j) => context.lineTo(chart.px(at), chart.py(low[j])));
+    for (let j = x.length - 1; j >= 0; --j) context.lineTo(chart.px(x[j]), chart.py(high[j]) - lift);
+    context.fillStyle = colour("var(--faint)");
+    context.globalAlpha = 0.7;
+    context.fill();
+    context.globalAlpha = 1;
+  }
+
+  draw(chart, context, time) {
+    const { x } = this.field, profile = this.field.profile(time), lift = BarPicture.thickness * chart.ratio;
+    const lower = new Path2D(), outline = new Path2D();
+    for (let j = 0; j < x.length; ++j) {
+      lower.lineTo(chart.px(x[j]), chart.py(profile[j]));
+      outline.lineTo(chart.px(x[j]), chart.py(profile[j]));
+    }
+    for (let j = x.length - 1; j >= 0; --j) outline.lineTo(chart.px(x[j]), chart.py(profile[j]) - lift);
+    outline.closePath();
+    context.fillStyle = this.shades(chart, context, profile);
+    context.fill(outline);
+    strokeStyle(chart, context, "var(--ink)", 1);
+    context.lineJoin = "round";
+    context.stroke(outline);
+    this.drawTouching(chart, context, profile);
+    this.drawEnd(chart, context, "left", x[0], profile[0], time);
+    this.drawEnd(chart, context, "right", x[x.length - 1], profile[profile.length - 1], time);
+  }
+
+  /// Colours along the bar.
+  shades(chart, context, profile) {
+    const { x } = this.field, last = x.length - 1, stops = Math.min(last, 120), begin = x[0], length = x[last] - begin;
+    const gradient = context.createLinearGradient(chart.px(x[0]), 0, chart.px(x[last]), 0);
+    for (let k = 0; k <= stops; ++k) {
+      const j = Math.round((k * last) / stops), part = Math.min(1, Math.max(0, (x[j] - begin) / length));
+      gradient.addColorStop(part, `rgb(${this.colours.palette[Math.min(this.colours.index(profile[j]), FieldColours.steps - 1)]})`);
+    }
+    return gradient;
+  }
+
+  drawTouching(chart, context, profile) {
+    const { x } = this.field;
+    context.beginPath();
+    for (let j = 0; j + 1 < x.length; ++j)
+      if (profile[j] <= this.colours.contactLevel && profile[j + 1] <= this.colours.contactLevel) {
+        context.moveTo(chart.px(x[j]), chart.py(profile[j]));
+        context.lineTo(chart.px(x[j + 1]), chart.py(profile[j + 1]));
+      }
+    strokeStyle(chart, context, this.colours.touching, 3);
+    context.stroke();
+  }
+
+  drawEnd(chart, context, side, x, u, time) {
+    const support = this.supports[side], at = chart.px(x), foot = chart.py(u), unit = chart.ratio;
+    if (support.kind === "fixed") {
+      context.fillStyle = colour("var(--ink)");
+      context.fillRect(at - 2 * unit, foot - 20 * unit, 4 * unit, 31 * unit);
+    }
+    if (support.kind !== "obstacle") return;
+    const outwards = side === "left" ? 1 : -1, words = { css: "var(--ink)", align: side === "left" ? "left" : "right", halo: true };
+    const surface = chart.py(-support.gap);
+    if (inParts(support.contact, time)) {
+      const force = this.reactions[side], size = force ? Math.max(0, force.at(time)) : 0, most = force ? force.most : 0;
+      const length = (16 + (most > 0 ? (46 * size) / most : 0)) * unit;
+      context.fillStyle = this.colours.touching;
+      context.beginPath();
+      context.arc(at, foot, 5 * unit, 0, 2 * Math.PI);
+      context.fill();
+      if (force) {
+        arrow(chart, context, at, surface + length, surface + 4 * unit, this.colours.touching);
+        write(chart, context, `in contact, R = ${readable(size, 3)}`, at + 12 * outwards * unit, surface + 26 * unit, words);
+      }
+    } else if (surface > chart.box.top && surface < chart.box.top + chart.box.height) {
+      if (Math.abs(surface - foot) > 14 * unit) {
+        arrow(chart, context, at, (surface + foot) / 2, surface, colour("var(--ink)"), 1);
+        arrow(chart, context, at, (surface + foot) / 2, foot, colour("var(--ink)"), 1);
+      }
+      write(chart, context, `gap ${readable(u + support.gap, 3)}`, at + 12 * outwards * unit, surface + 26 * unit, words);
+    }
+  }
+}
+
+/// Whether a value lies in one of the intervals [begin, end, begin, end, ...].
+function inParts(parts, value) {
+  if (!parts || parts.length === 0) return false;
+  let low = 0, high = parts.length / 2;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (parts[2 * middle] <= value) low = middle + 1;
+    else high = middle;
+  }
+  return low > 0 && value <= parts[2 * low - 1];
+}
+
+/// Upright, from one y to another, the head at the second.
+function arrow(chart, context, x, from, to, css, width = 2) {
+  const head = 6 * chart.ratio, towards = to < from ? 1 : -1;
+  strokeStyle(chart, context, css, width);
+  context.beginPath();
+  context.moveTo(x, from);
+  context.lineTo(x, to + 0.8 * head * towards);
+  context.stroke();
+  context.fillStyle = css;
+  context.beginPath();
+  context.moveTo(x, to);
+  context.lineTo(x - 0.6 * head, to + head * towards);
+  context.lineTo(x + 0.6 * head, to + head * towards);
+  context.fill();
+}
