@@ -1,6 +1,6 @@
 # The scripts and styles of result pages, as C++ strings. A page's own script is these files, in this order, in one scope.
 set(page_script)
-foreach(file number palette link field layers map bar curves chart legend events player page)
+foreach(file number palette buttons link field layers map bar curves chart legend events player page)
   list(APPEND page_script src/io/page/${file}.js)
 endforeach()
 set(page_style src/io/page/page.css src/io/page/live.css)

@@ -140,7 +140,7 @@ Picture profiles(const Case& run, const ReportData& data) {
   // The obstacles, and what is said of those that lie outside.
   std::string hidden;
   bool has_bodies = false;
-  const auto with_obstacles = [&](Range range, double height) {
+  const auto with_obstacles = [&](Range range, double height, double room_below) {
     std::vector<std::pair<double, Interval>> bodies;
     hidden.clear();
     const auto place = [&](const Obstacle* body, Interval part, const char* where) {
@@ -154,20 +154,21 @@ Picture profiles(const Case& run, const ReportData& data) {
     place(obstacle(run.scene.right), {length - depth, length + depth}, "at the right end");
     place(run.scene.span ? &*run.scene.span : nullptr, {-depth, length + depth}, "under the span");
     has_bodies = !bodies.empty();
+    if (has_bodies) range.add(range.low - room_below * (range.high - range.low));
     Figure figure(position, range.axis("displacement u"), height);
     for (const auto& [level, part] : bodies) figure.body(level, part);
     return figure;
   };
 
-  Figure live = with_obstacles(field_range(data), 300.0);
+  Figure live = with_obstacles(field_range(data), 340.0, 0.2);  // for gap and reaction below the obstacles
   live.live_layer(R"({"kind":"bar"})");
   const std::string live_caption =
       std::string(
           "The bar at the time of the slider, its displacement drawn upwards and coloured as in the picture below; "
-          "pale: where it has been and will be.") +
+          "shaded: where it has been and will be.") +
       (has_bodies ? " Hatched: obstacles, with the gap left and the reaction while in contact." : "") + hidden;
 
-  Figure figure = with_obstacles(of_few, 320.0);
+  Figure figure = with_obstacles(of_few, 320.0, 0.0);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     std::vector<Point> line;
     const auto u = field.row(rows[k]);

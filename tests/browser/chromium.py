@@ -36,7 +36,7 @@ class Chromium:
             preexec_fn=connect, close_fds=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(to_browser)
         os.close(from_browser)
-        self._buffer, self._count, self._size = b"", 0, (width, height)
+        self._buffer, self._count, self._size, self._scripts = b"", 0, (width, height), True
         self._session = None
         self.messages, self.requests = [], []
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
@@ -96,6 +96,7 @@ class Chromium:
     def open(self, path, scripts=True):
         """Loads a file; `messages` and `requests` are then those of this page."""
         self.messages, self.requests = [], []
+        self._scripts = scripts
         self.call("Emulation.setScriptExecutionDisabled", value=not scripts)
         self.call("Page.navigate", url="file://" + os.path.abspath(path))
         self._wait(lambda message: message.get("method") == "Page.loadEventFired", "load")
@@ -103,7 +104,8 @@ class Chromium:
 
     def settle(self):
         """Two frames: what was asked for is drawn."""
-        self.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))")
+        if self._scripts:
+            self.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))")
 
     def evaluate(self, expression):
         result = self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
@@ -151,7 +153,8 @@ class Chromium:
 
     def pixel(self, x, y):
         """(red, green, blue) of a place in view."""
-        clip = {"x": int(x), "y": int(y), "width": 1, "height": 1, "scale": 1}
+        left, top = self.evaluate("[scrollX, scrollY]")  # a clip is a part of the page
+        clip = {"x": int(x + left), "y": int(y + top), "width": 1, "height": 1, "scale": 1}
         data = self.call("Page.captureScreenshot", format="png", clip=clip)["data"]
         return Png(base64.b64decode(data)).at(0, 0)
 

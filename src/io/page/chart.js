@@ -63,19 +63,18 @@ class Chart {
   }
 
   axis(axis, key) {
-    const label = axis.bare || !axis.log ? axis.label : axis.label;
     const ticks = axis.log
       ? { splits: (plot, i, low, high) => decadeTicks(low, high),
           values: (plot, ticks) => decadeLabels(ticks, plot.scales[key].min, plot.scales[key].max, key === "x" ? 12 : 7),
           filter: (plot, ticks) => ticks }
       : axis.bare ? { splits: () => [], values: () => [] }
-      : { values: (plot, ticks, i, space, step) => linearLabels(ticks, step) };
+      : { incrs: tickSteps, values: (plot, ticks, i, space, step) => linearLabels(ticks, step) };
     const grid = { stroke: () => colour("var(--faint)"), width: 1, filter: (plot, ticks) => ticks };
     return {
-      scale: key, side: key === "x" ? 2 : 3, label, labelSize: 24, labelGap: 0, size: key === "x" ? 28 : Chart.leftAxis - 24,
+      scale: key, side: key === "x" ? 2 : 3, label: axis.label, labelSize: 24, labelGap: 0, size: key === "x" ? 28 : Chart.leftAxis - 24,
       space: key === "x" ? 70 : 34, gap: 5, font: "12.5px " + getComputedStyle(document.body).fontFamily,
       labelFont: "13.5px " + getComputedStyle(document.body).fontFamily,
-      stroke: () => colour("var(--soft)"), grid, border: { show: true, stroke: () => colour("var(--soft)"), width: 1 },
+      stroke: () => colour("var(--soft)"), grid, 
       ticks: { ...grid, stroke: () => colour("var(--soft)"), size: 5 }, ...ticks };
   }
 

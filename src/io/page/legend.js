@@ -1,14 +1,5 @@
 // The legend of a picture: what is drawn, each line of it a button that hides or shows it, and values at the cursor.
 
-const element = (tag, attributes = {}, ...children) => {
-  const node = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes))
-    if (name in node && name !== "list") node[name] = value;
-    else node.setAttribute(name, value);
-  node.append(...children);
-  return node;
-};
-
 class Legend {
   constructor(chart, { values = false } = {}) {
     this.chart = chart;

@@ -15,6 +15,9 @@ function readable(value, digits = 5) {
   return short === "1" ? power : withTrueMinus(short) + "\u2009×\u2009" + power;
 }
 
+/// Steps between ticks: 1, 2 or 5 times a power of ten.
+const tickSteps = Array.from({ length: 600 }, (_, i) => 10 ** (Math.floor(i / 3) - 100) * [1, 2, 5][i % 3]);
+
 /// Labels of ticks a step apart.
 function linearLabels(values, step) {
   const largest = Math.max(...values.map(Math.abs));

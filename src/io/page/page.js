@@ -1,9 +1,7 @@
 // Puts the pictures of the page together: reads its data and draws each picture anew in place of the still one.
 
 const charts = new Map();
-function resetAll() {
-  for (const chart of charts.values()) chart.reset();
-}
+const resetAll = () => charts.forEach((chart) => chart.reset());
 
 function startPage() {
   const { figures, field: fieldData, events: eventData, supports } = JSON.parse(document.getElementById("data").textContent);
@@ -28,8 +26,8 @@ function startPage() {
   for (const panel of document.querySelectorAll(".panel")) {
     const name = panel.dataset.picture, figure = figures[name];
     const overTime = figure.x.link === "t";
-    const host = element("div", { className: "chart", tabIndex: 0, role: "group" });
-    host.setAttribute("aria-label", figure.title + (fieldData && overTime ? ". Arrow keys move in time" : ""));
+    const host = element("div", { className: "chart", tabIndex: 0, role: "group",
+      ariaLabel: figure.title + (fieldData ? ". Arrow keys move in time" : ". Arrow keys read points") });
     const live = element("div", { className: "live" }, host);
     panel.append(live);
     const chart = new Chart(host, name, figure, links, { special, dragY: Boolean(figure.y.log) || name === "displacement" });
@@ -45,7 +43,7 @@ function startPage() {
 /// A run: slider, events, the bar that follows them.
 function startRun(reference, fieldData, eventData) {
   const { links, field, colours } = reference, events = new Events(eventData);
-  const player = new Player(links.t, field.t, events);
+  const player = new Player(links.t, field.t, events, resetAll);
   Object.assign(reference, { events, player });
   document.querySelector("figure").before(player.node);
 
@@ -86,7 +84,7 @@ function startStudy(links) {
     element("section", { className: "player live", ariaLabel: "View" }, element("div", { className: "controls" },
       element("span", { className: "hint", textContent:
         "Point at a picture for its numbers, drag to zoom, shift and drag to move, double click to see it all; the legend hides and shows." }),
-      element("span", { className: "space" }), ...viewButtons(shared))));
+      element("span", { className: "space" }), ...viewButtons(shared, resetAll))));
 }
 
 function reactionsOf(figures) {

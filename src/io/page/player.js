@@ -3,12 +3,12 @@
 class Player {
   static wholeRun = 12;  // seconds that a run takes at speed 1
 
-  /// @param link the axis of time @param stops times that the arrow keys go to @param events Events
-  constructor(link, stops, events) {
-    Object.assign(this, { link, stops, events, playing: null });
+  /// @param link the axis of time @param stops times that the arrow keys go to @param events Events @param showAll ends all zooms
+  constructor(link, stops, events, showAll) {
+    Object.assign(this, { link, stops, events, showAll, playing: null });
     [this.begin, this.end] = [stops[0], stops[stops.length - 1]];
     this.slider = element("input", { type: "range", min: this.begin, max: this.end, step: "any", value: this.begin, ariaLabel: "Time" });
-    this.playButton = this.button("▶", "Play", () => this.toggle());
+    this.playButton = iconButton("play", "Play (space)", () => this.toggle());
     this.playButton.classList.add("play");
     this.speed = element("select", { ariaLabel: "Speed", title: "Speed" }, ...[0.1, 0.25, 0.5, 1, 2, 4].map((speed) =>
       element("option", { value: speed, textContent: `${readable(speed)}×`, selected: speed === 1 })));
@@ -18,10 +18,10 @@ class Player {
     const hasEvents = events.list.length > 0;
     this.node = element("section", { className: "player live", ariaLabel: "Time of the pictures" },
       element("div", { className: "controls" },
-        ...(hasEvents ? [this.button("⏮", "Previous contact change (P)", () => this.jump(events.previous(this.time)))] : []),
+        ...(hasEvents ? [iconButton("previous", "Previous contact change (P)", () => this.jump(events.previous(this.time)))] : []),
         this.playButton,
-        ...(hasEvents ? [this.button("⏭", "Next contact change (N)", () => this.jump(events.next(this.time)))] : []),
-        this.speed, this.clock, element("span", { className: "space" }), ...viewButtons([link])),
+        ...(hasEvents ? [iconButton("next", "Next contact change (N)", () => this.jump(events.next(this.time)))] : []),
+        this.speed, this.clock, element("span", { className: "space" }), ...viewButtons([link], showAll)),
       element("div", { className: "track" }, this.strip, this.slider), this.detail);
     this.slider.addEventListener("input", () => this.go(Number(this.slider.value)));
     this.slider.addEventListener("keydown", (event) => this.key(event));
@@ -32,12 +32,6 @@ class Player {
     onTheme.add(() => this.drawStrip());
     new ResizeObserver(() => this.drawStrip()).observe(this.strip);
     this.go(this.begin);
-  }
-
-  button(sign, label, action) {
-    const button = element("button", { type: "button", textContent: sign, ariaLabel: label, title: label });
-    button.addEventListener("click", action);
-    return button;
   }
 
   get time() { return this.link.rest; }
@@ -87,15 +81,16 @@ class Player {
       else this.playing = requestAnimationFrame(frame);
     };
     this.playing = requestAnimationFrame(frame);
-    this.showPlaying("❚❚", "Pause");
+    this.showPlaying("pause", "Pause (space)");
   }
   stop() {
     if (this.playing !== null) cancelAnimationFrame(this.playing);
     this.playing = null;
-    this.showPlaying("▶", "Play");
+    this.showPlaying("play", "Play (space)");
   }
-  showPlaying(sign, label) {
-    Object.assign(this.playButton, { textContent: sign, ariaLabel: `${label} (space)`, title: `${label} (space)` });
+  showPlaying(name, label) {
+    this.playButton.replaceChildren(icon(name));
+    Object.assign(this.playButton, { ariaLabel: label, title: label });
   }
 
   /// Of the slider and of the pictures over time.
@@ -105,7 +100,7 @@ class Player {
       ArrowRight: () => this.step(1), ArrowLeft: () => this.step(-1), ArrowUp: () => this.step(1), ArrowDown: () => this.step(-1),
       PageUp: () => this.step(10), PageDown: () => this.step(-10), Home: () => this.go(this.begin), End: () => this.go(this.end),
       " ": () => this.toggle(), n: () => this.jump(this.events.next(this.time)), p: () => this.jump(this.events.previous(this.time)),
-      "+": () => this.link.zoom(0.5, this.time), "-": () => this.link.zoom(2, this.time), 0: () => this.link.show(null),
+      "+": () => this.link.zoom(0.5, this.time), "-": () => this.link.zoom(2, this.time), 0: this.showAll,
     }[event.key];
     if (!action) return;
     event.preventDefault();
@@ -143,18 +138,3 @@ class Player {
   }
 }
 
-/// Buttons that zoom the shared axes out and in again, and the one of light and dark.
-function viewButtons(links) {
-  const button = (sign, label, action) => {
-    const node = element("button", { type: "button", textContent: sign, ariaLabel: label, title: label });
-    node.addEventListener("click", action);
-    return node;
-  };
-  const zoom = links.length === 0 ? [] : [
-    button("−", "Zoom out (−)", () => links.forEach((link) => link.zoom(2, link.place))),
-    button("+", "Zoom in (+)", () => links.forEach((link) => link.zoom(0.5, link.place))),
-    button("◂", "Move the view to the left", () => links.forEach((link) => link.pan(-0.25))),
-    button("▸", "Move the view to the right", () => links.forEach((link) => link.pan(0.25)))];
-  return [...zoom, button("Reset", "Show the whole of every picture (0, or a double click)", () => resetAll()),
-    button("◐", "Light or dark", toggleTheme)];
-}
