@@ -4,7 +4,7 @@ foreach(file number palette buttons link field layers map bar curves chart legen
   list(APPEND page_script src/io/page/${file}.js)
 endforeach()
 set(page_style src/io/page/page.css src/io/page/live.css)
-set(uplot third_party/uplot/uPlot.min.css third_party/uplot/uPlot.iife.min.js)
+set(uplot third_party/uplot/uPlot.min.css third_party/uplot/uPlot.iife.min.js third_party/uplot/LICENSE)
 list(JOIN page_script "," page_script_files)
 list(JOIN page_style "," page_style_files)
 set(page_files ${PROJECT_BINARY_DIR}/page_files.cpp)
@@ -14,6 +14,6 @@ add_custom_command(
   OUTPUT ${page_files}
   COMMAND ${CMAKE_COMMAND} -DOUTPUT=${page_files} -DROOT=${PROJECT_SOURCE_DIR} -P ${PROJECT_SOURCE_DIR}/cmake/embed.cmake --
           script=${page_script_files} style=${page_style_files} chart_style=third_party/uplot/uPlot.min.css
-          chart_script=third_party/uplot/uPlot.iife.min.js
+          chart_script=third_party/uplot/uPlot.iife.min.js chart_licence=third_party/uplot/LICENSE
   DEPENDS ${page_sources} VERBATIM)
 target_sources(viscobar PRIVATE ${page_files})

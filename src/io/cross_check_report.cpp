@@ -36,7 +36,7 @@ std::vector<const MethodRun*> finished(const CrossCheck& check) {
 
 template <class Value>
 std::vector<Point> trace(const Recording& recording, Value value) {
-  plot::ThinnedLine line(400);
+  plot::ThinnedLine line(240);  // eight methods, five pictures
   for (std::size_t k = 0; k < recording.times.size(); ++k) line.add({recording.times[k], value(k)});
   return line.points();
 }

@@ -92,8 +92,8 @@ std::string Page::html() const {
     (styles += page_files::chart_style) += '\n';
     scripts = fmt::format(
         "<script type=\"application/json\" id=\"data\">{{\"figures\":{{\n{}}}{}}}</script>\n"
-        "<script>{}</script>\n<script>(() => {{\n\"use strict\";\n{}}})();</script>\n",
-        live_, data_, page_files::chart_script, page_files::script);
+        "<script>/* uPlot\n{}*/\n{}</script>\n<script>(() => {{\n\"use strict\";\n{}}})();</script>\n",
+        live_, data_, page_files::chart_licence, page_files::chart_script, page_files::script);
   }
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"

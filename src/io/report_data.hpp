@@ -19,8 +19,8 @@ class ReportData {
   void add(const Snapshot& snapshot);
   void add(const Event& event);
 
-  /// Detail to zoom into: a picture of the whole could show some 600.
-  static constexpr std::size_t buckets = 1000;
+  /// Some more than a picture of the whole can show, to zoom into.
+  static constexpr std::size_t buckets = 800;
   struct End {
     plot::ThinnedLine displacement{buckets}, reaction{buckets};
   };

@@ -141,6 +141,7 @@ TEST(Report, MarksContactUnderASpan) {
 // Fed with snapshots and events, not computed: 10^6 output times of 60 nodes, 10^5 contact changes; and 10^5 elements.
 TEST(Report, OfAVeryLongRunStaysBelowTwoMegabytesAndSaysWhatItThinned) {
   SceneFile scene = bouncing_bar();
+  scene.run.scene.right = Obstacle{0.1};
   scene.run.elements = 60;
   const BarSystem system = make_system(scene.run);
   ReportData data(scene.run, system);
@@ -150,9 +151,11 @@ TEST(Report, OfAVeryLongRunStaysBelowTwoMegabytesAndSaysWhatItThinned) {
   constexpr int count = 1'000'000;
   for (int k = 0; k < count; ++k) {
     std::fill(u.begin(), u.end(), std::sin(1e-3 * k) + std::sin(0.77 * k));
-    data.add(Snapshot{.time = 1e-6 * k, .u = u, .v = v, .reaction_left = std::sin(0.9 * k)});
+    data.add(Snapshot{
+        .time = 1e-6 * k, .u = u, .v = v, .reaction_left = std::sin(0.9 * k), .reaction_right = std::cos(0.8 * k)});
     if (k % 10 == 0) {
-      const Event event{1e-6 * k, Where::left, 0, k % 20 ? Change::opening : Change::closing, k == 700'000 ? -9.0 : -1.0};
+      const Event event{1e-6 * k, k % 40 < 20 ? Where::left : Where::right, 0,
+                        k % 20 ? Change::opening : Change::closing, k == 700'000 ? -9.0 : -1.0};
       data.add(event);
       contact.add(event);
       ++outcome.events;

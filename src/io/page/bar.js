@@ -35,6 +35,7 @@ class BarPicture {
     context.lineJoin = "round";
     context.stroke(outline);
     this.drawTouching(chart, context, profile);
+    if (this.supports.span) this.drawSpanGap(chart, context, profile);
     this.drawEnd(chart, context, "left", x[0], profile[0], time);
     this.drawEnd(chart, context, "right", x[x.length - 1], profile[profile.length - 1], time);
   }
@@ -62,6 +63,17 @@ class BarPicture {
     context.stroke();
   }
 
+  /// Where the bar is nearest to the obstacle along its span.
+  drawSpanGap(chart, context, profile) {
+    const { x } = this.field, { gap } = this.supports.span, unit = chart.ratio, surface = chart.py(-gap);
+    const least = profile.reduce((best, u, j) => (u < profile[best] ? j : best), 0);
+    const at = chart.px(x[least]), foot = chart.py(profile[least]), inLeftHalf = 2 * least < x.length;
+    if (profile[least] <= this.colours.contactLevel || surface > chart.box.top + chart.box.height) return;
+    doubleArrow(chart, context, at, foot, surface);
+    write(chart, context, `gap ${readable(profile[least] + gap, 3)}`, at + (inLeftHalf ? 12 : -12) * unit, surface + 26 * unit,
+      { css: "var(--ink)", align: inLeftHalf ? "left" : "right", halo: true });
+  }
+
   drawEnd(chart, context, side, x, u, time) {
     const support = this.supports[side], at = chart.px(x), foot = chart.py(u), unit = chart.ratio;
     if (support.kind === "fixed") {
@@ -83,10 +95,7 @@ class BarPicture {
         write(chart, context, `in contact, R = ${readable(size, 3)}`, at + 12 * outwards * unit, surface + 26 * unit, words);
       }
     } else if (surface > chart.box.top && surface < chart.box.top + chart.box.height) {
-      if (Math.abs(surface - foot) > 14 * unit) {
-        arrow(chart, context, at, (surface + foot) / 2, surface, colour("var(--ink)"), 1);
-        arrow(chart, context, at, (surface + foot) / 2, foot, colour("var(--ink)"), 1);
-      }
+      doubleArrow(chart, context, at, foot, surface);
       write(chart, context, `gap ${readable(u + support.gap, 3)}`, at + 12 * outwards * unit, surface + 26 * unit, words);
     }
   }
@@ -118,4 +127,11 @@ function arrow(chart, context, x, from, to, css, width = 2) {
   context.lineTo(x - 0.6 * head, to + head * towards);
   context.lineTo(x + 0.6 * head, to + head * towards);
   context.fill();
+}
+
+/// A distance, where there is room to show it.
+function doubleArrow(chart, context, x, from, to) {
+  if (Math.abs(to - from) <= 14 * chart.ratio) return;
+  const middle = (from + to) / 2;
+  for (const head of [from, to]) arrow(chart, context, x, middle, head, colour("var(--ink)"), 1);
 }

@@ -9,7 +9,6 @@ class Chart {
     Object.assign(this, { host, name, figure, links, special, height });
     this.overlays = [];  // functions (chart, context), painted last
     this.hidden = new Set();
-    this.ratio = devicePixelRatio || 1;
     this.lines = figure.layers.filter(({ kind }) => kind === "line");
     this.curves = this.lines.map((line) => new Curve(line));
     this.groups = groupsOf(figure.layers);
@@ -78,6 +77,7 @@ class Chart {
       ticks: { ...grid, stroke: () => colour("var(--soft)"), size: 5 }, ...ticks };
   }
 
+  get ratio() { return devicePixelRatio || 1; }
   get width() { return Math.max(240, Math.floor(this.host.clientWidth)); }
 
   /// The part of an axis in view.

@@ -27,7 +27,7 @@ function startPage() {
     const name = panel.dataset.picture, figure = figures[name];
     const overTime = figure.x.link === "t";
     const host = element("div", { className: "chart", tabIndex: 0, role: "group",
-      ariaLabel: figure.title + (fieldData ? ". Arrow keys move in time" : ". Arrow keys read points") });
+      ariaLabel: figure.title + (fieldData || overTime ? ". Arrow keys move in time" : ". Arrow keys read points") });
     const live = element("div", { className: "live" }, host);
     panel.append(live);
     const chart = new Chart(host, name, figure, links, { special, dragY: Boolean(figure.y.log) || name === "displacement" });
@@ -35,13 +35,13 @@ function startPage() {
     live.prepend(new Legend(chart, { values: overTime }).node);
     if (!overTime && name !== "bar") new PointReader(chart);
   }
-  if (fieldData) startRun(reference, fieldData, eventData);
+  if (fieldData) startRun(reference, eventData);
   else startStudy(links);
   window.viscobar = reference;
 }
 
 /// A run: slider, events, the bar that follows them.
-function startRun(reference, fieldData, eventData) {
+function startRun(reference, eventData) {
   const { links, field, colours } = reference, events = new Events(eventData);
   const player = new Player(links.t, field.t, events, resetAll);
   Object.assign(reference, { events, player });
@@ -67,24 +67,34 @@ function startRun(reference, fieldData, eventData) {
   addColourScale(charts.get("displacement"), reference);
   const section = document.getElementById("events");
   if (section) events.table(section, (event) => player.jump(event));
-  const thinned = [
-    fieldData.everyTime > 1 && `every ${fieldData.everyTime}th output time`,
-    fieldData.everyNode > 1 && `every ${fieldData.everyNode}th node`].filter(Boolean);
   document.querySelector("footer").before(element("p", { className: "live note", textContent:
-    (thinned.length > 0 ? `The bar and the map are drawn from ${thinned.join(" and ")}, ` : "The bar and the map are drawn ") +
-    "with displacements rounded to 1/65535 of their range; long traces keep the least and the greatest value of neighbouring output " +
-    "times. ends.csv, events.csv and field.h5 have everything. Keys, on the slider or a picture: arrows and page keys move in time, " +
-    "Home and End to its ends, space plays, N and P go to contact changes, + − 0 zoom. Drag to zoom, shift and drag to " +
-    "move the view, double click to see it all." }));
+    "Keys, on the slider or a picture: arrows and page keys move in time, Home and End go to its ends, space plays, N and P go " +
+    "to contact changes, + − 0 zoom. Drag to zoom, shift and drag to move the view, double click to see it all. Bar and map are " +
+    "drawn with displacements rounded to 1/65535 of their range, lines with the least and greatest value of neighbouring output " +
+    "times where there are many; ends.csv, events.csv and field.h5 have everything." }));
 }
 
 function startStudy(links) {
+  for (const chart of charts.values()) chart.host.addEventListener("keydown", (event) => studyKey(chart, event));
   const shared = Object.values(links).filter((link) => link.bounds);
   document.querySelector("figure").before(
     element("section", { className: "player live", ariaLabel: "View" }, element("div", { className: "controls" },
       element("span", { className: "hint", textContent:
         "Point at a picture for its numbers, drag to zoom, shift and drag to move, double click to see it all; the legend hides and shows." }),
       element("span", { className: "space" }), ...viewButtons(shared, resetAll))));
+}
+
+function studyKey(chart, event) {
+  const { x } = chart.link, [low, high] = chart.shown("x");
+  const move = (part) => x.stand(Math.min(high, Math.max(low, (x.rest ?? low) + part * (high - low))));
+  const overTime = chart.figure.x.link === "t";
+  const action = {
+    "+": () => x.zoom(0.5, x.place), "-": () => x.zoom(2, x.place), 0: resetAll,
+    ...(overTime ? { ArrowRight: () => move(0.01), ArrowLeft: () => move(-0.01), Home: () => x.stand(low), End: () => x.stand(high) } : {}),
+  }[event.key];
+  if (!action || event.ctrlKey || event.metaKey || event.altKey) return;
+  event.preventDefault();
+  action();
 }
 
 function reactionsOf(figures) {

@@ -22,7 +22,7 @@ class Player {
         this.playButton,
         ...(hasEvents ? [iconButton("next", "Next contact change (N)", () => this.jump(events.next(this.time)))] : []),
         this.speed, this.clock, element("span", { className: "space" }), ...viewButtons([link], showAll)),
-      element("div", { className: "track" }, this.strip, this.slider), this.detail);
+      element("div", { className: "track" }, ...(hasEvents ? [this.strip] : []), this.slider), ...(hasEvents ? [this.detail] : []));
     this.slider.addEventListener("input", () => this.go(Number(this.slider.value)));
     this.slider.addEventListener("keydown", (event) => this.key(event));
     this.strip.addEventListener("click", (event) => this.clickedStrip(event));
