@@ -215,6 +215,15 @@ TEST(Report, ARunThatNeverBeganHasAPageWithoutPictures) {
   EXPECT_EQ(html.find("<script"), std::string::npos);
 }
 
+TEST(Report, WritesItsFiguresOnlyWhenAskedTo) {
+  const Scratch scratch;
+  record_run(bouncing_bar(), scratch.path());
+  EXPECT_FALSE(std::filesystem::exists(scratch / "figures"));
+  record_run(bouncing_bar(), scratch.path(), {.figures = true});
+  for (const char* name : {"bar", "displacement", "left-end", "right-end", "reactions", "energy"})
+    EXPECT_TRUE(read_text(scratch / ("figures/" + std::string(name) + ".svg")).ends_with("</svg>\n")) << name;
+}
+
 TEST(Report, AMotionlessBarHasAPage) {
   SceneFile scene = free_bar();
   scene.run.scene.velocity = [](double) { return 0.0; };

@@ -46,21 +46,28 @@ class BarPicture {
     const gradient = context.createLinearGradient(chart.px(x[0]), 0, chart.px(x[last]), 0);
     for (let k = 0; k <= stops; ++k) {
       const j = Math.round((k * last) / stops), part = Math.min(1, Math.max(0, (x[j] - begin) / length));
-      gradient.addColorStop(part, `rgb(${this.colours.palette[Math.min(this.colours.index(profile[j]), FieldColours.steps - 1)]})`);
+      gradient.addColorStop(part, this.colours.shade(profile[j]));
     }
     return gradient;
   }
 
+  /// What lies on the obstacle along the span: stretches, and single nodes as dots.
   drawTouching(chart, context, profile) {
-    const { x } = this.field;
-    context.beginPath();
-    for (let j = 0; j + 1 < x.length; ++j)
-      if (profile[j] <= this.colours.contactLevel && profile[j + 1] <= this.colours.contactLevel) {
+    const { x } = this.field, touches = (j) => profile[j] <= this.colours.contactLevel;
+    strokeStyle(chart, context, this.colours.touching, 3);
+    context.fillStyle = this.colours.touching;
+    for (let j = 0; j < x.length; ++j) {
+      if (!touches(j)) continue;
+      context.beginPath();
+      if (touches(j + 1)) {
         context.moveTo(chart.px(x[j]), chart.py(profile[j]));
         context.lineTo(chart.px(x[j + 1]), chart.py(profile[j + 1]));
+        context.stroke();
+      } else if (!touches(j - 1)) {
+        context.arc(chart.px(x[j]), chart.py(profile[j]), 5 * chart.ratio, 0, 2 * Math.PI);
+        context.fill();
       }
-    strokeStyle(chart, context, this.colours.touching, 3);
-    context.stroke();
+    }
   }
 
   /// Where the bar is nearest to the obstacle along its span.

@@ -65,10 +65,11 @@ class FieldColours {
     });
     this.palette.push(bytes(touching));
   }
-  index(u) {
-    if (u <= this.contactLevel) return FieldColours.steps;
+  /// The step of the scale; the one after the last stands for contact.
+  index(u) { return u <= this.contactLevel ? FieldColours.steps : this.step(u); }
+  step(u) {
     const part = (u - this.low) / (this.high - this.low);
     return Math.round(Math.min(1, Math.max(0, part)) * (FieldColours.steps - 1));
   }
-  css(u) { return `rgb(${this.palette[this.index(u)]})`; }
+  shade(u) { return `rgb(${this.palette[this.step(u)]})`; }
 }
