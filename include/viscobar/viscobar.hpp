@@ -33,6 +33,7 @@
 #include "viscobar/dynamics/run.hpp"
 #include "viscobar/integration/integrate.hpp"
 #include "viscobar/io/io_error.hpp"
+#include "viscobar/io/pictured_page.hpp"
 #include "viscobar/io/record_run.hpp"
 #include "viscobar/io/scene_file.hpp"
 #include "viscobar/io/scheme_reports.hpp"

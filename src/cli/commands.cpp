@@ -46,6 +46,12 @@ std::filesystem::path OutputOptions::directory(const SceneOptions& scene) const 
   return chosen;
 }
 
+PictureOptions::PictureOptions(CLI::App& command) : OutputOptions(command) { add_figures(command, figures); }
+
+void add_figures(CLI::App& command, bool& figures) {
+  command.add_flag("--figures", figures, "Also write each picture as DIR/figures/NAME.svg, for papers");
+}
+
 void add_threads(CLI::App& command, std::size_t& threads, const std::string& what) {
   constexpr std::size_t most = 4096;
   command.add_option("--threads", threads, what + " (default: one a core)")

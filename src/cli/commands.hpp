@@ -36,6 +36,13 @@ struct OutputOptions {
   std::filesystem::path directory(const SceneOptions& scene) const;
 };
 
+/// The same of a command whose results have pictures: --figures.
+struct PictureOptions : OutputOptions {
+  bool figures = false;
+
+  explicit PictureOptions(CLI::App& command);
+};
+
 class RunCommand {
  public:
   explicit RunCommand(CLI::App& app);
@@ -45,7 +52,7 @@ class RunCommand {
  private:
   CLI::App& command_;
   SceneOptions scene_;
-  OutputOptions output_;
+  PictureOptions output_;
   std::string checkpoint_;
 };
 
@@ -58,7 +65,7 @@ class ResumeCommand {
  private:
   CLI::App& command_;
   std::string directory_;
-  bool json_ = false, quiet_ = false;
+  bool json_ = false, quiet_ = false, figures_ = false;
 };
 
 class CompareCommand {
@@ -70,7 +77,7 @@ class CompareCommand {
  private:
   CLI::App& command_;
   SceneOptions scene_;
-  OutputOptions output_;
+  PictureOptions output_;
   std::vector<std::string> methods_;
   std::size_t threads_ = 0;
 };
@@ -84,7 +91,7 @@ class LimitCommand {
  private:
   CLI::App& command_;
   SceneOptions scene_;
-  OutputOptions output_;
+  PictureOptions output_;
   std::string epsilon_ = "1e-2:1e-8", mass_;
   std::size_t per_decade_ = 1, threads_ = 0;
   std::vector<std::size_t> elements_;
@@ -100,7 +107,7 @@ class PrecisionCommand {
  private:
   CLI::App& command_;
   SceneOptions scene_;
-  OutputOptions output_;
+  PictureOptions output_;
   std::string tolerance_ = "1e-3:1e-10";
   std::vector<std::string> methods_;
   std::vector<std::size_t> elements_;
@@ -203,6 +210,9 @@ class ManCommand {
   const CLI::App& app_;
   CLI::App& command_;
 };
+
+/// --figures, the same for all commands that draw.
+void add_figures(CLI::App& command, bool& figures);
 
 /// --threads N, the same for all commands that have it; 0 when it is not given, which means one a core.
 void add_threads(CLI::App& command, std::size_t& threads, const std::string& what = "Runs at a time");

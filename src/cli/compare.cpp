@@ -9,6 +9,7 @@
 #include "cli/method_names.hpp"
 #include "io/output_file.hpp"
 #include "io/result_directory.hpp"
+#include "io/write_page.hpp"
 #include "viscobar/io/study_reports.hpp"
 
 namespace viscobar::cli {
@@ -63,7 +64,7 @@ int CompareCommand::operator()() const {
   const CrossCheck check = cross_check(choice.cases, threads_);
   const std::string json = cross_check_json(scene, choice, check);
   write_atomically(directory / "compare.json", json);
-  write_atomically(directory / "compare.html", cross_check_html(scene.run.scene, choice, check));
+  write_page(directory, "compare.html", cross_check_page(scene.run.scene, choice, check), output_.figures);
   if (scene_.json)
     print(json);
   else if (!output_.quiet)

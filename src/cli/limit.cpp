@@ -11,6 +11,7 @@
 #include "cli/progress.hpp"
 #include "io/output_file.hpp"
 #include "io/result_directory.hpp"
+#include "io/write_page.hpp"
 #include "viscobar/io/study_reports.hpp"
 
 namespace viscobar::cli {
@@ -80,7 +81,7 @@ int LimitCommand::operator()() const {
   const CouplingResult coupling = balance_errors(study, result);
   const std::string json = limit_json(scene, study, result, coupling);
   write_atomically(directory / "limit.json", json);
-  write_atomically(directory / "limit.html", limit_html(study, result, coupling));
+  write_page(directory, "limit.html", limit_page(study, result, coupling), output_.figures);
   if (scene_.json)
     print(json);
   else if (!output_.quiet)

@@ -12,6 +12,7 @@
 #include "cli/progress.hpp"
 #include "io/output_file.hpp"
 #include "io/result_directory.hpp"
+#include "io/write_page.hpp"
 #include "viscobar/analysis/penalty_limit.hpp"
 #include "viscobar/io/study_reports.hpp"
 
@@ -92,7 +93,7 @@ int PrecisionCommand::operator()() const {
   status.clear();
   const std::string json = precision_json(scene, study, result);
   write_atomically(directory / "precision.json", json);
-  write_atomically(directory / "precision.html", precision_html(study, result));
+  write_page(directory, "precision.html", precision_page(study, result), output_.figures);
   const std::string& title = scene.run.scene.title;
   if (scene_.json)
     print(json);

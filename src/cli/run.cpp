@@ -124,6 +124,7 @@ RunCommand::RunCommand(CLI::App& app)
 int RunCommand::operator()() const {
   RecordOptions options;
   options.checkpoint = checkpoint_every(checkpoint_);
+  options.figures = output_.figures;
   const SceneFile scene = scene_.read();
   if (options.checkpoint && options.checkpoint->clock == CheckpointEvery::Clock::simulated &&
       !(options.checkpoint->interval > 1e-12 * scene.run.end))
@@ -139,11 +140,13 @@ ResumeCommand::ResumeCommand(CLI::App& app)
   command_.add_option("directory", directory_, "Where the run put its results")->required()->type_name("DIR");
   command_.add_flag("--json", json_, "Print one JSON document on standard output, and nothing else there");
   command_.add_flag("--quiet", quiet_, "Print nothing but errors");
+  add_figures(command_, figures_);
 }
 
 int ResumeCommand::operator()() const {
   const fs::path directory = directory_;
   RecordOptions options;
+  options.figures = figures_;
   const SceneFile scene = scene_of_checkpoint(directory);
   return shown(scene, directory, json_, quiet_, options,
                [&](const RecordOptions& chosen) { return resume_run(scene, directory, chosen, warn); });

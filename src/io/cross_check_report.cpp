@@ -36,14 +36,14 @@ std::vector<const MethodRun*> finished(const CrossCheck& check) {
 
 template <class Value>
 std::vector<Point> trace(const Recording& recording, Value value) {
-  plot::ThinnedLine line(400);
+  plot::ThinnedLine line(240);  // eight methods, five pictures
   for (std::size_t k = 0; k < recording.times.size(); ++k) line.add({recording.times[k], value(k)});
   return line.points();
 }
 
 Axis time_axis(const CrossCheck& check) {
   const std::vector<double>& times = check.runs[*check.reference].recording->times;
-  return {"time t", times.front(), times.back()};
+  return {.label = "time t", .low = times.front(), .high = times.back(), .link = "t"};
 }
 
 /// Lines over each other, each thinner than the one below, so that all show where they coincide.
@@ -53,9 +53,9 @@ void draw(Figure& figure, const std::vector<const MethodRun*>& runs, const std::
                 label(*runs[i]));
 }
 
-std::string ends_picture(const Scene& scene, const CrossCheck& check) {
+Picture ends_picture(const Scene& scene, const CrossCheck& check) {
   const auto runs = finished(check);
-  const auto panel = [&](const EndCondition& end, bool left, const char* axis) {
+  const auto panel = [&](const EndCondition& end, bool left, const char* axis) -> Panel {
     std::vector<std::vector<Point>> lines;
     Range range;
     for (const MethodRun* run : runs) {
@@ -69,14 +69,16 @@ std::string ends_picture(const Scene& scene, const CrossCheck& check) {
     Figure figure(time_axis(check), range.axis(axis), 240.0);
     if (shown) figure.level(-body->gap, {"var(--ink)", true, 1.2}, "obstacle");
     draw(figure, runs, lines);
-    return figure.svg(std::string("Displacement over time by each method: ") + axis);
+    return {left ? "left-end" : "right-end", std::string("Displacement over time by each method: ") + axis, figure};
   };
-  return figure_html(panel(scene.left, true, "u(0, t)") + panel(scene.right, false, "u(L, t)"), "Ends",
-                     "Displacement of the left and of the right end. Lines lie over each other from wide to narrow, so "
-                     "that all show where the methods agree.");
+  return {
+      "Ends",
+      "Displacement of the left and of the right end. Lines lie over each other from wide to narrow, so that all show "
+      "where the methods agree.",
+      {panel(scene.left, true, "u(0, t)"), panel(scene.right, false, "u(L, t)")}};
 }
 
-std::string differences_picture(const CrossCheck& check) {
+Picture differences_picture(const CrossCheck& check) {
   const MethodRun& reference = check.runs[*check.reference];
   const Recording& r = *reference.recording;
   std::vector<const MethodRun*> runs;
@@ -99,9 +101,9 @@ std::string differences_picture(const CrossCheck& check) {
   // Equal but for rounding at the start: the picture needs not show how equal.
   Figure figure(time_axis(check), plot::fitted_decades("difference, L2 norm", std::max(low, 1e-9 * high), high), 300.0);
   for (std::size_t i = 0; i < runs.size(); ++i) figure.line(lines[i], {colour(*runs[i])}, label(*runs[i]));
-  return figure_html(
-      figure.svg("Difference of each method to the reference over time"), "Difference to " + label(reference),
-      "‖<i>u</i> − <i>u</i><sub>" + label(reference) + "</sub>‖ in <i>L</i>² over the bar, at the output times.");
+  return {"Difference to " + label(reference),
+          "‖<i>u</i> − <i>u</i><sub>" + label(reference) + "</sub>‖ in <i>L</i>² over the bar, at the output times.",
+          {{"difference", "Difference of each method to the reference over time", figure}}};
 }
 
 /// Times with at least one contact closed there.
@@ -121,30 +123,30 @@ std::vector<Interval> contact_intervals(const Recording& recording, Where where)
   return all.intervals();
 }
 
-std::string contacts_picture(const Scene& scene, const CrossCheck& check) {
+Picture contacts_picture(const Scene& scene, const CrossCheck& check) {
   const auto runs = finished(check);
-  std::string panels;
-  const auto panel = [&](Where where, const char* axis) {
+  std::vector<Panel> panels;
+  const auto panel = [&](Where where, const char* name, const char* axis) {
     const double rows = static_cast<double>(runs.size());
     Figure figure(time_axis(check), {axis, rows - 0.5, -0.5, plot::Scale::linear, true},
                   plot::height_of_bars(runs.size()));
     for (std::size_t i = 0; i < runs.size(); ++i)
       figure.bars(contact_intervals(*runs[i]->recording, where), static_cast<double>(i), colour(*runs[i]),
                   label(*runs[i]));
-    panels += figure.svg(std::string("Times in contact by each method: ") + axis);
+    panels.push_back({name, std::string("Times in contact by each method: ") + axis, figure});
   };
-  if (is_obstacle(scene.left)) panel(Where::left, "left end");
-  if (is_obstacle(scene.right)) panel(Where::right, "right end");
-  if (scene.span) panel(Where::span, "span");
-  if (panels.empty()) return {};
-  return figure_html(panels, "Contact",
-                     std::string("Times in contact. A bar broken into short pieces is a node that chatters.") +
-                         (scene.span ? " Under the span: times when any node is in contact." : ""));
+  if (is_obstacle(scene.left)) panel(Where::left, "contact-left", "left end");
+  if (is_obstacle(scene.right)) panel(Where::right, "contact-right", "right end");
+  if (scene.span) panel(Where::span, "contact-span", "span");
+  return {"Contact",
+          std::string("Times in contact. A bar broken into short pieces is a node that chatters.") +
+              (scene.span ? " Under the span: times when any node is in contact." : ""),
+          panels};
 }
 
-std::string reactions_picture(const Scene& scene, const CrossCheck& check) {
+Picture reactions_picture(const Scene& scene, const CrossCheck& check) {
   const auto runs = finished(check);
-  std::string panels;
+  std::vector<Panel> panels;
   const auto panel = [&](bool left, const char* axis) {
     std::vector<std::vector<Point>> lines;
     Range range;
@@ -156,14 +158,13 @@ std::string reactions_picture(const Scene& scene, const CrossCheck& check) {
     }
     Figure figure(time_axis(check), range.axis(axis), 240.0);
     draw(figure, runs, lines);
-    panels += figure.svg(std::string("Reaction over time by each method: ") + axis);
+    panels.push_back(
+        {left ? "reaction-left" : "reaction-right", std::string("Reaction over time by each method: ") + axis, figure});
   };
   if (scene.span || is_obstacle(scene.left)) panel(true, "reaction, left");
   if (scene.span || is_obstacle(scene.right)) panel(false, "reaction, right");
-  if (panels.empty()) return {};
-  return figure_html(
-      panels, "Reactions",
-      "Force of the obstacle on each end, at the output times: of a node that chatters, single samples.");
+  return {"Reactions",
+          "Force of the obstacle on each end, at the output times: of a node that chatters, single samples.", panels};
 }
 
 Json to_json(const ContactPeriod& period) {
@@ -256,34 +257,34 @@ std::string cross_check_text(const MethodChoice& choice, const CrossCheck& check
   return out;
 }
 
-std::string cross_check_html(const Scene& scene, const MethodChoice& choice, const CrossCheck& check) {
-  std::string body = section_html("Methods", html(method_table(check, readable_number)));
-  if (check.reference) {
-    std::string notes;
-    for (const std::string& remark : remarks(choice, check))
-      notes += "<p class=\"note\">" + plot::escaped(remark) + ".</p>\n";
-    if (const Table differences = difference_table(check, readable_number); !differences.rows.empty())
-      body +=
-          section_html("Difference to " + label(check.runs[*check.reference]),
-                       html(differences) +
-                           "<p class=\"note\">Largest over the output times; changes matched: place by place and in "
-                           "order of time, of those of the reference and of the method.</p>\n" +
-                           notes);
-    body += ends_picture(scene, check) + differences_picture(check) + contacts_picture(scene, check) +
-            reactions_picture(scene, check);
-    if (const Table contacts = contact_table(check, readable_number); !contacts.rows.empty())
-      body +=
-          section_html("Contact periods", html(contacts) +
-                                              "<p class=\"note\">Bounces within a hundredth of the run count as one "
-                                              "contact. The impulse is that of the reaction, by the balance of the end "
-                                              "node's momentum.</p>\n");
-  }
-  std::string failures;
+PicturedPage cross_check_page(const Scene& scene, const MethodChoice& choice, const CrossCheck& check) {
+  Page page((scene.title.empty() ? "A scene" : scene.title) + ", by several methods", scene);
   for (const MethodRun& run : check.runs)
     if (!run.recording)
-      failures +=
-          fmt::format("<p class=\"failed\"><b>{} did not complete.</b> {}</p>\n", label(run), plot::escaped(run.error));
-  return page_html((scene.title.empty() ? "A scene" : scene.title) + ", by several methods", scene, failures, body);
+      page.add_head(fmt::format("<p class=\"failed\"><b>{} did not complete.</b> {}</p>\n", label(run),
+                                plot::escaped(run.error)));
+  page.add(section_html("Methods", html(method_table(check, readable_number))));
+  if (!check.reference) return page.with_figures();
+  std::string notes;
+  for (const std::string& remark : remarks(choice, check))
+    notes += "<p class=\"note\">" + plot::escaped(remark) + ".</p>\n";
+  if (const Table differences = difference_table(check, readable_number); !differences.rows.empty())
+    page.add(section_html("Difference to " + label(check.runs[*check.reference]),
+                          html(differences) +
+                              "<p class=\"note\">Largest over the output times; changes matched: place by place and in "
+                              "order of time, of those of the reference and of the method.</p>\n" +
+                              notes));
+  page.add(ends_picture(scene, check));
+  page.add(differences_picture(check));
+  page.add(contacts_picture(scene, check));
+  page.add(reactions_picture(scene, check));
+  if (const Table contacts = contact_table(check, readable_number); !contacts.rows.empty())
+    page.add(section_html("Contact periods",
+                          html(contacts) +
+                              "<p class=\"note\">Bounces within a hundredth of the run count as one contact. "
+                              "The impulse is that of the reaction, by the balance of the end node's "
+                              "momentum.</p>\n"));
+  return page.with_figures();
 }
 
 }  // namespace viscobar

@@ -26,7 +26,9 @@ constexpr const char* soft = "var(--soft)";
 Axis epsilon_axis(const LimitResult& result) {
   Range range;
   for (const LimitRow& row : result.rows) range.add(row.epsilon);
-  return plot::fitted_decades("penalty ε", range.low, range.high);
+  Axis axis = plot::fitted_decades("penalty ε", range.low, range.high);
+  axis.link = "epsilon";
+  return axis;
 }
 
 /// Light for the coarsest mesh, dark for the finest; a single one like the first series elsewhere.
@@ -99,7 +101,7 @@ void mark_boundaries(Figure& figure, const LimitResult& result, const LimitTheor
 
 }  // namespace
 
-std::string penetration_picture(const LimitStudy& study, const LimitResult& result) {
+Picture penetration_picture(const LimitStudy& study, const LimitResult& result) {
   std::vector<std::vector<Point>> lines;
   for (std::size_t m = 0; m < result.orders.size(); ++m)
     lines.push_back(points_of(rows_of(result, m), [](const LimitRow& row) { return row.max_penetration; }));
@@ -123,13 +125,13 @@ std::string penetration_picture(const LimitStudy& study, const LimitResult& resu
   else if (boundary)
     caption += fmt::format("; the regimes meet at <i>ε</i> = {} = {}, {} the picture", powers.boundary,
                            readable(*boundary, 3), *boundary >= x.high ? "right of" : "left of");
-  return figure_html(figure.svg("Largest penetration over the penalty"), "Penetration", caption + ".");
+  return {"Penetration", caption + ".", {{"penetration", "Largest penetration over the penalty", figure}}};
 }
 
-std::string difference_picture(const LimitStudy& study, const LimitResult& result) {
+Picture difference_picture(const LimitStudy& study, const LimitResult& result) {
   const Axis x = epsilon_axis(result);
   const LimitTheory powers = theory(study);
-  std::string panels;
+  std::vector<Panel> panels;
   for (std::size_t m = 0; m < result.orders.size(); ++m) {
     const LimitOrders& orders = result.orders[m];
     const auto scheme = points_of(rows_of(result, m), [](const LimitRow& row) { return row.difference_to_scheme; });
@@ -148,17 +150,20 @@ std::string difference_picture(const LimitStudy& study, const LimitResult& resul
       figure.level(orders.tolerance_error, {plot::series_colour(0), true, 1.2}, "tolerance");
     theory_lines(figure, rigid.empty() ? scheme : rigid, x, orders.boundary,
                  rigid.empty() && orders.verdict == Verdict::plateau ? std::nullopt : powers.difference, powers.layer);
-    panels += figure.svg(fmt::format("Difference of the end traces over the penalty, {} elements", orders.elements));
+    panels.push_back({fmt::format("difference-{}", orders.elements),
+                      fmt::format("Difference of the end traces over the penalty, {} elements", orders.elements),
+                      figure});
   }
-  return figure_html(
-      panels, "Difference to the limits",
+  return {
+      "Difference to the limits",
       "Largest difference of the end traces over time, to the fully discrete scheme on the same mass" +
           std::string(study.scene.mass == Mass::redistributed ? " and to the rigid limit, <i>ε</i> = 0 itself" : "") +
           ". Coloured dashes: what the time step of the scheme accounts for, and below which its differences mean "
-          "nothing. Grey dashes: slopes of the theory.");
+          "nothing. Grey dashes: slopes of the theory.",
+      panels};
 }
 
-std::string events_picture(const LimitResult& result) {
+Picture events_picture(const LimitResult& result) {
   std::vector<std::vector<Point>> lines;
   std::vector<double> levels;
   double least = std::numeric_limits<double>::infinity(), most = 0.0;
@@ -184,19 +189,19 @@ std::string events_picture(const LimitResult& result) {
     series(figure, lines[m], mesh_colour(result, m), mesh_label(result, m));
     figure.level(levels[m], {mesh_colour(result, m), true, 1.2}, m + 1 == lines.size() ? "scheme" : "");
   }
-  return figure_html(figure.svg("Number of contact changes over the penalty"), "Contact changes",
-                     "How often contacts close or open, penalised (marks) and in the scheme (dashed).");
+  return {"Contact changes",
+          "How often contacts close or open, penalised (marks) and in the scheme (dashed).",
+          {{"contact-changes", "Number of contact changes over the penalty", figure}}};
 }
 
-std::string cost_picture(const LimitResult& result) {
+Picture cost_picture(const LimitResult& result) {
   std::vector<std::vector<Point>> lines;
   for (std::size_t m = 0; m < result.orders.size(); ++m)
     lines.push_back(points_of(rows_of(result, m), [](const LimitRow& row) { return static_cast<double>(row.steps); }));
   Figure figure(epsilon_axis(result), decades_of("steps", lines), 260.0);
   for (std::size_t m = 0; m < lines.size(); ++m)
     series(figure, lines[m], mesh_colour(result, m), mesh_label(result, m));
-  return figure_html(figure.svg("Steps of the time integration over the penalty"), "Cost",
-                     "Steps of the penalised runs.");
+  return {"Cost", "Steps of the penalised runs.", {{"cost", "Steps of the time integration over the penalty", figure}}};
 }
 
 }  // namespace viscobar

@@ -151,22 +151,27 @@ std::string limit_text(const LimitStudy& study, const LimitResult& result, const
   return out;
 }
 
-std::string limit_html(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
-  std::string body = numbers(study, result) + penetration_picture(study, result) + difference_picture(study, result) +
-                     events_picture(result) + cost_picture(result);
-  body += section_html("Observed powers of ε",
-                       html(order_table(study, result)) +
-                           "<p class=\"note\">Least squares on logarithms with the standard error of the slope; values "
-                           "at a floor are left out.</p>\n");
+PicturedPage limit_page(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
+  const Scene& scene = study.scene.scene;
+  Page page((scene.title.empty() ? "A scene" : scene.title) + ": the penalty limit", scene);
+  page.add_head(head(study, result));
+  page.add(numbers(study, result));
+  page.add(penetration_picture(study, result));
+  page.add(difference_picture(study, result));
+  page.add(events_picture(result));
+  page.add(cost_picture(result));
+  page.add(
+      section_html("Observed powers of ε",
+                   html(order_table(study, result)) +
+                       "<p class=\"note\">Least squares on logarithms with the standard error of the slope; values "
+                       "at a floor are left out.</p>\n"));
   if (result.orders.size() > 1)
-    body +=
+    page.add(
         section_html("Penalty and mesh in balance",
                      fmt::format("<p>{}</p>\n{}", plot::escaped(coupling_sentence(coupling, readable_number)),
-                                 coupling.coupling ? html(coupling_table(*coupling.coupling, readable_number)) : ""));
-  body += section_html("Every run", html(limit_table(result, readable_number)));
-  const Scene& scene = study.scene.scene;
-  return page_html((scene.title.empty() ? "A scene" : scene.title) + ": the penalty limit", scene, head(study, result),
-                   body);
+                                 coupling.coupling ? html(coupling_table(*coupling.coupling, readable_number)) : "")));
+  page.add(section_html("Every run", html(limit_table(result, readable_number))));
+  return page.with_figures();
 }
 
 }  // namespace viscobar

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
-#include "io/plot/figure.hpp"
+#include <utility>
+
+#include "io/page_files.hpp"
+#include "io/plot/json_text.hpp"
 #include "scene/end_kinds.hpp"
 #include "viscobar/io/versions.hpp"
 
@@ -12,39 +15,6 @@ namespace {
 
 using plot::escaped;
 using plot::readable;
-
-constexpr std::string_view page_css = R"css(
-* { box-sizing: border-box; }
-body { margin: 0; background: var(--page); color: var(--ink); line-height: 1.5;
-  font-family: system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", "Liberation Sans", sans-serif; }
-main { max-width: 1040px; margin: 0 auto; padding: 40px 24px 64px; }
-header { margin-bottom: 28px; }
-h1 { font-size: 1.75rem; line-height: 1.2; margin: 0 0 .5rem; font-weight: 650; letter-spacing: -.01em; }
-h2 { font-size: 1.05rem; font-weight: 600; margin: 0 0 .75rem; }
-.model { margin: 0; color: var(--soft); }
-.model i, figcaption i { font-family: "STIX Two Text", "Cambria", "Liberation Serif", Georgia, serif; font-size: 1.05em; }
-.failed { border-left: 4px solid var(--series-1); background: var(--paper); padding: 10px 16px; margin: 20px 0 0; }
-section, figure { background: var(--paper); border: 1px solid var(--faint); border-radius: 8px; padding: 20px 24px;
-  margin: 0 0 20px; }
-figcaption { color: var(--soft); font-size: .875rem; margin-top: 8px; }
-dl { display: grid; grid-template-columns: repeat(auto-fill, minmax(210px, 1fr)); gap: 14px 24px; margin: 0; }
-dt { color: var(--soft); font-size: .8125rem; }
-dd { margin: 0; font-size: 1.0625rem; font-variant-numeric: tabular-nums; }
-dd small { display: block; line-height: 1.35; color: var(--soft); font-size: .8125rem; }
-.tables { overflow-x: auto; }
-table { border-collapse: collapse; font-size: .875rem; font-variant-numeric: tabular-nums; }
-th { color: var(--soft); font-weight: 500; text-align: right; border-bottom: 1px solid var(--rule); }
-th, td { padding: 4px 28px 4px 0; text-align: right; white-space: nowrap; }
-th:first-child, td:first-child, .word { text-align: left; }
-.wide th, .wide td { padding-right: 14px; }
-.wide th:last-child, .wide td:last-child { padding-right: 0; }
-tbody tr + tr td { border-top: 1px solid var(--faint); }
-p.note { color: var(--soft); font-size: .875rem; margin: 10px 0 0; }
-.verdict { border-left: 4px solid var(--series-2); background: var(--paper); padding: 10px 16px; margin: 20px 0 0; }
-.verdict.plateau { border-color: var(--series-1); }
-footer { color: var(--soft); font-size: .8125rem; }
-@media print { body { background: none; } main { padding: 0; max-width: none; } section, figure { break-inside: avoid; } }
-)css";
 
 std::string end_text(EndCondition end) {
   const EndKind& kind = end_kind(end);
@@ -97,23 +67,52 @@ std::string section_html(std::string_view heading, std::string_view content) {
   return fmt::format("<section><h2>{}</h2>\n{}</section>\n", heading, content);
 }
 
-std::string figure_html(std::string_view picture, std::string_view heading, std::string_view caption) {
-  return fmt::format("<figure>\n<h2>{}</h2>\n{}<figcaption>{}</figcaption>\n</figure>\n", heading, picture, caption);
+Page::Page(std::string title, const Scene& scene) : title_(std::move(title)), model_(model_html(scene)) {}
+
+void Page::add(Picture picture) {
+  if (picture.panels.empty()) return;
+  body_ += fmt::format("<figure>\n<h2>{}</h2>\n", picture.heading);
+  for (Panel& panel : picture.panels) {
+    body_ +=
+        fmt::format("<div class=\"panel\" data-picture=\"{}\">\n{}</div>\n", panel.name, panel.figure.svg(panel.title));
+    live_ += fmt::format("{}{}:{}", live_.empty() ? "" : ",\n", plot::json_string(panel.name),
+                         (panel.live ? *panel.live : panel.figure).live(panel.title));
+    panels_.push_back(std::move(panel));
+  }
+  body_ += fmt::format("<figcaption>{}</figcaption>\n</figure>\n", picture.caption);
 }
 
-std::string page_html(std::string_view title, const Scene& scene, std::string_view head, std::string_view body) {
+void Page::add_data(std::string_view key, std::string_view json) {
+  data_ += fmt::format(",\n{}:{}", plot::json_string(key), json);
+}
+
+std::string Page::html() const {
   const Versions used = versions();
+  std::string styles = plot::palette_css(), scripts;
+  styles += plot::drawing_css();
+  styles += page_files::style;
+  if (!live_.empty()) {
+    (styles += page_files::chart_style) += '\n';
+    scripts = fmt::format(
+        "<script type=\"application/json\" id=\"data\">{{\"figures\":{{\n{}}}{}}}</script>\n"
+        "<script>/* uPlot\n{}*/\n{}</script>\n<script>(() => {{\n\"use strict\";\n{}}})();</script>\n",
+        live_, data_, page_files::chart_licence, page_files::chart_script, page_files::script);
+  }
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<meta name=\"color-scheme\" content=\"light "
-      "dark\">\n<title>{0}</title>\n<style>{1}{2}</style>\n</head>\n<body>\n<main>\n"
-      "<header>\n<h1>{0}</h1>\n<p class=\"model\">{3}</p>\n{4}</header>\n{5}"
-      "<footer>viscobar {6}, SUNDIALS {7}, HDF5 {8}, Eigen {9}; {10}. All quantities in the units of the "
-      "scene.</footer>\n"
-      "</main>\n</body>\n</html>\n",
-      escaped(title), plot::figure_css(), page_css, model_html(scene), head, body, used.viscobar, used.sundials,
-      used.hdf5, used.eigen, escaped(used.platform));
+      "<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n"
+      "<header>\n<h1>{0}</h1>\n<p class=\"model\">{2}</p>\n{3}</header>\n{4}"
+      "<footer>viscobar {5}, SUNDIALS {6}, HDF5 {7}, Eigen {8}; {9}. All quantities in the units of the "
+      "scene.</footer>\n</main>\n{10}</body>\n</html>\n",
+      escaped(title_), styles, model_, head_, body_, used.viscobar, used.sundials, used.hdf5, used.eigen,
+      escaped(used.platform), scripts);
+}
+
+std::vector<FigureFile> Page::figure_files() const {
+  std::vector<FigureFile> files;
+  for (const Panel& panel : panels_) files.push_back({panel.name, panel.figure.file(panel.title)});
+  return files;
 }
 
 }  // namespace viscobar

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -90,15 +91,15 @@ class Labels {
 
 /// A line for each method on each mesh, the mesh named at its end where there are several.
 template <class Error>
-std::string diagram(const PrecisionResult& result, std::span<const std::size_t> meshes, const char* label, Error value,
-                    double floor, const std::string& title) {
+std::optional<Figure> diagram(const PrecisionResult& result, std::span<const std::size_t> meshes, const char* label,
+                              Error value, double floor) {
   Range x, y;
   for (const ErrorParts& parts : result.parts)
     for (const Point& point : points_of(rows_of(result, parts), seconds, value)) {
       x.add(point.x);
       if (std::find(meshes.begin(), meshes.end(), parts.elements) != meshes.end()) y.add(point.y);
     }
-  if (!(y.low <= y.high)) return {};
+  if (!(y.low <= y.high)) return std::nullopt;
   if (meshes.size() > 1) x.add(3.0 * x.high);  // room for the labels
   const Axis along = decades_of("seconds", x), up = decades_of(label, y);
   Figure figure(along, up, 420.0);
@@ -116,41 +117,42 @@ std::string diagram(const PrecisionResult& result, std::span<const std::size_t> 
     if (meshes.size() > 1) labels.add(points.back(), fmt::format("{}", parts.elements));
   }
   labels.draw(figure);
-  return figure.svg(title);
+  return figure;
 }
 
 }  // namespace
 
-std::string error_picture(const PrecisionResult& result) {
+Picture error_picture(const PrecisionResult& result) {
   if (!result.reference) return {};
   const auto meshes = meshes_in(result);
-  const std::string picture = diagram(result, meshes, "error", error, result.reference->error, "Error over seconds");
-  if (picture.empty()) return {};
+  const auto figure = diagram(result, meshes, "error", error, result.reference->error);
+  if (!figure) return {};
   std::string caption =
       "Largest |<i>u</i> − <i>u</i><sub>∗</sub>| over times and nodes, over the median time of the integration: "
       "the lower left is better. Where a line is flat, a smaller tolerance or step is paid for in vain. ";
   if (meshes.size() > 1) caption += "Numbers: elements. ";
-  return figure_html(picture, "Speed against error", caption + "Schemes are dashed.");
+  return {"Speed against error", caption + "Schemes are dashed.", {{"error", "Error over seconds", *figure}}};
 }
 
-std::string time_error_picture(const PrecisionResult& result) {
-  std::string panels;
+Picture time_error_picture(const PrecisionResult& result) {
+  std::vector<Panel> panels;
   const auto resolved = [&](const PrecisionRow& row) { return resolved_time_error(result, row); };
   for (const std::size_t mesh : meshes_in(result))
-    panels += diagram(result, std::span(&mesh, 1), "time error", resolved, 0.0,
-                      fmt::format("Time error over seconds, {} elements", mesh));
-  if (panels.empty()) return {};
-  return figure_html(panels, "Speed against the error of time integration",
-                     "The same runs against the exact solution of each method's own semi-discrete system: what the "
-                     "tolerance or the step does by itself. Schemes are dashed; errors that their reference cannot "
-                     "tell from its own are left out.");
+    if (const auto figure = diagram(result, std::span(&mesh, 1), "time error", resolved, 0.0))
+      panels.push_back(
+          {fmt::format("time-error-{}", mesh), fmt::format("Time error over seconds, {} elements", mesh), *figure});
+  return {
+      "Speed against the error of time integration",
+      "The same runs against the exact solution of each method's own semi-discrete system: what the tolerance or the "
+      "step does by itself. Schemes are dashed; errors that their reference cannot tell from its own are left out.",
+      panels};
 }
 
-std::string parts_picture(const PrecisionResult& result) {
+Picture parts_picture(const PrecisionResult& result) {
   const auto meshes = meshes_in(result);
   const std::size_t finest = *std::max_element(meshes.begin(), meshes.end());
   const auto resolved = [&](const PrecisionRow& row) { return resolved_time_error(result, row); };
-  std::string panels;
+  std::vector<Panel> panels;
   for (const ErrorParts& parts : result.parts) {
     if (parts.elements != finest || !parts.space) continue;
     const auto rows = rows_of(result, parts);
@@ -171,14 +173,14 @@ std::string parts_picture(const PrecisionResult& result) {
     if (parts.penalty && *parts.penalty > least)
       figure.level(*parts.penalty, {plot::series_colour(1), true, 1.8}, "penalty");
     draw(figure, time, {plot::series_colour(0), false, 1.8}, "time");
-    panels += figure.svg(fmt::format("Parts of the error of {}", name(parts.method)));
+    panels.push_back({fmt::format("parts-{}", name(parts.method)),
+                      fmt::format("Parts of the error of {}", name(parts.method)), figure});
   }
-  if (panels.empty()) return {};
-  return figure_html(
-      panels, "What the error consists of",
-      fmt::format("On {} elements. The error in all follows its largest part: with the tolerance or the step it falls "
-                  "until space or penalty is left over.",
-                  finest));
+  return {"What the error consists of",
+          fmt::format("On {} elements. The error in all follows its largest part: with the tolerance or the step it "
+                      "falls until space or penalty is left over.",
+                      finest),
+          panels};
 }
 
 }  // namespace viscobar

@@ -148,19 +148,22 @@ std::string precision_text(const PrecisionStudy& study, const PrecisionResult& r
   return out;
 }
 
-std::string precision_html(const PrecisionStudy& study, const PrecisionResult& result) {
-  std::string body =
-      numbers(study, result) + error_picture(result) + time_error_picture(result) + parts_picture(result);
-  body += section_html("Every run", html(precision_table(result, readable_number)));
+PicturedPage precision_page(const PrecisionStudy& study, const PrecisionResult& result) {
+  const Scene& scene = study.scene.scene;
+  Page page((scene.title.empty() ? "A scene" : scene.title) + ": speed against error", scene);
+  page.add_head(head(study, result));
+  page.add(numbers(study, result));
+  page.add(error_picture(result));
+  page.add(time_error_picture(result));
+  page.add(parts_picture(result));
+  page.add(section_html("Every run", html(precision_table(result, readable_number))));
   std::string references = fmt::format("<p>{}</p>\n", plot::escaped(reference_sentence(result, readable_number))) +
                            html(time_reference_table(result, readable_number));
   if (result.reference && !result.reference->levels.empty())
     references +=
         fmt::format("<h2>Refinement of the reference</h2>\n{}", html(mesh_table(*result.reference, readable_number)));
-  body += section_html("What the errors are against", references + list(remarks(study, result)));
-  const Scene& scene = study.scene.scene;
-  return page_html((scene.title.empty() ? "A scene" : scene.title) + ": speed against error", scene,
-                   head(study, result), body);
+  page.add(section_html("What the errors are against", references + list(remarks(study, result))));
+  return page.with_figures();
 }
 
 }  // namespace viscobar

@@ -11,6 +11,7 @@
 #include "io/report.hpp"
 #include "io/result_directory.hpp"
 #include "io/summary.hpp"
+#include "io/write_page.hpp"
 #include "viscobar/analysis/chatter.hpp"
 #include "viscobar/io/io_error.hpp"
 
@@ -151,8 +152,11 @@ RunRecord record(const SceneFile& scene, const fs::path& directory, const Record
 
   const auto stop_clock = [&] { outcome.wall_seconds = last.wall_seconds + seconds_since(options.started); };
   stop_clock();
-  attempt(outcome,
-          [&] { write_atomically(directory / "report.html", report_html(run, system, outcome, contact, data)); });
+  attempt(outcome, [&] {
+    const Page page = report_page(run, system, outcome, contact, data);
+    write_atomically(directory / "report.html", page.html());
+    if (options.figures) write_figures(directory, page.figure_files());
+  });
   stop_clock();
   const Ending before = outcome.ending;
   attempt(outcome, write_summary);

@@ -87,7 +87,8 @@ std::string event_table(const Outcome& outcome, const ReportData& data) {
   std::string rest;
   if (outcome.events > data.first_events.size())
     rest = fmt::format("<p class=\"note\">and {} more, in events.csv</p>", outcome.events - data.first_events.size());
-  return "<section><h2>Contact changes</h2>\n<div class=\"tables\"><table><thead><tr><th>time</th><th "
+  return "<section id=\"events\"><h2>Contact changes</h2>\n<div class=\"tables "
+         "still\"><table><thead><tr><th>time</th><th "
          "class=\"word\">where</th>"
          "<th class=\"word\">change</th><th>velocity</th></tr></thead><tbody>\n" +
          rows + "</tbody></table>" + rest + "</div></section>\n";
@@ -95,22 +96,29 @@ std::string event_table(const Outcome& outcome, const ReportData& data) {
 
 }  // namespace
 
-std::string report_html(const Case& run, const BarSystem& system, const Outcome& outcome, const ContactSummary& contact,
-                        const ReportData& data) {
-  std::string pictures;
-  if (data.field.rows() >= 2)
-    pictures = displacement_map(run, data) + profiles(run, data) + end_traces(run, outcome, contact, data) +
-               reactions(run, contact, data) + energies(data);
-  std::string head =
-      outcome.error.empty()
-          ? ""
-          : fmt::format("<p class=\"failed\"><b>The run did not complete.</b> It reached t = {}: {}</p>\n",
-                        readable(outcome.reached_time), escaped(outcome.error));
+Page report_page(const Case& run, const BarSystem& system, const Outcome& outcome, const ContactSummary& contact,
+                 const ReportData& data) {
+  Page page(run.scene.title.empty() ? "A run of viscobar" : run.scene.title, run.scene);
+  if (!outcome.error.empty())
+    page.add_head(fmt::format("<p class=\"failed\"><b>The run did not complete.</b> It reached t = {}: {}</p>\n",
+                              readable(outcome.reached_time), escaped(outcome.error)));
   for (const std::string& warning : outcome.warnings)
-    head += fmt::format("<p class=\"note\">{}</p>\n", escaped(warning));
-  return page_html(
-      run.scene.title.empty() ? "A run of viscobar" : run.scene.title, run.scene, head,
-      numbers(run, system, outcome, data) + pictures + contact_table(outcome, contact) + event_table(outcome, data));
+    page.add_head(fmt::format("<p class=\"note\">{}</p>\n", escaped(warning)));
+  if (data.field.rows() >= 2) {
+    const FieldColours colours = field_colours(run, data);
+    page.add(profiles(run, data));
+    page.add(displacement_map(run, data, colours));
+    page.add(end_traces(run, outcome, contact, data));
+    page.add(reactions(run, contact, data));
+    page.add(energies(data));
+    page.add_data("field", field_json(data, colours));
+    page.add_data("events", events_json(data, outcome.events));
+    page.add_data("supports", supports_json(run.scene, outcome, contact));
+  }
+  page.add(numbers(run, system, outcome, data));
+  page.add(contact_table(outcome, contact));
+  page.add(event_table(outcome, data));
+  return page;
 }
 
 }  // namespace viscobar

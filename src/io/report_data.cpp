@@ -35,6 +35,7 @@ void ReportData::add(const Snapshot& at) {
 
 void ReportData::add(const Event& event) {
   if (first_events.size() < most_events) first_events.push_back(event);
+  marked_events.add(event);
 }
 
 }  // namespace viscobar

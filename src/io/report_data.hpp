@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "io/plot/thinning.hpp"
+#include "io/thinned_events.hpp"
 #include "io/thinned_field.hpp"
 #include "viscobar/analysis/case.hpp"
 
@@ -18,13 +19,15 @@ class ReportData {
   void add(const Snapshot& snapshot);
   void add(const Event& event);
 
+  /// Some more than a picture of the whole can show, to zoom into.
+  static constexpr std::size_t buckets = 800;
   struct End {
-    plot::ThinnedLine displacement, reaction;
+    plot::ThinnedLine displacement{buckets}, reaction{buckets};
     static void members(auto& end, auto&& each) { each(end.displacement, end.reaction); }
   };
   /// Of the bar, and stored in the contacts' penalty springs.
   struct Energy {
-    plot::ThinnedLine kinetic, elastic, contact, total;
+    plot::ThinnedLine kinetic{buckets}, elastic{buckets}, contact{buckets}, total{buckets};
     static void members(auto& energy, auto&& each) {
       each(energy.kinetic, energy.elastic, energy.contact, energy.total);
     }
@@ -36,8 +39,9 @@ class ReportData {
   End left, right;
   Energy energy;
   std::vector<Event> first_events;
+  ThinnedEvents marked_events;
   static void members(auto& data, auto&& each) {
-    each(data.snapshots, data.field, data.left, data.right, data.energy, data.first_events);
+    each(data.snapshots, data.field, data.left, data.right, data.energy, data.first_events, data.marked_events);
   }
 
   /// Contact springs exist: an obstacle and a penalised method.

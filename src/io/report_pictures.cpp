@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "io/page.hpp"
 #include "io/plot/figure.hpp"
 #include "io/plot/png.hpp"
 #include "io/plot/range.hpp"
@@ -23,7 +22,7 @@ using plot::Range;
 using plot::readable;
 
 Axis time_axis(const ReportData& data) {
-  return {"time t", data.field.time(0), data.field.time(data.field.rows() - 1)};
+  return {.label = "time t", .low = data.field.time(0), .high = data.field.time(data.field.rows() - 1), .link = "t"};
 }
 
 Range field_range(const ReportData& data) {
@@ -53,28 +52,30 @@ const Obstacle* obstacle(const EndCondition& end) { return std::get_if<Obstacle>
 
 }  // namespace
 
-std::string displacement_map(const Case& run, const ReportData& data) {
-  constexpr std::size_t width = 480, height = 300, colours = 255, touching = 255;
-  const ThinnedField& field = data.field;
+FieldColours field_colours(const Case& run, const ReportData& data) {
   Range range = field_range(data);
-  if (!(range.low <= range.high)) return {};
-  const double smaller_part = std::min(range.high, -range.low);
+  const double size = range.high - range.low, smaller_part = std::min(range.high, -range.low);
   const bool two_signs = smaller_part > 0.1 * std::max(range.high, -range.low);
-  const plot::ColourMap map = two_signs ? plot::diverging() : plot::sequential();
   if (two_signs) {
     range.add(-range.low);
     range.add(-range.high);
   }
   Axis values{"displacement u", range.low, range.high};
   if (!(range.high - range.low > 1e-12 * std::max(std::abs(range.low), std::abs(range.high))))
-    values = fitted(values.label, range.low, range.high);
+    values = range.axis(values.label);
+  // Rounding apart, a constrained node lies on the obstacle and a penalised one below.
+  return {two_signs ? plot::diverging() : plot::sequential(), values,
+          run.scene.span ? -run.scene.span->gap + 1e-9 * size : -std::numeric_limits<double>::infinity()};
+}
+
+Picture displacement_map(const Case& run, const ReportData& data, const FieldColours& colours_of) {
+  constexpr std::size_t width = 480, height = 300, colours = 255, touching = 255;
+  const ThinnedField& field = data.field;
+  const auto& [map, values, contact_level] = colours_of;
 
   std::array<plot::Colour, 256> palette{};
   for (std::size_t i = 0; i < colours; ++i) palette[i] = map.at(static_cast<double>(i) / (colours - 1));
-  palette[touching] = 0xe0218a;
-  // Rounding apart, a constrained node lies on the obstacle and a penalised one below.
-  const double contact_level = run.scene.span ? -run.scene.span->gap + 1e-9 * (range.high - range.low)
-                                              : -std::numeric_limits<double>::infinity();
+  palette[touching] = FieldColours::touching;
   bool touched = false;
   std::vector<std::uint8_t> pixels(width * height);
   const Axis time = time_axis(data);
@@ -100,24 +101,26 @@ std::string displacement_map(const Case& run, const ReportData& data) {
     }
   }
 
-  const Axis position{"position x", 0.0, run.scene.bar.length};
+  const Axis position{.label = "position x", .low = 0.0, .high = run.scene.bar.length, .link = "x"};
   Figure figure(time, position, 400.0);
   figure.image(plot::png_data_uri(width, height, palette, pixels), {time.low, 0.0}, {time.high, run.scene.bar.length});
   figure.colour_bar(map, values);
   if (touched) figure.legend_box(plot::hex(palette[touching]), "in contact");
+  figure.live_layer(R"({"kind":"map"})");
   std::string caption = "Displacement <i>u</i>(<i>x</i>, <i>t</i>).";
-  if (two_signs) caption += " The pale middle of the scale is zero.";
+  if (values.low == -values.high) caption += " The pale middle of the scale is zero.";
   const auto every = [](std::size_t stride, const char* what) {
     return stride == 1 ? fmt::format("every {}", what) : fmt::format("every {} {}", plot::ordinal(stride), what);
   };
   if (field.time_stride() > 1 || field.node_stride() > 1)
     caption += fmt::format(" Drawn from {} and {}; field.h5 has them all.", every(field.time_stride(), "output time"),
                            every(field.node_stride(), "node"));
-  return figure_html(figure.svg("Displacement over time and space as a colour map"), "Displacement over space and time",
-                     caption);
+  return {"Displacement over space and time",
+          caption,
+          {{"displacement", "Displacement over time and space as a colour map", figure}}};
 }
 
-std::string profiles(const Case& run, const ReportData& data) {
+Picture profiles(const Case& run, const ReportData& data) {
   constexpr std::size_t count = 6;
   const ThinnedField& field = data.field;
   const double length = run.scene.bar.length;
@@ -128,42 +131,64 @@ std::string profiles(const Case& run, const ReportData& data) {
     while (row + 1 < field.rows() && std::abs(field.time(row + 1) - t) <= std::abs(field.time(row) - t)) ++row;
     if (rows.empty() || rows.back() != row) rows.push_back(row);
   }
-  Range range;
+  Range of_few;
   for (const std::size_t row : rows)
-    for (const double u : field.row(row)) range.add(u);
+    for (const double u : field.row(row)) of_few.add(u);
   const double depth = 0.03 * length;
-  std::vector<std::pair<double, Interval>> bodies;
-  std::string hidden;
-  const auto place = [&](const Obstacle* body, Interval part, const char* where) {
-    if (!body) return;
-    if (range.reach(-body->gap))
-      bodies.push_back({-body->gap, part});
-    else
-      hidden += fmt::format(" The obstacle {} lies outside, at {}.", where, readable(-body->gap));
-  };
-  place(obstacle(run.scene.left), {-depth, depth}, "at the left end");
-  place(obstacle(run.scene.right), {length - depth, length + depth}, "at the right end");
-  place(run.scene.span ? &*run.scene.span : nullptr, {-depth, length + depth}, "under the span");
+  const Axis position{.label = "position x", .low = -depth, .high = length + depth, .link = "x"};
 
-  Figure figure({"position x", -depth, length + depth}, range.axis("displacement u"), 320.0);
-  for (const auto& [level, part] : bodies) figure.body(level, part);
+  // The obstacles, and what is said of those that lie outside.
+  std::string hidden;
+  bool has_bodies = false;
+  const auto with_obstacles = [&](Range range, double height, double room_below) {
+    std::vector<std::pair<double, Interval>> bodies;
+    hidden.clear();
+    const auto place = [&](const Obstacle* body, Interval part, const char* where) {
+      if (!body) return;
+      if (range.reach(-body->gap))
+        bodies.push_back({-body->gap, part});
+      else
+        hidden += fmt::format(" The obstacle {} lies outside, at {}.", where, readable(-body->gap));
+    };
+    place(obstacle(run.scene.left), {-depth, depth}, "at the left end");
+    place(obstacle(run.scene.right), {length - depth, length + depth}, "at the right end");
+    place(run.scene.span ? &*run.scene.span : nullptr, {-depth, length + depth}, "under the span");
+    has_bodies = !bodies.empty();
+    if (has_bodies) range.add(range.low - room_below * (range.high - range.low));
+    Figure figure(position, range.axis("displacement u"), height);
+    for (const auto& [level, part] : bodies) figure.body(level, part);
+    return figure;
+  };
+
+  Figure live = with_obstacles(field_range(data), 340.0, 0.2);  // for gap and reaction below the obstacles
+  live.live_layer(R"({"kind":"bar"})");
+  const std::string live_caption =
+      std::string(
+          "The bar at the time of the slider, its displacement drawn upwards and coloured as in the picture below; "
+          "shaded: where it has been and will be.") +
+      (has_bodies ? " Hatched: obstacles, with the gap left and the reaction while in contact." : "") + hidden;
+
+  Figure figure = with_obstacles(of_few, 320.0, 0.0);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     std::vector<Point> line;
     const auto u = field.row(rows[k]);
     for (std::size_t j = 0; j < u.size(); ++j) line.push_back({field.x()[j], u[j]});
-    const double position = rows.size() > 1 ? static_cast<double>(k) / static_cast<double>(rows.size() - 1) : 0.0;
-    figure.line(line, {plot::sequence_colour(position), false, 1.8}, "t = " + readable(field.time(rows[k])));
+    const double part = rows.size() > 1 ? static_cast<double>(k) / static_cast<double>(rows.size() - 1) : 0.0;
+    figure.line(line, {plot::sequence_colour(part), false, 1.8}, "t = " + readable(field.time(rows[k])));
   }
-  return figure_html(
-      figure.svg("Displacement over space at a few times"), "Profiles",
+  const std::string still_caption =
       "The bar's displacement <i>u</i>(<i>x</i>, ·) at a few times, from the first (light) to the last (dark)." +
-          std::string(bodies.empty() ? "" : " Grey: obstacles.") + hidden);
+      std::string(has_bodies ? " Grey: obstacles." : "") + hidden;
+  return {"The bar",
+          fmt::format("<span class=\"still\">{}</span><span class=\"live\">{}</span>", still_caption, live_caption),
+          {{"bar", "Displacement over space at a few times", figure, live}}};
 }
 
-std::string end_traces(const Case& run, const Outcome& outcome, const ContactSummary& contact, const ReportData& data) {
-  const auto panel = [&](const EndCondition& end, const ReportData::End& trace,
+Picture end_traces(const Case& run, const Outcome& outcome, const ContactSummary& contact, const ReportData& data) {
+  std::vector<Panel> panels;
+  const auto panel = [&](const char* name, const EndCondition& end, const ReportData::End& trace,
                          const std::optional<ContactAccount>& account, std::size_t colour, const char* label) {
-    if (is_fixed(end)) return std::string();
+    if (is_fixed(end)) return;
     const std::vector<Point> points = trace.displacement.points();
     Range range;
     range.add(points);
@@ -175,21 +200,21 @@ std::string end_traces(const Case& run, const Outcome& outcome, const ContactSum
     if (shown) figure.level(-body->gap, {"var(--ink)", true, 1.2}, obstacle_text(body->gap));
     if (body && !shown) figure.legend_note(obstacle_text(body->gap) + " (outside)");
     if (span_shown)
-      figure.level(-run.scene.span->gap, {"var(--soft)", true, 1.2}, "span " + obstacle_text(run.scene.span->gap));
+      figure.level(-run.scene.span->gap, {"var(--soft)", true, 1.2},
+                   "span at " + readable(run.scene.span->gap == 0.0 ? 0.0 : -run.scene.span->gap));
     figure.line(points, {plot::series_colour(colour)}, label);
-    return figure.svg(std::string("Displacement over time: ") + label);
+    panels.push_back({name, std::string("Displacement over time: ") + label, figure});
   };
-  const std::string panels = panel(run.scene.left, data.left, contact.left, 0, "u(0, t)") +
-                             panel(run.scene.right, data.right, contact.right, 1, "u(L, t)");
-  if (panels.empty()) return {};
-  return figure_html(
-      panels, "Ends",
-      std::string(is_fixed(run.scene.left) || is_fixed(run.scene.right) ? "Displacement of the end that moves."
-                                                                        : "Displacement of the two ends.") +
-          (contact.left || contact.right ? " Dashed: obstacle; shaded: times in contact." : ""));
+  panel("left-end", run.scene.left, data.left, contact.left, 0, "u(0, t)");
+  panel("right-end", run.scene.right, data.right, contact.right, 1, "u(L, t)");
+  return {"Ends",
+          std::string(is_fixed(run.scene.left) || is_fixed(run.scene.right) ? "Displacement of the end that moves."
+                                                                            : "Displacement of the two ends.") +
+              (contact.left || contact.right ? " Dashed: obstacle; shaded: times in contact." : ""),
+          panels};
 }
 
-std::string reactions(const Case& run, const ContactSummary& contact, const ReportData& data) {
+Picture reactions(const Case& run, const ContactSummary& contact, const ReportData& data) {
   const bool span = run.scene.span.has_value();
   const std::vector<Point> left = data.left.reaction.points(), right = data.right.reaction.points();
   const bool with_left = span || contact.left, with_right = span || contact.right;
@@ -201,11 +226,12 @@ std::string reactions(const Case& run, const ContactSummary& contact, const Repo
   Figure figure(time_axis(data), range.axis("reaction R"), 240.0);
   if (with_left) figure.line(left, {plot::series_colour(0)}, "left end");
   if (with_right) figure.line(right, {plot::series_colour(1)}, "right end");
-  return figure_html(figure.svg("Reactions of the obstacles over time"), "Reactions",
-                     "Force of the obstacle on each end, at the output times.");
+  return {"Reactions",
+          "Force of the obstacle on each end, at the output times.",
+          {{"reactions", "Reactions of the obstacles over time", figure}}};
 }
 
-std::string energies(const ReportData& data) {
+Picture energies(const ReportData& data) {
   const auto& energy = data.energy;
   const std::vector<Point> total = energy.total.points(), kinetic = energy.kinetic.points(),
                            elastic = energy.elastic.points(), contact = energy.contact.points();
@@ -217,11 +243,11 @@ std::string energies(const ReportData& data) {
   figure.line(elastic, {plot::series_colour(1)}, "elastic");
   if (data.has_springs()) figure.line(contact, {plot::series_colour(2)}, "contact springs");
   figure.line(total, {"var(--ink)", true, 1.6}, "total");
-  return figure_html(
-      figure.svg("Energy over time"), "Energy",
-      data.has_springs()
-          ? "Energy of the bar and, counted in the total, that stored in the penalty springs of the contacts."
-          : "Kinetic and elastic energy of the bar.");
+  return {"Energy",
+          data.has_springs()
+              ? "Energy of the bar and, counted in the total, that stored in the penalty springs of the contacts."
+              : "Kinetic and elastic energy of the bar.",
+          {{"energy", "Energy over time", figure}}};
 }
 
 }  // namespace viscobar

@@ -64,6 +64,7 @@ TEST_P(Docs, CommandsRunAsTheyStandThere) {
 constexpr Page pages[] = {{"README.md", "readme", 6},
                           {"docs/tutorial.md", "tutorial", 12},
                           {"docs/commands.md", "commands", 20},
+                          {"docs/report.md", "report", 2},
                           {"docs/scene-file.md", "scene_file", 1},
                           {"docs/penalty-limit.md", "penalty_limit", 1},
                           {"docs/sweep.md", "sweep", 1}};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "io/plot/axis.hpp"
 #include "io/plot/colour_map.hpp"
@@ -170,6 +171,39 @@ TEST(Figure, EscapesTextsAndSurvivesPointsThatAreNotFinite) {
   EXPECT_NE(svg.find("a &lt; b"), std::string::npos);
   EXPECT_NE(svg.find("u &amp; v"), std::string::npos);
   EXPECT_EQ(svg.find("nan"), std::string::npos);
+}
+
+TEST(Figure, AsAFileHasItsColoursWithinAndNoVariables) {
+  Figure figure({"x", 0.0, 1.0}, {"a < b", 0.0, 1.0});
+  for (std::size_t i = 0; i < 6; ++i) figure.level(0.1 * static_cast<double>(i), {series_colour(i)}, "level");
+  for (const double part : {0.0, 0.37, 1.0}) figure.markers(std::vector<Point>{{part, part}}, sequence_colour(part));
+  const std::string file = figure.file("a & b");
+  EXPECT_TRUE(
+      file.starts_with("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\""));
+  EXPECT_NE(file.find("<title>a &amp; b</title>"), std::string::npos);
+  EXPECT_NE(file.find("#0072b2"), std::string::npos);
+  for (const char* of_a_page : {"var(", "currentColor", "data-theme"})
+    EXPECT_EQ(file.find(of_a_page), std::string::npos);
+}
+
+TEST(Figure, TellsTheScriptOfAPageWhatItDraws) {
+  Figure figure({.label = "t", .low = 0.0, .high = 1.0, .link = "t"}, fitted_decades("y", 0.1, 1.0));
+  figure.line(std::vector<Point>{{0, 0.5}, {0.25, std::nan("")}, {1, 0.75}}, {series_colour(0), true, 2.0},
+              "</script>");
+  figure.shade(std::vector<Interval>{{0.25, 0.5}}, series_colour(1), "band");
+  const std::string text = figure.live("a title");
+  EXPECT_EQ(text.find('<'), std::string::npos);
+  const auto live = nlohmann::json::parse(text);
+  EXPECT_EQ(live["title"], "a title");
+  EXPECT_EQ(live["x"]["link"], "t");
+  EXPECT_EQ(live["y"]["log"], true);
+  const auto line = live["layers"][0], band = live["layers"][1];
+  EXPECT_EQ(line["label"], "</script>");
+  EXPECT_EQ(line["dashed"], true);
+  EXPECT_EQ(line["x"], nlohmann::json({0, 0.25, 1}));
+  EXPECT_EQ(line["y"], nlohmann::json({0.5, nullptr, 0.75}));
+  EXPECT_EQ(band["kind"], "bands");
+  EXPECT_EQ(band["parts"], nlohmann::json({0.25, 0.5}));
 }
 
 }  // namespace

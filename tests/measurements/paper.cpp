@@ -82,9 +82,7 @@ void write_picture(const std::filesystem::path& file, const std::string& title,
     y += h + 4.0;
     total_width = std::max(total_width, w);
   }
-  std::string css(plot::figure_css());
-  const std::string page_rule = "display: block; width: 100%; height: auto; ";
-  css.erase(css.find(page_rule), page_rule.size());
+  const std::string css = plot::palette_css() + std::string(plot::drawing_css());
   std::ofstream out(file);
   out << fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "

@@ -66,6 +66,8 @@ struct RecordOptions {
   std::function<void(const Event& event)> event;
   /// As soon as there is something to warn of, once each.
   std::function<void(const std::string& warning)> warning;
+  /// Each picture of the report also as figures/NAME.svg.
+  bool figures = false;
   /// Start of the wall clock.
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
 };

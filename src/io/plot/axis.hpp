@@ -12,7 +12,8 @@ struct Axis {
   std::string label;
   double low = 0.0, high = 1.0;
   Scale scale = Scale::linear;
-  bool bare = false;  ///< without ticks; `low` may then be above `high`
+  bool bare = false;      ///< without ticks; `low` may then be above `high`
+  std::string link = {};  ///< axes of the same name are moved, zoomed and pointed at together on a page
 
   /// Place of a value, 0 at `low` and 1 at `high`.
   double position(double value) const;

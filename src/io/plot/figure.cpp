@@ -6,21 +6,49 @@
 #include <cmath>
 #include <iterator>
 
+#include "io/plot/json_text.hpp"
+
 namespace viscobar::plot {
 
 namespace {
 
 constexpr double width = 960.0, left = 84.0, right = 800.0, top = 12.0, below = 46.0, legend_pitch = 19.0;
 
+// Some 1 / 10^5 of a picture, and enough digits of a time to tell its events apart.
+constexpr int digits_of_y = 6, digits_of_x = 9;
+
+std::string json(const Axis& axis) {
+  std::string text =
+      fmt::format(R"({{"label":{},"low":{:.9g},"high":{:.9g})", json_string(axis.label), axis.low, axis.high);
+  if (axis.scale == Scale::logarithmic) text += R"(,"log":true)";
+  if (axis.bare) text += R"(,"bare":true)";
+  if (!axis.link.empty()) text += fmt::format(R"(,"link":{})", json_string(axis.link));
+  return text + '}';
+}
+
+std::string json(std::span<const Interval> parts) {
+  std::vector<double> ends;
+  for (const Interval& part : parts) ends.insert(ends.end(), {part.begin, part.end});
+  return json_numbers(
+      ends, [](double end) { return end; }, digits_of_x);
+}
+
+std::string json(std::span<const Point> points) {
+  return fmt::format(R"("x":{},"y":{})",
+                     json_numbers(
+                         points, [](Point p) { return p.x; }, digits_of_x),
+                     json_numbers(
+                         points, [](Point p) { return p.y; }, digits_of_y));
+}
+
+std::string json(const Style& style, std::string_view legend) {
+  return fmt::format(R"("colour":{},"width":{}{},"label":{})", json_string(style.colour), style.width,
+                     style.dashed ? R"(,"dashed":true)" : "", json_string(legend));
+}
+
 }  // namespace
 
-std::string series_colour(std::size_t index) { return fmt::format("var(--series-{})", index % 6); }
-
 double height_of_bars(std::size_t rows) { return top + below + legend_pitch * static_cast<double>(rows) + 1.0; }
-
-std::string sequence_colour(double position) {
-  return fmt::format("color-mix(in oklch, var(--late) {:.0f}%, var(--early))", 100.0 * position);
-}
 
 std::string escaped(std::string_view text) {
   std::string out;
@@ -55,6 +83,8 @@ void Figure::shade(std::span<const Interval> bands, const std::string& colour, s
                      height_ - below, -std::max(1.0, to - from));
   }
   if (d.empty()) return;
+  live_layer(fmt::format(R"({{"kind":"bands","colour":{},"label":{},"parts":{}}})", json_string(colour),
+                         json_string(legend), json(bands)));
   content_ += fmt::format("<path class=\"band\" style=\"fill:{}\" d=\"{}\"/>\n", colour, d);
   if (!legend.empty()) {
     legend_ += fmt::format("<rect class=\"band\" style=\"fill:{}\" x=\"{}\" y=\"{}\" width=\"20\" height=\"10\"/>",
@@ -63,14 +93,16 @@ void Figure::shade(std::span<const Interval> bands, const std::string& colour, s
   }
 }
 
-void Figure::level(double y, const Style& style, std::string_view legend, std::optional<Interval> part) {
-  const Interval over = part.value_or(Interval{x_.low, x_.high});
-  line(std::vector<Point>{{over.begin, y}, {over.end, y}}, style, legend);
+void Figure::level(double y, const Style& style, std::string_view legend) {
+  live_layer(fmt::format(R"({{"kind":"level","y":{:.9g},{}}})", y, json(style, legend)));
+  stroke(std::vector<Point>{{x_.low, y}, {x_.high, y}}, style);
+  if (!legend.empty()) legend_line(style, legend);
 }
 
 void Figure::body(double y, Interval part) {
   const double from = place_x(part.begin), to = place_x(part.end), surface = place_y(y);
   const double depth = std::min(12.0, height_ - below - surface);
+  live_layer(fmt::format(R"({{"kind":"body","y":{:.9g},"from":{:.9g},"to":{:.9g}}})", y, part.begin, part.end));
   content_ += fmt::format(
       "<rect class=\"body\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"/>"
       "<path class=\"surface\" d=\"M{:.2f} {:.2f}H{:.2f}\"/>\n",
@@ -89,13 +121,24 @@ std::string Figure::path(std::span<const Point> points) const {
   return d;
 }
 
-void Figure::line(std::span<const Point> points, const Style& style, std::string_view legend) {
+void Figure::stroke(std::span<const Point> points, const Style& style) {
   content_ += fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}{}\" d=\"{}\"/>\n", style.colour,
                           style.width, style.dashed ? ";stroke-dasharray:6 4" : "", path(points));
+}
+
+void Figure::line(std::span<const Point> points, const Style& style, std::string_view legend) {
+  live_layer(fmt::format(R"({{"kind":"line",{},{}}})", json(style, legend), json(points)));
+  constexpr std::size_t told_apart = 600;
+  if (points.size() > 4 * told_apart)
+    stroke(thin(points, told_apart), style);
+  else
+    stroke(points, style);
   if (!legend.empty()) legend_line(style, legend);
 }
 
 void Figure::markers(std::span<const Point> points, const std::string& colour, std::string_view legend) {
+  live_layer(fmt::format(R"({{"kind":"marks","colour":{},"label":{},{}}})", json_string(colour), json_string(legend),
+                         json(points)));
   for (const Point& point : points)
     content_ += fmt::format("<circle style=\"fill:{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\"/>\n", colour,
                             place_x(point.x), place_y(point.y));
@@ -105,18 +148,22 @@ void Figure::markers(std::span<const Point> points, const std::string& colour, s
 }
 
 void Figure::label(Point at, std::string_view text) {
+  live_layer(fmt::format(R"({{"kind":"text","x":{:.9g},"y":{:.9g},"text":{}}})", at.x, at.y, json_string(text)));
   content_ += fmt::format("<text class=\"note\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", place_x(at.x) + 6,
                           place_y(at.y) - 6, escaped(text));
 }
 
 void Figure::marker_line(double x, const Style& style, std::string_view text) {
-  line(std::vector<Point>{{x, y_.low}, {x, y_.high}}, style);
+  live_layer(fmt::format(R"({{"kind":"upright","x":{:.9g},{},"text":{}}})", x, json(style, {}), json_string(text)));
+  stroke(std::vector<Point>{{x, y_.low}, {x, y_.high}}, style);
   content_ +=
       fmt::format("<text class=\"note\" x=\"{:.1f}\" y=\"{}\">{}</text>\n", place_x(x) + 5, top + 15, escaped(text));
 }
 
 void Figure::bars(std::span<const Interval> parts, double y, const std::string& colour, std::string_view legend) {
   constexpr double thickness = 11.0, least_length = 0.75;
+  live_layer(fmt::format(R"({{"kind":"bars","y":{},"colour":{},"label":{},"parts":{}}})", y, json_string(colour),
+                         json_string(legend), json(parts)));
   std::string d;
   for (const Interval& part : parts) {
     const double from = place_x(std::max(part.begin, x_.low)), to = place_x(std::min(part.end, x_.high));
@@ -167,6 +214,11 @@ void Figure::legend_box(const std::string& colour, std::string_view text) {
   legend_text(text);
 }
 
+void Figure::legend_note(std::string_view text) {
+  live_layer(fmt::format(R"({{"kind":"note","text":{}}})", json_string(text)));
+  legend_text(text, 14.0);
+}
+
 void Figure::legend_line(const Style& style, std::string_view text) {
   legend_ +=
       fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}{}\" d=\"M{} {}h20\"/>", style.colour,
@@ -211,13 +263,23 @@ std::string Figure::svg(std::string_view title) const {
       height_ - 8, escaped(x_.label) + factor(along), -(top + bottom) / 2, escaped(y_.label) + factor(up), legend_);
 }
 
-std::string_view figure_css() {
+std::string Figure::live(std::string_view title) const {
+  return fmt::format("{{\"title\":{},\"height\":{},\"x\":{},\"y\":{},\"layers\":[\n{}]}}", json_string(title), height_,
+                     json(x_), json(y_), layers_);
+}
+
+std::string Figure::file(std::string_view title) const {
+  return fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
+      "font-family=\"'Noto Sans', 'Liberation Sans', Arial, Helvetica, sans-serif\">\n<title>{2}</title>\n"
+      "<style>{3}</style>\n<rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>\n{4}</svg>\n",
+      width, height_, escaped(title), in_light_colours(drawing_css()), in_light_colours(svg(title)));
+}
+
+std::string_view drawing_css() {
   return R"css(
-:root { --series-0: #0072b2; --series-1: #c8500a; --series-2: #00855f; --series-3: #a8538a; --series-4: #7d6b00; --series-5: #56616c;
-  --early: #e3a72f; --late: #31135e; --ink: #1d2126; --soft: #5b646e; --rule: #c9ced4; --faint: #e8ebee; --paper: #ffffff; --page: #f5f6f8; }
-@media screen and (prefers-color-scheme: dark) { :root { --series-0: #5ab4ec; --series-1: #ff9a52; --series-2: #3ccb9c;
-  --series-3: #e29acb; --series-4: #d9c64a; --series-5: #a9b4bf; --early: #7d4fc4; --late: #ffe08a; --ink: #e4e7ea; --soft: #9aa4ae; --rule: #4a525b; --faint: #2a3037; --paper: #1a1e23; --page: #121519; } }
-svg { display: block; width: 100%; height: auto; font-size: 13px; fill: var(--ink); overflow: hidden; }
+svg { font-size: 13px; fill: var(--ink); overflow: hidden; }
 svg text { font-variant-numeric: tabular-nums; }
 svg .axis { font-size: 14px; fill: var(--soft); }
 svg .note { font-size: 12px; fill: var(--soft); }

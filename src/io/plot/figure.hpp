@@ -9,6 +9,7 @@
 
 #include "io/plot/axis.hpp"
 #include "io/plot/colour_map.hpp"
+#include "io/plot/palette.hpp"
 #include "io/plot/thinning.hpp"
 
 namespace viscobar::plot {
@@ -20,25 +21,20 @@ struct Style {
   double width = 1.6;
 };
 
-/// CSS variable of the i-th colour of the palette (six; the first four are told apart by colour-blind eyes).
-std::string series_colour(std::size_t index);
-
-/// CSS colour at a position in [0, 1] of a sequence from light to dark, the other way round on a dark page.
-std::string sequence_colour(double position);
-
 /// Height of a figure of bars() on a bare y axis from rows - 1/2 down to -1/2: each bar stands beside its legend.
 double height_of_bars(std::size_t rows);
 
-/// A picture with two axes as inline SVG. What is added first lies below. The legend stands right of the frame, whose
-/// place is the same in every figure of one width, so that figures below each other share their axis.
+/// A picture with two axes, as SVG and as the data from which the script of a page draws it anew (src/io/page/). What
+/// is added first lies below. The legend stands right of the frame, whose place is the same in every figure of one
+/// width, so that figures below each other share their axis.
 class Figure {
  public:
   Figure(Axis x, Axis y, double height = 260.0);
 
   /// Vertical bands.
   void shade(std::span<const Interval> bands, const std::string& colour, std::string_view legend = {});
-  /// A horizontal line through the frame, or through the part [from, to] of x.
-  void level(double y, const Style& style, std::string_view legend = {}, std::optional<Interval> part = {});
+  /// A horizontal line through the frame.
+  void level(double y, const Style& style, std::string_view legend = {});
   /// A solid body below y over the part of x.
   void body(double y, Interval part);
   void line(std::span<const Point> points, const Style& style, std::string_view legend = {});
@@ -56,26 +52,33 @@ class Figure {
   void legend_box(const std::string& colour, std::string_view text);
 
   /// A line of the legend without a mark.
-  void legend_note(std::string_view text) { legend_text(text, 14.0); }
+  void legend_note(std::string_view text);
+  /// A layer that only the script draws: a JSON object with its "kind".
+  void live_layer(const std::string& json) { (layers_ += layers_.empty() ? "" : ",\n") += json; }
 
-  /// @param title read out in place of the picture
+  /// Inline SVG, whose colours are variables of the page. @param title read out in place of the picture
   std::string svg(std::string_view title) const;
+  /// An SVG file of its own, in light colours, with its fonts named.
+  std::string file(std::string_view title) const;
+  /// The picture as a JSON object: {"title", "height", "x", "y", "layers": [{"kind", ...}, ...]}.
+  std::string live(std::string_view title) const;
 
  private:
   double place_x(double value) const;
   double place_y(double value) const;
   std::string path(std::span<const Point> points) const;
+  void stroke(std::span<const Point> points, const Style& style);
   void legend_line(const Style& style, std::string_view text);
   void legend_text(std::string_view text, double indent = 41.0);
 
   Axis x_, y_;
   double height_;
-  std::string content_, legend_;
+  std::string content_, legend_, layers_;
   double legend_y_;
 };
 
-/// CSS that the figures of a page share.
-std::string_view figure_css();
+/// How the SVG of every figure looks.
+std::string_view drawing_css();
 
 /// Text made safe for HTML and SVG.
 std::string escaped(std::string_view text);

@@ -1,0 +1,144 @@
+// The bar at one time: its displacement upwards over position, coloured as in the map, above its obstacles.
+
+class BarPicture {
+  static thickness = 9;
+
+  /// @param supports what holds the ends @param reactions functions of time, or null: {left, right}
+  constructor(field, colours, supports, reactions) {
+    Object.assign(this, { field, colours, supports, reactions });
+    this.envelope = field.envelope();
+  }
+
+  drawEnvelope(chart, context) {
+    const { x } = this.field, { low, high } = this.envelope, lift = BarPicture.thickness * chart.ratio;
+    context.beginPath();
+    x.forEach((at, j) => context.lineTo(chart.px(at), chart.py(low[j])));
+    for (let j = x.length - 1; j >= 0; --j) context.lineTo(chart.px(x[j]), chart.py(high[j]) - lift);
+    context.fillStyle = colour("var(--faint)");
+    context.globalAlpha = 0.7;
+    context.fill();
+    context.globalAlpha = 1;
+  }
+
+  draw(chart, context, time) {
+    const { x } = this.field, profile = this.field.profile(time), lift = BarPicture.thickness * chart.ratio;
+    const lower = new Path2D(), outline = new Path2D();
+    for (let j = 0; j < x.length; ++j) {
+      lower.lineTo(chart.px(x[j]), chart.py(profile[j]));
+      outline.lineTo(chart.px(x[j]), chart.py(profile[j]));
+    }
+    for (let j = x.length - 1; j >= 0; --j) outline.lineTo(chart.px(x[j]), chart.py(profile[j]) - lift);
+    outline.closePath();
+    context.fillStyle = this.shades(chart, context, profile);
+    context.fill(outline);
+    strokeStyle(chart, context, "var(--ink)", 1);
+    context.lineJoin = "round";
+    context.stroke(outline);
+    this.drawTouching(chart, context, profile);
+    if (this.supports.span) this.drawSpanGap(chart, context, profile);
+    this.drawEnd(chart, context, "left", x[0], profile[0], time);
+    this.drawEnd(chart, context, "right", x[x.length - 1], profile[profile.length - 1], time);
+  }
+
+  /// Colours along the bar.
+  shades(chart, context, profile) {
+    const { x } = this.field, last = x.length - 1, stops = Math.min(last, 120), begin = x[0], length = x[last] - begin;
+    const gradient = context.createLinearGradient(chart.px(x[0]), 0, chart.px(x[last]), 0);
+    for (let k = 0; k <= stops; ++k) {
+      const j = Math.round((k * last) / stops), part = Math.min(1, Math.max(0, (x[j] - begin) / length));
+      gradient.addColorStop(part, this.colours.shade(profile[j]));
+    }
+    return gradient;
+  }
+
+  /// What lies on the obstacle along the span: stretches, and single nodes as dots.
+  drawTouching(chart, context, profile) {
+    const { x } = this.field, touches = (j) => profile[j] <= this.colours.contactLevel;
+    strokeStyle(chart, context, this.colours.touching, 3);
+    context.fillStyle = this.colours.touching;
+    for (let j = 0; j < x.length; ++j) {
+      if (!touches(j)) continue;
+      context.beginPath();
+      if (touches(j + 1)) {
+        context.moveTo(chart.px(x[j]), chart.py(profile[j]));
+        context.lineTo(chart.px(x[j + 1]), chart.py(profile[j + 1]));
+        context.stroke();
+      } else if (!touches(j - 1)) {
+        context.arc(chart.px(x[j]), chart.py(profile[j]), 5 * chart.ratio, 0, 2 * Math.PI);
+        context.fill();
+      }
+    }
+  }
+
+  /// Where the bar is nearest to the obstacle along its span.
+  drawSpanGap(chart, context, profile) {
+    const { x } = this.field, { gap } = this.supports.span, unit = chart.ratio, surface = chart.py(-gap);
+    const least = profile.reduce((best, u, j) => (u < profile[best] ? j : best), 0);
+    const at = chart.px(x[least]), foot = chart.py(profile[least]), inLeftHalf = 2 * least < x.length;
+    if (profile[least] <= this.colours.contactLevel || surface > chart.box.top + chart.box.height) return;
+    doubleArrow(chart, context, at, foot, surface);
+    write(chart, context, `gap ${readable(profile[least] + gap, 3)}`, at + (inLeftHalf ? 12 : -12) * unit, surface + 26 * unit,
+      { css: "var(--ink)", align: inLeftHalf ? "left" : "right", halo: true });
+  }
+
+  drawEnd(chart, context, side, x, u, time) {
+    const support = this.supports[side], at = chart.px(x), foot = chart.py(u), unit = chart.ratio;
+    if (support.kind === "fixed") {
+      context.fillStyle = colour("var(--ink)");
+      context.fillRect(at - 2 * unit, foot - 20 * unit, 4 * unit, 31 * unit);
+    }
+    if (support.kind !== "obstacle") return;
+    const outwards = side === "left" ? 1 : -1, words = { css: "var(--ink)", align: side === "left" ? "left" : "right", halo: true };
+    const surface = chart.py(-support.gap);
+    if (inParts(support.contact, time)) {
+      const force = this.reactions[side], size = force ? Math.max(0, force.at(time)) : 0, most = force ? force.most : 0;
+      const length = (16 + (most > 0 ? (46 * size) / most : 0)) * unit;
+      context.fillStyle = this.colours.touching;
+      context.beginPath();
+      context.arc(at, foot, 5 * unit, 0, 2 * Math.PI);
+      context.fill();
+      if (force) {
+        arrow(chart, context, at, surface + length, surface + 4 * unit, this.colours.touching);
+        write(chart, context, `in contact, R = ${readable(size, 3)}`, at + 12 * outwards * unit, surface + 26 * unit, words);
+      }
+    } else if (surface > chart.box.top && surface < chart.box.top + chart.box.height) {
+      doubleArrow(chart, context, at, foot, surface);
+      write(chart, context, `gap ${readable(u + support.gap, 3)}`, at + 12 * outwards * unit, surface + 26 * unit, words);
+    }
+  }
+}
+
+/// Whether a value lies in one of the intervals [begin, end, begin, end, ...].
+function inParts(parts, value) {
+  if (!parts || parts.length === 0) return false;
+  let low = 0, high = parts.length / 2;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (parts[2 * middle] <= value) low = middle + 1;
+    else high = middle;
+  }
+  return low > 0 && value <= parts[2 * low - 1];
+}
+
+/// Upright, from one y to another, the head at the second.
+function arrow(chart, context, x, from, to, css, width = 2) {
+  const head = 6 * chart.ratio, towards = to < from ? 1 : -1;
+  strokeStyle(chart, context, css, width);
+  context.beginPath();
+  context.moveTo(x, from);
+  context.lineTo(x, to + 0.8 * head * towards);
+  context.stroke();
+  context.fillStyle = css;
+  context.beginPath();
+  context.moveTo(x, to);
+  context.lineTo(x - 0.6 * head, to + head * towards);
+  context.lineTo(x + 0.6 * head, to + head * towards);
+  context.fill();
+}
+
+/// A distance, where there is room to show it.
+function doubleArrow(chart, context, x, from, to) {
+  if (Math.abs(to - from) <= 14 * chart.ratio) return;
+  const middle = (from + to) / 2;
+  for (const head of [from, to]) arrow(chart, context, x, middle, head, colour("var(--ink)"), 1);
+}

@@ -1,0 +1,104 @@
+// Contact changes: marks on the pictures over time, and the table's rows.
+
+class Events {
+  constructor({ happened, every, places, place, t, closes, velocity }) {
+    Object.assign(this, { happened, every });
+    this.list = t.map((time, i) => ({ time, place: places[place[i]], closes: closes[i] === 1, velocity: velocity[i] }));
+    this.times = t;
+    this.onChosen = new Set();
+    this.chosen = null;
+  }
+
+  choose(event) {
+    if (event === this.chosen) return;
+    this.chosen = event;
+    for (const listener of this.onChosen) listener(event);
+  }
+  static side({ place }) { return place === "left" || place === "right" ? place : "span"; }
+  static name({ place }) {
+    return place === "left" || place === "right" ? `${place} end` : `node ${place.split(":")[1]} of the span`;
+  }
+  static words(event) {
+    return `t = ${readable(event.time, 8)}: ${Events.name(event)} ${event.closes ? "closes" : "opens"}, ` +
+      `velocity ${readable(event.velocity)}`;
+  }
+
+  /// The first one after, or the last one before, a time.
+  next(time) { return this.list.find((event) => event.time > time + this.rounding) ?? null; }
+  previous(time) { return this.list.findLast((event) => event.time < time - this.rounding) ?? null; }
+  get rounding() { return 1e-12 * Math.max(1, Math.abs(this.times[this.times.length - 1] ?? 1)); }
+
+  /// The nearest within a distance, of those that `belongs` lets pass.
+  nearest(time, distance, belongs = () => true) {
+    let best = null;
+    for (const event of this.list) {
+      const away = Math.abs(event.time - time);
+      if (away <= distance && belongs(event)) [best, distance] = [event, away];
+    }
+    return best;
+  }
+
+  /// Marks along the upper edge of a picture, pointing down where a contact closes and up where it opens.
+  marksOn(belongs) {
+    return (chart, context) => {
+      const [from, to] = chart.shown("x"), unit = chart.ratio, top = chart.box.top + 1.5 * unit;
+      for (const event of this.list) {
+        if (event.time < from || event.time > to || !belongs(event)) continue;
+        const at = chart.px(event.time), chosen = event === this.chosen, size = (chosen ? 6 : 4) * unit;
+        context.fillStyle = chosen ? colour("var(--touching)") : colour("var(--ink)");
+        context.globalAlpha = chosen ? 1 : 0.75;
+        context.beginPath();
+        const [base, tip] = event.closes ? [top, top + 1.6 * size] : [top + 1.6 * size, top];
+        context.moveTo(at - size, base);
+        context.lineTo(at + size, base);
+        context.lineTo(at, tip);
+        context.fill();
+      }
+      context.globalAlpha = 1;
+    };
+  }
+
+  /// A table of all of them in place of the page's own; arrow keys move, Enter and a click jump there.
+  table(section, jump) {
+    const rows = this.list.map((event) => {
+      const cells = [[readable(event.time, 8)], [Events.name(event), "word"], [event.closes ? "closes" : "opens", "word"],
+        [readable(event.velocity)]];
+      const row = element("tr", { tabIndex: -1 }, ...cells.map(([text, kind = ""]) => element("td", { textContent: text, className: kind })));
+      row.addEventListener("click", () => jump(event));
+      return row;
+    });
+    const heads = [["time"], ["where", "word"], ["change", "word"], ["velocity"]].map(([text, kind = ""]) =>
+      element("th", { textContent: text, className: kind, scope: "col" }));
+    const body = element("tbody", {}, ...rows);
+    const scroller = element("div", { className: "live scroller" },
+      element("table", { ariaLabel: "Contact changes" }, element("thead", {}, element("tr", {}, ...heads)), body));
+    if (rows.length > 0) rows[0].tabIndex = 0;
+    body.addEventListener("keydown", (event) => {
+      const at = rows.indexOf(event.target);
+      const goal = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: rows.length - 1 }[event.key];
+      if (goal === undefined && event.key !== "Enter" && event.key !== " ") return;
+      event.preventDefault();
+      if (goal === undefined) jump(this.list[at]);
+      else rows[goal]?.focus();
+    });
+    body.addEventListener("focusin", (event) => {
+      for (const row of rows) row.tabIndex = row === event.target ? 0 : -1;
+    });
+    this.onChosen.add((event) => {
+      const at = this.list.indexOf(event);
+      rows.forEach((row, i) => row.setAttribute("aria-selected", String(i === at)));
+      if (at >= 0) keepInView(scroller, rows[at]);
+    });
+    section.append(scroller);
+    const left = this.every === 1 ? "" :
+      ` Of ${this.happened} changes the fastest of every ${this.every} in a row is marked and listed; events.csv has all.`;
+    section.append(element("p", { className: "live note", textContent: `A click on a row or a mark goes there.${left}` }));
+  }
+}
+
+/// Scrolls a box, not the page.
+function keepInView(box, row) {
+  const above = row.offsetTop - box.scrollTop, below = above + row.offsetHeight - box.clientHeight;
+  if (above < 32) box.scrollTop = row.offsetTop - 32;
+  else if (below > 0) box.scrollTop += below;
+}

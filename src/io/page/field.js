@@ -1,0 +1,75 @@
+// The displacement over space and time, as thinned and rounded by the program (io/report_script_data.hpp).
+
+class Field {
+  constructor({ t, x, low, high, u }) {
+    this.t = t;
+    this.x = x;
+    this.low = low;
+    this.high = high;
+    const bytes = Uint8Array.from(atob(u), (c) => c.charCodeAt(0));
+    this.u = new Float64Array(bytes.length / 2);
+    for (let i = 0; i < this.u.length; ++i) this.u[i] = low + ((high - low) * (bytes[2 * i] + 256 * bytes[2 * i + 1])) / 65535;
+  }
+
+  /// The index below a value among increasing ones, and the part of the way to the next.
+  static locate(values, value) {
+    let low = 0, high = values.length - 1;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (values[middle] <= value) low = middle;
+      else high = middle;
+    }
+    const part = values.length > 1 ? (value - values[low]) / (values[low + 1] - values[low]) : 0;
+    return [low, Math.min(1, Math.max(0, part))];
+  }
+
+  /// Displacement of every node, linear in between output times.
+  profile(time) {
+    const [row, part] = Field.locate(this.t, time), width = this.x.length, at = row * width;
+    const profile = this.u.slice(at, at + width);
+    if (part > 0) for (let j = 0; j < width; ++j) profile[j] += part * (this.u[at + width + j] - profile[j]);
+    return profile;
+  }
+
+  value(time, x) {
+    const [node, part] = Field.locate(this.x, x), profile = this.profile(time);
+    return profile[node] + part * (profile[node + 1] - profile[node]);
+  }
+
+  /// The least and the greatest displacement of every node.
+  envelope() {
+    const width = this.x.length, low = this.u.slice(0, width), high = this.u.slice(0, width);
+    for (let i = width; i < this.u.length; ++i) {
+      const j = i % width;
+      if (this.u[i] < low[j]) low[j] = this.u[i];
+      else if (this.u[i] > high[j]) high[j] = this.u[i];
+    }
+    return { low, high };
+  }
+}
+
+/// Displacements to colours: 255 steps between anchors at equal distances, as io/report_pictures.cpp has them.
+class FieldColours {
+  static steps = 255;
+  constructor({ anchors, low, high, touching, contactLevel }, field) {
+    this.low = low;
+    this.high = high;
+    this.touching = touching;
+    // The field is rounded, so what touches may lie half a step above.
+    this.contactLevel = contactLevel === undefined ? -Infinity : contactLevel + (0.75 * (field.high - field.low)) / 65535;
+    const bytes = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
+    const known = anchors.map(bytes);
+    this.palette = Array.from({ length: FieldColours.steps }, (_, i) => {
+      const scaled = (i / (FieldColours.steps - 1)) * (known.length - 1), at = Math.min(Math.floor(scaled), known.length - 2);
+      return known[at].map((from, k) => Math.round(from + (scaled - at) * (known[at + 1][k] - from)));
+    });
+    this.palette.push(bytes(touching));
+  }
+  /// The step of the scale; the one after the last stands for contact.
+  index(u) { return u <= this.contactLevel ? FieldColours.steps : this.step(u); }
+  step(u) {
+    const part = (u - this.low) / (this.high - this.low);
+    return Math.round(Math.min(1, Math.max(0, part)) * (FieldColours.steps - 1));
+  }
+  shade(u) { return `rgb(${this.palette[this.step(u)]})`; }
+}

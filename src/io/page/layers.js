@@ -1,0 +1,104 @@
+// How the layers of a picture (plot::Figure::live) are drawn, the lines apart, which uPlot draws. Lengths are in pixels of
+// the canvas, `chart.ratio` of them in one of the page.
+
+const layerPainters = {
+  bands(chart, context, { parts, colour: css }) {
+    const { top, height } = chart.box;
+    context.fillStyle = colour(css);
+    context.globalAlpha = 0.2;
+    for (let i = 0; i < parts.length; i += 2) {
+      const from = chart.px(parts[i]);
+      context.fillRect(from, top, Math.max(chart.ratio, chart.px(parts[i + 1]) - from), height);
+    }
+    context.globalAlpha = 1;
+  },
+
+  bars(chart, context, { parts, y, colour: css }) {
+    const middle = chart.py(y), half = 5.5 * chart.ratio;
+    context.fillStyle = colour(css);
+    for (let i = 0; i < parts.length; i += 2) {
+      const from = chart.px(parts[i]);
+      context.fillRect(from, middle - half, Math.max(0.75 * chart.ratio, chart.px(parts[i + 1]) - from), 2 * half);
+    }
+  },
+
+  level(chart, context, { y, colour: css, dashed, width }) {
+    const { left, width: whole } = chart.box;
+    strokeStyle(chart, context, css, width, dashed);
+    context.beginPath();
+    context.moveTo(left, chart.py(y));
+    context.lineTo(left + whole, chart.py(y));
+    context.stroke();
+  },
+
+  /// A solid, hatched as in mechanics.
+  body(chart, context, { y, from, to }) {
+    const left = chart.px(from), right = chart.px(to), surface = chart.py(y), depth = 11 * chart.ratio;
+    context.save();
+    context.beginPath();
+    context.rect(left, surface, right - left, depth);
+    context.clip();
+    context.fillStyle = colour("var(--faint)");
+    context.fillRect(left, surface, right - left, depth);
+    strokeStyle(chart, context, "var(--soft)", 1);
+    context.beginPath();
+    for (let x = left - depth; x < right; x += 6 * chart.ratio) {
+      context.moveTo(x, surface + depth);
+      context.lineTo(x + depth, surface);
+    }
+    context.stroke();
+    context.restore();
+    strokeStyle(chart, context, "var(--ink)", 1.6);
+    context.beginPath();
+    context.moveTo(left, surface);
+    context.lineTo(right, surface);
+    context.stroke();
+  },
+
+  marks(chart, context, { x, y, colour: css }) {
+    context.fillStyle = colour(css);
+    for (let i = 0; i < x.length; ++i) {
+      context.beginPath();
+      context.arc(chart.px(x[i]), chart.py(y[i]), 3.5 * chart.ratio, 0, 2 * Math.PI);
+      context.fill();
+    }
+  },
+
+  upright(chart, context, { x, colour: css, width, dashed, text }) {
+    const { top, height } = chart.box, at = chart.px(x);
+    strokeStyle(chart, context, css, width, dashed);
+    context.beginPath();
+    context.moveTo(at, top);
+    context.lineTo(at, top + height);
+    context.stroke();
+    write(chart, context, text, at + 5 * chart.ratio, top + 14 * chart.ratio);
+  },
+
+  text(chart, context, { x, y, text }) {
+    write(chart, context, text, chart.px(x) + 6 * chart.ratio, chart.py(y) - 6 * chart.ratio);
+  },
+};
+
+/// Below the lines; the others above.
+const lowerLayers = new Set(["bands", "bars", "level", "body", "map", "envelope"]);
+
+function strokeStyle(chart, context, css, width, dashed = false) {
+  context.strokeStyle = colour(css);
+  context.lineWidth = width * chart.ratio;
+  context.setLineDash(dashed ? [6 * chart.ratio, 4 * chart.ratio] : []);
+}
+
+const fontOf = (chart, size) => `${size * chart.ratio}px ${getComputedStyle(document.body).fontFamily}`;
+
+function write(chart, context, text, x, y, { css = "var(--soft)", align = "left", halo = false } = {}) {
+  context.font = fontOf(chart, 12);
+  context.textAlign = align;
+  context.textBaseline = "alphabetic";
+  if (halo) {
+    strokeStyle(chart, context, "var(--paper)", 4);
+    context.lineJoin = "round";
+    context.strokeText(text, x, y);
+  }
+  context.fillStyle = colour(css);
+  context.fillText(text, x, y);
+}

@@ -1,0 +1,140 @@
+// The controls of a page with a slider of time: where in the run its pictures are.
+
+class Player {
+  static wholeRun = 12;  // seconds that a run takes at speed 1
+
+  /// @param link the axis of time @param stops times that the arrow keys go to @param events Events @param showAll ends all zooms
+  constructor(link, stops, events, showAll) {
+    Object.assign(this, { link, stops, events, showAll, playing: null });
+    [this.begin, this.end] = [stops[0], stops[stops.length - 1]];
+    this.slider = element("input", { type: "range", min: this.begin, max: this.end, step: "any", value: this.begin, ariaLabel: "Time" });
+    this.playButton = iconButton("play", "Play (space)", () => this.toggle());
+    this.playButton.classList.add("play");
+    this.speed = element("select", { ariaLabel: "Speed", title: "Speed" }, ...[0.1, 0.25, 0.5, 1, 2, 4].map((speed) =>
+      element("option", { value: speed, textContent: `${readable(speed)}×`, selected: speed === 1 })));
+    this.clock = element("output", { className: "clock" });
+    this.detail = element("p", { className: "detail", ariaLive: "polite" });
+    this.strip = element("canvas", { className: "strip", ariaHidden: "true" });
+    const hasEvents = events.list.length > 0;
+    this.node = element("section", { className: "player live", ariaLabel: "Time of the pictures" },
+      element("div", { className: "controls" },
+        ...(hasEvents ? [iconButton("previous", "Previous contact change (P)", () => this.jump(events.previous(this.time)))] : []),
+        this.playButton,
+        ...(hasEvents ? [iconButton("next", "Next contact change (N)", () => this.jump(events.next(this.time)))] : []),
+        this.speed, this.clock, element("span", { className: "space" }), ...viewButtons([link], showAll)),
+      element("div", { className: "track" }, ...(hasEvents ? [this.strip] : []), this.slider), ...(hasEvents ? [this.detail] : []));
+    this.slider.addEventListener("input", () => this.go(Number(this.slider.value)));
+    this.slider.addEventListener("keydown", (event) => this.key(event));
+    this.strip.addEventListener("click", (event) => this.clickedStrip(event));
+    link.onPlace.add(() => this.show());
+    link.onRange.add(() => this.drawStrip());
+    events.onChosen.add(() => this.drawStrip());
+    onTheme.add(() => this.drawStrip());
+    new ResizeObserver(() => this.drawStrip()).observe(this.strip);
+    this.go(this.begin);
+  }
+
+  get time() { return this.link.rest; }
+
+  go(time) {
+    this.events.choose(null);
+    this.stand(time);
+  }
+  stand(time) {
+    this.link.stand(Math.min(this.end, Math.max(this.begin, time)));
+    const [from, to] = this.link.range ?? [this.begin, this.end];
+    if (this.time < from || this.time > to) this.link.pan((this.time - (from + to) / 2) / (to - from));
+  }
+  /// To a contact change.
+  jump(event) {
+    if (!event) return;
+    this.stop();
+    this.events.choose(event);
+    this.stand(event.time);
+  }
+  step(count) {
+    const { stops } = this;
+    const [below, part] = Field.locate(stops, this.time), at = part >= 1 ? below + 1 : below;
+    const exact = part <= 0 || part >= 1;
+    this.go(stops[Math.min(stops.length - 1, Math.max(0, count < 0 && !exact ? at + count + 1 : at + count))]);
+  }
+
+  show() {
+    this.slider.value = this.time;
+    const pointed = this.link.pointed;
+    this.clock.textContent = `t = ${readable(pointed ?? this.time, 6)}`;
+    this.clock.classList.toggle("pointed", pointed !== null);
+    this.slider.setAttribute("aria-valuetext", `t = ${readable(this.time, 6)}`);
+    const { chosen } = this.events;
+    this.detail.textContent = chosen ? Events.words(chosen) : "";
+  }
+
+  toggle() { this.playing === null ? this.play() : this.stop(); }
+  play() {
+    if (this.time >= this.end) this.go(this.begin);
+    let last = performance.now();
+    const frame = (now) => {
+      const seconds = Math.max(0, now - last) / 1000;
+      last = now;
+      this.go(this.time + (seconds * Number(this.speed.value) * (this.end - this.begin)) / Player.wholeRun);
+      if (this.time >= this.end) this.stop();
+      else this.playing = requestAnimationFrame(frame);
+    };
+    this.playing = requestAnimationFrame(frame);
+    this.showPlaying("pause", "Pause (space)");
+  }
+  stop() {
+    if (this.playing !== null) cancelAnimationFrame(this.playing);
+    this.playing = null;
+    this.showPlaying("play", "Play (space)");
+  }
+  showPlaying(name, label) {
+    this.playButton.replaceChildren(icon(name));
+    Object.assign(this.playButton, { ariaLabel: label, title: label });
+  }
+
+  /// Of the slider and of the pictures over time.
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const action = {
+      ArrowRight: () => this.step(1), ArrowLeft: () => this.step(-1), ArrowUp: () => this.step(1), ArrowDown: () => this.step(-1),
+      PageUp: () => this.step(10), PageDown: () => this.step(-10), Home: () => this.go(this.begin), End: () => this.go(this.end),
+      " ": () => this.toggle(), n: () => this.jump(this.events.next(this.time)), p: () => this.jump(this.events.previous(this.time)),
+      "+": () => this.link.zoom(0.5, this.time), "-": () => this.link.zoom(2, this.time), 0: this.showAll,
+    }[event.key];
+    if (!action) return;
+    event.preventDefault();
+    if (event.key !== " " && event.key !== "+" && event.key !== "-" && event.key !== "0") this.stop();
+    action();
+  }
+
+  clickedStrip(event) {
+    const { left, width } = this.strip.getBoundingClientRect(), scale = (this.end - this.begin) / width;
+    const time = this.begin + (event.clientX - left) * scale, mark = this.events.nearest(time, 6 * scale);
+    if (mark) this.jump(mark);
+    else this.go(time);
+  }
+
+  /// Marks of all contact changes above the slider, and the part of time that is in view.
+  drawStrip() {
+    const { strip } = this, ratio = devicePixelRatio || 1, width = strip.clientWidth, height = strip.clientHeight;
+    if (width === 0) return;
+    strip.width = width * ratio;
+    strip.height = height * ratio;
+    const context = strip.getContext("2d");
+    context.scale(ratio, ratio);
+    const at = (time) => ((time - this.begin) / (this.end - this.begin)) * width;
+    if (this.link.range) {
+      context.fillStyle = colour("var(--faint)");
+      context.fillRect(at(this.link.range[0]), 0, at(this.link.range[1]) - at(this.link.range[0]), height);
+    }
+    const colours = { left: "var(--series-0)", right: "var(--series-1)", span: "var(--touching)" };
+    for (const event of this.events.list) {
+      context.fillStyle = colour(colours[Events.side(event)]);
+      const chosen = event === this.events.chosen;
+      if (event.closes) context.fillRect(at(event.time) - (chosen ? 1.5 : 0.75), 0, chosen ? 3 : 1.5, height);
+      else context.fillRect(at(event.time) - (chosen ? 1.5 : 0.75), height / 2, chosen ? 3 : 1.5, height / 2);
+    }
+  }
+}
+

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+#include <string_view>
+
+namespace viscobar::plot {
+
+/// A JSON string that may also stand in a <script>.
+std::string json_string(std::string_view text);
+
+/// A JSON array of value(item) with so many significant digits; null for what is not finite.
+template <class Range, class Value>
+std::string json_numbers(const Range& items, Value value, int digits) {
+  std::string out = "[";
+  for (const auto& item : items) {
+    const double number = value(item);
+    if (out.size() > 1) out += ',';
+    if (std::isfinite(number))
+      fmt::format_to(std::back_inserter(out), "{:.{}g}", number, digits);
+    else
+      out += "null";
+  }
+  return out + ']';
+}
+
+}  // namespace viscobar::plot

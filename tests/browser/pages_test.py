@@ -1,0 +1,337 @@
+"""The pages that viscobar writes, used in a headless browser. pages_test.py VISCOBAR SCENES; exit code 77: no browser."""
+
+import csv
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree
+
+import chromium
+
+program, scenes = (os.path.abspath(path) for path in sys.argv[1:3])
+if chromium.program() is None:
+    print("skipped: no browser (Debian's package chromium)")
+    sys.exit(77)
+
+most_bytes = 2_000_000
+
+
+def written(command, scene, directory, *options):
+    subprocess.run([program, command, os.path.join(scenes, scene + ".toml"), "-o", directory, "--quiet", *options], check=True)
+    return directory
+
+
+def rows_of(directory, name):
+    with open(os.path.join(directory, name), newline="") as file:
+        return list(csv.DictReader(file))
+
+
+class Browsed(unittest.TestCase):
+    """One browser and one directory of results for all tests of a class."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = tempfile.TemporaryDirectory(prefix="viscobar-pages-")
+        cls.browser = chromium.Chromium()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.close()
+        cls.scratch.cleanup()
+
+    def open(self, path, **how):
+        self.browser.open(path, **how)
+        self.page = path
+
+    def tearDown(self):
+        self.browser.media()
+
+    def value(self, expression):
+        return self.browser.evaluate(expression)
+
+    def assertSound(self):
+        """The page loaded nothing but itself and complained of nothing."""
+        self.assertEqual(self.browser.messages, [])
+        self.assertEqual([url for url in self.browser.requests if not url.startswith(("file://" + self.page, "data:"))], [])
+        self.assertLess(os.path.getsize(self.page), most_bytes)
+
+    def place(self, picture, x, y):
+        """Where a point of a picture is in the window, after scrolling there."""
+        return self.value(f"""(() => {{
+            const chart = viscobar.charts.get("{picture}"), over = chart.plot.over;
+            over.scrollIntoView({{ block: "center", behavior: "instant" }});
+            const box = over.getBoundingClientRect();
+            return [box.left + chart.plot.valToPos({x}, "x"), box.top + chart.plot.valToPos({y}, "y")]; }})()""")
+
+
+class ARunsReport(Browsed):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.run_directory = written("run", "unit-both-ends", os.path.join(cls.scratch.name, "run"), "--figures")
+
+    def setUp(self):
+        self.open(os.path.join(self.run_directory, "report.html"))
+
+    def time(self):
+        return self.value("viscobar.player.time")
+
+    def test_loads_without_errors_or_requests_and_is_small(self):
+        self.assertSound()
+        self.assertTrue(self.value("document.documentElement.classList.contains('scripted')"))
+
+    def test_map_has_the_colours_of_the_displacement(self):
+        # Independent of the page's data: u from the field by `viscobar export`, the scale as io/plot/colour_map.hpp says.
+        # Half a pixel off in x and t, u changes by less than 0.5 % of the scale, which is 0.1 of the distance of two anchors,
+        # and so does a step of the 255 of the palette; anchors are at most 40 apart: 2 * 0.1 * 40.
+        tolerance = 8
+        scale = self.value("JSON.parse(document.getElementById('data').textContent).field.colours")
+        anchors = [[int(hex[i:i + 2], 16) for i in (1, 3, 5)] for hex in scale["anchors"]]
+
+        def expected(u):
+            scaled = (u - scale["low"]) / (scale["high"] - scale["low"]) * (len(anchors) - 1)
+            at = min(int(scaled), len(anchors) - 2)
+            return [a + (scaled - at) * (b - a) for a, b in zip(anchors[at], anchors[at + 1])]
+
+        subprocess.run([program, "export", self.run_directory, "--quiet"], check=True)
+        with open(os.path.join(self.run_directory, "csv", "u.csv"), newline="") as file:
+            (_, *nodes), *rows = csv.reader(file)
+        for part in (0.03, 0.1, 0.2, 0.5, 0.9):
+            time, *row = rows[int(part * len(rows))]
+            for node in (3, 9, 14, 22):
+                seen = self.browser.pixel(*self.place("displacement", time, nodes[node]))
+                wanted = expected(float(row[node]))
+                self.assertLess(max(abs(a - b) for a, b in zip(seen, wanted)), tolerance, (time, nodes[node], seen, wanted))
+
+    def test_slider_moves_the_bar(self):
+        # The bar is 9 pixels thick, upwards from u: 5 pixels above u it has the colour of u, 7 below it has not. At both times
+        # and this x it is between its envelope's edges and clear of the obstacles.
+        seen = []
+        for time in (0.2, 3.0):
+            self.value(f"""(() => {{ const slider = document.querySelector("input[type=range]");
+                slider.value = {time}; slider.dispatchEvent(new Event("input")); }})()""")
+            self.browser.settle()
+            self.assertAlmostEqual(self.time(), time, places=9)
+            x, y = self.place("bar", 0.3, "viscobar.field.value(viscobar.player.time, 0.3)")
+            shade = self.value("viscobar.colours.palette[viscobar.colours.index(viscobar.field.value(viscobar.player.time, 0.3))]")
+            self.assertAlike(self.browser.pixel(x, y - 5), shade)
+            self.assertNotAlike(self.browser.pixel(x, y + 7), shade)
+            seen.append(y)
+        self.assertGreater(abs(seen[0] - seen[1]), 10)
+
+    def assertAlike(self, pixel, shade):
+        # A gradient between stops of neighbouring shades: a step or two of 255 in each channel, and rounding.
+        self.assertLess(max(abs(a - b) for a, b in zip(pixel, shade)), 6, (pixel, shade))
+
+    def assertNotAlike(self, pixel, shade):
+        self.assertGreater(max(abs(a - b) for a, b in zip(pixel, shade)), 15, (pixel, shade))
+
+    def test_data_are_those_of_the_files(self):
+        rows = rows_of(self.run_directory, "ends.csv")
+        size = self.value("viscobar.field.high - viscobar.field.low")
+        for row in rows[:: len(rows) // 7]:
+            for column, node in (("u_left", "0"), ("u_right", "viscobar.field.x.length - 1")):
+                seen = self.value(f"viscobar.field.profile({row['t']})[{node}]")
+                self.assertAlmostEqual(seen, float(row[column]), delta=size / 65535)  # rounding is half of it
+
+    def test_keys_move_in_time(self):
+        stops = self.value("viscobar.field.t")
+        self.value("document.querySelector('input[type=range]').focus()")
+        for key, at in (("ArrowRight", 1), ("ArrowRight", 2), ("PageUp", 12), ("ArrowLeft", 11), ("PageDown", 1), ("End", -1),
+                        ("Home", 0)):
+            self.browser.key(key)
+            self.assertEqual(self.time(), stops[at], key)
+        self.value("viscobar.charts.get('energy').host.focus()")
+        self.browser.key("ArrowRight")
+        self.assertEqual(self.time(), stops[1])
+        self.browser.key(" ")
+        self.assertIn("Pause", self.value("document.querySelector('.play').ariaLabel"))
+        self.browser.key(" ")
+        self.assertIn("Play", self.value("document.querySelector('.play').ariaLabel"))
+        self.assertGreaterEqual(self.time(), stops[1])
+
+    def test_contact_changes_can_be_visited(self):
+        changes = rows_of(self.run_directory, "events.csv")
+        self.value("document.querySelector('input[type=range]').focus()")
+        self.browser.key("n")
+        first = changes[0]
+        self.assertAlmostEqual(self.time(), float(first["t"]), places=7)
+        detail = self.value("document.querySelector('.detail').textContent")
+        self.assertIn(first["where"], detail)
+        self.assertIn("closes" if first["change"] == "closing" else "opens", detail)
+        self.assertIn("velocity", detail)
+        # By its mark in a picture, which is at the frame's upper edge; the pointer may be five pixels beside it.
+        last = changes[-1]
+        x, _ = self.place("energy", last["t"], 0)
+        top = self.value("viscobar.charts.get('energy').plot.over.getBoundingClientRect().top")
+        self.browser.click(x + 3, top + 6)
+        self.assertAlmostEqual(self.time(), float(last["t"]), places=7)
+        # By its row in the table.
+        self.value("document.querySelectorAll('.scroller tbody tr')[0].focus()")
+        self.browser.key("ArrowDown")
+        self.browser.key("Enter")
+        self.assertAlmostEqual(self.time(), float(changes[1]["t"]), places=7)
+        self.assertEqual(self.value("document.querySelectorAll('.scroller tbody tr')[1].getAttribute('aria-selected')"), "true")
+
+    def test_pictures_follow_the_pointer_and_return_to_the_slider(self):
+        end = self.value("viscobar.field.t.at(-1)")
+        self.browser.move(*self.place("left-end", end / 2, 0))
+        for name in ("displacement", "energy", "reactions"):
+            shown = self.value(f"""(() => {{ const chart = viscobar.charts.get("{name}");
+                return chart.plot.posToVal(new DOMMatrix(getComputedStyle(chart.cursor[0][1]).transform).e, "x"); }})()""")
+            self.assertAlmostEqual(shown, end / 2, delta=end / 500)  # a pixel or two
+        self.assertAlmostEqual(self.value("viscobar.links.t.place"), end / 2, delta=end / 500)
+        self.assertEqual(self.time(), 0)
+        self.browser.move(2, 2)
+        self.assertEqual(self.value("viscobar.links.t.place"), 0)
+
+    def test_dragging_zooms_all_pictures_over_time_and_a_double_click_shows_the_whole(self):
+        end = self.value("viscobar.field.t.at(-1)")
+        begin, stop = self.place("energy", end / 4, 0), self.place("energy", end / 2, 0)
+        self.browser.drag((begin[0], begin[1] - 40), (stop[0], stop[1] - 40))
+        for name in ("displacement", "energy", "left-end", "reactions"):
+            low, high = self.value(f"(s => [s.min, s.max])(viscobar.charts.get('{name}').plot.scales.x)")
+            self.assertAlmostEqual(low, end / 4, delta=end / 300)
+            self.assertAlmostEqual(high, end / 2, delta=end / 300)
+        self.value("""viscobar.charts.get("energy").plot.over.dispatchEvent(new MouseEvent("dblclick", { bubbles: true }))""")
+        self.browser.settle()
+        self.assertEqual(self.value("viscobar.charts.get('left-end').plot.scales.x.max"), end)
+
+    def test_is_dark_where_the_system_or_the_reader_wants_it(self):
+        corner = (3, 3)
+        self.assertGreater(min(self.browser.pixel(*corner)), 200)
+        self.browser.media(scheme="dark")
+        self.assertLess(max(self.browser.pixel(*corner)), 60)
+        # Inside of a picture, too: the paper in the lower left corner of a frame.
+        x, y = self.place("energy", "viscobar.field.t.at(-1)", "viscobar.charts.get('energy').figure.y.high")
+        self.assertLess(max(self.browser.pixel(x - 5, y + 25)), 70)
+        self.value("document.querySelector('[aria-label=\"Light or dark\"]').click()")
+        self.browser.settle()
+        self.assertGreater(min(self.browser.pixel(*corner)), 200)
+        self.assertGreater(min(self.browser.pixel(x - 5, y + 25)), 200)
+
+    def shown(self, selector):
+        return self.value(f"[...document.querySelectorAll('{selector}')].filter((node) => node.checkVisibility()).length")
+
+    def test_prints_the_still_pictures_alone_in_light_colours(self):
+        self.browser.media(kind="print", scheme="dark")
+        self.assertEqual(self.shown(".panel > svg"), self.value("document.querySelectorAll('.panel').length"))
+        self.assertEqual(self.shown(".chart, .player, .scroller, button, input"), 0)
+        self.assertEqual(self.value("getComputedStyle(document.documentElement).getPropertyValue('--paper').trim()"), "#ffffff")
+
+    def test_has_its_still_pictures_without_scripts(self):
+        self.open(self.page, scripts=False)
+        self.assertEqual(self.shown(".panel > svg"), 6)
+        self.assertEqual(self.shown(".live"), 0)
+        self.assertSound()
+
+    def test_everything_that_acts_has_a_name_and_takes_the_focus(self):
+        self.assertEqual(self.value("""[...document.querySelectorAll("button, input, select, .chart")].filter((node) =>
+            !(node.ariaLabel || node.textContent.trim()) || node.tabIndex < 0).length"""), 0)
+
+    def test_figures_are_svg_files_without_anything_from_the_page(self):
+        folder = os.path.join(self.run_directory, "figures")
+        names = sorted(os.listdir(folder))
+        self.assertEqual(names, ["bar.svg", "displacement.svg", "energy.svg", "left-end.svg", "reactions.svg", "right-end.svg"])
+        for name in names:
+            tree = xml.etree.ElementTree.parse(os.path.join(folder, name)).getroot()
+            self.assertEqual(tree.tag, "{http://www.w3.org/2000/svg}svg")
+            self.assertIsNotNone(tree.find("{http://www.w3.org/2000/svg}title"))
+            with open(os.path.join(folder, name)) as file:
+                self.assertNotRegex(file.read(), r"var\(|color-mix|(href|src)=\"(?!data:)")
+
+
+class OtherReports(Browsed):
+    def report(self, scene, *options):
+        directory = written("run", scene, os.path.join(self.scratch.name, os.path.basename(scene) + ".out"), *options)
+        self.open(os.path.join(directory, "report.html"))
+        self.assertSound()
+
+    def test_of_a_chattering_bar_visits_each_of_many_changes(self):
+        self.report("chatter", "--set", "contact.epsilon=1e-8")
+        self.assertGreater(self.value("viscobar.events.list.length"), 100)
+        self.assertEqual(self.value("document.querySelectorAll('.scroller tbody tr').length"),
+                         self.value("viscobar.events.list.length"))
+
+    def test_of_a_bar_under_a_span_obstacle_shows_where_it_touches(self):
+        self.report("unit-span")
+        self.assertIn("in contact", self.value("document.querySelector('.scale').textContent"))
+
+    def test_of_a_bar_without_contact_has_no_controls_for_contact_changes(self):
+        with open(os.path.join(scenes, "unit-both-ends.toml")) as file:
+            text = re.sub(r'kind *= *"obstacle"\n(gap.*\n)', 'kind = "free"\n', file.read())
+        scene = os.path.join(self.scratch.name, "free")
+        with open(scene + ".toml", "w") as file:
+            file.write(text)
+        self.report(scene)
+        self.assertEqual(self.value("document.querySelectorAll('[aria-label*=\"contact change\"], .scroller').length"), 0)
+        self.assertEqual(self.value("viscobar.charts.has('reactions')"), False)
+
+    def test_of_a_bar_at_rest_is_drawn(self):
+        self.report("unit-both-ends", "--set", "initial.displacement=0", "--set", "initial.velocity=0")
+
+    def test_of_a_long_run_on_a_fine_mesh_stays_small_and_says_what_it_thinned(self):
+        self.report("unit-both-ends", "--set", "mesh.elements=1000", "--set", "output.every=1e-3")
+        self.assertIn("every 16th output time and every 3rd node",
+                      self.value("document.querySelector('[data-picture=displacement]').parentElement.innerText"))
+
+
+class Studies(Browsed):
+    def study(self, command, scene, *options):
+        directory = written(command, scene, os.path.join(self.scratch.name, command), "--figures", *options)
+        self.open(os.path.join(directory, command + ".html"))
+        self.assertSound()
+        figures = self.value("[...viscobar.charts.keys()]")
+        self.assertEqual(sorted(os.listdir(os.path.join(directory, "figures"))), sorted(name + ".svg" for name in figures))
+        for name in figures:
+            xml.etree.ElementTree.parse(os.path.join(directory, "figures", name + ".svg"))
+        return directory
+
+    def tip(self, picture):
+        """What is said of the point in a picture, if anything."""
+        return self.value(f"(tip => tip.hidden ? '' : tip.innerText)(document.querySelector('[data-picture={picture}] .tip'))")
+
+    def test_limit_says_the_numbers_of_a_point_and_hides_lines(self):
+        directory = self.study("limit", "chatter", "--set", "contact.restitution=0")
+        with open(os.path.join(directory, "limit.json")) as file:
+            row = json.load(file)["rows"][3]
+        self.browser.move(*self.place("penetration", row["epsilon"], row["max_penetration"]))
+        tip = self.tip("penetration")
+        self.assertIn("10⁻⁵", tip)
+        mantissa = re.search(r"largest penetration = ([\d.]+)", tip).group(1)
+        self.assertAlmostEqual(float(mantissa), float(f"{row['max_penetration']:.4e}".split("e")[0]), delta=1e-3)
+        # The same place on the other pictures over epsilon.
+        self.assertAlmostEqual(self.value("viscobar.links.epsilon.place") / row["epsilon"], 1, delta=0.1)
+        self.assertIn("slope 1/2", self.value("document.querySelector('[data-picture=penetration] .legend').textContent"))
+        # A line that is hidden is no longer there to be pointed at.
+        self.value("document.querySelector('[data-picture=penetration] .legend button').click()")
+        self.browser.move(2, 2)
+        self.browser.move(*self.place("penetration", row["epsilon"], row["max_penetration"]))
+        self.assertNotIn("10⁻⁵", self.tip("penetration"))
+
+    def test_precision_is_read_by_arrow_keys(self):
+        self.study("precision", "unit-both-ends", "--methods", "rigid,fully_discrete", "--halvings", "3", "--tolerance", "1e-3:1e-6")
+        self.value("viscobar.charts.get('error').host.focus()")
+        self.browser.key("ArrowRight")
+        first = self.tip("error")
+        self.assertRegex(first, r"^(rigid|fully_discrete)\s+seconds = ")
+        self.browser.key("ArrowRight")
+        self.assertNotEqual(self.tip("error"), first)
+
+    def test_compare_points_at_one_time_in_all_pictures(self):
+        self.study("compare", "unit-both-ends", "--methods", "cvode,rigid")
+        self.browser.move(*self.place("left-end", 3.0, 0))
+        self.assertAlmostEqual(self.value("viscobar.links.t.place"), 3.0, delta=0.02)
+        self.assertNotEqual(self.value("document.querySelector('[data-picture=left-end] .value').textContent"), "")
+        self.browser.move(2, 2)
+        self.value("viscobar.charts.get('right-end').host.focus()")
+        self.browser.key("End")
+        self.assertEqual(self.value("viscobar.links.t.place"), 6.0)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)
