@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,9 +19,10 @@ namespace viscobar {
 /// An open contact changes when its indicator p (see PenalisedSystem) becomes negative, a closed one when it becomes
 /// positive: both are the descent of an oriented indicator through zero. On a step it is a polynomial of the method's
 /// order, taken in Bernstein form, so that no crossing is missed: neither two within a step nor a touch. A descent
-/// counts once it passes the uncertainty of the indicator, and its time is that of p = 0. (Only for an undamped
-/// massless node under a load that varies in time is p more than a polynomial; the load is then interpolated at the
-/// order of the method.)
+/// counts once it passes the uncertainty of the indicator, and its time is that of p = 0, or of the number next to it:
+/// a rounding of the time is one of p by the speed of the contact, in a long run more than that of p itself. (Only for
+/// an undamped massless node under a load that varies in time is p more than a polynomial; the load is then
+/// interpolated at the order of the method.)
 class EventSearch {
  public:
   explicit EventSearch(PenalisedSystem& system)
@@ -51,7 +53,10 @@ class EventSearch {
       const std::span<const double> values(samples_.data() + i * (order + 1), order + 1);
       if (system_.closed(i))
         for (double value : values) max_penetration_ = std::max(max_penetration_, system_.penetration_share(i) * value);
-      const auto s = Bernstein::through(values).first_descent(-uncertainty(i));
+      const auto [lowest, highest] = std::ranges::minmax(values);
+      const double speed = end > begin ? (highest - lowest) / (end - begin) : 0.0;
+      const double of_time = time_rounding(std::max(std::abs(begin), std::abs(end)), speed);
+      const auto s = Bernstein::through(values).first_descent(-uncertainty(i) - of_time);
       if (s && *s < first) first = *s, which_ = i;
     }
     if (first > 1.0) return std::nullopt;
@@ -61,13 +66,15 @@ class EventSearch {
   /// The contact that changes first.
   std::size_t first_contact() const { return which_; }
 
-  /// Whether contact i changes at the event too: its oriented indicator is used up and falls.
-  bool changes(std::size_t i, double t, std::span<const double> y, double rate, double uncertainty) {
+  /// Whether contact i changes at the event too: its oriented indicator is used up and falls. `sample` as above.
+  template <class Sample>
+  bool changes(std::size_t i, double t, std::span<const double> y, Sample&& sample, double uncertainty) {
     std::array<double, 3> values{};
     for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) values[k - first_[i]] = y[entries_[k]];
     const double p = oriented(i, t, std::span(values).first(first_[i + 1] - first_[i]));
+    const double rate = sign(i) * system_.indicator_linear(i, part(i, sample(t, 1)));
     // Half of it: what is switched here must not be found on the wrong side of the whole a rounding later.
-    return p <= 0.5 * uncertainty && (system_.closed(i) ? rate > 0.0 : rate < 0.0);
+    return rate < 0.0 && p <= 0.5 * (uncertainty + time_rounding(t, -rate));
   }
 
   double max_penetration() const { return max_penetration_; }
@@ -75,6 +82,9 @@ class EventSearch {
  private:
   std::span<const double> part(std::size_t i, std::span<const double> sampled) const {
     return sampled.subspan(first_[i], first_[i + 1] - first_[i]);
+  }
+  static double time_rounding(double t, double speed) {
+    return 2.0 * std::numeric_limits<double>::epsilon() * std::abs(t) * speed;
   }
   double sign(std::size_t i) const { return system_.closed(i) ? -1.0 : 1.0; }
   double oriented(std::size_t i, double t, std::span<const double> entries) {

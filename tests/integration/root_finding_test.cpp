@@ -115,13 +115,19 @@ TYPED_TEST(RootFinding, AnIndicatorThatIsZeroForAWhileLosesNoRoot) {
   const double tolerance = 1e-8, epsilon = 1e-2;
   const RunTrace run = record(system, std::vector{0.0, 0.5, 1.01}, with<TypeParam>(epsilon, tolerance));
   EXPECT_EQ(run.u[1], (std::vector<double>(3, 0.0)));
-  ASSERT_EQ(run.events.size(), 2u);
-  for (const Event& event : run.events) {
-    EXPECT_EQ(event.change, Change::closing);
-    // u = -(t - 1)^2/2 tells them late by sqrt(2 du).
-    EXPECT_NEAR(event.time, 1.0, std::sqrt(2 * constant * tolerance * 1e-3));
+  // The step across the jump may leave the surface to either side by what it may err; u = -(t - 1)^2/2 tells a contact
+  // late by sqrt(2 du).
+  for (const Where where : {Where::left, Where::right}) {
+    Change last = Change::opening;
+    for (const Event& event : run.events) {
+      if (event.where != where) continue;
+      last = event.change;
+      EXPECT_NEAR(event.time, 1.0, std::sqrt(2 * constant * tolerance * 1e-3));
+    }
+    EXPECT_EQ(last, Change::closing);
   }
-  EXPECT_NE(run.events[0].where, run.events[1].where);
+  // Both ends on a spring, 1/epsilon each, and the bar of mass 1 between them all but rigid.
+  EXPECT_NEAR(run.u[2][1], -0.01 * 0.01 / 2, 1e-7);
 }
 
 TYPED_TEST(RootFinding, AnIndicatorThatReachesZeroAndStaysThereEndsNoRun) {
