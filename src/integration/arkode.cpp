@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "integration/error_weights.hpp"
+#include "integration/longest_step.hpp"
 #include "integration/step_polynomial.hpp"
 #include "integration/stepwise_run.hpp"
 #include "integration/sundials/leg.hpp"
@@ -103,6 +104,8 @@ class ArkodeStepper {
     check("ARKStepSetTableNum", ARKStepSetTableNum(memory, ARKODE_ESDIRK547L2SA2_7_4_5, ARKODE_ERK_NONE));
     check("ARKStepSetNonlinearSolver", ARKStepSetNonlinearSolver(memory, solver_.get()));
     check("ARKStepSetDeduceImplicitRhs", ARKStepSetDeduceImplicitRhs(memory, SUNTRUE));
+    if (leg_.system.load_varies())
+      check("ARKStepSetMaxStep", ARKStepSetMaxStep(memory, longest_step(leg_.system, end_ - t)));
     // The step is interpolated by StepPolynomial; the least that the library can be asked to keep for its own.
     check("ARKStepSetInterpolantType", ARKStepSetInterpolantType(memory, ARK_INTERP_LAGRANGE));
     check("ARKStepSetInterpolantDegree", ARKStepSetInterpolantDegree(memory, 0));

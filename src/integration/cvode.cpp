@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "integration/error_weights.hpp"
+#include "integration/longest_step.hpp"
 #include "integration/stepwise_run.hpp"
 #include "integration/sundials/leg.hpp"
 #include "viscobar/integration/integrate.hpp"
@@ -132,6 +133,8 @@ class CvodeStepper {
     check("CVodeSetUserData", CVodeSetUserData(memory_, this));
     check("CVodeWFtolerances", CVodeWFtolerances(memory_, error_weights));
     check("CVodeSetNonlinearSolver", CVodeSetNonlinearSolver(memory_, solver_.get()));
+    if (leg_.system.load_varies())
+      check("CVodeSetMaxStep", CVodeSetMaxStep(memory_, longest_step(leg_.system, end_ - t)));
     // The formulas of order 3 to 5 are unstable near the imaginary axis, where a lightly damped contact spring is.
     if (bdf) check("CVodeSetStabLimDet", CVodeSetStabLimDet(memory_, SUNTRUE));
   }

@@ -1,6 +1,7 @@
 #include <ida/ida.h>
 
 #include "integration/error_weights.hpp"
+#include "integration/longest_step.hpp"
 #include "integration/stepwise_run.hpp"
 #include "integration/sundials/leg.hpp"
 #include "viscobar/integration/integrate.hpp"
@@ -121,6 +122,7 @@ class IdaStepper {
     check("IDASetUserData", IDASetUserData(memory, this));
     check("IDAWFtolerances", IDAWFtolerances(memory, error_weights));
     check("IDASetNonlinearSolver", IDASetNonlinearSolver(memory, solver_.get()));
+    if (leg_.system.load_varies()) check("IDASetMaxStep", IDASetMaxStep(memory, longest_step(leg_.system, end_ - t)));
     // From rest the library begins with a thousandth of the run and finds its step by failing; ten times need not do.
     check("IDASetMaxErrTestFails", IDASetMaxErrTestFails(memory, 50));
   }

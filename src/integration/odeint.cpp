@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include "integration/error_weights.hpp"
+#include "integration/longest_step.hpp"
 #include "integration/odeint/dopri5.hpp"
 #include "integration/odeint/rosenbrock4.hpp"
 #include "integration/odeint/symplectic.hpp"
@@ -26,6 +27,7 @@ class OdeintStepper {
         formulas_(system, statistics),
         step_(system, layout),
         end_(times.back()),
+        longest_(longest_step(system, times.back() - times.front())),
         size_(adaptive ? 1e-3 * (times.back() - times.front()) : *method.step),
         scales_(motion_.size) {}
 
@@ -89,7 +91,7 @@ class OdeintStepper {
         continue;
       }
       // The last step may have been cut short: it says nothing against a longer one.
-      size_ = std::max(size_ * (factor < 1.0 ? factor : 1.0), h * factor);
+      size_ = std::min(std::max(size_ * (factor < 1.0 ? factor : 1.0), h * factor), longest_);
       return;
     }
   }
@@ -99,7 +101,7 @@ class OdeintStepper {
   ErrorWeights weights_;
   Formulas formulas_;
   StepPolynomial step_;
-  double end_, size_;
+  double end_, longest_, size_;
   std::vector<double> scales_;
 };
 
