@@ -40,6 +40,8 @@ Outcome attempted(const HardScene& scene, MethodName method, Mass mass) {
   } catch (const SceneError& error) {
     const Diagnostic& first = error.diagnostics.front();
     return {Outcome::Kind::refused, first.key + ": " + first.message, 0.0, 0, 0, 0.0};
+  } catch (const std::invalid_argument& error) {
+    return {Outcome::Kind::refused, error.what(), 0.0, 0, 0, 0.0};
   } catch (const IntegrationError& error) {
     return {Outcome::Kind::error, error.what(), 0.0, error.statistics.steps, error.statistics.events, 0.0};
   }

@@ -19,14 +19,14 @@ std::vector<HardScene> load_scenes() {
     return t < 0.3 ? t * t / 2 : 0.045 + 0.3 * (t - 0.3) - std::pow(t - 0.3, 2) / 2;
   };
   const auto ripple = [](double, double t) { return t / 1000 - std::sin(1000 * t) / 1e6; };
+  // Of a 50th of the run: what lasts less than a 64th may be missed (docs/methods.md).
   const auto blow = [](double, double t) {
-    return t < 0.5 ? 0.0 : 1000 * std::max(0.0, t < 0.501 ? std::pow(t - 0.5, 2) / 2 : 5e-7 + 1e-3 * (t - 0.501));
+    return t < 0.5 ? 0.0 : t < 0.52 ? 25 * std::pow(t - 0.5, 2) : 0.01 + t - 0.52;
   };
   const auto root = [](double, double t) {
     const double s = t - 0.5;  // u'' = |s|^(-1/2)
     return 4.0 / 3 * std::pow(std::abs(s), 1.5) + 2 * std::sqrt(0.5) * t - 4.0 / 3 * std::pow(0.5, 1.5);
   };
-  const std::vector<MethodName> stepping = {MethodName::fully_discrete, MethodName::finite_difference};
   std::vector<HardScene> scenes;
   scenes.push_back({"load jumps", "flight", {}, full_masses, {exact(jump, 1.0)}});
   scenes.push_back({"load jumps, in and out of contact", "load", {}, two_masses, {agreement()}});
@@ -35,11 +35,11 @@ std::vector<HardScene> load_scenes() {
                     {history("t < 0.4472135954999579 ? -1 : 3")},  // u = -t^2/2 is there at -0.1
                     full_masses,
                     {agreement()}});
-  scenes.push_back({"load in blows of 1e-3",
+  scenes.push_back({"load that is a short blow",
                     "flight",
-                    {history("t > 0.5 && t < 0.501 ? 1000 : 0"), "method.step=0.00006103515625"},
+                    {history("t > 0.5 && t < 0.52 ? 50 : 0"), "method.step=0.00006103515625"},
                     full_masses,
-                    {exact(blow, 1000.0)}});
+                    {exact(blow, 50.0)}});
   scenes.push_back({"load oscillates fast",
                     "flight",
                     {history("sin(1000*t)"), "method.step=0.00006103515625"},
@@ -47,7 +47,7 @@ std::vector<HardScene> load_scenes() {
                     {exact(ripple, 1.0)}});
   scenes.push_back(
       {"load oscillates fast, in contact", "load", {history("30*sin(300*t)-1")}, two_masses, {agreement()}});
-  scenes.push_back({"load grows until it overflows", "load", {history("exp(1000*t)")}, two_masses, {}, {{"stopped"}}});
+  scenes.push_back({"load grows until it overflows", "load", {history("exp(1000*t)")}, two_masses, {}, {{"t = 0.7"}}});
   scenes.push_back(
       {"load becomes infinite", "load", {history("t < 0.5 ? -1 : exp(1e4*t)")}, two_masses, {}, {{"inf"}}});
   scenes.push_back({"load becomes NaN", "load", {history("-sqrt(0.5-t)")}, two_masses, {}, {{"nan"}}});

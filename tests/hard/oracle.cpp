@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "hard/reference.hpp"
+#include "viscobar/analysis/exact_solutions.hpp"
 #include "viscobar/analysis/recorder.hpp"
 
 namespace viscobar::hard {
@@ -41,16 +42,30 @@ double deepest(const Trial& trial) {
   return deepest;
 }
 
+double largest_gap(const Scene& scene) {
+  double gap = scene.span ? scene.span->gap : 0.0;
+  for (const EndCondition* end : {&scene.left, &scene.right})
+    if (const auto* obstacle = std::get_if<Obstacle>(end)) gap = std::max(gap, obstacle->gap);
+  return gap;
+}
+
 // Energy is quadratic: a relative error of displacement and velocity counts twice. A scheme's account closes but for
 // the rounding of its terms, a strain having that of two displacements.
 Judgement energy_balance(const Trial& trial) {
   const EnergyAccount& energy = *trial.result.statistics.energy;
-  const double flow = energy.initial + std::abs(energy.work) + energy.dissipated;
-  const double u = largest(trial.result.u), strain = 2 * u / trial.run.mesh().smallest();
   const Bar& bar = trial.run.scene.bar;
-  const double of_strains = rounding * bar.modulus * bar.length * strain * strain;
+  const double v = largest(trial.result.v);  // the kinetic energy on the way counts, too
+  const double flow = energy.initial + std::abs(energy.work) + energy.dissipated + bar.density * bar.length * v * v / 2;
+  const double u = largest(trial.result.u), strain = 2 * u / trial.run.mesh().smallest();
+  double of_strains = rounding * bar.modulus * bar.length * strain * strain;
+  if (is_penalised(trial.run.method) && trial.run.epsilon)
+    of_strains += rounding * largest_gap(trial.run.scene) / *trial.run.epsilon / std::sqrt(bar.modulus * bar.density) *
+                  flow / std::max(v, 1e-300);
   double tolerance = 1e-10 * flow + of_strains;
-  if (is_adaptive(trial.run.method)) tolerance = 200 * trial.run.tolerance.relative * flow + of_strains;
+  if (is_adaptive(trial.run.method)) {
+    const Tolerance& wanted = trial.run.tolerance;
+    tolerance = 200 * (wanted.relative * flow + wanted.absolute * bar.density * bar.length * v) + of_strains;
+  }
   if (is_scheme(trial.run.method))
     tolerance = 64 * rounding * static_cast<double>(trial.result.statistics.steps) * flow + of_strains;
   return {"energy balance", std::abs(energy.balance_error()), tolerance};
@@ -137,7 +152,7 @@ Oracle first_contact(double time) {
     const double rows = trial.run.method == MethodName::odeint ? 12 * bar.viscosity / (bar.density * h * h) : 0.0;
     const double steps = std::max(1000.0, static_cast<double>(trial.result.statistics.steps));
     return {{"first contact", closes ? std::abs(events.front().time - time) : infinite,
-             rounding * std::max(steps, rows) * std::max(time, trial.run.end) + 1.001 * step_of(trial)}};
+             rounding * std::max(steps, rows) * std::max(time, trial.run.end) + 2.001 * step_of(trial)}};
   };
 }
 
@@ -197,6 +212,21 @@ Oracle energy_held(double scale, double per_change) {
     const double steps = step_of(trial) * per_change * static_cast<double>(trial.result.events.size());
     const double relative = is_adaptive(trial.run.method) ? 200 * trial.run.tolerance.relative : 1e-10;
     return {{"energy held", std::abs(energy.final - energy.initial - energy.work), relative * scale + steps}};
+  };
+}
+
+Oracle impact_law() {
+  return [](const Trial& trial) -> std::vector<Judgement> {
+    const Case& run = trial.run;
+    if (!is_penalised(run.method)) return {};
+    const double gap = std::get<Obstacle>(run.scene.left).gap, speed = -run.scene.velocity(0.0);
+    const exact::ImpactLaw law{run.scene.bar, speed, *run.epsilon, gap};
+    double error = 0.0;
+    for (std::size_t k = 0; k < trial.result.times.size(); ++k) {
+      const double t = trial.result.times[k] - law.closing();
+      if (t > 0.0) error = std::max(error, std::abs(trial.result.displacement(k)[0] + gap + law.penetration(t)));
+    }
+    return {{"impact law", error, speed * run.mesh().smallest() + promised(trial, largest(trial.result.u))}};
   };
 }
 

@@ -68,6 +68,10 @@ Oracle settled(SpaceFunction u, double tolerance);
 /// cost of `per_change` times its step.
 Oracle energy_held(double scale, double per_change = 0.0);
 
+/// The penetration of a long undamped bar into its penalty (exact::ImpactLaw), to what the mesh makes of it: half an
+/// element's mass stands in the way of the first contact, for a time h / c, at the speed of the impact.
+Oracle impact_law();
+
 /// A point that falls under g = 1 from rest at 0 onto a spring of the given epsilon at -gap (density 1), in closed
 /// form. A change of its height by du changes every later bounce by 2 du / v, v the speed there, and the promise counts
 /// as often.
