@@ -6,6 +6,7 @@
 
 #include "integration/error_weights.hpp"
 #include "integration/hull.hpp"
+#include "integration/longest_step.hpp"
 #include "integration/stepwise_run.hpp"
 #include "integration/storm_stepper.hpp"
 #include "integration/sundials/leg.hpp"
@@ -98,7 +99,6 @@ class CvodeStepper {
   }
 
   double largest() const { return weights_.largest_displacement(); }
-  double fastest() const { return weights_.largest_velocity(); }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
   ErrorWeights& weights() { return weights_; }
 
@@ -147,6 +147,8 @@ class CvodeStepper {
     check("CVodeSetUserData", CVodeSetUserData(memory_, this));
     check("CVodeWFtolerances", CVodeWFtolerances(memory_, error_weights));
     check("CVodeSetNonlinearSolver", CVodeSetNonlinearSolver(memory_, solver_.get()));
+    if (leg_.system.load_varies())
+      check("CVodeSetMaxStep", CVodeSetMaxStep(memory_, longest_step(leg_.system, end_ - t)));
     // The formulas of order 3 to 5 are unstable near the imaginary axis, where a lightly damped contact spring is.
     if (bdf) check("CVodeSetStabLimDet", CVodeSetStabLimDet(memory_, SUNTRUE));
   }

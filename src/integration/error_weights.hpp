@@ -46,7 +46,6 @@ class ErrorWeights {
     largest_w_ = std::max(largest_w_, other.largest_w_);
   }
   double largest_displacement() const { return largest_u_; }
-  double largest_velocity() const { return largest_w_; }
   double displacement_tolerance() const;
 
   static void members(auto& weights, auto&& each) { each(weights.largest_u_, weights.largest_w_); }

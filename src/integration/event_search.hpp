@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -19,9 +20,10 @@ namespace viscobar {
 /// An open contact changes when its indicator p (see PenalisedSystem) becomes negative, a closed one when it becomes
 /// positive: both are the descent of an oriented indicator through zero. On a step it is a polynomial of the method's
 /// order, taken in Bernstein form, so that no crossing is missed: neither two within a step nor a touch. A descent
-/// counts once it passes the uncertainty of the indicator, and its time is that of p = 0. (Only for an undamped
-/// massless node under a load that varies in time is p more than a polynomial; the load is then interpolated at the
-/// order of the method.)
+/// counts once it passes the uncertainty of the indicator, and its time is that of p = 0, or of the number next to it:
+/// a rounding of the time is one of p by the speed of the contact, in a long run more than that of p itself. (Only for
+/// an undamped massless node under a load that varies in time is p more than a polynomial; the load is then
+/// interpolated at the order of the method.)
 class EventSearch {
  public:
   explicit EventSearch(PenalisedSystem& system)
@@ -57,7 +59,10 @@ class EventSearch {
       const std::span<const double> values(samples_.data() + i * (order + 1), order + 1);
       if (system_.closed(i))
         for (double value : values) max_penetration_ = std::max(max_penetration_, system_.penetration_share(i) * value);
-      const auto s = Bernstein::through(values).first_descent(-uncertainty(i));
+      const auto [lowest, highest] = std::ranges::minmax(values);
+      const double speed = end > begin ? (highest - lowest) / (end - begin) : 0.0;
+      const double of_time = time_rounding(std::max(std::abs(begin), std::abs(end)), speed);
+      const auto s = Bernstein::through(values).first_descent(-uncertainty(i) - of_time);
       if (s && *s < first) first = *s, which_ = i;
     }
     if (first > 1.0) return std::nullopt;
@@ -67,13 +72,21 @@ class EventSearch {
   /// The contact that changes first.
   std::size_t first_contact() const { return which_; }
 
+  /// To be called before changes(): the rates of all contacts at the event, within the step made last.
+  template <class Stepper>
+  void look_at(double t, Stepper& stepper) {
+    if (count_ > few) stepper.select(all_);
+    rates_ = stepper.sample(t, 1);
+  }
+
   /// Whether contact i changes at the event too: its oriented indicator is used up and falls.
-  bool changes(std::size_t i, double t, std::span<const double> y, double rate, double uncertainty) {
+  bool changes(std::size_t i, double t, std::span<const double> y, double uncertainty) {
     std::array<double, 3> values{};
     for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) values[k - first_[i]] = y[entries_[k]];
     const double p = oriented(i, t, std::span(values).first(first_[i + 1] - first_[i]));
+    const double rate = sign(i) * system_.indicator_linear(i, part(i, rates_));
     // Half of it: what is switched here must not be found on the wrong side of the whole a rounding later.
-    return p <= 0.5 * uncertainty && (system_.closed(i) ? rate > 0.0 : rate < 0.0);
+    return rate < 0.0 && p <= 0.5 * (uncertainty + time_rounding(t, -rate));
   }
 
   double max_penetration() const { return max_penetration_; }
@@ -105,6 +118,9 @@ class EventSearch {
   std::span<const double> part(std::size_t i, std::span<const double> sampled) const {
     return sampled.subspan(first_[i], first_[i + 1] - first_[i]);
   }
+  static double time_rounding(double t, double speed) {
+    return 2.0 * std::numeric_limits<double>::epsilon() * std::abs(t) * speed;
+  }
   double sign(std::size_t i) const { return system_.closed(i) ? -1.0 : 1.0; }
   double oriented(std::size_t i, double t, std::span<const double> entries) {
     return sign(i) * (system_.indicator_linear(i, entries) + system_.indicator_offset(i, t));
@@ -130,6 +146,7 @@ class EventSearch {
   std::vector<std::size_t> all_, looked_at_;  // contacts, and those that are sampled in this step
   std::vector<double> lowest_, highest_;      // bounds of the entries over the step
   std::vector<double> samples_;
+  std::span<const double> rates_;  // of all entries, at an event
   std::size_t which_ = 0;
   double max_penetration_ = 0.0;
 };

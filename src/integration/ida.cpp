@@ -4,6 +4,7 @@
 
 #include "integration/error_weights.hpp"
 #include "integration/hull.hpp"
+#include "integration/longest_step.hpp"
 #include "integration/stepwise_run.hpp"
 #include "integration/storm_stepper.hpp"
 #include "integration/sundials/leg.hpp"
@@ -110,7 +111,6 @@ class IdaStepper {
   }
 
   double largest() const { return weights_.largest_displacement(); }
-  double fastest() const { return weights_.largest_velocity(); }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
   ErrorWeights& weights() { return weights_; }
 
@@ -137,6 +137,7 @@ class IdaStepper {
     check("IDASetUserData", IDASetUserData(memory, this));
     check("IDAWFtolerances", IDAWFtolerances(memory, error_weights));
     check("IDASetNonlinearSolver", IDASetNonlinearSolver(memory, solver_.get()));
+    if (leg_.system.load_varies()) check("IDASetMaxStep", IDASetMaxStep(memory, longest_step(leg_.system, end_ - t)));
     // From rest the library begins with a thousandth of the run and finds its step by failing; ten times need not do.
     check("IDASetMaxErrTestFails", IDASetMaxErrTestFails(memory, 50));
   }

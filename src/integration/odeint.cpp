@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include "integration/error_weights.hpp"
+#include "integration/longest_step.hpp"
 #include "integration/odeint/dopri5.hpp"
 #include "integration/odeint/rosenbrock4.hpp"
 #include "integration/odeint/symplectic.hpp"
@@ -26,6 +27,7 @@ class OdeintStepper {
         formulas_(system, statistics),
         step_(system, layout),
         end_(times.back()),
+        longest_(longest_step(system, times.back() - times.front())),
         size_(adaptive ? 1e-3 * (times.back() - times.front()) : *method.step),
         scales_(motion_.size) {}
 
@@ -58,7 +60,6 @@ class OdeintStepper {
   void select(std::span<const std::size_t> sampled) { step_.select(sampled); }
   void hull(std::span<double> lowest, std::span<double> highest) const { step_.hull(lowest, highest); }
   double largest() const { return weights_.largest_displacement(); }
-  double fastest() const { return weights_.largest_velocity(); }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
   ErrorWeights& weights() { return weights_; }
 
@@ -98,7 +99,7 @@ class OdeintStepper {
         continue;
       }
       // The last step may have been cut short: it says nothing against a longer one.
-      size_ = std::max(size_ * (factor < 1.0 ? factor : 1.0), h * factor);
+      size_ = std::min(std::max(size_ * (factor < 1.0 ? factor : 1.0), h * factor), longest_);
       return;
     }
   }
@@ -108,7 +109,7 @@ class OdeintStepper {
   ErrorWeights weights_;
   Formulas formulas_;
   StepPolynomial step_;
-  double end_, size_;
+  double end_, longest_, size_;
   std::vector<double> scales_;
 };
 

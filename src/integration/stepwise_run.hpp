@@ -34,7 +34,6 @@ namespace viscobar {
 ///     select(entries)          which of those from now on
 ///     hull(lowest, highest)    bounds of each of those over the step
 ///     double largest()         largest |u| so far
-///     double fastest()         largest |w| so far
 ///     double displacement_tolerance()    local error of u that a step may make
 template <class Stepper>
 class StepwiseRun {
@@ -67,7 +66,7 @@ class StepwiseRun {
       std::optional<double> change;
       if (system_.contact_count() > 0) {
         ++statistics_.event_evaluations;
-        change = search_.first_change(t, reached, stepper_, [&](std::size_t i) { return uncertainty(i, reached); });
+        change = search_.first_change(t, reached, stepper_, [&](std::size_t i) { return uncertainty(i); });
         statistics_.max_penetration = std::max(statistics_.max_penetration, search_.max_penetration());
       }
       double limit = change.value_or(reached);
@@ -139,13 +138,16 @@ class StepwiseRun {
     restart(t);
   }
 
-  // A spring answers to its own clearance, which is known to its rounding and to what a node moves in a rounding of the
-  // time: no change can be located better. The reaction of a rigid contact is known to the tolerance only: less than
-  // that must not open it, or a bar that comes to rest would toggle for ever.
-  double uncertainty(std::size_t i, double t) const {
+  // A spring answers to its own clearance, which is known to rounding. The reaction of a rigid contact is known to the
+  // tolerance only: less than that must not open it, or a bar that comes to rest would toggle for ever.
+  double uncertainty(std::size_t i) const {
     if (system_.rigid()) return stepper_.displacement_tolerance();
-    const double time_rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(t);
-    return system_.clearance_rounding(i, stepper_.largest()) + time_rounding * stepper_.fastest();
+    const double rounding = system_.clearance_rounding(i, stepper_.largest());
+    if (toggles_ == 0 || i != last_contact_) return rounding;
+    // A step across a jump of the load may leave the surface by less than its error, to either side, and a bar that has
+    // stood at the origin has no rounding to speak of: what toggles is more and more of the tolerance uncertain.
+    return rounding +
+           stepper_.displacement_tolerance() * std::pow(10.0, std::min(static_cast<double>(toggles_) - 10.0, 0.0));
   }
 
   void restart(double t) {
@@ -183,9 +185,9 @@ class StepwiseRun {
       tell_event(t, i, change, velocity[system_.contact(i).unknown]);
       system_.set_closed(i, change == Change::closing);
     };
+    search_.look_at(t, stepper_);
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
-      const std::size_t node = system_.contact(i).unknown;
-      if (i == search_.first_contact() || search_.changes(i, t, y_, velocity[node], uncertainty(i, t))) switch_one(i);
+      if (i == search_.first_contact() || search_.changes(i, t, y_, uncertainty(i))) switch_one(i);
     }
     guard_against_toggling(t, search_.first_contact());
   }

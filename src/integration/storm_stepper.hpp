@@ -79,7 +79,6 @@ class StormStepper {
     storm_ ? one_step_->hull(lowest, highest) : multistep_.hull(lowest, highest);
   }
   double largest() const { return storm_ ? one_step_->largest() : multistep_.largest(); }
-  double fastest() const { return storm_ ? one_step_->fastest() : multistep_.fastest(); }
   double displacement_tolerance() const {
     return storm_ ? one_step_->displacement_tolerance() : multistep_.displacement_tolerance();
   }

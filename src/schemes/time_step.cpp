@@ -88,10 +88,7 @@ void TimeStep::start_from(const State& start, double begin, Start order) {
     const std::size_t end = system_.size() - 1;
     settle_massless(contacts_.back().gap, end, end - 1, begin);
   }
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    double& p = p_[contacts_[k].unknown];
-    p = std::max(p, (lower_[k] - u_[contacts_[k].unknown]) / dt_);
-  }
+  project_start();
   for (std::size_t i = 0; i < u_.size(); ++i) {
     a_[i] = (p_[i] - v[i]) / (dt_ / 2);
     u_[i] += dt_ * p_[i];
@@ -100,6 +97,38 @@ void TimeStep::start_from(const State& start, double begin, Start order) {
     double& u = u_[contacts_[k].unknown];
     u = std::max(u, lower_[k]);
   }
+}
+
+// The velocity next to p_, in the norm of the inertia, that leads to no penetration: what an impact does that takes all
+// of a node's velocity (restitution 0), its neighbours feeling it as far as they share its mass. With a diagonal mass,
+// and for massless nodes, node by node.
+void TimeStep::project_start() {
+  std::vector<double> bound(contacts_.size());
+  bool held = false;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const std::size_t i = contacts_[k].unknown;
+    bound[k] = (lower_[k] - u_[i]) / dt_;
+    held |= p_[i] < bound[k];
+  }
+  if (!held) return;
+  const SymmetricTridiagonal& inertia = system_.inertia();
+  if (inertia.off_diagonal.empty() || system_.has_massless()) {
+    for (std::size_t k = 0; k < contacts_.size(); ++k)
+      p_[contacts_[k].unknown] = std::max(p_[contacts_[k].unknown], bound[k]);
+    return;
+  }
+  std::vector<double> p(p_.size()), momentum(p_.size()), impulse(contacts_.size());
+  order_.to_nodes([this](std::size_t i) { return p_[i]; }, p);
+  inertia.multiply(p, momentum);
+  if (covers_span(contacts_)) {
+    SpanConstraint(inertia).solve(momentum, bound, p, impulse);
+  } else {
+    std::vector<std::size_t> ends;
+    for (const Contact& contact : contacts_) ends.push_back(contact.unknown);
+    EndConstraint(inertia, ends).solve(momentum, bound, impulse);
+    p.swap(momentum);
+  }
+  order_.from_nodes(p, p_);
 }
 
 void TimeStep::settle_massless(double gap, std::size_t end, std::size_t next, double begin) {

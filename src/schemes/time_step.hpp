@@ -26,10 +26,10 @@ namespace viscobar {
 /// Under a span obstacle the order is that of the nodes.
 class TimeStep {
  public:
-  /// Finds u^1 by `scheme.start`, projected on K_h node by node, and the balance at t_1. A massless node has no
-  /// initial velocity: its u^1 follows from the balance of its row at t_1 (backward Euler), and without viscosity,
-  /// where that row is algebraic, its u^0 from the same balance at t_0. lambda^0 is lambda^1 where u^0 touches, 0
-  /// elsewhere.
+  /// Finds u^1 by `scheme.start`, projected on K_h in the norm of the inertia, and the balance at t_1. A massless node
+  /// has no initial velocity: its u^1 follows from the balance of its row at t_1 (backward Euler), and without
+  /// viscosity, where that row is algebraic, its u^0 from the same balance at t_0. lambda^0 is lambda^1 where u^0
+  /// touches, 0 elsewhere.
   /// @throws LoadError, std::domain_error when the matrix is not positive definite in floating-point numbers
   TimeStep(const BarSystem& system, const State& start, double begin, const FullyDiscrete& scheme);
 
@@ -82,6 +82,7 @@ class TimeStep {
   template <class Use>
   void substitute(Use&& use);
   void start_from(const State& start, double begin, Start order);
+  void project_start();
   void settle_massless(double gap, std::size_t end, std::size_t next, double begin);
 
   const BarSystem& system_;

@@ -38,6 +38,7 @@ Propagator::Propagator(const BarSystem& system, const VectorXd& origin, double i
       extended_leg_(system, origin, load.steady(), closed),
       load_(load),
       exponentials_(exponentials),
+      free_(closed.empty() && !system.left_fixed() && !system.right_fixed()),
       finest_(std::exp2(-std::ceil(std::log2(rate_bound(system, inverse_inertia, closed))))) {}
 
 LinearLeg<double>::Series Propagator::expand(const VectorXd& y, const LoadPolynomial& load, double tau,
@@ -79,9 +80,23 @@ void Propagator::build_increments(int level) {
       const ExtendedMatrix square = coarsest_.leftCols(m) * coarsest_;
       coarsest_ = 2 * coarsest_ + square;
     }
+    if (free_) keep_rigid_motions(static_cast<long double>(step(static_cast<int>(levels_.size()))));
     levels_.push_back({coarsest_.cast<double>(), {}});
     ++exponentials_;
   }
+}
+
+// A rigid displacement stays where it is, and moves at a rigid velocity by it times tau. Squaring loses that: what is
+// missing acts as a spring to the origin, and grows fourfold a level.
+void Propagator::keep_rigid_motions(long double tau) {
+  const Index m = leg_.size(), u = leg_.displacements(), v = m - u;
+  using Vector = LinearLeg<long double>::Vector;
+  auto increment = coarsest_.leftCols(m);
+  const Vector of_displacement = increment.leftCols(u).rowwise().mean();
+  Vector of_velocity = increment.rightCols(v).rowwise().mean();
+  of_velocity.head(u).array() -= tau / static_cast<long double>(v);
+  increment.leftCols(u).colwise() -= of_displacement;
+  increment.rightCols(v).colwise() -= of_velocity;
 }
 
 const MatrixXd& Propagator::response(int level) {

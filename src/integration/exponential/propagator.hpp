@@ -44,12 +44,14 @@ class Propagator {
     Eigen::MatrixXd response;   // W_0, W_1, ... beside each other
   };
   void build_increments(int level);
+  void keep_rigid_motions(long double tau);
   const Eigen::MatrixXd& response(int level);
 
   LinearLeg<double> leg_;
   LinearLeg<long double> extended_leg_;
   const LoadInterpolation& load_;
   std::size_t& exponentials_;
+  bool free_;  // nothing holds the bar
   double finest_;
   std::vector<Level> levels_;
   ExtendedMatrix coarsest_;  // increment of the last level

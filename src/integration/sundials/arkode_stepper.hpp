@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "integration/error_weights.hpp"
+#include "integration/longest_step.hpp"
 #include "integration/step_polynomial.hpp"
 #include "integration/sundials/leg.hpp"
 
@@ -94,7 +95,6 @@ class ArkodeStepper {
   void select(std::span<const std::size_t> sampled) { step_.select(sampled); }
   void hull(std::span<double> lowest, std::span<double> highest) const { step_.hull(lowest, highest); }
   double largest() const { return weights_.largest_displacement(); }
-  double fastest() const { return weights_.largest_velocity(); }
   ErrorWeights& weights() { return weights_; }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
 
@@ -110,6 +110,8 @@ class ArkodeStepper {
     check("ARKStepSetTableNum", ARKStepSetTableNum(memory, ARKODE_ESDIRK547L2SA2_7_4_5, ARKODE_ERK_NONE));
     check("ARKStepSetNonlinearSolver", ARKStepSetNonlinearSolver(memory, solver_.get()));
     check("ARKStepSetDeduceImplicitRhs", ARKStepSetDeduceImplicitRhs(memory, SUNTRUE));
+    if (leg_.system.load_varies())
+      check("ARKStepSetMaxStep", ARKStepSetMaxStep(memory, longest_step(leg_.system, end_ - t)));
     // The step is interpolated by StepPolynomial; the least that the library can be asked to keep for its own.
     check("ARKStepSetInterpolantType", ARKStepSetInterpolantType(memory, ARK_INTERP_LAGRANGE));
     check("ARKStepSetInterpolantDegree", ARKStepSetInterpolantDegree(memory, 0));

@@ -1,0 +1,92 @@
+#include "hard/reference.hpp"
+
+#include <algorithm>
+
+namespace viscobar::hard {
+
+namespace {
+
+constexpr std::size_t most_dense_elements = 60;
+
+Case by(Case run, MethodName method, double tolerance) {
+  run.method = method;
+  run.tolerance.absolute *= tolerance / run.tolerance.relative;
+  run.tolerance.relative = tolerance;
+  return run;
+}
+
+// How much the scene magnifies a shift of its initial displacement by what the tolerance promises.
+double sensitivity(const Case& run, const Recording& reference, double shift) {
+  Case shifted = run;
+  shifted.scene.displacement = [u = run.scene.displacement, shift](double x) { return u(x) + shift; };
+  return std::max(1.0, distance(record(shifted).u, reference.u) / shift);
+}
+
+// Matrix exponentials, where the mesh is small enough for them.
+Case trusted(Case run) {
+  if (run.elements > most_dense_elements) return by(std::move(run), MethodName::arkode, 1e-9);
+  run.method = MethodName::exponential;
+  return run;
+}
+
+Reference of_scheme(const Trial& trial) {
+  Case reference = trial.run;
+  const bool massless = trial.run.mass == Mass::redistributed;
+  reference.tolerance = {1e-8, 1e-3 * trial.run.tolerance.absolute};
+  if (massless)
+    reference.method = MethodName::rigid;
+  else
+    reference = trusted(reference);
+  if (trial.run.method == MethodName::finite_difference && reference.mass == Mass::consistent)
+    reference.mass = Mass::lumped;
+  reference.restitution = trial.run.restitution.value_or(0.0);
+  double uncertain = 0.0;
+  reference.epsilon = 1e-8;
+  const Recording recording = record(reference);
+  if (!massless) {
+    reference.epsilon = 1e-6;
+    uncertain = distance(record(reference).u, recording.u);
+  }
+  Case finer = trial.run;
+  *finer.step /= 2;
+  const double change = distance(record(finer).u, trial.result.u);
+  return {massless ? "rigid" : "penalised, epsilon = 1e-8", recording,
+          4 * change + uncertain + promised(trial, largest(trial.result.u))};
+}
+
+Reference of_rigid(const Trial& trial) {
+  Case reference = trusted(trial.run);
+  reference.mass = Mass::redistributed;
+  reference.epsilon = 1e-9;
+  const Recording recording = record(reference);
+  const auto changes = static_cast<double>(recording.events.size());
+  return {"penalised, epsilon = 1e-9", recording,
+          promised(trial, largest(recording.u)) + (1 + 2 * changes) * recording.statistics.max_penetration};
+}
+
+}  // namespace
+
+Reference make_reference(const Trial& trial, bool measure_sensitivity) {
+  if (is_scheme(trial.run.method)) return of_scheme(trial);
+  if (trial.run.method == MethodName::rigid) return of_rigid(trial);
+  Case reference = trial.run;
+  std::string label = "exponential";
+  if (trial.run.method == MethodName::exponential) {
+    reference = by(trial.run, MethodName::arkode, 1e-10);
+    label = "arkode at 1e-10";
+  } else if (trial.run.elements <= most_dense_elements) {
+    reference.method = MethodName::exponential;
+  } else {
+    const MethodName other = trial.run.method == MethodName::arkode ? MethodName::ida : MethodName::arkode;
+    reference = by(trial.run, other, 1e-2 * trial.run.tolerance.relative);
+    label = std::string(name(other)) + " at a hundredth of the tolerance";
+  }
+  const Recording recording = record(reference);
+  const double u = largest(recording.u);
+  double tolerance = promised(trial, u);
+  if (is_adaptive(reference.method)) tolerance += promised({reference, recording}, u);
+  if (measure_sensitivity) tolerance *= sensitivity(reference, recording, tolerance / 100);
+  return {label, recording, tolerance};
+}
+
+}  // namespace viscobar::hard
