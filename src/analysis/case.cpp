@@ -1,7 +1,5 @@
 #include "viscobar/analysis/case.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -39,116 +37,12 @@ std::vector<double> Case::output_times() const {
   return times;
 }
 
-namespace {
-
 Mass effective_mass(const Case& run) {
   if (run.method == MethodName::rigid) return Mass::redistributed;
   return run.method == MethodName::finite_difference && run.mass == Mass::consistent ? Mass::lumped : run.mass;
 }
 
-// Beyond it the first element is less than the rounding of the nodes of a large mesh; it gained nothing long before.
-constexpr double largest_grading = 1e6;
-
-void check_grading(const Case& run, std::vector<Finding>& findings) {
-  if (run.grading == 1.0) return;
-  if (!is_obstacle(run.scene.left) && !is_obstacle(run.scene.right))
-    findings.push_back({"mesh.grading", "has no end with an obstacle to shrink the elements towards; leave it out"});
-  else if (run.method == MethodName::finite_difference)
-    findings.push_back({"mesh.grading",
-                        "does not fit finite_difference, whose elements are of equal length; leave it out, or use "
-                        "fully_discrete with the mass \"lumped\""});
-  else if (run.mass == Mass::paper && run.method != MethodName::rigid)
-    findings.push_back({"mesh.grading",
-                        "does not fit the mass \"paper\", which has one weight h for all nodes; leave it out, or use "
-                        "\"lumped\""});
-}
-
 Penalty penalty(const Case& run) { return {run.epsilon.value_or(1.0), run.restitution.value_or(1.0)}; }
-
-void check_initial_nodes(const Case& run, std::vector<Finding>& findings) {
-  const Mesh mesh = run.mesh();
-  for (std::size_t j = 0; j < mesh.nodes(); ++j) {
-    const double x = mesh.node(j), u = run.scene.displacement(x), v = run.scene.velocity(x);
-    const auto finite = [&](const char* key, double value) {
-      if (!std::isfinite(value)) findings.push_back({key, fmt::format("is {} at x = {}", value, x)});
-      return std::isfinite(value);
-    };
-    if (!finite("initial.displacement", u) || !finite("initial.velocity", v)) return;
-    if (run.scene.span && u < -run.scene.span->gap) {
-      findings.push_back(
-          {"initial.displacement",
-           fmt::format("penetrates the obstacle of [span]: u_0({}) = {} < -gap = {}", x, u, -run.scene.span->gap)});
-      return;
-    }
-  }
-}
-
-}  // namespace
-
-std::vector<Finding> validate(const Case& run) {
-  std::vector<Finding> findings = validate(run.scene);
-  const auto positive = [&](const char* key, double value) {
-    if (!(std::isfinite(value) && value > 0.0))
-      findings.push_back({key, fmt::format("must be positive and finite, is {}", value)});
-  };
-  positive("time.end", run.end);
-  positive("output.every", run.output_every);
-  if (run.step) positive("method.step", *run.step);
-  if (run.epsilon) positive("contact.epsilon", *run.epsilon);
-  if (run.restitution && !(*run.restitution >= 0.0 && *run.restitution <= 1.0))
-    findings.push_back({"contact.restitution", fmt::format("must lie in [0, 1], is {}", *run.restitution)});
-  const auto tolerance = [&](const char* key, double value, double largest) {
-    if (!(value > 0.0 && value <= largest))
-      findings.push_back({key, fmt::format("must be positive and at most {}, is {}", largest, value)});
-  };
-  tolerance("method.relative_tolerance", run.tolerance.relative, 0.1);
-  tolerance("method.absolute_tolerance", run.tolerance.absolute, 1e300);
-  if (run.elements < 1) findings.push_back({"mesh.elements", "must be at least 1"});
-  if (!(run.grading >= 1.0 && run.grading <= largest_grading))
-    findings.push_back({"mesh.grading", fmt::format("must lie in [1, {}], is {}", largest_grading, run.grading)});
-  if (!findings.empty()) return findings;
-
-  const Scene& scene = run.scene;
-  const bool left = is_obstacle(scene.left), right = is_obstacle(scene.right);
-  const bool obstacle = left || right || scene.span.has_value();
-  if (run.end / run.output_every > 1e8)
-    findings.push_back({"output.every", fmt::format("gives more than 1e8 output times up to end = {}", run.end)});
-  if (is_fixed(scene.left) && is_fixed(scene.right) && run.elements < 2)
-    findings.push_back({"mesh.elements", "both ends are fixed: 2 elements are needed for one unknown node"});
-  if (effective_mass(run) == Mass::redistributed) {
-    const std::size_t needed = 1 + static_cast<std::size_t>(left) + static_cast<std::size_t>(right);
-    if (scene.span && run.method == MethodName::rigid)
-      findings.push_back(
-          {"method.name", "rigid needs massless contact nodes, and under a span obstacle every node is one"});
-    else if (scene.span)
-      findings.push_back({"mesh.mass",
-                          "\"redistributed\" cannot serve a span obstacle: every node is a contact node "
-                          "and must keep its mass; use \"consistent\" or \"lumped\""});
-    else if (run.elements < needed)
-      findings.push_back(
-          {"mesh.elements", fmt::format("mass \"redistributed\" needs at least {} elements here", needed)});
-    if (run.method == MethodName::finite_difference)
-      findings.push_back({"mesh.mass",
-                          "\"redistributed\" does not fit finite_difference, whose mass is diagonal; use "
-                          "\"lumped\" or \"paper\", or fully_discrete"});
-    if (run.method == MethodName::cvode && (left || right) && scene.bar.viscosity == 0.0)
-      findings.push_back({"method.name",
-                          "cvode cannot take massless contact nodes without viscosity: their equations "
-                          "are algebraic; use ida, or a positive bar.viscosity"});
-  }
-  if (is_penalised(run.method) && obstacle && !run.epsilon)
-    findings.push_back({"contact.epsilon", fmt::format("is missing: {} penalises the obstacle", name(run.method))});
-  if (is_scheme(run.method) && !run.step)
-    findings.push_back({"method.step", fmt::format("is missing: {} has a fixed time step", name(run.method))});
-  if (is_scheme(run.method) && run.step && run.end / *run.step > 1e12)
-    findings.push_back({"method.step", fmt::format("gives more than 1e12 steps up to end = {}", run.end)});
-  check_grading(run, findings);
-  check_initial_nodes(run, findings);
-  if (findings.empty() && run.method == MethodName::odeint)
-    if (const OdeintPlan what = plan(make_system(run), run.end, odeint(run)); what.refusal)
-      findings.push_back(*what.refusal);
-  return findings;
-}
 
 Odeint odeint(const Case& run) { return {penalty(run), run.tolerance, run.stepper, run.step}; }
 
@@ -162,28 +56,5 @@ MethodName penalised_method(const Case& run) {
 }
 
 BarSystem make_system(const Case& run) { return BarSystem(run.scene, run.mesh(), effective_mass(run)); }
-
-Statistics simulate(const Case& run, const BarSystem& system, const Observers& observers) {
-  return simulate(run, system, run.output_times(), observers);
-}
-
-Statistics simulate(const Case& run, const BarSystem& system, std::span<const double> times,
-                    const Observers& observers) {
-  const State start = system.initial_state();
-  switch (run.method) {
-    case MethodName::cvode:
-      return integrate(system, start, times, Cvode{penalty(run), run.tolerance, run.formulas}, observers);
-    case MethodName::ida: return integrate(system, start, times, Ida{penalty(run), run.tolerance}, observers);
-    case MethodName::arkode: return integrate(system, start, times, Arkode{penalty(run), run.tolerance}, observers);
-    case MethodName::odeint: return integrate(system, start, times, odeint(run), observers);
-    case MethodName::rigid: return integrate(system, start, times, Rigid{run.tolerance}, observers);
-    case MethodName::exponential: return integrate(system, start, times, Exponential{penalty(run)}, observers);
-    case MethodName::fully_discrete:
-    case MethodName::finite_difference:
-      return integrate(system, start, times, FullyDiscrete{*run.step, run.start, run.restitution.value_or(0.0)},
-                       observers);
-  }
-  return {};
-}
 
 }  // namespace viscobar

@@ -80,28 +80,4 @@ std::vector<ContactRegime> contact_regimes(const Case& run, const BarSystem& sys
   return regimes;
 }
 
-MemoryNeed memory_need(const Case& run, const BarSystem& system) {
-  const std::size_t n = system.size();
-  std::size_t vectors = 12;  // the system itself: mass with its factor, initial data, two fields for output
-  switch (run.method) {
-    // A vector of a multistep method has displacement and velocity: its history and some eight more.
-    case MethodName::cvode: vectors += 2 * (system.damped() ? 6 + 8 : 13 + 8); break;
-    case MethodName::ida:
-    case MethodName::rigid: vectors += 2 * (6 + 8); break;
-    // The stages of a step and some eight more, and the step's two ends.
-    case MethodName::arkode: vectors += 2 * (7 + 8) + 2 * 3; break;
-    case MethodName::odeint:
-      // The stages of a step, or two dense matrices over displacement and velocity, and the step's two ends.
-      vectors += plan(system, run.end, odeint(run)).stepper == Stepper::rosenbrock4 ? 2 * 4 * n + 2 * 8 : 2 * 14;
-      vectors += 2 * 3;
-      break;
-    // Propagators of several sub-steps, dense over displacement and velocity.
-    case MethodName::exponential: vectors += 4 * 4 * n; break;
-    case MethodName::fully_discrete:
-    case MethodName::finite_difference: break;
-  }
-  vectors += 8;  // the matrix and its factor, right-hand sides
-  return {vectors, vectors * n * sizeof(double)};
-}
-
 }  // namespace viscobar

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <system_error>
 
 #include "cli/messages.hpp"
+#include "io/scene_keys.hpp"
 #include "viscobar/io/io_error.hpp"
 
 namespace viscobar::cli {
@@ -44,6 +46,31 @@ std::filesystem::path OutputOptions::directory(const SceneOptions& scene) const 
   const auto chosen = where.empty() ? std::filesystem::path(scene.file).stem() += ".out" : std::filesystem::path(where);
   detail("results go to " + chosen.string());
   return chosen;
+}
+
+const CLI::Validator& positive_number() {
+  static const CLI::Validator validator(
+      [](std::string& text) {
+        double value = 0.0;
+        const bool positive = CLI::detail::lexical_cast(text, value) && value > 0.0 && std::isfinite(value);
+        return positive ? "" : fmt::format("\"{}\" is not a positive number", text);
+      },
+      "");
+  return validator;
+}
+
+const CLI::Validator& number_of_elements() {
+  static const CLI::Validator validator(
+      [](std::string& text) {
+        const Range range = find_scene_key("mesh.elements")->range;
+        const bool whole = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
+        const double value = whole ? std::stod(text) : 0.0;
+        return whole && value >= range.low && value <= range.high
+                   ? ""
+                   : fmt::format("\"{}\" is not a whole number {}", text, range.words);
+      },
+      "");
+  return validator;
 }
 
 void add_threads(CLI::App& command, std::size_t& threads, const std::string& what) {

@@ -62,7 +62,12 @@ int run(int argc, char** argv) {
   const CompletionCommand completion_command(app);
   const ManCommand man_command(app);
   MessageOptions messages;
-  for (CLI::App* command : app.get_subcommands({})) messages.add_to(*command);
+  for (CLI::App* command : app.get_subcommands({})) {
+    messages.add_to(*command);
+    // A flag is given or not: --json=no would be read as --json.
+    for (CLI::Option* option : command->get_options())
+      if (option->get_expected_max() == 0) option->disable_flag_override();
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
