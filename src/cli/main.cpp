@@ -41,7 +41,10 @@ std::string explanation(const CLI::App& app, const CLI::ParseError& error) {
     for (const CLI::App* known : app.get_subcommands({})) names.push_back(known->get_name());
     return fmt::format("unknown command {}{}", word, meant(word, names));
   }
-  return error.what();
+  const std::string what = error.what();
+  if (what.find("flag override") != what.npos)
+    return fmt::format("--{} takes no value", what.substr(0, what.find(' ')));
+  return what;
 }
 
 int run(int argc, char** argv) {

@@ -101,7 +101,7 @@ inline rc::Gen<RandomScene> scenes(Asked asked = {}) {
   });
 }
 
-/// Tries a property on 100 scenes from a fixed seed, or as RC_PARAMS in the environment says, such as
+/// Tries a property on 500 scenes from a fixed seed, or as RC_PARAMS in the environment says, such as
 /// RC_PARAMS="max_success=1000": then the seed is another one each time, and a failure prints it.
 template <class Property>
 void expect_always(Property&& property) {
@@ -110,7 +110,10 @@ void expect_always(Property&& property) {
   metadata.id = std::string(info->test_suite_name()) + "/" + info->name();
   metadata.description = info->name();
   rc::detail::TestParams parameters = rc::detail::configuration().testParams;
-  if (!std::getenv("RC_PARAMS")) parameters.seed = 1;
+  if (!std::getenv("RC_PARAMS")) {
+    parameters.seed = 1;
+    parameters.maxSuccess = 500;
+  }
   const auto result = rc::detail::checkTestable(std::forward<Property>(property), metadata, parameters);
   std::ostringstream words;
   rc::detail::printResultMessage(result, words);

@@ -54,12 +54,17 @@ TEST(Symmetry, ALateStartUnderADelayedLoadIsTheSameMotionLater) {
   });
 }
 
-// Units of length, time, displacement and stress, all powers of two: every product and quotient is the same number with
-// another exponent, and so is every root, since times are roots of squares. So the digits are the same.
+// Units of length, time, displacement and stress, all powers of two: every product, quotient and square root is the
+// same number with another exponent. So the digits are the same, but where a first step is the fifth or sixth root of
+// what has a unit of time: then they are within the tolerance.
 TEST(Symmetry, OtherUnitsGiveTheSameDigits) {
   expect_always([] {
     RandomScene scene = *scenes();
-    scene.absolute = 1e-30;  // one number for displacement and velocity has no unit
+    // The absolute tolerance, one number for displacement and velocity, has no unit: it is lost in the rounding of the
+    // relative one, for a bar that moves from the beginning.
+    scene.absolute = 1e-30;
+    for (Shape* shape : {&scene.displacement, &scene.velocity})
+      if (shape->base == 0.0) shape->base = 0.0625;
     // The reaction is a stress at an end, a force per volume under a span: with both, the length has to stay.
     const double length = scene.span_gap ? 1.0 : *scale();
     const double time = *scale(), displacement = *scale(), stress = *scale();
@@ -79,14 +84,16 @@ TEST(Symmetry, OtherUnitsGiveTheSameDigits) {
     other.end *= time;
     other.epsilon *= displacement / stress;
     other.absolute *= displacement;
-    const Recording one = record(scene.read().run), two = record(other.read().run);
+    const Case run = scene.read().run;
+    const Recording one = record(run), two = record(other.read().run);
     RC_CLASSIFY(!one.events.empty(), "contact");
+    const double bound = time == 1.0 || !is_adaptive(run.method) ? 0.0 : 2.0 * displacement_error(run, largest(one.u));
     for (std::size_t j = 0; j < one.u.size(); ++j)
-      if (one.u[j] * displacement != two.u[j])
+      if (std::abs(one.u[j] - two.u[j] / displacement) > bound)
         RC_FAIL(fmt::format("u[{}] = {} and {}, in units of {}, steps {} and {}\n{}", j, one.u[j],
                             two.u[j] / displacement, displacement, one.statistics.steps, two.statistics.steps,
                             other.toml()));
-    RC_ASSERT(one.events.size() == two.events.size());
+    RC_ASSERT(bound > 0.0 || one.events.size() == two.events.size());
   });
 }
 
