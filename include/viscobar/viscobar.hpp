@@ -14,6 +14,7 @@
 #include "viscobar/analysis/first_impact.hpp"
 #include "viscobar/analysis/impulse.hpp"
 #include "viscobar/analysis/known_solution.hpp"
+#include "viscobar/analysis/memory.hpp"
 #include "viscobar/analysis/observed_order.hpp"
 #include "viscobar/analysis/order_study.hpp"
 #include "viscobar/analysis/parallel.hpp"

@@ -8,8 +8,6 @@ namespace viscobar {
 
 namespace {
 
-Penalty penalty(const Case& run) { return {run.epsilon.value_or(1.0), run.restitution.value_or(1.0)}; }
-
 Mass redistributed(const Case&) { return Mass::redistributed; }
 
 // (3.22) is (2.8) with a diagonal product.
@@ -51,53 +49,53 @@ Statistics run_scheme(const Case& run, const BarSystem& system, const StartingPo
 }
 
 // A vector of a multistep method has displacement and velocity: its history and some eight more.
-constexpr std::size_t multistep_vectors(std::size_t history) { return 2 * (history + 8); }
+constexpr double multistep_vectors(int history) { return 2.0 * (history + 8); }
 
-std::size_t cvode_vectors(const Case&, const BarSystem& system) { return multistep_vectors(system.damped() ? 6 : 13); }
+double cvode_vectors(const Case& run, double) { return multistep_vectors(run.scene.bar.viscosity > 0.0 ? 6 : 13); }
 
-std::size_t bdf_vectors(const Case&, const BarSystem&) { return multistep_vectors(6); }
+double bdf_vectors(const Case&, double) { return multistep_vectors(6); }
 
 // The stages of a step and some eight more, and the step's two ends.
-std::size_t arkode_vectors(const Case&, const BarSystem&) { return 2 * (7 + 8) + 2 * 3; }
+double arkode_vectors(const Case&, double) { return 2 * (7 + 8) + 2 * 3; }
 
-// The stages of a step, or two dense matrices over displacement and velocity, and the step's two ends.
-std::size_t odeint_vectors(const Case& run, const BarSystem& system) {
-  const bool dense = plan(system, run.end, odeint(run)).stepper == Stepper::rosenbrock4;
-  return (dense ? 2 * 4 * system.size() + 2 * 8 : 2 * 14) + 2 * 3;
-}
+// The stages of a step, and the step's two ends. The dense matrices of rosenbrock4, on few nodes, do not count.
+double odeint_vectors(const Case&, double) { return 2 * 14 + 2 * 3; }
 
 // Propagators of several sub-steps, dense over displacement and velocity.
-std::size_t exponential_vectors(const Case&, const BarSystem& system) { return 4 * 4 * system.size(); }
+double exponential_vectors(const Case&, double nodes) { return 4.0 * 4.0 * nodes; }
 
-void refuse_cvode(const Case& run, std::vector<Finding>& findings) {
+void refuse_cvode(const Case& run, Findings& findings) {
   if (run.mass == Mass::redistributed && (is_obstacle(run.scene.left) || is_obstacle(run.scene.right)) &&
-      run.scene.bar.viscosity == 0.0)
-    findings.push_back({"method.name",
-                        "cvode cannot take massless contact nodes without viscosity: their equations "
-                        "are algebraic; use ida, or a positive bar.viscosity"});
+      run.scene.bar.viscosity == 0.0 && findings.sound({"mesh.mass", "bar.viscosity"}))
+    findings.report("method.name",
+                    "cvode cannot take massless contact nodes without viscosity: their equations "
+                    "are algebraic; use ida, or a positive bar.viscosity");
 }
 
-void refuse_odeint(const Case& run, std::vector<Finding>& findings) {
-  if (!findings.empty()) return;  // the system could not be built
-  if (const OdeintPlan what = plan(make_system(run), run.end, odeint(run)); what.refusal)
-    findings.push_back(*what.refusal);
+// What its steppers cannot take follows from the whole system.
+void refuse_odeint(const Case& run, Findings& findings) {
+  if (!findings.sound({"bar.length", "bar.density", "bar.modulus", "bar.viscosity", "left.kind", "left.gap",
+                       "right.kind", "right.gap", "span.gap", "initial.displacement", "initial.velocity", "time.end",
+                       "mesh.elements", "mesh.grading", "mesh.mass", "contact.epsilon", "contact.restitution",
+                       "method.stepper", "method.step"}))
+    return;
+  if (const OdeintPlan what = plan(make_system(run), run.end, odeint(run)); what.refusal) findings.add({*what.refusal});
 }
 
-void refuse_rigid(const Case& run, std::vector<Finding>& findings) {
+void refuse_rigid(const Case& run, Findings& findings) {
   if (run.scene.span)
-    findings.push_back(
-        {"method.name", "rigid needs massless contact nodes, and under a span obstacle every node is one"});
+    findings.report("method.name", "rigid needs massless contact nodes, and under a span obstacle every node is one");
 }
 
-void refuse_finite_difference(const Case& run, std::vector<Finding>& findings) {
+void refuse_finite_difference(const Case& run, Findings& findings) {
   if (run.mass == Mass::redistributed)
-    findings.push_back({"mesh.mass",
-                        "\"redistributed\" does not fit finite_difference, whose mass is diagonal; use "
-                        "\"lumped\" or \"paper\", or fully_discrete"});
-  if (run.grading != 1.0 && std::ranges::find(findings, "mesh.grading", &Finding::key) == findings.end())
-    findings.push_back({"mesh.grading",
-                        "does not fit finite_difference, whose elements are of equal length; leave it out, or use "
-                        "fully_discrete with the mass \"lumped\""});
+    findings.report("mesh.mass",
+                    "\"redistributed\" does not fit finite_difference, whose mass is diagonal; use "
+                    "\"lumped\" or \"paper\", or fully_discrete");
+  if (run.grading != 1.0)
+    findings.report("mesh.grading",
+                    "does not fit finite_difference, whose elements are of equal length; leave it out, or use "
+                    "fully_discrete with the mass \"lumped\"");
 }
 
 // The seconds are fits to tests/measurements/sweep.cpp; its table in docs/sweep.md says how good they are.
@@ -144,8 +142,6 @@ static_assert(std::ranges::equal(rows, all_methods, {}, &MethodRow::method), "a 
 }  // namespace
 
 std::span<const MethodRow> method_table() { return rows; }
-
-Odeint odeint(const Case& run) { return {penalty(run), run.tolerance, run.stepper, run.step}; }
 
 const MethodRow& method_row(MethodName method) {
   const auto index = static_cast<std::size_t>(method);

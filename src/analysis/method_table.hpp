@@ -1,10 +1,9 @@
 #pragma once
 
-#include <cstddef>
 #include <span>
 #include <string_view>
-#include <vector>
 
+#include "analysis/findings.hpp"
 #include "viscobar/analysis/case.hpp"
 
 namespace viscobar {
@@ -31,10 +30,10 @@ struct MethodRow {
   StepSeconds seconds;
   Statistics (*run)(const Case&, const BarSystem&, const StartingPoint& start, std::span<const double> times,
                     const Observers&);
-  std::size_t (*vectors)(const Case&, const BarSystem&) = nullptr;  ///< own memory, in vectors with an entry a node
-  Mass (*mass)(const Case&) = nullptr;                              ///< that it runs on, where not the case's
-  /// Adds what the method cannot take, of a case whose values are sound by themselves.
-  void (*refuse)(const Case&, std::vector<Finding>&) = nullptr;
+  double (*vectors)(const Case&, double nodes) = nullptr;  ///< own memory, in vectors with an entry a node
+  Mass (*mass)(const Case&) = nullptr;                     ///< that it runs on, where not the case's
+  /// Adds what the method, known to be meant, cannot take.
+  void (*refuse)(const Case&, Findings&) = nullptr;
 };
 
 /// In the order of all_methods.

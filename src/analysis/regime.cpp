@@ -82,12 +82,4 @@ std::vector<ContactRegime> contact_regimes(const Case& run, const BarSystem& sys
   return regimes;
 }
 
-MemoryNeed memory_need(const Case& run, const BarSystem& system) {
-  const std::size_t n = system.size();
-  std::size_t vectors = 12;  // the system itself: mass with its factor, initial data, two fields for output
-  if (const auto own = method_row(run.method).vectors) vectors += own(run, system);
-  vectors += 8;  // the matrix and its factor, right-hand sides
-  return {vectors, vectors * n * sizeof(double)};
-}
-
 }  // namespace viscobar

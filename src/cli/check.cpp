@@ -1,12 +1,14 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/messages.hpp"
-#include "viscobar/analysis/chatter.hpp"
 #include "io/table.hpp"
+#include "viscobar/analysis/chatter.hpp"
 #include "viscobar/analysis/first_impact.hpp"
+#include "viscobar/analysis/memory.hpp"
 #include "viscobar/analysis/regime.hpp"
 
 namespace viscobar::cli {
@@ -160,7 +162,7 @@ int CheckCommand::operator()() const {
   const auto hits = first_impacts(run);
   std::vector<ContactRegime> regimes = contact_regimes(run, system);
   for (ContactRegime& regime : regimes) predict(regime, hits, run, system);
-  const MemoryNeed memory = memory_need(run, system);
+  const MemoryNeed memory = memory_need(run);
 
   Json json;
   json["title"] = run.scene.title;
@@ -178,7 +180,7 @@ int CheckCommand::operator()() const {
                    {"contact", system.contacts().empty() ? Json(nullptr) : Json(contact_kind(run))}};
   json["contact_nodes"] = system.contacts().size();
   json["event_functions"] = is_scheme(run.method) ? 0 : system.contacts().size();
-  json["memory"] = {{"vectors", memory.vectors}, {"bytes", memory.bytes}};
+  json["memory"] = {{"vectors", std::llround(memory.vectors)}, {"bytes", std::llround(memory.bytes)}};
   json["contacts"] = Json::array();
   for (const ContactRegime& regime : regimes) json["contacts"].push_back(to_json(regime));
   json["first_impacts"] = hits ? Json::array() : Json(nullptr);
@@ -207,7 +209,7 @@ int CheckCommand::operator()() const {
   text += row("contact", system.contacts().empty() ? "none" : contact_kind(run));
   text += row("event functions", events(run, system));
   text += row("memory", fmt::format("about {} vectors of {} numbers, {}", memory.vectors, system.size(),
-                                    byte_number(static_cast<double>(memory.bytes))));
+                                    byte_number(memory.bytes)));
   if (!system.contacts().empty()) text += row("first impacts", impact_text(run, hits));
   for (const ContactRegime& regime : regimes)
     text += row(fmt::format("{} contact", name(regime.where)), to_text(regime));

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <system_error>
 
 #include "cli/messages.hpp"
+#include "io/scene_keys.hpp"
 #include "viscobar/io/io_error.hpp"
 
 namespace viscobar::cli {
@@ -50,6 +52,31 @@ PictureOptions::PictureOptions(CLI::App& command) : OutputOptions(command) { add
 
 void add_figures(CLI::App& command, bool& figures) {
   command.add_flag("--figures", figures, "Also write each picture as DIR/figures/NAME.svg, for papers");
+}
+
+const CLI::Validator& positive_number() {
+  static const CLI::Validator validator(
+      [](std::string& text) {
+        double value = 0.0;
+        const bool positive = CLI::detail::lexical_cast(text, value) && value > 0.0 && std::isfinite(value);
+        return positive ? "" : fmt::format("\"{}\" is not a positive number", text);
+      },
+      "");
+  return validator;
+}
+
+const CLI::Validator& number_of_elements() {
+  static const CLI::Validator validator(
+      [](std::string& text) {
+        const Range range = find_scene_key("mesh.elements")->range;
+        const bool whole = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
+        const double value = whole ? std::stod(text) : 0.0;
+        return whole && value >= range.low && value <= range.high
+                   ? ""
+                   : fmt::format("\"{}\" is not a whole number {}", text, range.words);
+      },
+      "");
+  return validator;
 }
 
 void add_threads(CLI::App& command, std::size_t& threads, const std::string& what) {

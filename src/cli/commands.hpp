@@ -214,6 +214,10 @@ class ManCommand {
 /// --figures, the same for all commands that draw.
 void add_figures(CLI::App& command, bool& figures);
 
+/// What lists and limits of numbers are checked by: finite, above 0; a number of elements that a mesh may have.
+const CLI::Validator& positive_number();
+const CLI::Validator& number_of_elements();
+
 /// --threads N, the same for all commands that have it; 0 when it is not given, which means one a core.
 void add_threads(CLI::App& command, std::size_t& threads, const std::string& what = "Runs at a time");
 

@@ -10,6 +10,7 @@
 #include "io/output_file.hpp"
 #include "io/result_directory.hpp"
 #include "io/write_page.hpp"
+#include "viscobar/analysis/memory.hpp"
 #include "viscobar/io/study_reports.hpp"
 
 namespace viscobar::cli {
@@ -18,10 +19,9 @@ namespace {
 
 /// Fields of every method are kept, displacement and velocity at each node and output time.
 void check_memory(const Case& run, std::size_t methods) {
-  constexpr double most_bytes = 8e9;
   const double bytes = 2.0 * sizeof(double) * static_cast<double>(methods) * static_cast<double>(run.mesh().nodes()) *
                        (run.end / run.output_every + 1.0);
-  if (bytes > most_bytes)
+  if (bytes > memory_limit())
     throw std::invalid_argument(
         fmt::format("output.every: comparing keeps the fields of all methods, here {:.0f} GB; take a larger one, or "
                     "fewer methods",

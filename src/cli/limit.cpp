@@ -29,12 +29,9 @@ LimitCommand::LimitCommand(CLI::App& app)
                                    "goes to 0: penetration, differences, orders, verdict")),
       scene_(command_),
       output_(command_) {
-  const auto list = [&](const char* option, auto& values, const char* what, const char* type) {
-    command_.add_option(option, values, what)
-        ->type_name(type)
-        ->delimiter(',')
-        ->check(CLI::PositiveNumber)
-        ->allow_extra_args(false);
+  const auto list = [&](const char* option, auto& values, const char* what, const char* type,
+                        const CLI::Validator& check) {
+    command_.add_option(option, values, what)->type_name(type)->delimiter(',')->check(check)->allow_extra_args(false);
   };
   command_.add_option("--epsilon", epsilon_, "The penalties, from the first down to the last")
       ->type_name("FIRST:LAST")
@@ -44,9 +41,10 @@ LimitCommand::LimitCommand(CLI::App& app)
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command_.add_option("--mass", mass_, "The mass matrix, in place of the scene's")->type_name("NAME");
-  list("--elements", elements_, "Meshes, in place of the scene's; three or more give epsilon(h)", "N,N...");
+  list("--elements", elements_, "Meshes, in place of the scene's; three or more give epsilon(h)", "N,N...",
+       number_of_elements());
   list("--steps", steps_, "Time steps of the scheme, one for each mesh (default: the scene's, or h / (100 c))",
-       "DT,DT...");
+       "DT,DT...", positive_number());
   add_threads(command_, threads_);
 }
 
@@ -57,7 +55,9 @@ int LimitCommand::operator()() const {
   study.steps = steps_;
   study.threads = threads_;
   std::vector<std::string> settings;
-  if (!mass_.empty()) settings.push_back("mesh.mass=" + mass_);
+  if (command_.count("--mass") > 0) settings.push_back("mesh.mass=" + mass_);
+  if (!elements_.empty())  // the scene is checked on the finest mesh
+    settings.push_back(fmt::format("mesh.elements={}", *std::max_element(elements_.begin(), elements_.end())));
   // The scene's own epsilon, which it may lack, is not used.
   const SceneFile scene = scene_.read({fmt::format("contact.epsilon={}", study.epsilons.front())}, settings,
                                       [](Case& run) { run.method = penalised_method(run); });

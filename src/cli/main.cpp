@@ -46,7 +46,10 @@ std::string explanation(const CLI::App& app, const CLI::ParseError& error) {
     for (const CLI::App* known : app.get_subcommands({})) names.push_back(known->get_name());
     return fmt::format("unknown command {}{}", word, meant(word, names));
   }
-  if (!chosen.empty()) return error.what();
+  const std::string what = error.what();
+  if (what.find("flag override") != what.npos)
+    return fmt::format("--{} takes no value", what.substr(0, what.find(' ')));
+  if (!chosen.empty()) return what;
   std::vector<std::string> names;
   for (const CommandText& known : command_texts(app)) names.push_back(known.name);
   return fmt::format("no command given; there are {}", fmt::join(names, ", "));
@@ -71,7 +74,12 @@ int run(int argc, char** argv) {
   const CompletionCommand completion_command(app);
   const ManCommand man_command(app);
   MessageOptions messages;
-  for (CLI::App* command : app.get_subcommands({})) messages.add_to(*command);
+  for (CLI::App* command : app.get_subcommands({})) {
+    messages.add_to(*command);
+    // A flag is given or not: --json=no would be read as --json.
+    for (CLI::Option* option : command->get_options())
+      if (option->get_expected_max() == 0) option->disable_flag_override();
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

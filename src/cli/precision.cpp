@@ -55,14 +55,14 @@ PrecisionCommand::PrecisionCommand(CLI::App& app)
   command_.add_option("--elements", elements_, "Meshes, in place of the scene's")
       ->type_name("N,N...")
       ->delimiter(',')
-      ->check(CLI::PositiveNumber)
+      ->check(number_of_elements())
       ->allow_extra_args(false);
   command_.add_option("--repeat", repeat_, "Timed runs of each row, whose median counts (default: 3 to 11)")
       ->type_name("N")
       ->check(CLI::Range(3, 9999));
   command_.add_option("--seconds", seconds_, "Runs that take longer are left out")
       ->type_name("SECONDS")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   add_threads(command_, threads_, "References at a time; timed runs run alone");
 }

@@ -7,8 +7,11 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "io/nearest_name.hpp"
+#include "io/text_check.hpp"
+#include "scene/printable.hpp"
 
 namespace viscobar {
 
@@ -61,17 +64,59 @@ class Compiled {
   mu::Parser parser_;
 };
 
+// muParser's time grows with the square of the length, its stack with the depth.
+constexpr std::size_t longest = 4096, deepest = 200;
+
 std::string at(std::size_t index) { return fmt::format(" at character {}", index + 1); }
 
+/// What to write instead of what other languages know.
+struct Habit {
+  std::string_view word, instead;
+};
+constexpr Habit habits[] = {
+    {"ln", "log is the natural logarithm"},
+    {"pow", "a power is written x^2"},
+    {"e", "the exponential function is exp"},
+    {"if", "a case is written condition ? then : else"},
+    {"heaviside", "a step is written x < 0.5 ? 0 : 1"},
+    {"step", "a step is written x < 0.5 ? 0 : 1"},
+    {"sign", "a sign is written x < 0 ? -1 : 1"},
+    {"and", "both is written &&"},
+    {"or", "one of two is written ||"},
+    {"not", "not is written == 0"},
+    {"L", "the length is written as a number"},
+};
+
 bool starts_name(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+
+std::string foreign_character(std::string_view text, std::size_t i) {
+  const auto continues = [&](std::size_t k) { return k < text.size() && (text[k] & 0xC0) == 0x80; };
+  std::size_t end = i + 1, before = 0;
+  while (continues(end)) ++end;
+  for (std::size_t k = 0; k < i; ++k) before += continues(k) ? 0 : 1;
+  const std::string_view ascii = ascii_for(text.substr(i, end - i));
+  return fmt::format("the formula holds a character that is no part of a formula{}{}{}", at(before),
+                     ascii.empty() ? "" : "; write ", ascii == " " ? "a plain blank" : ascii);
+}
+
+void check_size(std::string_view text) {
+  if (text.size() > longest)
+    throw FormulaError(fmt::format("the formula is too long: {} characters, at most {}", text.size(), longest));
+  std::size_t depth = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == ')' && depth > 0) --depth;
+    if (text[i] == '(' && ++depth > deepest)
+      throw FormulaError(fmt::format("the formula nests parentheses more than {} deep{}", deepest, at(i)));
+  }
+}
 
 // What the library takes but a formula must not hold: assignments, bytes that are no printable ASCII, strings.
 void check_characters(std::string_view text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     const bool blank = c == ' ' || c == '\t' || c == '\n' || c == '\r';
-    if (!blank && (c < ' ' || c > '~' || c == '"'))
-      throw FormulaError("the formula holds a character that is no part of a formula" + at(i));
+    if (!blank && (c < ' ' || c > '~' || c == '"')) throw FormulaError(foreign_character(text, i));
+    if (text.substr(i).starts_with("**")) throw FormulaError("the formula has **" + at(i) + "; a power is written ^");
     if (c != '=') continue;
     const bool compares = (i > 0 && std::string_view("<>!").find(text[i - 1]) != std::string_view::npos) ||
                           (i + 1 < text.size() && text[i + 1] == '=');
@@ -88,12 +133,20 @@ std::string unknown_token(std::string_view token, std::string_view variables, st
     return fmt::format("uses {}{}, but is a function of {} alone", token, at(position), variables);
   if (std::find(functions.begin(), functions.end(), token) != functions.end())
     return fmt::format("names the function {}{} without its arguments in parentheses", token, at(position));
-  const auto nearest = nearest_name(token, functions);
+  for (const Habit& habit : habits)
+    if (habit.word == token) return fmt::format("knows no \"{}\"{}; {}", token, at(position), habit.instead);
+  std::optional<std::string_view> nearest;
+  if (token.size() > 1) nearest = nearest_name(token, functions);
+  for (std::size_t i = 0; i < variables.size(); ++i)
+    if (plain_name(token) == variables.substr(i, 1)) nearest = variables.substr(i, 1);
   return fmt::format("knows no \"{}\"{}{}", token, at(position),
                      nearest ? fmt::format("; nearest is \"{}\"", *nearest)
                              : fmt::format("; it may use {}{} and {}", variables.substr(0, 1),
                                            variables.size() > 1 ? ", t" : "", fmt::join(functions, " ")));
 }
+
+constexpr std::string_view outer_comma =
+    "has a comma outside of a function's arguments; decimals are written with a point";
 
 std::string explain(const mu::ParserError& error, std::string_view text, std::string_view variables) {
   const std::size_t position = error.GetPos() < 0 ? 0 : static_cast<std::size_t>(error.GetPos());
@@ -107,7 +160,7 @@ std::string explain(const mu::ParserError& error, std::string_view text, std::st
     case mu::ecMISSING_ELSE_CLAUSE: return "has a ? without its :";
     case mu::ecMISPLACED_COLON: return "has a : without its ?," + at(position);
     case mu::ecUNEXPECTED_ARG:
-    case mu::ecUNEXPECTED_ARG_SEP: return "has a comma outside of a function's arguments";
+    case mu::ecUNEXPECTED_ARG_SEP: return std::string(outer_comma);
     case mu::ecEXPRESSION_TOO_LONG: return "is too long";
     default:
       return position < text.size() ? fmt::format("does not expect \"{}\"{}", error.GetToken(), at(position))
@@ -118,6 +171,7 @@ std::string explain(const mu::ParserError& error, std::string_view text, std::st
 }  // namespace
 
 Formula::Formula(std::string text, std::string_view variables) : text_(std::move(text)) {
+  check_size(text_);
   check_characters(text_);
   mu::Parser parser;
   define_names(parser);
@@ -126,12 +180,13 @@ Formula::Formula(std::string text, std::string_view variables) : text_(std::move
   try {
     parser.SetExpr(text_);
     constant_ = parser.Eval();
-    if (parser.GetNumResults() != 1) throw FormulaError("the formula has a comma outside of a function's arguments");
+    if (parser.GetNumResults() != 1) throw FormulaError(fmt::format("the formula {}", outer_comma));
     for (const auto& [name, storage] : parser.GetUsedVar()) used_ += name;
   } catch (const mu::ParserError& error) {
     throw FormulaError("the formula " + explain(error, text_, variables));
   }
-  if (is_constant() && !std::isfinite(constant_)) throw FormulaError(fmt::format("must be finite, is {}", constant_));
+  if (is_constant() && !std::isfinite(constant_))
+    throw FormulaError(fmt::format("must be finite, is {}", printable(constant_)));
 }
 
 SpaceFunction Formula::of_x() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -26,17 +27,30 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+/// A name as names are compared: in lower case, blanks around it left out, - and inner blanks as _.
+inline std::string plain_name(std::string_view name) {
+  while (!name.empty() && name.front() == ' ') name.remove_prefix(1);
+  while (!name.empty() && name.back() == ' ') name.remove_suffix(1);
+  std::string plain(name);
+  for (char& c : plain) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    if (c == '-' || c == ' ') c = '_';
+  }
+  return plain;
+}
+
 /// The candidate that `name` was probably meant to be: the one at the smallest distance, if no more than about a third
 /// of the letters differ. The first of several at the same distance.
 template <class Names>
 std::optional<std::string_view> nearest_name(std::string_view name, const Names& candidates) {
   constexpr std::size_t longest = 64;  // no name of ours is longer; keeps the cost bounded
   if (name.size() > longest) return std::nullopt;
+  const std::string wanted = plain_name(name);
   std::optional<std::string_view> nearest;
   std::size_t smallest = longest;
   for (const std::string_view candidate : candidates) {
-    const std::size_t distance = edit_distance(name, candidate);
-    if (distance < smallest && distance <= (std::max(name.size(), candidate.size()) + 2) / 3) {
+    const std::size_t distance = edit_distance(wanted, plain_name(candidate));
+    if (distance < smallest && distance <= (std::max(wanted.size(), candidate.size()) + 2) / 3) {
       smallest = distance;
       nearest = candidate;
     }

@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <tuple>
 
-#include "io/nearest_name.hpp"
+#include "io/synonyms.hpp"
 
 namespace viscobar {
 
@@ -78,11 +79,30 @@ std::string range_problem(const Range& range, double value) {
   return {};
 }
 
+// What to do about a text where a number belongs.
+std::string number_advice(const std::string& text) {
+  const TomlValue inside = value_of(text);
+  if (std::holds_alternative<std::int64_t>(inside) || std::holds_alternative<double>(inside))
+    return "; leave the quotes out";
+  if (std::count(text.begin(), text.end(), ',') == 1 && text.find_first_not_of("0123456789+-,eE") == text.npos)
+    return "; write it without quotes, with a decimal point";
+  if (text.find_first_of("*/^()") != text.npos) return "; formulas are for initial data and loads only";
+  const std::size_t after = text.find_first_not_of("0123456789+-.eE");
+  if (after == text.npos && text.size() > 18) return "; it is too large";
+  const bool with_unit = after != text.npos && after > 0 && (text[after] == ' ' || std::isalpha(text[after]) != 0);
+  return with_unit ? "; units are not written: any consistent ones will do" : "";
+}
+
+std::string advice_on(const TomlValue& value) {
+  const auto* text = std::get_if<std::string>(&value);
+  return text ? number_advice(*text) : "";
+}
+
 std::string choice_problem(const SceneKey& key, const std::string& value) {
   const std::vector<std::string_view> names = key.choice_names();
   if (std::find(names.begin(), names.end(), value) != names.end()) return {};
   const std::string known = fmt::format("\"{}\"", fmt::join(names, "\", \""));
-  const auto nearest = nearest_name(value, names);
+  const auto nearest = meant_name(value, names);
   return fmt::format("cannot be \"{}\"; {}", value,
                      nearest ? fmt::format("nearest is \"{}\"", *nearest) : "there are " + known);
 }
@@ -114,7 +134,8 @@ std::string problem_with(const SceneKey& key, const TomlValue& value) {
       [[fallthrough]];
     case KeyType::number:
       if (const auto number = number_of(value)) return range_problem(key.range, *number);
-      return fmt::format("must be a {}, is {}", key.type == KeyType::count ? "whole number" : "number", kind_of(value));
+      return fmt::format("must be a {}, is {}{}", key.type == KeyType::count ? "whole number" : "number",
+                         kind_of(value), advice_on(value));
     case KeyType::formula: return formula_problem(key, value);
   }
   return {};
@@ -122,7 +143,7 @@ std::string problem_with(const SceneKey& key, const TomlValue& value) {
 
 std::string unknown_key(std::string_view table, std::string_view leaf) {
   if (!table.empty() && !is_scene_table(table)) {
-    const auto nearest = nearest_name(table, scene_tables());
+    const auto nearest = meant_name(table, scene_tables());
     return nearest ? fmt::format("unknown table; nearest is [{}]", *nearest)
                    : fmt::format("unknown table; known are {}", fmt::join(scene_tables(), ", "));
   }
@@ -155,7 +176,7 @@ void SceneEntries::add_text(const std::string& text) {
     if (is_scene_table(table.name)) tables_[meant[table.name] = table.name] = {end_.source, table.at};
   for (const TomlTable& table : document.tables) {
     if (is_scene_table(table.name)) continue;
-    const auto nearest = nearest_name(table.name, scene_tables());
+    const auto nearest = meant_name(table.name, scene_tables());
     report_unknown_table({end_.source, table.at}, table.name, nearest);
     if (nearest && tables_.try_emplace(std::string(*nearest), Place{end_.source, table.at}).second)
       meant[table.name] = *nearest;
@@ -183,7 +204,7 @@ void SceneEntries::add_override(const std::string& text) {
   const Place place{source, position(name)};
   if (!table.empty()) {
     if (!is_scene_table(table))
-      return report_unknown_table(place, std::string(name), nearest_name(table, scene_tables()));
+      return report_unknown_table(place, std::string(name), meant_name(table, scene_tables()));
     tables_.try_emplace(table, place);
   }
   add({table, std::string(name.substr(dot + 1)), value_of(value), place.at, position(value)}, table, source);
@@ -196,13 +217,18 @@ void SceneEntries::add(const TomlEntry& entry, std::string_view table, const std
     entries_.insert_or_assign(std::string(key->name), std::move(value));
   } else if (table.empty() && is_scene_table(entry.key)) {
     report_at(key_place, entry.key,
-              fmt::format("must be a table, written [{}]; is {}", entry.key, kind_of(entry.value)));
+              source == override_source
+                  ? fmt::format("is a table; its keys are set one by one, like {}.key=value", entry.key)
+                  : fmt::format("must be a table, written [{}]; is {}", entry.key, kind_of(entry.value)));
     for (const SceneKey& own : scene_keys())
       if (own.table() == entry.key) faulty_.emplace(own.name);
   } else {
     const SceneKey* nearest = nearest_scene_key(table, entry.key);
     report_at(key_place, entry.table.empty() ? entry.key : entry.table + "." + entry.key,
-              "unknown key" + suggestion(nearest, table));
+              nearest && nearest->name == entry.key
+                  ? fmt::format("unknown key; write {} below [{}], or {} without quotes", nearest->leaf(),
+                                nearest->table(), nearest->name)
+                  : "unknown key" + suggestion(nearest, table));
     if (nearest) entries_.try_emplace(std::string(nearest->name), std::move(value));
   }
 }

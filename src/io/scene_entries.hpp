@@ -41,6 +41,7 @@ class SceneEntries {
   bool has_table(std::string_view table) const { return tables_.contains(table); }
   bool present(std::string_view key) const { return entries_.contains(key); }
   bool faulty(std::string_view key) const { return faulty_.contains(key); }
+  std::vector<std::string> faulty_keys() const { return {faulty_.begin(), faulty_.end()}; }
 
   // Values of keys that are present and not faulty.
   std::optional<double> number(std::string_view key) const;

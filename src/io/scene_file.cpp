@@ -8,6 +8,7 @@
 #include "io/input_text.hpp"
 #include "io/scene_entries.hpp"
 #include "scene/end_kinds.hpp"
+#include "scene/printable.hpp"
 
 namespace viscobar {
 
@@ -43,13 +44,9 @@ std::optional<Load> load_of(const SceneEntries& entries) {
   return SeparableLoad{profile->of_x(), history->of_t()};
 }
 
-// The case that the sound keys make. A faulty key gets a value that no other check can take offence at, and what could
-// only be checked against a faulty key becomes harmless with it.
+// The case that the sound keys make; a faulty one gets a value that does no harm.
 Case case_of(const SceneEntries& entries) {
   const auto number = [&](const char* key, double otherwise) { return entries.number(key).value_or(otherwise); };
-  const auto optional_number = [&](const char* key, double otherwise) {
-    return entries.faulty(key) ? otherwise : entries.number(key);
-  };
   const auto chosen = [&](const char* key, const auto& all, auto otherwise) {
     const auto text = entries.text(key);
     for (const auto one : all)
@@ -71,12 +68,12 @@ Case case_of(const SceneEntries& entries) {
   run.scene.velocity = function("initial.velocity");
   run.scene.load = load_of(entries);
 
-  run.elements = static_cast<std::size_t>(number("mesh.elements", 1.0));  // the nodes 0 and L are those of any mesh
+  run.elements = static_cast<std::size_t>(number("mesh.elements", 1.0));
   run.grading = number("mesh.grading", 1.0);
   run.mass = chosen("mesh.mass", all_masses, Mass::consistent);
-  run.epsilon = optional_number("contact.epsilon", 1.0);
-  run.restitution = optional_number("contact.restitution", 1.0);
-  run.method = chosen("method.name", all_methods, MethodName::fully_discrete);
+  run.epsilon = entries.number("contact.epsilon");
+  run.restitution = entries.number("contact.restitution");
+  run.method = chosen("method.name", all_methods, MethodName::cvode);
   const bool local = entries.text("method.error_control") == "local";
   run.tolerance = {number("method.relative_tolerance", 1e-6), number("method.absolute_tolerance", 1e-9),
                    local ? ErrorControl::local : ErrorControl::global};
@@ -86,10 +83,8 @@ Case case_of(const SceneEntries& entries) {
   run.start = entries.text("method.start") == "second_order" ? Start::second_order : Start::first_order;
 
   run.end = number("time.end", 1.0);
-  const bool end_known = !entries.faulty("time.end");
-  run.output_every = end_known ? number("output.every", run.end / 100.0) : run.end;
-  run.step = optional_number("method.step", run.end);
-  if (!end_known || (entries.faulty("method.name") && !run.step)) run.step = run.end;
+  run.output_every = number("output.every", run.end / 100.0);
+  run.step = entries.number("method.step");
   return run;
 }
 
@@ -129,24 +124,20 @@ std::vector<Finding> check_load_values(const SceneEntries& entries, const Mesh& 
     for (std::size_t j = 0; j < nodes; ++j) {
       const double x = mesh.node(j), value = f(x, 0.0);
       if (std::isfinite(value)) continue;
-      findings.push_back({key, fmt::format("is {} at x = {}, t = 0", value, x)});
+      const std::string where = formula->uses('x') ? fmt::format("x = {}, t = 0", x) : "t = 0";
+      findings.push_back({key, fmt::format("is {} at {}", printable(value), where)});
       break;
     }
   }
   return findings;
 }
 
-// Validates the case until nothing new comes up: what is found wrong is taken out of the case, for it may hide more.
 Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
-  for (;;) {
-    Case run = case_of(entries);
-    if (adapt) adapt(run);
-    std::vector<Finding> findings = validate(run);
-    for (Finding& finding : check_load_values(entries, run.mesh())) findings.push_back(std::move(finding));
-    std::erase_if(findings, [&](const Finding& finding) { return entries.faulty(finding.key); });
-    if (findings.empty()) return run;
-    for (const Finding& finding : findings) entries.report(finding.key, finding.problem);
-  }
+  Case run = case_of(entries);
+  if (adapt) adapt(run);
+  for (const Finding& finding : validate(run, entries.faulty_keys())) entries.report(finding.key, finding.problem);
+  for (const Finding& finding : check_load_values(entries, run.mesh())) entries.report(finding.key, finding.problem);
+  return run;
 }
 
 std::string describe(const SceneEntries& entries, const Case& run) {

@@ -8,6 +8,7 @@
 
 #include "analysis/method_table.hpp"
 #include "io/nearest_name.hpp"
+#include "io/synonyms.hpp"
 #include "scene/end_kinds.hpp"
 
 namespace viscobar {
@@ -188,9 +189,12 @@ const SceneKey* find_scene_key(std::string_view table, std::string_view leaf) {
 const SceneKey* nearest_scene_key(std::string_view table, std::string_view leaf) {
   std::vector<std::string_view> siblings;
   for (const SceneKey& key : scene_keys())
-    if (key.table() == table) siblings.push_back(key.leaf());
-  if (const auto nearest = nearest_name(leaf, siblings)) return find_scene_key(table, *nearest);
-  return first_key([&](const SceneKey& key) { return key.leaf() == leaf; });
+    if (key.table() == table || table.empty()) siblings.push_back(key.leaf());
+  const auto nearest = meant_name(leaf, siblings);
+  if (nearest && !table.empty()) return find_scene_key(table, *nearest);
+  if (nearest) return first_key([&](const SceneKey& key) { return key.leaf() == *nearest; });
+  const std::string_view usual = usual_name(leaf);
+  return first_key([&](const SceneKey& key) { return key.leaf() == leaf || key.leaf() == usual; });
 }
 
 }  // namespace viscobar

@@ -54,7 +54,7 @@ std::span<const std::string_view> scene_tables();
 bool is_scene_table(std::string_view name);
 
 /// The key that an unknown one was probably meant to be: the nearest one of the same table, or the one of that name in
-/// another table.
+/// another table; above the first table, the nearest one of any.
 const SceneKey* nearest_scene_key(std::string_view table, std::string_view leaf);
 
 /// Type and default of a key in words, with `code` marked as in Markdown.

@@ -30,8 +30,7 @@ class SweepReader {
   SweepReader(const std::filesystem::path& file, std::span<const std::string> overrides)
       : file_(file), source_(file.string()), overrides_(overrides.begin(), overrides.end()) {}
 
-  SweepFile read() {
-    const std::string text = input_text(file_);
+  SweepFile read(const std::string& text) {
     TomlNode root;
     try {
       root = parse_toml_tree(text);
@@ -76,6 +75,8 @@ class SweepReader {
     static constexpr std::string_view known[] = {"title", "scene", "combine", "set", "vary"};
     std::string key = entry.key;
     if (std::find(std::begin(known), std::end(known), key) == std::end(known)) {
+      if (is_scene_table(key))
+        return report(key, entry.key_at, "belongs to the scene; its keys are given in [set] or [vary]");
       const auto nearest = nearest_name(key, known);
       report(key, entry.key_at,
              nearest ? fmt::format("unknown key; nearest is \"{}\"", *nearest)
@@ -226,7 +227,12 @@ std::string SweepFile::identity() const {
 }
 
 SweepFile read_sweep(const std::filesystem::path& file, std::span<const std::string> overrides) {
-  return SweepReader(file, overrides).read();
+  return parse_sweep(input_text(file), file, overrides);
+}
+
+SweepFile parse_sweep(const std::string& text, const std::filesystem::path& file,
+                      std::span<const std::string> overrides) {
+  return SweepReader(file, overrides).read(text);
 }
 
 SweepCase case_of(const SweepFile& sweep, std::size_t index) {

@@ -34,6 +34,26 @@ std::size_t first_invalid(std::string_view text) {
   return i;
 }
 
+struct Letter {
+  std::string_view letter, ascii;
+};
+constexpr Letter letters[] = {
+    {"\u201c", "\""}, {"\u201d", "\""}, {"\u201e", "\""}, {"\u2018", "'"},      {"\u2019", "'"},       {"\u2212", "-"},
+    {"\u2013", "-"},  {"\u2014", "-"},  {"\u00a0", " "},  {"\u202f", " "},      {"\u2009", " "},       {"\u00b7", "*"},
+    {"\u00d7", "*"},  {"\u22c5", "*"},  {"\u00f7", "/"},  {"\u00b2", "^2"},     {"\u00b3", "^3"},      {"\u03c0", "pi"},
+    {"\u2264", "<="}, {"\u2265", ">="}, {"\u2260", "!="}, {"\u221a", "sqrt()"}, {"\u03b5", "epsilon"},
+};
+
+void check_encoding(std::string_view text) {
+  const bool marked = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
+  const bool wide = text.size() >= 4 && ((text[0] == '\0') != (text[1] == '\0')) &&
+                    (text[0] == '\0') == (text[2] == '\0') && (text[1] == '\0') == (text[3] == '\0');
+  if (marked || wide) throw TextError({}, "this is UTF-16; save it as UTF-8");
+  for (std::size_t i = text.find('\r'); i < text.size(); i = text.find('\r', i + 1))
+    if (i + 1 < text.size() && text[i + 1] != '\n')
+      throw TextError(position_in(text, i), "a carriage return alone ends no line; save the file with LF or CR LF");
+}
+
 class Scanner {
  public:
   explicit Scanner(std::string_view text) : text_(text) {
@@ -61,7 +81,7 @@ class Scanner {
           skip_string(true);
           continue;
         }
-        if (static_cast<unsigned char>(c) >= 0x80) fail(i_, "letters beyond ASCII belong into quotes or comments only");
+        if (static_cast<unsigned char>(c) >= 0x80) fail_at_letter();
         if (c == '[' || c == '{') ++depth;
         if ((c == ']' || c == '}') && depth > 0) --depth;
         if (c == '=' || c == ',' || c == '[' || c == '{') parts = 1;
@@ -80,6 +100,14 @@ class Scanner {
   }
   [[noreturn]] void fail(std::size_t offset, const std::string& what) const {
     throw TextError(position_in(text_, offset), what);
+  }
+
+  [[noreturn]] void fail_at_letter() const {
+    const std::string_view ascii = ascii_for(text_.substr(i_, sequence_length(text_, i_)));
+    const std::string what = "letters beyond ASCII belong into quotes or comments only";
+    fail(i_, ascii.empty()
+                 ? what
+                 : what + (ascii == " " ? "; this blank is none" : "; here it should be " + std::string(ascii)));
   }
 
   void skip_blanks() {
@@ -145,7 +173,14 @@ TextPosition position_in(std::string_view text, std::size_t offset) {
 
 bool is_utf8(std::string_view text) { return first_invalid(text) == text.size(); }
 
+std::string_view ascii_for(std::string_view character) {
+  for (const Letter& known : letters)
+    if (known.letter == character) return known.ascii;
+  return {};
+}
+
 void check_text(std::string_view text) {
+  check_encoding(text);
   const std::size_t invalid = first_invalid(text);
   if (invalid < text.size()) throw TextError(position_in(text, invalid), "this byte is not part of UTF-8 text");
   Scanner(text).scan();

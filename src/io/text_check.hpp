@@ -24,7 +24,12 @@ class TextError : public std::runtime_error {
 
 bool is_utf8(std::string_view text);
 
-/// Refuses what toml++ 3.3 answers with undefined behaviour or unbounded recursion: text that is not UTF-8, letters
+/// The ASCII that somebody meant who has this character from a word processor or a book: - for a typographic minus, a
+/// plain quote for a curved one, pi for the Greek letter. Empty when it is none of them.
+std::string_view ascii_for(std::string_view character);
+
+/// Refuses text in UTF-16 and lines that end in a carriage return alone, and what toml++ 3.3 answers with undefined
+/// behaviour or unbounded recursion: text that is not UTF-8, letters
 /// beyond ASCII outside of strings and comments, malformed table headers, dotted names of very many parts, strings
 /// that do not end. What passes may still be wrong TOML.
 /// @throws TextError at the first fault

@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "io/toml_habits.hpp"
+
 namespace {
 
 struct BrokenAssumption {};
@@ -78,13 +80,20 @@ TomlNode tree(const toml::node& node, const toml::key* key = nullptr) {
   return copy;
 }
 
+std::string_view line_of(std::string_view text, std::size_t number) {
+  for (std::size_t k = 1; k < number; ++k) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  return text.substr(0, text.find('\n'));
+}
+
 template <class Result>
 Result parsed(std::string_view text, Result (*convert)(const toml::table&)) {
   check_text(text);
   try {
     return convert(toml::parse(text));
   } catch (const toml::parse_error& error) {
-    throw TextError(position(error.source()), std::string(error.description()));
+    const TextPosition at = position(error.source());
+    const std::string_view advice = toml_advice(line_of(text, at.line));
+    throw TextError(at, std::string(error.description()).append(advice.empty() ? "" : "; ").append(advice));
   } catch (const BrokenAssumption&) {
     throw TextError({}, "not a TOML text");
   }

@@ -4,18 +4,14 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "io/scene_keys.hpp"
+#include "support/description.hpp"
 
 namespace viscobar {
-
-void PrintTo(const Diagnostic& found, std::ostream* out) { *out << found.text(); }
 
 namespace {
 
@@ -51,11 +47,6 @@ std::vector<Diagnostic> errors_of(const std::string& text, const Overrides& over
   return {};
 }
 
-std::string content(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder))
@@ -69,52 +60,6 @@ std::string test_name(const testing::TestParamInfo<fs::path>& info) {
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 }
-
-// What the first lines of a malformed scene say: "# set key=value" gives an override, "# expect line:column key
-// fragment" an error, in their order; the key of an error that is about none is "-", and the position of one that is
-// about an override begins with "--set:".
-struct Expectations {
-  Overrides overrides;
-  std::vector<std::string> errors;
-};
-
-Expectations expectations_in(const std::string& text) {
-  Expectations expected;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) {
-    if (line.starts_with("# set "))
-      expected.overrides.push_back(line.substr(6));
-    else if (line.starts_with("# expect "))
-      expected.errors.push_back(line.substr(9));
-    else
-      break;
-  }
-  return expected;
-}
-
-class Malformed : public testing::TestWithParam<fs::path> {};
-
-TEST_P(Malformed, GivesExactlyTheErrorsItAnnounces) {
-  const std::string text = content(GetParam());
-  const Expectations expected = expectations_in(text);
-  ASSERT_FALSE(expected.errors.empty());
-  const std::vector<Diagnostic> found = errors_of(text, expected.overrides);
-  EXPECT_EQ(found.size(), expected.errors.size()) << testing::PrintToString(found);
-  for (std::size_t i = 0; i < std::min(found.size(), expected.errors.size()); ++i) {
-    std::istringstream words(expected.errors[i]);
-    std::string position, key, fragment;
-    words >> position >> key >> std::ws;
-    std::getline(words, fragment);
-    const Diagnostic& one = found[i];
-    const std::string source = one.source == "--set" ? "--set:" : "";
-    EXPECT_EQ(source + std::to_string(one.line) + ":" + std::to_string(one.column), position) << one.text();
-    EXPECT_EQ(one.key.empty() ? "-" : one.key, key) << one.text();
-    EXPECT_NE(one.message.find(fragment), std::string::npos) << one.text() << "\nlacks: " << fragment;
-    EXPECT_EQ(one.text().find('\n'), std::string::npos) << one.text();
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(SceneFile, Malformed, testing::ValuesIn(files_in(root / "tests/io/malformed")), test_name);
 
 class Example : public testing::TestWithParam<fs::path> {};
 
@@ -357,16 +302,7 @@ TEST(SceneFile, DescribesEveryKeyAsUnderstood) {
 TEST(SceneFile, IsRestoredByItsDescription) {
   for (const fs::path& file : files_in(root / "examples/scenes")) {
     const std::string description = read_scene(file).description;
-    Overrides overrides;
-    const auto tables = nlohmann::json::parse(description);
-    for (const auto& [table, keys] : tables.items()) {
-      if (!keys.is_object()) {
-        overrides.push_back(table + "=" + keys.dump());
-        continue;
-      }
-      for (const auto& [key, value] : keys.items()) overrides.push_back(table + "." + key + "=" + value.dump());
-    }
-    EXPECT_EQ(parse_scene("", "empty.toml", overrides).description, description);
+    EXPECT_EQ(parse_scene("", "empty.toml", overrides_of(description)).description, description);
   }
 }
 

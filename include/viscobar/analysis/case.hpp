@@ -50,16 +50,25 @@ struct Case {
   std::vector<double> output_times() const;
 };
 
-/// Everything wrong with a case: the scene's findings and those that need the mesh, the contact parameters or the
-/// method. Empty when simulate() can start.
-std::vector<Finding> validate(const Case& run);
+/// Everything wrong with a case, in one go: the scene's findings and those that need the mesh, the contact parameters,
+/// the method or the memory of the machine. Empty when simulate() can start.
+///
+/// `faulty` are keys known to be wrong already: neither they nor what could only be judged by them is reported. Their
+/// values need not make sense, but those of bar.length and mesh.elements must be ones of a mesh.
+std::vector<Finding> validate(const Case& run, const std::vector<std::string>& faulty = {});
 
 /// The penalised method that a study of a case takes: the case's own, or cvode for one that does not penalise, and ida
 /// where that one cannot take the scene (massless contact nodes without viscosity).
 MethodName penalised_method(const Case& run);
 
-/// The semi-discrete system of a sound case; `finite_difference` runs on the lumped mass when the case says
-/// "consistent", since (3.22) is (2.8) with a diagonal product, and `rigid` always on the redistributed mass.
+/// The mass of a run: `finite_difference` takes the lumped one when the case says "consistent", since (3.22) is (2.8)
+/// with a diagonal product, and `rigid` always the redistributed one.
+Mass effective_mass(const Case& run);
+
+/// The penalty of a penalised method: a spring without dashpot where the case has no restitution.
+Penalty penalty(const Case& run);
+
+/// The semi-discrete system of a sound case, on its effective mass.
 BarSystem make_system(const Case& run);
 
 /// The options of `odeint` that a case asks for.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -55,13 +54,5 @@ ImpactPrediction predict_impact(const Bar& bar, double spacing, double effective
 /// One for each end with an obstacle and one, its worst, for a span obstacle, of a penalised method with epsilon > 0;
 /// empty otherwise.
 std::vector<ContactRegime> contact_regimes(const Case& run, const BarSystem& system);
-
-/// What a method allocates that grows with the number of nodes, in vectors with an entry a node; to a third or so.
-struct MemoryNeed {
-  std::size_t vectors = 0;  ///< with an entry a node
-  std::size_t bytes = 0;    ///< the same in bytes
-};
-/// Of a sound case on its system.
-MemoryNeed memory_need(const Case& run, const BarSystem& system);
 
 }  // namespace viscobar

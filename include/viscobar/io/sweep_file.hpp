@@ -33,6 +33,10 @@ struct SweepFile {
 /// @throws SceneError with everything wrong in the sweep file in one go
 SweepFile read_sweep(const std::filesystem::path& file, std::span<const std::string> overrides = {});
 
+/// The same from text; `file` names it in diagnostics, and its scene is looked for beside it.
+SweepFile parse_sweep(const std::string& text, const std::filesystem::path& file,
+                      std::span<const std::string> overrides = {});
+
 /// A case as the workers run it: the scene's text and all overrides.
 struct SweepCase {
   std::size_t index = 0;               ///< in the plan

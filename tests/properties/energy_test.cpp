@@ -1,0 +1,73 @@
+#include "properties/generator.hpp"
+#include "properties/tolerance.hpp"
+#include "viscobar/dynamics/penalty_law.hpp"
+
+namespace viscobar::properties {
+namespace {
+
+// Energy of the k-th snapshot: the bar's, and that of the springs of a penalty.
+double energy(const Case& run, const BarSystem& system, const Recording& recording, std::size_t k) {
+  const auto part = [&](std::span<const double> nodal) { return nodal.subspan(system.first_node(), system.size()); };
+  const auto u = part(recording.displacement(k)), v = part(recording.velocity(k));
+  double sum = system.energy(u, v);
+  if (!is_penalised(run.method)) return sum;
+  for (const Contact& contact : system.contacts())
+    sum += penalty_law({*run.epsilon, 1.0}, contact.weight, 0.0).energy(-(u[contact.unknown] + contact.gap));
+  return sum;
+}
+
+// With |du| <= d and |dv| <= V d of a field, |dE| <= 2 sqrt(E N) + N, where N is the energy of the worst such field:
+// alternating from node to node it strains every element by 2 d / h.
+double energy_error(const Case& run, double energy, double d) {
+  const Bar& bar = run.scene.bar;
+  const double h = run.mesh().spacing(), dv = fastest_frequency(run) * d;
+  const double springs = is_penalised(run.method) && run.epsilon ? 3.0 * d * d / (2.0 * *run.epsilon) : 0.0;
+  const double n = (bar.density * dv * dv / 2.0 + bar.modulus * 2.0 * d * d / (h * h)) * bar.length + springs;
+  return 2.0 * std::sqrt(std::max(energy, 0.0) * n) + n;
+}
+
+TEST(Energy, WithoutLoadNeverGrows) {
+  expect_always([] {
+    Asked asked;
+    asked.loads = false;
+    const RandomScene scene = *scenes(asked);
+    const Case run = scene.read().run;
+    const Recording recording = record(run);
+    const EnergyAccount account = recording.statistics.energy.value();
+    RC_CLASSIFY(!recording.events.empty(), "contact");
+    if (is_scheme(run.method)) {
+      // The law of (2.8) is one of its half steps: E^{n+1/2} - E^{n-1/2} <= 0 up to rounding, n steps of it.
+      const double rounding = 1e-12 * static_cast<double>(recording.statistics.steps) * account.initial;
+      RC_ASSERT(account.final <= account.initial + rounding);
+      RC_ASSERT(account.dissipated >= -rounding);
+      return;
+    }
+    const BarSystem system = make_system(run);
+    const double d = displacement_error(run, largest(recording.u));
+    for (std::size_t k = 1; k < recording.times.size(); ++k) {
+      const double before = energy(run, system, recording, k - 1), after = energy(run, system, recording, k);
+      if (after > before + 2.0 * energy_error(run, std::max(before, after), d))
+        RC_FAIL(fmt::format("E({}) = {}, E({}) = {}", recording.times[k - 1], before, recording.times[k], after));
+    }
+  });
+}
+
+TEST(Energy, AccountBalancesUnderAnyLoad) {
+  expect_always([] {
+    const RandomScene scene = *scenes();
+    const Case run = scene.read().run;
+    const Recording recording = record(run);
+    const EnergyAccount account = recording.statistics.energy.value();
+    const double largest_energy = account.initial + account.final + account.dissipated + std::abs(account.work);
+    const double d = displacement_error(run, largest(recording.u));
+    // The scheme's account is exact step by step, so only rounding is left.
+    const double bound = is_scheme(run.method)
+                             ? 1e-12 * static_cast<double>(recording.statistics.steps) * largest_energy
+                             : 2.0 * energy_error(run, largest_energy, d);
+    if (std::abs(account.balance_error()) > bound)
+      RC_FAIL(fmt::format("balance error {} above {}", account.balance_error(), bound));
+  });
+}
+
+}  // namespace
+}  // namespace viscobar::properties

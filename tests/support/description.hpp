@@ -1,0 +1,23 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace viscobar {
+
+/// The keys of a scene's description (SceneFile::description) as overrides "table.key=value".
+inline std::vector<std::string> overrides_of(const std::string& description) {
+  std::vector<std::string> overrides;
+  const auto tables = nlohmann::json::parse(description);
+  for (const auto& [table, keys] : tables.items()) {
+    if (!keys.is_object()) {
+      overrides.push_back(table + "=" + keys.dump());
+      continue;
+    }
+    for (const auto& [key, value] : keys.items()) overrides.push_back(table + "." + key + "=" + value.dump());
+  }
+  return overrides;
+}
+
+}  // namespace viscobar
