@@ -40,8 +40,8 @@ double first_touch(const Scene& scene, double a, double v) {
 
 std::optional<KnownSolution> translation(const Scene& scene, double end) {
   const double length = scene.bar.length;
-  for (const EndCondition& side : {scene.left, scene.right})
-    if (!is_free(side) && !is_obstacle(side)) return std::nullopt;
+  for (const EndCondition& condition : {scene.left, scene.right})
+    if (!is_free(condition) && !is_obstacle(condition)) return std::nullopt;
   if (!constant(scene.displacement, length) || !constant(scene.velocity, length)) return std::nullopt;
   const double a = scene.displacement(0.0), v = scene.velocity(0.0);
   if (end <= first_touch(scene, a, v))

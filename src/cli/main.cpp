@@ -42,7 +42,7 @@ std::string explanation(const CLI::App& app, const CLI::ParseError& error) {
     const std::string bare = word.substr(0, word.find('='));
     if (bare.starts_with('-')) return fmt::format("unknown option {}{}", bare, meant(bare, option_names(command)));
     if (!chosen.empty()) return fmt::format("unexpected argument {}", word);
-    std::vector<std::string> names;
+    std::vector<std::string> names = option_names(app);
     for (const CLI::App* known : app.get_subcommands({})) names.push_back(known->get_name());
     return fmt::format("unknown command {}{}", word, meant(word, names));
   }

@@ -17,7 +17,8 @@ class ReadSweep : public testing_cli::Command {
         << "title = \"Few\"\nscene = \"scene.toml\"\n[set]\ntime.end = 1.0\n[vary]\n"
            "mesh.mass = [\"consistent\", \"redistributed\"]\nmesh.elements = [8, 16]\nbar.viscosity = [0.0, 0.1]\n";
     EXPECT_EQ(viscobar("sweep sweep.toml --quiet -o out").code, 1);
-    for (const auto& column : viscobar("info out --json").json()["results"][0]["columns"])
+    const auto info = viscobar("info out --json").json();
+    for (const auto& column : info["results"][0]["columns"])
       if (column["name"] == "max_penetration") penetration_ = column["to"];
   }
 

@@ -78,7 +78,9 @@ for time in reader.TimestepValues:
         values = points.GetPointData().GetArray(name)
         print(*(repr(values.GetValue(j)) for j in range(values.GetNumberOfTuples())))
 )";
-  const std::string command = "cd '" + scratch_.path().string() + "' && /usr/bin/python3 read.py field.xdmf >read.txt";
+  // The whole path, as from its dialog: ParaView 5.11 does not find field.h5 beside a bare file name.
+  const std::string command =
+      "cd '" + scratch_.path().string() + "' && /usr/bin/python3 read.py \"$PWD/field.xdmf\" >read.txt";
   ASSERT_EQ(std::system(command.c_str()), 0);
   std::ifstream printed(scratch_ / "read.txt");
   double found = 0.0;
