@@ -219,7 +219,9 @@ TEST(Report, WritesItsFiguresOnlyWhenAskedTo) {
   const Scratch scratch;
   record_run(bouncing_bar(), scratch.path());
   EXPECT_FALSE(std::filesystem::exists(scratch / "figures"));
-  record_run(bouncing_bar(), scratch.path(), {.figures = true});
+  RecordOptions options;
+  options.figures = true;
+  record_run(bouncing_bar(), scratch.path(), options);
   for (const char* name : {"bar", "displacement", "left-end", "right-end", "reactions", "energy"})
     EXPECT_TRUE(read_text(scratch / ("figures/" + std::string(name) + ".svg")).ends_with("</svg>\n")) << name;
 }

@@ -3,8 +3,8 @@
 class Curve {
   constructor({ x, y }) {
     this.x = x;
-    this.y = y;
-    this.most = y.reduce((most, value) => Math.max(most, value), -Infinity);
+    this.y = y.map((value) => value ?? NaN);
+    this.most = y.reduce((most, value) => Math.max(most, value ?? -Infinity), -Infinity);
   }
   at(place) {
     const { x, y } = this;
