@@ -7,7 +7,8 @@
 //     rename:N     the N-th renaming of a file fails: input/output error
 //     fsync:N      the N-th syncing of a file fails: input/output error
 //
-// VISCOBAR_FAULT_COUNT is a file to which the number of such calls is written at the end.
+// VISCOBAR_FAULT_COUNT is a file to which the number of such calls is written at the end; with VISCOBAR_FAULT_TRACE an
+// allocation that fails says who asked for it.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -57,6 +58,10 @@ static int for_library(void) {
 static int no_memory_now(void) {
   if (kind != MALLOC || atomic_fetch_add(&calls, 1) + 1 < chosen || chosen == 0 || fired || for_library()) return 0;
   fired = 1;
+  if (getenv("VISCOBAR_FAULT_TRACE")) {
+    void* frames[64];
+    backtrace_symbols_fd(frames, backtrace(frames, 64), 2);
+  }
   errno = ENOMEM;
   return 1;
 }

@@ -46,8 +46,6 @@ struct CheckpointEvery {
   };
   Clock clock = Clock::simulated;
   double interval = 0.0;
-
-  static void members(auto& every, auto&& each) { each(every.clock, every.interval); }
 };
 
 struct RecordOptions {
