@@ -1,7 +1,7 @@
 // Preloaded, lets calls fail as VISCOBAR_FAULT says, from the beginning of main() on:
 //
-//     malloc:N     the N-th allocation finds no memory, or the next but for those below 4 KiB of HDF5 1.10 and of
-//                  SUNContext_Create of SUNDIALS 6.4, which use what they did not get
+//     malloc:N     the N-th allocation finds no memory, or the first behind it that is not one of HDF5 1.10 for itself
+//                  (which then goes on in memory that it has freed) or of SUNContext_Create of SUNDIALS 6.4
 //     write:N      from the N-th write on, files take nothing more: no space left
 //     short:0      files take at most half of what a write offers, and a kilobyte
 //     rename:N     the N-th renaming of a file fails: input/output error
@@ -33,11 +33,9 @@ static atomic_long calls = 0;
 
 static atomic_int fired = 0;
 
-// Whether a library asks for the little that it does not survive the want of.
-static int for_library(size_t size) {
+static int for_library(void) {
   void* frames[64];
   Dl_info info;
-  if (size >= 4096) return 0;
   for (int i = 0, count = backtrace(frames, 64); i < count; ++i) {
     if (!dladdr(frames[i], &info) || !info.dli_fname) continue;
     if (strstr(info.dli_fname, "hdf5") || (info.dli_sname && strcmp(info.dli_sname, "SUNContext_Create") == 0))
@@ -46,8 +44,8 @@ static int for_library(size_t size) {
   return 0;
 }
 
-static int no_memory_for(size_t size) {
-  if (kind != MALLOC || atomic_fetch_add(&calls, 1) + 1 < chosen || chosen == 0 || fired || for_library(size)) return 0;
+static int no_memory(void) {
+  if (kind != MALLOC || atomic_fetch_add(&calls, 1) + 1 < chosen || chosen == 0 || fired || for_library()) return 0;
   fired = 1;
   if (getenv("VISCOBAR_FAULT_TRACE")) {
     void* frames[64];
@@ -98,10 +96,10 @@ int __libc_start_main(Main* main, int argc, char** argv, void (*init)(void), voi
   return start(armed_main, argc, argv, init, fini, rtld, stack);
 }
 
-void* malloc(size_t size) { return no_memory_for(size) ? NULL : __libc_malloc(size); }
-void* calloc(size_t count, size_t size) { return no_memory_for(count * size) ? NULL : __libc_calloc(count, size); }
-void* realloc(void* old, size_t size) { return no_memory_for(size) ? NULL : __libc_realloc(old, size); }
-void* memalign(size_t alignment, size_t size) { return no_memory_for(size) ? NULL : __libc_memalign(alignment, size); }
+void* malloc(size_t size) { return no_memory() ? NULL : __libc_malloc(size); }
+void* calloc(size_t count, size_t size) { return no_memory() ? NULL : __libc_calloc(count, size); }
+void* realloc(void* old, size_t size) { return no_memory() ? NULL : __libc_realloc(old, size); }
+void* memalign(size_t alignment, size_t size) { return no_memory() ? NULL : __libc_memalign(alignment, size); }
 void* aligned_alloc(size_t alignment, size_t size) { return memalign(alignment, size); }
 int posix_memalign(void** memory, size_t alignment, size_t size) {
   *memory = memalign(alignment, size);
