@@ -32,6 +32,7 @@ namespace viscobar {
 ///     sample(t, k)             k-th derivative of the entries that the event search samples
 ///     double largest()         largest |u| so far
 ///     double displacement_tolerance()    local error of u that a step may make
+///     ErrorWeights& weights()  what it must not forget at a checkpoint
 template <class Stepper>
 class StepwiseRun {
  public:

@@ -1,7 +1,8 @@
 // Preloaded, lets calls fail as VISCOBAR_FAULT says, from the beginning of main() on:
 //
 //     malloc:N     the N-th allocation finds no memory, or the first behind it that is not one of HDF5 1.10 for itself
-//                  (which then goes on in memory that it has freed) or of SUNContext_Create of SUNDIALS 6.4
+//                  (which then goes on in memory that it has freed) or of SUNContext_Create or ARKStepSetTableNum
+//                  of SUNDIALS 6.4 (which use what they did not get)
 //     write:N      from the N-th write on, files take nothing more: no space left
 //     short:0      files take at most half of what a write offers, and a kilobyte
 //     rename:N     the N-th renaming of a file fails: input/output error
@@ -38,7 +39,9 @@ static int for_library(void) {
   Dl_info info;
   for (int i = 0, count = backtrace(frames, 64); i < count; ++i) {
     if (!dladdr(frames[i], &info) || !info.dli_fname) continue;
-    if (strstr(info.dli_fname, "hdf5") || (info.dli_sname && strcmp(info.dli_sname, "SUNContext_Create") == 0))
+    const char* function = info.dli_sname ? info.dli_sname : "";
+    if (strstr(info.dli_fname, "hdf5") || !strcmp(function, "SUNContext_Create") ||
+        !strcmp(function, "ARKStepSetTableNum"))
       return 1;
   }
   return 0;
