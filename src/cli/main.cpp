@@ -141,5 +141,8 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     cli::complain(error.what());
     return cli::end_messages(cli::run_failed);
+  } catch (...) {  // muParser's are none of the above; a formula that has been understood fails for want of memory only
+    cli::complain("a formula cannot be evaluated");
+    return cli::end_messages(cli::run_failed);
   }
 }

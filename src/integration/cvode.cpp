@@ -2,6 +2,7 @@
 
 #include <numbers>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "integration/error_weights.hpp"
@@ -142,7 +143,10 @@ class CvodeStepper {
     memory.reset(CVodeCreate(bdf ? CV_BDF : CV_ADAMS, context_.get()));
     if (!memory) throw std::bad_alloc();
     memory_ = memory.get();
-    check("CVodeInit", CVodeInit(memory_, right_hand_side, t, state_.get()));
+    const int begun = CVodeInit(memory_, right_hand_side, t, state_.get());
+    // It has freed its vectors then, and CVodeFree would do so again.
+    if (begun == CV_MEM_FAIL) std::ignore = memory.release(), throw std::bad_alloc();
+    check("CVodeInit", begun);
     VISCOBAR_KEEP_MESSAGES(CVode, memory_, context_, leg_.library_message);
     check("CVodeSetUserData", CVodeSetUserData(memory_, this));
     check("CVodeWFtolerances", CVodeWFtolerances(memory_, error_weights));

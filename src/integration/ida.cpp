@@ -1,6 +1,7 @@
 #include <ida/ida.h>
 
 #include <optional>
+#include <tuple>
 
 #include "integration/error_weights.hpp"
 #include "integration/hull.hpp"
@@ -132,7 +133,10 @@ class IdaStepper {
     void* memory = leg_.memory = memory_.get();
     // The library wants a residual function; the step solver evaluates the residual itself.
     const auto unused_residual = [](double, N_Vector, N_Vector, N_Vector, void*) noexcept { return -1; };
-    check("IDAInit", IDAInit(memory, unused_residual, t, state_.get(), rate_.get()));
+    const int begun = IDAInit(memory, unused_residual, t, state_.get(), rate_.get());
+    // It has freed its vectors then, and IDAFree would do so again.
+    if (begun == IDA_MEM_FAIL) std::ignore = memory_.release(), throw std::bad_alloc();
+    check("IDAInit", begun);
     VISCOBAR_KEEP_MESSAGES(IDA, memory, context_, leg_.library_message);
     check("IDASetUserData", IDASetUserData(memory, this));
     check("IDAWFtolerances", IDAWFtolerances(memory, error_weights));

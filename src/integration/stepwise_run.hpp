@@ -35,6 +35,7 @@ namespace viscobar {
 ///     hull(lowest, highest)    bounds of each of those over the step
 ///     double largest()         largest |u| so far
 ///     double displacement_tolerance()    local error of u that a step may make
+///     ErrorWeights& weights()  what it must not forget at a checkpoint
 template <class Stepper>
 class StepwiseRun {
  public:

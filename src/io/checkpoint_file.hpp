@@ -6,11 +6,14 @@
 #include <string_view>
 #include <vector>
 
+#include "dynamics/archive.hpp"
 #include "io/growing_files.hpp"
 #include "viscobar/dynamics/run.hpp"
 #include "viscobar/io/record_run.hpp"
 
 namespace viscobar {
+
+void members(Like<CheckpointEvery> auto& every, auto&& each) { each(every.clock, every.interval); }
 
 /// All that a recorded run needs to go on: the scene as understood, the motion, how much of each growing file belongs
 /// to it, and what the report and the summary have collected. At the beginning of a run there is a scene only.

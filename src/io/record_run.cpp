@@ -65,106 +65,139 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 /// A run and its files, from the beginning or from a checkpoint.
-RunRecord record(const SceneFile& scene, const fs::path& directory, const RecordOptions& options, RunCheckpoint last) {
-  const Case& run = scene.run;
-  const BarSystem system = make_system(run);
-  ContactSummary contact(run.scene);
-  ReportData data(run, system);
-  RunRecord record;
-  Outcome& outcome = record.outcome;
-  const auto write_summary = [&] {
-    record.summary = summary_json(scene, system, outcome, contact);
-    write_atomically(directory / "summary.json", record.summary);
-  };
-
-  // A run that is killed leaves this one, and no report of an earlier run beside its own files.
-  fs::remove(directory / "report.html");
-  outcome.ending = Ending::interrupted;
-  outcome.error = "the run is going on, or was killed";
-  write_summary();
-  outcome = {};
-  if (last.schedule && !last.motion) write_checkpoint(directory, last);
-
-  ChatterWatch chatter(system);
-  if (last.motion) {
-    ArchiveReader archive(last.collected);
-    archive(contact, data, chatter, outcome.warnings);
-    outcome.reached_time = last.motion->time;
-    outcome.steps = last.motion->statistics.steps;
-    outcome.events = last.motion->statistics.events;
+class RecordedRun {
+ public:
+  RecordedRun(const SceneFile& scene, const fs::path& directory, const RecordOptions& options, RunCheckpoint last)
+      : scene_(scene),
+        directory_(directory),
+        options_(options),
+        last_(std::move(last)),
+        system_(make_system(scene.run)),
+        contact_(scene.run.scene),
+        data_(scene.run, system_),
+        chatter_(system_) {
+    if (last_.schedule && !simulated()) clock_.emplace(last_.schedule->interval);
   }
-  outcome.checkpoints = last.times;
-  GrowingFiles files(directory, run, last.motion ? &last.files : nullptr);
 
-  Observers observers;
-  observers.energy = true;
-  observers.snapshot = [&](const Snapshot& snapshot) {
-    files.ends.append(snapshot);
-    files.field.append(snapshot);
-    contact.add(snapshot);
-    data.add(snapshot);
-  };
-  observers.event = [&](const Event& event) {
-    ++outcome.events;
-    files.events.append(event);
-    contact.add(event);
-    data.add(event);
-    if (options.event) options.event(event);
-    if (const auto first = chatter.heard(event)) {
-      outcome.warnings.push_back(chatter_warning(run, system, *first));
-      if (options.warning) options.warning(outcome.warnings.back());
-    }
-  };
-  bool stopping = false;
-  const bool simulated = last.schedule && last.schedule->clock == CheckpointEvery::Clock::simulated;
-  std::optional<CheckpointClock> clock;
-  if (last.schedule && !simulated) clock.emplace(last.schedule->interval);
-  observers.progress = [&](double time) {
-    outcome.reached_time = time;
-    ++outcome.steps;
-    if (options.progress) options.progress(time, outcome.steps);
-    stopping = stopping || (options.stop && options.stop());
-    if (stopping && simulated) throw Interrupted();
-  };
-  if (last.schedule || options.stop) {
-    Checkpoints& checkpoints = observers.checkpoints.emplace();
-    if (simulated) checkpoints.every = last.schedule->interval;
-    checkpoints.asked = [&] { return stopping || (clock && clock->due()); };
-    checkpoints.take = [&](const Checkpoint& motion) {
-      const auto write = [&] {
-        std::vector<double> times = outcome.checkpoints;
-        times.push_back(motion.time);
-        ArchiveWriter archive;
-        archive(contact, data, chatter, outcome.warnings);
-        write_checkpoint(directory, {scene.description, last.schedule, motion, files.mark(), archive.take(), times,
-                                     last.wall_seconds + seconds_since(options.started)});
-        outcome.checkpoints = std::move(times);
-      };
-      clock ? clock->make(write) : write();
-      if (stopping) throw Interrupted();
+  RunRecord operator()() {
+    begin();
+    simulate_into(outcome(), scene_.run, system_, last_.motion, observers());
+    // Each for itself: what one cannot write, another may.
+    attempt(outcome(), [&] { files_->ends.close(); });
+    attempt(outcome(), [&] { files_->events.close(); });
+    attempt(outcome(), [&] { files_->field.close(); });
+    write_pages();
+    if (outcome().ending == Ending::completed) remove_checkpoints(directory_);
+    return std::move(record_);
+  }
+
+ private:
+  Outcome& outcome() { return record_.outcome; }
+  bool simulated() const { return last_.schedule && last_.schedule->clock == CheckpointEvery::Clock::simulated; }
+  double wall_seconds() const { return last_.wall_seconds + seconds_since(options_.started); }
+
+  void write_summary() {
+    record_.summary = summary_json(scene_, system_, outcome(), contact_);
+    write_atomically(directory_ / "summary.json", record_.summary);
+  }
+
+  void begin() {
+    // A run that is killed leaves this one, and no report of an earlier run beside its own files.
+    fs::remove(directory_ / "report.html");
+    outcome().ending = Ending::interrupted;
+    outcome().error = "the run is going on, or was killed";
+    write_summary();
+    outcome() = {};
+    if (last_.schedule && !last_.motion) write_checkpoint(directory_, last_);
+    files_.emplace(directory_, scene_.run, last_.motion ? &last_.files : nullptr);
+    if (!last_.motion) return;
+    ArchiveReader archive(last_.collected);
+    archive(contact_, data_, chatter_, outcome().warnings);
+    outcome().reached_time = last_.motion->time;
+    outcome().steps = last_.motion->statistics.steps;
+    outcome().events = last_.motion->statistics.events;
+    outcome().checkpoints = last_.times;
+  }
+
+  Observers observers() {
+    Observers observers;
+    observers.energy = true;
+    observers.snapshot = [this](const Snapshot& snapshot) {
+      files_->ends.append(snapshot);
+      files_->field.append(snapshot);
+      contact_.add(snapshot);
+      data_.add(snapshot);
     };
+    observers.event = [this](const Event& event) {
+      ++outcome().events;
+      files_->events.append(event);
+      contact_.add(event);
+      data_.add(event);
+      if (options_.event) options_.event(event);
+      if (const auto first = chatter_.heard(event)) warn(chatter_warning(scene_.run, system_, *first));
+    };
+    observers.progress = [this](double time) {
+      outcome().reached_time = time;
+      ++outcome().steps;
+      if (options_.progress) options_.progress(time, outcome().steps);
+      stopping_ = stopping_ || (options_.stop && options_.stop());
+      if (stopping_ && simulated()) throw Interrupted();
+    };
+    if (last_.schedule || options_.stop) {
+      Checkpoints& checkpoints = observers.checkpoints.emplace();
+      if (simulated()) checkpoints.every = last_.schedule->interval;
+      checkpoints.asked = [this] { return stopping_ || (clock_ && clock_->due()); };
+      checkpoints.take = [this](const Checkpoint& motion) { take(motion); };
+    }
+    return observers;
   }
-  simulate_into(outcome, run, system, last.motion, observers);
-  // Each for itself: what one cannot write, another may.
-  attempt(outcome, [&] { files.ends.close(); });
-  attempt(outcome, [&] { files.events.close(); });
-  attempt(outcome, [&] { files.field.close(); });
 
-  const auto stop_clock = [&] { outcome.wall_seconds = last.wall_seconds + seconds_since(options.started); };
-  stop_clock();
-  attempt(outcome, [&] {
-    const Page page = report_page(run, system, outcome, contact, data);
-    write_atomically(directory / "report.html", page.html());
-    if (options.figures) write_figures(directory, page.figure_files());
-  });
-  stop_clock();
-  const Ending before = outcome.ending;
-  attempt(outcome, write_summary);
-  // The text says what happened also where the file could not.
-  if (outcome.ending != before) record.summary = summary_json(scene, system, outcome, contact);
-  if (outcome.ending == Ending::completed) remove_checkpoints(directory);
-  return record;
-}
+  void warn(const std::string& warning) {
+    outcome().warnings.push_back(warning);
+    if (options_.warning) options_.warning(warning);
+  }
+
+  void take(const Checkpoint& motion) {
+    const auto write = [&] {
+      std::vector<double> times = outcome().checkpoints;
+      times.push_back(motion.time);
+      ArchiveWriter archive;
+      archive(contact_, data_, chatter_, outcome().warnings);
+      write_checkpoint(directory_, {scene_.description, last_.schedule, motion, files_->mark(), archive.take(), times,
+                                    wall_seconds()});
+      outcome().checkpoints = std::move(times);
+    };
+    clock_ ? clock_->make(write) : write();
+    if (stopping_) throw Interrupted();
+  }
+
+  void write_pages() {
+    outcome().wall_seconds = wall_seconds();
+    attempt(outcome(), [&] {
+      const Page page = report_page(scene_.run, system_, outcome(), contact_, data_);
+      write_atomically(directory_ / "report.html", page.html());
+      if (options_.figures) write_figures(directory_, page.figure_files());
+    });
+    outcome().wall_seconds = wall_seconds();
+    const Ending before = outcome().ending;
+    attempt(outcome(), [&] { write_summary(); });
+    // The text says what happened also where the file could not.
+    if (outcome().ending != before) record_.summary = summary_json(scene_, system_, outcome(), contact_);
+  }
+
+  const SceneFile& scene_;
+  const fs::path& directory_;
+  const RecordOptions& options_;
+  const RunCheckpoint last_;  // from which it goes on
+  const BarSystem system_;
+  ContactSummary contact_;
+  ReportData data_;
+  ChatterWatch chatter_;
+  std::optional<GrowingFiles> files_;
+  std::optional<CheckpointClock> clock_;
+  bool stopping_ = false;
+  RunRecord record_;
+};
 
 }  // namespace
 
@@ -175,7 +208,7 @@ RunRecord record_run(const SceneFile& scene, const fs::path& directory, const Re
   RunCheckpoint beginning;
   beginning.description = scene.description;
   beginning.schedule = options.checkpoint;
-  return record(scene, directory, options, std::move(beginning));
+  return RecordedRun(scene, directory, options, std::move(beginning))();
 }
 
 SceneFile scene_of_checkpoint(const fs::path& directory) {
@@ -194,7 +227,7 @@ RunRecord resume_run(const SceneFile& scene, const fs::path& directory, const Re
   if (found.checkpoint.motion) found.checkpoint.files.check(directory);
   if (!found.complaint.empty() && complain) complain(found.complaint);
   if (!found.complaint.empty()) remove_newest_checkpoint(directory);
-  return record(scene, directory, options, std::move(found.checkpoint));
+  return RecordedRun(scene, directory, options, std::move(found.checkpoint))();
 }
 
 }  // namespace viscobar

@@ -141,10 +141,15 @@ Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
 }
 
 std::string describe(const SceneEntries& entries, const Case& run) {
-  nlohmann::ordered_json json;
+  using Json = nlohmann::ordered_json;
+  // Made as objects: where memory ends while null becomes one, the library would destroy what is not there.
+  Json json = Json::object();
+  const auto table = [&](std::string_view name) -> Json& {
+    return json.emplace(std::string(name), Json::object()).first.value();
+  };
   for (const SceneKey& key : scene_keys()) {
     if (!entries.present(key.name)) continue;
-    auto& parent = key.table().empty() ? json : json[std::string(key.table())];
+    auto& parent = key.table().empty() ? json : table(key.table());
     auto& value = parent[std::string(key.leaf())];
     if (key.type == KeyType::count)
       value = run.elements;
@@ -153,8 +158,8 @@ std::string describe(const SceneEntries& entries, const Case& run) {
     else
       value = *entries.number(key.name);
   }
-  json["method"]["name"] = name(run.method);
-  json["output"]["every"] = run.output_every;
+  table("method")["name"] = name(run.method);
+  table("output")["every"] = run.output_every;
   return json.dump(2);
 }
 

@@ -61,7 +61,7 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
   const auto known = [&](auto member) {
     return outcome.statistics ? Json((*outcome.statistics).*member) : Json(nullptr);
   };
-  Json json;
+  Json json = Json::object();
   json["title"] = scene.run.scene.title;
   json["method"] = name(scene.run.method);
   json["completed"] = outcome.ending == Ending::completed;

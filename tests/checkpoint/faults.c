@@ -1,18 +1,19 @@
 // Preloaded, lets calls fail as VISCOBAR_FAULT says, from the beginning of main() on:
 //
-//     malloc:N     the N-th allocation finds no memory, or the first behind it that HDF5 does not make for itself: 1.10
-//                  does not survive that everywhere
+//     malloc:N     the N-th allocation finds no memory, or the first behind it that is not one of HDF5 1.10 for itself
+//                  (which then goes on in memory that it has freed) or of SUNContext_Create or ARKStepSetTableNum
+//                  of SUNDIALS 6.4 (which use what they did not get)
 //     write:N      from the N-th write on, files take nothing more: no space left
 //     short:0      files take at most half of what a write offers, and a kilobyte
 //     rename:N     the N-th renaming of a file fails: input/output error
 //     fsync:N      the N-th syncing of a file fails: input/output error
 //
-// VISCOBAR_FAULT_COUNT is a file to which the number of such calls is written at the end.
+// VISCOBAR_FAULT_COUNT is a file to which the number of such calls is written at the end; with VISCOBAR_FAULT_TRACE an
+// allocation that fails says who asked for it.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
 #include <execinfo.h>
-#include <link.h>
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -31,32 +32,28 @@ static enum { NONE, MALLOC, WRITE, SHORT, RENAME, FSYNC } kind = NONE;
 static long chosen = 0;
 static atomic_long calls = 0;
 
-static const char *library_begin, *library_end;
 static atomic_int fired = 0;
-
-static int find_library(struct dl_phdr_info* info, size_t size, void* unused) {
-  (void)size, (void)unused;
-  if (!strstr(info->dlpi_name, "hdf5")) return 0;
-  for (int i = 0; i < info->dlpi_phnum; ++i) {
-    if (info->dlpi_phdr[i].p_type != PT_LOAD) continue;
-    const char* begin = (const char*)info->dlpi_addr + info->dlpi_phdr[i].p_vaddr;
-    if (!library_begin || begin < library_begin) library_begin = begin;
-    if (begin + info->dlpi_phdr[i].p_memsz > library_end) library_end = begin + info->dlpi_phdr[i].p_memsz;
-  }
-  return 1;
-}
 
 static int for_library(void) {
   void* frames[64];
-  const int count = backtrace(frames, 64);
-  for (int i = 0; i < count; ++i)
-    if ((const char*)frames[i] >= library_begin && (const char*)frames[i] < library_end) return 1;
+  Dl_info info;
+  for (int i = 0, count = backtrace(frames, 64); i < count; ++i) {
+    if (!dladdr(frames[i], &info) || !info.dli_fname) continue;
+    const char* function = info.dli_sname ? info.dli_sname : "";
+    if (strstr(info.dli_fname, "hdf5") || !strcmp(function, "SUNContext_Create") ||
+        !strcmp(function, "ARKStepSetTableNum"))
+      return 1;
+  }
   return 0;
 }
 
-static int no_memory_now(void) {
+static int no_memory(void) {
   if (kind != MALLOC || atomic_fetch_add(&calls, 1) + 1 < chosen || chosen == 0 || fired || for_library()) return 0;
   fired = 1;
+  if (getenv("VISCOBAR_FAULT_TRACE")) {
+    void* frames[64];
+    backtrace_symbols_fd(frames, backtrace(frames, 64), 2);
+  }
   errno = ENOMEM;
   return 1;
 }
@@ -70,7 +67,6 @@ static void arm(void) {
   if (!fault) return;
   void* frame;
   backtrace(&frame, 1);  // allocates when first called
-  dl_iterate_phdr(find_library, NULL);
   for (int k = MALLOC; k <= FSYNC; ++k) {
     if (strncmp(fault, names[k], strlen(names[k])) != 0) continue;
     chosen = atol(fault + strlen(names[k]));
@@ -103,10 +99,10 @@ int __libc_start_main(Main* main, int argc, char** argv, void (*init)(void), voi
   return start(armed_main, argc, argv, init, fini, rtld, stack);
 }
 
-void* malloc(size_t size) { return no_memory_now() ? NULL : __libc_malloc(size); }
-void* calloc(size_t count, size_t size) { return no_memory_now() ? NULL : __libc_calloc(count, size); }
-void* realloc(void* old, size_t size) { return no_memory_now() ? NULL : __libc_realloc(old, size); }
-void* memalign(size_t alignment, size_t size) { return no_memory_now() ? NULL : __libc_memalign(alignment, size); }
+void* malloc(size_t size) { return no_memory() ? NULL : __libc_malloc(size); }
+void* calloc(size_t count, size_t size) { return no_memory() ? NULL : __libc_calloc(count, size); }
+void* realloc(void* old, size_t size) { return no_memory() ? NULL : __libc_realloc(old, size); }
+void* memalign(size_t alignment, size_t size) { return no_memory() ? NULL : __libc_memalign(alignment, size); }
 void* aligned_alloc(size_t alignment, size_t size) { return memalign(alignment, size); }
 int posix_memalign(void** memory, size_t alignment, size_t size) {
   *memory = memalign(alignment, size);

@@ -49,8 +49,6 @@ struct CheckpointEvery {
   };
   Clock clock = Clock::simulated;  ///< what the interval counts
   double interval = 0.0;           ///< positive
-
-  static void members(auto& every, auto&& each) { each(every.clock, every.interval); }
 };
 
 /// What the caller of record_run() wants to hear, and since when it counts.
