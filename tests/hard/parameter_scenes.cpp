@@ -18,7 +18,7 @@ const std::vector<MethodName> schemes = {MethodName::fully_discrete, MethodName:
 // Massive contact nodes bounce some 2 / sqrt(epsilon) times in a unit of contact: hundreds of them are run.
 void penalties(Scenes& scenes) {
   for (const char* epsilon : {"1", "1e-2", "1e-4", "1e-6", "1e-8", "1e-10", "1e-12", "1e-14"}) {
-    const double end = std::min(2.0, 0.1 + 500 * std::sqrt(std::atof(epsilon)));
+    const double end = std::min(2.0, 0.1 + 5000 * std::sqrt(std::atof(epsilon)));
     const std::string penalty = fmt::format("contact.epsilon={}", epsilon);
     scenes.push_back({fmt::format("epsilon {}, massive nodes", epsilon),
                       "fall",
