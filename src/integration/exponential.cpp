@@ -87,11 +87,20 @@ class Run {
   std::size_t contacts() const { return penalised_.contact_count(); }
   Index node(std::size_t c) const { return static_cast<Index>(penalised_.contact(c).unknown); }
   double surface(std::size_t c) const { return propagators_.surface(c); }
-  // A node without mass and viscosity has no displacement of its own in y.
-  bool follows(std::size_t c) const {
+  bool massless(std::size_t c) const {
     const std::size_t i = penalised_.contact(c).unknown;
-    return !system_.damped() && (i < system_.massive_begin() || i >= system_.massive_end());
+    return i < system_.massive_begin() || i >= system_.massive_end();
   }
+  // A massless node's velocity is a difference of forces over its viscosity: what the rounding of a strain makes of a
+  // displacement extrapolated by it over a step. A maximum good to more digits would take steps as short as the node's
+  // relaxation.
+  double slope_noise(std::size_t c) const {
+    if (!system_.damped() || !massless(c)) return 0.0;
+    const Bar& bar = system_.bar();
+    return 8.0 * rounding * largest_displacement_ * bar.modulus / bar.viscosity * propagator_->step(level_);
+  }
+  // A node without mass and viscosity has no displacement of its own in y.
+  bool follows(std::size_t c) const { return !system_.damped() && massless(c); }
   double shortest_step() const { return 4.0 * rounding * std::max(std::abs(t_), times_.back() - times_.front()); }
 
   // What the distance of contact c has to pass behind zero for a change. Closing, its rounding. Opening, less where it
@@ -258,8 +267,9 @@ class Run {
     if (!penalised_.closed(c)) return true;
     const double share = penalised_.penetration_share(c);
     penetration = std::max(penetration, share * std::ranges::max(values));
-    return range.monotone() ||
-           share * range.highest() <= penetration * (1.0 + 1e-13) + rounding * largest_displacement_;
+    return range.monotone() || share * range.highest() <= penetration * (1.0 + 1e-13) +
+                                                              rounding * largest_displacement_ +
+                                                              std::min(slope_noise(c), 1e-6 * penetration);
   }
 
   // A step that one Taylor series covers, cut at the first contact change.

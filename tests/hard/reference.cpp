@@ -55,13 +55,15 @@ Reference of_scheme(const Trial& trial) {
 }
 
 Reference of_rigid(const Trial& trial) {
-  Case reference = trusted(trial.run);
+  Case reference = by(trial.run, MethodName::arkode, 1e-9);
   reference.mass = Mass::redistributed;
   reference.epsilon = 1e-9;
   const Recording recording = record(reference);
   const auto changes = static_cast<double>(recording.events.size());
-  return {"penalised, epsilon = 1e-9", recording,
-          promised(trial, largest(recording.u)) + (1 + 2 * changes) * recording.statistics.max_penetration};
+  const double u = largest(recording.u);
+  return {"arkode, epsilon = 1e-9", recording,
+          promised(trial, u) + promised({reference, recording}, u) +
+              (1 + 2 * changes) * recording.statistics.max_penetration};
 }
 
 }  // namespace

@@ -16,7 +16,8 @@ struct Reference {
 /// - penalised, adaptive: by matrix exponentials (a finer run of another integrator on more than 60 elements), to what
 ///   the tolerances promise
 /// - exponential: by ARKODE at a tolerance of 1e-10
-/// - rigid: by matrix exponentials at a penetration of d: a gap wrong by d moves the bar by d, and each contact change,
+/// - rigid: by ARKODE at epsilon = 1e-9 and a penetration of d: a gap wrong by d moves the bar by d, and each contact
+/// change,
 ///   late by d / v, by 2 d more
 /// - schemes: penalised at epsilon = 1e-8 with the restitution of the scheme (rigid where the contact nodes are
 ///   massless), to four times the change from dt to dt/2, of which order one makes 2, and that of the reference from

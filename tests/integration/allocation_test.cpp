@@ -40,7 +40,7 @@ void expect_no_allocation_a_step() {
   for (const double viscosity : {0.0, 0.1}) {
     counted(Method{{}, {1e-4, 1e-7}}, viscosity);  // makes the tables that all runs share
     const Count few = counted(Method{{}, {1e-4, 1e-7}}, viscosity);
-    const Count many = counted(Method{{}, {1e-9, 1e-12}}, viscosity);
+    const Count many = counted(Method{{}, {1e-10, 1e-13}}, viscosity);
     EXPECT_GT(many.steps, 2 * few.steps);
     EXPECT_EQ(many.allocations, few.allocations);
   }

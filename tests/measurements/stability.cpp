@@ -83,6 +83,9 @@ int main(int count, char** words) {
         ++runs;
         wrong += complained;
         row += fmt::format(" {} |", cell(outcome, complained, notes));
+        if (complained || outcome.cpu_seconds > 10.0)  // for who waits
+          fmt::print(stderr, "{} / {} / {}: {}, {:.0f} s\n", scene.name, name(method), name(taken), outcome.message,
+                     outcome.cpu_seconds);
         if (!wanted.empty()) print_details(scene, method, taken, outcome);
       }
       rows.push_back(row);
