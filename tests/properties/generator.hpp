@@ -55,6 +55,7 @@ inline std::vector<std::string> fitting_methods(RandomScene scene, const std::ve
 /// What a property asks of its scenes.
 struct Asked {
   bool obstacles = true, loads = true, restitution = true;
+  bool in_motion = false;  ///< neither displacement nor velocity is zero everywhere at the start
   std::vector<MethodName> methods{std::begin(all_methods), std::end(all_methods)};
 };
 
@@ -84,6 +85,8 @@ inline rc::Gen<RandomScene> scenes(Asked asked = {}) {
     // Above the rounding of cos(pi), which would penetrate an obstacle at gap 0.
     scene.displacement = {*sixteenths(0, 4) + 1.0625 * wave, wave, *rc::gen::inRange(0, 5)};
     scene.velocity = {*signed_sixteenths(32, 16), *sixteenths(0, 16), *rc::gen::inRange(0, 5)};
+    for (Shape* shape : {&scene.displacement, &scene.velocity})
+      if (asked.in_motion && shape->base == 0.0) shape->base = 0.0625;
     if (asked.loads && *rc::gen::inRange(0, 2) == 1) {
       scene.load = Shape{*signed_sixteenths(16, 16), *sixteenths(0, 16), *rc::gen::inRange(0, 4)};
       scene.frequency = *sixteenths(0, 64);

@@ -32,7 +32,10 @@ TEST(Symmetry, ABarTurnedRoundMovesAlike) {
 // The equations know no time but that of the load.
 TEST(Symmetry, ALateStartUnderADelayedLoadIsTheSameMotionLater) {
   expect_always([] {
-    RandomScene scene = *scenes();
+    Asked
+        asked;  // the first step of a bar at u = 0 that touches is so short that a time other than 0 cannot resolve it
+    asked.in_motion = true;
+    RandomScene scene = *scenes(asked);
     const double delay = *power_of_two(0, 4);
     const Case run = scene.read().run;
     scene.delay = delay;
@@ -56,15 +59,15 @@ TEST(Symmetry, ALateStartUnderADelayedLoadIsTheSameMotionLater) {
 
 // Units of length, time, displacement and stress, all powers of two: every product, quotient and square root is the
 // same number with another exponent. So the digits are the same, but for odeint: its dense matrices over displacement,
-// velocity and time are pivoted by size, which the unit of time decides.
+// velocity and time are pivoted by size, which the units decide.
 TEST(Symmetry, OtherUnitsGiveTheSameDigits) {
   expect_always([] {
-    RandomScene scene = *scenes();
+    Asked asked;
+    asked.in_motion = true;
+    RandomScene scene = *scenes(asked);
     // The absolute tolerance, one number for displacement and velocity, has no unit: it is lost in the rounding of the
     // relative one, for a bar that moves from the beginning.
     scene.absolute = 1e-30;
-    for (Shape* shape : {&scene.displacement, &scene.velocity})
-      if (shape->base == 0.0) shape->base = 0.0625;
     // The reaction is a stress at an end, a force per volume under a span: with both, the length has to stay.
     const double length = scene.span_gap ? 1.0 : *scale();
     const double time = *scale(), displacement = *scale(), stress = *scale();
@@ -87,8 +90,7 @@ TEST(Symmetry, OtherUnitsGiveTheSameDigits) {
     const Case run = scene.read().run;
     const Recording one = record(run), two = record(other.read().run);
     RC_CLASSIFY(!one.events.empty(), "contact");
-    const double bound =
-        time == 1.0 || run.method != MethodName::odeint ? 0.0 : 2.0 * displacement_error(run, largest(one.u));
+    const double bound = run.method != MethodName::odeint ? 0.0 : 2.0 * displacement_error(run, largest(one.u));
     for (std::size_t j = 0; j < one.u.size(); ++j)
       if (std::abs(one.u[j] - two.u[j] / displacement) > bound)
         RC_FAIL(fmt::format("u[{}] = {} and {}, in units of {}, steps {} and {}\n{}", j, one.u[j],
