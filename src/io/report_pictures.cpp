@@ -200,7 +200,8 @@ Picture end_traces(const Case& run, const Outcome& outcome, const ContactSummary
     if (shown) figure.level(-body->gap, {"var(--ink)", true, 1.2}, obstacle_text(body->gap));
     if (body && !shown) figure.legend_note(obstacle_text(body->gap) + " (outside)");
     if (span_shown)
-      figure.level(-run.scene.span->gap, {"var(--soft)", true, 1.2}, "span at " + readable(run.scene.span->gap == 0.0 ? 0.0 : -run.scene.span->gap));
+      figure.level(-run.scene.span->gap, {"var(--soft)", true, 1.2},
+                   "span at " + readable(run.scene.span->gap == 0.0 ? 0.0 : -run.scene.span->gap));
     figure.line(points, {plot::series_colour(colour)}, label);
     panels.push_back({name, std::string("Displacement over time: ") + label, figure});
   };

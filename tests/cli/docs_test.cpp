@@ -59,8 +59,7 @@ TEST_P(Docs, CommandsRunAsTheyStandThere) {
 
 INSTANTIATE_TEST_SUITE_P(OfEachPage, Docs,
                          testing::Values(Page{"README.md", "readme", 6}, Page{"docs/tutorial.md", "tutorial", 12},
-                                         Page{"docs/commands.md", "commands", 20},
-                                         Page{"docs/report.md", "report", 2},
+                                         Page{"docs/commands.md", "commands", 20}, Page{"docs/report.md", "report", 2},
                                          Page{"docs/scene-file.md", "scene_file", 1}),
                          [](const auto& page) { return std::string(page.param.name); });
 
