@@ -189,6 +189,15 @@ class ARunsReport(Browsed):
         self.browser.move(2, 2)
         self.assertEqual(self.value("viscobar.links.t.place"), 0)
 
+    def test_map_and_bar_say_the_displacement_under_the_pointer(self):
+        self.browser.move(*self.place("displacement", 3.0, 0.5))
+        for picture in ("displacement", "bar"):
+            text = self.value(f"document.querySelector('[data-picture={picture}] .legend .value').textContent")
+            x, t, u = (float(number.replace("−", "-")) for number in re.match(r"u\((.*), (.*)\) = (.*)$", text).groups())
+            self.assertAlmostEqual(x, 0.5, delta=0.01)  # a pixel or two
+            self.assertAlmostEqual(t, 3.0, delta=0.02)
+            self.assertAlmostEqual(u, self.value("viscobar.field.value(3.0, 0.5)"), delta=1e-3)
+
     def test_dragging_zooms_all_pictures_over_time_and_a_double_click_shows_the_whole(self):
         end = self.value("viscobar.field.t.at(-1)")
         begin, stop = self.place("energy", end / 4, 0), self.place("energy", end / 2, 0)

@@ -69,10 +69,11 @@ class Chart {
       : axis.bare ? { splits: () => [], values: () => [] }
       : { incrs: tickSteps, values: (plot, ticks, i, space, step) => linearLabels(ticks, step) };
     const grid = { stroke: () => colour("var(--faint)"), width: 1, filter: (plot, ticks) => ticks };
+    // Whole pixels: uPlot multiplies the last digits before "px" on finer screens.
+    const font = (size) => `${size}px ${getComputedStyle(document.body).fontFamily}`;
     return {
       scale: key, side: key === "x" ? 2 : 3, label: axis.label, labelSize: 24, labelGap: 0, size: key === "x" ? 28 : Chart.leftAxis - 24,
-      space: key === "x" ? 70 : 34, gap: 5, font: "12.5px " + getComputedStyle(document.body).fontFamily,
-      labelFont: "13.5px " + getComputedStyle(document.body).fontFamily,
+      space: key === "x" ? 70 : 34, gap: 5, font: font(12), labelFont: font(13),
       stroke: () => colour("var(--soft)"), grid, 
       ticks: { ...grid, stroke: () => colour("var(--soft)"), size: 5 }, ...ticks };
   }

@@ -64,7 +64,8 @@ function startRun(reference, eventData) {
   }
   const bar = charts.get("bar");
   links.t.onPlace.add(() => bar.redraw());
-  addColourScale(charts.get("displacement"), reference);
+  addReadout(addColourScale(charts.get("displacement"), reference), reference);
+  addReadout(bar.host.previousElementSibling, reference);
   const section = document.getElementById("events");
   if (section) events.table(section, (event) => player.jump(event));
   document.querySelector("footer").before(element("p", { className: "live note", textContent:
@@ -105,28 +106,34 @@ function reactionsOf(figures) {
   return { left: find("left end"), right: find("right end") };
 }
 
-/// The scale of the map, and the numbers where the pointer is.
-function addColourScale(chart, { field, colours, links }) {
-  const middle = (colours.low + colours.high) / 2, numbers = [colours.low, middle, colours.high].map((value) => readable(value, 3));
+/// The scale of the map.
+function addColourScale(chart, { colours }) {
   const shades = Array.from({ length: 17 }, (_, i) => `rgb(${colours.palette[Math.round((i * 254) / 16)]})`);
   const ramp = element("span", { className: "ramp", ariaHidden: "true" });
   ramp.style.background = `linear-gradient(to right, ${shades.join(", ")})`;
-  const value = element("span", { className: "value" });
-  const scale = element("div", { className: "legend scale" }, element("span", { textContent: `u from ${numbers[0]}` }), ramp,
-    element("span", { textContent: `to ${numbers[2]}` }));
+  const scale = element("div", { className: "legend scale" }, element("span", { textContent: `u from ${readable(colours.low, 3)}` }), ramp,
+    element("span", { textContent: `to ${readable(colours.high, 3)}` }));
   if (colours.contactLevel > -Infinity) {
     const box = element("span", { className: "swatch bars" });
     box.style.setProperty("--colour", colours.touching);
     scale.append(box, element("span", { textContent: "in contact" }));
   }
-  scale.append(value);
   chart.host.before(scale);
+  return scale;
+}
+
+/// The displacement where the pointer is.
+function addReadout(node, { field, links }) {
+  const value = element("span", { className: "value" }), [begin, end] = [field.x[0], field.x.at(-1)];
+  node.append(value);
   const read = () => {
     const t = links.t.place, x = links.x.pointed;
-    value.textContent = x === null ? "" : `u(${readable(x, 4)}, ${readable(t, 4)}) = ${readable(field.value(t, x), 4)}`;
+    value.textContent = x === null || x < begin || x > end ? "\u00a0" :
+      `u(${readable(x, 4)}, ${readable(t, 4)}) = ${readable(field.value(t, x), 4)}`;
   };
   links.t.onPlace.add(read);
   links.x.onPlace.add(read);
+  read();
 }
 
 if (document.getElementById("data")) {
