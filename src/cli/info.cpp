@@ -5,7 +5,11 @@ namespace viscobar::cli {
 
 InfoCommand::InfoCommand(CLI::App& app)
     : command_(*app.add_subcommand("info", "Say what is in a directory of results, or in one summary of it")) {
-  command_.add_option("directory", directory_, "Where a command put its results, or a file there: summary.json, sweep.h5, ...")->required()->type_name("DIR");
+  command_
+      .add_option("directory", directory_,
+                  "Where a command put its results, or a file there: summary.json, sweep.h5, ...")
+      ->required()
+      ->type_name("DIR");
   command_.add_flag("--json", json_, "Print one JSON document on standard output, and nothing else there");
 }
 

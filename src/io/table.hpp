@@ -19,7 +19,7 @@ using NumberText = std::string (*)(double value);
 std::string plain_number(double value);     ///< for the terminal: 3 digits, 1.23e-05
 std::string readable_number(double value);  ///< for a page: 3 digits, powers of ten
 
-std::string byte_number(double bytes);      ///< with the unit that suits it: 512 B, 75.2 kB, 1.3 GB
+std::string byte_number(double bytes);  ///< with the unit that suits it: 512 B, 75.2 kB, 1.3 GB
 
 std::string text(const Table& table);
 std::string html(const Table& table);

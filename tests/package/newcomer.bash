@@ -7,6 +7,7 @@ source=$1 work=$2
 git -C "$source" rev-parse --git-dir >/dev/null 2>&1 || { echo "no git clone: nothing to start from"; exit 77; }
 rm -rf "$work" && mkdir -p "$work"/{tree,scene,program,home}
 git -C "$source" ls-files -z | (cd "$source" && tar --null -cf - -T -) | tar -xf - -C "$work/tree"
+export XDG_CACHE_HOME=${XDG_CACHE_HOME:-$HOME/.cache}  # where a compiler cache is
 export HOME=$work/home
 unset "${!VISCOBAR_@}" "${!CTEST_@}" CMAKE_PREFIX_PATH CMAKE_BUILD_PARALLEL_LEVEL NINJA_STATUS 2>/dev/null || true
 
