@@ -36,7 +36,7 @@ struct RunCheckpoint {
 ///     "viscobar" | format 1 | length of what follows up to the checksum | version of the program | payload | CRC-64
 ///
 /// each number of 8 bytes. The length finds every truncation; the checksum (CRC-64/XZ) every error of up to 64
-/// neighbouring bits, any two flipped bits, and any other damage but for one in 2^64.
+/// neighbouring bits, any two flipped bits in up to 1 GB, and any other damage but for one in 2^64.
 std::string encoded(const RunCheckpoint& checkpoint);
 
 /// @throws ArchiveError that says what is wrong with the bytes

@@ -216,7 +216,8 @@ class Run {
 
   void take_checkpoint(double t) {
     count();
-    const Checkpoint checkpoint{t, written_, statistics_, archived(*this)};
+    const auto outputs = static_cast<std::size_t>(std::ranges::upper_bound(times_, t) - times_.begin());
+    const Checkpoint checkpoint{t, outputs, statistics_, archived(*this)};
     stopwatch_.outside([&] { observers_.checkpoints->take(checkpoint); });
   }
 

@@ -28,7 +28,8 @@ extern void* __libc_calloc(size_t, size_t);
 extern void* __libc_realloc(void*, size_t);
 extern void* __libc_memalign(size_t, size_t);
 
-static enum { NONE, MALLOC, WRITE, SHORT, RENAME, FSYNC } kind = NONE;
+enum { NONE, MALLOC, WRITE, SHORT, RENAME, FSYNC };
+static int kind = NONE;
 static long chosen = 0;
 static atomic_long calls = 0;
 

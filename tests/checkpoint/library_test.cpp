@@ -128,6 +128,21 @@ TEST_P(EveryMethod, GoesOnFromWhereACheckpointWasAskedFor) {
   }
 }
 
+TEST_P(EveryMethod, CountsOutputsThatNobodyListensTo) {
+  const Case run = scenes().front().run;
+  std::vector<Taken> taken;
+  const Told whole = run_with(run, {.every = 0.5, .asked = {}, .take = {}}, taken);
+  std::vector<Checkpoint> silent;
+  Observers observers;
+  observers.energy = true;
+  observers.checkpoints =
+      Checkpoints{.every = 0.5, .asked = {}, .take = [&](const Checkpoint& made) { silent.push_back(made); }};
+  simulate(run, make_system(run), observers);
+  ASSERT_EQ(silent.size(), taken.size());
+  const Told rest = resumed(run, silent[1], {.every = 0.5, .asked = {}, .take = {}});
+  EXPECT_EQ(rest.snapshots, behind(whole.snapshots, taken[1].snapshots));
+}
+
 TEST_P(EveryMethod, RefusesACheckpointOfAnotherRun) {
   Case run = scenes().front().run;
   std::vector<Taken> taken;

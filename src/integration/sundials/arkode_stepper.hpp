@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -77,6 +78,8 @@ class ArkodeStepper {
   double advance() {
     double t = 0.0;
     const int flag = ARKStepEvolve(memory_.get(), end_, state_.get(), &t, ARK_ONE_STEP);
+    // It has freed what interpolates then, and ARKStepFree would do so again.
+    if (flag == ARK_MEM_FAIL) std::ignore = memory_.release(), throw std::bad_alloc();
     require_memory();
     if (flag < 0) fail(leg_, "ARKStepEvolve", flag, flag_name(ARKStepGetReturnFlagName(flag)), arkode_flags());
     step_.advance();
