@@ -98,8 +98,8 @@ class CvodeStepper {
 
   double largest() const { return weights_.largest_displacement(); }
   double fastest() const { return weights_.largest_velocity(); }
-  ErrorWeights& weights() { return weights_; }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
+  ErrorWeights& weights() { return weights_; }
 
  private:
   void begin(Memory& memory, double t) {

@@ -110,8 +110,8 @@ class IdaStepper {
 
   double largest() const { return weights_.largest_displacement(); }
   double fastest() const { return weights_.largest_velocity(); }
-  ErrorWeights& weights() { return weights_; }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
+  ErrorWeights& weights() { return weights_; }
 
  private:
   // y' that satisfies the equations: u' = w and rho M w' = F; massless velocities are dependent, their rate is free.

@@ -88,6 +88,19 @@ class StepwiseRun {
 
   double seconds() const { return stopwatch_.seconds(); }
 
+  /// Tells the state of a run that could not go on: one more snapshot, at the time reached, where none was told yet.
+  void tell_reached() {
+    const double t = statistics_.reached_time;
+    if (!observers_.snapshot || next_output_ == 0 || t <= times_[next_output_ - 1]) return;
+    try {
+      stepper_.interpolate(t, y_);
+      system_.complete_velocity(t, u(), w());
+    } catch (const std::exception&) {
+      return;  // what failed there may fail again
+    }
+    tell_snapshot(t);
+  }
+
  private:
   std::span<double> u() { return layout_.u(y_); }
   std::span<double> w() { return layout_.w(y_); }
@@ -224,6 +237,7 @@ Statistics run_stepwise(const char* method, PenalisedSystem& system, const Layou
   };
   const auto explain = [&](const std::exception& cause) {
     conclude();
+    run.tell_reached();
     return IntegrationError(fmt::format("{} stopped at t = {}: {}", method, statistics.reached_time, cause.what()),
                             statistics);
   };

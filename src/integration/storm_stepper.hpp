@@ -87,6 +87,11 @@ class StormStepper {
   double displacement_tolerance() const {
     return storm_ ? one_step_->displacement_tolerance() : multistep_.displacement_tolerance();
   }
+  /// Their maxima are those of both methods.
+  ErrorWeights& weights() {
+    if (storm_) multistep_.weights().adopt_largest(one_step_->weights());
+    return multistep_.weights();
+  }
 
  private:
   static constexpr std::size_t legs = 16;

@@ -94,8 +94,8 @@ class ArkodeStepper {
   void hull(std::span<double> lowest, std::span<double> highest) const { step_.hull(lowest, highest); }
   double largest() const { return weights_.largest_displacement(); }
   double fastest() const { return weights_.largest_velocity(); }
-  ErrorWeights& weights() { return weights_; }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
+  ErrorWeights& weights() { return weights_; }
 
  private:
   void create(double t) {
