@@ -49,7 +49,7 @@ class StepwiseRun {
         observers_(observers),
         schedule_(observers, times, begin),
         search_(system),
-        pace_(times.front(), times.back()),
+        pace_(begin, times.back()),
         snapshot_(system),
         y_(layout.size) {}
 
@@ -106,6 +106,19 @@ class StepwiseRun {
   }
 
   double seconds() const { return stopwatch_.seconds(); }
+
+  /// Tells the state of a run that could not go on: one more snapshot, at the time reached, where none was told yet.
+  void tell_reached() {
+    const double t = statistics_.reached_time;
+    if (!observers_.snapshot || next_output_ == 0 || t <= times_[next_output_ - 1]) return;
+    try {
+      stepper_.interpolate(t, y_);
+      system_.complete_velocity(t, u(), w());
+    } catch (const std::exception&) {
+      return;  // what failed there may fail again
+    }
+    tell_snapshot(t);
+  }
 
  private:
   std::span<double> u() { return layout_.u(y_); }
@@ -260,6 +273,7 @@ PartEnd run_stepwise(const char* method, PenalisedSystem& system, const Layout& 
   };
   const auto explain = [&](const std::exception& cause) {
     conclude();
+    run.tell_reached();
     return IntegrationError(fmt::format("{} stopped at t = {}: {}", method, statistics.reached_time, cause.what()),
                             statistics);
   };

@@ -25,7 +25,7 @@ class FailedRun : public Command, public testing::WithParamInterface<std::string
     EXPECT_NEAR(reached, time, 0.03) << load;
     EXPECT_FALSE(summary["rhs_evaluations"].is_null());
 
-    // A row for each output time reached, and whole lines only.
+    // A row for each output time reached and one for the state reached, and whole lines only.
     std::istringstream ends(content(directory_ / "out/ends.csv"));
     std::size_t rows = 0;
     double last = -1.0;
@@ -33,8 +33,8 @@ class FailedRun : public Command, public testing::WithParamInterface<std::string
       EXPECT_EQ(std::count(line.begin(), line.end(), ','), 6) << line;
       if (rows > 0) last = std::stod(line);
     }
-    EXPECT_LE(last, reached);
-    EXPECT_GT(last, reached - 0.01 - 1e-12);
+    EXPECT_EQ(last, reached);
+    EXPECT_NEAR(static_cast<double>(rows), 2.0 + reached / 0.01, 1.0) << "with the header and t = 0";
     EXPECT_EQ(content(directory_ / "out/ends.csv").back(), '\n');
     EXPECT_EQ(content(directory_ / "out/events.csv").back(), '\n');
     const Ended info = viscobar("info out");

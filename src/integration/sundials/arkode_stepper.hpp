@@ -98,8 +98,8 @@ class ArkodeStepper {
   void select(std::span<const std::size_t> sampled) { step_.select(sampled); }
   void hull(std::span<double> lowest, std::span<double> highest) const { step_.hull(lowest, highest); }
   double largest() const { return weights_.largest_displacement(); }
-  ErrorWeights& weights() { return weights_; }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
+  ErrorWeights& weights() { return weights_; }
 
  private:
   void create(double t) {
