@@ -74,7 +74,8 @@ TEST_F(Shell, ManPageNamesEveryCommandOptionAndKey) {
     for (std::size_t at = 0; (at = text.find('-', at)) != text.npos; at += 2) text.replace(at, 1, "\\-");
     return page.find(text) != page.npos;
   };
-  for (const std::string command : {"run", "resume", "check", "compare", "limit", "precision", "new", "info", "list", "export"})
+  for (const std::string command :
+       {"run", "resume", "check", "compare", "limit", "precision", "new", "info", "list", "export"})
     EXPECT_TRUE(has("\\fBviscobar " + command + "\\fR")) << command;
   for (const std::string option : {"--set", "--log", "--threads", "--per-decade", "--halvings", "--format"})
     EXPECT_TRUE(has("\\fB" + option + "\\fR")) << option;
