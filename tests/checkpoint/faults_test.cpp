@@ -87,7 +87,7 @@ TEST_F(Faults, NoMemoryIsAFailureAndNeverACrash) {
     ASSERT_EQ(run(command(method, "whole"), "malloc:0"), 0) << err();
     const std::size_t allocations = counted();
     EXPECT_GT(allocations, 1000u);
-    for (const std::size_t n : spread(0, allocations, 40)) {
+    for (const std::size_t n : spread(0, allocations, 25)) {
       const int code = run(command(method, "out"), "malloc:" + std::to_string(n));
       // 2: a stream without memory reads no number, and the formula "cannot be understood".
       EXPECT_TRUE(code == 0 || ((code == 1 || code == 2) && !err().empty())) << n << ": " << code << " " << err();
