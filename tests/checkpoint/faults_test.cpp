@@ -87,7 +87,7 @@ TEST_F(Faults, NoMemoryIsAFailureAndNeverACrash) {
     ASSERT_EQ(run(command(method, "whole"), "malloc:0"), 0) << err();
     const std::size_t allocations = counted();
     EXPECT_GT(allocations, 1000u);
-    for (const std::size_t n : spread(0, allocations, 40)) {
+    for (const std::size_t n : spread(0, allocations, 25)) {
       const int code = run(command(method, "out"), "malloc:" + std::to_string(n));
       // 2: a stream without memory reads no number, and the formula "cannot be understood".
       EXPECT_TRUE(code == 0 || ((code == 1 || code == 2) && !err().empty())) << n << ": " << code << " " << err();
@@ -130,7 +130,9 @@ TEST_F(Faults, WhatCannotBeRenamedOrSyncedFailsTheRunAndLosesNothing) {
     for (const std::size_t n : spread(0, calls, 10)) {
       SCOPED_TRACE(what + std::to_string(n));
       fs::remove_all(scratch / "out");
-      EXPECT_EQ(run(command("cvode", "out"), what + std::to_string(n)), 1);
+      const int code = run(command("cvode", "out"), what + std::to_string(n));
+      if (counted() < n) continue;  // how often field.xdmf is renewed depends on the clock
+      EXPECT_EQ(code, 1);
       EXPECT_NE(err().find(": Input/output error"), std::string::npos) << err();
       EXPECT_NE(err().find(" out"), std::string::npos) << err();
       const bool kept =
