@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "viscobar/io/scene_file.hpp"
@@ -97,21 +98,37 @@ std::vector<Mass> masses_for(const HardScene& scene, MethodName method) {
   return method == MethodName::rigid ? std::vector{Mass::redistributed} : scene.masses;
 }
 
-Outcome run_guarded(const HardScene& scene, MethodName method, Mass mass, unsigned cpu_seconds) {
+namespace {
+
+struct Child {
+  pid_t process;
+  int answer;  // where it is to be read
+};
+
+Child start(const HardScene& scene, MethodName method, Mass mass, unsigned cpu_seconds) {
+  static std::mutex one_at_a_time;  // a child started in between would keep this one's pipe open
+  const std::lock_guard lock(one_at_a_time);
   int ends[2];
   if (pipe(ends) != 0) throw std::runtime_error("no pipe");
   std::fflush(nullptr);
-  const pid_t child = fork();
-  if (child < 0) throw std::runtime_error("no process");
-  if (child == 0) {
+  const pid_t process = fork();
+  if (process < 0) throw std::runtime_error("no process");
+  if (process == 0) {
     close(ends[0]);
     run_child(scene, method, mass, cpu_seconds, ends[1]);
   }
   close(ends[1]);
-  const std::string text = received(ends[0]);
-  close(ends[0]);
+  return {process, ends[0]};
+}
+
+}  // namespace
+
+Outcome run_guarded(const HardScene& scene, MethodName method, Mass mass, unsigned cpu_seconds) {
+  const Child child = start(scene, method, mass, cpu_seconds);
+  const std::string text = received(child.answer);
+  close(child.answer);
   int status = 0;
-  waitpid(child, &status, 0);
+  waitpid(child.process, &status, 0);
   Outcome outcome;
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);

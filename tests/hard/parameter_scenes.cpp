@@ -90,7 +90,7 @@ void gaps(Scenes& scenes) {
   // rosenbrock4 add up to in such a flight.
   scenes.push_back({"gap 1e6",
                     "fall",
-                    {"left.gap=1e6", "time.end=1000002", "output.every=10000", "method.step=0.125",
+                    {"left.gap=1e6", "time.end=1000002", "output.every=10000", "method.step=0.5",
                      "method.relative_tolerance=1e-13", "method.absolute_tolerance=1e-9"},
                     two_masses,
                     {first_contact(1e6), agreement()},

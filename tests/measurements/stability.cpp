@@ -1,14 +1,15 @@
 // Prints the tables of docs/stability.md: every hard scene by every method that it is meant for. Run:
-//     cmake --build --preset release --target measure_stability && build/release/tests/measure_stability
+//     cmake --build --preset release --target measure_stability && build/release/tests/measure_stability ["" THREADS]
 // With a part of a name, as in `measure_stability epsilon`, it runs those scenes and says more of each run.
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "hard/hard_run.hpp"
+#include "viscobar/analysis/parallel.hpp"
 
 namespace {
 
@@ -49,57 +50,75 @@ std::string command(const HardScene& scene) {
   return fmt::format("`{}{}{}`", scene.file, scene.overrides.empty() ? "" : " ", fmt::join(scene.overrides, " "));
 }
 
-void print_details(const HardScene& scene, MethodName method, Mass mass, const Outcome& outcome) {
-  static constexpr const char* kinds[] = {"right", "WRONG", "stopped", "refused", "killed"};
-  fmt::print("{} / {} / {}: {} {:.2g} ({}), {} steps, {} changes, {:.2f} s{}\n", scene.name, name(method), name(mass),
-             kinds[static_cast<int>(outcome.kind)], outcome.ratio, outcome.message, outcome.steps, outcome.changes,
-             outcome.cpu_seconds, complaint(scene, method, outcome) ? "  <-- NOT EXPECTED" : "");
-  std::fflush(stdout);
+struct Run {
+  HardScene scene;
+  Mass row;  ///< in whose row it stands
+  MethodName method;
+  Mass mass;
+  Outcome outcome = {};
+  std::optional<std::string> complaint = {};
+};
+
+std::vector<Run> all_runs(const std::string& wanted) {
+  std::vector<Run> runs;
+  for (const HardScene& scene : catalogue()) {
+    if (scene.name.find(wanted) == std::string::npos) continue;
+    for (const Mass mass : scene.masses)
+      for (const MethodName method : methods_for(scene)) {
+        // Rigid has one mass: it stands in the last row of its scene.
+        if (method == MethodName::rigid && mass != scene.masses.back()) continue;
+        runs.push_back({scene, mass, method, method == MethodName::rigid ? Mass::redistributed : mass});
+      }
+  }
+  return runs;
+}
+
+void print_details(const Run& run) {
+  static constexpr const char* kinds[] = {"right", "wrong", "stopped", "refused", "killed"};
+  const Outcome& outcome = run.outcome;
+  fmt::print("{} / {} / {}: {} {:.2g} ({}), {} steps, {} changes, {:.2f} s{}\n", run.scene.name, name(run.method),
+             name(run.mass), kinds[static_cast<int>(outcome.kind)], outcome.ratio, outcome.message, outcome.steps,
+             outcome.changes, outcome.cpu_seconds, run.complaint ? "  <-- not expected" : "");
+}
+
+void print_tables(const std::vector<Run>& runs) {
+  fmt::print("| scene | file and overrides |\n|---|---|\n");
+  for (const HardScene& scene : catalogue()) fmt::print("| {} | {} |\n", scene.name, command(scene));
+  fmt::print("\n| scene | mass |");
+  for (const MethodName method : all_methods) fmt::print(" {} |", name(method));
+  fmt::print("\n|---|---|---|---|---|---|---|---|---|---|\n");
+  Notes notes;
+  for (auto run = runs.begin(); run != runs.end();) {
+    fmt::print("| {} | {} |", run->scene.name, name(run->row));
+    const auto first = run;
+    for (const MethodName method : all_methods) {
+      const bool here =
+          run != runs.end() && run->scene.name == first->scene.name && run->row == first->row && run->method == method;
+      fmt::print(" {}|", here ? cell(run->outcome, run->complaint.has_value(), notes) + " " : "");
+      if (here) ++run;
+    }
+    fmt::print("\n");
+  }
+  notes.print();
 }
 
 }  // namespace
 
 int main(int count, char** words) {
   const std::string wanted = count > 1 ? words[1] : "";
-  Notes notes;
-  std::size_t runs = 0, wrong = 0;
-  std::vector<std::string> rows;
-  for (const HardScene& scene : catalogue()) {
-    if (scene.name.find(wanted) == std::string::npos) continue;
-    const std::vector<MethodName> methods = methods_for(scene);
-    for (const Mass mass : scene.masses) {
-      std::string row = fmt::format("| {} | {} |", scene.name, name(mass));
-      for (const MethodName method : all_methods) {
-        const std::vector<Mass> masses = masses_for(scene, method);
-        const bool meant = std::ranges::count(methods, method) > 0;
-        // Rigid has one mass: it stands in the last row of its scene.
-        if (!meant || (method == MethodName::rigid && mass != scene.masses.back())) {
-          row += " |";
-          continue;
-        }
-        const Mass taken = method == MethodName::rigid ? masses.front() : mass;
-        const Outcome outcome = run_guarded(scene, method, taken, scene.slow ? 3000 : 100);
-        const bool complained = complaint(scene, method, outcome).has_value();
-        ++runs;
-        wrong += complained;
-        row += fmt::format(" {} |", cell(outcome, complained, notes));
-        if (complained || outcome.cpu_seconds > 10.0)  // for who waits
-          fmt::print(stderr, "{} / {} / {}: {}, {:.0f} s\n", scene.name, name(method), name(taken), outcome.message,
-                     outcome.cpu_seconds);
-        if (!wanted.empty()) print_details(scene, method, taken, outcome);
-      }
-      rows.push_back(row);
-    }
-  }
-  if (wanted.empty()) {
-    fmt::print("| scene | file and overrides |\n|---|---|\n");
-    for (const HardScene& scene : catalogue()) fmt::print("| {} | {} |\n", scene.name, command(scene));
-    fmt::print("\n| scene | mass |");
-    for (const MethodName method : all_methods) fmt::print(" {} |", name(method));
-    fmt::print("\n|---|---|---|---|---|---|---|---|---|---|\n");
-    for (const std::string& row : rows) fmt::print("{}\n", row);
-    notes.print();
-  }
-  fmt::print("\n{} scenes, {} runs, {} of them wrong.\n", catalogue().size(), runs, wrong);
+  std::vector<Run> runs = all_runs(wanted);
+  const auto judge = [&](std::size_t i) {
+    Run& run = runs[i];
+    run.outcome = run_guarded(run.scene, run.method, run.mass, run.scene.slow ? 3000 : 100);
+    run.complaint = complaint(run.scene, run.method, run.outcome);
+    if (run.complaint) fmt::print(stderr, "{}, {}: {}\n", run.scene.name, name(run.method), *run.complaint);
+  };
+  parallel_for(runs.size(), judge, count > 2 ? std::stoul(words[2]) : 0);
+  if (wanted.empty())
+    print_tables(runs);
+  else
+    std::ranges::for_each(runs, print_details);
+  const auto wrong = std::ranges::count_if(runs, [](const Run& run) { return run.complaint.has_value(); });
+  fmt::print("\n{} scenes, {} runs, {} of them not as expected.\n", catalogue().size(), runs.size(), wrong);
   return wrong > 0 ? 1 : 0;
 }
