@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <tuple>
 
@@ -89,7 +88,8 @@ std::string number_advice(const std::string& text) {
   if (text.find_first_of("*/^()") != text.npos) return "; formulas are for initial data and loads only";
   const std::size_t after = text.find_first_not_of("0123456789+-.eE");
   if (after == text.npos && text.size() > 18) return "; it is too large";
-  const bool with_unit = after != text.npos && after > 0 && (text[after] == ' ' || std::isalpha(text[after]) != 0);
+  const auto begins_unit = [](char c) { return c == ' ' || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  const bool with_unit = after != text.npos && after > 0 && begins_unit(text[after]);
   return with_unit ? "; units are not written: any consistent ones will do" : "";
 }
 

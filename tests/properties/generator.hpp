@@ -85,8 +85,10 @@ inline rc::Gen<RandomScene> scenes(Asked asked = {}) {
     // Above the rounding of cos(pi), which would penetrate an obstacle at gap 0.
     scene.displacement = {*sixteenths(0, 4) + 1.0625 * wave, wave, *rc::gen::inRange(0, 5)};
     scene.velocity = {*signed_sixteenths(32, 16), *sixteenths(0, 16), *rc::gen::inRange(0, 5)};
-    for (Shape* shape : {&scene.displacement, &scene.velocity})
-      if (asked.in_motion && shape->base == 0.0) shape->base = 0.0625;
+    for (Shape* shape : {&scene.displacement, &scene.velocity}) {
+      const double constant = shape->base + (shape->waves == 0 ? shape->amplitude : 0.0);
+      if (asked.in_motion && constant == 0.0) shape->base += 0.0625;
+    }
     if (asked.loads && *rc::gen::inRange(0, 2) == 1) {
       scene.load = Shape{*signed_sixteenths(16, 16), *sixteenths(0, 16), *rc::gen::inRange(0, 4)};
       scene.frequency = *sixteenths(0, 64);
