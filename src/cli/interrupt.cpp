@@ -3,6 +3,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
+#include <ctime>
 
 #include "cli/commands.hpp"
 
@@ -11,14 +12,31 @@ namespace viscobar::cli {
 namespace {
 
 std::atomic<bool> asked = false;
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch nothing else");
+std::atomic<double> asked_at = 0.0;
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<double>::is_always_lock_free,
+              "a signal handler may touch nothing else");
+
+double monotonic_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+// One request may arrive twice, to the process and to its group, as timeout(1) sends it. A later one is impatience.
+void heard(int signal) {
+  constexpr double same_request = 0.5;
+  if (!asked.exchange(true))
+    asked_at = monotonic_seconds();
+  else if (monotonic_seconds() > asked_at + same_request)
+    std::signal(signal, SIG_DFL), std::raise(signal);
+}
 
 }  // namespace
 
 void catch_interrupts() {
   struct sigaction action {};
-  action.sa_handler = [](int) { asked = true; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
+  action.sa_handler = heard;
+  action.sa_flags = SA_RESTART;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }

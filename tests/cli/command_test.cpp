@@ -120,7 +120,7 @@ TEST_F(Command, MisspeltWordsGetTheNearestKnownOne) {
   EXPECT_EQ(run("help"), 2);
   EXPECT_TRUE(has(err(), "did you mean --help?")) << err();
   EXPECT_EQ(run(""), 2);
-  EXPECT_TRUE(has(err(), "there are run, check, compare")) << err();
+  EXPECT_TRUE(has(err(), "there are run, resume, check")) << err();
   EXPECT_TRUE(out().empty());
 }
 

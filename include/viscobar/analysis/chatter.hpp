@@ -18,19 +18,22 @@ namespace viscobar {
 /// neither is a front that passes under a span obstacle, which closes each node once.
 class ChatterWatch {
  public:
+  /// Closings within the time of a wave to the other end and back that make it chatter.
   static constexpr std::size_t closings = 16;
 
   explicit ChatterWatch(const BarSystem& system);
 
   struct Chatter {
-    Where where = Where::left;
-    std::size_t node = 0;  ///< of the mesh
-    double since = 0.0, until = 0.0;
+    Where where = Where::left;  ///< end, or span
+    std::size_t node = 0;       ///< of the mesh
+    double since = 0.0;         ///< time of its first closing
+    double until = 0.0;         ///< and of the last before it was recognised
   };
 
   /// To be told every change; the first chatter of a run, once.
   std::optional<Chatter> heard(const Event& event);
 
+  /// What a checkpoint holds of it.
   static void members(auto& watch, auto&& each) { each(watch.ends_, watch.span_, watch.told_); }
 
  private:

@@ -67,7 +67,7 @@ struct Statistics {
 /// that it was taken from, bit for bit; system, output times, method and whether an energy account is kept must be the
 /// same, and so must the build of the library.
 struct Checkpoint {
-  double time = 0.0;
+  double time = 0.0;        ///< where it was taken
   std::size_t outputs = 0;  ///< output times told so far
   Statistics statistics;    ///< so far
   std::string state;        ///< the method's own, binary
@@ -84,7 +84,7 @@ using StartingPoint = std::variant<State, Checkpoint>;
 struct Checkpoints {
   std::optional<double> every;  ///< of simulated time: at times.front() + k every, or the first step of a scheme there
   std::function<bool()> asked;  ///< after each step: whether to make one where it ended; may be empty
-  std::function<void(const Checkpoint&)> take;
+  std::function<void(const Checkpoint&)> take;  ///< gets each, before the run goes on
 };
 
 /// What listens to a run. Every member may be empty; a run computes only what somebody listens to.
@@ -93,7 +93,7 @@ struct Observers {
   std::function<void(const Event&)> event;        ///< at each contact change, in order
   std::function<void(double time)> progress;      ///< after each step
   bool energy = false;                            ///< keep the energy account
-  std::optional<Checkpoints> checkpoints;
+  std::optional<Checkpoints> checkpoints;         ///< to go on from
 };
 
 /// A run that could not go on: which method, which call, what it said and what to change. `statistics` says how far
