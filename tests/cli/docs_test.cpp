@@ -48,7 +48,8 @@ class Docs : public testing_cli::Command, public testing::WithParamInterface<Pag
 
 TEST_P(Docs, CommandsRunAsTheyStandThere) {
   const std::string page = content(testing_cli::fs::path(VISCOBAR_SOURCE_DIR) / GetParam().file);
-  testing_cli::fs::create_directory_symlink(VISCOBAR_SOURCE_DIR "/examples", directory_ / "examples");
+  for (const std::string folder : {"examples", "tests"})
+    testing_cli::fs::create_directory_symlink(testing_cli::fs::path(VISCOBAR_SOURCE_DIR) / folder, directory_ / folder);
   std::ofstream(directory_ / "scene.toml") << scene_of(page);
   const std::vector<std::string> commands = commands_of(page, std::regex("^viscobar "));
   EXPECT_GE(commands.size(), GetParam().least);
@@ -67,6 +68,8 @@ constexpr Page pages[] = {{"README.md", "readme", 6},
                           {"docs/report.md", "report", 2},
                           {"docs/scene-file.md", "scene_file", 1},
                           {"docs/penalty-limit.md", "penalty_limit", 1},
+                          {"docs/stability.md", "stability", 1},
+                          {"docs/storms.md", "storms", 1},
                           {"docs/sweep.md", "sweep", 1}};
 
 INSTANTIATE_TEST_SUITE_P(OfEachPage, Docs, testing::ValuesIn(pages),

@@ -140,8 +140,15 @@ TEST(PaceGuard, RefusesAPaceThatDoesNotReachTheEnd) {
   PaceGuard guard(0.0, 1.0, 100, 1e4);
   for (int k = 1; k < 1000; ++k) EXPECT_NO_THROW(guard.step(1e-4 * k, 0)) << "1e4 steps in all";
   PaceGuard slow(0.0, 1.0, 100, 1e4);
-  for (int k = 1; k < 100; ++k) slow.step(9e-5 * k, 0);
-  EXPECT_THROW(slow.step(9e-5 * 100, 0), StepFailure);
+  for (int k = 1; k < 200; ++k) slow.step(9e-5 * k, 0);
+  EXPECT_THROW(slow.step(9e-5 * 200, 0), StepFailure);
+}
+
+TEST(PaceGuard, LetsARunGoOnWhosePaceRecovers) {
+  PaceGuard settling(0.0, 1.0, 100, 1e4);
+  double t = 0.0;
+  for (int look = 0; look < 20; ++look)
+    for (int k = 0; k < 100; ++k) EXPECT_NO_THROW(settling.step(t += 1e-8 * std::pow(3.0, look), 0));
 }
 
 TEST(PaceGuard, RefusesStepsThatLeadNowhereAndSaysWhetherContactsAreTheReason) {

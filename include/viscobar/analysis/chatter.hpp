@@ -21,8 +21,10 @@ class ChatterWatch {
   /// Closings within the time of a wave to the other end and back that make it chatter.
   static constexpr std::size_t closings = 16;
 
+  /// Of runs of `system`.
   explicit ChatterWatch(const BarSystem& system);
 
+  /// Where and when chatter was recognised.
   struct Chatter {
     Where where = Where::left;  ///< end, or span
     std::size_t node = 0;       ///< of the mesh
