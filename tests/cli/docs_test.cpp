@@ -83,7 +83,7 @@ constexpr struct {
     {"scripts/test", "is what runs the tests"},
     {"scripts/benchmark", "takes minutes"},
     {"scripts/coverage", "takes minutes"},
-    {"scripts/fuzz", "is called by scripts/test"},
+    {"scripts/fuzz", "takes minutes"},
     {"build/release/tests/malformed_test", "is one of the tests"},
     {"build/release/tests/properties_test", "is one of the tests"},
     {"cmake --install", "tests/package/newcomer.bash"},

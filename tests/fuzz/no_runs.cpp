@@ -1,0 +1,27 @@
+// The table of methods names their integrate(), and no fuzzer runs a scene: none of the integrators is built for them.
+#include <stdexcept>
+
+#include "viscobar/integration/integrate.hpp"
+#include "viscobar/schemes/schemes.hpp"
+
+namespace viscobar {
+
+namespace {
+
+[[noreturn]] Statistics refuse() { throw std::logic_error("a fuzzer runs no scene"); }
+
+}  // namespace
+
+using Times = std::span<const double>;
+
+Statistics integrate(const BarSystem&, const StartingPoint&, Times, const Cvode&, const Observers&) { refuse(); }
+Statistics integrate(const BarSystem&, const StartingPoint&, Times, const Ida&, const Observers&) { refuse(); }
+Statistics integrate(const BarSystem&, const StartingPoint&, Times, const Arkode&, const Observers&) { refuse(); }
+Statistics integrate(const BarSystem&, const StartingPoint&, Times, const Odeint&, const Observers&) { refuse(); }
+Statistics integrate(const BarSystem&, const StartingPoint&, Times, const Exponential&, const Observers&) { refuse(); }
+Statistics integrate(const BarSystem&, const StartingPoint&, Times, const Rigid&, const Observers&) { refuse(); }
+Statistics integrate(const BarSystem&, const StartingPoint&, Times, const FullyDiscrete&, const Observers&) {
+  refuse();
+}
+
+}  // namespace viscobar
