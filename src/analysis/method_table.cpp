@@ -1,5 +1,7 @@
 #include "analysis/method_table.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <iterator>
@@ -82,6 +84,14 @@ void refuse_odeint(const Case& run, Findings& findings) {
   if (const OdeintPlan what = plan(make_system(run), run.end, odeint(run)); what.refusal) findings.add({*what.refusal});
 }
 
+void refuse_exponential(const Case& run, Findings& findings) {
+  const std::size_t fixed = std::size_t{is_fixed(run.scene.left)} + std::size_t{is_fixed(run.scene.right)};
+  if (run.elements + 1 > Exponential::most_unknowns + fixed)
+    findings.report("mesh.elements", fmt::format("exponential works with dense matrices and takes up to {} unknown "
+                                                 "nodes; take fewer elements, or another method",
+                                                 Exponential::most_unknowns));
+}
+
 void refuse_rigid(const Case& run, Findings& findings) {
   if (run.scene.span)
     findings.report("method.name", "rigid needs massless contact nodes, and under a span obstacle every node is one");
@@ -126,7 +136,7 @@ constexpr MethodRow rows[] = {
     {.method = MethodName::exponential, .name = "exponential",
      .meaning = "penalised bar by matrix exponentials, a reference on small meshes",
      .penalised = true, .accuracy = Accuracy::rounding, .seconds = {},
-     .run = run_exponential, .vectors = exponential_vectors},
+     .run = run_exponential, .vectors = exponential_vectors, .refuse = refuse_exponential},
     {.method = MethodName::fully_discrete, .name = "fully_discrete",
      .meaning = "the paper's scheme (2.8), implicit in the constraint",
      .penalised = false, .accuracy = Accuracy::step, .seconds = scheme,

@@ -26,7 +26,6 @@ using Eigen::VectorXd;
 using Leg = LinearLeg<double>;
 using Series = Leg::Series;
 
-constexpr std::size_t max_unknowns = 400;
 constexpr int patience = 8;  // steps before a length that failed is tried again
 constexpr int max_instant_changes = 20;
 constexpr int max_load_jumps = 1000;
@@ -441,11 +440,11 @@ class Run {
 
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Exponential& method, const Observers& observers) {
-  if (system.size() > max_unknowns)
+  if (system.size() > Exponential::most_unknowns)
     throw std::invalid_argument(
         fmt::format("exponential works with dense matrices and takes up to {} unknown nodes; "
                     "the mesh has {}",
-                    max_unknowns, system.size()));
+                    Exponential::most_unknowns, system.size()));
   if (!system.contacts().empty() && !(method.penalty.epsilon > 0.0))
     throw std::invalid_argument("exponential needs a positive epsilon; the rigid obstacle is the method rigid");
   return run_in_parts(start, observers, [&](const StartingPoint& from) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -90,6 +91,8 @@ OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method);
 /// Matrix exponentials between contact changes located to rounding. Cost O(n^2) a sub-step and O(n^3) a contact state:
 /// for small meshes, and as the reference of the other methods.
 struct Exponential {
+  static constexpr std::size_t most_unknowns = 400;  ///< that its dense matrices are meant for
+
   Penalty penalty;  ///< of the contacts
 };
 
