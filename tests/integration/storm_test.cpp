@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "integration/pace_guard.hpp"
+#include "support/bouncing_bar.hpp"
 #include "support/paper_throw.hpp"
 #include "support/run_trace.hpp"
 #include "viscobar/analysis/case.hpp"
@@ -114,16 +115,9 @@ TEST(Storm, AFastNodeLateInARunChangesItsContactOnce) {
   }
 }
 
-// An undamped bar under its weight bounces for ever: 700 changes, of which rounding decides the later ones.
 TEST(Storm, BouncingForEverEndsAtTheEndForEveryMethod) {
-  Case run;
-  run.scene.left = run.scene.right = Obstacle{0.01};
-  run.scene.displacement = [](double x) { return 0.003 * x; };
-  run.scene.velocity = [](double) { return -1.0; };
-  run.scene.load = SteadyLoad{[](double) { return -1.0; }};
-  run.elements = 8;
-  run.epsilon = 1e-4;
-  run.end = run.output_every = 40.0;
+  Case run = bouncing_bar(40.0);
+  run.output_every = 40.0;
   for (const MethodName method : adaptive) {
     run.method = method;
     Observers observers;

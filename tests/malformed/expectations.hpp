@@ -4,22 +4,18 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "cli/command.hpp"
 #include "viscobar/io/scene_file.hpp"
 
 namespace viscobar::malformed {
 
 namespace fs = std::filesystem;
 
-inline std::string content(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
+using testing_cli::content;
 
 inline std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> files;

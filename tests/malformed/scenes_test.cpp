@@ -1,8 +1,5 @@
 // Every scene of scenes/ is refused with exactly the errors that it announces: by the library, and by the program.
-#include <unistd.h>
-
-#include "cli/command.hpp"
-#include "malformed/expectations.hpp"
+#include "malformed/by_program.hpp"
 
 namespace viscobar::malformed {
 namespace {
@@ -24,28 +21,10 @@ TEST_P(MalformedScene, GivesExactlyTheErrorsItAnnounces) {
 
 INSTANTIATE_TEST_SUITE_P(Of, MalformedScene, testing::ValuesIn(files_in(folder)), test_name);
 
-std::string quoted(const std::string& text) {
-  std::string word = "'";
-  for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
-  return word + "'";
-}
-
-class MalformedScenes : public testing_cli::Command {};
+using MalformedScenes = ByProgram;
 
 TEST_F(MalformedScenes, EndTheProgramWithCode2AndTheErrorsAloneAndNothingWritten) {
-  for (const fs::path& file : files_in(folder)) {
-    const Expectations expected = expectations_of(file);
-    std::string arguments = "run --json -o out " + quoted(file.string());
-    for (const std::string& one : expected.overrides) arguments += " --set " + quoted(one);
-    const testing_cli::Ended ended = viscobar(arguments);
-    EXPECT_EQ(ended.code, 2) << file;
-    EXPECT_EQ(ended.out, "") << file;
-    EXPECT_EQ(static_cast<std::size_t>(std::count(ended.error.begin(), ended.error.end(), '\n')),
-              expected.errors.size())
-        << file << "\n"
-        << ended.error;
-    EXPECT_FALSE(fs::exists(directory_ / "out")) << file;
-  }
+  expect_errors_alone("run", folder);
 }
 
 }  // namespace

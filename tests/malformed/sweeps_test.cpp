@@ -1,6 +1,5 @@
 // Every sweep of sweeps/ is refused with exactly the errors that it announces.
-#include "cli/command.hpp"
-#include "malformed/expectations.hpp"
+#include "malformed/by_program.hpp"
 #include "viscobar/io/sweep_file.hpp"
 
 namespace viscobar::malformed {
@@ -23,22 +22,10 @@ TEST_P(MalformedSweep, GivesExactlyTheErrorsItAnnounces) {
 
 INSTANTIATE_TEST_SUITE_P(Of, MalformedSweep, testing::ValuesIn(files_in(folder)), test_name);
 
-class MalformedSweeps : public testing_cli::Command {};
+using MalformedSweeps = ByProgram;
 
 TEST_F(MalformedSweeps, EndTheProgramWithCode2AndTheErrorsAloneAndNothingWritten) {
-  for (const fs::path& file : files_in(folder)) {
-    const Expectations expected = expectations_of(file);
-    std::string arguments = "sweep --json -o out '" + file.string() + "'";
-    for (const std::string& one : expected.overrides) arguments += " --set '" + one + "'";
-    const testing_cli::Ended ended = viscobar(arguments);
-    EXPECT_EQ(ended.code, 2) << file;
-    EXPECT_EQ(ended.out, "") << file;
-    EXPECT_EQ(static_cast<std::size_t>(std::count(ended.error.begin(), ended.error.end(), '\n')),
-              expected.errors.size())
-        << file << "\n"
-        << ended.error;
-    EXPECT_FALSE(fs::exists(directory_ / "out")) << file;
-  }
+  expect_errors_alone("sweep", folder);
 }
 
 }  // namespace

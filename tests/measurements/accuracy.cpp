@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "support/relative_error.hpp"
 #include "viscobar/analysis/recording.hpp"
 
 namespace {
@@ -34,15 +35,6 @@ struct Variant {
   Formulas formulas = Formulas::automatic;
   Stepper stepper = Stepper::automatic;
 };
-
-double error(const std::vector<double>& a, const std::vector<double>& b) {
-  double largest = 0.0, difference = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    largest = std::max(largest, std::abs(b[i]));
-    difference = std::max(difference, std::abs(a[i] - b[i]));
-  }
-  return difference / largest;
-}
 
 }  // namespace
 
@@ -85,7 +77,7 @@ int main() {
             double seconds = recording.statistics.integration_seconds;
             for (int again = 0; again < 4 && seconds < 0.1; ++again)
               seconds = std::min(seconds, record(run).statistics.integration_seconds);
-            line += fmt::format("  {:>9.3g} {:>4} {:>6} {:>6.2f}", error(recording.u, reference.u) / tolerance,
+            line += fmt::format("  {:>9.3g} {:>4} {:>6} {:>6.2f}", relative_error(recording.u, reference.u) / tolerance,
                                 recording.events.size(), recording.statistics.steps, 1e3 * seconds);
           }
           fmt::print("{}\n", line);

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "support/bouncing_bar.hpp"
+#include "support/relative_error.hpp"
 #include "viscobar/analysis/recording.hpp"
 
 namespace {
@@ -46,19 +48,6 @@ Case over_span(std::size_t elements, double wave, double viscosity, double end) 
   return run;
 }
 
-// An undamped bar that bounces for ever between its weight and the obstacles.
-Case bouncing(double end) {
-  Case run;
-  run.scene.left = run.scene.right = Obstacle{0.01};
-  run.scene.displacement = [](double x) { return 0.003 * x; };
-  run.scene.velocity = [](double) { return -1.0; };
-  run.scene.load = SteadyLoad{[](double) { return -1.0; }};
-  run.elements = 8;
-  run.epsilon = 1e-4;
-  run.end = end;
-  return run;
-}
-
 std::vector<Setting> settings() {
   std::vector<Setting> list;
   for (int decade = 2; decade <= 8; ++decade)
@@ -68,7 +57,7 @@ std::vector<Setting> settings() {
     list.push_back({fmt::format("span-wavy-{}", elements), over_span(elements, 0.02, 0.01, 2.0)});
     list.push_back({fmt::format("span-undamped-{}", elements), over_span(elements, 0.02, 0.0, 1.0)});
   }
-  list.push_back({"bouncing", bouncing(40.0)});
+  list.push_back({"bouncing", bouncing_bar(40.0)});
   return list;
 }
 
@@ -77,15 +66,6 @@ struct Variant {
   MethodName method;
   Stepper stepper = Stepper::automatic;
 };
-
-double error(const std::vector<double>& a, const std::vector<double>& b) {
-  double largest = 0.0, difference = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    largest = std::max(largest, std::abs(b[i]));
-    difference = std::max(difference, std::abs(a[i] - b[i]));
-  }
-  return difference / largest;
-}
 
 double processor_seconds() {
   timespec now{};
@@ -140,7 +120,9 @@ int main(int argc, char** argv) {
                      variant.label, tolerance, s.events, s.steps,
                      static_cast<double>(s.steps) / static_cast<double>(std::max<std::size_t>(s.events, 1)),
                      s.rhs_evaluations, seconds,
-                     judge ? fmt::format("  error / tolerance {:.3g}", error(recording.u, reference) / tolerance) : "");
+                     judge
+                         ? fmt::format("  error / tolerance {:.3g}", relative_error(recording.u, reference) / tolerance)
+                         : "");
         } catch (const IntegrationError& failure) {
           fmt::print("  {:<8} {:.0e}  {}\n", variant.label, tolerance, failure.what());
         }
