@@ -53,10 +53,7 @@ std::string content(const fs::path& file) {
 
 }  // namespace
 
-std::string encoded(const RunCheckpoint& checkpoint) {
-  ArchiveWriter archive;
-  archive(versions().viscobar, checkpoint);
-  const std::string content = archive.take();
+std::string sealed(std::string_view content) {
   std::string bytes(magic);
   bytes.reserve(head_bytes + content.size() + checksum_bytes);
   append(bytes, format);
@@ -64,6 +61,12 @@ std::string encoded(const RunCheckpoint& checkpoint) {
   bytes += content;
   append(bytes, checksum(bytes));
   return bytes;
+}
+
+std::string encoded(const RunCheckpoint& checkpoint) {
+  ArchiveWriter archive;
+  archive(versions().viscobar, checkpoint);
+  return sealed(archive.take());
 }
 
 RunCheckpoint decoded(std::string_view bytes) {

@@ -39,6 +39,9 @@ struct RunCheckpoint {
 /// neighbouring bits, any two flipped bits in up to 1 GB, and any other damage but for one in 2^64.
 std::string encoded(const RunCheckpoint& checkpoint);
 
+/// Version and payload with what stands around them.
+std::string sealed(std::string_view content);
+
 /// @throws ArchiveError that says what is wrong with the bytes
 RunCheckpoint decoded(std::string_view bytes);
 

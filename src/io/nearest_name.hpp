@@ -49,8 +49,10 @@ std::optional<std::string_view> nearest_name(std::string_view name, const Names&
   std::optional<std::string_view> nearest;
   std::size_t smallest = longest;
   for (const std::string_view candidate : candidates) {
+    const auto [shorter, longer] = std::minmax({wanted.size(), candidate.size()});
+    if (longer - shorter >= smallest) continue;  // so many insertions at least
     const std::size_t distance = edit_distance(wanted, plain_name(candidate));
-    if (distance < smallest && distance <= (std::max(wanted.size(), candidate.size()) + 2) / 3) {
+    if (distance < smallest && distance <= (longer + 2) / 3) {
       smallest = distance;
       nearest = candidate;
     }

@@ -3,8 +3,7 @@
 
 #include <random>
 
-#include "dynamics/archive.hpp"
-#include "io/checkpoint_file.hpp"
+#include "checkpoint/example.hpp"
 #include "io/scratch.hpp"
 #include "viscobar/io/io_error.hpp"
 
@@ -13,25 +12,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-RunCheckpoint example(double time = 0.5) {
-  RunCheckpoint checkpoint;
-  checkpoint.description = R"({"title": "a bar"})";
-  checkpoint.schedule = CheckpointEvery{CheckpointEvery::Clock::wall, 30.0};
-  Statistics statistics;
-  statistics.steps = 77;
-  statistics.energy = EnergyAccount{1.0, 0.0, 0.25, 0.0};
-  checkpoint.motion = Checkpoint{time, 6, statistics, std::string(3000, 'y')};
-  checkpoint.files = {120, 40, {6, 4096, {{800, 1000}, {2000, 96}}, std::string(3000, 'o')}};
-  checkpoint.collected = std::string(500, 'c');
-  checkpoint.times = {0.25, time};
-  checkpoint.wall_seconds = 61.0;
-  return checkpoint;
-}
-
 TEST(CheckpointBytes, GiveBackWhatTheyWereMadeOf) {
-  const std::string bytes = encoded(example());
+  const std::string bytes = encoded(example_checkpoint());
   const RunCheckpoint read = decoded(bytes);
-  EXPECT_EQ(read.description, example().description);
+  EXPECT_EQ(read.description, example_checkpoint().description);
   EXPECT_EQ(read.schedule->interval, 30.0);
   EXPECT_EQ(read.motion->statistics.energy->dissipated, 0.25);
   EXPECT_EQ(read.files.field.values[1].begin, 2000u);
@@ -42,14 +26,14 @@ TEST(CheckpointBytes, GiveBackWhatTheyWereMadeOf) {
 }
 
 TEST(CheckpointBytes, EveryTruncationIsNoticed) {
-  const std::string bytes = encoded(example());
+  const std::string bytes = encoded(example_checkpoint());
   for (std::size_t length = 0; length < bytes.size(); ++length)
     EXPECT_THROW(decoded(std::string_view(bytes).substr(0, length)), ArchiveError) << length;
   EXPECT_THROW(decoded(bytes + '\0'), ArchiveError);
 }
 
 TEST(CheckpointBytes, EveryFlippedBitIsNoticed) {
-  std::string bytes = encoded(example());
+  std::string bytes = encoded(example_checkpoint());
   for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += bit < 8 * 64 ? 1 : 13) {
     bytes[bit / 8] ^= static_cast<char>(1 << bit % 8);
     EXPECT_THROW(decoded(bytes), ArchiveError) << bit;
@@ -60,7 +44,7 @@ TEST(CheckpointBytes, EveryFlippedBitIsNoticed) {
 
 // Two to twenty flips, stretches of zeros as a lost block leaves them, stretches of noise, parts left out or repeated.
 TEST(CheckpointBytes, AThousandKindsOfDamageAreNoticed) {
-  const std::string sound = encoded(example());
+  const std::string sound = encoded(example_checkpoint());
   std::mt19937_64 random(5);
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
   std::size_t damaged = 0;
@@ -89,7 +73,7 @@ TEST(CheckpointBytes, AThousandKindsOfDamageAreNoticed) {
 TEST(CheckpointBytes, AnArchiveOfNonsenseIsRefused) {
   std::mt19937_64 random(7);
   ArchiveWriter archive;
-  archive(example());
+  archive(example_checkpoint());
   const std::string sound = archive.take();
   std::size_t refused = 0;
   for (std::size_t i = 0; i < 1000; ++i) {
@@ -110,12 +94,12 @@ TEST(CheckpointBytes, AnArchiveOfNonsenseIsRefused) {
 TEST(CheckpointFile, KeepsTheOneBefore) {
   const Scratch scratch;
   EXPECT_THROW(read_checkpoint(scratch.path()), std::invalid_argument);
-  write_checkpoint(scratch.path(), example(0.25));
-  write_checkpoint(scratch.path(), example(0.5));
-  write_checkpoint(scratch.path(), example(0.75));
+  write_checkpoint(scratch.path(), example_checkpoint(0.25));
+  write_checkpoint(scratch.path(), example_checkpoint(0.5));
+  write_checkpoint(scratch.path(), example_checkpoint(0.75));
   EXPECT_EQ(read_checkpoint(scratch.path()).checkpoint.motion->time, 0.75);
   EXPECT_EQ(read_checkpoint(scratch.path()).complaint, "");
-  fs::resize_file(scratch / "checkpoint.bin", 1000);
+  fs::resize_file(scratch / "checkpoint.bin", 500);
   const FoundCheckpoint found = read_checkpoint(scratch.path());
   EXPECT_EQ(found.checkpoint.motion->time, 0.5);
   EXPECT_NE(found.complaint.find("checkpoint.bin: is truncated"), std::string::npos) << found.complaint;
@@ -125,18 +109,18 @@ TEST(CheckpointFile, KeepsTheOneBefore) {
 
 TEST(CheckpointFile, AKillBetweenTheTwoRenamesLeavesTheOneBefore) {
   const Scratch scratch;
-  write_checkpoint(scratch.path(), example(0.25));
+  write_checkpoint(scratch.path(), example_checkpoint(0.25));
   fs::rename(scratch / "checkpoint.bin", scratch / "checkpoint.previous.bin");
   EXPECT_EQ(read_checkpoint(scratch.path()).checkpoint.motion->time, 0.25);
 }
 
 TEST(CheckpointFile, OneThatCannotBeWrittenLeavesTheOthersAlone) {
   const Scratch scratch;
-  write_checkpoint(scratch.path(), example(0.25));
-  write_checkpoint(scratch.path(), example(0.5));
+  write_checkpoint(scratch.path(), example_checkpoint(0.25));
+  write_checkpoint(scratch.path(), example_checkpoint(0.5));
   fs::create_symlink("/dev/full", scratch / "checkpoint.part");
   try {
-    write_checkpoint(scratch.path(), example(0.75));
+    write_checkpoint(scratch.path(), example_checkpoint(0.75));
     ADD_FAILURE() << "a full disk was not noticed";
   } catch (const IoError& error) {
     EXPECT_NE(std::string(error.what()).find("No space left"), std::string::npos) << error.what();
@@ -151,7 +135,7 @@ TEST(CheckpointFile, AFailedRenameNamesTheFile) {
   fs::create_directories(scratch / "checkpoint.bin/in the way");
   fs::create_directories(scratch / "checkpoint.previous.bin/in the way");
   try {
-    write_checkpoint(scratch.path(), example());
+    write_checkpoint(scratch.path(), example_checkpoint());
     ADD_FAILURE() << "a directory was replaced";
   } catch (const IoError& error) {
     EXPECT_NE(std::string(error.what()).find("checkpoint.bin: cannot be replaced"), std::string::npos) << error.what();
