@@ -8,6 +8,10 @@ namespace {
 
 constexpr std::size_t most_parts = 32;  // of a dotted name; each part costs the parser a level of recursion
 
+bool is_ascii(std::string_view text) {
+  return std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; });
+}
+
 bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0u) == 0x80u; }
 
 // Bytes of the UTF-8 sequence at `i`, 0 when it is none (overlong forms, surrogates and values above U+10FFFF too).
@@ -61,33 +65,44 @@ class Scanner {
   }
 
   void scan() {
-    bool statement_begins = true;
-    std::size_t depth = 0, parts = 1;
+    bool statement_begins = true, in_value = false;
+    std::string open;     // brackets of arrays and inline tables
+    char before = '\n';  // the last character that is no blank
+    std::size_t parts = 1;
     while (!at_end()) {
       const char c = text_[i_];
-      if (c == '\n') {
-        statement_begins = depth == 0;
-        parts = 1;
+      if (is_blank(c)) {
         ++i_;
-      } else if (is_blank(c)) {
-        ++i_;
-      } else if (c == '#') {
+        continue;
+      }
+      if (c == '#') {
         skip_comment();
-      } else if (c == '[' && statement_begins) {
+        continue;
+      }
+      if (c == '[' && statement_begins) {
         skip_header();
+        continue;
+      }
+      if (!is_ascii({&c, 1})) fail_at_letter();
+      if (c == '"' || c == '\'') {
+        const bool may_begin = before == '\n' || before == '=' || before == ',' || before == '[' || before == '{' ||
+                               (before == '.' && !in_value);
+        const std::size_t begin = i_;
+        skip_string(true);
+        // Elsewhere the parser takes the quote for a letter of a bare word, and the string for what follows it.
+        if (!may_begin && !is_ascii(text_.substr(begin, i_ - begin)))
+          fail(begin, "no string can begin here: what is before it does not belong to it");
       } else {
-        statement_begins = false;
-        if (c == '"' || c == '\'') {
-          skip_string(true);
-          continue;
-        }
-        if (static_cast<unsigned char>(c) >= 0x80) fail_at_letter();
-        if (c == '[' || c == '{') ++depth;
-        if ((c == ']' || c == '}') && depth > 0) --depth;
-        if (c == '=' || c == ',' || c == '[' || c == '{') parts = 1;
         if (c == '.' && ++parts > most_parts) fail(i_, "this name has too many parts");
+        if (c == '\n' || c == '=' || c == ',' || c == '[' || c == '{') parts = 1;
+        if (c == '[' || c == '{') open += c;
+        if ((c == ']' || c == '}') && !open.empty()) open.pop_back();
+        const bool value_may_end = c == '\n' || c == ',' || c == '{';
+        in_value = c == '=' || c == '[' || (value_may_end ? open.ends_with('[') : in_value);
         ++i_;
       }
+      before = c;
+      statement_begins = c == '\n' && open.empty();
     }
   }
 

@@ -65,6 +65,14 @@ TEST(Axis, AConstantHasAnAxisAroundIt) {
   }
 }
 
+TEST(Axis, ASmallRangeFarFromZeroNeedsMoreDigits) {
+  EXPECT_EQ((Axis{"u", -1.0, 1.0}.significant_digits(5)), 6);
+  EXPECT_EQ((Axis{"u", 0.0, 1e-9}.significant_digits(5)), 6);
+  // 10^-5 of 0.03 is 3e-7, the tenth digit of 650.
+  EXPECT_EQ((Axis{"u", -650.02, -649.99}.significant_digits(5)), 10);
+  EXPECT_EQ((Axis{"epsilon", 1e-14, 1.0, Scale::logarithmic}.significant_digits(5)), 6);
+}
+
 TEST(Readable, WritesForPeople) {
   EXPECT_EQ(readable(0.0), "0");
   EXPECT_EQ(readable(-1.5), "−1.5");

@@ -1,7 +1,7 @@
 // One picture, drawn by uPlot from its layers, which zooms, pans and points together with those that share its axes.
 
 class Chart {
-  static leftAxis = 78;
+  static leftAxis = 88;
 
   /// @param figure what plot::Figure::live() wrote @param links Link by name @param special painters of layers that are not
   /// in layerPainters @param dragY whether dragging upwards zooms, too

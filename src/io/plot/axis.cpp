@@ -55,6 +55,14 @@ double Axis::position(double value) const {
   return scale == Scale::linear ? (value - low) / (high - low) : std::log(value / low) / std::log(high / low);
 }
 
+int Axis::significant_digits(int digits) const {
+  if (scale == Scale::logarithmic) return digits + 1;
+  const double size = std::max(std::abs(low), std::abs(high)), range = std::abs(high - low);
+  if (!(size > 0.0) || !(range > 0.0)) return digits + 1;
+  const double needed = std::floor(std::log10(size)) + 1.0 - std::log10(range) + digits;
+  return static_cast<int>(std::clamp(std::ceil(needed), 3.0, 17.0));
+}
+
 Axis fitted(std::string label, double low, double high) {
   const double size = std::max(std::abs(low), std::abs(high));
   // A range of rounding errors around a value shows the value.

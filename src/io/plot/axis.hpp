@@ -17,6 +17,8 @@ struct Axis {
 
   /// Place of a value, 0 at `low` and 1 at `high`.
   double position(double value) const;
+  /// Significant digits that tell values apart which lie 1 / 10^digits of the axis from each other.
+  int significant_digits(int digits) const;
 };
 
 /// A linear axis over [low, high] and a margin of 5 % (an interval around the value where both are the same).

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double width = 960.0, left = 84.0, right = 800.0, top = 12.0, below = 46.0, legend_pitch = 19.0;
 
-// Some 1 / 10^5 of a picture, and enough digits of a time to tell its events apart.
-constexpr int digits_of_y = 6, digits_of_x = 9;
+// 1 / 10^5 of a picture, and enough digits of a time to tell its events apart.
+constexpr int digits_of_y = 5, digits_of_x = 9;
 
 std::string json(const Axis& axis) {
   std::string text =
@@ -33,12 +33,12 @@ std::string json(std::span<const Interval> parts) {
       ends, [](double end) { return end; }, digits_of_x);
 }
 
-std::string json(std::span<const Point> points) {
+std::string json(std::span<const Point> points, const Axis& y) {
   return fmt::format(R"("x":{},"y":{})",
                      json_numbers(
                          points, [](Point p) { return p.x; }, digits_of_x),
                      json_numbers(
-                         points, [](Point p) { return p.y; }, digits_of_y));
+                         points, [](Point p) { return p.y; }, y.significant_digits(digits_of_y)));
 }
 
 std::string json(const Style& style, std::string_view legend) {
@@ -127,7 +127,7 @@ void Figure::stroke(std::span<const Point> points, const Style& style) {
 }
 
 void Figure::line(std::span<const Point> points, const Style& style, std::string_view legend) {
-  live_layer(fmt::format(R"({{"kind":"line",{},{}}})", json(style, legend), json(points)));
+  live_layer(fmt::format(R"({{"kind":"line",{},{}}})", json(style, legend), json(points, y_)));
   constexpr std::size_t told_apart = 600;
   if (points.size() > 4 * told_apart)
     stroke(thin(points, told_apart), style);
@@ -138,7 +138,7 @@ void Figure::line(std::span<const Point> points, const Style& style, std::string
 
 void Figure::markers(std::span<const Point> points, const std::string& colour, std::string_view legend) {
   live_layer(fmt::format(R"({{"kind":"marks","colour":{},"label":{},{}}})", json_string(colour), json_string(legend),
-                         json(points)));
+                         json(points, y_)));
   for (const Point& point : points)
     content_ += fmt::format("<circle style=\"fill:{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\"/>\n", colour,
                             place_x(point.x), place_y(point.y));
