@@ -66,7 +66,7 @@ class Scanner {
 
   void scan() {
     bool statement_begins = true, in_value = false;
-    std::string open;     // brackets of arrays and inline tables
+    std::string open;    // brackets of arrays and inline tables
     char before = '\n';  // the last character that is no blank
     std::size_t parts = 1;
     while (!at_end()) {
