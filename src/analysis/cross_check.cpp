@@ -9,6 +9,7 @@
 #include "viscobar/analysis/parallel.hpp"
 #include "viscobar/analysis/penalty_limit.hpp"
 #include "viscobar/analysis/recorder.hpp"
+#include "viscobar/integration/integrate.hpp"
 
 namespace viscobar {
 
@@ -79,7 +80,8 @@ MethodChoice fitting_methods(const Case& scene) {
   std::vector<MethodName> methods(std::begin(all_methods), std::end(all_methods));
   std::stable_partition(methods.begin(), methods.end(), [](MethodName m) { return m == MethodName::exponential; });
   for (const MethodName method : methods) {
-    if (method == MethodName::exponential && scene.elements > most_exponential_elements)
+    if (method == MethodName::exponential && scene.elements > most_exponential_elements &&
+        scene.elements < Exponential::most_unknowns)
       choice.skipped.push_back(
           {method, fmt::format("takes long on {} elements; it runs when asked for by name", scene.elements)});
     else if (auto slow = takes_long(scene, method))

@@ -38,13 +38,17 @@ class Events {
     return best;
   }
 
-  /// Marks along the upper edge of a picture, pointing down where a contact closes and up where it opens.
+  /// Marks along the upper edge of a picture, pointing down where a contact closes and up where it opens. Of
+  /// marks that would lie on each other one is drawn; zooming in shows the others.
   marksOn(belongs) {
     return (chart, context) => {
       const [from, to] = chart.shown("x"), unit = chart.ratio, top = chart.box.top + 1.5 * unit;
+      let last = -Infinity;
       for (const event of this.list) {
         if (event.time < from || event.time > to || !belongs(event)) continue;
         const at = chart.px(event.time), chosen = event === this.chosen, size = (chosen ? 6 : 4) * unit;
+        if (at - last < size && !chosen) continue;
+        last = at;
         context.fillStyle = chosen ? colour("var(--touching)") : colour("var(--ink)");
         context.globalAlpha = chosen ? 1 : 0.75;
         context.beginPath();
