@@ -35,7 +35,10 @@ std::vector<MethodName> methods_for(const HardScene& scene);
 /// The masses of the scene that make a difference to the method.
 std::vector<Mass> masses_for(const HardScene& scene, MethodName method);
 
+/// CPU seconds that a run of the tests gets: a third of a test's time, which runs it on up to four masses.
+constexpr unsigned patience = VISCOBAR_TEST_TIMEOUT / 3;
+
 /// Runs and judges in a process of its own, which has so much CPU time: neither a crash nor a hang goes further.
-Outcome run_guarded(const HardScene& scene, MethodName method, Mass mass, unsigned cpu_seconds = 100);
+Outcome run_guarded(const HardScene& scene, MethodName method, Mass mass, unsigned cpu_seconds = patience);
 
 }  // namespace viscobar::hard

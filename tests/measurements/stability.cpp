@@ -109,7 +109,7 @@ int main(int count, char** words) {
   std::vector<Run> runs = all_runs(wanted);
   const auto judge = [&](std::size_t i) {
     Run& run = runs[i];
-    run.outcome = run_guarded(run.scene, run.method, run.mass, run.scene.slow ? 3000 : 100);
+    run.outcome = run_guarded(run.scene, run.method, run.mass, run.scene.slow ? 3000 : patience);
     run.complaint = complaint(run.scene, run.method, run.outcome);
     if (run.complaint) fmt::print(stderr, "{}, {}: {}\n", run.scene.name, name(run.method), *run.complaint);
   };
