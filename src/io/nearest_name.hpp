@@ -50,9 +50,10 @@ std::optional<std::string_view> nearest_name(std::string_view name, const Names&
   std::size_t smallest = longest;
   for (const std::string_view candidate : candidates) {
     const auto [shorter, longer] = std::minmax({wanted.size(), candidate.size()});
-    if (longer - shorter >= smallest) continue;  // so many insertions at least
+    const std::size_t fewer_than = std::min(smallest, (longer + 2) / 3 + 1);
+    if (longer - shorter >= fewer_than) continue;  // so many insertions at least
     const std::size_t distance = edit_distance(wanted, plain_name(candidate));
-    if (distance < smallest && distance <= (longer + 2) / 3) {
+    if (distance < fewer_than) {
       smallest = distance;
       nearest = candidate;
     }
