@@ -7,7 +7,7 @@
 #include "integration/hull.hpp"
 #include "integration/longest_step.hpp"
 #include "integration/stepwise_run.hpp"
-#include "integration/storm_stepper.hpp"
+#include "integration/relieved_stepper.hpp"
 #include "integration/sundials/leg.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -177,7 +177,7 @@ Statistics integrate(const BarSystem& system, const StartingPoint& start, std::s
     const Layout layout(penalised, observers.energy);
     Statistics statistics = statistics_before(from);
     IdaStepper stepper(penalised, layout, method.tolerance, times.back(), statistics);
-    StormStepper<IdaStepper> steps(penalised, layout, method.tolerance, times.back(), statistics, stepper);
+    RelievedStepper<IdaStepper> steps(penalised, layout, method.tolerance, times.back(), statistics, stepper);
     return run_stepwise("ida", penalised, layout, steps, statistics, from, times, observers);
   });
 }
