@@ -6,8 +6,8 @@
 #include "integration/error_weights.hpp"
 #include "integration/hull.hpp"
 #include "integration/longest_step.hpp"
-#include "integration/stepwise_run.hpp"
 #include "integration/relieved_stepper.hpp"
+#include "integration/stepwise_run.hpp"
 #include "integration/sundials/leg.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -90,6 +90,7 @@ class CvodeStepper {
   double largest() const { return weights_.largest_displacement(); }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
   ErrorWeights& weights() { return weights_; }
+  double account_correction() const { return leg_.account_correction; }
 
  private:
   void begin(Memory& memory, double t) {

@@ -105,6 +105,7 @@ class RelievedStepper {
   double displacement_tolerance() const {
     return relieved() ? one_step_->displacement_tolerance() : multistep_.displacement_tolerance();
   }
+  double account_correction() const { return relieved() ? 0.0 : multistep_.account_correction(); }
   /// Their maxima are those of both methods.
   ErrorWeights& weights() {
     if (relieved()) multistep_.weights().adopt_largest(one_step_->weights());
