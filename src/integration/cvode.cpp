@@ -1,15 +1,13 @@
 #include <cvode/cvode.h>
 
-#include <numbers>
 #include <optional>
 #include <tuple>
-#include <utility>
 
 #include "integration/error_weights.hpp"
 #include "integration/hull.hpp"
 #include "integration/longest_step.hpp"
+#include "integration/relieved_stepper.hpp"
 #include "integration/stepwise_run.hpp"
-#include "integration/storm_stepper.hpp"
 #include "integration/sundials/leg.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -53,7 +51,6 @@ class CvodeStepper {
   void restart(double t, std::span<const double> y) {
     weights_.tighten(leg_.statistics.events);
     std::ranges::copy(y, values(state_).begin());
-    settles_ = settling_time(t);
     begin(stiff() ? bdf_ : adams_, t);
   }
 
@@ -62,16 +59,7 @@ class CvodeStepper {
     const int flag = CVode(memory_, end_, state_.get(), &t, CV_ONE_STEP);
     require_memory();
     if (flag < 0) fail(leg_, "CVode", flag, flag_name(CVodeGetReturnFlagName(flag)), cvode_flags());
-    if (t > settles_ && memory_ == adams_.get()) settled_ = true;
     return t;
-  }
-
-  /// To be asked once the step is dealt with: its interpolant ends here.
-  void before_step() {
-    if (!std::exchange(settled_, false)) return;
-    double t = 0.0;
-    CVodeGetCurrentTime(memory_, &t);
-    begin(bdf_, t);
   }
 
   std::size_t order() const {
@@ -102,6 +90,7 @@ class CvodeStepper {
   double largest() const { return weights_.largest_displacement(); }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
   ErrorWeights& weights() { return weights_; }
+  double account_correction() const { return leg_.account_correction; }
 
  private:
   void begin(Memory& memory, double t) {
@@ -123,19 +112,6 @@ class CvodeStepper {
     const Bar& material = bar.bar();
     const double highest = std::sqrt(12.0 * material.modulus / material.density) / bar.mesh().smallest();
     return bar.has_massless() || material.viscosity * highest >= 2.0 * material.modulus;
-  }
-
-  // A bounce is over within half a period of the contact spring; a contact still closed after ten of them rests, its
-  // spring dies out, and need not be resolved any more.
-  double settling_time(double t) const {
-    if (formulas_ == Formulas::adams) return std::numeric_limits<double>::infinity();
-    double period = 0.0;
-    for (std::size_t i = 0; i < leg_.system.contact_count(); ++i) {
-      if (!leg_.system.closed(i)) continue;
-      const double mass = leg_.system.bar().inertia().diagonal[leg_.system.contact(i).unknown];
-      period = std::max(period, 2.0 * std::numbers::pi * std::sqrt(mass / leg_.system.law(i).stiffness));
-    }
-    return period > 0.0 && leg_.system.dissipates() ? t + 10.0 * period : std::numeric_limits<double>::infinity();
   }
 
   void create(Memory& memory, double t) {
@@ -195,8 +171,6 @@ class CvodeStepper {
   NonlinearSolver solver_;
   Memory adams_, bdf_;      // made when first needed
   void* memory_ = nullptr;  // the one at work
-  double settles_ = 0.0;
-  bool settled_ = false;
 };
 
 }  // namespace
@@ -213,7 +187,7 @@ Statistics integrate(const BarSystem& system, const StartingPoint& start, std::s
     CvodeStepper stepper(penalised, layout, method, times.back(), statistics);
     if (method.formulas != Formulas::automatic)
       return run_stepwise("cvode", penalised, layout, stepper, statistics, from, times, observers);
-    StormStepper<CvodeStepper> steps(penalised, layout, method.tolerance, times.back(), statistics, stepper);
+    RelievedStepper<CvodeStepper> steps(penalised, layout, method.tolerance, times.back(), statistics, stepper);
     return run_stepwise("cvode", penalised, layout, steps, statistics, from, times, observers);
   });
 }

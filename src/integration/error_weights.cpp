@@ -18,6 +18,10 @@ double ErrorWeights::displacement_tolerance() const {
   return (tolerance_.relative * largest_u_ + tolerance_.absolute) / tightening_;
 }
 
+double ErrorWeights::promised_energy() const {
+  return promised_multiple * inertia_ * largest_w_ * (tolerance_.relative * largest_w_ + tolerance_.absolute);
+}
+
 void ErrorWeights::fill(std::span<const double> y, double noise, std::span<double> weights) {
   largest_u_ = std::max(largest_u_, largest(y.first(layout_.nodes)));
   largest_w_ = std::max(largest_w_, largest(y.subspan(layout_.nodes, layout_.nodes)));

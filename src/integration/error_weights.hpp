@@ -19,6 +19,9 @@ inline constexpr Accumulation multistep_accumulation{150.0, 1000.0, 6.0};
 /// One-step methods advance the more accurate of the two solutions whose difference is their error estimate.
 inline constexpr Accumulation one_step_accumulation{2.0, 10.0, 1.0};
 
+/// The promise of docs/methods.md: errors of the solution stay below this multiple of the tolerance.
+inline constexpr double promised_multiple = 100.0;
+
 /// Error weights of Tolerance: 1 / (relative max|u| + absolute) for each entry of u, likewise for w, 0 for dependent
 /// entries and the energy account. The maxima run over the time passed, so that a bar at rest for a moment does not ask
 /// for absurd accuracy.
@@ -30,6 +33,7 @@ class ErrorWeights {
         tolerance_(tolerance),
         massive_begin_(system.bar().massive_begin()),
         massive_end_(system.bar().massive_end()),
+        inertia_(system.bar().bar().density * system.bar().bar().length),
         accumulated_(system.dissipates() ? accumulation.dissipating : accumulation.conserving),
         per_change_(accumulation.per_change) {}
 
@@ -47,6 +51,8 @@ class ErrorWeights {
   }
   double largest_displacement() const { return largest_u_; }
   double displacement_tolerance() const;
+  /// What the promised error of the velocities makes of the kinetic energy of the bar.
+  double promised_energy() const;
 
   static void members(auto& weights, auto&& each) { each(weights.largest_u_, weights.largest_w_); }
 
@@ -54,7 +60,7 @@ class ErrorWeights {
   Layout layout_;
   Tolerance tolerance_;
   std::size_t massive_begin_, massive_end_;
-  double largest_u_ = 0.0, largest_w_ = 0.0, accumulated_, per_change_, tightening_ = 1.0;
+  double inertia_, largest_u_ = 0.0, largest_w_ = 0.0, accumulated_, per_change_, tightening_ = 1.0;
 };
 
 }  // namespace viscobar

@@ -1,13 +1,15 @@
 #include <ida/ida.h>
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <tuple>
 
 #include "integration/error_weights.hpp"
 #include "integration/hull.hpp"
 #include "integration/longest_step.hpp"
+#include "integration/relieved_stepper.hpp"
 #include "integration/stepwise_run.hpp"
-#include "integration/storm_stepper.hpp"
 #include "integration/sundials/leg.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -46,7 +48,11 @@ void solve_step(Leg& leg, std::span<double> correction) {
   if (layout.size == 2 * n) return;
   for (std::size_t i = 0; i < n; ++i) leg.field[i] = w[i] + x_w[i];
   leg.account_rates(t, leg.field, correction);
-  for (std::size_t k = 2 * n; k < layout.size; ++k) correction[k] = (correction[k] - u_rate[k]) / cj;
+  leg.account_correction = 0.0;
+  for (std::size_t k = 2 * n; k < layout.size; ++k) {
+    correction[k] = (correction[k] - u_rate[k]) / cj;
+    leg.account_correction = std::max(leg.account_correction, std::abs(correction[k]));
+  }
 }
 
 class IdaStepper {
@@ -114,6 +120,7 @@ class IdaStepper {
   double largest() const { return weights_.largest_displacement(); }
   double displacement_tolerance() const { return weights_.displacement_tolerance(); }
   ErrorWeights& weights() { return weights_; }
+  double account_correction() const { return leg_.account_correction; }
 
  private:
   // y' that satisfies the equations: u' = w and rho M w' = F; massless velocities are dependent, their rate is free.
@@ -177,7 +184,7 @@ Statistics integrate(const BarSystem& system, const StartingPoint& start, std::s
     const Layout layout(penalised, observers.energy);
     Statistics statistics = statistics_before(from);
     IdaStepper stepper(penalised, layout, method.tolerance, times.back(), statistics);
-    StormStepper<IdaStepper> steps(penalised, layout, method.tolerance, times.back(), statistics, stepper);
+    RelievedStepper<IdaStepper> steps(penalised, layout, method.tolerance, times.back(), statistics, stepper);
     return run_stepwise("ida", penalised, layout, steps, statistics, from, times, observers);
   });
 }

@@ -19,6 +19,8 @@ struct Layout {
   std::span<double> u(std::span<double> y) const { return y.first(nodes); }
   std::span<double> w(std::span<double> y) const { return y.subspan(nodes, nodes); }
 
+  std::size_t account() const { return size - 2 * nodes; }  ///< entries of the energy account, behind the others
+
   std::size_t nodes, size;
   std::optional<std::size_t> dissipated, work;
 };

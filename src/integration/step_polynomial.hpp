@@ -73,6 +73,7 @@ class StepPolynomial {
   double massive(std::size_t i, const Weights& weights) const;
   double relaxed(const Relaxation& relaxation, double s) const;
   double value(std::size_t unknown, double s, int derivative) const;
+  void forget_what_has_relaxed();
   void drive(Relaxation& relaxation);
   void motion_at(double t, std::span<double> y);
   void add_account(double until, std::span<double> y);
@@ -84,6 +85,7 @@ class StepPolynomial {
   std::vector<Relaxation> relaxations_;
   std::vector<std::size_t> entries_, selected_;
   std::vector<double> sampled_, inner_;
+  bool first_of_leg_ = false;
 };
 
 }  // namespace viscobar

@@ -3,16 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "dynamics/contact_states.hpp"
 #include "dynamics/parts.hpp"
 #include "dynamics/stopwatch.hpp"
 #include "integration/event_search.hpp"
+#include "integration/gauss.hpp"
 #include "integration/layout.hpp"
 #include "integration/pace_guard.hpp"
 #include "integration/snapshot.hpp"
@@ -35,6 +38,7 @@ namespace viscobar {
 ///     hull(lowest, highest)    bounds of each of those over the step
 ///     double largest()         largest |u| so far
 ///     double displacement_tolerance()    local error of u that a step may make
+///     double account_correction()    optional: what the step's corrector changed its energy account by
 ///     ErrorWeights& weights()  what it must not forget at a checkpoint
 template <class Stepper>
 class StepwiseRun {
@@ -51,7 +55,8 @@ class StepwiseRun {
         search_(system),
         pace_(begin, times.back()),
         snapshot_(system),
-        y_(layout.size) {}
+        y_(layout.size),
+        inner_(layout.size) {}
 
   /// Up to the next checkpoint, or to the end.
   std::optional<Checkpoint> operator()(const StartingPoint& start) {
@@ -75,21 +80,23 @@ class StepwiseRun {
         limit = *schedule_.next();
         change.reset();
       }
+      if constexpr (requires { stepper_.account_correction(); })
+        if (layout_.account() > 0 && account_doubtful(t, reached)) correct_account(t, limit);
       outputs_until(limit);
       t = limit;
       statistics_.reached_time = t;
       pace_.step(t, statistics_.events);
       if (observers_.progress) stopwatch_.outside([&] { observers_.progress(t); });
       if (change) {
-        stepper_.interpolate(t, y_);
+        reach(t);
         switch_contacts(t);
         // What is left after a change at the very end is no leg.
         if (end - t <= 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end))) break;
       } else if (t >= end) {
-        stepper_.interpolate(end, y_);
+        reach(end);
       }
       if (t > begin && t < end && schedule_.due(t)) {
-        if (!change) stepper_.interpolate(t, y_);
+        if (!change) reach(t);
         return Checkpoint{t, next_output_, {}, archived(*this)};
       }
       if (change) restart(t);
@@ -164,7 +171,41 @@ class StepwiseRun {
            stepper_.displacement_tolerance() * std::pow(10.0, std::min(static_cast<double>(toggles_) - 10.0, 0.0));
   }
 
+  // The state where the run is.
+  void reach(double t) {
+    stepper_.interpolate(t, y_);
+    for (std::size_t k = 0; k < layout_.account(); ++k) y_[2 * layout_.nodes + k] += account_shift_[k];
+  }
+
+  // Whether the step may spoil the account by more than its share of what the motion's own error does. The correction
+  // is several times the error, which is a fraction of it that falls with the order.
+  bool account_doubtful(double from, double to) {
+    const double share = (to - from) / (times_.back() - times_.front());
+    return stepper_.account_correction() > share * stepper_.weights().promised_energy();
+  }
+
+  // The power of a motion of frequency omega has one of 2 omega: where the formulas just resolve omega at a high order,
+  // their account of the power may be a thousand times worse. Gauss' formula integrates it over the step instead.
+  void correct_account(double from, double to) {
+    const std::size_t first = 2 * layout_.nodes, count = layout_.account();
+    for (const auto& [at, sign] : {std::pair{to, -1.0}, {from, 1.0}}) {
+      stepper_.interpolate(at, inner_);
+      for (std::size_t k = 0; k < count; ++k) account_shift_[k] += sign * inner_[first + k];
+    }
+    const double half = 0.5 * (to - from);
+    for (const auto& [node, weight] : gauss_five()) {
+      const double t = from + half * (1.0 + node);
+      stepper_.interpolate(t, inner_);
+      const std::span<double> inner_w = layout_.w(inner_);
+      system_.complete_velocity(t, layout_.u(inner_), inner_w);
+      if (layout_.dissipated)
+        account_shift_[*layout_.dissipated - first] += half * weight * system_.dissipated_power(inner_w);
+      if (layout_.work) account_shift_[*layout_.work - first] += half * weight * system_.load_power(t, inner_w);
+    }
+  }
+
   void restart(double t) {
+    account_shift_ = {};
     system_.complete_displacement(t, u());
     system_.complete_velocity(t, u(), w());
     stepper_.restart(t, y_);
@@ -251,7 +292,8 @@ class StepwiseRun {
   PaceGuard pace_;
   SnapshotBuilder snapshot_;
   Stopwatch stopwatch_;
-  std::vector<double> y_;
+  std::vector<double> y_, inner_;          // the state where the run is, and within a step
+  std::array<double, 2> account_shift_{};  // of the account of this leg
   std::size_t next_output_ = 0;
   std::size_t last_contact_ = 0, toggles_ = 0, stalled_ = 0;
   double last_change_ = -std::numeric_limits<double>::infinity();

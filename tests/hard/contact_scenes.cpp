@@ -108,14 +108,11 @@ void resting(Scenes& scenes) {
                     two_masses,
                     {settled(hanging(1e-10), 1e-9)},
                     {{"at that pace", {MethodName::exponential}, false}}});
-  scenes.back().open = {{MethodName::cvode, "its formulas of order 3 and more keep the contact's oscillation alive"}};
   scenes.push_back({"rest for ever, from equilibrium",
                     "rest",
                     {"initial.displacement=-x+x*x/2", "contact.epsilon=1e-8"},
                     two_masses,
                     {settled(hanging(1e-8), 1e-7)}});
-  scenes.back().open = {{MethodName::cvode, "as at 1e-10, for a minute"},
-                        {MethodName::odeint, "the energy account of a massless node, twice its bound"}};
 }
 
 void at_a_time(Scenes& scenes) {

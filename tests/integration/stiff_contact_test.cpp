@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "support/paper_throw.hpp"
 #include "viscobar/analysis/end_traces.hpp"
+#include "viscobar/analysis/recording.hpp"
 
 namespace viscobar {
 namespace {
@@ -37,6 +39,49 @@ TEST_P(StiffContact, CostsNoMoreStepsAtAStifferPenalty) {
 TEST_P(StiffContact, DoesNotChaseTheRoundingOfAClosedContactOnAFineMesh) {
   const Tolerance tolerance{1e-10, 1e-13};
   EXPECT_LT(steps(GetParam(), 432, 1e-10, tolerance), 10 * steps(GetParam(), 27, 1e-10, tolerance));
+}
+
+// A bar pressed on its obstacle by a steady load, from its equilibrium but for the penetration.
+Case pressed(double epsilon, Mass mass, MethodName method) {
+  Case run;
+  run.scene.bar = {1.0, 1.0, 1.0, 0.3};
+  run.scene.left = Obstacle{0.0};
+  run.scene.displacement = run.scene.velocity = [](double) { return 0.0; };
+  run.scene.load = SteadyLoad{[](double) { return -1.0; }};
+  run.elements = 8;
+  run.mass = mass;
+  run.epsilon = epsilon;
+  run.end = 2.0;
+  run.output_every = 0.025;
+  run.method = method;
+  return run;
+}
+
+// Backward differentiation of order 3 to 5 makes 1.5 million steps a unit of time at 1e-10. The multistep method has
+// ten periods of the spring, with less than a hundred steps each, before it is relieved.
+TEST_P(StiffContact, AMassiveContactThatComesToRestCostsLittleMoreThanByOneStepFormulas) {
+  for (const double epsilon : {1e-8, 1e-10, 1e-12}) {
+    const auto steps = [&](MethodName method) {
+      return record(pressed(epsilon, Mass::consistent, method)).statistics.steps;
+    };
+    EXPECT_LT(steps(GetParam()), steps(MethodName::arkode) + 1000) << epsilon;
+  }
+}
+
+// The massless node is drawn to its equilibrium within 1e-8 units of time, in which the bar does not move; the
+// acceleration with which the leg begins belongs to those.
+TEST(StiffContactStart, IsInterpolatedLikeAnyOtherStepByOneStepMethods) {
+  Case run = pressed(1e-8, Mass::redistributed, MethodName::exponential);
+  run.scene.displacement = [](double x) { return -x + x * x / 2; };
+  const Recording reference = record(run);
+  for (const MethodName method : {MethodName::arkode, MethodName::odeint}) {
+    run.method = method;
+    const Recording result = record(run);
+    ASSERT_EQ(result.u.size(), reference.u.size());
+    for (std::size_t i = 0; i < result.u.size(); ++i)  // max|u| = 1/2
+      ASSERT_NEAR(result.u[i], reference.u[i], 100 * (0.5 * run.tolerance.relative + run.tolerance.absolute))
+          << name(method) << " at t = " << result.times[i / result.mesh.nodes()];
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, StiffContact, testing::Values(MethodName::cvode, MethodName::ida));

@@ -115,6 +115,35 @@ TEST(Storm, AFastNodeLateInARunChangesItsContactOnce) {
   }
 }
 
+// Touching and moving in, an undisplaced bar closes its contact at the start and makes its first step by the scale of a
+// displacement of zero: as short as the rounding of any start but 0.
+TEST(Storm, ABarThatStartsOnItsObstacleMovingInMovesAlikeFromAnyTime) {
+  Case run = chatter(1e-2, MethodName::cvode, 1e-6);
+  run.scene.left = Obstacle{0.0};
+  run.scene.right = Free{};
+  run.scene.displacement = [](double) { return 0.0; };
+  run.scene.velocity = [](double) { return -1.0; };
+  for (const double epsilon : {1e-2, 1e-6}) {
+    run.epsilon = epsilon;
+    for (const MethodName method : adaptive) {
+      run.method = method;
+      const BarSystem system = make_system(run);
+      std::vector<double> reference;
+      for (const double start : {0.0, 1.0, 131.0}) {
+        std::vector<double> u;
+        Observers observers;
+        observers.snapshot = [&](const Snapshot& now) { u.insert(u.end(), now.u.begin(), now.u.end()); };
+        EXPECT_NO_THROW(simulate(run, system, std::vector{start, start + 1.0, start + 2.0}, observers))
+            << name(method) << " from " << start;
+        if (start == 0.0) reference = u;
+        ASSERT_EQ(u.size(), reference.size()) << name(method) << " from " << start;
+        const double bound = 2 * 100 * (1e-6 * 2.0 + 1e-9);  // the promise for both, max|u| = 2
+        for (std::size_t i = 0; i < u.size(); ++i) ASSERT_NEAR(u[i], reference[i], bound) << name(method);
+      }
+    }
+  }
+}
+
 TEST(Storm, BouncingForEverEndsAtTheEndForEveryMethod) {
   Case run = bouncing_bar(40.0);
   run.output_every = 40.0;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -42,7 +43,11 @@ void Leg::solve_first_order(double t, double gamma, std::span<const double> y, d
   if (layout.size == 2 * n) return;
   for (std::size_t i = 0; i < n; ++i) field[i] = w[i] + x_w[i];
   account_rates(t, field, x);
-  for (std::size_t k = 2 * n; k < layout.size; ++k) x[k] = gamma * x[k] + factor * z[k];
+  account_correction = 0.0;
+  for (std::size_t k = 2 * n; k < layout.size; ++k) {
+    x[k] = gamma * x[k] + factor * z[k];
+    account_correction = std::max(account_correction, std::abs(x[k]));
+  }
 }
 
 void Leg::subtract_inertia(double factor, std::span<const double> x, std::span<double> out) {

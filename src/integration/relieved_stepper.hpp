@@ -1,0 +1,221 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "integration/sundials/arkode_stepper.hpp"
+#include "viscobar/dynamics/penalised_system.hpp"
+
+namespace viscobar {
+
+/// A multistep method that is relieved by one-step formulas, those of ARKODE, at the same tolerance, on the same legs
+/// and with the same located changes, where it is at its worst:
+///
+///   - in an event storm. It begins every leg at order one with a step to match, and where legs are short it never gets
+///     to what it is good at; a one-step method has no history that a contact change could cost it. So once the last
+///     `legs` legs were short on average, until a leg is long again. Where that proves dearer than what it replaces, as
+///     at tight tolerances, which are the affair of high orders, it is not done again. Measured in docs/storms.md.
+///   - at rest. A contact that stays closed for ten periods of its spring does not bounce, and its spring dies out. Yet
+///     Adams' formulas have to resolve it for stability, and backward differentiation of order 3 to 5 is unstable near
+///     the imaginary axis, where the spring is: it keeps an oscillation of the size of the tolerance alive for ever.
+///     ARKODE's formulas are L-stable. They are tried on the leg, keep it if their first steps lead further at their
+///     price, and are tried again after twice the time otherwise. Measured in docs/stability.md.
+template <class Multistep>
+class RelievedStepper {
+ public:
+  RelievedStepper(PenalisedSystem& system, const Layout& layout, const Tolerance& tolerance, double end,
+                  Statistics& statistics, Multistep& multistep)
+      : system_(system),
+        layout_(layout),
+        tolerance_(tolerance),
+        end_(end),
+        statistics_(statistics),
+        multistep_(multistep),
+        y_(layout.size) {}
+
+  void begin_run(std::vector<std::size_t> sampled_entries) {
+    entries_ = sampled_entries;
+    multistep_.begin_run(std::move(sampled_entries));
+  }
+
+  void restart(double t, std::span<const double> y) {
+    lengths_[leg_++ % legs] = tried_ ? most_steps : steps_;
+    if (turn_ == Turn::storm) account();
+    wait_ = settled * slowest_period();
+    tried_ = false;
+    if (turn_ == Turn::storm ? !worthwhile() : relieved())
+      end_relief();
+    else if (!relieved() && recognised())
+      begin_storm();
+    begin_stretch(t);
+    if (relieved())
+      one_step_->restart(t, y);
+    else
+      multistep_.restart(t, y);
+  }
+
+  void before_step() {
+    switch (turn_) {
+      case Turn::multistep:
+        if (t_ > since_ + wait_) begin_trial();
+        return;
+      case Turn::storm:
+        if (steps_ < calm) return;
+        account();
+        give_back();
+        return;
+      case Turn::trial:
+        if (steps_ < trial) return;
+        if (t_ - since_ > price * trial * pace_)
+          turn_ = Turn::rest;
+        else
+          give_back();
+        return;
+      case Turn::rest: return;
+    }
+  }
+
+  double advance() {
+    ++steps_;
+    return t_ = relieved() ? one_step_->advance() : multistep_.advance();
+  }
+
+  std::size_t order() const { return relieved() ? one_step_->order() : multistep_.order(); }
+  void interpolate(double t, std::span<double> y) {
+    relieved() ? one_step_->interpolate(t, y) : multistep_.interpolate(t, y);
+  }
+  std::span<const double> sample(double t, int derivative) {
+    return relieved() ? one_step_->sample(t, derivative) : multistep_.sample(t, derivative);
+  }
+  void select(std::span<const std::size_t> sampled) {
+    relieved() ? one_step_->select(sampled) : multistep_.select(sampled);
+  }
+  void hull(std::span<double> lowest, std::span<double> highest) {
+    relieved() ? one_step_->hull(lowest, highest) : multistep_.hull(lowest, highest);
+  }
+  double largest() const { return relieved() ? one_step_->largest() : multistep_.largest(); }
+  double displacement_tolerance() const {
+    return relieved() ? one_step_->displacement_tolerance() : multistep_.displacement_tolerance();
+  }
+  double account_correction() const { return relieved() ? 0.0 : multistep_.account_correction(); }
+  /// Their maxima are those of both methods.
+  ErrorWeights& weights() {
+    if (relieved()) multistep_.weights().adopt_largest(one_step_->weights());
+    return multistep_.weights();
+  }
+
+ private:
+  enum class Turn { multistep, storm, trial, rest };
+
+  static constexpr std::size_t legs = 16;
+  static constexpr std::size_t most_steps = 40;  // of a leg, on average over them
+  static constexpr std::size_t calm = 20;        // steps of a leg after which a storm is over
+  static constexpr double settled = 10.0;        // periods of its spring after which a closed contact rests
+  static constexpr std::size_t trial = 20;       // steps by which the one-step formulas are judged there
+
+  // A step of ARKODE has six stages, in the time of which a multistep method makes three steps and more.
+  static constexpr double price = 3.0;
+
+  bool relieved() const { return turn_ != Turn::multistep; }
+
+  double mean_length() const {
+    return static_cast<double>(std::accumulate(lengths_.begin(), lengths_.end(), std::size_t{0})) / legs;
+  }
+
+  // A rigid contact has massless nodes, which do not bounce.
+  bool recognised() const { return !system_.rigid() && worthwhile() && leg_ > legs && mean_length() < most_steps; }
+
+  // What a leg took, and what it would have taken at the price of those before the storm.
+  void account() {
+    ++storm_legs_;
+    paid_ += price * static_cast<double>(steps_);
+    saved_ += replaced_length_;
+  }
+  bool worthwhile() const { return storm_legs_ < legs || paid_ <= saved_; }
+
+  // Of the closed contacts' springs. A massless node has none, and without dissipation nothing comes to rest.
+  double slowest_period() const {
+    constexpr double never = std::numeric_limits<double>::infinity();
+    if (!system_.dissipates()) return never;
+    double period = 0.0;
+    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
+      if (!system_.closed(i)) continue;
+      const double mass = system_.bar().inertia().diagonal[system_.contact(i).unknown];
+      period = std::max(period, 2.0 * std::numbers::pi * std::sqrt(mass / system_.law(i).stiffness));
+    }
+    return period > 0.0 ? period : never;
+  }
+
+  // Of a leg, made by one of the two methods.
+  void begin_stretch(double t) {
+    t_ = since_ = t;
+    steps_ = 0;
+  }
+
+  void begin_storm() {
+    begin_relief();
+    replaced_length_ = mean_length();
+    turn_ = Turn::storm;
+  }
+
+  void begin_trial() {
+    pace_ = (t_ - since_) / static_cast<double>(steps_);
+    multistep_.interpolate(t_, y_);
+    begin_relief();
+    one_step_->restart(t_, y_);
+    begin_stretch(t_);
+    tried_ = true;
+    turn_ = Turn::trial;
+  }
+
+  void begin_relief() {
+    if (!one_step_) {
+      one_step_.emplace(system_, layout_, tolerance_, end_, statistics_);
+      one_step_->begin_run(entries_);
+    }
+    one_step_->weights().adopt_largest(multistep_.weights());
+  }
+
+  void end_relief() {
+    multistep_.weights().adopt_largest(one_step_->weights());
+    if (turn_ == Turn::storm) lengths_.fill(most_steps);
+    turn_ = Turn::multistep;
+  }
+
+  // Within a leg.
+  void give_back() {
+    one_step_->interpolate(t_, y_);
+    end_relief();
+    multistep_.restart(t_, y_);
+    begin_stretch(t_);
+    wait_ *= 2.0;
+  }
+
+  PenalisedSystem& system_;
+  Layout layout_;
+  Tolerance tolerance_;
+  double end_;
+  Statistics& statistics_;
+  Multistep& multistep_;
+  std::optional<sundials::ArkodeStepper> one_step_;  // made when first needed
+  std::vector<std::size_t> entries_;
+  std::vector<double> y_;
+  std::array<std::size_t, legs> lengths_{};  // of the last legs, in steps
+  std::size_t leg_ = 0, steps_ = 0, storm_legs_ = 0;
+  double replaced_length_ = 0.0, paid_ = 0.0, saved_ = 0.0;  // in steps of the multistep method
+  double t_ = 0.0, since_ = 0.0;                             // now, and when the method at work began
+  double wait_ = 0.0;                                        // time that it is left alone
+  double pace_ = 0.0;                                        // time per step of the multistep method before a trial
+  bool tried_ = false;                                       // in this leg
+  Turn turn_ = Turn::multistep;
+};
+
+}  // namespace viscobar
