@@ -31,13 +31,14 @@ double PenalisedSystem::clearance_rounding(std::size_t i, double largest) const 
 }
 
 double PenalisedSystem::contact_noise(double rate) const {
+  if (rate <= 0.0) return 0.0;
   double noise = 0.0;
   const double h = bar_.mesh().smallest(), viscous = bar_.bar().viscosity / (bar_.bar().density * h * h);
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!closed(i)) continue;
     const std::size_t node = contact(i).unknown;
-    const double own = massless(node) ? 0.0 : std::sqrt(laws_[i].stiffness / bar_.inertia().diagonal[node]);
-    noise = std::max(noise, contact(i).gap * std::min(rate, std::max(viscous, own)));
+    const double square = massless(node) ? 0.0 : laws_[i].stiffness / bar_.inertia().diagonal[node];
+    noise = std::max(noise, contact(i).gap * std::min(rate, std::max(viscous, square / rate)));
   }
   return std::numeric_limits<double>::epsilon() * noise;
 }

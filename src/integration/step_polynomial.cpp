@@ -51,6 +51,16 @@ void StepPolynomial::restart() {
 }
 
 void StepPolynomial::finish() {
+  known_.reset();
+  complete();
+}
+
+void StepPolynomial::finish(double length, std::span<const double> increment) {
+  known_ = Known{length, increment};
+  complete();
+}
+
+void StepPolynomial::complete() {
   system_.complete_displacement(end_.t, layout_.u(end_.y));
   system_.complete_velocity(end_.t, layout_.u(end_.y), layout_.w(end_.y));
   if (std::exchange(first_of_leg_, false)) forget_what_has_relaxed();
@@ -66,7 +76,7 @@ void StepPolynomial::forget_what_has_relaxed() {
   const double h = length();
   if (std::ranges::none_of(relaxations_, [&](const Relaxation& r) { return r.row.rate * h > over; })) return;
   for (std::size_t i = system_.bar().massive_begin(); i < system_.bar().massive_end(); ++i) {
-    const double missing = end_.y[i] - begin_.y[i] - 0.5 * h * (begin_.y[n + i] + end_.y[n + i]);
+    const double missing = increment(i) - 0.5 * h * (begin_.y[n + i] + end_.y[n + i]);
     begin_.a[i] = end_.a[i] + 12.0 / (h * h) * missing;
   }
 }
@@ -115,13 +125,14 @@ StepPolynomial::Weights StepPolynomial::weights(double s, int derivative) {
   }
 }
 
-// Where it is no more than rounding, as in the short steps after a contact change, D / h would be noise.
+// D / h would be noise where D is no more than the rounding of u, as in the short steps after a contact change.
 double StepPolynomial::defect(std::size_t i) const {
   const std::size_t n = layout_.nodes;
-  const double h = length(), u0 = begin_.y[i], u1 = end_.y[i];
+  const double h = length();
   const double missing =
-      u1 - u0 - 0.5 * h * (begin_.y[n + i] + end_.y[n + i]) + h * h / 12.0 * (end_.a[i] - begin_.a[i]);
-  const double rounding = 2.0 * std::numeric_limits<double>::epsilon() * (std::abs(u0) + std::abs(u1));
+      increment(i) - 0.5 * h * (begin_.y[n + i] + end_.y[n + i]) + h * h / 12.0 * (end_.a[i] - begin_.a[i]);
+  if (known_) return missing;
+  const double rounding = 2.0 * std::numeric_limits<double>::epsilon() * (std::abs(begin_.y[i]) + std::abs(end_.y[i]));
   return std::abs(missing) > rounding ? missing : 0.0;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -44,6 +45,9 @@ class StepPolynomial {
   /// Makes the end of the last step the beginning of the next; the new end is to be filled, then completed by finish().
   void advance() { std::swap(begin_, end_); }
   void finish();
+  /// The same, by a method that knows the length of the step without the rounding of the time, and u_1 - u_0 of all
+  /// nodes without that of u, until the next step is made.
+  void finish(double length, std::span<const double> increment);
 
   const End& begin() const { return begin_; }
   End& end() { return end_; }
@@ -68,6 +72,11 @@ class StepPolynomial {
     std::array<double, 6> drive = {};  // right-hand side of the row, powers of s
   };
 
+  struct Known {
+    double length;
+    std::span<const double> increment;
+  };
+
   static Weights weights(double s, int derivative);
   double defect(std::size_t i) const;
   double massive(std::size_t i, const Weights& weights) const;
@@ -77,7 +86,9 @@ class StepPolynomial {
   void drive(Relaxation& relaxation);
   void motion_at(double t, std::span<double> y);
   void add_account(double until, std::span<double> y);
-  double length() const { return end_.t - begin_.t; }
+  void complete();
+  double length() const { return known_ ? known_->length : end_.t - begin_.t; }
+  double increment(std::size_t i) const { return known_ ? known_->increment[i] : end_.y[i] - begin_.y[i]; }
 
   PenalisedSystem& system_;
   Layout layout_;
@@ -85,6 +96,7 @@ class StepPolynomial {
   std::vector<Relaxation> relaxations_;
   std::vector<std::size_t> entries_, selected_;
   std::vector<double> sampled_, inner_;
+  std::optional<Known> known_;
   bool first_of_leg_ = false;
 };
 

@@ -158,15 +158,19 @@ TEST(AgreementOfChatter, HoldsToTheLastBounce) {
   run.elements = 27;
   run.end = 6.0;
   run.output_every = 0.05;
-  for (const auto& [epsilon, changes] : {std::pair{1e-2, 4u}, {1e-3, 12u}, {1e-4, 56u}, {1e-5, 352u}, {1e-6, 456u}}) {
+  const std::pair<double, std::size_t> all[] = {{1e-2, 4},   {1e-3, 12},  {1e-4, 56}, {1e-5, 352},
+                                                {1e-6, 456}, {1e-7, 488}, {1e-8, 496}};
+  for (const auto& [epsilon, changes] : all) {
     run.epsilon = epsilon;
     const Recording reference = run_by(run, MethodName::exponential, 1.0);
     EXPECT_EQ(reference.events.size(), changes) << epsilon;
     for (const MethodName method : {MethodName::cvode, MethodName::ida, MethodName::arkode, MethodName::odeint}) {
       for (const double tolerance : {1e-6, 1e-8, 1e-10}) {
+        // Between the ends of odeint's steps a velocity is known to the rounding of u over a step (docs/methods.md).
+        if (method == MethodName::odeint && epsilon < 1e-7 && tolerance < 1e-8) continue;
         const Recording other = run_by(run, method, tolerance);
-        const std::string what = std::string(name(method)) + ", epsilon " + std::to_string(epsilon) + ", tolerance " +
-                                 std::to_string(tolerance);
+        const std::string what = std::string(name(method)) + ", epsilon 1e" + std::to_string(std::log10(epsilon)) +
+                                 ", tolerance 1e" + std::to_string(std::log10(tolerance));
         expect_agreement(run, reference, other, tolerance, what);
         expect_same_events(reference, other, tolerance, what);
       }

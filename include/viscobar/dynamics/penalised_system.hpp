@@ -59,9 +59,10 @@ class PenalisedSystem {
   /// What a clearance may be wrong by through rounding alone, for displacements up to `largest`.
   double clearance_rounding(std::size_t i, double largest) const;
 
-  /// What the velocities may be wrong by through the rounding of closed contacts' displacements alone, for steps that
-  /// resolve no more than `rate`: a stiff contact passes each unit of rounding of u on to its node within a step, and
-  /// viscosity to the neighbours. At most rounding times the fastest rate of the contact.
+  /// What the velocities may be wrong by through the rounding of closed contacts' displacements alone, in a step that
+  /// resolves `rate` (0: none was made): a unit of rounding of u becomes a velocity of `rate` units, as long as that
+  /// does not resolve the contact; if it does, of omega^2 / rate at a node on its spring, omega^2 = k / m, which is
+  /// what the spring makes of it in a step, and of eta / (rho h^2) at the neighbours, through viscosity.
   double contact_noise(double rate) const;
 
   /// out = M f(t) - E K u - eta K w + reactions; w is the velocity of all unknowns.

@@ -88,7 +88,10 @@ class ArkodeStepper {
     std::ranges::copy(values(state_), reached.y.begin());
     std::ranges::copy(values(stage(leg_).rate), values(rate_).begin());
     std::ranges::copy(leg_.layout.w(values(rate_)), reached.a.begin());
-    step_.finish();
+    double length = 0.0;
+    check("ARKStepGetLastStep", ARKStepGetLastStep(memory_.get(), &length));
+    // The last stage is the new state, and its correction leads there from the old one.
+    step_.finish(length, leg_.correction.first(leg_.layout.nodes));
     return t;
   }
 
@@ -112,6 +115,7 @@ class ArkodeStepper {
     check("ARKStepWFtolerances", ARKStepWFtolerances(memory, error_weights));
     check("ARKStepSetTableNum", ARKStepSetTableNum(memory, ARKODE_ESDIRK547L2SA2_7_4_5, ARKODE_ERK_NONE));
     check("ARKStepSetNonlinearSolver", ARKStepSetNonlinearSolver(memory, solver_.get()));
+    check("ARKStepSetPredictorMethod", ARKStepSetPredictorMethod(memory, 0));  // the state that the step begins with
     check("ARKStepSetDeduceImplicitRhs", ARKStepSetDeduceImplicitRhs(memory, SUNTRUE));
     if (leg_.system.load_varies())
       check("ARKStepSetMaxStep", ARKStepSetMaxStep(memory, longest_step(leg_.system, end_ - t)));

@@ -87,7 +87,10 @@ NonlinearSolver make_step_solver(Leg& leg, void (*solve)(Leg&, std::span<double>
   ops.solve = [](SUNNonlinearSolver self, N_Vector, N_Vector correction, N_Vector, sunrealtype, boolean,
                  void*) noexcept {
     auto& step = *static_cast<StepSolver*>(self->content);
-    return guarded(*step.leg, [&] { step.solve(*step.leg, values(correction)); });
+    return guarded(*step.leg, [&] {
+      step.solve(*step.leg, values(correction));
+      step.leg->correction = values(correction);
+    });
   };
   ops.free = [](SUNNonlinearSolver self) noexcept {
     delete static_cast<StepSolver*>(self->content);

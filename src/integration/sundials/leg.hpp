@@ -49,11 +49,12 @@ class Leg {
   PenalisedSystem& system;
   Layout layout;
   Statistics& statistics;
-  std::vector<double> field;        // scratch, one entry a node
-  double account_correction = 0.0;  // largest of the energy account, at the step solved for last
-  std::exception_ptr error;         // thrown inside a callback, to be rethrown outside the C frames
-  std::string library_message;      // what SUNDIALS said last
-  void* memory = nullptr;           // of the integrator
+  std::vector<double> field;           // scratch, one entry a node
+  std::span<const double> correction;  // of the step or stage solved for last, until the next
+  double account_correction = 0.0;     // largest of the energy account, at the step solved for last
+  std::exception_ptr error;            // thrown inside a callback, to be rethrown outside the C frames
+  std::string library_message;         // what SUNDIALS said last
+  void* memory = nullptr;              // of the integrator
 
  private:
   SymmetricTridiagonal matrix_;
