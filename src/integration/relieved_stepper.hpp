@@ -65,7 +65,7 @@ class RelievedStepper {
   void before_step() {
     switch (turn_) {
       case Turn::multistep:
-        if (t_ > since_ + wait_) begin_trial();
+        if (t_ > since_ + wait_ && steps_ >= trial_steps) begin_trial();
         return;
       case Turn::storm:
         if (steps_ < calm) return;
@@ -73,8 +73,8 @@ class RelievedStepper {
         give_back();
         return;
       case Turn::trial:
-        if (steps_ < trial) return;
-        if (t_ - since_ > price * trial * pace_)
+        if (steps_ < trial_steps) return;
+        if (t_ - since_ > price * trial_steps * pace_)
           turn_ = Turn::rest;
         else
           give_back();
@@ -84,7 +84,7 @@ class RelievedStepper {
   }
 
   double advance() {
-    ++steps_;
+    begun_[steps_++ % trial_steps] = t_;
     return t_ = relieved() ? one_step_->advance() : multistep_.advance();
   }
 
@@ -116,10 +116,10 @@ class RelievedStepper {
   enum class Turn { multistep, storm, trial, rest };
 
   static constexpr std::size_t legs = 16;
-  static constexpr std::size_t most_steps = 40;  // of a leg, on average over them
-  static constexpr std::size_t calm = 20;        // steps of a leg after which a storm is over
-  static constexpr double settled = 10.0;        // periods of its spring after which a closed contact rests
-  static constexpr std::size_t trial = 20;       // steps by which the one-step formulas are judged there
+  static constexpr std::size_t most_steps = 40;   // of a leg, on average over them
+  static constexpr std::size_t calm = 20;         // steps of a leg after which a storm is over
+  static constexpr double settled = 10.0;         // periods of its spring after which a closed contact rests
+  static constexpr std::size_t trial_steps = 20;  // steps by which the one-step formulas are judged there
 
   // A step of ARKODE has six stages, in the time of which a multistep method makes three steps and more.
   static constexpr double price = 3.0;
@@ -167,7 +167,7 @@ class RelievedStepper {
   }
 
   void begin_trial() {
-    pace_ = (t_ - since_) / static_cast<double>(steps_);
+    pace_ = (t_ - begun_[steps_ % trial_steps]) / trial_steps;
     multistep_.interpolate(t_, y_);
     begin_relief();
     one_step_->restart(t_, y_);
@@ -213,6 +213,7 @@ class RelievedStepper {
   double replaced_length_ = 0.0, paid_ = 0.0, saved_ = 0.0;  // in steps of the multistep method
   double t_ = 0.0, since_ = 0.0;                             // now, and when the method at work began
   double wait_ = 0.0;                                        // time that it is left alone
+  std::array<double, trial_steps> begun_{};                  // when the last steps did
   double pace_ = 0.0;                                        // time per step of the multistep method before a trial
   bool tried_ = false;                                       // in this leg
   Turn turn_ = Turn::multistep;

@@ -48,6 +48,19 @@ Case over_span(std::size_t elements, double wave, double viscosity, double end) 
   return run;
 }
 
+// A bar that a steady load presses on its obstacle, where it comes to rest.
+Case pressed(double epsilon) {
+  Case run;
+  run.scene.bar.viscosity = 0.3;
+  run.scene.left = Obstacle{0.0};
+  run.scene.displacement = run.scene.velocity = [](double) { return 0.0; };
+  run.scene.load = SteadyLoad{[](double) { return -1.0; }};
+  run.elements = 8;
+  run.epsilon = epsilon;
+  run.end = 1.0;
+  return run;
+}
+
 std::vector<Setting> settings() {
   std::vector<Setting> list;
   for (int decade = 2; decade <= 8; ++decade)
@@ -58,6 +71,8 @@ std::vector<Setting> settings() {
     list.push_back({fmt::format("span-undamped-{}", elements), over_span(elements, 0.02, 0.0, 1.0)});
   }
   list.push_back({"bouncing", bouncing_bar(40.0)});
+  for (int decade = 6; decade <= 12; decade += 2)
+    list.push_back({fmt::format("rest-1e-{}", decade), pressed(std::pow(10.0, -decade))});
   return list;
 }
 
