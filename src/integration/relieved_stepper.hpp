@@ -27,7 +27,7 @@ namespace viscobar {
 ///     Adams' formulas have to resolve it for stability, and backward differentiation of order 3 to 5 is unstable near
 ///     the imaginary axis, where the spring is: it keeps an oscillation of the size of the tolerance alive for ever.
 ///     ARKODE's formulas are L-stable. They are tried on the leg, keep it if their first steps lead further at their
-///     price, and are tried again after twice the time otherwise. Measured in docs/stability.md.
+///     price, and are tried again after twice the time otherwise. Measured in docs/storms.md, too.
 template <class Multistep>
 class RelievedStepper {
  public:
@@ -74,10 +74,12 @@ class RelievedStepper {
         return;
       case Turn::trial:
         if (steps_ < trial_steps) return;
-        if (t_ - since_ > price * trial_steps * pace_)
+        if (t_ - since_ > price * trial_steps * pace_) {
           turn_ = Turn::rest;
-        else
+        } else {
           give_back();
+          wait_ *= 2.0;
+        }
         return;
       case Turn::rest: return;
     }
@@ -196,7 +198,6 @@ class RelievedStepper {
     end_relief();
     multistep_.restart(t_, y_);
     begin_stretch(t_);
-    wait_ *= 2.0;
   }
 
   PenalisedSystem& system_;
