@@ -1,5 +1,6 @@
 // A formula, the first byte choosing its variables and whether a copy is tried: it is refused with a reason, or a
 // function that gives the same value each time, from each copy, and a finite one where it is constant.
+
 // longest: 200
 // seeds: formulas of examples/scenes/*.toml tests/malformed/scenes/*.toml
 #include <bit>

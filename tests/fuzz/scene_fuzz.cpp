@@ -1,5 +1,6 @@
-// Scene text, and after each of the first 0x1E bytes an override: reading gives a case whose description reads back as the same, or a
-// SceneError, and nothing else.
+// Scene text, and after each of the first 0x1E bytes an override: reading gives a case whose description reads back as
+// the same, or a SceneError, and nothing else.
+
 // longest: 2048
 // seeds: examples/scenes/*.toml tests/malformed/scenes/*.toml
 #include <algorithm>

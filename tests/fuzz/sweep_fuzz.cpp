@@ -1,4 +1,5 @@
 // Sweep text: it is refused with findings, or a plan whose first and last case can be named.
+
 // longest: 2048
 // seeds: examples/sweeps/*.toml tests/malformed/sweeps/*.toml
 #include <algorithm>
