@@ -15,12 +15,6 @@ struct NamedError {
   bool certain = true;
 };
 
-/// A method by which a scene is not right yet, and what is known of it (docs/stability.md).
-struct OpenFinding {
-  MethodName method;
-  std::string what;
-};
-
 /// A scene at which integrators break, or might. A user runs it by
 ///
 ///     viscobar run tests/hard/scenes/FILE.toml --set OVERRIDE ... --set mesh.mass=MASS --set method.name=METHOD
@@ -33,7 +27,6 @@ struct HardScene {
   std::vector<NamedError> errors = {};
   std::vector<MethodName> methods = {};  ///< that the scene is meant for; empty: all
   bool slow = false;                     ///< too long for the tests: measure_stability runs it
-  std::vector<OpenFinding> open = {};    ///< the tests leave these to measure_stability, too
 };
 
 /// All of them, in the order of docs/stability.md.

@@ -21,8 +21,6 @@ class Hard : public testing::TestWithParam<Parameter> {};
 TEST_P(Hard, IsRightOrNamesItsError) {
   const auto& [scene, method] = GetParam();
   if (scene.slow) GTEST_SKIP() << "long: measure_stability runs it";
-  for (const OpenFinding& finding : scene.open)
-    if (finding.method == method) GTEST_SKIP() << "open: " << finding.what;
   for (const Mass mass : masses_for(scene, method)) {
     const Outcome outcome = run_guarded(scene, method, mass);
     const auto wrong = complaint(scene, method, outcome);
