@@ -1,18 +1,43 @@
 #pragma once
 
 #include <array>
-#include <cmath>
-#include <utility>
+#include <cstddef>
 
 namespace viscobar {
 
-/// Nodes and weights of Gauss' formula with five points on [-1, 1], exact for polynomials of degree 9. On a step of
-/// length h it is wrong by 4e-13 h^11 f^(10).
-inline std::array<std::pair<double, double>, 5> gauss_five() {
-  const double root = 2.0 * std::sqrt(10.0 / 7.0), share = 13.0 * std::sqrt(70.0);
-  const double inner = std::sqrt(5.0 - root) / 3.0, outer = std::sqrt(5.0 + root) / 3.0;
-  const double of_inner = (322.0 + share) / 900.0, of_outer = (322.0 - share) / 900.0;
+struct GaussPoint {
+  double node, weight;
+};
+
+/// Gauss' formula with n points on [-1, 1], exact for polynomials of degree 2 n - 1.
+template <std::size_t n>
+constexpr std::array<GaussPoint, n> gauss();
+
+template <>
+constexpr std::array<GaussPoint, 3> gauss<3>() {
+  constexpr double node = 0.7745966692414834;
+  return {{{-node, 5.0 / 9.0}, {0.0, 8.0 / 9.0}, {node, 5.0 / 9.0}}};
+}
+
+template <>
+constexpr std::array<GaussPoint, 5> gauss<5>() {
+  constexpr double inner = 0.5384693101056831, outer = 0.9061798459386640;
+  constexpr double of_inner = 0.4786286704993665, of_outer = 0.2369268850561891;
   return {{{-outer, of_outer}, {-inner, of_inner}, {0.0, 128.0 / 225.0}, {inner, of_inner}, {outer, of_outer}}};
+}
+
+template <>
+constexpr std::array<GaussPoint, 8> gauss<8>() {
+  constexpr std::array<GaussPoint, 4> half = {{{0.1834346424956498, 0.3626837833783620},
+                                               {0.5255324099163290, 0.3137066458778873},
+                                               {0.7966664774136267, 0.2223810344533745},
+                                               {0.9602898564975363, 0.1012285362903763}}};
+  std::array<GaussPoint, 8> all{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    all[2 * i] = {-half[i].node, half[i].weight};
+    all[2 * i + 1] = half[i];
+  }
+  return all;
 }
 
 }  // namespace viscobar

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "integration/energy_flow.hpp"
+
 namespace viscobar {
 
 namespace {
@@ -177,15 +179,9 @@ void StepPolynomial::add_account(double until, std::span<double> y) {
   if (inner_.empty()) return;
   const auto accounts = static_cast<std::ptrdiff_t>(2 * layout_.nodes);
   std::copy(begin_.y.begin() + accounts, begin_.y.end(), y.begin() + accounts);
-  const double half = 0.5 * (until - begin_.t), middle = begin_.t + half, offset = std::sqrt(0.6);
-  for (const auto& [at, weight] : {std::pair{-offset, 5.0 / 9.0}, {0.0, 8.0 / 9.0}, {offset, 5.0 / 9.0}}) {
-    const double t = middle + at * half;
-    motion_at(t, inner_);
-    const std::span<double> w = layout_.w(inner_);
-    system_.complete_velocity(t, layout_.u(inner_), w);
-    if (layout_.dissipated) y[*layout_.dissipated] += half * weight * system_.dissipated_power(w);
-    if (layout_.work) y[*layout_.work] += half * weight * system_.load_power(t, w);
-  }
+  add_energy_flow<3>(
+      system_, layout_, begin_.t, until, [&](double t, std::span<double> inner) { motion_at(t, inner); }, inner_,
+      y.subspan(2 * layout_.nodes));
 }
 
 double StepPolynomial::value(std::size_t unknown, double s, int derivative) const {

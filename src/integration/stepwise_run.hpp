@@ -14,8 +14,8 @@
 #include "dynamics/contact_states.hpp"
 #include "dynamics/parts.hpp"
 #include "dynamics/stopwatch.hpp"
+#include "integration/energy_flow.hpp"
 #include "integration/event_search.hpp"
-#include "integration/gauss.hpp"
 #include "integration/layout.hpp"
 #include "integration/pace_guard.hpp"
 #include "integration/snapshot.hpp"
@@ -192,16 +192,9 @@ class StepwiseRun {
       stepper_.interpolate(at, inner_);
       for (std::size_t k = 0; k < count; ++k) account_shift_[k] += sign * inner_[first + k];
     }
-    const double half = 0.5 * (to - from);
-    for (const auto& [node, weight] : gauss_five()) {
-      const double t = from + half * (1.0 + node);
-      stepper_.interpolate(t, inner_);
-      const std::span<double> inner_w = layout_.w(inner_);
-      system_.complete_velocity(t, layout_.u(inner_), inner_w);
-      if (layout_.dissipated)
-        account_shift_[*layout_.dissipated - first] += half * weight * system_.dissipated_power(inner_w);
-      if (layout_.work) account_shift_[*layout_.work - first] += half * weight * system_.load_power(t, inner_w);
-    }
+    add_energy_flow<5>(
+        system_, layout_, from, to, [&](double t, std::span<double> y) { stepper_.interpolate(t, y); }, inner_,
+        account_shift_);
   }
 
   void restart(double t) {

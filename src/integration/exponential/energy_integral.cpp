@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "integration/gauss.hpp"
+
 namespace viscobar::exponential {
 
 using Eigen::MatrixXd;
@@ -11,18 +13,13 @@ using Eigen::VectorXd;
 using Leg = LinearLeg<double>;
 
 EnergyFlow gauss_flow(const Leg& leg, const Leg::Series& series, const MatrixXd& load, double tau, double sigma) {
-  constexpr std::array<double, 4> node = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
-                                          0.9602898564975363};
-  constexpr std::array<double, 4> weight = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
-                                            0.1012285362903763};
   EnergyFlow flow;
-  for (std::size_t i = 0; i < node.size(); ++i)
-    for (const double side : {-1.0, 1.0}) {
-      const double at = sigma * (1.0 + side * node[i]) / 2, share = tau * sigma * weight[i] / 2;
-      const VectorXd v = Leg::velocity(series, at, tau);
-      flow.dissipated += share * leg.dissipation(v);
-      if (load.cols() > 0) flow.work += share * v.dot(Leg::displacement(load, at));
-    }
+  for (const auto [node, weight] : gauss<8>()) {
+    const double at = sigma * (1.0 + node) / 2, share = tau * sigma * weight / 2;
+    const VectorXd v = Leg::velocity(series, at, tau);
+    flow.dissipated += share * leg.dissipation(v);
+    if (load.cols() > 0) flow.work += share * v.dot(Leg::displacement(load, at));
+  }
   return flow;
 }
 

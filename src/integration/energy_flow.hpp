@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "integration/gauss.hpp"
+#include "integration/layout.hpp"
+#include "viscobar/dynamics/penalised_system.hpp"
+
+namespace viscobar {
+
+/// Adds the integrals of dissipated power and load power over [from, to], by Gauss' formula with n points, to the
+/// entries of the energy account.
+///
+/// @param motion_at fills displacements and velocities: motion_at(t, y)
+/// @param y scratch of layout.size entries
+/// @param account layout.account() entries, in the order of the layout
+template <std::size_t n, class Motion>
+void add_energy_flow(PenalisedSystem& system, const Layout& layout, double from, double to, Motion&& motion_at,
+                     std::span<double> y, std::span<double> account) {
+  const double half = 0.5 * (to - from), middle = from + half;
+  const std::size_t first = 2 * layout.nodes;
+  for (const auto [node, weight] : gauss<n>()) {
+    const double t = middle + node * half;
+    motion_at(t, y);
+    const std::span<double> w = layout.w(y);
+    system.complete_velocity(t, layout.u(y), w);
+    if (layout.dissipated) account[*layout.dissipated - first] += half * weight * system.dissipated_power(w);
+    if (layout.work) account[*layout.work - first] += half * weight * system.load_power(t, w);
+  }
+}
+
+}  // namespace viscobar
