@@ -139,12 +139,22 @@ class Scanner {
     i_ += end.size();
     while (!text_.substr(std::min(i_, text_.size())).starts_with(end)) {
       if (at_end() || (!long_form && text_[i_] == '\n')) fail(begin, "this string does not end");
-      i_ += quote == '"' && text_[i_] == '\\' ? 2 : 1;
+      const bool escape = quote == '"' && text_[i_] == '\\';
+      if (escape && long_form) check_continuation(i_ + 1);
+      i_ += escape ? 2 : 1;
     }
     i_ += end.size();
     // Up to two quotes may precede the closing three.
     if (long_form)
       for (int k = 0; k < 2 && peek() == quote; ++k) ++i_;
+  }
+
+  // What follows a backslash in a string of several lines, and blanks and line ends, the parser asks whether it is a
+  // blank: undefined for most letters beyond ASCII.
+  void check_continuation(std::size_t i) const {
+    while (i < text_.size() && (is_blank(text_[i]) || text_[i] == '\n')) ++i;
+    if (i < text_.size() && !is_ascii(text_.substr(i, 1)))
+      fail(i, "a letter beyond ASCII cannot be the first after a backslash");
   }
 
   void skip_header() {

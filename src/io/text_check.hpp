@@ -29,9 +29,9 @@ bool is_utf8(std::string_view text);
 std::string_view ascii_for(std::string_view character);
 
 /// Refuses text in UTF-16 and lines that end in a carriage return alone, and what toml++ 3.3 answers with undefined
-/// behaviour or unbounded recursion: text that is not UTF-8, letters beyond ASCII outside of strings and comments or in
-/// quotes within a bare word, malformed table headers, dotted names of very many parts, strings that do not end. What
-/// passes may still be wrong TOML.
+/// behaviour or unbounded recursion: text that is not UTF-8, letters beyond ASCII outside of strings and comments, in
+/// quotes within a bare word, or first after a backslash in a string of several lines, malformed table headers, dotted
+/// names of very many parts, strings that do not end. What passes may still be wrong TOML.
 /// @throws TextError at the first fault
 void check_text(std::string_view text);
 
