@@ -7,6 +7,7 @@
 #include "dynamics/contact_states.hpp"
 #include "dynamics/parts.hpp"
 #include "dynamics/stopwatch.hpp"
+#include "integration/exponential/contact_distance.hpp"
 #include "integration/exponential/energy_integral.hpp"
 #include "integration/exponential/passage.hpp"
 #include "integration/exponential/propagator_cache.hpp"
@@ -21,7 +22,6 @@ namespace viscobar {
 namespace {
 
 using namespace exponential;
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Leg = LinearLeg<double>;
 using Series = Leg::Series;
@@ -49,6 +49,7 @@ class Run {
         statistics_(before_),
         load_(system),
         propagators_(penalised_, load_, statistics_.matrix_factorisations),
+        distance_(system_, penalised_, propagators_, load_),
         pace_(times.front(), times.back(), 10'000, 1e9),
         t_(begin_of(start, times)),
         schedule_(observers, times, t_),
@@ -84,42 +85,9 @@ class Run {
  private:
   const Leg& leg() const { return propagator_->leg(); }
   std::size_t contacts() const { return penalised_.contact_count(); }
-  Index node(std::size_t c) const { return static_cast<Index>(penalised_.contact(c).unknown); }
-  double surface(std::size_t c) const { return propagators_.surface(c); }
-  bool massless(std::size_t c) const {
-    const std::size_t i = penalised_.contact(c).unknown;
-    return i < system_.massive_begin() || i >= system_.massive_end();
-  }
-  // A massless node's velocity is a difference of forces over its viscosity: what the rounding of a strain makes of a
-  // displacement extrapolated by it over a step. A maximum good to more digits would take steps as short as the node's
-  // relaxation.
-  double slope_noise(std::size_t c) const {
-    if (!system_.damped() || !massless(c)) return 0.0;
-    const Bar& bar = system_.bar();
-    return 8.0 * rounding * largest_displacement_ * bar.modulus / bar.viscosity * propagator_->step(level_);
-  }
-  // What closed contacts on massless nodes would do by themselves: a node's velocity is what their force and that of
-  // the bar leave of each other, over its viscosity.
-  double cancelled_power(double penetration) const {
-    double power = 0.0;
-    for (std::size_t c = 0; c < contacts(); ++c) {
-      if (!system_.damped() || !massless(c) || !penalised_.closed(c)) continue;
-      const double force = penalised_.law(c).stiffness * penetration;
-      power += force * force * system_.spacing_at(penalised_.contact(c).unknown) / system_.bar().viscosity;
-    }
-    return power;
-  }
-  // A node without mass and viscosity has no displacement of its own in y.
-  bool follows(std::size_t c) const { return !system_.damped() && massless(c); }
+  Index node(std::size_t c) const { return distance_.node(c); }
+  ContactDistance::Largest largest() const { return {largest_displacement_, statistics_.max_penetration}; }
   double shortest_step() const { return 4.0 * rounding * std::max(std::abs(t_), times_.back() - times_.front()); }
-
-  // What the distance of contact c has to pass behind zero for a change. Closing, its rounding. Opening, less where it
-  // can be: a stiff contact has penetrations of that size, and would hold the bar back until its pull exceeds them.
-  double band(std::size_t c) const {
-    if (penalised_.closed(c) && !follows(c))
-      return 32.0 * rounding * (statistics_.max_penetration + std::abs(surface(c)));
-    return penalised_.clearance_rounding(c, largest_displacement_);
-  }
 
   Statistics reached() {
     statistics_.reached_time = t_;
@@ -167,7 +135,7 @@ class Run {
   // Measures the displacement of a node from the obstacle that it has come to: the penetration keeps all its digits.
   // The nodes of a span obstacle go together.
   void measure_from_obstacle(std::size_t closing) {
-    if (follows(closing) || measured_[closing]) return;
+    if (distance_.follows(closing) || measured_[closing]) return;
     for (std::size_t c = 0; c < contacts(); ++c) {
       if (penalised_.contact(c).where != penalised_.contact(closing).where) continue;
       measured_[c] = 1;
@@ -238,7 +206,7 @@ class Run {
     if (contacts() > 0) ++statistics_.event_evaluations;
     double penetration = statistics_.max_penetration;
     for (std::size_t c = 0; c < contacts(); ++c)
-      if (!keeps_state(c, motion, p, penetration)) return false;
+      if (!distance_.keeps_state(c, motion, p, tau, largest(), penetration)) return false;
     if (energy_flows() && !add_sampled_flow(motion, p, tau, penetration)) return false;
     output_until(t_ + tau, tau);
     statistics_.max_penetration = penetration;
@@ -260,32 +228,11 @@ class Run {
     // rounding.
     const double share = 1e-12 * energy_scale_ * tau / (times_.back() - times_.front());
     const double known =
-        64.0 * rounding * (std::abs(flow.dissipated) + std::abs(flow.work) + cancelled_power(penetration) * tau);
+        64.0 * rounding *
+        (std::abs(flow.dissipated) + std::abs(flow.work) + distance_.cancelled_power(penetration) * tau);
     if (error > std::max(share, known)) return false;
     add(flow);
     return true;
-  }
-
-  // Whether contact c surely stays as it is during a step, and the maximum of its penetration is known to the rounding
-  // of a displacement.
-  bool keeps_state(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p,
-                   double& penetration) const {
-    const std::size_t quarter = motion.size() / 4;
-    std::array<double, 5> values;
-    std::array<double, 3> slopes;
-    for (std::size_t k = 0; k < values.size(); ++k) {
-      const VectorXd sample = distance(c, motion[k * quarter], p[k * quarter]);
-      values[k] = sample[0];
-      if (k % 2 == 0) slopes[k / 2] = sample[1] / 2;
-    }
-    const SampledRange range(values, slopes);
-    if (range.lowest() < -band(c)) return false;
-    if (!penalised_.closed(c)) return true;
-    const double share = penalised_.penetration_share(c);
-    penetration = std::max(penetration, share * std::ranges::max(values));
-    return range.monotone() || share * range.highest() <= penetration * (1.0 + 1e-13) +
-                                                              rounding * largest_displacement_ +
-                                                              std::min(slope_noise(c), 1e-6 * penetration);
   }
 
   // A step that one Taylor series covers, cut at the first contact change.
@@ -296,8 +243,8 @@ class Run {
     std::vector<VectorXd> distances;
     if (contacts() > 0) ++statistics_.event_evaluations;
     for (std::size_t c = 0; c < contacts(); ++c) {
-      distances.push_back(distance(c, series, p_));
-      const std::optional<double> passage = first_passage(distances[c], band(c));
+      distances.push_back(distance_.along(c, series, p_));
+      const std::optional<double> passage = first_passage(distances[c], distance_.band(c, largest()));
       if (passage && (!changing || *passage < sigma)) sigma = *passage, changing = c;
     }
     const double t = t_ + tau * sigma;
@@ -316,36 +263,18 @@ class Run {
       lengthen();
   }
 
-  // Taylor coefficients of the distance of contact c from its change: u - surface while it is open, the opposite while
-  // it is closed. An undamped massless node follows its neighbour and the load; it is judged by where it would be were
-  // it open, since a stiff contact leaves no digits of its own displacement.
-  VectorXd distance(std::size_t c, const Series& series, const LoadPolynomial& p) const {
-    VectorXd result;
-    if (follows(c)) {
-      result = series.row(node(c) == 0 ? 1 : node(c) - 1).transpose();
-      const MatrixXd load = load_.total(p);
-      const Index shared = std::min(load.cols(), result.size());
-      if (shared > 0)
-        result.head(shared) += load.row(node(c)).head(shared).transpose() *
-                               (system_.spacing_at(static_cast<std::size_t>(node(c))) / system_.bar().modulus);
-    } else {
-      result = series.row(node(c)).transpose();
-    }
-    result[0] -= surface(c);
-    return penalised_.closed(c) ? VectorXd(-result) : result;
-  }
-
   // Contact `first` reaches its change; so do those that are at theirs up to rounding and go on.
   void change_contacts(std::size_t first, const std::vector<VectorXd>& distances, double sigma, const VectorXd& v) {
     std::vector<std::size_t> changing;
     for (std::size_t c = 0; c < contacts(); ++c) {
       const bool leaving = penalised_.closed(c) ? v[node(c)] > 0.0 : v[node(c)] < 0.0;
-      if (c == first || (leaving && std::abs(value(distances[c], sigma)) <= band(c))) changing.push_back(c);
+      if (c == first || (leaving && std::abs(value(distances[c], sigma)) <= distance_.band(c, largest())))
+        changing.push_back(c);
     }
     for (const std::size_t c : changing) {
       penalised_.set_closed(c, !penalised_.closed(c));
       if (penalised_.closed(c)) measure_from_obstacle(c);
-      if (!follows(c)) y_[node(c)] = surface(c);  // to the digits that only the new leg needs
+      if (!distance_.follows(c)) y_[node(c)] = propagators_.surface(c);  // to the digits that only the new leg needs
       tell_change(c, v[node(c)]);
     }
     begin_leg();
@@ -402,8 +331,8 @@ class Run {
       double sum = 0.0;
       for (std::size_t c = 0; c < contacts(); ++c)
         if (penalised_.closed(c) && node(c) == end)
-          sum += penalised_.law(c).reaction(penalised_.penetration_share(c) * value(distance(c, series, p), sigma),
-                                            -v[end]);
+          sum += penalised_.law(c).reaction(
+              penalised_.penetration_share(c) * value(distance_.along(c, series, p), sigma), -v[end]);
       return sum;
     };
     if (!system_.left_fixed()) snapshot.reaction_left = reaction(0);
@@ -436,6 +365,7 @@ class Run {
 
   LoadInterpolation load_;
   PropagatorCache propagators_;
+  ContactDistance distance_;
   Propagator* propagator_ = nullptr;
   PaceGuard pace_;
 

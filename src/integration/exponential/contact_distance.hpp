@@ -1,0 +1,62 @@
+#pragma once
+
+#include <vector>
+
+#include "integration/exponential/linear_leg.hpp"
+#include "integration/exponential/load_polynomial.hpp"
+#include "integration/exponential/propagator_cache.hpp"
+#include "viscobar/dynamics/penalised_system.hpp"
+
+namespace viscobar::exponential {
+
+/// How far the contacts are from their changes during a step, and to what digit that is known: d = u - surface while
+/// a contact is open, the opposite while it is closed; it changes where d < 0.
+///
+/// An undamped massless node has no displacement of its own in y: it follows its neighbour and the load, and is judged
+/// by where it would be were it open, since a stiff contact leaves no digits of its own displacement.
+class ContactDistance {
+ public:
+  using Series = LinearLeg<double>::Series;
+
+  /// What the roundings are relative to.
+  struct Largest {
+    double displacement = 0.0, penetration = 0.0;
+  };
+
+  /// All arguments outlive this.
+  ContactDistance(const BarSystem& system, const PenalisedSystem& penalised, const PropagatorCache& propagators,
+                  const LoadInterpolation& load)
+      : system_(system), penalised_(penalised), propagators_(propagators), load_(load) {}
+
+  Index node(std::size_t c) const { return static_cast<Index>(penalised_.contact(c).unknown); }
+  /// Whether the node of contact c has no displacement of its own.
+  bool follows(std::size_t c) const { return !system_.damped() && massless(c); }
+
+  /// d's Taylor coefficients over a step.
+  Eigen::VectorXd along(std::size_t c, const Series& series, const LoadPolynomial& p) const;
+
+  /// How far behind zero d passes for a change. Closing, its rounding. Opening, less where it can be: a stiff contact
+  /// has penetrations of that size, and would hold the bar back until its pull exceeds them.
+  double band(std::size_t c, const Largest& largest) const;
+
+  /// Whether contact c surely stays as it is during a step of length tau and the maximum of its penetration is known
+  /// to the rounding of a displacement, from the motion and the load expanded at equal parts of the step, a multiple
+  /// of four. `penetration` rises to its maximum.
+  bool keeps_state(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p, double tau,
+                   const Largest& largest, double& penetration) const;
+
+  /// Power of what the forces on closed damped massless contacts cancel: a node's velocity is what its contact and the
+  /// bar leave of each other, over its viscosity.
+  double cancelled_power(double penetration) const;
+
+ private:
+  bool massless(std::size_t c) const;
+  double slope_noise(std::size_t c, double tau, const Largest& largest) const;
+
+  const BarSystem& system_;
+  const PenalisedSystem& penalised_;
+  const PropagatorCache& propagators_;
+  const LoadInterpolation& load_;
+};
+
+}  // namespace viscobar::exponential
