@@ -23,11 +23,13 @@ namespace viscobar {
 ///     to what it is good at; a one-step method has no history that a contact change could cost it. So once the last
 ///     `legs` legs were short on average, until a leg is long again. Where that proves dearer than what it replaces, as
 ///     at tight tolerances, which are the affair of high orders, it is not done again. Measured in docs/storms.md.
-///   - at rest. A contact that stays closed for ten periods of its spring does not bounce, and its spring dies out. Yet
-///     Adams' formulas have to resolve it for stability, and backward differentiation of order 3 to 5 is unstable near
-///     the imaginary axis, where the spring is: it keeps an oscillation of the size of the tolerance alive for ever.
-///     ARKODE's formulas are L-stable. They are tried on the leg, keep it if their first steps lead further at their
-///     price, and are tried again after twice the time otherwise. Measured in docs/storms.md, too.
+///   - at rest. A contact that stays closed does not bounce, and its spring dies out. Yet Adams' formulas have to
+///   resolve
+///     it for stability, and backward differentiation of order 3 to 5 is unstable near the imaginary axis, where the
+///     spring is: it keeps an oscillation of the size of the tolerance alive for ever. ARKODE's formulas are L-stable.
+///     They are tried on a leg once it has cost ten times what a trial does and its steps still resolve the spring,
+///     keep it if their first steps lead further at their price, and are tried again after twice as many steps
+///     otherwise. Measured in docs/storms.md, too.
 template <class Multistep>
 class RelievedStepper {
  public:
@@ -49,7 +51,8 @@ class RelievedStepper {
   void restart(double t, std::span<const double> y) {
     lengths_[leg_++ % legs] = tried_ ? most_steps : steps_;
     if (turn_ == Turn::storm) account();
-    wait_ = settled * slowest_period();
+    period_ = slowest_period();
+    patience_ = first_patience;
     tried_ = false;
     if (turn_ == Turn::storm ? !worthwhile() : relieved())
       end_relief();
@@ -65,7 +68,7 @@ class RelievedStepper {
   void before_step() {
     switch (turn_) {
       case Turn::multistep:
-        if (t_ > since_ + wait_ && steps_ >= trial_steps) begin_trial();
+        if (steps_ >= patience_ && held_by_spring()) begin_trial();
         return;
       case Turn::storm:
         if (steps_ < calm) return;
@@ -74,11 +77,11 @@ class RelievedStepper {
         return;
       case Turn::trial:
         if (steps_ < trial_steps) return;
-        if (t_ - since_ > price * trial_steps * pace_) {
+        if (pace() > price * multistep_pace_) {
           turn_ = Turn::rest;
         } else {
           give_back();
-          wait_ *= 2.0;
+          patience_ *= 2;
         }
         return;
       case Turn::rest: return;
@@ -118,10 +121,10 @@ class RelievedStepper {
   enum class Turn { multistep, storm, trial, rest };
 
   static constexpr std::size_t legs = 16;
-  static constexpr std::size_t most_steps = 40;   // of a leg, on average over them
-  static constexpr std::size_t calm = 20;         // steps of a leg after which a storm is over
-  static constexpr double settled = 10.0;         // periods of its spring after which a closed contact rests
-  static constexpr std::size_t trial_steps = 20;  // steps by which the one-step formulas are judged there
+  static constexpr std::size_t most_steps = 40;        // of a leg, on average over them
+  static constexpr std::size_t calm = 20;              // steps of a leg after which a storm is over
+  static constexpr std::size_t trial_steps = 20;       // steps by which the one-step formulas are judged at rest
+  static constexpr std::size_t first_patience = 1000;  // ten trials: these steps at their price, and a new beginning
 
   // A step of ARKODE has six stages, in the time of which a multistep method makes three steps and more.
   static constexpr double price = 3.0;
@@ -156,9 +159,15 @@ class RelievedStepper {
     return period > 0.0 ? period : never;
   }
 
+  // Time per step, over the last ones.
+  double pace() const { return (t_ - begun_[steps_ % trial_steps]) / trial_steps; }
+
+  // Steps longer than half a period do not resolve the spring, so it cannot be what bounds them.
+  bool held_by_spring() const { return pace() < 0.5 * period_; }
+
   // Of a leg, made by one of the two methods.
   void begin_stretch(double t) {
-    t_ = since_ = t;
+    t_ = t;
     steps_ = 0;
   }
 
@@ -169,7 +178,7 @@ class RelievedStepper {
   }
 
   void begin_trial() {
-    pace_ = (t_ - begun_[steps_ % trial_steps]) / trial_steps;
+    multistep_pace_ = pace();
     multistep_.interpolate(t_, y_);
     begin_relief();
     one_step_->restart(t_, y_);
@@ -212,10 +221,11 @@ class RelievedStepper {
   std::array<std::size_t, legs> lengths_{};  // of the last legs, in steps
   std::size_t leg_ = 0, steps_ = 0, storm_legs_ = 0;
   double replaced_length_ = 0.0, paid_ = 0.0, saved_ = 0.0;  // in steps of the multistep method
-  double t_ = 0.0, since_ = 0.0;                             // now, and when the method at work began
-  double wait_ = 0.0;                                        // time that it is left alone
+  double t_ = 0.0;                                           // now
+  std::size_t patience_ = first_patience;                    // steps of the multistep method before a trial
   std::array<double, trial_steps> begun_{};                  // when the last steps did
-  double pace_ = 0.0;                                        // time per step of the multistep method before a trial
+  double multistep_pace_ = 0.0;                              // before a trial
+  double period_ = 0.0;                                      // of the slowest spring of a closed contact
   bool tried_ = false;                                       // in this leg
   Turn turn_ = Turn::multistep;
 };
