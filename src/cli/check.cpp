@@ -153,7 +153,7 @@ std::string to_text(const ContactRegime& regime) {
 }  // namespace
 
 CheckCommand::CheckCommand(CLI::App& app)
-    : command_(*app.add_subcommand("check", "Validate a scene and say what model it needs")), scene_(command_) {}
+    : Command(app, "check", "Validate a scene and say what model it needs"), scene_(command_) {}
 
 int CheckCommand::operator()() const {
   const SceneFile scene = scene_.read();

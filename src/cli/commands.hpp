@@ -43,53 +43,62 @@ struct PictureOptions : OutputOptions {
   explicit PictureOptions(CLI::App& command);
 };
 
-class RunCommand {
+/// A command of the program; running it returns the exit code.
+class Command {
+ public:
+  virtual ~Command() = default;
+  Command(const Command&) = delete;
+  Command& operator=(const Command&) = delete;
+
+  bool chosen() const { return command_.parsed(); }
+  virtual int operator()() const = 0;
+
+ protected:
+  Command(CLI::App& app, const std::string& name, const std::string& description)
+      : command_(*app.add_subcommand(name, description)) {}
+
+  CLI::App& command_;
+};
+
+class RunCommand : public Command {
  public:
   explicit RunCommand(CLI::App& app);
-  bool chosen() const { return command_.parsed(); }
-  int operator()() const;
+  int operator()() const override;
 
  private:
-  CLI::App& command_;
   SceneOptions scene_;
   PictureOptions output_;
   std::string checkpoint_;
 };
 
-class ResumeCommand {
+class ResumeCommand : public Command {
  public:
   explicit ResumeCommand(CLI::App& app);
-  bool chosen() const { return command_.parsed(); }
-  int operator()() const;
+  int operator()() const override;
 
  private:
-  CLI::App& command_;
   std::string directory_;
   bool json_ = false, quiet_ = false, figures_ = false;
 };
 
-class CompareCommand {
+class CompareCommand : public Command {
  public:
   explicit CompareCommand(CLI::App& app);
-  bool chosen() const { return command_.parsed(); }
-  int operator()() const;
+  int operator()() const override;
 
  private:
-  CLI::App& command_;
   SceneOptions scene_;
   PictureOptions output_;
   std::vector<std::string> methods_;
   std::size_t threads_ = 0;
 };
 
-class LimitCommand {
+class LimitCommand : public Command {
  public:
   explicit LimitCommand(CLI::App& app);
-  bool chosen() const { return command_.parsed(); }
-  int operator()() const;
+  int operator()() const override;
 
  private:
-  CLI::App& command_;
   SceneOptions scene_;
   PictureOptions output_;
   std::string epsilon_ = "1e-2:1e-8", mass_;
@@ -98,14 +107,12 @@ class LimitCommand {
   std::vector<double> steps_;
 };
 
-class PrecisionCommand {
+class PrecisionCommand : public Command {
  public:
   explicit PrecisionCommand(CLI::App& app);
-  bool chosen() const { return command_.parsed(); }
-  int operator()() const;
+  int operator()() const override;
 
  private:
-  CLI::App& command_;
   SceneOptions scene_;
   PictureOptions output_;
   std::string tolerance_ = "1e-3:1e-10";
@@ -115,14 +122,12 @@ class PrecisionCommand {
   double seconds_ = 1.0;
 };
 
-class SweepCommand {
+class SweepCommand : public Command {
  public:
   explicit SweepCommand(CLI::App& app);
-  bool chosen() const { return command_.parsed(); }
-  int operator()() const;
+  int operator()() const override;
 
  private:
-  CLI::App& command_;
   std::string file_;
   std::vector<std::string> overrides_;
   bool json_ = false;
@@ -130,85 +135,71 @@ class SweepCommand {
   std::size_t threads_ = 0;
 };
 
-class CheckCommand {
+class CheckCommand : public Command {
  public:
   explicit CheckCommand(CLI::App& app);
-  bool chosen() const { return command_.parsed(); }
-  int operator()() const;
+  int operator()() const override;
 
  private:
-  CLI::App& command_;
   SceneOptions scene_;
 };
 
-class ListCommand {
+class ListCommand : public Command {
  public:
   explicit ListCommand(CLI::App& app);
-  bool chosen() const { return command_.parsed(); }
-  int operator()() const;
+  int operator()() const override;
 
  private:
-  CLI::App& command_;
   std::string what_;
   bool json_ = false, markdown_ = false;
 };
 
-class NewCommand {
+class NewCommand : public Command {
  public:
   explicit NewCommand(CLI::App& app);
-  bool chosen() const { return command_.parsed(); }
-  int operator()() const;
+  int operator()() const override;
 
  private:
-  CLI::App& command_;
   std::string file_;
 };
 
-class InfoCommand {
+class InfoCommand : public Command {
  public:
   explicit InfoCommand(CLI::App& app);
-  bool chosen() const { return command_.parsed(); }
-  int operator()() const;
+  int operator()() const override;
 
  private:
-  CLI::App& command_;
   std::string directory_;
   bool json_ = false;
 };
 
-class ExportCommand {
+class ExportCommand : public Command {
  public:
   explicit ExportCommand(CLI::App& app);
-  bool chosen() const { return command_.parsed(); }
-  int operator()() const;
+  int operator()() const override;
 
  private:
-  CLI::App& command_;
   std::string directory_, format_ = "csv", where_;
   bool quiet_ = false;
 };
 
-class CompletionCommand {
+class CompletionCommand : public Command {
  public:
   explicit CompletionCommand(CLI::App& app);
-  bool chosen() const { return command_.parsed(); }
-  int operator()() const;
+  int operator()() const override;
 
  private:
   const CLI::App& app_;
-  CLI::App& command_;
   std::string shell_;
 };
 
-class ManCommand {
+class ManCommand : public Command {
  public:
   explicit ManCommand(CLI::App& app);
-  bool chosen() const { return command_.parsed(); }
-  int operator()() const;
+  int operator()() const override;
 
  private:
   const CLI::App& app_;
-  CLI::App& command_;
 };
 
 /// --figures, the same for all commands that draw.

@@ -182,7 +182,7 @@ if [[ $zsh_eval_context[-1] == loadautofunc ]]; then _viscobar "$@"; else compde
 }
 
 CompletionCommand::CompletionCommand(CLI::App& app)
-    : app_(app), command_(*app.add_subcommand("completion", "Print the completions for a shell")) {
+    : Command(app, "completion", "Print the completions for a shell"), app_(app) {
   command_.group("");
   command_.add_option("shell", shell_, "The shell")->required()->type_name("bash|zsh");
 }

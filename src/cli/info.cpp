@@ -4,7 +4,7 @@
 namespace viscobar::cli {
 
 InfoCommand::InfoCommand(CLI::App& app)
-    : command_(*app.add_subcommand("info", "Say what is in a directory of results, or in one summary of it")) {
+    : Command(app, "info", "Say what is in a directory of results, or in one summary of it") {
   command_
       .add_option("directory", directory_,
                   "Where a command put its results, or a file there: summary.json, sweep.h5, ...")

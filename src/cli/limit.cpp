@@ -24,9 +24,9 @@ constexpr DecadeRange epsilons{"--epsilon", "a positive number", "1e-2:1e-8", st
 }  // namespace
 
 LimitCommand::LimitCommand(CLI::App& app)
-    : command_(*app.add_subcommand("limit",
-                                   "Study how the penalised bar tends to the fully discrete scheme as epsilon "
-                                   "goes to 0: penetration, differences, orders, verdict")),
+    : Command(app, "limit",
+              "Study how the penalised bar tends to the fully discrete scheme as epsilon "
+              "goes to 0: penetration, differences, orders, verdict"),
       scene_(command_),
       output_(command_) {
   const auto list = [&](const char* option, auto& values, const char* what, const char* type,

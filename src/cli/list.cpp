@@ -45,7 +45,7 @@ std::string terminal_text(Vocabulary list) {
 }  // namespace
 
 ListCommand::ListCommand(CLI::App& app)
-    : command_(*app.add_subcommand("list", "List the methods, the masses and the keys of a scene file")) {
+    : Command(app, "list", "List the methods, the masses and the keys of a scene file") {
   command_.add_option("what", what_, "One of the lists (default: all of them)")->type_name("methods|masses|keys");
   CLI::Option* json =
       command_.add_flag("--json", json_, "Print one JSON document on standard output, and nothing else there");

@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <exception>
+#include <memory>
 #include <new>
+#include <vector>
 
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
@@ -55,24 +58,22 @@ std::string explanation(const CLI::App& app, const CLI::ParseError& error) {
   return fmt::format("no command given; there are {}", fmt::join(names, ", "));
 }
 
+template <class... Commands>
+std::vector<std::unique_ptr<const Command>> add_commands(CLI::App& app) {
+  std::vector<std::unique_ptr<const Command>> commands;
+  (commands.push_back(std::make_unique<Commands>(app)), ...);
+  return commands;
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Motion of a viscoelastic bar against rigid obstacles", "viscobar");
   app.set_version_flag("--version", version_text(), "Print the versions and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.require_subcommand(1);
-  const RunCommand run_command(app);
-  const ResumeCommand resume_command(app);
-  const CheckCommand check_command(app);
-  const CompareCommand compare_command(app);
-  const LimitCommand limit_command(app);
-  const PrecisionCommand precision_command(app);
-  const SweepCommand sweep_command(app);
-  const ListCommand list_command(app);
-  const NewCommand new_command(app);
-  const InfoCommand info_command(app);
-  const ExportCommand export_command(app);
-  const CompletionCommand completion_command(app);
-  const ManCommand man_command(app);
+  const auto commands =
+      add_commands<RunCommand, ResumeCommand, CheckCommand, CompareCommand, LimitCommand, PrecisionCommand,
+                   SweepCommand, ListCommand, NewCommand, InfoCommand, ExportCommand, CompletionCommand, ManCommand>(
+          app);
   MessageOptions messages;
   for (CLI::App* command : app.get_subcommands({})) {
     messages.add_to(*command);
@@ -90,19 +91,8 @@ int run(int argc, char** argv) {
     return wrong_input;
   }
   messages.begin(argc, argv);
-  if (run_command.chosen()) return run_command();
-  if (resume_command.chosen()) return resume_command();
-  if (check_command.chosen()) return check_command();
-  if (compare_command.chosen()) return compare_command();
-  if (limit_command.chosen()) return limit_command();
-  if (list_command.chosen()) return list_command();
-  if (new_command.chosen()) return new_command();
-  if (info_command.chosen()) return info_command();
-  if (export_command.chosen()) return export_command();
-  if (completion_command.chosen()) return completion_command();
-  if (man_command.chosen()) return man_command();
-  if (precision_command.chosen()) return precision_command();
-  return sweep_command();
+  const auto chosen = std::ranges::find_if(commands, [](const auto& command) { return command->chosen(); });
+  return (**chosen)();
 }
 
 /// Where memory ends inside of what promised not to throw, as libraries do: with a message and without allocating one.

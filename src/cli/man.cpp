@@ -119,9 +119,7 @@ std::string man_page(const CLI::App& app) {
   return text + std::string(closing);
 }
 
-ManCommand::ManCommand(CLI::App& app) : app_(app), command_(*app.add_subcommand("man", "Print the man page")) {
-  command_.group("");
-}
+ManCommand::ManCommand(CLI::App& app) : Command(app, "man", "Print the man page"), app_(app) { command_.group(""); }
 
 int ManCommand::operator()() const {
   print(man_page(app_));

@@ -28,7 +28,7 @@ void create_new(const std::string& file) {
 
 }  // namespace
 
-NewCommand::NewCommand(CLI::App& app) : command_(*app.add_subcommand("new", "Write a commented scene to start from")) {
+NewCommand::NewCommand(CLI::App& app) : Command(app, "new", "Write a commented scene to start from") {
   command_.add_option("file", file_, "Where it goes; it must not exist (default: standard output)")->type_name("FILE");
 }
 

@@ -36,9 +36,9 @@ void check_lists(const PrecisionStudy& study) {
 }  // namespace
 
 PrecisionCommand::PrecisionCommand(CLI::App& app)
-    : command_(*app.add_subcommand("precision",
-                                   "Measure speed against error for the methods that fit the scene, and what the "
-                                   "error consists of: space, penalty, time")),
+    : Command(app, "precision",
+              "Measure speed against error for the methods that fit the scene, and what the "
+              "error consists of: space, penalty, time"),
       scene_(command_),
       output_(command_) {
   command_.add_option("--methods", methods_, "The methods (default: all that fit the scene)")

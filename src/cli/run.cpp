@@ -111,7 +111,7 @@ std::optional<CheckpointEvery> checkpoint_every(const std::string& text) {
 }  // namespace
 
 RunCommand::RunCommand(CLI::App& app)
-    : command_(*app.add_subcommand("run", "Run a scene and write its results and a report with pictures")),
+    : Command(app, "run", "Run a scene and write its results and a report with pictures"),
       scene_(command_),
       output_(command_) {
   command_
@@ -135,8 +135,7 @@ int RunCommand::operator()() const {
 }
 
 ResumeCommand::ResumeCommand(CLI::App& app)
-    : command_(*app.add_subcommand(
-          "resume", "Go on with a run that was stopped, from its last checkpoint, as if it had not been")) {
+    : Command(app, "resume", "Go on with a run that was stopped, from its last checkpoint, as if it had not been") {
   command_.add_option("directory", directory_, "Where the run put its results")->required()->type_name("DIR");
   command_.add_flag("--json", json_, "Print one JSON document on standard output, and nothing else there");
   command_.add_flag("--quiet", quiet_, "Print nothing but errors");

@@ -94,9 +94,9 @@ std::string table(const SweepFile& sweep, const SweepResults& results, std::size
 }  // namespace
 
 SweepCommand::SweepCommand(CLI::App& app)
-    : command_(*app.add_subcommand("sweep",
-                                   "Run a scene for many values of its keys, on all cores, or under mpirun on many "
-                                   "machines; the same command goes on with a sweep that was stopped")),
+    : Command(app, "sweep",
+              "Run a scene for many values of its keys, on all cores, or under mpirun on many "
+              "machines; the same command goes on with a sweep that was stopped"),
       output_(command_) {
   command_.add_option("sweep", file_, "The sweep file (TOML): a scene, and what varies in it")
       ->required()
