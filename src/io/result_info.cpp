@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -141,14 +142,24 @@ Json facts(const Kind& kind, const fs::path& file) {
   return result;
 }
 
+// Of a file, or of all files below a directory.
+std::uintmax_t bytes(const fs::directory_entry& entry) {
+  if (!entry.is_directory()) return entry.file_size();
+  std::uintmax_t sum = 0;
+  for (const auto& below : fs::recursive_directory_iterator(entry.path()))
+    if (below.is_regular_file()) sum += below.file_size();
+  return sum;
+}
+
 Json files_in(const fs::path& directory) {
   std::vector<fs::directory_entry> entries;
   for (const auto& entry : fs::directory_iterator(directory))
-    if (entry.is_regular_file()) entries.push_back(entry);
+    if (entry.is_regular_file() || entry.is_directory()) entries.push_back(entry);
   std::sort(entries.begin(), entries.end());
   Json files = Json::array();
   for (const auto& entry : entries)
-    files.push_back({{"name", entry.path().filename().string()}, {"bytes", entry.file_size()}});
+    files.push_back(
+        {{"name", entry.path().filename().string() + (entry.is_directory() ? "/" : "")}, {"bytes", bytes(entry)}});
   return files;
 }
 

@@ -34,6 +34,18 @@ TEST_F(Info, TellsOfARunWhatItsSummarySays) {
   EXPECT_TRUE(has(text.out, "field.h5")) << text.out;
 }
 
+TEST_F(Info, CountsADirectoryOfPicturesAsOne) {
+  viscobar("run scene.toml --quiet --figures -o out");
+  std::uintmax_t pictures = 0;
+  for (const auto& picture : testing_cli::fs::directory_iterator(directory_ / "out/figures"))
+    pictures += picture.file_size();
+  const auto info = viscobar("info out --json").json();
+  const auto found = std::ranges::find(info["files"], "figures/", [](const auto& file) { return file["name"]; });
+  ASSERT_NE(found, info["files"].end()) << info;
+  EXPECT_GT(pictures, 0u);
+  EXPECT_EQ((*found)["bytes"], pictures);
+}
+
 TEST_F(Info, TellsOfEveryStudyInTheDirectory) {
   viscobar("compare scene.toml --methods rigid,cvode --quiet -o out");
   viscobar("limit scene.toml --epsilon 1e-3:1e-4 --quiet -o out");
