@@ -36,8 +36,8 @@ class BarPicture {
     context.stroke(outline);
     this.drawTouching(chart, context, profile);
     if (this.supports.span) this.drawSpanGap(chart, context, profile);
-    this.drawEnd(chart, context, "left", x[0], profile[0], time);
-    this.drawEnd(chart, context, "right", x[x.length - 1], profile[profile.length - 1], time);
+    this.drawEnd(chart, context, "left", profile, time);
+    this.drawEnd(chart, context, "right", profile, time);
   }
 
   /// Colours along the bar.
@@ -81,8 +81,9 @@ class BarPicture {
       { css: "var(--ink)", align: inLeftHalf ? "left" : "right", halo: true });
   }
 
-  drawEnd(chart, context, side, x, u, time) {
-    const support = this.supports[side], at = chart.px(x), foot = chart.py(u), unit = chart.ratio;
+  drawEnd(chart, context, side, profile, time) {
+    const end = side === "left" ? 0 : profile.length - 1, u = profile[end];
+    const support = this.supports[side], at = chart.px(this.field.x[end]), foot = chart.py(u), unit = chart.ratio;
     if (support.kind === "fixed") {
       context.fillStyle = colour("var(--ink)");
       context.fillRect(at - 2 * unit, foot - 20 * unit, 4 * unit, 31 * unit);
@@ -99,7 +100,10 @@ class BarPicture {
       context.fill();
       if (force) {
         arrow(chart, context, at, surface + length, surface + 4 * unit, this.colours.touching);
-        write(chart, context, `in contact, R = ${readable(size, 3)}`, at + 12 * outwards * unit, surface + 26 * unit, words);
+        // Below the surface, but where the bar goes there.
+        const { x } = this.field, inner = x.findIndex((position) => chart.px(position) >= at + 70 * outwards * unit);
+        const level = inner >= 0 && chart.py(profile[inner]) > surface + 6 * unit ? -20 : 26;
+        write(chart, context, `in contact, R = ${readable(size, 3)}`, at + 12 * outwards * unit, surface + level * unit, words);
       }
     } else if (surface > chart.box.top && surface < chart.box.top + chart.box.height) {
       doubleArrow(chart, context, at, foot, surface);
