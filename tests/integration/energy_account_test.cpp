@@ -43,7 +43,8 @@ TEST_P(EnergyAccount, OfALoadThatOscillatesFastKeepsThePromiseOfTheMotion) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, EnergyAccount,
-                         testing::Values(MethodName::cvode, MethodName::ida, MethodName::arkode, MethodName::odeint));
+                         testing::Values(MethodName::cvode, MethodName::ida, MethodName::arkode, MethodName::odeint),
+                         [](const auto& method) { return std::string(name(method.param)); });
 
 }  // namespace
 }  // namespace viscobar

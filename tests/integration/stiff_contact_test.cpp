@@ -84,7 +84,8 @@ TEST(StiffContactStart, IsInterpolatedLikeAnyOtherStepByOneStepMethods) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, StiffContact, testing::Values(MethodName::cvode, MethodName::ida));
+INSTANTIATE_TEST_SUITE_P(Methods, StiffContact, testing::Values(MethodName::cvode, MethodName::ida),
+                         [](const auto& method) { return std::string(name(method.param)); });
 
 }  // namespace
 }  // namespace viscobar
