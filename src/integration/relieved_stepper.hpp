@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -146,17 +145,17 @@ class RelievedStepper {
   }
   bool worthwhile() const { return storm_legs_ < legs || paid_ <= saved_; }
 
-  // Of the closed contacts' springs. A massless node has none, and without dissipation nothing comes to rest.
+  // Of the closed contacts' springs, 0 without any: a massless node has none, and without dissipation nothing comes to
+  // rest.
   double slowest_period() const {
-    constexpr double never = std::numeric_limits<double>::infinity();
-    if (!system_.dissipates()) return never;
     double period = 0.0;
+    if (!system_.dissipates()) return period;
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
       if (!system_.closed(i)) continue;
       const double mass = system_.bar().inertia().diagonal[system_.contact(i).unknown];
       period = std::max(period, 2.0 * std::numbers::pi * std::sqrt(mass / system_.law(i).stiffness));
     }
-    return period > 0.0 ? period : never;
+    return period;
   }
 
   // Time per step, over the last ones.
