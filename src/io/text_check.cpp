@@ -84,14 +84,14 @@ class Scanner {
         continue;
       }
       if (!is_ascii({&c, 1})) fail_at_letter();
-      if (c == '"' || c == '\'') {
-        const bool may_begin = before == '\n' || before == '=' || before == ',' || before == '[' || before == '{' ||
-                               (before == '.' && !in_value);
-        const std::size_t begin = i_;
-        skip_string(true);
-        // Elsewhere the parser takes the quote for a letter of a bare word, and the string for what follows it.
-        if (!may_begin && !is_ascii(text_.substr(begin, i_ - begin)))
-          fail(begin, "no string can begin here: what is before it does not belong to it");
+      const bool token_begins = before == '\n' || before == '=' || before == ',' || before == '[' || before == '{';
+      if (is_quote(c)) {
+        if (token_begins || (before == '.' && !in_value))
+          skip_string(true);
+        else
+          skip_misplaced_string();
+      } else if (in_value && token_begins && !is_one_of(c, "[]{},\n")) {
+        skip_bare_value();
       } else {
         if (c == '.' && ++parts > most_parts) fail(i_, "this name has too many parts");
         if (c == '\n' || c == '=' || c == ',' || c == '[' || c == '{') parts = 1;
@@ -110,6 +110,8 @@ class Scanner {
   bool at_end() const { return i_ >= text_.size(); }
   char peek(std::size_t ahead = 0) const { return i_ + ahead < text_.size() ? text_[i_ + ahead] : '\0'; }
   static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+  static bool is_quote(char c) { return c == '"' || c == '\''; }
+  static bool is_one_of(char c, std::string_view list) { return list.find(c) != list.npos; }
   static bool is_bare(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
   }
@@ -123,6 +125,25 @@ class Scanner {
     fail(i_, ascii.empty()
                  ? what
                  : what + (ascii == " " ? "; this blank is none" : "; here it should be " + std::string(ascii)));
+  }
+
+  // To the parser all of it is one word, whatever it contains: brackets, quotes, equals signs.
+  void skip_bare_value() {
+    while (!at_end() && !is_blank(text_[i_]) && !is_one_of(text_[i_], "]},#\n")) {
+      if (!is_ascii(text_.substr(i_, 1))) fail_at_letter();
+      if (is_quote(text_[i_]))
+        skip_misplaced_string();
+      else
+        ++i_;
+    }
+  }
+
+  // The parser takes its quote for a letter of a bare word, and what follows for the rest of that.
+  void skip_misplaced_string() {
+    const std::size_t begin = i_;
+    skip_string(true);
+    if (!is_ascii(text_.substr(begin, i_ - begin)))
+      fail(begin, "no string can begin here: what is before it does not belong to it");
   }
 
   void skip_blanks() {
@@ -164,7 +185,7 @@ class Scanner {
     for (std::size_t parts = 1;; ++parts) {
       skip_blanks();
       const std::size_t name = i_;
-      if (peek() == '"' || peek() == '\'') {
+      if (is_quote(peek())) {
         skip_string(false);
       } else {
         while (!at_end() && is_bare(text_[i_])) ++i_;
