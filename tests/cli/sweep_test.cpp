@@ -70,7 +70,8 @@ TEST_F(Sweep, RowsDoNotDependOnTheNumberOfRanks) {
   if (std::system("ldd '" VISCOBAR_COMMAND "' | grep -q libmpi") != 0) GTEST_SKIP() << "built without MPI";
   ASSERT_EQ(viscobar("sweep sweep.toml --threads 1 -o one").code, 0);
   for (const std::string ranks : {"1", "2", "3"}) {
-    const std::string line = "cd '" + directory_.string() + "' && mpirun -n " + ranks +
+    // Open MPI leaves some of its memory to the end of the process, which AddressSanitizer would call leaks of ours.
+    const std::string line = "cd '" + directory_.string() + "' && ASAN_OPTIONS=detect_leaks=0 mpirun -n " + ranks +
                              " --oversubscribe --allow-run-as-root '" VISCOBAR_COMMAND
                              "' sweep sweep.toml --quiet -o ranks" +
                              ranks + " 2>&1";
