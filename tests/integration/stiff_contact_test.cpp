@@ -68,6 +68,19 @@ TEST_P(StiffContact, AMassiveContactThatComesToRestCostsLittleMoreThanByOneStepF
   }
 }
 
+// After an impact the multistep method begins again with short steps, which says nothing of the leg.
+TEST(StiffContactOnAFineMesh, IsLeftToBackwardDifferentiationWhereALegTakesLessThanAThousandSteps) {
+  Case run = pressed(1e-4, Mass::lumped, MethodName::cvode);
+  run.scene.left = Obstacle{0.1};
+  run.scene.velocity = [](double) { return -1.0; };
+  run.elements = 1000;
+  const Recording automatic = record(run);
+  ASSERT_EQ(automatic.events.size(), 1u);
+  ASSERT_LT(automatic.statistics.steps, 1000u);
+  run.formulas = Formulas::bdf;  // and no other
+  EXPECT_EQ(automatic.u, record(run).u);
+}
+
 // The massless node is drawn to its equilibrium within 1e-8 units of time, in which the bar does not move; the
 // acceleration with which the leg begins belongs to those.
 TEST(StiffContactStart, IsInterpolatedLikeAnyOtherStepByOneStepMethods) {
