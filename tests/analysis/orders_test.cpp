@@ -52,6 +52,7 @@ struct OnMesh {
 std::string text(const OnMesh& on) {
   return std::string(name(on.method)) + "_" + std::string(name(on.mass)) + (on.ends == 2 ? "_two_ends" : "_one_end");
 }
+void PrintTo(const OnMesh& on, std::ostream* out) { *out << text(on); }
 
 class OrderInH : public ::testing::TestWithParam<OnMesh> {};
 
