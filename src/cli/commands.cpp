@@ -70,7 +70,7 @@ const CLI::Validator& number_of_elements() {
       [](std::string& text) {
         const Range range = find_scene_key("mesh.elements")->range;
         const bool whole = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
-        const double value = whole ? std::stod(text) : 0.0;
+        const double value = whole ? std::strtod(text.c_str(), nullptr) : 0.0;
         return whole && value >= range.low && value <= range.high
                    ? ""
                    : fmt::format("\"{}\" is not a whole number {}", text, range.words);

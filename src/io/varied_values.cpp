@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <optional>
 
 #include "io/nearest_name.hpp"
@@ -22,7 +23,9 @@ double shifted(double value, int decades) {
   const auto end = std::to_chars(shortest, shortest + sizeof shortest, value, std::chars_format::scientific).ptr;
   const std::string text(shortest, end);
   const std::size_t e = text.find('e');
-  return std::stod(fmt::format("{}e{}", text.substr(0, e), std::stoi(text.substr(e + 1)) + decades));
+  const int exponent = std::stoi(text.substr(e + 1)) + decades;
+  // Not by stod, which refuses subnormal numbers.
+  return std::strtod(fmt::format("{}e{}", text.substr(0, e), exponent).c_str(), nullptr);
 }
 
 std::optional<double> number_of(const TomlValue& value) {
@@ -35,6 +38,8 @@ struct ProgressionRange {
   double from = 0.0, to = 0.0;
   std::optional<double> count, per_decade;
   bool logarithmic = false;
+
+  long double ratio() const { return static_cast<long double>(to) / from; }  // of doubles: up to 1e632
 };
 
 /// What a range says, as far as it is sound.
@@ -123,8 +128,8 @@ std::vector<double> by_count(const ProgressionRange& range) {
   for (std::size_t k = 1; k < count; ++k) {
     const double share = static_cast<double>(k) / static_cast<double>(count - 1);
     values.push_back(k + 1 == count      ? range.to
-                     : range.logarithmic ? range.from * std::pow(range.to / range.from, share)
-                                         : range.from + (range.to - range.from) * share);
+                     : range.logarithmic ? static_cast<double>(range.from * std::pow(range.ratio(), share))
+                                         : std::lerp(range.from, range.to, share));
   }
   return values;
 }
@@ -132,7 +137,7 @@ std::vector<double> by_count(const ProgressionRange& range) {
 // From `from` towards `to`; `to` itself where the steps meet it.
 std::vector<double> by_decade(const ProgressionRange& range) {
   const auto each = static_cast<int>(*range.per_decade);
-  const double steps = std::abs(std::log10(range.to / range.from)) * each;
+  const double steps = static_cast<double>(std::abs(std::log10(range.ratio()))) * each;
   const int sign = range.to < range.from ? -1 : 1;
   std::vector<double> values;
   for (int k = 0; k <= steps * (1.0 + 1e-12) + 1e-9 && values.size() <= most_values; ++k) {

@@ -112,6 +112,19 @@ TEST_F(SweepFileTest, ARangeByCountIsEvenOrGeometricAndHasBothEnds) {
   EXPECT_EQ(log.back(), 16.0);
 }
 
+// The quotient of the ends may be more than a double holds, and an end less than the normal ones.
+TEST_F(SweepFileTest, ARangeMayReachOverAllNumbers) {
+  const auto all = values<double>("bar.viscosity", "{ from = 5e-324, to = 1e100, per_decade = 1 }");
+  ASSERT_EQ(all.size(), 424u);
+  EXPECT_EQ(all[10], 5e-314);
+  EXPECT_EQ(all[423], 5e99);
+  EXPECT_EQ(values<double>("bar.viscosity", "{ from = 1.01e-308, to = 1e-310, per_decade = 1 }"),
+            (std::vector{1.01e-308, 1.01e-309, 1.01e-310}));
+  const auto log = values<double>("bar.viscosity", "{ from = 1e-300, to = 1e100, count = 3, spacing = \"log\" }");
+  ASSERT_EQ(log.size(), 3u);
+  EXPECT_DOUBLE_EQ(log[1], 1e-100);
+}
+
 TEST_F(SweepFileTest, ARangeOfWholeNumbersIsRoundedAndHasEachOnce) {
   EXPECT_EQ(values<std::int64_t>("mesh.elements", "{ from = 1, to = 100, per_decade = 4 }"),
             (std::vector<std::int64_t>{1, 2, 3, 6, 10, 18, 32, 56, 100}));
