@@ -138,7 +138,7 @@ TYPED_TEST(Adaptive, EnergyBalancesWithinTheTolerance) {
         scene.right = Obstacle{0.3};
         if (loaded)
           scene.load = SeparableLoad{[](double x) { return std::cos(2 * x); }, [](double t) { return std::sin(t); }};
-        const auto run = record(scene, Mesh{1.0, 20}, Mass::consistent,
+        const auto run = record(scene, Mesh{1.0, 10}, Mass::consistent,
                                 TypeParam{Penalty{1e-4}, {tolerance, tolerance * 1e-3}}, grid(3.0, 2));
         ASSERT_TRUE(run.statistics.energy.has_value());
         const EnergyAccount& energy = *run.statistics.energy;
