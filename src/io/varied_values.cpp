@@ -38,8 +38,6 @@ struct ProgressionRange {
   double from = 0.0, to = 0.0;
   std::optional<double> count, per_decade;
   bool logarithmic = false;
-
-  long double ratio() const { return static_cast<long double>(to) / from; }  // of doubles: up to 1e632
 };
 
 /// What a range says, as far as it is sound.
@@ -72,6 +70,8 @@ class RangeReader {
       for (const char* end : {"from", "to"})
         if (*number(end) <= 0.0)
           fail(find(end)->value_at, fmt::format("{} must be positive in a logarithmic range", end));
+    if (sound_ && range.logarithmic && !std::isnormal(range.to / range.from))
+      fail(node_.value_at, fmt::format("from {:.3g} to {:.3g} is more than 307 decades", range.from, range.to));
     return sound_ ? std::optional(range) : std::nullopt;
   }
 
@@ -128,7 +128,7 @@ std::vector<double> by_count(const ProgressionRange& range) {
   for (std::size_t k = 1; k < count; ++k) {
     const double share = static_cast<double>(k) / static_cast<double>(count - 1);
     values.push_back(k + 1 == count      ? range.to
-                     : range.logarithmic ? static_cast<double>(range.from * std::pow(range.ratio(), share))
+                     : range.logarithmic ? range.from * std::pow(range.to / range.from, share)
                                          : std::lerp(range.from, range.to, share));
   }
   return values;
@@ -137,7 +137,7 @@ std::vector<double> by_count(const ProgressionRange& range) {
 // From `from` towards `to`; `to` itself where the steps meet it.
 std::vector<double> by_decade(const ProgressionRange& range) {
   const auto each = static_cast<int>(*range.per_decade);
-  const double steps = static_cast<double>(std::abs(std::log10(range.ratio()))) * each;
+  const double steps = std::abs(std::log10(range.to / range.from)) * each;
   const int sign = range.to < range.from ? -1 : 1;
   std::vector<double> values;
   for (int k = 0; k <= steps * (1.0 + 1e-12) + 1e-9 && values.size() <= most_values; ++k) {

@@ -134,6 +134,7 @@ struct Impact {
 };
 
 TEST(Exponential, AgreesWithAFineStepRungeKuttaMethodThroughContactChanges) {
+  if (!FineStepOracle::is_extended()) GTEST_SKIP() << "125000 steps of the oracle need more digits than a double has";
   const Impact impacts[] = {{0.0, Mass::consistent, 1.0, false, false},    {0.05, Mass::consistent, 1.0, false, true},
                             {0.02, Mass::lumped, 0.0, false, false},       {0.0, Mass::redistributed, 1.0, false, true},
                             {0.1, Mass::redistributed, 1.0, false, false}, {0.1, Mass::redistributed, 1.0, false, true},

@@ -26,6 +26,12 @@ class FineStepOracle {
     bool closing;
   };
 
+  /// Whether a Real has more digits than a double as the program runs: valgrind computes with those of a double.
+  static bool is_extended() {
+    volatile Real one = 1, less_than_a_rounding = 0x1p-60L;
+    return one + less_than_a_rounding != one;
+  }
+
   FineStepOracle(const BarSystem& system, const Penalty& penalty, Real step)
       : system_(system),
         n_(static_cast<Eigen::Index>(system.size())),
