@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <system_error>
 
 #include "cli/messages.hpp"
@@ -70,6 +71,7 @@ const CLI::Validator& number_of_elements() {
       [](std::string& text) {
         const Range range = find_scene_key("mesh.elements")->range;
         const bool whole = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
+        // Not by stod, which throws where the digits are more than a double reaches.
         const double value = whole ? std::strtod(text.c_str(), nullptr) : 0.0;
         return whole && value >= range.low && value <= range.high
                    ? ""
