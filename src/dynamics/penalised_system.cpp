@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <stdexcept>
 
@@ -47,11 +48,14 @@ bool PenalisedSystem::massless(std::size_t unknown) const {
   return unknown < bar_.massive_begin() || unknown >= bar_.massive_end();
 }
 
-// Held by a closed rigid contact.
+bool PenalisedSystem::holds(std::size_t i) const {
+  return rigid_ || stiffer_than(1.0 / std::numeric_limits<double>::epsilon(), i);
+}
+
+// By a closed contact.
 bool PenalisedSystem::held(std::size_t unknown) const {
-  if (!rigid_) return false;
   for (std::size_t i = 0; i < laws_.size(); ++i)
-    if (closed(i) && contact(i).unknown == unknown) return true;
+    if (closed(i) && contact(i).unknown == unknown && holds(i)) return true;
   return false;
 }
 
@@ -59,7 +63,7 @@ std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const
   const std::size_t node = contact(i).unknown;
   if (!massless(node)) return {node};
   if (!bar_.damped()) return {neighbour(node)};
-  if (rigid_) return {node, neighbour(node), size() + neighbour(node)};
+  if (opens_by_reaction(i)) return {node, neighbour(node), size() + neighbour(node)};
   return {node};
 }
 
@@ -70,15 +74,37 @@ double PenalisedSystem::indicator_linear(std::size_t i, std::span<const double> 
 
 double PenalisedSystem::indicator_offset(std::size_t i, double t) {
   const std::size_t node = contact(i).unknown;
-  const bool reaction = massless(node) && (!bar_.damped() || (rigid_ && closed(i)));
+  const bool reaction = massless(node) && (!bar_.damped() || (opens_by_reaction(i) && closed(i)));
   if (!load_ || !reaction) return contact(i).gap;
   return contact(i).gap + load_->at(t)[node] * bar_.spacing_at(node) / bar_.bar().modulus;
 }
 
 double PenalisedSystem::penetration_share(std::size_t i) const {
   if (rigid_) return 0.0;
-  if (bar_.damped() || !massless(contact(i).unknown)) return 1.0;
-  return 1.0 / (1.0 + laws_[i].stiffness * bar_.spacing_at(contact(i).unknown) / bar_.bar().modulus);
+  const std::size_t node = contact(i).unknown;
+  if (!massless(node) || (bar_.damped() && !opens_by_reaction(i))) return 1.0;
+  return 1.0 / (1.0 + relative_stiffness(i));
+}
+
+double PenalisedSystem::contact_duration(std::size_t i) const {
+  return std::numbers::pi * std::sqrt(bar_.inertia().diagonal[contact(i).unknown] / laws_[i].stiffness);
+}
+
+double PenalisedSystem::relative_stiffness(std::size_t i) const {
+  return laws_[i].stiffness * bar_.spacing_at(contact(i).unknown) / bar_.bar().modulus;
+}
+
+bool PenalisedSystem::stiffer_than(double bound, std::size_t i) const {
+  const std::size_t node = contact(i).unknown;
+  if (!massless(node)) return false;
+  const double h = bar_.spacing_at(node), viscosity = bar_.bar().viscosity;
+  const double square = viscosity * viscosity / (bar_.bar().modulus * bar_.bar().density * h * h);
+  return relative_stiffness(i) > bound * (1.0 + square);
+}
+
+bool PenalisedSystem::opens_by_reaction(std::size_t i) const {
+  constexpr double rounding = std::numeric_limits<double>::epsilon();
+  return holds(i) || (bar_.damped() && stiffer_than(1.0 / std::sqrt(rounding), i));
 }
 
 void PenalisedSystem::force(double t, std::span<const double> u, std::span<const double> w, std::span<double> out) {
@@ -88,7 +114,7 @@ void PenalisedSystem::force(double t, std::span<const double> u, std::span<const
     for (std::size_t i = 0; i < out.size(); ++i) out[i] += load[i];
   }
   for (std::size_t i = 0; i < laws_.size(); ++i) {
-    if (!closed(i) || rigid_) continue;
+    if (!closed(i) || holds(i)) continue;
     const std::size_t node = contact(i).unknown;
     out[node] -= laws_[i].stiffness * clearance(i, u) + laws_[i].damping * w[node];
   }
@@ -97,7 +123,11 @@ void PenalisedSystem::force(double t, std::span<const double> u, std::span<const
 void PenalisedSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const {
   bar_.dynamic_stiffness(m, c, k, out);
   for (std::size_t i = 0; i < laws_.size(); ++i)
-    if (closed(i)) out.diagonal[contact(i).unknown] += k * laws_[i].stiffness + c * laws_[i].damping;
+    if (closed(i)) out.diagonal[contact(i).unknown] += k * acting_stiffness(i) + c * laws_[i].damping;
+}
+
+double PenalisedSystem::acting_stiffness(std::size_t i) const {
+  return holds(i) ? std::numeric_limits<double>::infinity() : laws_[i].stiffness;
 }
 
 double PenalisedSystem::stiffness_of_closed(std::size_t unknown) const {
@@ -213,17 +243,17 @@ void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w)
 double PenalisedSystem::reaction(std::size_t i, double t, std::span<const double> u, std::span<const double> w) {
   if (!closed(i)) return 0.0;
   const std::size_t node = contact(i).unknown;
-  if (!rigid_) return laws_[i].reaction(-clearance(i, u), -w[node]);
+  if (!opens_by_reaction(i)) return laws_[i].reaction(-clearance(i, u), -w[node]);
   const std::size_t next = neighbour(node);
   const double load = load_ ? load_->at(t)[node] : 0.0;
-  const double stress = bar_.bar().modulus * (u[next] - u[node]) + bar_.bar().viscosity * (w[next] - w[node]);
+  const double stress = bar_.bar().modulus * (u[next] + contact(i).gap) + bar_.bar().viscosity * w[next];
   return std::max(0.0, -stress / bar_.spacing_at(node) - load);
 }
 
 double PenalisedSystem::energy(std::span<const double> u, std::span<const double> w) const {
   double sum = bar_.energy(u, w);
-  if (rigid_) return sum;
-  for (std::size_t i = 0; i < laws_.size(); ++i) sum += laws_[i].energy(-clearance(i, u));
+  for (std::size_t i = 0; i < laws_.size(); ++i)
+    if (!holds(i)) sum += laws_[i].energy(-clearance(i, u));
   return sum;
 }
 

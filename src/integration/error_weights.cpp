@@ -18,6 +18,10 @@ double ErrorWeights::displacement_tolerance() const {
   return (tolerance_.relative * largest_u_ + tolerance_.absolute) / tightening_;
 }
 
+double ErrorWeights::velocity_tolerance() const {
+  return (tolerance_.relative * largest_w_ + tolerance_.absolute) / tightening_;
+}
+
 double ErrorWeights::promised_energy() const {
   return promised_multiple * inertia_ * largest_w_ * (tolerance_.relative * largest_w_ + tolerance_.absolute);
 }

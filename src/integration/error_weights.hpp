@@ -51,6 +51,7 @@ class ErrorWeights {
   }
   double largest_displacement() const { return largest_u_; }
   double displacement_tolerance() const;
+  double velocity_tolerance() const;
   /// What the promised error of the velocities makes of the kinetic energy of the bar.
   double promised_energy() const;
 

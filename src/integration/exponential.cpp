@@ -252,7 +252,7 @@ class Run {
     for (std::size_t c = 0; c < contacts(); ++c)
       if (penalised_.closed(c))
         statistics_.max_penetration =
-            std::max(statistics_.max_penetration, penalised_.penetration_share(c) * largest_value(distances[c], sigma));
+            std::max(statistics_.max_penetration, distance_.penetration_share(c) * largest_value(distances[c], sigma));
     if (energy_flows()) add(gauss_flow(leg(), series, load_.total(p_), tau, sigma));
     const VectorXd u = leg().displacement(series, sigma), v = leg().velocity(series, sigma, tau);
     y_ = leg().pack(u, v);
@@ -332,7 +332,7 @@ class Run {
       for (std::size_t c = 0; c < contacts(); ++c)
         if (penalised_.closed(c) && node(c) == end)
           sum += penalised_.law(c).reaction(
-              penalised_.penetration_share(c) * value(distance_.along(c, series, p), sigma), -v[end]);
+              distance_.penetration_share(c) * value(distance_.along(c, series, p), sigma), -v[end]);
       return sum;
     };
     if (!system_.left_fixed()) snapshot.reaction_left = reaction(0);

@@ -65,18 +65,27 @@ void StepPolynomial::finish(double length, std::span<const double> increment) {
 void StepPolynomial::complete() {
   system_.complete_displacement(end_.t, layout_.u(end_.y));
   system_.complete_velocity(end_.t, layout_.u(end_.y), layout_.w(end_.y));
-  if (std::exchange(first_of_leg_, false)) forget_what_has_relaxed();
+  if (std::exchange(first_of_leg_, false)) forget_acceleration();
   for (Relaxation& relaxation : relaxations_) drive(relaxation);
   add_account(end_.t, end_.y);
 }
 
+bool StepPolynomial::spoils_acceleration(const PenalisedSystem& system, double length) {
+  const Bar& bar = system.bar().bar();
+  const double h = system.bar().mesh().smallest();
+  return 12.0 * bar.viscosity / (bar.density * h * h) * length > 48.0;
+}
+
 // As a leg begins, a massless node may be far from where its row draws it. What that does to the others is over after a
-// few times 1 / rate, but a_0 has it: where the step is much longer, a_0 is that of the quartic through the rest.
-void StepPolynomial::forget_what_has_relaxed() {
+// few times 1 / rate, but a_0 has it: where the step is much longer, a_0 is that of the quartic through the rest. So it
+// is where a_0 is little more than what viscosity makes of an error.
+void StepPolynomial::forget_acceleration() {
   constexpr double over = 6.0;
   const std::size_t n = layout_.nodes;
   const double h = length();
-  if (std::ranges::none_of(relaxations_, [&](const Relaxation& r) { return r.row.rate * h > over; })) return;
+  if (!spoils_acceleration(system_, h) &&
+      std::ranges::none_of(relaxations_, [&](const Relaxation& r) { return r.row.rate * h > over; }))
+    return;
   for (std::size_t i = system_.bar().massive_begin(); i < system_.bar().massive_end(); ++i) {
     const double missing = increment(i) - 0.5 * h * (begin_.y[n + i] + end_.y[n + i]);
     begin_.a[i] = end_.a[i] + 12.0 / (h * h) * missing;

@@ -40,6 +40,10 @@ class StepPolynomial {
 
   void begin_run(std::vector<std::size_t> sampled_entries);
 
+  /// Whether viscosity makes of an error of w one of a = f(t, u, w) that spoils a step of that length: 12 eta / (rho
+  /// h^2) of it, the fastest decay, and a enters u with 1/48 of its square.
+  static bool spoils_acceleration(const PenalisedSystem& system, double length);
+
   /// Begins a leg at end(), which has been filled.
   void restart();
   /// Makes the end of the last step the beginning of the next; the new end is to be filled, then completed by finish().
@@ -82,7 +86,7 @@ class StepPolynomial {
   double massive(std::size_t i, const Weights& weights) const;
   double relaxed(const Relaxation& relaxation, double s) const;
   double value(std::size_t unknown, double s, int derivative) const;
-  void forget_what_has_relaxed();
+  void forget_acceleration();
   void drive(Relaxation& relaxation);
   void motion_at(double t, std::span<double> y);
   void add_account(double until, std::span<double> y);

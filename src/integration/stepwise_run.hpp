@@ -162,7 +162,11 @@ class StepwiseRun {
   // A spring answers to its own clearance, which is known to rounding. The reaction of a rigid contact is known to the
   // tolerance only: less than that must not open it, or a bar that comes to rest would toggle for ever.
   double uncertainty(std::size_t i) const {
-    if (system_.rigid()) return stepper_.displacement_tolerance();
+    if (system_.closed(i) && system_.opens_by_reaction(i)) {
+      const Bar& bar = system_.bar().bar();
+      return stepper_.displacement_tolerance() + bar.viscosity / bar.modulus * stepper_.weights().velocity_tolerance();
+    }
+    if (system_.holds(i)) return stepper_.displacement_tolerance();
     const double rounding = system_.clearance_rounding(i, stepper_.largest());
     if (toggles_ == 0 || i != last_contact_) return rounding;
     // A step across a jump of the load may leave the surface by less than its error, to either side, and a bar that has
@@ -232,12 +236,25 @@ class StepwiseRun {
       const Change change = system_.closed(i) ? Change::opening : Change::closing;
       tell_event(t, i, change, velocity[system_.contact(i).unknown]);
       system_.set_closed(i, change == Change::closing);
+      if (change == Change::closing) require_duration(t, i);
     };
     search_.look_at(t, stepper_);
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
       if (i == search_.first_contact() || search_.changes(i, t, y_, uncertainty(i))) switch_one(i);
     }
     guard_against_toggling(t, search_.first_contact());
+  }
+
+  // A contact that is over within a few roundings of the time would be followed wrongly, without anything to show it.
+  void require_duration(double t, std::size_t i) const {
+    const double duration = system_.contact_duration(i);
+    const double least = 64.0 * std::numeric_limits<double>::epsilon() * std::abs(t);
+    if (duration == 0.0 || duration >= least) return;
+    const double share = least / duration;
+    throw StepFailure(
+        fmt::format("a contact of the node, whose mass is not zero, lasts {:.2g}, a few roundings of t = {}; take a "
+                    "contact.epsilon {:.2g} times as large, or mesh.mass = \"redistributed\"",
+                    duration, t, share * share));
   }
 
   void guard_against_toggling(double t, std::size_t contact) {

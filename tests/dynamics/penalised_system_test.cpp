@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <tuple>
 
 namespace viscobar {
 namespace {
@@ -124,6 +125,34 @@ TEST(PenalisedSystem, StartsClosedOnlyWhenPressedIn) {
     EXPECT_EQ(system.closed(0), start.closed)
         << "u " << start.displacement << ", v " << start.velocity << ", f " << start.load;
   }
+}
+
+// kappa = k h / E against 1 / sqrt(rounding) = 6.7e7 and 1 / rounding = 4.5e15, times 1 + eta^2 / (E rho h^2).
+TEST(PenalisedSystem, JudgesAStiffMasslessContactByItsReactionAndHoldsAStifferOne) {
+  const double h = 1.5 / 6, modulus = 3.0;
+  const auto contact = [&](double kappa, double viscosity, Mass mass) {
+    const BarSystem bar(scene_with(Obstacle{0.1}, Free{}, viscosity), Mesh{1.5, 6}, mass);
+    PenalisedSystem system(bar, Penalty{h / (kappa * modulus)});
+    system.set_closed(0, true);
+    std::vector<double> u(7, 0.3);
+    u[0] = -0.1;
+    return std::tuple{system.opens_by_reaction(0), system.holds(0), system.reaction(0, 0.0, u, std::vector(7, 0.0))};
+  };
+  const auto reacts = [&](auto... of) { return std::get<0>(contact(of...)); };
+  const auto holds = [&](auto... of) { return std::get<1>(contact(of...)); };
+  EXPECT_FALSE(reacts(6e7, 0.01, Mass::redistributed));
+  EXPECT_TRUE(reacts(7e7, 0.01, Mass::redistributed));
+  EXPECT_FALSE(reacts(7e7, 0.01, Mass::consistent));
+  EXPECT_FALSE(reacts(7e7, 0.0, Mass::redistributed));    // its indicator is the same in either state
+  const double viscosity = std::sqrt(modulus * 2.0) * h;  // eta^2 = E rho h^2
+  EXPECT_FALSE(reacts(13e7, viscosity, Mass::redistributed));
+  EXPECT_TRUE(reacts(14e7, viscosity, Mass::redistributed));
+  EXPECT_FALSE(holds(4e15, 0.01, Mass::redistributed));
+  EXPECT_TRUE(holds(5e15, 0.01, Mass::redistributed));
+  EXPECT_TRUE(holds(5e15, 0.0, Mass::redistributed));
+  EXPECT_FALSE(holds(5e15, 0.01, Mass::consistent));
+  // The bar pulls its node off, which a spring at zero penetration knows nothing of.
+  EXPECT_EQ(std::get<2>(contact(5e15, 0.01, Mass::redistributed)), 0.0);
 }
 
 TEST(PenalisedSystem, EvaluatesNoLoadWhereThereIsNone) {

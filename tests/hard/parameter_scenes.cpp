@@ -27,7 +27,7 @@ void penalties(Scenes& scenes) {
                       {first_contact(0.1), agreement(Sensitivity::measured)}});
     scenes.push_back({fmt::format("epsilon {}, massless nodes", epsilon),
                       "fall",
-                      {penalty},
+                      {penalty, "time.end=4"},
                       {Mass::redistributed},
                       {first_contact(0.1), agreement()}});
   }

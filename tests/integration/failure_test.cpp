@@ -57,6 +57,17 @@ void expect_half_kept(const Failed& failed) {
   EXPECT_GT(failed.statistics.steps, 0u);
 }
 
+TEST_P(Failure, AContactThatLastsAFewRoundingsOfTheTimeIsNamed) {
+  Case run = paper_throw(0.01);
+  run.method = GetParam();
+  run.epsilon = 1e-30;  // pi sqrt(m epsilon) = 4e-16
+  const Failed failed = fail(run, std::vector{0.0, 1.0, run.end});
+  EXPECT_TRUE(has(failed, "a few roundings of t")) << failed.what;
+  EXPECT_TRUE(has(failed, "redistributed")) << failed.what;
+  EXPECT_FALSE(failed.statistics.completed);
+  EXPECT_GT(failed.statistics.reached_time, 1.0);
+}
+
 TEST_P(Failure, OfALoadThatThrowsTellsTimeAndPlaceAndItsWords) {
   const Case run = throw_under(GeneralLoad{[](double x, double t) {
                                  if (t > 0.5 && x > 0.3) throw std::runtime_error("the table ends");

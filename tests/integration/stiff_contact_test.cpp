@@ -97,6 +97,72 @@ TEST(StiffContactStart, IsInterpolatedLikeAnyOtherStepByOneStepMethods) {
   }
 }
 
+// The reaction of so stiff a contact is not what rounding leaves of the penetration: a unit of rounding of u = 0.1 is a
+// force of 0.001 at epsilon = 1e-14, and an opening that waits for the clearance to pass its rounding is held back by
+// a hundred times as much. From 1e-18 on the spring is rigid to rounding.
+class StiffMasslessContact : public testing::TestWithParam<MethodName> {};
+
+TEST_P(StiffMasslessContact, TendsToTheRigidObstacleDownToEveryEpsilon) {
+  for (const double viscosity : {0.01, 0.3, 1.0, 1000.0}) {
+    Case run = paper_throw(viscosity);
+    run.mass = Mass::redistributed;
+    run.tolerance = {1e-7, 1e-10};
+    run.method = MethodName::rigid;
+    const std::vector<double> times = comparison_times(run.end, 600, contact_changes(run));
+    const EndTraces rigid = trace_ends(run, times);
+    run.method = GetParam();
+    for (const double epsilon : {1e-10, 1e-12, 1e-13, 1e-14, 1e-18, 1e-30}) {
+      if (viscosity == 1000.0 && epsilon < 1e-14) continue;  // odeint would take long
+      run.epsilon = epsilon;
+      const EndTraces spring = trace_ends(run, times);
+      EXPECT_EQ(spring.events.size(), rigid.events.size()) << viscosity << " " << epsilon;
+      // The promise of both, for displacements up to 0.3, and what the penetration makes of later contacts.
+      const double bound = 2 * 100 * (0.3 * 1e-7 + 1e-10) + 10 * spring.statistics.max_penetration;
+      EXPECT_LT(largest_difference(spring, rigid), bound) << viscosity << " " << epsilon;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, StiffMasslessContact,
+                         testing::Values(MethodName::cvode, MethodName::ida, MethodName::arkode, MethodName::odeint),
+                         [](const auto& method) { return std::string(name(method.param)); });
+
+TEST(StiffMasslessContact, HasTheDigitsOfTheRigidReaction) {
+  Case run = paper_throw(0.01);
+  run.mass = Mass::redistributed;
+  run.output_every = 0.01;
+  run.tolerance = {1e-9, 1e-12};
+  run.method = MethodName::rigid;
+  const Recording rigid = record(run);
+  run.method = MethodName::arkode;
+  run.epsilon = 1e-14;
+  const Recording spring = record(run);
+  double error = 0.0, largest = 0.0;
+  for (std::size_t k = 0; k < rigid.times.size(); ++k) {
+    largest = std::max(largest, rigid.reaction_left[k]);
+    error = std::max(error, std::abs(spring.reaction_left[k] - rigid.reaction_left[k]));
+  }
+  // From the penetration, of 8e-15 beside u = -0.1, it would be known to 0.001 of them.
+  EXPECT_GT(largest, 0.5);
+  EXPECT_LT(error, 1e-5);
+}
+
+TEST(StiffMasslessContact, IsTheRigidOneBitForBitWhereItGivesWayByLessThanRounding) {
+  Case run = paper_throw(0.01);
+  run.mass = Mass::redistributed;
+  run.output_every = 0.01;
+  run.method = MethodName::rigid;
+  const Recording rigid = record(run);
+  run.method = MethodName::cvode;  // by which a rigid obstacle with viscosity runs
+  run.epsilon = 1e-20;
+  const Recording spring = record(run);
+  EXPECT_EQ(spring.u, rigid.u);
+  EXPECT_EQ(spring.v, rigid.v);
+  EXPECT_EQ(spring.reaction_left, rigid.reaction_left);
+  // Known from the reaction all the same.
+  EXPECT_NEAR(spring.statistics.max_penetration, 1e-20 * *std::ranges::max_element(rigid.reaction_left), 0.1e-20);
+}
+
 INSTANTIATE_TEST_SUITE_P(Methods, StiffContact, testing::Values(MethodName::cvode, MethodName::ida),
                          [](const auto& method) { return std::string(name(method.param)); });
 

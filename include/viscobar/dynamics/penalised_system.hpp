@@ -45,7 +45,8 @@ class PenalisedSystem {
   /// negative where it should be closed. p is a displacement:
   ///
   ///     a node with inertia or viscosity    u_i + gap
-  ///     a rigid contact that is closed      (h/E) times minus its reaction, u_1 + gap + (eta/E) w_1 + (h/E) (M f)_i
+  ///     a contact that opens_by_reaction(), while it is closed
+  ///                                         (h/E) times minus its reaction, u_1 + gap + (eta/E) w_1 + (h/E) (M f)_i
   ///     an undamped massless node           the same in either state, its clearance while it is open: its own
   ///                                         displacement shrinks by 1 + k h/E as it closes, this one passes smoothly
   std::vector<std::size_t> indicator_entries(std::size_t i) const;
@@ -54,7 +55,17 @@ class PenalisedSystem {
   double indicator_offset(std::size_t i, double t);  ///< the rest: gap, and load where the row asks for it
   /// Penetration of a closed contact per -p.
   double penetration_share(std::size_t i) const;
+  /// pi sqrt(m / k), half a period of the node on its spring alone, m = rho M_ii; 0 without mass.
+  double contact_duration(std::size_t i) const;
   bool rigid() const { return rigid_; }  ///< epsilon = 0
+  /// Whether contact i, while closed, holds its node at -gap: a rigid one does, and a spring on a massless node that
+  /// gives way by less than the rounding of the strain, kappa = k h / E > 1 / rounding.
+  bool holds(std::size_t i) const;
+  /// Whether contact i opens where what its node's row lacks becomes zero. One that holds does, and a spring of
+  /// kappa > 1 / sqrt(rounding) on a massless node with viscosity: it does so but for a delay of eta / (kappa E), while
+  /// by its penetration the reaction would be known to kappa roundings of the displacement only. At that kappa either
+  /// way costs half the digits of the reaction at the opening, and none of the impulse, where it enters squared.
+  bool opens_by_reaction(std::size_t i) const;
 
   /// What a clearance may be wrong by through rounding alone, for displacements up to `largest`.
   double clearance_rounding(std::size_t i, double largest) const;
@@ -121,6 +132,9 @@ class PenalisedSystem {
   void complete_velocity_of(std::size_t end, double t, std::span<const double> u, std::span<double> w);
   void complete_displacement_of(std::size_t end, double t, std::span<double> u);
   double stiffness_of_closed(std::size_t unknown) const;
+  double relative_stiffness(std::size_t i) const;  // k h / E
+  bool stiffer_than(double bound, std::size_t i) const;
+  double acting_stiffness(std::size_t i) const;  // k, infinite where it holds
 
   const BarSystem& bar_;
   std::vector<PenaltyLaw> laws_;

@@ -64,7 +64,7 @@ bool ContactDistance::keeps_state(std::size_t c, const std::vector<Series>& moti
   const SampledRange range(values, slopes);
   if (range.lowest() < -band(c, largest)) return false;
   if (!penalised_.closed(c)) return true;
-  const double share = penalised_.penetration_share(c);
+  const double share = penetration_share(c);
   penetration = std::max(penetration, share * std::ranges::max(values));
   return range.monotone() || share * range.highest() <= penetration * (1.0 + 1e-13) + rounding * largest.displacement +
                                                             std::min(slope_noise(c, tau, largest), 1e-6 * penetration);

@@ -35,6 +35,9 @@ class ContactDistance {
   /// d's Taylor coefficients over a step.
   Eigen::VectorXd along(std::size_t c, const Series& series, const LoadPolynomial& p) const;
 
+  /// Penetration per d while contact c is closed.
+  double penetration_share(std::size_t c) const { return follows(c) ? penalised_.penetration_share(c) : 1.0; }
+
   /// How far behind zero d passes for a change. Closing, its rounding. Opening, less where it can be: a stiff contact
   /// has penetrations of that size, and would hold the bar back until its pull exceeds them.
   double band(std::size_t c, const Largest& largest) const;

@@ -37,7 +37,8 @@ class Rosenbrock4 {
   void begin_leg(StepPolynomial::End& start) {
     find_jacobian(start.t);
     std::copy_n(start.y.begin(), size_, dense_.state());
-    find_acceleration(start);
+    form_(start.t, {dense_.state(), size_}, rate_);
+    take_acceleration(start);
   }
 
   double attempt(double t, double h, std::span<const double> weights, StepPolynomial::End& reached) {
@@ -46,16 +47,18 @@ class Rosenbrock4 {
     statistics_.linear_solves += 6;
     const double error = weighted_error({dense_.error(), size_}, weights, {dense_.next(), size_});
     if (error <= 1.0) {
+      const bool stiff = StepPolynomial::spoils_acceleration(form_.system, h);
+      if (stiff) dense_.rate(rate_.data());
       dense_.accept();
       std::copy_n(dense_.state(), size_, reached.y.begin());
-      find_acceleration(reached);
+      if (!stiff) form_(reached.t, {dense_.state(), size_}, rate_);
+      take_acceleration(reached);
     }
     return error;
   }
 
  private:
-  void find_acceleration(StepPolynomial::End& end) {
-    form_(end.t, {dense_.state(), size_}, rate_);
+  void take_acceleration(StepPolynomial::End& end) const {
     std::copy_n(rate_.begin() + static_cast<std::ptrdiff_t>(end.a.size()), end.a.size(), end.a.begin());
   }
 
