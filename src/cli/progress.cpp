@@ -25,16 +25,7 @@ void Progress::operator()(double time, std::size_t steps) {
   const double share = std::clamp(time / end_, 0.0, 1.0);
   const double elapsed = std::chrono::duration<double>(now - started_).count();
   const std::string left = share > 0.0 ? duration(elapsed * (1.0 - share) / share) + " left" : "";
-  fmt::print(stderr, "\r\033[K{:5.1f} %  t = {:.6g} of {:.6g}  {} steps  {}", 100.0 * share, time, end_, steps, left);
-  std::fflush(stderr);
-  shown_ = true;
-}
-
-void Progress::clear() {
-  if (!shown_) return;
-  fmt::print(stderr, "\r\033[K");
-  std::fflush(stderr);
-  shown_ = false;
+  line_.show(fmt::format("{:5.1f} %  t = {:.6g} of {:.6g}  {} steps  {}", 100.0 * share, time, end_, steps, left));
 }
 
 void StatusLine::show(std::string_view what) {

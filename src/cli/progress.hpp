@@ -7,24 +7,6 @@
 
 namespace viscobar::cli {
 
-/// A line on the terminal that says how far a run is, overwritten a few times a second once the run has taken one.
-class Progress {
- public:
-  explicit Progress(double end) : end_(end) {}
-  ~Progress() { clear(); }
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-
-  void operator()(double time, std::size_t steps);
-  void clear();
-
- private:
-  using Clock = std::chrono::steady_clock;
-  double end_;
-  Clock::time_point started_ = Clock::now(), next_ = started_ + std::chrono::seconds(1);
-  bool shown_ = false;
-};
-
 /// A line on the terminal that says what is being done, overwritten by the next.
 class StatusLine {
  public:
@@ -38,6 +20,21 @@ class StatusLine {
 
  private:
   bool shown_ = false;
+};
+
+/// How far a run is, on the terminal, a few times a second once the run has taken one.
+class Progress {
+ public:
+  explicit Progress(double end) : end_(end) {}
+
+  void operator()(double time, std::size_t steps);
+  void clear() { line_.clear(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double end_;
+  Clock::time_point started_ = Clock::now(), next_ = started_ + std::chrono::seconds(1);
+  StatusLine line_;
 };
 
 /// "35 s", "2 min 05 s", "3 h 07 min"

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "cli/command.hpp"
+#include "cli/terminal.hpp"
 
 namespace viscobar::testing_cli {
 namespace {
@@ -97,6 +98,33 @@ TEST_F(Limit, DoesNotNeedTheScenesOwnEpsilonNorAPenalisedMethod) {
   const std::string page = content(results / "limit.html");
   EXPECT_NE(page.find("<svg"), std::string::npos);
   EXPECT_EQ(page.find(" src="), std::string::npos) << "the page must need no other file";
+}
+
+TEST_F(Limit, AFailedRunIsNamedAndTheOthersAreKept) {
+  // Matrix exponentials have no step short enough for the last two.
+  const Ended ended =
+      viscobar("limit " + scene("chatter") +
+               " --set method.name=exponential --mass redistributed --epsilon 1e-14:1e-16 --json -o out");
+  EXPECT_EQ(ended.code, 1);
+  EXPECT_NE(ended.error.find("epsilon = 1e-16 on 27 elements: exponential stopped at t = "), std::string::npos)
+      << ended.error;
+  const Json result = ended.json();
+  EXPECT_EQ(result["rows"].size(), 1u);
+  ASSERT_EQ(result["failed"].size(), 2u);
+  EXPECT_EQ(result["failed"][0]["epsilon"], 1e-15);
+  EXPECT_NE(result["failed"][0]["error"].get<std::string>().find("larger epsilon"), std::string::npos);
+  EXPECT_EQ(Json::parse(content(directory_ / "out" / "limit.json")), result);
+}
+
+TEST_F(Limit, ATerminalSeesHowManyRunsAreDone) {
+  const auto shown = [&](const std::string& option) {
+    return shown_on_terminal("cd '" + directory_.string() + "' && '" VISCOBAR_COMMAND "' limit " + scene("chatter") +
+                             " --epsilon 1e-2:1e-3 --set time.end=1 -o out" + option + " >out.txt");
+  };
+  const std::string text = shown("");
+  EXPECT_NE(text.find("8 of 8 runs"), std::string::npos) << text;
+  EXPECT_TRUE(text.ends_with("\r\033[K")) << text;  // nothing stays
+  EXPECT_EQ(shown(" --quiet"), "");
 }
 
 TEST_F(Limit, RefusesWhatItCannotStudy) {

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "cli/command.hpp"
+#include "cli/terminal.hpp"
 #include "io/sweep_results.hpp"
 
 namespace viscobar::testing_cli {
@@ -55,6 +56,18 @@ class Sweep : public Command {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
 };
+
+TEST_F(Sweep, ATerminalSeesHowManyCasesAreDoneAndHowLongTheOthersTake) {
+  const auto shown = [&](const std::string& option) {
+    return shown_on_terminal("cd '" + directory_.string() + "' && '" VISCOBAR_COMMAND "' sweep sweep.toml" + option +
+                             " >out.txt");
+  };
+  const std::string text = shown(" -o seen");
+  EXPECT_NE(text.find(" of 108 cases  "), std::string::npos) << text;
+  EXPECT_NE(text.find(" s left"), std::string::npos) << text;
+  EXPECT_TRUE(text.ends_with("\r\033[K")) << text;  // nothing stays
+  EXPECT_EQ(shown(" -o unseen --quiet"), "");
+}
 
 TEST_F(Sweep, RowsDoNotDependOnTheNumberOfThreads) {
   ASSERT_EQ(viscobar("sweep sweep.toml --threads 1 -o one").code, 0);
