@@ -10,7 +10,7 @@
 namespace viscobar {
 
 PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
-    : bar_(bar), closed_(bar.contacts().size(), 0) {
+    : bar_(bar), closed_(bar.contacts().size(), 0), by_reaction_(closed_) {
   rigid_ = penalty.epsilon == 0.0;
   if (rigid_)
     for (const Contact& contact : bar.contacts())
@@ -24,6 +24,7 @@ PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
 
 void PenalisedSystem::set_closed(std::size_t i, bool closed) {
   closed_[i] = closed ? 1 : 0;
+  by_reaction_[i] = 0;
   ++revision_;
 }
 
@@ -49,7 +50,11 @@ bool PenalisedSystem::massless(std::size_t unknown) const {
 }
 
 bool PenalisedSystem::holds(std::size_t i) const {
-  return rigid_ || stiffer_than(1.0 / std::numeric_limits<double>::epsilon(), i);
+  const std::size_t node = contact(i).unknown;
+  if (rigid_ || !massless(node)) return rigid_;
+  const Bar& bar = bar_.bar();
+  const double viscous = bar.viscosity / (bar_.spacing_at(node) * std::sqrt(bar.modulus * bar.density));
+  return relative_stiffness(i) * std::numeric_limits<double>::epsilon() > 1.0 + viscous;
 }
 
 // By a closed contact.
@@ -63,12 +68,15 @@ std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const
   const std::size_t node = contact(i).unknown;
   if (!massless(node)) return {node};
   if (!bar_.damped()) return {neighbour(node)};
-  if (opens_by_reaction(i)) return {node, neighbour(node), size() + neighbour(node)};
+  if (holds(i) || has_two_indicators(i)) return {node, neighbour(node), size() + neighbour(node)};
   return {node};
 }
 
 double PenalisedSystem::indicator_linear(std::size_t i, std::span<const double> entries) const {
-  if (entries.size() == 1 || !closed(i)) return entries[0];
+  return entries.size() > 1 && closed(i) && opens_by_reaction(i) ? reaction_linear(entries) : entries[0];
+}
+
+double PenalisedSystem::reaction_linear(std::span<const double> entries) const {
   return entries[1] + bar_.bar().viscosity / bar_.bar().modulus * entries[2];
 }
 
@@ -94,17 +102,13 @@ double PenalisedSystem::relative_stiffness(std::size_t i) const {
   return laws_[i].stiffness * bar_.spacing_at(contact(i).unknown) / bar_.bar().modulus;
 }
 
-bool PenalisedSystem::stiffer_than(double bound, std::size_t i) const {
-  const std::size_t node = contact(i).unknown;
-  if (!massless(node)) return false;
-  const double h = bar_.spacing_at(node), viscosity = bar_.bar().viscosity;
-  const double square = viscosity * viscosity / (bar_.bar().modulus * bar_.bar().density * h * h);
-  return relative_stiffness(i) > bound * (1.0 + square);
+double PenalisedSystem::delay(std::size_t i) const {
+  return bar_.bar().viscosity / (bar_.bar().modulus * (1.0 + relative_stiffness(i)));
 }
 
-bool PenalisedSystem::opens_by_reaction(std::size_t i) const {
-  constexpr double rounding = std::numeric_limits<double>::epsilon();
-  return holds(i) || (bar_.damped() && stiffer_than(1.0 / std::sqrt(rounding), i));
+bool PenalisedSystem::has_two_indicators(std::size_t i) const {
+  constexpr double stiff = 1e4;  // below, eleven digits of the penetration are known
+  return bar_.damped() && massless(contact(i).unknown) && !holds(i) && relative_stiffness(i) > stiff;
 }
 
 void PenalisedSystem::force(double t, std::span<const double> u, std::span<const double> w, std::span<double> out) {
@@ -247,7 +251,7 @@ double PenalisedSystem::reaction(std::size_t i, double t, std::span<const double
   const std::size_t next = neighbour(node);
   const double load = load_ ? load_->at(t)[node] : 0.0;
   const double stress = bar_.bar().modulus * (u[next] + contact(i).gap) + bar_.bar().viscosity * w[next];
-  return std::max(0.0, -stress / bar_.spacing_at(node) - load);
+  return std::max(0.0, -stress / bar_.spacing_at(node) - load) * (1.0 - penetration_share(i));
 }
 
 double PenalisedSystem::energy(std::span<const double> u, std::span<const double> w) const {

@@ -69,6 +69,12 @@ class EventSearch {
     return polished(begin, end, begin + first * (end - begin), which_, stepper);
   }
 
+  /// Rate of the p of contact i's row (see PenalisedSystem::has_two_indicators) at t, within the step made last.
+  template <class Stepper>
+  double reaction_rate(std::size_t i, double t, Stepper& stepper) const {
+    return system_.reaction_linear(part(i, stepper.sample(t, 1)));
+  }
+
   /// The contact that changes first.
   std::size_t first_contact() const { return which_; }
 

@@ -72,6 +72,7 @@ class StepwiseRun {
       std::optional<double> change;
       if (system_.contact_count() > 0) {
         ++statistics_.event_evaluations;
+        choose_indicators(reached);
         change = search_.first_change(t, reached, stepper_, [&](std::size_t i) { return uncertainty(i); });
         statistics_.max_penetration = std::max(statistics_.max_penetration, search_.max_penetration());
       }
@@ -159,13 +160,26 @@ class StepwiseRun {
     restart(t);
   }
 
+  // Of p = u + gap + (eta/E) w + ...
+  double reaction_tolerance() const {
+    const Bar& bar = system_.bar().bar();
+    return stepper_.displacement_tolerance() + bar.viscosity / bar.modulus * stepper_.weights().velocity_tolerance();
+  }
+
+  // A closed contact that may be watched by its clearance or by its row is watched by what is known better there.
+  void choose_indicators(double t) {
+    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
+      if (!system_.closed(i) || !system_.has_two_indicators(i)) continue;
+      const double delayed = system_.delay(i) * std::abs(search_.reaction_rate(i, t, stepper_));
+      const double rounded = system_.relative_stiffness(i) * system_.clearance_rounding(i, stepper_.largest());
+      system_.open_by_reaction(i, delayed + reaction_tolerance() < rounded);
+    }
+  }
+
   // A spring answers to its own clearance, which is known to rounding. The reaction of a rigid contact is known to the
   // tolerance only: less than that must not open it, or a bar that comes to rest would toggle for ever.
   double uncertainty(std::size_t i) const {
-    if (system_.closed(i) && system_.opens_by_reaction(i)) {
-      const Bar& bar = system_.bar().bar();
-      return stepper_.displacement_tolerance() + bar.viscosity / bar.modulus * stepper_.weights().velocity_tolerance();
-    }
+    if (system_.closed(i) && system_.opens_by_reaction(i)) return reaction_tolerance();
     if (system_.holds(i)) return stepper_.displacement_tolerance();
     const double rounding = system_.clearance_rounding(i, stepper_.largest());
     if (toggles_ == 0 || i != last_contact_) return rounding;

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "hard/catalogue.hpp"
@@ -30,6 +32,13 @@ std::vector<HardScene> load_scenes() {
   std::vector<HardScene> scenes;
   scenes.push_back({"load jumps", "flight", {}, full_masses, {exact(jump, 1.0)}});
   scenes.push_back({"load jumps, in and out of contact", "load", {}, two_masses, {agreement()}});
+  for (const char* viscosity : {"0.1", "30", "1e3"})
+    for (const char* epsilon : {"1e-8", "1e-12", "1e-14"})
+      scenes.push_back({fmt::format("load turns and pulls, viscosity {}, epsilon {}", viscosity, epsilon),
+                        "pull",
+                        {fmt::format("bar.viscosity={}", viscosity), fmt::format("contact.epsilon={}", epsilon)},
+                        {Mass::redistributed},
+                        {agreement()}});
   scenes.push_back({"load jumps at a contact change",
                     "load",
                     {history("t < 0.4472135954999579 ? -1 : 3")},  // u = -t^2/2 is there at -0.1

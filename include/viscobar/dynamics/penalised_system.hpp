@@ -59,13 +59,20 @@ class PenalisedSystem {
   double contact_duration(std::size_t i) const;
   bool rigid() const { return rigid_; }  ///< epsilon = 0
   /// Whether contact i, while closed, holds its node at -gap: a rigid one does, and a spring on a massless node that
-  /// gives way by less than the rounding of the strain, kappa = k h / E > 1 / rounding.
+  /// gives way by less than the rounding of the strain, kappa = k h / E > (1 + eta / (h sqrt(E rho))) / rounding.
   bool holds(std::size_t i) const;
-  /// Whether contact i opens where what its node's row lacks becomes zero. One that holds does, and a spring of
-  /// kappa > 1 / sqrt(rounding) on a massless node with viscosity: it does so but for a delay of eta / (kappa E), while
-  /// by its penetration the reaction would be known to kappa roundings of the displacement only. At that kappa either
-  /// way costs half the digits of the reaction at the opening, and none of the impulse, where it enters squared.
-  bool opens_by_reaction(std::size_t i) const;
+  /// k h / E
+  double relative_stiffness(std::size_t i) const;
+  /// By how much the penetration of a damped massless node is late on the p of its row: eta / (E (1 + kappa)).
+  double delay(std::size_t i) const;
+  /// Whether contact i, on a stiff spring, a massless node and viscosity, may be watched by its clearance or by the p
+  /// of its row, which is kappa times that but for the delay. By the clearance p is known to kappa roundings.
+  bool has_two_indicators(std::size_t i) const;
+  void open_by_reaction(std::size_t i, bool by_reaction) { by_reaction_[i] = by_reaction; }  ///< of those two
+  /// Whether contact i opens where what its node's row lacks becomes zero: one that holds does.
+  bool opens_by_reaction(std::size_t i) const { return by_reaction_[i] != 0 || holds(i); }
+  /// The p of the row, or its rate, from the entries of (u, w) but for the offset.
+  double reaction_linear(std::span<const double> entries) const;
 
   /// What a clearance may be wrong by through rounding alone, for displacements up to `largest`.
   double clearance_rounding(std::size_t i, double largest) const;
@@ -132,13 +139,11 @@ class PenalisedSystem {
   void complete_velocity_of(std::size_t end, double t, std::span<const double> u, std::span<double> w);
   void complete_displacement_of(std::size_t end, double t, std::span<double> u);
   double stiffness_of_closed(std::size_t unknown) const;
-  double relative_stiffness(std::size_t i) const;  // k h / E
-  bool stiffer_than(double bound, std::size_t i) const;
   double acting_stiffness(std::size_t i) const;  // k, infinite where it holds
 
   const BarSystem& bar_;
   std::vector<PenaltyLaw> laws_;
-  std::vector<unsigned char> closed_;
+  std::vector<unsigned char> closed_, by_reaction_;
   bool dashpots_ = false, rigid_ = false;
   std::uint64_t revision_ = 0;
   std::optional<LoadVector> load_;
