@@ -89,11 +89,16 @@ TEST_P(Blocks, EveryRowIsReadBackWhateverTheBlockSize) {
 
 INSTANTIATE_TEST_SUITE_P(FieldFile, Blocks, testing::Values(1, 3, 10, 1000));
 
+// What waits for its block is written after a second all the same.
+constexpr auto too_slow = "took a second, so the clock wrote, too";
+
 TEST(FieldFile, GathersRowsToBlocksOfAMebibyte) {
   const Scratch scratch;
   const std::size_t nodes = 1 << 14;  // 128 KiB a row
+  FlushClock clock;
   FieldFile file(scratch.path(), Mesh{1.0, nodes - 1}, 1'000'000);
   append(file, nodes, 0, 7);
+  if (clock.due()) GTEST_SKIP() << too_slow;
   EXPECT_EQ(times_in(scratch / "field.xdmf"), 0u);
   append(file, nodes, 7, 1);
   EXPECT_EQ(times_in(scratch / "field.xdmf"), 8u);
@@ -102,6 +107,7 @@ TEST(FieldFile, GathersRowsToBlocksOfAMebibyte) {
 TEST(FieldFile, AKilledRunLeavesAReadablePairOfFiles) {
   const Scratch scratch;
   const std::size_t nodes = 1 << 14;
+  FlushClock clock;
   const pid_t child = fork();
   if (child == 0) {
     FieldFile file(scratch.path(), Mesh{1.0, nodes - 1}, 1'000'000);
@@ -111,6 +117,7 @@ TEST(FieldFile, AKilledRunLeavesAReadablePairOfFiles) {
   int status = 0;
   waitpid(child, &status, 0);
   ASSERT_TRUE(WIFSIGNALED(status));
+  if (clock.due()) GTEST_SKIP() << too_slow;
   const Dataset u = read(scratch / "field.h5", "u");
   EXPECT_EQ(u.extent, (std::vector<hsize_t>{16, nodes}));
   EXPECT_EQ(u.values.back(), field_value(15, nodes - 1));
