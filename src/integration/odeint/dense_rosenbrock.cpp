@@ -15,26 +15,15 @@ struct DenseRosenbrock::Dense {
   std::size_t size;  // of y; time comes behind
   Rate rate;
   TimeRate time_rate;
-  Vector state, next, error, time_column, bent[2];
-  Matrix jacobian;
-  boost::numeric::odeint::rosenbrock4<double> stepper;
+  Vector zero{size + 1, 0.0};
+  Vector state = zero, next = zero, error = zero, time_column = zero, bent[2] = {zero, zero};
+  Matrix jacobian{size + 1, size + 1, 0.0};
   double length = 0.0;
+  boost::numeric::odeint::rosenbrock4<double> stepper = {};
 };
 
-DenseRosenbrock::DenseRosenbrock(std::size_t size, Rate rate, TimeRate time_rate) {
-  const Vector zero(size + 1, 0.0);
-  dense_.reset(new Dense{size,
-                         std::move(rate),
-                         std::move(time_rate),
-                         zero,
-                         zero,
-                         zero,
-                         zero,
-                         {zero, zero},
-                         Matrix(size + 1, size + 1, 0.0),
-                         {},
-                         0.0});
-}
+DenseRosenbrock::DenseRosenbrock(std::size_t size, Rate rate, TimeRate time_rate)
+    : dense_(new Dense{size, std::move(rate), std::move(time_rate)}) {}
 
 DenseRosenbrock::~DenseRosenbrock() = default;
 
@@ -65,7 +54,7 @@ void DenseRosenbrock::accept() { dense_->state.swap(dense_->next); }
 void DenseRosenbrock::rate(double* out) {
   Dense& dense = *dense_;
   // The interpolation is (1 - s) y_0 + s y_1 + b(s), b = s (1 - s) (c + d s), and b'(1) = -c - d.
-  const Vector zero(dense.size + 1, 0.0);
+  const Vector& zero = dense.zero;
   dense.stepper.prepare_dense_output();
   dense.stepper.calc_state(0.5, dense.bent[0], zero, 0.0, zero, 1.0);
   dense.stepper.calc_state(2.0, dense.bent[1], zero, 0.0, zero, 1.0);
