@@ -18,6 +18,7 @@ PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
         throw std::invalid_argument("a rigid obstacle needs massless contact nodes: mass \"redistributed\"");
   for (const Contact& contact : bar.contacts())
     laws_.push_back(penalty_law(penalty, contact.weight, penalty.restitution < 1.0 ? bar.contact_mass(contact) : 0.0));
+  for (std::size_t i = 0; i < laws_.size(); ++i) holds_.push_back(rigid_ || gives_way_by_rounding(i));
   dashpots_ = std::any_of(laws_.begin(), laws_.end(), [](const PenaltyLaw& law) { return law.damping > 0.0; });
   if (bar.loaded()) load_.emplace(bar);
 }
@@ -49,9 +50,9 @@ bool PenalisedSystem::massless(std::size_t unknown) const {
   return unknown < bar_.massive_begin() || unknown >= bar_.massive_end();
 }
 
-bool PenalisedSystem::holds(std::size_t i) const {
+bool PenalisedSystem::gives_way_by_rounding(std::size_t i) const {
   const std::size_t node = contact(i).unknown;
-  if (rigid_ || !massless(node)) return rigid_;
+  if (!massless(node)) return false;
   const Bar& bar = bar_.bar();
   const double viscous = bar.viscosity / (bar_.spacing_at(node) * std::sqrt(bar.modulus * bar.density));
   return relative_stiffness(i) * std::numeric_limits<double>::epsilon() > 1.0 + viscous;

@@ -60,7 +60,7 @@ class PenalisedSystem {
   bool rigid() const { return rigid_; }  ///< epsilon = 0
   /// Whether contact i, while closed, holds its node at -gap: a rigid one does, and a spring on a massless node that
   /// gives way by less than the rounding of the strain, kappa = k h / E > (1 + eta / (h sqrt(E rho))) / rounding.
-  bool holds(std::size_t i) const;
+  bool holds(std::size_t i) const { return holds_[i] != 0; }
   /// k h / E
   double relative_stiffness(std::size_t i) const;
   /// By how much the penetration of a damped massless node is late on the p of its row: eta / (E (1 + kappa)).
@@ -135,6 +135,7 @@ class PenalisedSystem {
  private:
   bool massless(std::size_t unknown) const;
   static std::size_t neighbour(std::size_t end) { return end == 0 ? 1 : end - 1; }
+  bool gives_way_by_rounding(std::size_t i) const;
   bool held(std::size_t unknown) const;
   void complete_velocity_of(std::size_t end, double t, std::span<const double> u, std::span<double> w);
   void complete_displacement_of(std::size_t end, double t, std::span<double> u);
@@ -143,7 +144,7 @@ class PenalisedSystem {
 
   const BarSystem& bar_;
   std::vector<PenaltyLaw> laws_;
-  std::vector<unsigned char> closed_, by_reaction_;
+  std::vector<unsigned char> closed_, by_reaction_, holds_;
   bool dashpots_ = false, rigid_ = false;
   std::uint64_t revision_ = 0;
   std::optional<LoadVector> load_;
