@@ -56,7 +56,10 @@ class StepwiseRun {
         pace_(begin, times.back()),
         snapshot_(system),
         y_(layout.size),
-        inner_(layout.size) {}
+        inner_(layout.size) {
+    for (std::size_t i = 0; i < system.contact_count(); ++i)
+      if (system.has_two_indicators(i)) doubly_watched_.push_back(i);
+  }
 
   /// Up to the next checkpoint, or to the end.
   std::optional<Checkpoint> operator()(const StartingPoint& start) {
@@ -168,8 +171,8 @@ class StepwiseRun {
 
   // A closed contact that may be watched by its clearance or by its row is watched by what is known better there.
   void choose_indicators(double t) {
-    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
-      if (!system_.closed(i) || !system_.has_two_indicators(i)) continue;
+    for (const std::size_t i : doubly_watched_) {
+      if (!system_.closed(i)) continue;
       const double delayed = system_.delay(i) * std::abs(search_.reaction_rate(i, t, stepper_));
       const double rounded = system_.relative_stiffness(i) * system_.clearance_rounding(i, stepper_.largest());
       system_.open_by_reaction(i, delayed + reaction_tolerance() < rounded);
@@ -265,10 +268,10 @@ class StepwiseRun {
     const double least = 64.0 * std::numeric_limits<double>::epsilon() * std::abs(t);
     if (duration == 0.0 || duration >= least) return;
     const double share = least / duration;
-    throw StepFailure(
-        fmt::format("a contact of the node, whose mass is not zero, lasts {:.2g}, a few roundings of t = {}; take a "
-                    "contact.epsilon {:.2g} times as large, or mesh.mass = \"redistributed\"",
-                    duration, t, share * share));
+    throw StepFailure(fmt::format(
+        "a contact of node {} lasts {:.2g}, a few roundings of t = {}; take a contact.epsilon {:.2g} times as "
+        "large, or mesh.mass = \"redistributed\"",
+        system_.contact(i).unknown + system_.bar().first_node(), duration, t, share * share));
   }
 
   void guard_against_toggling(double t, std::size_t contact) {
@@ -316,8 +319,9 @@ class StepwiseRun {
   PaceGuard pace_;
   SnapshotBuilder snapshot_;
   Stopwatch stopwatch_;
-  std::vector<double> y_, inner_;          // the state where the run is, and within a step
-  std::array<double, 2> account_shift_{};  // of the account of this leg
+  std::vector<double> y_, inner_;            // the state where the run is, and within a step
+  std::vector<std::size_t> doubly_watched_;  // contacts that have two indicators
+  std::array<double, 2> account_shift_{};    // of the account of this leg
   std::size_t next_output_ = 0;
   std::size_t last_contact_ = 0, toggles_ = 0, stalled_ = 0;
   double last_change_ = -std::numeric_limits<double>::infinity();
