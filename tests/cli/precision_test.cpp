@@ -59,7 +59,7 @@ TEST_F(Precision, SeveralMeshesAreNamedInTheLabels) {
 }
 
 TEST_F(Precision, TheTableNamesThePartsTheNormAndTheReference) {
-  const Ended ended = viscobar("precision " + scene("unit-both-ends") + few_ + " -o out");
+  const Ended ended = viscobar("precision " + scene("unit-both-ends") + few_ + " --seconds 60 -o out");
   EXPECT_EQ(ended.code, 0) << ended.error;
   for (const char* word : {"space", "penalty", "time", "largest part", "dominates", "buys nothing",
                            "Errors are against", "in the unit of u", "out/precision.html"})
@@ -68,7 +68,7 @@ TEST_F(Precision, TheTableNamesThePartsTheNormAndTheReference) {
   EXPECT_NE(page.find("<svg"), std::string::npos);
   EXPECT_EQ(page.find(" src="), std::string::npos) << "the page must need no other file";
   const Json document = Json::parse(content(directory_ / "out" / "precision.json"));
-  std::set<std::string> methods;  // how many rows each has depends on how fast the machine is
+  std::set<std::string> methods;
   for (const Json& row : document["rows"]) methods.insert(row["method"]);
   EXPECT_EQ(methods.size(), 7u);
 }
