@@ -41,7 +41,9 @@ class Sweep : public Command {
   }
 
   /// Starts a sweep, sends it the signal after a while, says how it ended.
-  int stopped_by(int signal, const std::string& arguments, std::chrono::milliseconds after) const {
+  /// Exit code, or minus the signal, of what is sent a signal as soon as `wait` returns.
+  template <class Wait>
+  int stopped_by(int signal, const std::string& arguments, Wait wait) const {
     const pid_t child = fork();
     if (child == 0) {
       if (chdir(directory_.c_str()) != 0) _exit(99);
@@ -49,7 +51,7 @@ class Sweep : public Command {
       execl("/bin/sh", "sh", "-c", ("exec '" VISCOBAR_COMMAND "' " + arguments).c_str(), nullptr);
       _exit(99);
     }
-    std::this_thread::sleep_for(after);
+    wait();
     kill(child, signal);
     int status = 0;
     waitpid(child, &status, 0);
@@ -101,7 +103,8 @@ TEST_F(Sweep, KilledAtAnyMomentItGoesOnAndRepeatsNothing) {
   int kills = 0;
   for (; kills < 200; ++kills) {
     const std::chrono::milliseconds after(pause(random));
-    const int end = stopped_by(SIGKILL, "sweep sweep.toml --quiet -o killed", after);
+    const int end =
+        stopped_by(SIGKILL, "sweep sweep.toml --quiet -o killed", [&] { std::this_thread::sleep_for(after); });
     if (end == 0) break;
     ASSERT_EQ(end, -SIGKILL);
     if (!fs::exists(directory_ / "killed/sweep.h5")) continue;
@@ -142,10 +145,18 @@ TEST_F(Sweep, InterruptedItKeepsItsRowsAndSays130) {
                      "/examples/scenes/chatter.toml\"\n[set]\nmethod.name = \"fully_discrete\"\ntime.end = "
                      "1e6\noutput.every = 1e5\n[vary]\n"
                      "bar.viscosity = [1.0, 0.1, 0.01]\nmethod.step = [1e2, 1e-6]\n");
-  const auto begin = std::chrono::steady_clock::now();
-  EXPECT_EQ(stopped_by(SIGINT, "sweep long.toml --threads 4", std::chrono::milliseconds(1000)), 130);
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
-  const std::string rows = content(directory_ / "long.out/sweep.csv");
+  std::string rows;
+  std::chrono::steady_clock::time_point interrupted;
+  const auto the_short_cases = [&] {  // for a minute at most
+    for (int i = 0; i < 600 && std::count(rows.begin(), rows.end(), '\n') < 4; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      rows = content(directory_ / "long.out/sweep.csv");
+    }
+    interrupted = std::chrono::steady_clock::now();
+  };
+  EXPECT_EQ(stopped_by(SIGINT, "sweep long.toml --threads 4", the_short_cases), 130);
+  EXPECT_LT(std::chrono::steady_clock::now() - interrupted, std::chrono::seconds(20));
+  rows = content(directory_ / "long.out/sweep.csv");
   // The three short cases, and the heading.
   EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 4) << rows;
 }
