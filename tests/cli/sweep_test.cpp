@@ -147,8 +147,8 @@ TEST_F(Sweep, InterruptedItKeepsItsRowsAndSays130) {
                      "bar.viscosity = [1.0, 0.1, 0.01]\nmethod.step = [1e2, 1e-6]\n");
   std::string rows;
   std::chrono::steady_clock::time_point interrupted;
-  const auto the_short_cases = [&] {  // for a minute at most
-    for (int i = 0; i < 600 && std::count(rows.begin(), rows.end(), '\n') < 4; ++i) {
+  const auto the_short_cases = [&] {  // for ten minutes at most: valgrind
+    for (int i = 0; i < 6000 && std::count(rows.begin(), rows.end(), '\n') < 4; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
       rows = content(directory_ / "long.out/sweep.csv");
     }
