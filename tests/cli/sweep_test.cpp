@@ -40,8 +40,7 @@ class Sweep : public Command {
     return seconds;
   }
 
-  /// Starts a sweep, sends it the signal after a while, says how it ended.
-  /// Exit code, or minus the signal, of what is sent a signal as soon as `wait` returns.
+  /// Starts a sweep, sends it the signal as soon as `wait` returns; its exit code, or minus the signal that ended it.
   template <class Wait>
   int stopped_by(int signal, const std::string& arguments, Wait wait) const {
     const pid_t child = fork();

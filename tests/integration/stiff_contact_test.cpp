@@ -118,8 +118,8 @@ TEST_P(StiffMasslessContact, TendsToTheRigidObstacleDownToEveryEpsilon) {
       if (GetParam() != MethodName::odeint) {
         EXPECT_EQ(spring.events.size(), rigid.events.size()) << viscosity << " " << epsilon;
       }
-      // The promise of both, for displacements up to 0.3; a gap that is wrong by d moves the bar by d, each change by 2
-      // d.
+      // The promise of both, for displacements up to 0.3; a gap that is wrong by d moves the bar by d, each change by
+      // twice that.
       const double changes = static_cast<double>(rigid.events.size());
       const double bound = 2 * 100 * (0.3 * 1e-7 + 1e-10) + (1 + 2 * changes) * spring.statistics.max_penetration;
       EXPECT_LT(largest_difference(spring, rigid), bound) << viscosity << " " << epsilon;
