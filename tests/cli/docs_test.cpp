@@ -57,7 +57,7 @@ TEST_P(Docs, CommandsRunAsTheyStandThere) {
     if (slow(command)) continue;
     std::ofstream(directory_ / "command.bash") << "set -euo pipefail\nviscobar() { '" VISCOBAR_COMMAND "' \"$@\"; }\n"
                                                << command << "\n";
-    const std::string line = "cd '" + directory_.string() + "' && bash command.bash >out.txt 2>error.txt";
+    const std::string line = "cd '" + directory_.string() + "' && /bin/bash command.bash >out.txt 2>error.txt";
     EXPECT_EQ(std::system(line.c_str()), 0) << command << "\n" << content(directory_ / "error.txt");
   }
 }
