@@ -49,7 +49,7 @@ TEST_F(Info, CountsADirectoryOfPicturesAsOne) {
 TEST_F(Info, TellsOfEveryStudyInTheDirectory) {
   viscobar("compare scene.toml --methods rigid,cvode --quiet -o out");
   viscobar("limit scene.toml --epsilon 1e-3:1e-4 --quiet -o out");
-  viscobar("precision scene.toml --methods rigid --tolerance 1e-3:1e-4 --quiet -o out");
+  viscobar("precision scene.toml --methods rigid --tolerance 1e-3:1e-4 --seconds 60 --quiet -o out");
   const auto results = viscobar("info out --json").json()["results"];
   ASSERT_EQ(results.size(), 3u);
   EXPECT_EQ(results[0]["kind"], "compare");

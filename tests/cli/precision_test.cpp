@@ -74,7 +74,7 @@ TEST_F(Precision, TheTableNamesThePartsTheNormAndTheReference) {
 }
 
 TEST_F(Precision, QuietPrintsNothing) {
-  const Ended ended = viscobar("precision " + scene("unit-both-ends") + few_ + " --methods rigid --quiet");
+  const Ended ended = viscobar("precision " + scene("unit-both-ends") + few_ + " --methods rigid --seconds 60 --quiet");
   EXPECT_EQ(ended.code, 0) << ended.error;
   EXPECT_EQ(ended.out + ended.error, "");
   EXPECT_TRUE(fs::exists(directory_ / "unit-both-ends.out" / "precision.json"));
@@ -82,7 +82,7 @@ TEST_F(Precision, QuietPrintsNothing) {
 
 TEST_F(Precision, EndsWithOneWhenEveryRunFails) {
   const Ended ended = viscobar("precision " + scene("unit-both-ends") + few_ +
-                               " --methods rigid --set 'load.density=\"t > 0.5 ? 1/0 : 0\"' --json");
+                               " --methods rigid --seconds 60 --set 'load.density=\"t > 0.5 ? 1/0 : 0\"' --json");
   EXPECT_EQ(ended.code, 1);
   EXPECT_NE(ended.error.find("every run failed"), std::string::npos) << ended.error;
   const Json result = ended.json();
