@@ -83,6 +83,28 @@ TEST_F(Limit, SeveralMeshesGiveAVerdictOfTheFinestAndACouplingOrAReason) {
   EXPECT_NE(result["coupling"].is_null(), result["coupling_reason"].is_null());
 }
 
+TEST_F(Limit, AtTheCoupledEpsilonThePenaltyCostsAsMuchAsTheMesh) {
+  const std::string bar = "--mass redistributed --set bar.viscosity=0.1 --set time.end=3 ";
+  const Json coupling = study(bar + "--epsilon 1e-1:1e-5 --elements 9,18,36 --steps 1e-3,5e-4,2.5e-4")["coupling"];
+  ASSERT_FALSE(coupling.is_null());
+  EXPECT_EQ(coupling["limit"], "rigid");
+  // P1 has order 2 where the motion is smooth; contact, which breaks the acceleration, can but lower it.
+  const double order = coupling["mesh_order"];
+  EXPECT_GT(order, 1.0);
+  EXPECT_LE(order, 2.0);
+  ASSERT_EQ(coupling["meshes"].size(), 3u);
+  for (const Json& mesh : coupling["meshes"]) {
+    const double mesh_error = mesh["mesh_error"], epsilon = mesh["epsilon"];
+    EXPECT_NEAR(mesh_error / coupling["meshes"][0]["mesh_error"].get<double>(),
+                std::pow(9.0 / mesh["elements"].get<double>(), order), 1e-12);
+    const Json there = study(bar + "--steps 1e-3 --elements " + std::to_string(mesh["elements"].get<int>()) +
+                             " --epsilon " + std::to_string(epsilon) + ":" + std::to_string(epsilon / 10.0))["rows"][0];
+    // The rows are a decade apart. Where the power of epsilon changes by 0.15 within one, the line between them is off
+    // by 0.15 log(10) / 8.
+    EXPECT_NEAR(there["difference_to_rigid"].get<double>() / mesh_error, 1.0, 0.15 * std::log(10.0) / 8.0);
+  }
+}
+
 TEST_F(Limit, TwoMeshesGiveNoCouplingAndSayWhy) {
   const Json result = study("--mass redistributed --epsilon 1e-2:1e-3 --elements 9,18 --set time.end=2");
   EXPECT_TRUE(result["coupling"].is_null());
