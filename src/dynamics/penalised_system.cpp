@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <stdexcept>
 
@@ -18,6 +17,10 @@ PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
         throw std::invalid_argument("a rigid obstacle needs massless contact nodes: mass \"redistributed\"");
   for (const Contact& contact : bar.contacts())
     laws_.push_back(penalty_law(penalty, contact.weight, penalty.restitution < 1.0 ? bar.contact_mass(contact) : 0.0));
+  for (std::size_t i = 0; i < laws_.size(); ++i) {
+    const std::size_t node = contact(i).unknown;
+    rates_.push_back(massless(node) ? 0.0 : std::sqrt(laws_[i].stiffness / bar.inertia().diagonal[node]));
+  }
   for (std::size_t i = 0; i < laws_.size(); ++i) holds_.push_back(rigid_ || gives_way_by_rounding(i));
   dashpots_ = std::any_of(laws_.begin(), laws_.end(), [](const PenaltyLaw& law) { return law.damping > 0.0; });
   if (bar.loaded()) load_.emplace(bar);
@@ -39,9 +42,7 @@ double PenalisedSystem::contact_noise(double rate) const {
   const double h = bar_.mesh().smallest(), viscous = bar_.bar().viscosity / (bar_.bar().density * h * h);
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!closed(i)) continue;
-    const std::size_t node = contact(i).unknown;
-    const double square = massless(node) ? 0.0 : laws_[i].stiffness / bar_.inertia().diagonal[node];
-    noise = std::max(noise, contact(i).gap * std::min(rate, std::max(viscous, square / rate)));
+    noise = std::max(noise, contact(i).gap * std::min(rate, std::max(viscous, rates_[i] * rates_[i] / rate)));
   }
   return std::numeric_limits<double>::epsilon() * noise;
 }
@@ -93,10 +94,6 @@ double PenalisedSystem::penetration_share(std::size_t i) const {
   const std::size_t node = contact(i).unknown;
   if (!massless(node) || (bar_.damped() && !opens_by_reaction(i))) return 1.0;
   return 1.0 / (1.0 + relative_stiffness(i));
-}
-
-double PenalisedSystem::contact_duration(std::size_t i) const {
-  return std::numbers::pi * std::sqrt(bar_.inertia().diagonal[contact(i).unknown] / laws_[i].stiffness);
 }
 
 double PenalisedSystem::relative_stiffness(std::size_t i) const {

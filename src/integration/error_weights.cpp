@@ -33,9 +33,16 @@ void ErrorWeights::fill(std::span<const double> y, double noise, std::span<doubl
   const double relative = std::max(tolerance_.relative / tightening_, 16.0 * std::numeric_limits<double>::epsilon());
   const double absolute = tolerance_.absolute / tightening_;
   std::ranges::fill(layout_.u(weights), 1.0 / (relative * largest_u_ + absolute));
+  const double of_velocity = relative * largest_w_ + absolute;
+  const double least = 16.0 * std::numeric_limits<double>::epsilon() * largest_u_;
+  for (std::size_t i = 0; i < system_.contact_count(); ++i)
+    if (const double rate = system_.closed(i) ? system_.contact_rate(i) : 0.0; rate > 0.0) {
+      double& weight = weights[system_.contact(i).unknown];
+      weight = std::max(weight, 1.0 / std::max(of_velocity / rate, least));
+    }
   const auto w = layout_.w(weights);
   // An error test that sees noise shrinks the step, which makes more of it.
-  std::ranges::fill(w, 1.0 / std::max(relative * largest_w_ + absolute, 4.0 * noise));
+  std::ranges::fill(w, 1.0 / std::max(of_velocity, 4.0 * noise));
   std::ranges::fill(w.first(massive_begin_), 0.0);
   std::ranges::fill(w.subspan(massive_end_), 0.0);
   std::ranges::fill(weights.subspan(2 * layout_.nodes), 0.0);

@@ -24,12 +24,14 @@ inline constexpr double promised_multiple = 100.0;
 
 /// Error weights of Tolerance: 1 / (relative max|u| + absolute) for each entry of u, likewise for w, 0 for dependent
 /// entries and the energy account. The maxima run over the time passed, so that a bar at rest for a moment does not ask
-/// for absurd accuracy.
+/// for absurd accuracy. A node of mass m on the spring k of a closed contact turns an error of u into one of w, omega =
+/// sqrt(k / m) times as large: its u may be wrong by what w may be, divided by omega.
 class ErrorWeights {
  public:
   ErrorWeights(const PenalisedSystem& system, const Layout& layout, const Tolerance& tolerance,
                const Accumulation& accumulation)
-      : layout_(layout),
+      : system_(system),
+        layout_(layout),
         tolerance_(tolerance),
         massive_begin_(system.bar().massive_begin()),
         massive_end_(system.bar().massive_end()),
@@ -58,6 +60,7 @@ class ErrorWeights {
   static void members(auto& weights, auto&& each) { each(weights.largest_u_, weights.largest_w_); }
 
  private:
+  const PenalisedSystem& system_;
   Layout layout_;
   Tolerance tolerance_;
   std::size_t massive_begin_, massive_end_;

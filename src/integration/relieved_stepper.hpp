@@ -150,9 +150,8 @@ class RelievedStepper {
     double period = 0.0;
     if (!system_.dissipates()) return period;
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
-      if (!system_.closed(i)) continue;
-      const double mass = system_.bar().inertia().diagonal[system_.contact(i).unknown];
-      period = std::max(period, 2.0 * std::numbers::pi * std::sqrt(mass / system_.law(i).stiffness));
+      const double rate = system_.closed(i) ? system_.contact_rate(i) : 0.0;
+      if (rate > 0.0) period = std::max(period, 2.0 * std::numbers::pi / rate);
     }
     return period;
   }

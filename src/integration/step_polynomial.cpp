@@ -66,6 +66,7 @@ void StepPolynomial::complete() {
   system_.complete_displacement(end_.t, layout_.u(end_.y));
   system_.complete_velocity(end_.t, layout_.u(end_.y), layout_.w(end_.y));
   if (std::exchange(first_of_leg_, false)) forget_acceleration();
+  if (system_.contact_count() > 0) smooth_unresolved();
   for (Relaxation& relaxation : relaxations_) drive(relaxation);
   add_account(end_.t, end_.y);
 }
@@ -90,6 +91,55 @@ void StepPolynomial::forget_acceleration() {
     const double missing = increment(i) - 0.5 * h * (begin_.y[n + i] + end_.y[n + i]);
     begin_.a[i] = end_.a[i] + 12.0 / (h * h) * missing;
   }
+}
+
+void StepPolynomial::smooth_unresolved() {
+  const std::size_t n = layout_.nodes;
+  const double h = length();
+  unresolved_.clear(), at_begin_.clear(), at_end_.clear();
+  for (std::size_t c = 0; c < system_.contact_count(); ++c) {
+    if (!system_.unresolved(c, h)) continue;
+    const std::size_t i = system_.contact(c).unknown;
+    const double mean = increment(i) / h, w0 = begin_.y[n + i], w1 = end_.y[n + i];
+    unresolved_.push_back(i);
+    at_begin_.push_back((6.0 * mean - 4.0 * w0 - 2.0 * w1) / h);
+    at_end_.push_back((2.0 * w0 + 4.0 * w1 - 6.0 * mean) / h);
+  }
+  if (unresolved_.empty()) return;
+  replace_accelerations(begin_.a, at_begin_);
+  replace_accelerations(end_.a, at_end_);
+}
+
+// Where a of some nodes changes by c, that of the others by x, M_rr x = -M_rc c.
+void StepPolynomial::replace_accelerations(std::span<double> a, std::span<const double> at_unresolved) {
+  const SymmetricTridiagonal& inertia = system_.bar().inertia();
+  if (inertia.off_diagonal.empty()) {
+    for (std::size_t k = 0; k < unresolved_.size(); ++k) a[unresolved_[k]] = at_unresolved[k];
+    return;
+  }
+  const std::size_t n = layout_.nodes;
+  if (replaced_ != unresolved_) {
+    SymmetricTridiagonal beside = inertia;
+    for (std::size_t i = 0; i < n; ++i)
+      if (beside.diagonal[i] == 0.0) beside.diagonal[i] = 1.0;  // massless
+    for (const std::size_t i : unresolved_) {
+      if (i > 0) beside.off_diagonal[i - 1] = 0.0;
+      if (i + 1 < n) beside.off_diagonal[i] = 0.0;
+    }
+    beside_.factorise(beside);
+    replaced_ = unresolved_;
+  }
+  change_.assign(n, 0.0);
+  for (std::size_t k = 0; k < unresolved_.size(); ++k) {
+    const std::size_t i = unresolved_[k];
+    const double by = at_unresolved[k] - a[i];
+    if (i > 0) change_[i - 1] -= inertia.off_diagonal[i - 1] * by;
+    if (i + 1 < n) change_[i + 1] -= inertia.off_diagonal[i] * by;
+  }
+  for (const std::size_t i : unresolved_) change_[i] = 0.0;
+  beside_.solve(change_);
+  for (std::size_t i = 0; i < n; ++i) a[i] += change_[i];
+  for (std::size_t k = 0; k < unresolved_.size(); ++k) a[unresolved_[k]] = at_unresolved[k];
 }
 
 void StepPolynomial::drive(Relaxation& relaxation) {

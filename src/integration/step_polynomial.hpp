@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "integration/layout.hpp"
+#include "viscobar/discretisation/tridiagonal.hpp"
 #include "viscobar/dynamics/penalised_system.hpp"
 
 namespace viscobar {
@@ -24,6 +25,10 @@ namespace viscobar {
 /// A massless node has no acceleration to rely on, it follows its neighbour as its row says: without viscosity at
 /// once, with it by a relaxation that may be stiff beyond measure, and which is solved exactly for the neighbour's
 /// quintic and a load that is interpolated at five points of the step.
+///
+/// A node on the spring of a closed contact that the step is too long to resolve has no acceleration to rely on either:
+/// what its displacement is wrong by is in it omega^2 times. It follows the cubic of its u and w at the two ends, and
+/// the other accelerations are those that satisfy their rows beside it.
 ///
 /// The energy account of the step is the integral of its rates over the polynomial, by Gauss' formula.
 class StepPolynomial {
@@ -87,6 +92,8 @@ class StepPolynomial {
   double relaxed(const Relaxation& relaxation, double s) const;
   double value(std::size_t unknown, double s, int derivative) const;
   void forget_acceleration();
+  void smooth_unresolved();
+  void replace_accelerations(std::span<double> a, std::span<const double> at_unresolved);
   void drive(Relaxation& relaxation);
   void motion_at(double t, std::span<double> y);
   void add_account(double until, std::span<double> y);
@@ -101,6 +108,9 @@ class StepPolynomial {
   std::vector<std::size_t> entries_, selected_;
   std::vector<double> sampled_, inner_;
   std::optional<Known> known_;
+  std::vector<std::size_t> unresolved_, replaced_;  // nodes; of those the factor is
+  std::vector<double> at_begin_, at_end_, change_;  // accelerations
+  TridiagonalFactor beside_;                        // of rho M without the rows of replaced_
   bool first_of_leg_ = false;
 };
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <utility>
@@ -264,9 +265,10 @@ class StepwiseRun {
 
   // A contact that is over within a few roundings of the time would be followed wrongly, without anything to show it.
   void require_duration(double t, std::size_t i) const {
-    const double duration = system_.contact_duration(i);
+    const double rate = system_.contact_rate(i);  // half a period of the node on its spring is pi / rate
     const double least = 64.0 * std::numeric_limits<double>::epsilon() * std::abs(t);
-    if (duration == 0.0 || duration >= least) return;
+    if (rate * least <= std::numbers::pi) return;
+    const double duration = std::numbers::pi / rate;
     const double share = least / duration;
     throw StepFailure(fmt::format(
         "a contact of node {} lasts {:.2g}, a few roundings of t = {}; take a contact.epsilon {:.2g} times as "

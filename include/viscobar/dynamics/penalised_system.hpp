@@ -55,8 +55,11 @@ class PenalisedSystem {
   double indicator_offset(std::size_t i, double t);  ///< the rest: gap, and load where the row asks for it
   /// Penetration of a closed contact per -p.
   double penetration_share(std::size_t i) const;
-  /// pi sqrt(m / k), half a period of the node on its spring alone, m = rho M_ii; 0 without mass.
-  double contact_duration(std::size_t i) const;
+  /// omega = sqrt(k / m) of the node on its spring alone, m = rho M_ii; 0 without mass, where nothing oscillates.
+  double contact_rate(std::size_t i) const { return rates_[i]; }
+  /// Whether contact i is closed on a spring that a step of length h passes over: omega h > 10. Formulas of order five
+  /// accept such a step only where the oscillation is below their tolerance.
+  bool unresolved(std::size_t i, double h) const { return closed(i) && rates_[i] * h > 10.0; }
   bool rigid() const { return rigid_; }  ///< epsilon = 0
   /// Whether contact i, while closed, holds its node at -gap: a rigid one does, and a spring on a massless node that
   /// gives way by less than the rounding of the strain, kappa = k h / E > (1 + eta / (h sqrt(E rho))) / rounding.
@@ -144,6 +147,7 @@ class PenalisedSystem {
 
   const BarSystem& bar_;
   std::vector<PenaltyLaw> laws_;
+  std::vector<double> rates_;  // omega of each contact
   std::vector<unsigned char> closed_, by_reaction_, holds_;
   bool dashpots_ = false, rigid_ = false;
   std::uint64_t revision_ = 0;
