@@ -1,5 +1,6 @@
 #include "viscobar/dynamics/penalised_system.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,7 +10,7 @@
 namespace viscobar {
 
 PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
-    : bar_(bar), closed_(bar.contacts().size(), 0), by_reaction_(closed_) {
+    : bar_(bar), closed_(bar.contacts().size(), 0), measured_(closed_) {
   rigid_ = penalty.epsilon == 0.0;
   if (rigid_)
     for (const Contact& contact : bar.contacts())
@@ -24,11 +25,51 @@ PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
   for (std::size_t i = 0; i < laws_.size(); ++i) holds_.push_back(rigid_ || gives_way_by_rounding(i));
   dashpots_ = std::any_of(laws_.begin(), laws_.end(), [](const PenaltyLaw& law) { return law.damping > 0.0; });
   if (bar.loaded()) load_.emplace(bar);
+  find_offsets();
+}
+
+void PenalisedSystem::measure_from_obstacle(std::size_t closing, std::span<double> u) {
+  if (measured_[closing]) return;
+  const auto node_is_measured = [&](std::size_t node) {  // from its other obstacle
+    for (std::size_t i = 0; i < laws_.size(); ++i)
+      if (measured_[i] && contact(i).unknown == node) return true;
+    return false;
+  };
+  std::vector<std::size_t> together;
+  for (std::size_t i = 0; i < laws_.size(); ++i)
+    if (contact(i).where == contact(closing).where && !measured_[i]) together.push_back(i);
+  if (together.size() < laws_.size())
+    std::erase_if(together, [&](std::size_t i) { return node_is_measured(contact(i).unknown); });
+  if (together.empty()) return;
+  origin_.resize(size());
+  for (const std::size_t i : together) {
+    measured_[i] = 1;
+    origin_[contact(i).unknown] = -contact(i).gap;
+    if (!u.empty()) u[contact(i).unknown] += contact(i).gap;
+  }
+  find_offsets();
+}
+
+void PenalisedSystem::find_offsets() {
+  offsets_.resize(laws_.size());
+  for (std::size_t i = 0; i < laws_.size(); ++i) offsets_[i] = contact(i).gap + origin_at(contact(i).unknown);
+  if (origin_.empty()) return;
+  const std::vector<double> nothing(size(), 0.0);
+  std::vector<double> without(size());
+  origin_force_.resize(size());
+  bar_.internal_force(origin_, nothing, origin_force_);
+  bar_.internal_force(nothing, nothing, without);
+  for (std::size_t i = 0; i < size(); ++i) origin_force_[i] -= without[i];
+}
+
+double PenalisedSystem::largest_displacement(std::span<const double> u) const {
+  const Eigen::Map<const Eigen::ArrayXd> relative(u.data(), static_cast<Eigen::Index>(u.size()));
+  if (origin_.empty()) return relative.abs().maxCoeff();
+  return (relative + Eigen::Map<const Eigen::ArrayXd>(origin_.data(), relative.size())).abs().maxCoeff();
 }
 
 void PenalisedSystem::set_closed(std::size_t i, bool closed) {
   closed_[i] = closed ? 1 : 0;
-  by_reaction_[i] = 0;
   ++revision_;
 }
 
@@ -36,15 +77,9 @@ double PenalisedSystem::clearance_rounding(std::size_t i, double largest) const 
   return 32.0 * std::numeric_limits<double>::epsilon() * (contact(i).gap + largest);
 }
 
-double PenalisedSystem::contact_noise(double rate) const {
-  if (rate <= 0.0) return 0.0;
-  double noise = 0.0;
-  const double h = bar_.mesh().smallest(), viscous = bar_.bar().viscosity / (bar_.bar().density * h * h);
-  for (std::size_t i = 0; i < laws_.size(); ++i) {
-    if (!closed(i)) continue;
-    noise = std::max(noise, contact(i).gap * std::min(rate, std::max(viscous, rates_[i] * rates_[i] / rate)));
-  }
-  return std::numeric_limits<double>::epsilon() * noise;
+double PenalisedSystem::indicator_rounding(std::size_t i, double largest) const {
+  const double rounding = clearance_rounding(i, largest);
+  return closed(i) && measured_[i] && !follows(i) && !holds(i) ? rounding / (1.0 + relative_stiffness(i)) : rounding;
 }
 
 bool PenalisedSystem::massless(std::size_t unknown) const {
@@ -70,47 +105,34 @@ std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const
   const std::size_t node = contact(i).unknown;
   if (!massless(node)) return {node};
   if (!bar_.damped()) return {neighbour(node)};
-  if (holds(i) || has_two_indicators(i)) return {node, neighbour(node), size() + neighbour(node)};
+  if (holds(i)) return {node, neighbour(node), size() + neighbour(node)};
   return {node};
 }
 
 double PenalisedSystem::indicator_linear(std::size_t i, std::span<const double> entries) const {
-  return entries.size() > 1 && closed(i) && opens_by_reaction(i) ? reaction_linear(entries) : entries[0];
-}
-
-double PenalisedSystem::reaction_linear(std::span<const double> entries) const {
-  return entries[1] + bar_.bar().viscosity / bar_.bar().modulus * entries[2];
+  if (entries.size() == 1 || !closed(i)) return entries[0];
+  return entries[1] + bar_.bar().viscosity / bar_.bar().modulus * entries[2];  // of a contact that holds
 }
 
 double PenalisedSystem::indicator_offset(std::size_t i, double t) {
   const std::size_t node = contact(i).unknown;
-  const bool reaction = massless(node) && (!bar_.damped() || (opens_by_reaction(i) && closed(i)));
-  if (!load_ || !reaction) return contact(i).gap;
-  return contact(i).gap + load_->at(t)[node] * bar_.spacing_at(node) / bar_.bar().modulus;
+  if (!follows(i) && !(holds(i) && closed(i))) return offsets_[i];
+  const double neighbours = contact(i).gap + origin_at(neighbour(node));
+  return load_ ? neighbours + load_->at(t)[node] * bar_.spacing_at(node) / bar_.bar().modulus : neighbours;
 }
 
 double PenalisedSystem::penetration_share(std::size_t i) const {
   if (rigid_) return 0.0;
-  const std::size_t node = contact(i).unknown;
-  if (!massless(node) || (bar_.damped() && !opens_by_reaction(i))) return 1.0;
-  return 1.0 / (1.0 + relative_stiffness(i));
+  return follows(i) || holds(i) ? 1.0 / (1.0 + relative_stiffness(i)) : 1.0;
 }
 
 double PenalisedSystem::relative_stiffness(std::size_t i) const {
   return laws_[i].stiffness * bar_.spacing_at(contact(i).unknown) / bar_.bar().modulus;
 }
 
-double PenalisedSystem::delay(std::size_t i) const {
-  return bar_.bar().viscosity / (bar_.bar().modulus * (1.0 + relative_stiffness(i)));
-}
-
-bool PenalisedSystem::has_two_indicators(std::size_t i) const {
-  constexpr double stiff = 1e4;  // below, eleven digits of the penetration are known
-  return bar_.damped() && massless(contact(i).unknown) && !holds(i) && relative_stiffness(i) > stiff;
-}
-
 void PenalisedSystem::force(double t, std::span<const double> u, std::span<const double> w, std::span<double> out) {
   bar_.internal_force(u, w, out);
+  for (std::size_t i = 0; i < origin_force_.size(); ++i) out[i] += origin_force_[i];
   if (load_) {
     const std::span<const double> load = load_->at(t);
     for (std::size_t i = 0; i < out.size(); ++i) out[i] += load[i];
@@ -148,7 +170,7 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<
   const double modulus = bar_.bar().modulus / h, damping = bar_.bar().viscosity / h;
   const std::size_t next = neighbour(end);
   if (bar_.damped()) {
-    double force = modulus * (u[next] - u[end]) + damping * w[next];
+    double force = modulus * (u[next] - u[end] + (origin_at(next) - origin_at(end))) + damping * w[next];
     if (load_) force += load_->at(t)[end];
     for (std::size_t i = 0; i < laws_.size(); ++i)
       if (closed(i) && contact(i).unknown == end) force -= laws_[i].stiffness * clearance(i, u);
@@ -174,16 +196,17 @@ void PenalisedSystem::complete_velocity(double t, std::span<const double> u, std
 void PenalisedSystem::complete_displacement_of(std::size_t end, double t, std::span<double> u) {
   if (held(end)) {
     for (std::size_t i = 0; i < laws_.size(); ++i)
-      if (contact(i).unknown == end) u[end] = -contact(i).gap;
+      if (contact(i).unknown == end) u[end] = -offsets_[i];
     return;
   }
   if (bar_.damped()) return;
   const double modulus = bar_.bar().modulus / bar_.spacing_at(end);
-  double force = modulus * u[neighbour(end)], stiffness = modulus;
+  const std::size_t next = neighbour(end);
+  double force = modulus * (u[next] + (origin_at(next) - origin_at(end))), stiffness = modulus;
   if (load_) force += load_->at(t)[end];
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!closed(i) || contact(i).unknown != end) continue;
-    force -= laws_[i].stiffness * contact(i).gap;
+    force -= laws_[i].stiffness * offsets_[i];
     stiffness += laws_[i].stiffness;
   }
   u[end] = force / stiffness;
@@ -201,11 +224,12 @@ std::vector<PenalisedSystem::RelaxingRow> PenalisedSystem::relaxing_rows() const
   for (const std::size_t end : {std::size_t{0}, size() - 1}) {
     if (!massless(end) || held(end)) continue;
     const double h = bar_.spacing_at(end);
-    RelaxingRow row{end, neighbour(end), modulus / viscosity, modulus / viscosity, h / viscosity, 0.0};
+    const double share = modulus / viscosity, apart = origin_at(neighbour(end)) - origin_at(end);
+    RelaxingRow row{end, neighbour(end), share, share, h / viscosity, share * apart};
     for (std::size_t i = 0; i < laws_.size(); ++i) {
       if (!closed(i) || contact(i).unknown != end) continue;
       row.rate += laws_[i].stiffness * h / viscosity;
-      row.constant -= laws_[i].stiffness * h / viscosity * contact(i).gap;
+      row.constant -= laws_[i].stiffness * h / viscosity * offsets_[i];
     }
     rows.push_back(row);
   }
@@ -217,8 +241,7 @@ void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w)
   complete_displacement(t, u);
   complete_velocity(t, u, w);
   if (laws_.empty()) return;
-  double largest = 0.0;
-  for (double displacement : u) largest = std::max(largest, std::abs(displacement));
+  const double largest = largest_displacement(u);
   std::vector<double> acceleration;
   std::vector<unsigned char> press(laws_.size(), 0);
   for (std::size_t i = 0; i < laws_.size(); ++i) {
@@ -245,15 +268,17 @@ void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w)
 double PenalisedSystem::reaction(std::size_t i, double t, std::span<const double> u, std::span<const double> w) {
   if (!closed(i)) return 0.0;
   const std::size_t node = contact(i).unknown;
-  if (!opens_by_reaction(i)) return laws_[i].reaction(-clearance(i, u), -w[node]);
+  if (!holds(i)) return laws_[i].reaction(-clearance(i, u), -w[node]);
   const std::size_t next = neighbour(node);
   const double load = load_ ? load_->at(t)[node] : 0.0;
-  const double stress = bar_.bar().modulus * (u[next] + contact(i).gap) + bar_.bar().viscosity * w[next];
+  const double stress = bar_.bar().modulus * (u[next] + (origin_at(next) + contact(i).gap)) + bar_.bar().viscosity * w[next];
   return std::max(0.0, -stress / bar_.spacing_at(node) - load) * (1.0 - penetration_share(i));
 }
 
 double PenalisedSystem::energy(std::span<const double> u, std::span<const double> w) const {
-  double sum = bar_.energy(u, w);
+  std::vector<double> displacement(u.begin(), u.end());
+  for (std::size_t i = 0; i < origin_.size(); ++i) displacement[i] += origin_[i];
+  double sum = bar_.energy(displacement, w);
   for (std::size_t i = 0; i < laws_.size(); ++i)
     if (!holds(i)) sum += laws_[i].energy(-clearance(i, u));
   return sum;

@@ -26,23 +26,21 @@ double ErrorWeights::promised_energy() const {
   return promised_multiple * inertia_ * largest_w_ * (tolerance_.relative * largest_w_ + tolerance_.absolute);
 }
 
-void ErrorWeights::fill(std::span<const double> y, double noise, std::span<double> weights) {
-  largest_u_ = std::max(largest_u_, largest(y.first(layout_.nodes)));
+void ErrorWeights::fill(std::span<const double> y, std::span<double> weights) {
+  largest_u_ = std::max(largest_u_, system_.largest_displacement(y.first(layout_.nodes)));
   largest_w_ = std::max(largest_w_, largest(y.subspan(layout_.nodes, layout_.nodes)));
   // Below a few units of rounding no step could pass.
   const double relative = std::max(tolerance_.relative / tightening_, 16.0 * std::numeric_limits<double>::epsilon());
   const double absolute = tolerance_.absolute / tightening_;
   std::ranges::fill(layout_.u(weights), 1.0 / (relative * largest_u_ + absolute));
   const double of_velocity = relative * largest_w_ + absolute;
-  const double least = 16.0 * std::numeric_limits<double>::epsilon() * largest_u_;
   for (std::size_t i = 0; i < system_.contact_count(); ++i)
     if (const double rate = system_.closed(i) ? system_.contact_rate(i) : 0.0; rate > 0.0) {
       double& weight = weights[system_.contact(i).unknown];
-      weight = std::max(weight, 1.0 / std::max(of_velocity / rate, least));
+      weight = std::max(weight, rate / of_velocity);
     }
   const auto w = layout_.w(weights);
-  // An error test that sees noise shrinks the step, which makes more of it.
-  std::ranges::fill(w, 1.0 / std::max(of_velocity, 4.0 * noise));
+  std::ranges::fill(w, 1.0 / of_velocity);
   std::ranges::fill(w.first(massive_begin_), 0.0);
   std::ranges::fill(w.subspan(massive_end_), 0.0);
   std::ranges::fill(weights.subspan(2 * layout_.nodes), 0.0);

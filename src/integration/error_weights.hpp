@@ -39,8 +39,7 @@ class ErrorWeights {
         accumulated_(system.dissipates() ? accumulation.dissipating : accumulation.conserving),
         per_change_(accumulation.per_change) {}
 
-  /// `noise` is what the velocities are not known better than.
-  void fill(std::span<const double> y, double noise, std::span<double> weights);
+  void fill(std::span<const double> y, std::span<double> weights);
   /// The local tolerance is the requested one divided by what errors accumulate to after that many contact changes.
   void tighten(std::size_t changes) {
     if (tolerance_.control == ErrorControl::global)

@@ -69,12 +69,6 @@ class EventSearch {
     return polished(begin, end, begin + first * (end - begin), which_, stepper);
   }
 
-  /// Rate of the p of contact i's row (see PenalisedSystem::has_two_indicators) at t, within the step made last.
-  template <class Stepper>
-  double reaction_rate(std::size_t i, double t, Stepper& stepper) const {
-    return system_.reaction_linear(part(i, stepper.sample(t, 1)));
-  }
-
   /// The contact that changes first.
   std::size_t first_contact() const { return which_; }
 
@@ -117,7 +111,8 @@ class EventSearch {
   }
 
   bool far(std::size_t i) const {
-    const double low = lowest_[i] + system_.contact(i).gap, high = highest_[i] + system_.contact(i).gap;
+    const double offset = system_.indicator_offset(i, 0.0);  // a span contact's does not depend on t
+    const double low = lowest_[i] + offset, high = highest_[i] + offset;
     return system_.closed(i) ? high < 0.0 && -low <= max_penetration_ : low > 0.0;
   }
 

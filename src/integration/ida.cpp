@@ -160,7 +160,7 @@ class IdaStepper {
 
   static int error_weights(N_Vector y, N_Vector weights, void* user) noexcept {
     auto* stepper = static_cast<IdaStepper*>(user);
-    stepper->weights_.fill(values(y), stepper->leg_.contact_noise(), values(weights));
+    stepper->weights_.fill(values(y), values(weights));
     return 0;
   }
 

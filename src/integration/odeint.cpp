@@ -45,7 +45,7 @@ class OdeintStepper {
   double advance() {
     step_.advance();
     const StepPolynomial::End& from = step_.begin();
-    weights_.fill(motion(from.y), 0.0, scales_);
+    weights_.fill(motion(from.y), scales_);
     if constexpr (adaptive)
       make_controlled_step(from.t);
     else

@@ -16,6 +16,8 @@ class SnapshotBuilder {
   Snapshot operator()(double t, std::span<const double> u, std::span<const double> w) {
     const BarSystem& bar = system_.bar();
     bar.expand_displacement(u, u_);
+    const std::span<const double> origin = system_.origin();
+    for (std::size_t i = 0; i < origin.size(); ++i) u_[bar.first_node() + i] += origin[i];
     bar.expand_velocity(w, v_);
     Snapshot snapshot{t, u_, v_, 0.0, 0.0};
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {

@@ -57,10 +57,7 @@ class StepwiseRun {
         pace_(begin, times.back()),
         snapshot_(system),
         y_(layout.size),
-        inner_(layout.size) {
-    for (std::size_t i = 0; i < system.contact_count(); ++i)
-      if (system.has_two_indicators(i)) doubly_watched_.push_back(i);
-  }
+        inner_(layout.size) {}
 
   /// Up to the next checkpoint, or to the end.
   std::optional<Checkpoint> operator()(const StartingPoint& start) {
@@ -76,7 +73,6 @@ class StepwiseRun {
       std::optional<double> change;
       if (system_.contact_count() > 0) {
         ++statistics_.event_evaluations;
-        choose_indicators(reached);
         change = search_.first_change(t, reached, stepper_, [&](std::size_t i) { return uncertainty(i); });
         statistics_.max_penetration = std::max(statistics_.max_penetration, search_.max_penetration());
       }
@@ -170,22 +166,11 @@ class StepwiseRun {
     return stepper_.displacement_tolerance() + bar.viscosity / bar.modulus * stepper_.weights().velocity_tolerance();
   }
 
-  // A closed contact that may be watched by its clearance or by its row is watched by what is known better there.
-  void choose_indicators(double t) {
-    for (const std::size_t i : doubly_watched_) {
-      if (!system_.closed(i)) continue;
-      const double delayed = system_.delay(i) * std::abs(search_.reaction_rate(i, t, stepper_));
-      const double rounded = system_.relative_stiffness(i) * system_.clearance_rounding(i, stepper_.largest());
-      system_.open_by_reaction(i, delayed + reaction_tolerance() < rounded);
-    }
-  }
-
   // A spring answers to its own clearance, which is known to rounding. The reaction of a rigid contact is known to the
   // tolerance only: less than that must not open it, or a bar that comes to rest would toggle for ever.
   double uncertainty(std::size_t i) const {
-    if (system_.closed(i) && system_.opens_by_reaction(i)) return reaction_tolerance();
-    if (system_.holds(i)) return stepper_.displacement_tolerance();
-    const double rounding = system_.clearance_rounding(i, stepper_.largest());
+    if (system_.holds(i)) return system_.closed(i) ? reaction_tolerance() : stepper_.displacement_tolerance();
+    const double rounding = system_.indicator_rounding(i, stepper_.largest());
     if (toggles_ == 0 || i != last_contact_) return rounding;
     // A step across a jump of the load may leave the surface by less than its error, to either side, and a bar that has
     // stood at the origin has no rounding to speak of: what toggles is more and more of the tolerance uncertain.
@@ -221,6 +206,8 @@ class StepwiseRun {
 
   void restart(double t) {
     account_shift_ = {};
+    for (std::size_t i = 0; i < system_.contact_count(); ++i)
+      if (system_.closed(i)) system_.measure_from_obstacle(i, u());
     system_.complete_displacement(t, u());
     system_.complete_velocity(t, u(), w());
     stepper_.restart(t, y_);
@@ -255,6 +242,7 @@ class StepwiseRun {
       tell_event(t, i, change, velocity[system_.contact(i).unknown]);
       system_.set_closed(i, change == Change::closing);
       if (change == Change::closing) require_duration(t, i);
+      system_.place_on_obstacle(i, u());
     };
     search_.look_at(t, stepper_);
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
@@ -321,9 +309,8 @@ class StepwiseRun {
   PaceGuard pace_;
   SnapshotBuilder snapshot_;
   Stopwatch stopwatch_;
-  std::vector<double> y_, inner_;            // the state where the run is, and within a step
-  std::vector<std::size_t> doubly_watched_;  // contacts that have two indicators
-  std::array<double, 2> account_shift_{};    // of the account of this leg
+  std::vector<double> y_, inner_;          // the state where the run is, and within a step
+  std::array<double, 2> account_shift_{};  // of the account of this leg
   std::size_t next_output_ = 0;
   std::size_t last_contact_ = 0, toggles_ = 0, stalled_ = 0;
   double last_change_ = -std::numeric_limits<double>::infinity();

@@ -39,13 +39,26 @@ class PenalisedSystem {
   /// Changes whenever a contact does: a factor of the dynamic stiffness is valid for one revision.
   std::uint64_t revision() const { return revision_; }
 
-  /// u_i + gap_i
-  double clearance(std::size_t i, std::span<const double> u) const { return u[contact(i).unknown] + contact(i).gap; }
+  /// Measures the displacement of the node of contact i from its obstacle from here on, those of a span obstacle
+  /// together: the penetration keeps all its digits, however stiff the spring. `u` is changed to match, unless it is
+  /// empty; whatever takes a u below expects it so. A node is measured from one obstacle only, the first.
+  void measure_from_obstacle(std::size_t i, std::span<double> u);
+  bool measured_from_obstacle(std::size_t i) const { return measured_[i] != 0; }
+  /// What is to be added to u to have displacements: -gap at nodes measured from their obstacle, 0 at others; empty
+  /// where there are none.
+  std::span<const double> origin() const { return origin_; }
+  /// max |u_j| of the displacements
+  double largest_displacement(std::span<const double> u) const;
+
+  /// Puts the node of contact i on its obstacle.
+  void place_on_obstacle(std::size_t i, std::span<double> u) const { u[contact(i).unknown] = -offsets_[i]; }
+  /// Displacement of the node of contact i plus gap_i.
+  double clearance(std::size_t i, std::span<const double> u) const { return u[contact(i).unknown] + offsets_[i]; }
   /// What decides whether contact i is closed: the sign of p = linear part of some entries of (u, w) + offset(t),
   /// negative where it should be closed. p is a displacement:
   ///
-  ///     a node with inertia or viscosity    u_i + gap
-  ///     a contact that opens_by_reaction(), while it is closed
+  ///     a node with inertia or viscosity    its clearance
+  ///     a contact that holds(), while it is closed
   ///                                         (h/E) times minus its reaction, u_1 + gap + (eta/E) w_1 + (h/E) (M f)_i
   ///     an undamped massless node           the same in either state, its clearance while it is open: its own
   ///                                         displacement shrinks by 1 + k h/E as it closes, this one passes smoothly
@@ -66,25 +79,11 @@ class PenalisedSystem {
   bool holds(std::size_t i) const { return holds_[i] != 0; }
   /// k h / E
   double relative_stiffness(std::size_t i) const;
-  /// By how much the penetration of a damped massless node is late on the p of its row: eta / (E (1 + kappa)).
-  double delay(std::size_t i) const;
-  /// Whether contact i, on a stiff spring, a massless node and viscosity, may be watched by its clearance or by the p
-  /// of its row, which is kappa times that but for the delay. By the clearance p is known to kappa roundings.
-  bool has_two_indicators(std::size_t i) const;
-  void open_by_reaction(std::size_t i, bool by_reaction) { by_reaction_[i] = by_reaction; }  ///< of those two
-  /// Whether contact i opens where what its node's row lacks becomes zero: one that holds does.
-  bool opens_by_reaction(std::size_t i) const { return by_reaction_[i] != 0 || holds(i); }
-  /// The p of the row, or its rate, from the entries of (u, w) but for the offset.
-  double reaction_linear(std::span<const double> entries) const;
-
   /// What a clearance may be wrong by through rounding alone, for displacements up to `largest`.
   double clearance_rounding(std::size_t i, double largest) const;
-
-  /// What the velocities may be wrong by through the rounding of closed contacts' displacements alone, in a step that
-  /// resolves `rate` (0: none was made): a unit of rounding of u becomes a velocity of `rate` units, as long as that
-  /// does not resolve the contact; if it does, of omega^2 / rate at a node on its spring, omega^2 = k / m, which is
-  /// what the spring makes of it in a step, and of eta / (rho h^2) at the neighbours, through viscosity.
-  double contact_noise(double rate) const;
+  /// What p may be wrong by through rounding alone: the same; of the clearance of a closed contact measured from its
+  /// obstacle, that of the strain beside it, which gives way by 1 / (1 + kappa) of it.
+  double indicator_rounding(std::size_t i, double largest) const;
 
   /// out = M f(t) - E K u - eta K w + reactions; w is the velocity of all unknowns.
   void force(double t, std::span<const double> u, std::span<const double> w, std::span<double> out);
@@ -144,11 +143,15 @@ class PenalisedSystem {
   void complete_displacement_of(std::size_t end, double t, std::span<double> u);
   double stiffness_of_closed(std::size_t unknown) const;
   double acting_stiffness(std::size_t i) const;  // k, infinite where it holds
+  bool follows(std::size_t i) const { return massless(contact(i).unknown) && !bar_.damped(); }  // its neighbour, at once
+  double origin_at(std::size_t unknown) const { return origin_.empty() ? 0.0 : origin_[unknown]; }
+  void find_offsets();
 
   const BarSystem& bar_;
   std::vector<PenaltyLaw> laws_;
   std::vector<double> rates_;  // omega of each contact
-  std::vector<unsigned char> closed_, by_reaction_, holds_;
+  std::vector<unsigned char> closed_, measured_, holds_;
+  std::vector<double> origin_, origin_force_, offsets_;  // the force -E K origin; clearance minus u of each contact
   bool dashpots_ = false, rigid_ = false;
   std::uint64_t revision_ = 0;
   std::optional<LoadVector> load_;

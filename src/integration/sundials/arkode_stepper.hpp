@@ -156,7 +156,7 @@ class ArkodeStepper {
 
   static int error_weights(N_Vector y, N_Vector weights, void* user) noexcept {
     auto* stepper = static_cast<ArkodeStepper*>(user);
-    stepper->weights_.fill(values(y), stepper->leg_.contact_noise(), values(weights));
+    stepper->weights_.fill(values(y), values(weights));
     return 0;
   }
 

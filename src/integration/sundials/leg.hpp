@@ -35,11 +35,6 @@ class Leg {
   void solve_first_order(double t, double gamma, std::span<const double> y, double factor, std::span<const double> z,
                          std::span<double> x);
 
-  /// What the velocities may be wrong by through the rounding of closed contacts, at the step solved for last.
-  double contact_noise() const { return system.contact_noise(rate()); }
-  /// 1 / gamma of CVODE, cj of IDA, at the step solved for last; 0 before the first.
-  double rate() const { return factorised_ ? m_ / c_ : 0.0; }
-
   /// out -= factor * rho M x
   void subtract_inertia(double factor, std::span<const double> x, std::span<double> out);
 
