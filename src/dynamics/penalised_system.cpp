@@ -121,6 +121,11 @@ double PenalisedSystem::indicator_offset(std::size_t i, double t) {
   return load_ ? neighbours + load_->at(t)[node] * bar_.spacing_at(node) / bar_.bar().modulus : neighbours;
 }
 
+bool PenalisedSystem::relaxes(std::size_t i) const {
+  constexpr double stiff = 1e4;
+  return closed(i) && massless(contact(i).unknown) && !follows(i) && !holds(i) && relative_stiffness(i) > stiff;
+}
+
 double PenalisedSystem::penetration_share(std::size_t i) const {
   if (rigid_) return 0.0;
   return follows(i) || holds(i) ? 1.0 / (1.0 + relative_stiffness(i)) : 1.0;

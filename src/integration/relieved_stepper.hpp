@@ -39,7 +39,8 @@ class RelievedStepper {
         end_(end),
         statistics_(statistics),
         multistep_(multistep),
-        y_(layout.size) {}
+        y_(layout.size),
+        events_(statistics.events) {}
 
   void begin_run(std::vector<std::size_t> sampled_entries) {
     entries_ = sampled_entries;
@@ -47,7 +48,10 @@ class RelievedStepper {
   }
 
   void restart(double t, std::span<const double> y) {
-    lengths_[leg_++ % legs] = tried_ ? most_steps : steps_;
+    // Where contacts change together, as those of a symmetric bar, they share the cost of the leg.
+    const std::size_t changes = std::max<std::size_t>(statistics_.events - events_, 1);
+    for (std::size_t k = 0; k < changes; ++k) lengths_[leg_++ % legs] = tried_ ? most_steps : steps_ / changes;
+    events_ = statistics_.events;
     if (turn_ == Turn::storm) account();
     period_ = slowest_period();
     patience_ = first_patience;
@@ -215,7 +219,8 @@ class RelievedStepper {
   std::optional<sundials::ArkodeStepper> one_step_;  // made when first needed
   std::vector<std::size_t> entries_;
   std::vector<double> y_;
-  std::array<std::size_t, legs> lengths_{};  // of the last legs, in steps
+  std::size_t events_;                       // until the leg began
+  std::array<std::size_t, legs> lengths_{};  // of the last legs, in steps a change
   std::size_t leg_ = 0, steps_ = 0, storm_legs_ = 0;
   double replaced_length_ = 0.0, paid_ = 0.0, saved_ = 0.0;  // in steps of the multistep method
   double t_ = 0.0;                                           // now

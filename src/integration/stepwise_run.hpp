@@ -170,7 +170,8 @@ class StepwiseRun {
   // tolerance only: less than that must not open it, or a bar that comes to rest would toggle for ever.
   double uncertainty(std::size_t i) const {
     if (system_.holds(i)) return system_.closed(i) ? reaction_tolerance() : stepper_.displacement_tolerance();
-    const double rounding = system_.indicator_rounding(i, stepper_.largest());
+    double rounding = system_.indicator_rounding(i, stepper_.largest());
+    if (system_.relaxes(i)) rounding += reaction_tolerance() / (1.0 + system_.relative_stiffness(i));
     if (toggles_ == 0 || i != last_contact_) return rounding;
     // A step across a jump of the load may leave the surface by less than its error, to either side, and a bar that has
     // stood at the origin has no rounding to speak of: what toggles is more and more of the tolerance uncertain.

@@ -77,6 +77,9 @@ class PenalisedSystem {
   /// Whether contact i, while closed, holds its node at -gap: a rigid one does, and a spring on a massless node that
   /// gives way by less than the rounding of the strain, kappa = k h / E > (1 + eta / (h sqrt(E rho))) / rounding.
   bool holds(std::size_t i) const { return holds_[i] != 0; }
+  /// Whether contact i is closed on a node without mass and a stiff spring, kappa > 1e4, whose penetration is at once
+  /// what the strain beside it makes of it.
+  bool relaxes(std::size_t i) const;
   /// k h / E
   double relative_stiffness(std::size_t i) const;
   /// What a clearance may be wrong by through rounding alone, for displacements up to `largest`.
