@@ -1,0 +1,169 @@
+#include "campaign/campaign.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "properties/random_scene.hpp"
+#include "viscobar/analysis/recording.hpp"
+
+namespace viscobar::campaign {
+
+namespace {
+
+// The distributions of the standard library differ from one to the other; its engines do not.
+class Draw {
+ public:
+  Draw(std::uint64_t seed, std::size_t index) : engine_(seed * 1'000'003 + index) { engine_.discard(16); }
+
+  double between(double low, double high) { return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53; }
+  double decades(double low, double high) { return std::pow(10.0, between(std::log10(low), std::log10(high))); }
+  bool chance(double p) { return between(0.0, 1.0) < p; }
+  template <class T>
+  T one_of(std::initializer_list<T> values) {
+    return values.begin()[engine_() % values.size()];
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+struct TooLong {};
+
+struct Run {
+  std::vector<double> u;
+  Statistics statistics;
+  double largest = 0.0;
+};
+
+Run run_of(const Case& run) {
+  Run result;
+  Observers observers;
+  std::size_t steps = 0;
+  observers.energy = true;
+  observers.snapshot = [&](const Snapshot& snapshot) {
+    result.u.insert(result.u.end(), snapshot.u.begin(), snapshot.u.end());
+  };
+  observers.progress = [&](double) {
+    if (++steps > longest) throw TooLong();
+  };
+  result.statistics = simulate(run, make_system(run), observers);
+  for (const double u : result.u) result.largest = std::max(result.largest, std::abs(u));
+  return result;
+}
+
+double distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+  return largest;
+}
+
+Case by_exponentials(Case run) {
+  run.method = MethodName::exponential;
+  return run;
+}
+
+// The largest of what a shift of the initial data by `size` changes, over `size`: one of u, of w, and of either end.
+double magnification(const Case& run, const Run& exact, double size) {
+  double largest = 1.0;
+  const double length = run.scene.bar.length;
+  const auto shifted = [&](auto&& shift) {
+    Case other = run;
+    shift(other.scene);
+    largest = std::max(largest, distance(run_of(other).u, exact.u) / size);
+  };
+  const double rate = std::sqrt(run.scene.bar.modulus / run.scene.bar.density) / length;
+  for (const double by : {size, -size}) {
+    shifted([&](Scene& scene) { scene.displacement = [u = scene.displacement, by](double x) { return u(x) + by; }; });
+    shifted([&](Scene& scene) {
+      scene.displacement = [u = scene.displacement, by, length](double x) { return u(x) + by * x / length; };
+    });
+    shifted([&](Scene& scene) { scene.velocity = [v = scene.velocity, by, rate](double x) { return v(x) + by * rate; }; });
+    shifted([&](Scene& scene) {
+      scene.velocity = [v = scene.velocity, by, rate, length](double x) {
+        return v(x) + by * rate * std::cos(6.0 * x / length);
+      };
+    });
+  }
+  return largest;
+}
+
+}  // namespace
+
+std::string scene_text(std::uint64_t seed, std::size_t index) {
+  Draw draw(seed, index);
+  properties::RandomScene scene;
+  scene.length = draw.decades(0.3, 3.0);
+  scene.density = draw.decades(0.3, 3.0);
+  scene.modulus = draw.decades(0.1, 10.0);
+  scene.elements = static_cast<int>(draw.between(2.0, 11.0));
+  const double speed = std::sqrt(scene.modulus / scene.density), transit = scene.length / speed;
+  // Of a mode of the bar: rate times eta / E is twice its damping ratio.
+  scene.viscosity = draw.chance(0.15) ? 0.0 : draw.decades(1e-4, 3.0) * scene.modulus * transit;
+  scene.mass = draw.one_of({"consistent", "lumped", "redistributed"});
+  scene.method = draw.one_of({"cvode", "ida", "arkode", "odeint"});
+  if (scene.mass == "redistributed") {
+    scene.elements = std::max(scene.elements, 3);
+    if (scene.viscosity == 0.0) scene.method = "ida";
+  }
+  const double amplitude = draw.decades(0.03, 1.0);
+  const auto gap = [&] { return draw.chance(0.2) ? 0.0 : amplitude * draw.between(0.0, 1.0); };
+  const bool span = scene.mass != "redistributed" && draw.chance(0.15);
+  if (span) {
+    scene.span_gap = gap();
+  } else {
+    scene.left = {"obstacle", gap()};
+    const char* right = draw.one_of({"obstacle", "obstacle", "free", "fixed"});
+    scene.right = {right, std::string(right) == "obstacle" ? gap() : 0.0};
+  }
+  const bool moving = draw.chance(0.8);
+  if (draw.chance(0.5) && scene.right.kind != "fixed")
+    scene.displacement = {0.0, 0.3 * amplitude * draw.between(0.0, 1.0), draw.one_of({1, 2, 3})};
+  if (scene.displacement.amplitude != 0.0) scene.displacement.base = scene.displacement.amplitude;  // starts outside
+  if (moving)
+    scene.velocity = {-amplitude / transit * draw.between(-0.3, 1.0), amplitude / transit * draw.between(-0.5, 0.5),
+                      draw.one_of({1, 2, 3})};
+  if (draw.chance(0.75)) {
+    const double force = scene.density * amplitude / (transit * transit);
+    scene.load = properties::Shape{-force * draw.decades(0.03, 3.0), force * draw.between(-0.2, 0.2), 1};
+    if (draw.chance(0.3)) scene.frequency = draw.decades(0.3, 10.0) / transit, scene.delay = -transit * draw.between(0, 3);
+  }
+  scene.epsilon = draw.decades(1e-14, 1.0) * scene.length / scene.modulus;
+  const double kind = draw.between(0.0, 1.0);
+  if (kind < 0.3) scene.restitution = 0.0;
+  else if (kind < 0.8) scene.restitution = draw.between(0.0, 1.0);
+  else if (kind < 0.9) scene.restitution = 1.0;
+  scene.end = transit * draw.decades(2.0, 40.0);
+  scene.outputs = 40;
+  scene.relative = draw.decades(1e-9, 1e-4);
+  scene.absolute = scene.relative * amplitude * draw.decades(1e-3, 1.0);
+  return scene.toml();
+}
+
+Judged judge(const SceneFile& scene) {
+  const Case& run = scene.run;
+  Judged judged;
+  try {
+    const Run exact = run_of(by_exponentials(run));
+    const Run mine = run_of(run);
+    judged.events = mine.statistics.events;
+    const double tolerance = run.tolerance.relative * exact.largest + run.tolerance.absolute;
+    judged.error = distance(mine.u, exact.u) / (100.0 * tolerance);
+    const EnergyAccount& energy = *mine.statistics.energy;
+    const double scale = std::max({energy.initial, energy.final, energy.dissipated, std::abs(energy.work)});
+    if (scale > 0.0) judged.balance = std::abs(energy.balance_error()) / (100.0 * run.tolerance.relative * scale);
+    if (!(judged.error <= 1.0)) {
+      judged.magnification = magnification(by_exponentials(run), exact, tolerance);
+      judged.outcome = judged.error <= judged.magnification ? Outcome::magnified : Outcome::wrong;
+    }
+  } catch (const TooLong&) {
+    judged.outcome = Outcome::too_long;
+  } catch (const std::exception& failure) {
+    judged.outcome = Outcome::stopped;
+    judged.said = failure.what();
+  }
+  return judged;
+}
+
+}  // namespace viscobar::campaign
