@@ -141,7 +141,7 @@ TEST(Pages, MeasuredSentencesNameTestsAndCommandsThatExist) {
   std::string tests;
   for (const auto& entry : fs::recursive_directory_iterator(root / "tests"))
     if (entry.path().extension() == ".cpp") tests += content(entry.path());
-  const std::regex mark("\\[measured: ([^\\]]*)\\]"), quoted("`([^`]*)`");
+  const std::regex mark("\\[measured:\\s+([^\\]]*)\\]"), quoted("`([^`]*)`");
   std::size_t seen = 0;
   for (const auto& entry : fs::directory_iterator(root / "docs")) {
     if (entry.path().extension() != ".md" || entry.path().filename() == "README.md") continue;

@@ -171,6 +171,34 @@ TEST(FullyDiscrete, AnImpactOfPaoliAndSchatzmanOnASpringGainsUpToForceTimesPathO
     }
 }
 
+// A bar held at its right end, that touches the obstacle unstrained, rebounds for ever: what impacts gain is a share of
+// the energy, and shares multiply.
+TEST(FullyDiscrete, ReboundsForEverMayGrowWithoutBoundByPaoliAndSchatzmanAndNeverByMoreau) {
+  Scene scene;
+  scene.bar.length = 1.0625;
+  scene.left = Obstacle{0.0};
+  scene.right = Fixed{};
+  scene.displacement = [](double) { return 0.0; };
+  scene.velocity = [](double) { return 0.0625; };
+  const BarSystem system(scene, {1.0625, 3}, Mass::consistent);
+  const double times[] = {0.0, 6800.0};
+  Observers observers;
+  observers.energy = true;
+  for (const auto& [restitution, dt] : {std::pair{1.0, 0.1}, {0.5, 0.4}}) {
+    FullyDiscrete scheme{.step = dt, .restitution = restitution};
+    const EnergyAccount grown = *integrate(system, system.initial_state(), times, scheme, observers).energy;
+    EXPECT_GT(grown.final, 1e10 * grown.initial) << restitution;
+    EXPECT_GT(grown.growth, 1e9 * grown.initial) << restitution;
+    scheme.impact = Impact::moreau;
+    const EnergyAccount kept = *integrate(system, system.initial_state(), times, scheme, observers).energy;
+    const double rounding = 6800.0 / dt * 100 * eps * kept.initial;
+    EXPECT_LE(kept.final, kept.initial + rounding) << restitution;
+    if (restitution == 1.0) {
+      EXPECT_GE(kept.final, kept.initial - rounding);
+    }
+  }
+}
+
 // A node passes the obstacle within one step and is never deeper than after it.
 TEST(FullyDiscrete, MoreausImpactLetsANodeNoDeeperThanOneStepOfItsFall) {
   std::mt19937 random(3);
