@@ -47,7 +47,8 @@ Statistics run_exponential(const Case& run, const BarSystem& system, const Start
 
 Statistics run_scheme(const Case& run, const BarSystem& system, const StartingPoint& start,
                       std::span<const double> times, const Observers& observers) {
-  return integrate(system, start, times, FullyDiscrete{*run.step, run.start, run.restitution.value_or(0.0)}, observers);
+  return integrate(system, start, times, FullyDiscrete{*run.step, run.start, run.restitution.value_or(0.0), run.impact},
+                   observers);
 }
 
 // A vector of a multistep method has displacement and velocity: its history and some eight more.

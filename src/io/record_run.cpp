@@ -1,5 +1,9 @@
 #include "viscobar/io/record_run.hpp"
 
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
 #include <new>
 
 #include "dynamics/archive.hpp"
@@ -60,6 +64,20 @@ void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, c
   outcome.events = outcome.statistics->events;
 }
 
+/// That the impacts of a scheme gave energy: by how much, when, and what helps; none where rounding can be all of it.
+std::optional<std::string> growth_warning(const Case& run, const Statistics& done) {
+  const EnergyAccount& energy = *done.energy;
+  const double scale = energy.initial + energy.final + std::abs(energy.work) + std::abs(energy.dissipated);
+  const double rounding = 100.0 * std::numeric_limits<double>::epsilon() * static_cast<double>(done.steps) * scale;
+  if (energy.growth <= rounding) return std::nullopt;
+  return fmt::format(
+      "energy: up to t = {1:.6g} impacts gave the bar {0:.3g}, though nothing works there; it had {2:.3g} at the "
+      "start. "
+      "With contact.restitution = {3} an impact of this scheme may gain what a force of the bar does over one step; "
+      "what helps: a smaller method.step, or method.impact = \"moreau\", which never gives any",
+      energy.growth, energy.growth_time, energy.initial, run.restitution.value_or(0.0));
+}
+
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -82,6 +100,8 @@ class RecordedRun {
   RunRecord operator()() {
     begin();
     simulate_into(outcome(), scene_.run, system_, last_.motion, observers());
+    if (const auto& done = outcome().statistics; done && done->energy)
+      if (const auto warning = growth_warning(scene_.run, *done)) warn(*warning);
     // Each for itself: what one cannot write, another may.
     attempt(outcome(), [&] { files_->ends.close(); });
     attempt(outcome(), [&] { files_->events.close(); });

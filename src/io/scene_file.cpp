@@ -80,6 +80,7 @@ Case case_of(const SceneEntries& entries) {
   const auto formulas = entries.text("method.formulas");
   run.formulas = formulas == "adams" ? Formulas::adams : formulas == "bdf" ? Formulas::bdf : Formulas::automatic;
   run.stepper = chosen("method.stepper", all_steppers, Stepper::automatic);
+  run.impact = entries.text("method.impact") == "moreau" ? Impact::moreau : Impact::paoli_schatzman;
   run.start = entries.text("method.start") == "second_order" ? Start::second_order : Start::first_order;
 
   run.end = number("time.end", 1.0);

@@ -34,6 +34,10 @@ constexpr Choice starts[] = {
     {"first_order", "u_0 + dt u_1"},
     {"second_order", "u_0 + dt u_1 + dt^2/2 u''"},
 };
+constexpr Choice impacts[] = {
+    {"paoli_schatzman", "(u^{n+1} + e u^{n-1}) / (1 + e) is bounded"},
+    {"moreau", "the velocity after is, which never gives energy"},
+};
 constexpr Choice controls[] = {
     {"global", "the error of the solution"},
     {"local", "that of each step"},
@@ -81,6 +85,7 @@ constexpr SceneKey rows[] = {
     {"method.stepper", choice, optional, "\"automatic\"", "", "formulas of odeint", {}, steppers},
     {"method.step", number, optional, "", "time", "time step of fully_discrete, finite_difference and odeint's symplectic stepper, which need it", positive},
     {"method.start", choice, optional, "\"first_order\"", "", "first step of the two schemes: u_0 + dt u_1, or with the term dt^2/2 u'' too", {}, starts},
+    {"method.impact", choice, optional, "\"paoli_schatzman\"", "", "how the two schemes take a restitution: on the mean of displacements, or on the velocity, which never gives energy", {}, impacts},
 
     {"output.every", number, optional, "", "time", "interval of the output times; absent: time.end / 100", positive},
 };

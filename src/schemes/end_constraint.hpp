@@ -20,7 +20,7 @@ class EndConstraint {
   EndConstraint(const SymmetricTridiagonal& matrix, const std::vector<std::size_t>& entries);
 
   /// x holds b on entry and the solution on return, with x_X = bound_X bitwise where the constraint is active.
-  /// `bound` and `multiplier` have one value an entry X.
+  /// `bound` and `multiplier` have one value an entry X; without a bound it is -infinity.
   void solve(std::span<double> x, std::span<const double> bound, std::span<double> multiplier);
 
   /// 1 where the last solution is held by its bound.

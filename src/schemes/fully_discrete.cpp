@@ -74,7 +74,9 @@ class Run {
   }
 
   /// What a checkpoint holds of it, u^{n+1} being known and the outputs told up to t_n.
-  static void members(auto& run, auto&& each) { each(run.n_, *run.step_, std::span(run.was_active_)); }
+  static void members(auto& run, auto&& each) {
+    each(run.n_, *run.step_, std::span(run.was_active_), run.taken_, run.taken_at_rest_, run.touching_);
+  }
 
  private:
   double time(std::size_t n) const { return times_.front() + static_cast<double>(n) * scheme_.step; }
@@ -102,7 +104,7 @@ class Run {
       if (!was_active_.empty()) find_events(n);
       step.advance();
       if (observers_.energy) account();
-      if (scheme_.restitution > 0.0) measure_penetration();
+      measure_penetration();
       if (due) {
         take_checkpoint(reached);
         schedule = {observers_, times_, reached};
@@ -201,14 +203,31 @@ class Run {
     EnergyAccount& energy = *statistics_.energy;
     if (system_.damped()) energy.dissipated += dt * system_.bar().viscosity * step_->squared_strain_rate();
     const auto& contacts = step_->contacts();
+    double taken = 0.0;
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       const std::size_t i = contacts[k].unknown;
-      energy.dissipated -= dt * step_->reaction()[k] * (p[i] - dt / 2 * a[i]);
+      taken -= dt * step_->reaction()[k] * (p[i] - dt / 2 * a[i]);
     }
+    energy.dissipated += taken;
     if (system_.loaded()) energy.work += dt * step_->load_power();
+    if (!contacts.empty()) watch_growth(taken);
   }
 
-  // The constraint bounds u^{n+1} + e u^{n-1}, not u^{n+1}.
+  // An impact of Paoli and Schatzman's lasts two steps: what the first took the second may give back. So impacts are
+  // compared where nothing has touched for two.
+  void watch_growth(double taken) {
+    EnergyAccount& energy = *statistics_.energy;
+    taken_ += taken;
+    if (taken_at_rest_ - taken_ > energy.growth) {
+      energy.growth = taken_at_rest_ - taken_;
+      energy.growth_time = std::min(time(n_), times_.back());
+    }
+    const bool touching = std::ranges::find(step_->active(), 1) != step_->active().end();
+    if (!touching && !touching_) taken_at_rest_ = std::max(taken_at_rest_, taken_);
+    touching_ = touching;
+  }
+
+  // With a restitution the constraint does not bound u^{n+1} alone.
   void measure_penetration() {
     for (const Contact& contact : step_->contacts())
       statistics_.max_penetration = std::max(statistics_.max_penetration, -(step_->u()[contact.unknown] + contact.gap));
@@ -249,6 +268,8 @@ class Run {
   Statistics before_, statistics_;  // of the run before it was begun from a checkpoint, and with it
   std::size_t steps_ = 1, n_ = 1, written_ = 0;
   std::vector<unsigned char> was_active_;
+  double taken_ = 0.0, taken_at_rest_ = 0.0;  // by impacts: up to now, and the most when nothing touched
+  bool touching_ = false;
   std::vector<double> u_, v_, u_nodal_, v_nodal_;
   std::optional<TimeStep> step_;
 };

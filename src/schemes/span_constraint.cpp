@@ -29,6 +29,10 @@ void SpanConstraint::solve(std::span<const double> b, std::span<const double> bo
   std::size_t fewest = n + 1, pivots = 0;
   int left = patience;
   double tolerance = 16.0 * std::numeric_limits<double>::epsilon();
+  bool released = false;
+  for (std::size_t i = 0; i < n; ++i)
+    if (active_[i] && std::isinf(bound[i])) active_[i] = 0, released = true;
+  if (released) split();
   for (;;) {
     pivot(b, bound, x, multiplier);
     const std::size_t wrong = mark_wrong(b, bound, x, multiplier, tolerance);

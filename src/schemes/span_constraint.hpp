@@ -22,7 +22,8 @@ class SpanConstraint {
  public:
   explicit SpanConstraint(const SymmetricTridiagonal& matrix);
 
-  /// All arguments have one value an entry; x = bound bitwise in active entries and x >= bound bitwise in all.
+  /// All arguments have one value an entry; x = bound bitwise in active entries and x >= bound bitwise in all. An entry
+  /// without a bound has -infinity.
   void solve(std::span<const double> b, std::span<const double> bound, std::span<double> x,
              std::span<double> multiplier);
 

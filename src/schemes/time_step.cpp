@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <tuple>
 
 namespace viscobar {
 
 namespace {
+
+constexpr double unbounded = -std::numeric_limits<double>::infinity();
 
 // One contact a node, the one with the smallest gap.
 std::vector<Contact> bounded_nodes(const std::vector<Contact>& all) {
@@ -40,6 +43,7 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
     : system_(system),
       dt_(scheme.step),
       restitution_(scheme.restitution),
+      impact_(scheme.impact),
       factor_(covers_span(system.contacts()) ? LaneFactor() : lane_factor(system, step_matrix(system, dt_))),
       order_(factor_.order().size() > 0 ? factor_.order() : LaneOrder{system.size(), 0, 0}),
       bar_(system, order_),
@@ -74,7 +78,8 @@ void TimeStep::start_from(const State& start, double begin, Start order) {
   order_.from_nodes(start.u, u_);
   order_.from_nodes(start.v, p_);
   const std::vector<double> v(p_.begin(), p_.end());
-  for (std::size_t k = 0; k < contacts_.size(); ++k) lower_[k] = -contacts_[k].gap;
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    lower_[k] = impact_ == Impact::moreau ? unbounded : -contacts_[k].gap;
   if (order == Start::second_order) {
     // The Taylor term with the step's own matrix in place of rho M: a difference of O(dt^3), and it stays bounded at
     // any dt / h, where dt^2 (rho M)^{-1} K would not.
@@ -157,7 +162,11 @@ void TimeStep::balance(double t) {
   if (load_) evaluate_load(t);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const std::size_t i = contacts_[k].unknown;
-    lower_[k] = -contacts_[k].gap - restitution_ * (contacts_[k].gap + (u_[i] - dt_ * p_[i]));
+    const double gap = contacts_[k].gap;
+    if (impact_ == Impact::paoli_schatzman)
+      lower_[k] = -gap - restitution_ * (gap + (u_[i] - dt_ * p_[i]));
+    else
+      lower_[k] = u_[i] > -gap ? unbounded : u_[i] - dt_ * (p_[i] > 0.0 ? 1.0 : restitution_) * p_[i];
   }
   solve(dt_);
 }

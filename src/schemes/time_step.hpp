@@ -87,6 +87,7 @@ class TimeStep {
 
   const BarSystem& system_;
   double dt_, restitution_;
+  Impact impact_;
   LaneFactor factor_;  // of the rows between the interface's; none under a span obstacle
   LaneOrder order_;
   LaneBar bar_;

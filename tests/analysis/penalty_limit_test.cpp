@@ -93,12 +93,13 @@ TEST(PenaltyLimit, WhereTheMeshResolvesTheLayerThePowerIsTwoThirds) {
   EXPECT_NEAR(orders.to_rigid_layer->order, 2.0 / 3.0, 0.02);
 }
 
-class CommonRestitution : public testing::TestWithParam<std::tuple<double, double>> {};
+class CommonRestitution : public testing::TestWithParam<std::tuple<double, double, Impact>> {};
 
 TEST_P(CommonRestitution, GivesPenaltyAndSchemeOneLimitOnTheConsistentMassLikeTheRootOfEpsilon) {
-  const auto [restitution, viscosity] = GetParam();
+  const auto [restitution, viscosity, impact] = GetParam();
   Case scene = paper_throw(viscosity);
   scene.restitution = restitution;
+  scene.impact = impact;
   scene.step = 1e-6;
   // A bar that forgets nothing comes to the power late.
   const std::vector<double> epsilons = viscosity > 0.0 ? decades(1e-3, 1e-6) : decades(1e-5, 1e-7);
@@ -115,12 +116,18 @@ TEST_P(CommonRestitution, GivesPenaltyAndSchemeOneLimitOnTheConsistentMassLikeTh
 }
 
 INSTANTIATE_TEST_SUITE_P(Throws, CommonRestitution,
-                         testing::Combine(testing::Values(0.0, 0.25, 0.5, 1.0), testing::Values(0.01, 0.001)));
+                         testing::Combine(testing::Values(0.0, 0.25, 0.5, 1.0), testing::Values(0.01, 0.001),
+                                          testing::Values(Impact::paoli_schatzman)));
+
+INSTANTIATE_TEST_SUITE_P(ThrowsByMoreausImpact, CommonRestitution,
+                         testing::Combine(testing::Values(0.5), testing::Values(0.001),
+                                          testing::Values(Impact::moreau)));
 
 // Without viscosity nothing is forgotten; restitutions 0 and 0.25 have not reached the power by epsilon = 1e-7
 // (docs/penalty-limit.md).
 INSTANTIATE_TEST_SUITE_P(UndampedThrows, CommonRestitution,
-                         testing::Combine(testing::Values(0.5, 1.0), testing::Values(0.0)));
+                         testing::Combine(testing::Values(0.5, 1.0), testing::Values(0.0),
+                                          testing::Values(Impact::paoli_schatzman)));
 
 TEST(PenaltyLimit, IsTheSameStudyByEveryPenalisedMethod) {
   for (const Mass mass : {Mass::consistent, Mass::redistributed}) {

@@ -82,6 +82,8 @@ void expect_same(const Statistics& a, const Statistics& b) {
   EXPECT_EQ(a.energy->final, b.energy->final);
   EXPECT_EQ(a.energy->dissipated, b.energy->dissipated);
   EXPECT_EQ(a.energy->work, b.energy->work);
+  EXPECT_EQ(a.energy->growth, b.energy->growth);
+  EXPECT_EQ(a.energy->growth_time, b.energy->growth_time);
 }
 
 class EveryMethod : public testing::TestWithParam<MethodName> {

@@ -46,13 +46,20 @@ inline std::vector<NamedCase> kinds_of_scenes() {
   dashpots.scene.load = SteadyLoad{[](double) { return -1.0; }};
   dashpots.scene.right = Fixed{};
 
+  Case elastic = dashpots;  // the schemes gain at their impacts
+  elastic.restitution = 1.0;
+  elastic.step = 1.0 / 32;
+
+  Case moreau = elastic;
+  moreau.impact = Impact::moreau;
+
   Case span = two_ends;
   span.scene.left = span.scene.right = Free{};
   span.scene.span = Obstacle{0.05};
   span.epsilon = 1e-2;
 
-  return {{"two ends", two_ends},   {"undamped", undamped}, {"massless", massless},
-          {"algebraic", algebraic}, {"dashpots", dashpots}, {"span", span}};
+  return {{"two ends", two_ends}, {"undamped", undamped}, {"massless", massless}, {"algebraic", algebraic},
+          {"dashpots", dashpots}, {"elastic", elastic},   {"moreau", moreau},     {"span", span}};
 }
 
 }  // namespace viscobar::testing_checkpoint

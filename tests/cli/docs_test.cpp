@@ -65,6 +65,7 @@ TEST_P(Docs, CommandsRunAsTheyStandThere) {
 constexpr Page pages[] = {{"README.md", "readme", 6},
                           {"docs/tutorial.md", "tutorial", 12},
                           {"docs/commands.md", "commands", 20},
+                          {"docs/model.md", "model", 1},
                           {"docs/report.md", "report", 2},
                           {"docs/scene-file.md", "scene_file", 1},
                           {"docs/penalty-limit.md", "penalty_limit", 1},
@@ -117,6 +118,42 @@ TEST(Pages, HaveNoCommandThatNothingRuns) {
       EXPECT_TRUE(here || there) << file << ": " << line;
     }
   EXPECT_GT(seen, 50u);
+}
+
+/// Whether a name within [measured: names; range] is that of a test (Suite.Name, Suite.*), a command or a file that exists.
+bool exists(const std::string& name, const std::string& tests) {
+  namespace fs = testing_cli::fs;
+  const fs::path root = VISCOBAR_SOURCE_DIR;
+  if (name.starts_with("viscobar ") || fs::exists(root / name)) return true;
+  if (name.starts_with("measure_")) return fs::exists(root / "tests/measurements" / (name.substr(8) + ".cpp"));
+  const std::size_t last = name.rfind('/') + 1, dot = name.find('.');
+  if (name.starts_with("build/release/tests/"))
+    return fs::exists(root / "tests" / name.substr(last, name.size() - last - 5));
+  if (dot == name.npos) return false;
+  const std::string test = name.substr(dot + 1);
+  return std::regex_search(
+      tests, std::regex("TEST(_F|_P)?\\(" + name.substr(0, dot) + ",\\s+" + (test == "*" ? "" : test + "\\)")));
+}
+
+TEST(Pages, MeasuredSentencesNameTestsAndCommandsThatExist) {
+  namespace fs = testing_cli::fs;
+  const fs::path root = VISCOBAR_SOURCE_DIR;
+  std::string tests;
+  for (const auto& entry : fs::recursive_directory_iterator(root / "tests"))
+    if (entry.path().extension() == ".cpp") tests += content(entry.path());
+  const std::regex mark("\\[measured:\\s+([^\\]]*)\\]"), quoted("`([^`]*)`");
+  std::size_t seen = 0;
+  for (const auto& entry : fs::directory_iterator(root / "docs")) {
+    if (entry.path().extension() != ".md" || entry.path().filename() == "README.md") continue;
+    const std::string page = content(entry.path());
+    for (std::sregex_iterator found(page.begin(), page.end(), mark), end; found != end; ++found) {
+      const std::string inside = (*found)[1], what = inside.substr(0, inside.find(';'));
+      EXPECT_TRUE(what.find('`') != what.npos) << entry.path() << " names no test: " << inside;
+      for (std::sregex_iterator name(what.begin(), what.end(), quoted); name != end; ++name, ++seen)
+        EXPECT_TRUE(exists((*name)[1], tests)) << entry.path() << ": " << (*name)[1];
+    }
+  }
+  EXPECT_GT(seen, 30u);
 }
 
 }  // namespace

@@ -102,6 +102,7 @@ TEST(SceneFile, GivesTheFallbacksOfKeysThatAreAbsent) {
   EXPECT_EQ(run.tolerance.absolute, 1e-9);
   EXPECT_FALSE(run.step);
   EXPECT_EQ(run.start, Start::first_order);
+  EXPECT_EQ(run.impact, Impact::paoli_schatzman);
   EXPECT_EQ(run.output_every, 4.0 / 100);
 }
 
@@ -139,6 +140,7 @@ relative_tolerance = 1e-4
 absolute_tolerance = 1e-5
 step = 0.125
 start = "second_order"
+impact = "moreau"
 [output]
 every = 0.75
 )",
@@ -168,6 +170,7 @@ every = 0.75
   EXPECT_EQ(run.tolerance.absolute, 1e-5);
   EXPECT_EQ(run.step, 0.125);
   EXPECT_EQ(run.start, Start::second_order);
+  EXPECT_EQ(run.impact, Impact::moreau);
   EXPECT_EQ(run.output_every, 0.75);
 }
 
@@ -296,7 +299,8 @@ TEST(SceneFile, DescribesEveryKeyAsUnderstood) {
     "time": {"end": 4.0},
     "mesh": {"elements": 8, "grading": 1.0, "mass": "lumped"},
     "method": {"name": "cvode", "relative_tolerance": 1e-6, "absolute_tolerance": 1e-9,
-               "error_control": "global", "formulas": "automatic", "stepper": "automatic", "start": "first_order"},
+               "error_control": "global", "formulas": "automatic", "stepper": "automatic", "start": "first_order",
+               "impact": "paoli_schatzman"},
     "output": {"every": 0.04}})json");
   EXPECT_EQ(description, expected) << description.dump(2);
 }

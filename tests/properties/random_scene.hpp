@@ -45,6 +45,7 @@ struct RandomScene {
   std::string mass = "consistent", method = "cvode";
   double epsilon = 0.125;
   std::optional<double> restitution;
+  std::string impact = "paoli_schatzman";  ///< of a scheme
   double relative = 1e-8, absolute = 1e-11;
   bool mirrored = false;  ///< s runs from the right
 
@@ -73,6 +74,7 @@ struct RandomScene {
     if (restitution) text += fmt::format("restitution = {}\n", number(*restitution));
     text += fmt::format("[method]\nname = \"{}\"\nrelative_tolerance = {}\nabsolute_tolerance = {}\nstep = {}\n",
                         method, number(relative), number(absolute), number(step()));
+    if (impact != "paoli_schatzman") text += fmt::format("impact = \"{}\"\n", impact);
     return text + fmt::format("[output]\nevery = {}\n", number(every()));
   }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "support/allocations.hpp"
 #include "viscobar/schemes/schemes.hpp"
@@ -11,7 +12,7 @@ namespace {
 
 using testing_support::allocations;
 
-std::size_t allocations_of(const BarSystem& system, double step, double end, double restitution) {
+std::size_t allocations_of(const BarSystem& system, double step, double end, double restitution, Impact impact) {
   const State start = system.initial_state();
   std::vector<double> times(101);
   for (std::size_t k = 0; k < times.size(); ++k) times[k] = end * static_cast<double>(k) / 100.0;
@@ -22,13 +23,14 @@ std::size_t allocations_of(const BarSystem& system, double step, double end, dou
   observers.progress = [&](double time) { seen += time; };
   observers.energy = true;
   const std::size_t before = allocations;
-  integrate(system, start, times, FullyDiscrete{.step = step, .restitution = restitution}, observers);
+  integrate(system, start, times, FullyDiscrete{.step = step, .restitution = restitution, .impact = impact}, observers);
   return allocations - before;
 }
 
 TEST(FullyDiscrete, StepsAllocateNothing) {
   for (const bool span : {false, true})
-    for (const double restitution : {0.0, 0.5}) {
+    for (const auto& [restitution, impact] :
+         {std::pair{0.0, Impact::paoli_schatzman}, {0.5, Impact::paoli_schatzman}, {0.5, Impact::moreau}}) {
       Scene scene;
       scene.bar.viscosity = 0.01;
       scene.left = scene.right = Obstacle{0.1};
@@ -37,7 +39,8 @@ TEST(FullyDiscrete, StepsAllocateNothing) {
       scene.velocity = [](double x) { return -x * (1 - x); };
       scene.load = GeneralLoad{[](double x, double t) { return std::cos(std::numbers::pi * x) * std::sin(9 * t) - 1; }};
       const BarSystem system(scene, {1.0, 40}, Mass::consistent);
-      EXPECT_EQ(allocations_of(system, 0.01, 10.0, restitution), allocations_of(system, 0.001, 10.0, restitution));
+      EXPECT_EQ(allocations_of(system, 0.01, 10.0, restitution, impact),
+                allocations_of(system, 0.001, 10.0, restitution, impact));
     }
 }
 

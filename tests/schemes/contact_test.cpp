@@ -157,6 +157,19 @@ TEST(FullyDiscreteContact, AFlatFallOnASpanReboundsWithTheRestitution) {
       }
 }
 
+TEST(FullyDiscreteContact, AFlatFallReboundsWithTheRestitutionOfMoreausImpactFromContactToo) {
+  for (const Mass mass : {Mass::consistent, Mass::lumped, Mass::paper})
+    for (const double gap : {0.0, 0.5})
+      for (const double restitution : {0.25, 0.5, 1.0})
+        for (const double dt : {0.13, 0.01, 0.0007}) {
+          const BarSystem system(flat_fall(gap), {2.0, 30}, mass);
+          const auto run = run_steps(system, dt, 3.0, {.restitution = restitution, .impact = Impact::moreau});
+          for (const double v : run.v.back()) EXPECT_NEAR(v, restitution * 0.6, 1e4 * eps / dt) << name(mass) << dt;
+          EXPECT_LE(run.statistics.max_penetration, 0.6 * dt * (1 + 1e4 * eps));
+          EXPECT_EQ(run.events.size(), 62u);
+        }
+}
+
 TEST(FullyDiscreteContact, HoldsEveryNodeAboveTheSpanBitwise) {
   for (const double viscosity : {0.0, 0.02})
     for (const double ratio : {0.05, 1.0, 40.0}) {

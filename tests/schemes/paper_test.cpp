@@ -82,6 +82,24 @@ TEST(Paper, TheSixPanelsRunAndKeepTheirConstraintsAndEnergyBalance) {
     }
 }
 
+// docs/paper.md. At the paper's step some energy is left, and the bar drifts off.
+TEST(Paper, TheSpanPanelDriftsOffAtThePapersStepAndRestsAtATenthOfIt) {
+  Scene scene = section_four();
+  scene.span = Obstacle{650.0};
+  const auto drifts = run_section_four(scene);
+  EXPECT_EQ(drifts.events.back().change, Change::opening);
+  EXPECT_EQ(drifts.events.back().time, 11.75);
+  EXPECT_EQ(std::ranges::count(drifts.events, Change::opening, &Event::change),
+            std::ranges::count(drifts.events, Change::closing, &Event::change));
+  const auto [low, high] = std::ranges::minmax(drifts.u.back());
+  EXPECT_GT(low, -649.976);
+  EXPECT_LT(high, -649.952);
+  const auto rests =
+      record(BarSystem(scene, {26.0, 702}, Mass::consistent), std::vector<double>{0.0, 40.0}, FullyDiscrete{0.0125});
+  EXPECT_EQ(rests.events.size(), 703u);
+  EXPECT_EQ(rests.u.back(), std::vector<double>(703, -650.0));
+}
+
 Scene unit_bar(double velocity_sign) {
   Scene scene;
   scene.bar.viscosity = 1.0;

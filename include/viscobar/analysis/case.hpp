@@ -37,6 +37,7 @@ struct Case {
   Stepper stepper = Stepper::automatic;     ///< of odeint
   std::optional<double> step;               ///< dt of the schemes and of odeint's symplectic stepper, which need it
   Start start = Start::first_order;         ///< of the schemes
+  Impact impact = Impact::paoli_schatzman;  ///< of the schemes
 
   double end = 1.0;           ///< T
   double output_every = 0.1;  ///< interval of the output times

@@ -42,6 +42,10 @@ struct EnergyAccount {
   double final = 0.0;       ///< the same at the end
   double dissipated = 0.0;  ///< by viscosity, by the dashpots of contacts, and by impacts in a scheme
   double work = 0.0;        ///< of the load
+  /// Of a scheme: the most that its impacts have given the bar, which an obstacle that stands still cannot. With A(t)
+  /// what impacts took up to t, max A(s) - A(t) over s <= t, nothing touching at s, and 0 at the start.
+  double growth = 0.0;
+  double growth_time = 0.0;  ///< that t
   /// What the integration lost or gained.
   double balance_error() const { return final + dissipated - initial - work; }
 };

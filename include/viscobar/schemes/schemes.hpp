@@ -13,12 +13,24 @@ enum class Start {
   second_order  ///< with the Taylor term dt^2/2 u'' of the semi-discrete system
 };
 
+/// What a contact bounds with a restitution e. With g = u + gap of the contact's node and p^{n+1/2} = (u^{n+1} - u^n) /
+/// dt, the bound holds or lambda^n >= 0 makes it hold:
+enum class Impact {
+  /// g^{n+1} >= -e g^{n-1}: at e = 0 the paper's constraint. With e > 0 an impact may give energy, see
+  /// EnergyAccount::growth.
+  paoli_schatzman,
+  /// p^{n+1/2} >= -e p^{n-1/2} where g^n <= 0 and the node came in, >= -p^{n-1/2} where it was on its way out: never
+  /// gives energy. A node is stopped in the step after the one that passed the obstacle.
+  moreau
+};
+
 /// The paper's fully discrete scheme (2.8), with the product of the system's mass; on a lumped or paper mass it is
 /// the finite difference scheme (3.25). Constraint exact, no penalty.
 struct FullyDiscrete {
-  double step = 0.0;                 ///< dt > 0
-  Start start = Start::first_order;  ///< how u^1 is found
-  double restitution = 0.0;          ///< e: the constraint holds for (u^{n+1} + e u^{n-1}) / (1 + e)
+  double step = 0.0;                        ///< dt > 0
+  Start start = Start::first_order;         ///< how u^1 is found
+  double restitution = 0.0;                 ///< e, 0 to 1
+  Impact impact = Impact::paoli_schatzman;  ///< what e means
 };
 
 /// Runs the scheme from `start` at times.front() to times.back(); between steps the output is interpolated linearly,
