@@ -34,7 +34,7 @@ int main() {
                   row.difference_to_scheme);
     const LimitOrders& orders = result.orders.front();
     std::printf("  the scheme's own error in dt: %.1e; verdict: %s\n\n", orders.scheme_error,
-                orders.verdict ? name(*orders.verdict).data() : "none");
+                name(orders.verdict).data());
     as_expected &= orders.verdict == (mass == Mass::consistent ? Verdict::plateau : Verdict::converges);
   }
   return as_expected ? 0 : 1;

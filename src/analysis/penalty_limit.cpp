@@ -3,19 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <deque>
 #include <exception>
 #include <limits>
 #include <mutex>
 #include <span>
 #include <stdexcept>
 
+#include "analysis/penalty_limit_verdict.hpp"
 #include "viscobar/analysis/end_traces.hpp"
 #include "viscobar/analysis/parallel.hpp"
 
 namespace viscobar {
-
-std::string_view name(Verdict verdict) { return verdict == Verdict::converges ? "converges" : "plateau"; }
 
 std::vector<double> decades(double first, double last, std::size_t per_decade) {
   std::vector<double> values;
@@ -89,93 +90,210 @@ std::optional<ObservedOrder> fit(std::span<const LimitRow> rows, Value value, do
   return observed_order(std::span(x).subspan(first), std::span(y).subspan(first));
 }
 
-// The difference has stopped falling when the last two decades (or what there is) took less than a factor 10^(1/4) a
-// decade from it, and it is still above what the scheme's own step accounts for.
-std::optional<Verdict> judge(std::span<const LimitRow> rows, double floor) {
-  const LimitRow& last = rows.back();
-  if (last.difference_to_scheme <= floor) return Verdict::converges;
-  const LimitRow* earlier = &rows.front();
-  for (const LimitRow& row : rows)
-    if (row.epsilon >= 99.0 * last.epsilon) earlier = &row;
-  if (earlier == &last) return std::nullopt;
-  const double spanned = std::log10(earlier->epsilon / last.epsilon);
-  const double fallen = std::log10(earlier->difference_to_scheme / last.difference_to_scheme);
-  return fallen >= 0.25 * spanned ? Verdict::converges : Verdict::plateau;
+// From one step of the scheme to the next: a third of a decade. A half would put a contact that closes in the second
+// half of a step at the same time again.
+const double refinement = std::cbrt(10.0);
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-// The runs of one mesh: the scheme at dt and dt / 2, the rigid limit where there is one, and each epsilon.
-struct MeshRuns {
-  std::vector<Case> cases;
-  std::vector<EndTraces> traces;
-  std::vector<std::exception_ptr> errors;
-  std::size_t references = 2;
+/// Counts runs for whoever watches.
+class Progress {
+ public:
+  explicit Progress(const LimitStudy& study) : tell_(study.progress) {}
+  void expect(std::size_t runs) {
+    const std::lock_guard lock(mutex_);
+    all_ += runs;
+  }
+  void done() {
+    const std::lock_guard lock(mutex_);
+    ++done_;
+    if (tell_) tell_(done_, all_);
+  }
 
-  bool has_rigid() const { return references == 3; }
-  const EndTraces& scheme() const { return traces[0]; }
-  const EndTraces& finer_scheme() const { return traces[1]; }
-  const EndTraces& rigid() const { return traces[2]; }
+ private:
+  const std::function<void(std::size_t, std::size_t)>& tell_;
+  std::mutex mutex_;
+  std::size_t done_ = 0, all_ = 0;
+};
+
+struct Run {
+  Case run;
+  EndTraces traces = {};
+  std::exception_ptr error = {};
+  double seconds = 0.0;
+
+  void trace(std::span<const double> times) {
+    const auto begin = std::chrono::steady_clock::now();
+    traces = trace_ends(run, times);
+    seconds = seconds_since(begin);
+  }
+};
+
+// The runs of one mesh. Those that a verdict asks for come later, so that references to the others must stay valid.
+struct MeshRuns {
+  std::deque<Run> scheme;  // dt decreasing
+  std::optional<Run> rigid;
+  std::vector<Run> penalised;  // epsilon decreasing
+  std::vector<double> times;
+  std::vector<Run> other_law;
+  std::optional<Run> without_obstacles;
+  Judgement judgement = {};
+
+  template <class Use>
+  void each(Use&& use) {
+    for (Run& run : scheme) use(run);
+    if (rigid) use(*rigid);
+    for (Run& run : penalised) use(run);
+  }
+  double step() const { return *scheme.back().run.step; }
 };
 
 MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step) {
   MeshRuns runs;
-  runs.cases.push_back(scheme_case(study, elements, step));
-  runs.cases.push_back(scheme_case(study, elements, step / 2));
-  if (study.scene.mass == Mass::redistributed) runs.cases.push_back(rigid_case(study, elements));
-  runs.references = runs.cases.size();
-  for (const double epsilon : study.epsilons) runs.cases.push_back(penalised_case(study, elements, epsilon));
-  runs.traces.resize(runs.cases.size());
-  runs.errors.resize(runs.cases.size());
+  for (const double factor : {refinement * refinement, refinement, 1.0})
+    runs.scheme.push_back({scheme_case(study, elements, factor * step)});
+  if (study.scene.mass == Mass::redistributed) runs.rigid = Run{rigid_case(study, elements)};
+  for (const double epsilon : study.epsilons) runs.penalised.push_back({penalised_case(study, elements, epsilon)});
   return runs;
 }
 
 // All runs of all meshes, independent, in two passes: where contacts change, then the traces on times that show it.
-void carry_out(std::vector<MeshRuns>& meshes, const LimitStudy& study) {
+void carry_out(std::vector<MeshRuns>& meshes, const LimitStudy& study, Progress& progress) {
   struct Task {
     MeshRuns* mesh;
-    std::size_t run;
+    Run* run;
   };
   std::vector<Task> tasks;
-  for (MeshRuns& mesh : meshes)
-    for (std::size_t i = 0; i < mesh.cases.size(); ++i) tasks.push_back({&mesh, i});
-  std::mutex mutex;
-  std::size_t done = 0;
-  const std::size_t all = 2 * tasks.size();
+  for (MeshRuns& mesh : meshes) mesh.each([&](Run& run) { tasks.push_back({&mesh, &run}); });
+  progress.expect(2 * tasks.size());
   const auto each = [&](const auto& work) {
     parallel_for(
         tasks.size(),
         [&](std::size_t k) {
-          const auto [mesh, i] = tasks[k];
-          std::exception_ptr& error = mesh->errors[i];
+          const auto [mesh, run] = tasks[k];
           try {
-            if (!error) work(*mesh, i);
+            if (!run->error) work(*mesh, *run);
           } catch (const IntegrationError&) {
-            error = std::current_exception();
+            run->error = std::current_exception();
           }
-          const std::lock_guard lock(mutex);
-          if (study.progress) study.progress(++done, all);
+          progress.done();
         },
         study.threads);
   };
-  each([](MeshRuns& mesh, std::size_t i) {
+  each([](MeshRuns&, Run& run) {
     // A scheme's contacts change where those of its partners do.
-    if (i >= 2) mesh.traces[i].events = contact_changes(mesh.cases[i]);
+    if (run.run.method != MethodName::fully_discrete) run.traces.events = contact_changes(run.run);
   });
-  std::vector<std::vector<double>> times;
-  for (const MeshRuns& mesh : meshes) {
+  for (MeshRuns& mesh : meshes) {
     std::vector<Event> changes;
-    for (const EndTraces& trace : mesh.traces) changes.insert(changes.end(), trace.events.begin(), trace.events.end());
-    times.push_back(comparison_times(study.scene.end, comparison_intervals, changes));
+    mesh.each(
+        [&](const Run& run) { changes.insert(changes.end(), run.traces.events.begin(), run.traces.events.end()); });
+    mesh.times = comparison_times(study.scene.end, comparison_intervals, changes);
   }
-  each([&](MeshRuns& mesh, std::size_t i) {
-    mesh.traces[i] = trace_ends(mesh.cases[i], times[static_cast<std::size_t>(&mesh - meshes.data())]);
-  });
+  each([](MeshRuns& mesh, Run& run) { run.trace(mesh.times); });
   for (const MeshRuns& mesh : meshes) {
-    const auto of_penalised = mesh.errors.begin() + static_cast<std::ptrdiff_t>(mesh.references);
-    for (auto error = mesh.errors.begin(); error != of_penalised; ++error)
-      if (*error) std::rethrow_exception(*error);
-    if (std::all_of(of_penalised, mesh.errors.end(), [](const auto& error) { return error != nullptr; }))
-      std::rethrow_exception(*of_penalised);
+    for (const Run& run : mesh.scheme)
+      if (run.error) std::rethrow_exception(run.error);
+    if (mesh.rigid && mesh.rigid->error) std::rethrow_exception(mesh.rigid->error);
+    if (std::all_of(mesh.penalised.begin(), mesh.penalised.end(), [](const Run& run) { return run.error != nullptr; }))
+      std::rethrow_exception(mesh.penalised.front().error);
   }
+}
+
+/// Another law of impact, as far from the case's own as there is.
+Case with_other_law(Case run) {
+  run.restitution = run.restitution.value_or(1.0) > 0.5 ? 0.0 : 1.0;
+  return run;
+}
+
+Case without_obstacles(Case run) {
+  if (is_obstacle(run.scene.left)) run.scene.left = Free{};
+  if (is_obstacle(run.scene.right)) run.scene.right = Free{};
+  run.scene.span.reset();
+  return run;
+}
+
+// Under a span obstacle neighbours meet it at once, and only a diagonal mass keeps their impacts apart.
+bool one_law(const Case& run) {
+  const bool apart = !run.scene.span || run.mass == Mass::lumped || run.mass == Mass::paper;
+  return run.restitution.has_value() && apart;
+}
+
+double tolerance_error(const MeshRuns& mesh) {
+  const Run& scheme = mesh.scheme.front();
+  return 100.0 * scheme.run.tolerance.relative * largest_displacement(scheme.traces);
+}
+
+Judgement judge_mesh(MeshRuns& mesh, const LimitStudy& study, Progress& progress) {
+  LimitTraces traces;
+  std::vector<const Case*> cases;
+  for (const Run& run : mesh.penalised) {
+    if (run.error) continue;
+    traces.penalised.add(*run.run.epsilon, run.traces);
+    cases.push_back(&run.run);
+  }
+  for (const Run& run : mesh.scheme) traces.scheme.add(*run.run.step, run.traces);
+  if (mesh.rigid) traces.rigid = mesh.rigid->traces;
+  traces.one_law = one_law(study.scene);
+  traces.floor = tolerance_error(mesh);
+  const auto run_now = [&](Run& run) {
+    progress.expect(1);
+    run.trace(mesh.times);
+    progress.done();
+  };
+  traces.other_law = [&] {
+    if (mesh.other_law.empty()) {
+      const std::size_t count = std::min<std::size_t>(4, cases.size());
+      for (auto run = cases.end() - static_cast<std::ptrdiff_t>(count); run != cases.end(); ++run)
+        mesh.other_law.push_back({with_other_law(**run)});
+      for (Run& run : mesh.other_law) try {
+          run_now(run);
+        } catch (const IntegrationError&) {
+          run.error = std::current_exception();
+        }
+    }
+    TraceSequence sequence;
+    for (const Run& run : mesh.other_law)
+      if (!run.error) sequence.add(*run.run.epsilon, run.traces);
+    return sequence;
+  };
+  traces.without_obstacles = [&]() -> const EndTraces& {
+    if (!mesh.without_obstacles) {
+      mesh.without_obstacles = Run{without_obstacles(*cases.back())};
+      run_now(*mesh.without_obstacles);
+    }
+    return mesh.without_obstacles->traces;
+  };
+  return judge(traces);
+}
+
+// Smaller steps of the scheme until the verdict is known, nothing more can be learnt from them, or the next would
+// exceed the budget.
+void decide(std::vector<MeshRuns>& meshes, const LimitStudy& study, Progress& progress) {
+  const auto begin = std::chrono::steady_clock::now();
+  parallel_for(
+      meshes.size(),
+      [&](std::size_t m) {
+        MeshRuns& mesh = meshes[m];
+        for (;;) {
+          mesh.judgement = judge_mesh(mesh, study, progress);
+          if (mesh.judgement.evidence.lack != Lack::smaller_step) return;
+          const Run& last = mesh.scheme.back();
+          if (seconds_since(begin) + refinement * last.seconds > study.budget) return;
+          Run next{scheme_case(study, last.run.elements, mesh.step() / refinement)};
+          progress.expect(1);
+          try {
+            next.trace(mesh.times);
+          } catch (const IntegrationError&) {
+            return;  // the verdict stays undecided, with the smallest step that ran
+          }
+          mesh.scheme.push_back(std::move(next));
+          progress.done();
+        }
+      },
+      study.threads);
 }
 
 std::string text_of(const std::exception_ptr& error) {
@@ -187,42 +305,56 @@ std::string text_of(const std::exception_ptr& error) {
 }
 
 void tabulate(const MeshRuns& mesh, LimitResult& result) {
-  for (std::size_t i = mesh.references; i < mesh.cases.size(); ++i) {
-    const Case& run = mesh.cases[i];
-    if (mesh.errors[i]) {
-      result.failed.push_back({*run.epsilon, run.elements, text_of(mesh.errors[i])});
+  for (const Run& penalised : mesh.penalised) {
+    const Case& run = penalised.run;
+    if (penalised.error) {
+      result.failed.push_back({*run.epsilon, run.elements, text_of(penalised.error)});
       continue;
     }
-    const EndTraces& traces = mesh.traces[i];
+    const EndTraces& traces = penalised.traces;
     LimitRow row;
     row.epsilon = *run.epsilon;
     row.elements = run.elements;
     row.mass = run.mass;
     row.events = traces.events.size();
     row.max_penetration = traces.statistics.max_penetration;
-    row.difference_to_scheme = largest_difference(traces, mesh.scheme());
-    if (mesh.has_rigid()) row.difference_to_rigid = largest_difference(traces, mesh.rigid());
+    row.difference_to_scheme = largest_difference(traces, mesh.scheme.back().traces);
+    if (mesh.rigid) row.difference_to_rigid = largest_difference(traces, mesh.rigid->traces);
     row.steps = traces.statistics.steps;
     row.seconds = traces.statistics.integration_seconds;
     result.rows.push_back(row);
   }
 }
 
+std::vector<SchemeRun> scheme_runs(const MeshRuns& mesh) {
+  std::vector<SchemeRun> runs;
+  for (std::size_t i = 0; i < mesh.scheme.size(); ++i) {
+    const Run& run = mesh.scheme[i];
+    runs.push_back({*run.run.step, i > 0 ? largest_difference(run.traces, mesh.scheme[i - 1].traces) : 0.0,
+                    run.traces.events.size(), run.seconds});
+  }
+  return runs;
+}
+
 LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
   LimitOrders orders;
-  const Case& scheme = mesh.cases[0];
+  const Case& scheme = mesh.scheme.back().run;
   const Bar& bar = scheme.scene.bar;
   orders.elements = scheme.elements;
   orders.scheme_step = *scheme.step;
-  orders.scheme_error = 2.0 * largest_difference(mesh.scheme(), mesh.finer_scheme());
-  orders.scheme_events = mesh.scheme().events.size();
-  orders.tolerance_error = 100.0 * scheme.tolerance.relative * largest_displacement(mesh.scheme());
+  orders.scheme_error = mesh.judgement.scheme_error;
+  orders.scheme_events = mesh.scheme.back().traces.events.size();
+  orders.scheme = scheme_runs(mesh);
+  orders.tolerance_error = tolerance_error(mesh);
+  orders.verdict = mesh.judgement.verdict;
+  orders.evidence = mesh.judgement.evidence;
   const double h = scheme.mesh().smallest();  // of the contact nodes
   const bool span = scheme.scene.span.has_value();
   // zeta ~ 1 of an end node on its spring 1 / epsilon; under a span the spring is h / epsilon.
   if (bar.viscosity > 0.0)
     orders.boundary = bar.density * h * h * h * (span ? h : 1.0) / (bar.viscosity * bar.viscosity);
-  const double floor = 3.0 * orders.scheme_error + orders.tolerance_error;
+  // Below it a difference is mostly the scheme's own error.
+  const double floor = 1.5 * orders.evidence.scheme_error.value_or(orders.scheme_error) + orders.tolerance_error;
   constexpr double every = std::numeric_limits<double>::infinity(), two_decades = 100.0;
   const auto small = [&](auto value, double lowest) {
     const auto order =
@@ -239,7 +371,6 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
     orders.penetration_layer = fit(rows, penetration, 0.0, 100.0 * *orders.boundary, every, two_decades);
     orders.to_rigid_layer = fit(rows, to_rigid, orders.tolerance_error, 100.0 * *orders.boundary, every, two_decades);
   }
-  orders.verdict = judge(rows, floor);
   return orders;
 }
 
@@ -259,7 +390,9 @@ LimitResult penalty_limit(const LimitStudy& study) {
     probe.elements = meshes[m];
     runs.push_back(runs_of(study, meshes[m], study.steps.empty() ? scheme_step(probe) : study.steps[m]));
   }
-  carry_out(runs, study);
+  Progress progress(study);
+  carry_out(runs, study, progress);
+  decide(runs, study, progress);
 
   LimitResult result;
   for (const MeshRuns& mesh : runs) {

@@ -105,6 +105,7 @@ class LimitCommand : public Command {
   std::size_t per_decade_ = 1, threads_ = 0;
   std::vector<std::size_t> elements_;
   std::vector<double> steps_;
+  double budget_ = 60.0;
 };
 
 class PrecisionCommand : public Command {

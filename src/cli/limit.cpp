@@ -43,8 +43,13 @@ LimitCommand::LimitCommand(CLI::App& app)
   command_.add_option("--mass", mass_, "The mass matrix, in place of the scene's")->type_name("NAME");
   list("--elements", elements_, "Meshes, in place of the scene's; three or more give epsilon(h)", "N,N...",
        number_of_elements());
-  list("--steps", steps_, "Time steps of the scheme, one for each mesh (default: the scene's, or h / (100 c))",
-       "DT,DT...", positive_number());
+  list("--steps", steps_,
+       "Time steps of the scheme to start with, one for each mesh (default: the scene's, or h / (100 c))", "DT,DT...",
+       positive_number());
+  command_.add_option("--budget", budget_, "Seconds for smaller steps of the scheme, taken until the verdict is known")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
   add_threads(command_, threads_);
 }
 
@@ -53,6 +58,7 @@ int LimitCommand::operator()() const {
   study.epsilons = epsilons(epsilon_, per_decade_);
   study.elements = elements_;
   study.steps = steps_;
+  study.budget = budget_;
   study.threads = threads_;
   std::vector<std::string> settings;
   if (command_.count("--mass") > 0) settings.push_back("mesh.mass=" + mass_);

@@ -18,7 +18,22 @@ using Json = nlohmann::ordered_json;
 Json value_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 Json order_or_null(const std::optional<ObservedOrder>& order) { return order ? Json(order->order) : Json(nullptr); }
 
-Json verdict_or_null(const std::optional<Verdict>& verdict) { return verdict ? Json(name(*verdict)) : Json(nullptr); }
+Json to_json(const LimitEvidence& evidence) {
+  return {{"difference", evidence.difference},
+          {"penalty_error", value_or_null(evidence.penalty_error)},
+          {"scheme_error", value_or_null(evidence.scheme_error)},
+          {"extrapolated", evidence.extrapolated},
+          {"apart_at_least", value_or_null(evidence.lower())},
+          {"apart_at_most", value_or_null(evidence.upper())},
+          {"stake", value_or_null(evidence.stake)}};
+}
+
+Json to_json(const std::vector<SchemeRun>& runs) {
+  Json json = Json::array();
+  for (const SchemeRun& run : runs)
+    json.push_back({{"step", run.step}, {"change", run.change}, {"events", run.events}, {"seconds", run.seconds}});
+  return json;
+}
 
 Json detailed(const std::optional<ObservedOrder>& order) {
   if (!order) return nullptr;
@@ -41,7 +56,7 @@ Json to_json(const LimitRow& row) {
 Json to_json(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
   const LimitTheory powers = theory(study);
   return {{"elements", orders.elements},
-          {"verdict", verdict_or_null(orders.verdict)},
+          {"verdict", name(orders.verdict)},
           {"reason", verdict_reason(study, orders, rows)},
           {"boundary", value_or_null(orders.boundary)},
           {"small_epsilon",
@@ -57,7 +72,9 @@ Json to_json(const LimitStudy& study, const LimitOrders& orders, std::span<const
           {"scheme_step", orders.scheme_step},
           {"scheme_error", orders.scheme_error},
           {"scheme_events", orders.scheme_events},
-          {"tolerance_error", orders.tolerance_error}};
+          {"tolerance_error", orders.tolerance_error},
+          {"evidence", to_json(orders.evidence)},
+          {"scheme_runs", to_json(orders.scheme)}};
 }
 
 Json to_json(const CouplingResult& result) {
@@ -75,7 +92,7 @@ Json to_json(const CouplingResult& result) {
 }
 
 std::string verdict_sentence(const LimitStudy& study, const LimitResult& result, std::size_t mesh) {
-  return fmt::format("{}: {}.", verdict_word(result.orders[mesh].verdict),
+  return fmt::format("{}: {}.", name(result.orders[mesh].verdict),
                      verdict_reason(study, result.orders[mesh], rows_of(result, mesh)));
 }
 
@@ -83,7 +100,7 @@ std::string head(const LimitStudy& study, const LimitResult& result) {
   std::string out;
   for (std::size_t m = 0; m < result.orders.size(); ++m) {
     const LimitOrders& orders = result.orders[m];
-    const std::string verdict = verdict_word(orders.verdict);
+    const std::string_view verdict = name(orders.verdict);
     const std::string mesh = result.orders.size() > 1 ? fmt::format(" on {} elements", orders.elements) : "";
     out += fmt::format("<p class=\"verdict {0}\"><b>{0}{1}</b>: {2}.</p>\n", verdict, mesh,
                        plot::escaped(verdict_reason(study, orders, rows_of(result, m))));
@@ -100,7 +117,8 @@ std::string numbers(const LimitStudy& study, const LimitResult& result) {
   all.add("Penalty ε", plot::readable(study.epsilons.front()) + " to " + plot::readable(study.epsilons.back()),
           fmt::format("{} values", study.epsilons.size()));
   all.add("Scheme's time step", plot::readable(orders.scheme_step),
-          fmt::format("error {}, by halving it", plot::readable(orders.scheme_error, 2)));
+          fmt::format("error {}, by {} steps from {} down", plot::readable(orders.scheme_error, 2),
+                      orders.scheme.size(), plot::readable(orders.scheme.front().step)));
   all.add("Error of the tolerance", plot::readable(orders.tolerance_error, 2), "at most, in a difference");
   if (orders.boundary)
     all.add("Regimes meet at", plot::readable(*orders.boundary, 3), "ε = " + std::string(theory(study).boundary));
@@ -115,11 +133,12 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   const LimitOrders& orders = result.orders[best];
   Json json;
   json["title"] = study.scene.scene.title;
-  json["verdict"] = verdict_or_null(orders.verdict);
+  json["verdict"] = name(orders.verdict);
   json["reason"] = verdict_reason(study, orders, rows_of(result, best));
   json["order_penetration"] = order_or_null(orders.penetration);
   json["order_to_rigid"] = order_or_null(orders.to_rigid);
   json["order_to_scheme"] = order_or_null(orders.to_scheme);
+  json["budget"] = study.budget;
   json["mass"] = name(study.scene.mass);
   json["restitution"] = value_or_null(study.scene.restitution);
   json["rows"] = Json::array();

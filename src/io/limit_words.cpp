@@ -44,26 +44,62 @@ LimitTheory theory(const LimitStudy& study) {
   return {0.5, common && apart ? std::optional(0.5) : std::nullopt, std::nullopt, "ρh⁴/η²"};
 }
 
-std::string verdict_word(const std::optional<Verdict>& verdict) {
-  return std::string(verdict ? name(*verdict) : "undecided");
+namespace {
+
+// What would make an undecided verdict a verdict.
+std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders, const LimitRow& last) {
+  const LimitEvidence& evidence = orders.evidence;
+  const std::string found = fmt::format("the difference to the scheme is {:.2g} at epsilon = {:.2g} and dt = {:.2g}",
+                                        evidence.difference, last.epsilon, orders.scheme_step);
+  const auto within = [](const char* of, const std::optional<double>& error) {
+    return error ? fmt::format("{} is known to {:.2g}", of, *error) : fmt::format("{} does not settle", of);
+  };
+  const std::string penalised = within("the limit of the penalised bar", evidence.penalty_error);
+  switch (evidence.lack) {
+    case Lack::contact:
+      return fmt::format(
+          "nothing touches an obstacle at epsilon = {:.2g}, so there is no contact to compare; {}. A smaller gap, a "
+          "longer run or a throw towards the obstacle would decide it",
+          last.epsilon, found);
+    case Lack::penalties:
+      return found +
+             ". Whether the penalised bar settles takes three epsilons or more to say: a longer --epsilon range would "
+             "decide it";
+    case Lack::smaller_epsilon: return fmt::format("{}; {}. A smaller epsilon would decide it", found, penalised);
+    case Lack::smaller_step: break;
+    case Lack::nothing: return found;
+  }
+  std::string text = fmt::format(
+      "{}; {}, that of the scheme {} by its last {} steps", found, penalised,
+      evidence.scheme_error ? fmt::format("to {:.2g}", *evidence.scheme_error) : std::string("does not settle"),
+      std::min<std::size_t>(4, orders.scheme.size()));
+  text += fmt::format(
+      ". A smaller step would decide it: the next one takes about {:.2g} s, and --budget {:.3g} s did not allow it",
+      2.15 * orders.scheme.back().seconds, study.budget);
+  if (!evidence.scheme_error && orders.scheme.size() > 4)
+    text +=
+        ". If the scheme does not settle there either, contact magnifies its errors beyond use: a shorter time.end "
+        "would tell";
+  return text;
 }
+
+}  // namespace
 
 std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
   const LimitRow &first = rows.front(), &last = rows.back();
-  const double error = orders.scheme_error;
-  const std::string scheme =
-      fmt::format("the scheme's own error at dt = {:.3g} ({:.2g}, by halving it)", orders.scheme_step, error);
-  if (!orders.verdict)
-    return fmt::format(
-        "at epsilon = {:.2g} the difference to the scheme is {:.2g}, more than {}: whether it falls "
-        "with epsilon takes a second epsilon to say",
-        last.epsilon, last.difference_to_scheme, scheme);
+  const LimitEvidence& evidence = orders.evidence;
+  if (orders.verdict == Verdict::undecided) return undecided_reason(study, orders, last);
+  const std::string errors =
+      fmt::format("{:.2g} of it at most is that of epsilon, {:.2g} that of the scheme's step {:.2g}{}",
+                  evidence.penalty_error.value_or(0.0), evidence.scheme_error.value_or(0.0), orders.scheme_step,
+                  evidence.extrapolated ? ", extrapolated" : "");
   if (orders.verdict == Verdict::plateau) {
-    std::string text = fmt::format("the difference to the scheme stays near {:.2g} at epsilon = {:.2g}",
-                                   last.difference_to_scheme, last.epsilon);
-    if (error > 0.0) text += fmt::format(", {:.2g} times {}", last.difference_to_scheme / error, scheme);
-    text += fmt::format("; contact changes go from {} to {}, the scheme has {}", first.events, last.events,
-                        orders.scheme_events);
+    std::string text = fmt::format(
+        "the difference to the scheme stays near {:.2g} at epsilon = {:.2g}, and {}: the limits are {:.2g} apart or "
+        "more; "
+        "contact changes go from {} to {}, the scheme has {}",
+        evidence.difference, last.epsilon, errors, evidence.lower().value_or(0.0), first.events, last.events,
+        orders.scheme_events);
     if (study.scene.mass == Mass::redistributed) return text;
     if (!study.scene.restitution)
       return text +
@@ -74,14 +110,14 @@ std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, s
       return text +
              ". Under a span obstacle the consistent mass ties the impacts of neighbours together, where penalty and "
              "scheme share no law; with --mass lumped they do";
-    return text + ". Penalty and scheme have one law of impact here, so a smaller epsilon or --steps should tell more";
+    return text;
   }
-  std::string text =
-      fmt::format("the difference to the scheme goes from {:.2g} at epsilon = {:.2g} to {:.2g} at {:.2g}",
-                  first.difference_to_scheme, first.epsilon, last.difference_to_scheme, last.epsilon);
-  if (last.difference_to_scheme <= 3.0 * error + orders.tolerance_error) return text + ", which is " + scheme;
-  text += fmt::format(" and is still falling there, towards {}", scheme);
-  return text;
+  return fmt::format(
+      "the difference to the scheme goes from {:.2g} at epsilon = {:.2g} to {:.2g} at {:.2g}, and {}: the limits agree "
+      "to {:.2g}, where {} changes {:.2g}",
+      first.difference_to_scheme, first.epsilon, evidence.difference, last.epsilon, errors,
+      evidence.upper().value_or(0.0), evidence.by_law ? "another law of impact" : "contact itself",
+      evidence.stake.value_or(0.0));
 }
 
 Table limit_table(const LimitResult& result, NumberText number) {

@@ -27,9 +27,6 @@ struct LimitTheory {
 };
 LimitTheory theory(const LimitStudy& study);
 
-/// The verdict's word; "undecided" where there is none.
-std::string verdict_word(const std::optional<Verdict>& verdict);
-
 /// Why the verdict on a mesh is what it is, with the numbers that it rests on.
 std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows);
 

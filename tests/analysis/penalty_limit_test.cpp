@@ -5,6 +5,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "analysis/penalty_limit_verdict.hpp"
 #include "support/paper_throw.hpp"
 #include "viscobar/analysis/end_traces.hpp"
 
@@ -207,12 +208,70 @@ TEST(PenaltyLimit, UnderASpanOneRestitutionGivesOneLimitWhereTheMassDoesNotTieNe
   EXPECT_LT(consistent.rows.back().difference_to_scheme, 0.01 * 650.0);
 }
 
-TEST(PenaltyLimit, OneEpsilonAloneHasNoVerdictUnlessItIsAtTheSchemesError) {
+TEST(PenaltyLimit, OneEpsilonAloneHasNoVerdictUnlessTheRigidLimitJudgesIt) {
   Case scene = paper_throw(0.01);
   scene.step = 1e-4;
-  EXPECT_FALSE(only(penalty_limit(study_of(scene, {1e-3}))).verdict);
+  const LimitOrders massive = only(penalty_limit(study_of(scene, {1e-3})));
+  EXPECT_EQ(massive.verdict, Verdict::undecided);
+  EXPECT_EQ(massive.evidence.lack, Lack::penalties);
   scene.mass = Mass::redistributed;
   EXPECT_EQ(only(penalty_limit(study_of(scene, {1e-8}))).verdict, Verdict::converges);
+}
+
+TEST(PenaltyLimit, ABarThatIsPressedOnItsObstacleHasOneLimitOnAnyMassAndLaw) {
+  // Nothing meets at a speed that stays as epsilon -> 0, so the law of impact does not matter: u -> 0 at the left end
+  // in both.
+  Case scene = paper_throw(0.1);
+  scene.scene.left = Obstacle{0.0};
+  scene.scene.right = Free{};
+  scene.scene.displacement = scene.scene.velocity = [](double) { return 0.0; };
+  scene.scene.load = SteadyLoad{[](double) { return -1.0; }};
+  scene.end = 3.0;
+  scene.step = 1e-2;
+  EXPECT_EQ(only(penalty_limit(study_of(scene, decades(1e-3, 1e-8)))).verdict, Verdict::converges);
+}
+
+TEST(PenaltyLimit, WithoutBudgetTheSchemeRunsThreeTimes) {
+  Case scene = paper_throw(0.01);
+  scene.step = 1e-1;
+  LimitStudy study = study_of(scene, decades(1e-2, 1e-5));
+  study.budget = 0.0;
+  const LimitOrders orders = only(penalty_limit(study));
+  EXPECT_EQ(orders.verdict, Verdict::undecided);
+  EXPECT_EQ(orders.evidence.lack, Lack::smaller_step);
+  ASSERT_EQ(orders.scheme.size(), 3u);
+  EXPECT_DOUBLE_EQ(orders.scheme_step, 1e-1);
+}
+
+TEST(PenaltyLimit, TheSchemesErrorByItsStepsCoversItsDistanceToTheRigidLimit) {
+  // Without using the rigid limit, as a study of massive nodes must: the error that the last four steps show. The
+  // last one of each run is put at another place of its grid by the throw's speed.
+  std::size_t covered = 0;
+  constexpr std::size_t throws = 40;
+  for (std::size_t k = 0; k < throws; ++k) {
+    Case scene = paper_throw(0.05);
+    const double speed = 0.5 + 0.0173 * static_cast<double>(k);
+    scene.scene.velocity = [=](double x) { return -speed * (1.0 + x) / 2.0; };
+    scene.mass = Mass::redistributed;
+    scene.end = 2.0;
+    scene.method = MethodName::rigid;
+    scene.tolerance = {1e-10, 1e-13};
+    const std::vector<double> times = comparison_times(scene.end, 1000, contact_changes(scene));
+    const EndTraces limit = trace_ends(scene, times);
+    scene.method = MethodName::fully_discrete;
+    std::vector<EndTraces> traces;
+    std::vector<double> steps;
+    for (const double step : {4e-3, 4e-3 / std::cbrt(10.0), 4e-3 / std::cbrt(100.0), 4e-4}) {
+      scene.step = step;
+      steps.push_back(step);
+      traces.push_back(trace_ends(scene, times));
+    }
+    TraceSequence sequence;
+    for (std::size_t i = 0; i < steps.size(); ++i) sequence.add(steps[i], traces[i]);
+    const Settling found = settling(sequence, {.order = 1.0, .values = 4, .safety = 2.0}, 0.0);
+    if (largest_difference(traces.back(), limit) <= found.error) ++covered;
+  }
+  EXPECT_EQ(covered, throws);
 }
 
 TEST(PenaltyLimit, TellsItsProgressRunByRun) {

@@ -38,6 +38,81 @@ TEST_F(Limit, TheUndampedPenaltyOnMassiveNodesHasAPlateauAgainstTheScheme) {
   EXPECT_NE(result["reason"].get<std::string>().find("restitution"), std::string::npos);
 }
 
+TEST_F(Limit, ACoarseStepIsRefinedUntilThePlateauShows) {
+  // At this step the scheme is 1.6e-2 off, and the plateau is 3.1e-3.
+  const Json result = study("--set method.step=1e-2");
+  EXPECT_EQ(result["verdict"], "plateau") << result["reason"];
+  const Json& mesh = result["meshes"][0];
+  EXPECT_LT(mesh["scheme_step"].get<double>(), 1e-2);
+  EXPECT_GT(mesh["evidence"]["apart_at_least"].get<double>(), 0.0);
+  EXPECT_LT(mesh["evidence"]["apart_at_least"].get<double>(), 3.1e-3);
+  EXPECT_GT(mesh["evidence"]["apart_at_most"].get<double>(), 3.1e-3);
+}
+
+TEST_F(Limit, ScenesOfThePaperHaveTheirPlateauAsTheyAreShipped) {
+  const struct { const char *name, *plateau; } scenes[] = {{"unit-both-ends", "9.1e-06"}, {"paper-both-ends", "0.048"}};
+  for (const auto& shipped : scenes) {
+    const Ended ended = viscobar("limit " + scene(shipped.name) + " --json");
+    ASSERT_EQ(ended.code, 0) << ended.error;
+    const Json result = ended.json();
+    EXPECT_EQ(result["verdict"], "plateau") << result["reason"];
+    EXPECT_NE(result["reason"].get<std::string>().find(std::string("stays near ") + shipped.plateau), std::string::npos)
+        << result["reason"];
+  }
+}
+
+TEST_F(Limit, ADifferenceBelowTheErrorOfTheStepAloneConvincesNobody) {
+  // Flat at 0.046 over six decades of epsilon, with a scheme that is 0.05 off.
+  const std::string flat = "--mass redistributed --set method.step=0.05 ";
+  const Json rough = study(flat + "--budget 0");
+  EXPECT_EQ(rough["verdict"], "undecided") << rough["reason"];
+  EXPECT_EQ(rough["budget"], 0.0);
+  EXPECT_EQ(rough["meshes"][0]["scheme_runs"].size(), 3u);
+  EXPECT_NE(rough["reason"].get<std::string>().find("A smaller step would decide it"), std::string::npos)
+      << rough["reason"];
+  const Json refined = study(flat);
+  EXPECT_EQ(refined["verdict"], "converges") << refined["reason"];
+  const Json& evidence = refined["meshes"][0]["evidence"];
+  EXPECT_LE(evidence["apart_at_most"].get<double>(), 0.02 * evidence["stake"].get<double>());
+}
+
+TEST_F(Limit, WhereNothingTouchesThereIsNoVerdict) {
+  const Json result = study("--set left.gap=10 --set right.gap=10");
+  EXPECT_EQ(result["verdict"], "undecided");
+  EXPECT_NE(result["reason"].get<std::string>().find("nothing touches"), std::string::npos) << result["reason"];
+}
+
+TEST_F(Limit, TwoStepsThatPutAContactAtTheSameTimeMakeNoPlateau) {
+  // Halving dt changes the scheme by 3.8e-6, for both steps have the contact at the same time; the error is 3.8e-5.
+  std::ofstream(directory_ / "held.toml") << R"(
+[bar]
+length = 1
+viscosity = 0.01
+[left]
+kind = "obstacle"
+gap = 0.05
+[right]
+kind = "fixed"
+[initial]
+displacement = 0
+velocity = "-0.5+0.4*x"
+[time]
+end = 2
+[mesh]
+elements = 20
+mass = "redistributed"
+[method]
+name = "cvode"
+step = 1e-3
+)";
+  const Ended ended = viscobar("limit held.toml --epsilon 1e-3:1e-7 --json");
+  ASSERT_EQ(ended.code, 0) << ended.error;
+  const Json result = ended.json();
+  EXPECT_EQ(result["verdict"], "converges") << result["reason"];
+  // The study knows the error: it has the rigid limit to compare with.
+  EXPECT_NEAR(result["meshes"][0]["scheme_error"].get<double>(), 3.8e-5, 0.1e-5);
+}
+
 class LimitByViscosity : public Limit, public testing::WithParamInterface<double> {};
 
 TEST_P(LimitByViscosity, MasslessContactNodesConverge) {
@@ -80,7 +155,8 @@ TEST_F(Limit, SeveralMeshesGiveAVerdictOfTheFinestAndACouplingOrAReason) {
   ASSERT_EQ(result["meshes"].size(), 3u);
   EXPECT_EQ(result["verdict"], result["meshes"][2]["verdict"]);
   EXPECT_EQ(result["order_penetration"], result["meshes"][2]["small_epsilon"]["penetration"]["order"]);
-  EXPECT_DOUBLE_EQ(result["meshes"][1]["scheme_step"].get<double>(), 5e-4);
+  EXPECT_DOUBLE_EQ(result["meshes"][1]["scheme_runs"][2]["step"].get<double>(), 5e-4);
+  EXPECT_LE(result["meshes"][1]["scheme_step"].get<double>(), 5e-4);
   EXPECT_NE(result["coupling"].is_null(), result["coupling_reason"].is_null());
 }
 
@@ -157,7 +233,8 @@ TEST_F(Limit, ATerminalSeesHowManyRunsAreDone) {
                              " --epsilon 1e-2:1e-3 --set time.end=1 -o out" + option + " >out.txt");
   };
   const std::string text = shown("");
-  EXPECT_NE(text.find("8 of 8 runs"), std::string::npos) << text;
+  // Three of the scheme and two penalised, in two passes.
+  EXPECT_NE(text.find("10 of 10 runs"), std::string::npos) << text;
   EXPECT_TRUE(text.ends_with("\r\033[K")) << text;  // nothing stays
   EXPECT_EQ(shown(" --quiet"), "");
 }
@@ -178,6 +255,7 @@ TEST_F(Limit, RefusesWhatItCannotStudy) {
   refused(scene("chatter") + " --epsilon 1e-2:-1e-4", "not a positive number");
   refused(scene("chatter") + " --steps 1e-3,1e-4", "2 given for 1 mesh");
   refused(scene("chatter") + " --elements 9,-3", "--elements");
+  refused(scene("chatter") + " --budget -1", "--budget");
   refused("missing.toml", "missing.toml");
 }
 
@@ -191,8 +269,8 @@ TEST_F(Limit, NeverWritesIntoADirectoryOfOthers) {
 TEST_F(Limit, HelpNamesEveryOption) {
   const Ended ended = viscobar("limit --help");
   EXPECT_EQ(ended.code, 0);
-  for (const char* option : {"--epsilon", "--per-decade", "--mass", "--elements", "--steps", "--threads", "--output",
-                             "--json", "--set", "--quiet"})
+  for (const char* option : {"--epsilon", "--per-decade", "--mass", "--elements", "--steps", "--budget", "--threads",
+                             "--output", "--json", "--set", "--quiet"})
     EXPECT_NE(ended.out.find(option), std::string::npos) << option;
 }
 

@@ -43,7 +43,6 @@ std::string differences(const LimitResult& result) {
 std::string changes(const LimitResult& result) {
   return listed(result, [](const LimitRow& row) { return fmt::format("{}", row.events); });
 }
-std::string word(const std::optional<Verdict>& verdict) { return std::string(verdict ? name(*verdict) : "undecided"); }
 
 void papers_pair() {
   fmt::print(
@@ -57,7 +56,7 @@ void papers_pair() {
       fmt::print("| {} | {:.0e} | {} | {:.2e} | {:.2e} |\n", alpha, row.epsilon, row.events, row.max_penetration,
                  row.difference_to_scheme);
     fmt::print("\nVerdict `{}`; error of the scheme by its step {:.1e}; it has {} changes.\n\n",
-               word(result.orders[0].verdict), result.orders[0].scheme_error, result.orders[0].scheme_events);
+               name(result.orders[0].verdict), result.orders[0].scheme_error, result.orders[0].scheme_events);
   }
 }
 
@@ -75,7 +74,7 @@ void massless_nodes() {
                *result.rows[0].difference_to_rigid, *result.rows[2].difference_to_rigid,
                *result.rows[4].difference_to_rigid, order(result.orders[0].to_rigid),
                order(result.orders[0].penetration), result.rows[4].difference_to_scheme,
-               word(result.orders[0].verdict));
+               name(result.orders[0].verdict));
   }
 }
 
