@@ -12,6 +12,7 @@
 #include "io/field_reader.hpp"
 #include "io/npy_file.hpp"
 #include "io/output_file.hpp"
+#include "io/result_directory.hpp"
 #include "viscobar/io/io_error.hpp"
 
 namespace viscobar {
@@ -95,6 +96,7 @@ void write_npy(const fs::path& path, const Columns& columns) {
 }  // namespace
 
 std::vector<fs::path> export_result(const fs::path& result, ExportFormat format, const fs::path& target) {
+  settle_result_directory(result);
   for (const char* needed : {"field.h5", "ends.csv"})
     if (!fs::exists(result / needed))
       throw std::invalid_argument(fmt::format("{} holds no result of `viscobar run` (no {})", result.string(), needed));
