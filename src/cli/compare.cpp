@@ -58,7 +58,7 @@ int CompareCommand::operator()() const {
   }
   check_memory(scene.run, choice.cases.size());
   const std::filesystem::path directory = output_.directory(scene_);
-  prepare_result_directory(directory);
+  const ResultDirectory results(directory, ResultKind::compare);
 
   end_on_interrupt();
   const CrossCheck check = cross_check(choice.cases, threads_);

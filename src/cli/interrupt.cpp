@@ -31,21 +31,23 @@ void heard(int signal) {
     std::signal(signal, SIG_DFL), std::raise(signal);
 }
 
-}  // namespace
-
-void catch_interrupts() {
+void handle(void (*handler)(int)) {
   struct sigaction action {};
-  action.sa_handler = heard;
+  action.sa_handler = handler;
   action.sa_flags = SA_RESTART;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  // nohup has it ignored, and wants that.
+  struct sigaction before {};
+  if (sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
 }
 
+}  // namespace
+
+void catch_interrupts() { handle(heard); }
+
 void end_on_interrupt() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { std::_Exit(stopped); };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  handle([](int) { std::_Exit(stopped); });
 }
 
 bool interrupt_asked() { return asked.load(std::memory_order_relaxed); }

@@ -76,7 +76,7 @@ int LimitCommand::operator()() const {
     throw std::invalid_argument(fmt::format("--steps: {} given for {} mesh{}, one for each is needed", steps_.size(),
                                             meshes, meshes == 1 ? "" : "es"));
   const std::filesystem::path directory = output_.directory(scene_);
-  prepare_result_directory(directory);
+  const ResultDirectory results(directory, ResultKind::limit);
 
   end_on_interrupt();
   StatusLine status;

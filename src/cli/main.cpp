@@ -12,6 +12,7 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/messages.hpp"
+#include "io/directory_lock.hpp"
 #include "io/nearest_name.hpp"
 #include "viscobar/io/versions.hpp"
 
@@ -58,6 +59,19 @@ std::string explanation(const CLI::App& app, const CLI::ParseError& error) {
   return fmt::format("no command given; there are {}", fmt::join(names, ", "));
 }
 
+/// An option that took another one, or nothing, for its value: it was forgotten, or a variable of the shell was empty.
+void check_values(const CLI::App& command, int argc, char** argv) {
+  const auto option = [&](const char* word) { return word[0] == '-' ? command.get_option_no_throw(word) : nullptr; };
+  for (int i = 2; i + 1 < argc && std::string_view(argv[i]) != "--"; ++i)
+    if (const CLI::Option* taker = option(argv[i]); taker && taker->get_items_expected_max() > 0 && option(argv[i + 1]))
+      throw std::invalid_argument(fmt::format("{0} needs {1}, and {2} is an option; {0}={2} would take it for one",
+                                              argv[i], taker->get_type_name(), argv[i + 1]));
+  for (const CLI::Option* taker : command.get_options())
+    if (!taker->get_positional() && taker->count() > 0 && taker->get_items_expected_max() > 0 &&
+        std::ranges::any_of(taker->results(), [](const std::string& value) { return value.empty(); }))
+      throw std::invalid_argument(taker->get_name() + ": is given no value");
+}
+
 template <class... Commands>
 std::vector<std::unique_ptr<const Command>> add_commands(CLI::App& app) {
   std::vector<std::unique_ptr<const Command>> commands;
@@ -90,9 +104,17 @@ int run(int argc, char** argv) {
     say(fmt::format("viscobar {}--help says more.", chosen.empty() ? "" : chosen.front()->get_name() + " "));
     return wrong_input;
   }
+  check_values(*app.get_subcommands().front(), argc, argv);
   messages.begin(argc, argv);
   const auto chosen = std::ranges::find_if(commands, [](const auto& command) { return command->chosen(); });
-  return (**chosen)();
+  try {
+    return (**chosen)();
+  } catch (const DirectoryInUse& error) {
+    if (!error.by_same_job) throw;
+    // mpirun would end the one that does run.
+    warn(fmt::format("{}; this process does nothing, for only sweep makes use of several", error.what()));
+    return success;
+  }
 }
 
 /// Where memory ends inside of what promised not to throw, as libraries do: with a message and without allocating one.

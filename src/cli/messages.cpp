@@ -1,14 +1,19 @@
 #include "cli/messages.hpp"
 
+#include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <fstream>
 #include <memory>
+#include <stdexcept>
 #include <system_error>
 
 #include "cli/progress.hpp"
@@ -33,6 +38,21 @@ void write_log(std::string_view what) {
   // A line at a time, so that it is there when the program is killed. What cannot be written is lost, the run goes on.
   fmt::print(the_log.file.get(), "{:%Y-%m-%dT%H:%M:%SZ} {}\n", fmt::gmtime(std::time(nullptr)), what);
   std::fflush(the_log.file.get());
+}
+
+/// A log is appended to a file that is empty, or begins like one: 2026-11-22T20:15:00Z viscobar. Pipes, devices
+/// and the streams of this process (/dev/stderr) are what they are said to be. @throws std::invalid_argument for
+/// another file, a scene for example
+void check_log(int descriptor, const std::string& file) {
+  constexpr std::string_view like = "0000-00-00T00:00:00Z viscobar ";
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size == 0) return;
+  if (file.starts_with("/dev/")) return;
+  std::string begin(like.size(), '\0');
+  std::ifstream(file, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  const auto fits = [](char a, char b) { return a == '0' ? b >= '0' && b <= '9' : a == b; };
+  if (!std::equal(like.begin(), like.end(), begin.begin(), fits))
+    throw std::invalid_argument(fmt::format("--log: {} is not a log of viscobar; nothing was appended to it", file));
 }
 
 bool colours() {
@@ -68,8 +88,12 @@ void MessageOptions::add_to(CLI::App& command) {
 void MessageOptions::begin(int argc, char** argv) const {
   the_log.verbose = verbose;
   if (log.empty()) return;
-  the_log.file.reset(std::fopen(log.c_str(), "ae"));
-  if (!the_log.file) throw IoError(log, "cannot be opened: " + std::generic_category().message(errno));
+  // Of a pipe that nobody reads this is an error at once.
+  const int descriptor = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_NONBLOCK | O_CLOEXEC, 0666);
+  if (descriptor < 0) throw IoError(log, "cannot be opened: " + std::generic_category().message(errno));
+  check_log(descriptor, log);
+  ::fcntl(descriptor, F_SETFL, O_APPEND);
+  the_log.file.reset(::fdopen(descriptor, "a"));
   const Versions used = versions();
   std::string line = fmt::format("viscobar {}:", used.viscobar);
   for (int i = 1; i < argc; ++i) line += fmt::format(" {}", argv[i]);

@@ -38,7 +38,14 @@ int NewCommand::operator()() const {
     return success;
   }
   create_new(file_);
-  write_atomically(file_, scene_template());
+  try {
+    OutputFile file(file_, OutputFile::Content::keep);
+    file.write_at(0, scene_template());
+    file.close();
+  } catch (const IoError&) {
+    ::unlink(file_.c_str());
+    throw;
+  }
   print(fmt::format("{0} is a scene; edit it, then\n  viscobar check {0}\n  viscobar run {0}\n", file_));
   return success;
 }

@@ -83,7 +83,7 @@ int PrecisionCommand::operator()() const {
   const SceneFile scene = scene_.read({}, mesh);
   study.scene = scene.run;
   const std::filesystem::path directory = output_.directory(scene_);
-  prepare_result_directory(directory);
+  const ResultDirectory results(directory, ResultKind::precision);
 
   end_on_interrupt();
   StatusLine status;

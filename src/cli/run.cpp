@@ -80,16 +80,18 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
     complain(fmt::format("stopped at t = {}: {}", outcome.reached_time, outcome.error));
   if (outcome.ending == Ending::interrupted)
     say(fmt::format("viscobar resume {} goes on with it.", directory.string()));
+  if (recorded.directory != directory)
+    say(fmt::format("The earlier result in {} is as it was; what this run reached is in {}.", directory.string(),
+                    recorded.directory.string()));
   if (json)
     print(recorded.summary);
   else if (!quiet)
-    print(table(scene.run, outcome, directory));
+    print(table(scene.run, outcome, recorded.directory));
   return exit_code(outcome.ending);
 }
 
 /// A plain number is simulated time; with a unit it is time on the clock.
-std::optional<CheckpointEvery> checkpoint_every(const std::string& text) {
-  if (text.empty()) return std::nullopt;
+CheckpointEvery checkpoint_every(const std::string& text) {
   constexpr std::pair<std::string_view, double> units[] = {{"s", 1.0}, {"min", 60.0}, {"h", 3600.0}};
   CheckpointEvery every;
   const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), every.interval);
@@ -123,12 +125,16 @@ RunCommand::RunCommand(CLI::App& app)
 
 int RunCommand::operator()() const {
   RecordOptions options;
-  options.checkpoint = checkpoint_every(checkpoint_);
+  if (!checkpoint_.empty()) options.checkpoint = checkpoint_every(checkpoint_);
   options.figures = output_.figures;
   const SceneFile scene = scene_.read();
+  // Each checkpoint holds the times of all before it: these write 8 n^2 / 2 bytes for that, 40 GB.
+  constexpr double most_checkpoints = 1e5;
   if (options.checkpoint && options.checkpoint->clock == CheckpointEvery::Clock::simulated &&
-      !(options.checkpoint->interval > 1e-12 * scene.run.end))
-    throw std::invalid_argument("--checkpoint: is lost in the rounding of the times of the scene");
+      scene.run.end / options.checkpoint->interval > most_checkpoints)
+    throw std::invalid_argument(
+        fmt::format("--checkpoint: {} makes more than {} checkpoints until t = {}; the shortest interval is {:.3g}",
+                    checkpoint_, most_checkpoints, scene.run.end, scene.run.end / most_checkpoints));
   const fs::path directory = output_.directory(scene_);
   return shown(scene, directory, scene_.json, output_.quiet, options,
                [&](const RecordOptions& chosen) { return record_run(scene, directory, chosen); });

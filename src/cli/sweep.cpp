@@ -120,7 +120,8 @@ int SweepCommand::operator()() const {
   std::optional<Ranks> ranks;
   if (started_by_mpi()) ranks.emplace();
   const bool several = ranks && ranks->size() > 1;
-  catch_interrupts();
+  // Until there are rows there is nothing to save. A worker hears of the end from the manager.
+  several && !ranks->is_manager() ? catch_interrupts() : end_on_interrupt();
   if (several && !ranks->is_manager()) return ranks->serve(), success;
   if (several && threads_ > 0)
     throw std::invalid_argument("--threads: under mpirun every rank but the first runs one case at a time; give -n");
@@ -132,6 +133,7 @@ int SweepCommand::operator()() const {
   if (std::all_of(costs.begin(), costs.end(), [](double cost) { return cost == 0.0; }))
     costs = plan_cases(sweep, threads_);
   const fs::path directory = output_.where.empty() ? fs::path(file_).stem() += ".out" : fs::path(output_.where);
+  catch_interrupts();
   SweepResults results(directory, sweep);
   const std::size_t kept = results.size();
   std::vector<std::size_t> order = dispatch_order(costs);

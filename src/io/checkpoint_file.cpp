@@ -45,6 +45,7 @@ std::uint64_t number_at(std::string_view bytes, std::size_t offset) {
 }
 
 std::string content(const fs::path& file) {
+  if (!fs::is_regular_file(fs::symlink_status(file))) throw ArchiveError("is no regular file");
   std::ifstream stream(file, std::ios::binary);
   std::string bytes{std::istreambuf_iterator<char>(stream), {}};
   if (!stream) throw ArchiveError("cannot be read");
@@ -91,22 +92,15 @@ RunCheckpoint decoded(std::string_view bytes) {
 }
 
 void write_checkpoint(const fs::path& directory, const RunCheckpoint& checkpoint) {
-  const fs::path target = directory / newest, part = directory / "checkpoint.part";
-  try {
-    OutputFile file(part);
-    file.write_at(0, encoded(checkpoint));
-    file.sync();
-    file.close();
-    if (fs::exists(target)) fs::rename(target, directory / previous);
-    fs::rename(part, target);
-    sync_directory(directory);
-  } catch (const std::exception& error) {
-    std::error_code ignored;
-    fs::remove(part, ignored);
-    if (const auto* failed = dynamic_cast<const fs::filesystem_error*>(&error))
-      throw IoError(target, "cannot be replaced: " + failed->code().message());
-    throw;
-  }
+  const fs::path target = directory / newest;
+  OutputFile file(target);
+  file.write_at(0, encoded(checkpoint));
+  file.sync();
+  std::error_code error;
+  if (fs::exists(target)) fs::rename(target, directory / previous, error);
+  if (error) throw IoError(target, "cannot be replaced: " + error.message());
+  file.close();
+  sync_directory(directory);
 }
 
 FoundCheckpoint read_checkpoint(const fs::path& directory) {
@@ -129,7 +123,11 @@ FoundCheckpoint read_checkpoint(const fs::path& directory) {
 
 void remove_newest_checkpoint(const fs::path& directory) {
   std::error_code error;
-  fs::remove(directory / newest, error);
+  // What is no file, and so nobody's checkpoint, is kept out of the way.
+  if (fs::is_regular_file(fs::symlink_status(directory / newest)))
+    fs::remove(directory / newest, error);
+  else
+    fs::rename(directory / newest, directory / "checkpoint.damaged", error);
   if (error) throw IoError(directory / newest, "cannot be removed: " + error.message());
 }
 

@@ -15,6 +15,7 @@ class EndsCsv {
   /// A new one, or the first `keep` bytes of one that is there.
   explicit EndsCsv(const std::filesystem::path& path, std::optional<std::size_t> keep = {});
   void append(const Snapshot& snapshot);
+  void take_place() { file_.take_place(); }
   std::size_t mark() { return file_.mark(); }
   void close() { file_.close(); }
 
@@ -28,6 +29,7 @@ class EventsCsv {
   /// A new one, or the first `keep` bytes of one that is there.
   explicit EventsCsv(const std::filesystem::path& path, std::optional<std::size_t> keep = {});
   void append(const Event& event);
+  void take_place() { file_.take_place(); }
   std::size_t mark() { return file_.mark(); }
   void close() { file_.close(); }
 

@@ -6,12 +6,14 @@
 #include <array>
 #include <charconv>
 #include <fstream>
+#include <initializer_list>
 #include <stdexcept>
 #include <system_error>
 
 #include "io/field_reader.hpp"
 #include "io/npy_file.hpp"
 #include "io/output_file.hpp"
+#include "io/result_directory.hpp"
 #include "viscobar/io/io_error.hpp"
 
 namespace viscobar {
@@ -92,12 +94,29 @@ void write_npy(const fs::path& path, const Columns& columns) {
   file.close();
 }
 
+/// What is there is replaced where it begins as an earlier export does. @throws std::invalid_argument
+void check_targets(const fs::path& target, std::initializer_list<const char*> names, std::string_view beginning) {
+  for (const char* name : names) {
+    if (!fs::is_regular_file(target / name)) continue;  // OutputFile refuses what is none
+    std::string begin(beginning.size(), '\0');
+    std::ifstream stream(target / name, std::ios::binary);
+    stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+    if (stream.gcount() > 0 && begin != beginning)
+      throw std::invalid_argument(
+          fmt::format("{} is not an earlier export of a result; nothing was changed, choose another place",
+                      (target / name).string()));
+  }
+}
+
 }  // namespace
 
 std::vector<fs::path> export_result(const fs::path& result, ExportFormat format, const fs::path& target) {
+  settle_result_directory(result);
   for (const char* needed : {"field.h5", "ends.csv"})
     if (!fs::exists(result / needed))
       throw std::invalid_argument(fmt::format("{} holds no result of `viscobar run` (no {})", result.string(), needed));
+  format == ExportFormat::npy ? check_targets(target, {"x.npy", "t.npy", "u.npy", "v.npy", "ends.npy"}, "\x93NUMPY")
+                              : check_targets(target, {"u.csv", "v.csv", "ends.csv"}, "t,");
   const FieldReader field(result / "field.h5");
   std::error_code error;
   fs::create_directories(target, error);
@@ -113,8 +132,10 @@ std::vector<fs::path> export_result(const fs::path& result, ExportFormat format,
   write_csv(target / "u.csv", field, Quantity::displacement);
   write_csv(target / "v.csv", field, Quantity::velocity);
   if (!fs::equivalent(result, target)) {
-    fs::copy_file(result / "ends.csv", target / "ends.csv", fs::copy_options::overwrite_existing, error);
+    NewFile copy(target / "ends.csv");
+    fs::copy_file(result / "ends.csv", copy.part(), error);
     if (error) throw IoError(target / "ends.csv", "cannot be written: " + error.message());
+    copy.take_place();
   }
   return {target / "u.csv", target / "v.csv", target / "ends.csv"};
 }

@@ -14,7 +14,7 @@ constexpr std::size_t block_bytes = 1 << 20;
 hid_t create_file(const std::filesystem::path& path) {
   hdf5_without_exit_handler();
   return hdf5_checked(path, "cannot be created",
-                      [&] { return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT); });
+                      [&] { return H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT); });
 }
 
 Hdf5Dataset create_dataset(const std::filesystem::path& path, hid_t file, const char* name, hid_t type,
@@ -71,7 +71,8 @@ FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, s
 }
 
 void FieldFile::create(const Mesh& mesh) {
-  file_.reset(create_file(path_));
+  new_.emplace(path_);
+  file_.reset(create_file(new_->part()));
   using One = std::array<hsize_t, 1>;
   using Two = std::array<hsize_t, 2>;
   const auto grown = [&](const char* name, std::span<const hsize_t> extent, std::span<const hsize_t> chunk) {
@@ -89,6 +90,14 @@ void FieldFile::create(const Mesh& mesh) {
              write_all(path_, file_.get(), "line", H5T_STD_I32LE, H5T_NATIVE_INT, One{nodes_}, line)};
 }
 
+void FieldFile::take_place() {
+  if (!new_) return;
+  new_->take_place();
+  new_.reset();
+  identity_.emplace(path_);
+  xdmf_.begin();
+}
+
 void FieldFile::append(const Snapshot& snapshot) {
   times_.push_back(snapshot.time);
   us_.insert(us_.end(), snapshot.u.begin(), snapshot.u.end());
@@ -98,6 +107,8 @@ void FieldFile::append(const Snapshot& snapshot) {
 }
 
 void FieldFile::flush() {
+  take_place();
+  check_in_place(path_, *identity_);
   if (times_.empty()) return;
   append_rows(path_, t_, std::array<hsize_t, 1>{rows_}, std::array<hsize_t, 1>{times_.size()}, times_);
   append_rows(path_, u_, std::array<hsize_t, 2>{rows_, 0}, std::array<hsize_t, 2>{times_.size(), nodes_}, us_);
@@ -120,6 +131,8 @@ void FieldFile::go_on(const FieldMark& mark) {
     dataset->reset(hdf5_checked(path_, "lacks a dataset", [&] { return H5Dopen2(file_.get(), name, H5P_DEFAULT); }));
   rows_ = located_ = mark.rows;
   values_ = mark.values;
+  identity_.emplace(path_);
+  xdmf_.begin();
   std::vector<double> times(rows_);
   hdf5_checked(path_, "cannot be read",
                [&] { return H5Dread(t_.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, times.data()); });

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "io/field_mark.hpp"
@@ -22,6 +23,8 @@ class FieldFile {
   FieldFile(const std::filesystem::path& directory, const Mesh& mesh, std::size_t expected_rows,
             const FieldMark* mark = nullptr);
 
+  /// A new one is seen from now on as it grows; otherwise from its first block on. @throws IoError
+  void take_place();
   void append(const Snapshot& snapshot);
   void flush();
   /// Brings all rows to the disk.
@@ -36,6 +39,8 @@ class FieldFile {
   std::filesystem::path path_;
   std::size_t nodes_, block_rows_, time_chunk_;
   XdmfFile xdmf_;
+  std::optional<NewFile> new_;  // while it is not in its place
+  std::optional<FileIdentity> identity_;
   Hdf5File file_;
   Hdf5Dataset t_, u_, v_;
   std::size_t rows_ = 0;                 // in the file

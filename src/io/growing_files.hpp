@@ -25,13 +25,19 @@ struct GrowingFiles {
     static void members(auto& mark, auto&& each) { each(mark.ends, mark.events, mark.field); }
   };
 
-  /// New ones; with a mark those that are there, cut off at it. @throws IoError
+  /// New ones, which wait to take their places; with a mark those that are there, cut off at it. @throws IoError
   GrowingFiles(const std::filesystem::path& directory, const Case& run, const Mark* mark = nullptr)
       : ends(directory / "ends.csv", mark ? std::optional(mark->ends) : std::nullopt),
         events(directory / "events.csv", mark ? std::optional(mark->events) : std::nullopt),
         field(directory, run.mesh(), static_cast<std::size_t>(run.end / run.output_every) + 2,
               mark ? &mark->field : nullptr) {}
 
+  /// From now on they are seen as they grow. @throws IoError
+  void take_places() {
+    ends.take_place();
+    events.take_place();
+    field.take_place();
+  }
   /// Brings all to the disk. @throws IoError
   Mark mark() { return {ends.mark(), events.mark(), field.mark()}; }
 };

@@ -85,9 +85,12 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 /// A run and its files, from the beginning or from a checkpoint.
 class RecordedRun {
  public:
-  RecordedRun(const SceneFile& scene, const fs::path& directory, const RecordOptions& options, RunCheckpoint last)
+  /// Its files are in `place`, which is `directory` or the part of it for what is not finished.
+  RecordedRun(const SceneFile& scene, const ResultDirectory& directory, fs::path place, const RecordOptions& options,
+              RunCheckpoint last)
       : scene_(scene),
         directory_(directory),
+        place_(std::move(place)),
         options_(options),
         last_(std::move(last)),
         system_(make_system(scene.run)),
@@ -106,8 +109,8 @@ class RecordedRun {
     attempt(outcome(), [&] { files_->ends.close(); });
     attempt(outcome(), [&] { files_->events.close(); });
     attempt(outcome(), [&] { files_->field.close(); });
-    write_pages();
-    if (outcome().ending == Ending::completed) remove_checkpoints(directory_);
+    write_report();
+    finish();
     return std::move(record_);
   }
 
@@ -116,21 +119,26 @@ class RecordedRun {
   bool simulated() const { return last_.schedule && last_.schedule->clock == CheckpointEvery::Clock::simulated; }
   double wall_seconds() const { return last_.wall_seconds + seconds_since(options_.started); }
 
-  void write_summary() {
+  void write_summary(const char* name = "summary.json") {
     record_.summary = summary_json(scene_, system_, outcome(), contact_);
-    write_atomically(directory_ / "summary.json", record_.summary);
+    write_atomically(place_ / name, record_.summary);
   }
 
+  // Until the new files take their places, those of an earlier run that was stopped can be resumed.
   void begin() {
+    files_.emplace(place_, scene_.run, last_.motion ? &last_.files : nullptr);
     // A run that is killed leaves this one, and no report of an earlier run beside its own files.
-    fs::remove(directory_ / "report.html");
     outcome().ending = Ending::interrupted;
     outcome().error = "the run is going on, or was killed";
     write_summary();
     outcome() = {};
-    if (last_.schedule && !last_.motion) write_checkpoint(directory_, last_);
-    files_.emplace(directory_, scene_.run, last_.motion ? &last_.files : nullptr);
-    if (!last_.motion) return;
+    for (const char* old : {"report.html", ResultDirectory::final_summary}) remove_file(place_ / old);
+    if (!last_.motion) {
+      remove_checkpoints(place_);
+      files_->take_places();
+      if (last_.schedule) write_checkpoint(place_, last_);
+      return;
+    }
     ArchiveReader archive(last_.collected);
     archive(contact_, data_, chatter_, outcome().warnings);
     outcome().reached_time = last_.motion->time;
@@ -183,30 +191,46 @@ class RecordedRun {
       times.push_back(motion.time);
       ArchiveWriter archive;
       archive(contact_, data_, chatter_, outcome().warnings);
-      write_checkpoint(directory_, {scene_.description, last_.schedule, motion, files_->mark(), archive.take(), times,
-                                    wall_seconds()});
+      write_checkpoint(
+          place_, {scene_.description, last_.schedule, motion, files_->mark(), archive.take(), times, wall_seconds()});
       outcome().checkpoints = std::move(times);
     };
     clock_ ? clock_->make(write) : write();
     if (stopping_) throw Interrupted();
   }
 
-  void write_pages() {
+  void write_report() {
     outcome().wall_seconds = wall_seconds();
     attempt(outcome(), [&] {
       const Page page = report_page(scene_.run, system_, outcome(), contact_, data_);
-      write_atomically(directory_ / "report.html", page.html());
-      if (options_.figures) write_figures(directory_, page.figure_files());
+      write_atomically(place_ / "report.html", page.html());
+      if (options_.figures) write_figures(place_, page.figure_files());
     });
     outcome().wall_seconds = wall_seconds();
-    const Ending before = outcome().ending;
-    attempt(outcome(), [&] { write_summary(); });
-    // The text says what happened also where the file could not.
-    if (outcome().ending != before) record_.summary = summary_json(scene_, system_, outcome(), contact_);
+  }
+
+  // The summary comes last, and says completed only when all else is there.
+  void finish() {
+    record_.directory = place_;
+    const bool replaces = place_ != directory_.path();
+    if (outcome().ending == Ending::completed)
+      attempt(outcome(), [&] {
+        write_summary(replaces ? ResultDirectory::final_summary : "summary.json");
+        if (replaces) directory_.replace_by_finished();
+        remove_checkpoints(place_);
+        record_.directory = directory_.path();
+      });
+    if (outcome().ending == Ending::completed) return;
+    // The text says what happened also where the file cannot.
+    record_.summary = summary_json(scene_, system_, outcome(), contact_);
+    attempt(outcome(), [&] {
+      if (fs::exists(place_)) write_summary();
+    });
   }
 
   const SceneFile& scene_;
-  const fs::path& directory_;
+  const ResultDirectory& directory_;
+  const fs::path place_;
   const RecordOptions& options_;
   const RunCheckpoint last_;  // from which it goes on
   const BarSystem system_;
@@ -219,20 +243,26 @@ class RecordedRun {
   RunRecord record_;
 };
 
+void tell_if_unlocked(const ResultDirectory& results, const RecordOptions& options) {
+  if (!results.locked() && options.warning)
+    options.warning(results.path().string() +
+                    " is on a file system without locks: see to it that no other run uses it");
+}
+
 }  // namespace
 
 RunRecord record_run(const SceneFile& scene, const fs::path& directory, const RecordOptions& options) {
-  prepare_result_directory(directory);
-  // One of an earlier run does not belong to the files of this one.
-  remove_checkpoints(directory);
+  const ResultDirectory results(directory, ResultKind::run);
+  tell_if_unlocked(results, options);
   RunCheckpoint beginning;
   beginning.description = scene.description;
   beginning.schedule = options.checkpoint;
-  return RecordedRun(scene, directory, options, std::move(beginning))();
+  return RecordedRun(scene, results, results.place_of_new_run(), options, std::move(beginning))();
 }
 
 SceneFile scene_of_checkpoint(const fs::path& directory) {
-  const std::string description = read_checkpoint(directory).checkpoint.description;
+  settle_result_directory(directory);
+  const std::string description = read_checkpoint(place_of_stopped_run(directory)).checkpoint.description;
   SceneFile scene = described_scene(description, directory.string());
   if (scene.description != description)
     throw IoError(directory, "the scene in the checkpoint is not understood as it was");
@@ -241,13 +271,17 @@ SceneFile scene_of_checkpoint(const fs::path& directory) {
 
 RunRecord resume_run(const SceneFile& scene, const fs::path& directory, const RecordOptions& options,
                      const std::function<void(const std::string&)>& complain) {
-  FoundCheckpoint found = read_checkpoint(directory);
+  read_checkpoint(place_of_stopped_run(directory));  // where there is none, nothing is made
+  const ResultDirectory results(directory);
+  tell_if_unlocked(results, options);
+  const fs::path place = place_of_stopped_run(directory);
+  FoundCheckpoint found = read_checkpoint(place);
   if (found.checkpoint.description != scene.description)
     throw std::invalid_argument(directory.string() + " holds the checkpoint of another scene; nothing was changed");
-  if (found.checkpoint.motion) found.checkpoint.files.check(directory);
+  if (found.checkpoint.motion) found.checkpoint.files.check(place);
   if (!found.complaint.empty() && complain) complain(found.complaint);
-  if (!found.complaint.empty()) remove_newest_checkpoint(directory);
-  return RecordedRun(scene, directory, options, std::move(found.checkpoint))();
+  if (!found.complaint.empty()) remove_newest_checkpoint(place);
+  return RecordedRun(scene, results, place, options, std::move(found.checkpoint))();
 }
 
 }  // namespace viscobar

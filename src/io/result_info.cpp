@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "io/result_directory.hpp"
 #include "io/sweep_info.hpp"
 #include "io/table.hpp"
 #include "viscobar/io/io_error.hpp"
@@ -122,6 +123,7 @@ constexpr Kind kinds[] = {
     {"limit", "limit.json", limit_facts},
     {"precision", "precision.json", precision_facts},
     {"sweep", "sweep.h5", {}},
+    {"run", "unfinished/summary.json", run_facts},  // beside a whole one
 };
 
 Json facts(const Kind& kind, const fs::path& file) {
@@ -169,6 +171,7 @@ Json describe(const fs::path& place) {
   if (!fs::exists(place)) throw std::invalid_argument(fmt::format("{} does not exist", place.string()));
   const bool one_file = !fs::is_directory(place);
   const fs::path directory = !one_file ? place : place.has_parent_path() ? place.parent_path() : fs::path(".");
+  settle_result_directory(directory);
   Json results = Json::array();
   for (const Kind& kind : kinds)
     if ((!one_file || place.filename() == kind.summary) && fs::exists(directory / kind.summary))

@@ -1,33 +1,18 @@
 #include "io/sweep_results.hpp"
 
 #include <algorithm>
-#include <system_error>
 #include <utility>
 
 #include "io/output_file.hpp"
-#include "io/result_directory.hpp"
 #include "io/sweep_csv.hpp"
 #include "io/sweep_table.hpp"
 
 namespace viscobar {
 
-namespace {
-
-std::filesystem::path prepared(const std::filesystem::path& directory) {
-  if (!std::filesystem::exists(directory / "sweep.h5")) {
-    std::error_code ignored;
-    std::filesystem::remove(directory / "sweep.h5.part", ignored);  // of a start that was killed at once
-    prepare_result_directory(directory);
-  }
-  return directory / "sweep.h5";
-}
-
-}  // namespace
-
 SweepResults::SweepResults(const std::filesystem::path& directory, const SweepFile& sweep)
-    : directory_(directory),
+    : directory_(directory, ResultKind::sweep),
       plan_(sweep.plan),
-      table_(std::make_unique<SweepTable>(prepared(directory), sweep.plan, sweep.identity())),
+      table_(std::make_unique<SweepTable>(directory / "sweep.h5", sweep.plan, sweep.identity())),
       rows_(sweep.plan.size()) {
   for (SweepRow& row : table_->read()) keep(std::move(row));
 }
@@ -63,8 +48,8 @@ void SweepResults::refresh_tables() {
 
 void SweepResults::write_tables() {
   const std::vector<const SweepRow*> finished = rows();
-  write_atomically(directory_ / "sweep.csv", sweep_csv(plan_, finished));
-  write_atomically(directory_ / "timings.csv", timings_csv(finished));
+  write_atomically(directory_.path() / "sweep.csv", sweep_csv(plan_, finished));
+  write_atomically(directory_.path() / "timings.csv", timings_csv(finished));
   written_ = done_;
 }
 

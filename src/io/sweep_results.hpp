@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "io/result_directory.hpp"
 #include "viscobar/io/sweep_file.hpp"
 
 namespace viscobar {
@@ -40,7 +41,7 @@ class SweepResults {
   void write_tables();
 
   using Clock = std::chrono::steady_clock;
-  std::filesystem::path directory_;
+  const ResultDirectory directory_;
   const SweepPlan& plan_;
   std::unique_ptr<SweepTable> table_;
   std::vector<std::optional<SweepRow>> rows_;

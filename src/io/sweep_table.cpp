@@ -6,6 +6,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "io/output_file.hpp"
+
 namespace viscobar {
 
 namespace {
@@ -147,11 +149,11 @@ SweepTable::SweepTable(const fs::path& file, const SweepPlan& plan, const std::s
 }
 
 void SweepTable::create(const std::string& identity) const {
-  fs::path part = path_;
-  part += ".part";
+  NewFile file_to_be(path_);
+  const fs::path& part = file_to_be.part();
   {
     Hdf5File file(hdf5_checked(part, "cannot be created",
-                               [&] { return H5Fcreate(part.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT); }));
+                               [&] { return H5Fcreate(part.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT); }));
     const hsize_t cases = plan_.size();
     create_dataset(part, file.get(), "rows", compound(fields_).get(), cases);
     create_dataset(part, file.get(), "timings", compound(timing_fields()).get(), cases);
@@ -162,9 +164,7 @@ void SweepTable::create(const std::string& identity) const {
                  [&] { return H5Dwrite(text.get(), H5T_NATIVE_CHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, identity.data()); });
     hdf5_checked(part, "cannot be flushed", [&] { return H5Fflush(file.get(), H5F_SCOPE_GLOBAL); });
   }
-  std::error_code error;
-  fs::rename(part, path_, error);
-  if (error) throw IoError(path_, "cannot be created: " + error.message());
+  file_to_be.take_place();
 }
 
 std::vector<SweepRow> SweepTable::read() const {

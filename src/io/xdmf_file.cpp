@@ -21,9 +21,9 @@ constexpr std::string_view closing_tags = "</Grid>\n</Domain>\n</Xdmf>\n";
 }  // namespace
 
 XdmfFile::XdmfFile(std::filesystem::path path, std::string field_file, std::size_t nodes)
-    : path_(std::move(path)), field_file_(std::move(field_file)), nodes_(nodes), end_(head.size()) {
-  write_atomically(path_, std::string(head) + std::string(closing_tags));
-}
+    : path_(std::move(path)), field_file_(std::move(field_file)), nodes_(nodes), end_(head.size()) {}
+
+void XdmfFile::begin() { write_atomically(path_, std::string(head) + std::string(closing_tags)); }
 
 void XdmfFile::append(std::span<const double> times) {
   pending_.insert(pending_.end(), times.begin(), times.end());
@@ -32,15 +32,15 @@ void XdmfFile::append(std::span<const double> times) {
 
 void XdmfFile::close() {
   if (!pending_.empty()) publish();
+  if (!std::filesystem::exists(path_)) throw IoError(path_, "was removed while it was written");
 }
 
 void XdmfFile::publish() {
   const auto started = Clock::now();
-  std::filesystem::path next = path_;
-  next += ".part";
   try {
-    std::filesystem::copy_file(path_, next, std::filesystem::copy_options::overwrite_existing);
-    OutputFile file(next, OutputFile::Content::keep);
+    NewFile next(path_);
+    std::filesystem::copy_file(path_, next.part());
+    OutputFile file(next.part(), OutputFile::Content::keep);
     std::size_t end = end_;
     std::string text;
     for (std::size_t i = 0; i < pending_.size(); ++i) {
@@ -52,7 +52,7 @@ void XdmfFile::publish() {
     }
     file.write_at(end, closing_tags);
     file.close();
-    std::filesystem::rename(next, path_);
+    next.take_place();
     end_ = end;
   } catch (const std::filesystem::filesystem_error& error) {
     throw IoError(path_, "cannot be replaced: " + error.code().message());

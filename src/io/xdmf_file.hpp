@@ -16,6 +16,8 @@ class XdmfFile {
  public:
   XdmfFile(std::filesystem::path path, std::string field_file, std::size_t nodes);
 
+  /// Writes one without times.
+  void begin();
   /// Adds the next times; their rows must be in the field file by now.
   void append(std::span<const double> times);
   void close();

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "checkpoint/example.hpp"
+#include "io/file_size_limit.hpp"
 #include "io/scratch.hpp"
 #include "viscobar/io/io_error.hpp"
 
@@ -118,16 +119,31 @@ TEST(CheckpointFile, OneThatCannotBeWrittenLeavesTheOthersAlone) {
   const Scratch scratch;
   write_checkpoint(scratch.path(), example_checkpoint(0.25));
   write_checkpoint(scratch.path(), example_checkpoint(0.5));
-  fs::create_symlink("/dev/full", scratch / "checkpoint.part");
   try {
+    const FileSizeLimit full(100);
     write_checkpoint(scratch.path(), example_checkpoint(0.75));
     ADD_FAILURE() << "a full disk was not noticed";
   } catch (const IoError& error) {
-    EXPECT_NE(std::string(error.what()).find("No space left"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("File too large"), std::string::npos) << error.what();
   }
   EXPECT_EQ(read_checkpoint(scratch.path()).checkpoint.motion->time, 0.5);
   fs::remove(scratch / "checkpoint.bin");
   EXPECT_EQ(read_checkpoint(scratch.path()).checkpoint.motion->time, 0.25);
+}
+
+TEST(CheckpointFile, WhatIsNoFileGivesWayToTheOneBefore) {
+  const Scratch scratch;
+  for (const char* inside : {"", "in the way"}) {
+    write_checkpoint(scratch.path(), example_checkpoint(0.25));
+    fs::rename(scratch / "checkpoint.bin", scratch / "checkpoint.previous.bin");
+    fs::create_directories(scratch / "checkpoint.bin" / inside);
+    const FoundCheckpoint found = read_checkpoint(scratch.path());
+    EXPECT_EQ(found.checkpoint.motion->time, 0.25);
+    EXPECT_NE(found.complaint.find("checkpoint.bin: is no regular file"), std::string::npos) << found.complaint;
+    remove_newest_checkpoint(scratch.path());
+    EXPECT_TRUE(fs::exists(scratch / "checkpoint.damaged" / inside));
+    fs::remove_all(scratch / "checkpoint.damaged");
+  }
 }
 
 TEST(CheckpointFile, AFailedRenameNamesTheFile) {
@@ -141,7 +157,7 @@ TEST(CheckpointFile, AFailedRenameNamesTheFile) {
     EXPECT_NE(std::string(error.what()).find("checkpoint.bin: cannot be replaced"), std::string::npos) << error.what();
   }
   EXPECT_TRUE(fs::exists(scratch / "checkpoint.bin/in the way"));
-  EXPECT_FALSE(fs::exists(scratch / "checkpoint.part"));
+  EXPECT_FALSE(fs::exists(scratch / "checkpoint.bin.part"));
 }
 
 }  // namespace

@@ -1,11 +1,13 @@
 #include "io/csv.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <chrono>
 #include <cmath>
 #include <thread>
 
+#include "io/file_size_limit.hpp"
 #include "io/scratch.hpp"
 #include "viscobar/io/io_error.hpp"
 
@@ -43,6 +45,7 @@ TEST(EventsCsv, NamesTheEndsAndTheNodesOfTheSpan) {
 TEST(LineFile, HoldsWholeLinesOnDiskWhileItGrows) {
   const Scratch scratch;
   LineFile file(scratch / "lines");
+  file.take_place();
   std::size_t printed = 0;
   while (printed < 10'000) file.print("{}", ++printed);  // some 49 kB, less than a block
   EXPECT_TRUE(read_text(scratch / "lines").empty());
@@ -55,21 +58,78 @@ TEST(LineFile, HoldsWholeLinesOnDiskWhileItGrows) {
 TEST(LineFile, WritesASlowFileAtLeastEverySecondOrSo) {
   const Scratch scratch;
   LineFile file(scratch / "lines");
+  file.take_place();
   std::this_thread::sleep_for(std::chrono::milliseconds(1010));
   file.print("a line");
   EXPECT_EQ(read_text(scratch / "lines"), "a line\n");
 }
 
 TEST(LineFile, AFullDiskIsAnErrorThatNamesTheFileAndTheReason) {
-  LineFile file("/dev/full");
+  const Scratch scratch;
+  LineFile file(scratch / "lines");
   file.print("a line");
   try {
+    const FileSizeLimit full(0);
     file.flush();
-    FAIL() << "writing to a full device went unnoticed";
+    FAIL() << "a file that may not grow went unnoticed";
   } catch (const IoError& error) {
-    EXPECT_EQ(error.file, "/dev/full");
-    EXPECT_NE(std::string(error.what()).find("No space left"), std::string::npos) << error.what();
+    EXPECT_EQ(error.file, scratch / "lines");
+    EXPECT_NE(std::string(error.what()).find("File too large"), std::string::npos) << error.what();
   }
+}
+
+TEST(LineFile, ThatHasBeenRemovedOrReplacedIsAnErrorThatSaysSo) {
+  for (const bool replaced : {false, true}) {
+    const Scratch scratch;
+    LineFile file(scratch / "lines");
+    file.take_place();
+    file.print("a line");
+    std::filesystem::remove(scratch / "lines");
+    if (replaced) std::ofstream(scratch / "lines") << "mine";
+    try {
+      file.close();
+      FAIL() << "a missing file was taken for a written one";
+    } catch (const IoError& error) {
+      EXPECT_NE(std::string(error.what()).find("was removed or replaced"), std::string::npos) << error.what();
+    }
+    EXPECT_EQ(read_text(scratch / "lines"), replaced ? "mine" : "");
+  }
+}
+
+TEST(OutputFile, TheOneThatIsThereStaysUntilTheNewOneIsWhole) {
+  const Scratch scratch;
+  std::ofstream(scratch / "file") << "old";
+  {
+    OutputFile file(scratch / "file");
+    file.write_at(0, "half of the new");
+    EXPECT_EQ(read_text(scratch / "file"), "old");
+  }
+  EXPECT_EQ(read_text(scratch / "file"), "old");
+  EXPECT_FALSE(std::filesystem::exists(scratch / "file.part"));
+}
+
+TEST(OutputFile, FollowsNoLinks) {
+  const Scratch scratch;
+  for (const char* link : {"file", "file.part"}) {
+    std::ofstream(scratch / "elsewhere") << "mine";
+    std::filesystem::create_symlink(scratch / "elsewhere", scratch / link);
+    write_atomically(scratch / "file", "ours");
+    EXPECT_EQ(read_text(scratch / "elsewhere"), "mine") << link;
+    EXPECT_EQ(read_text(scratch / "file"), "ours") << link;
+    std::filesystem::remove(scratch / "file");
+  }
+  std::filesystem::create_symlink(scratch / "elsewhere", scratch / "file");
+  EXPECT_THROW(OutputFile(scratch / "file", OutputFile::Content::keep), IoError);
+}
+
+TEST(OutputFile, ReplacesNoPipesAndDirectories) {
+  const Scratch scratch;
+  ASSERT_EQ(mkfifo((scratch / "file").c_str(), 0666), 0);
+  EXPECT_THROW(write_atomically(scratch / "file", "ours"), IoError);
+  EXPECT_THROW(OutputFile(scratch / "file", OutputFile::Content::keep), IoError);
+  EXPECT_TRUE(std::filesystem::is_fifo(scratch / "file"));
+  std::filesystem::create_directory(scratch / "folder");
+  EXPECT_THROW(write_atomically(scratch / "folder", "ours"), IoError);
 }
 
 TEST(LineFile, APlaceThatIsNotThereIsAnErrorAtOnce) {

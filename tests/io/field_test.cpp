@@ -97,6 +97,7 @@ TEST(FieldFile, GathersRowsToBlocksOfAMebibyte) {
   const std::size_t nodes = 1 << 14;  // 128 KiB a row
   FlushClock clock;
   FieldFile file(scratch.path(), Mesh{1.0, nodes - 1}, 1'000'000);
+  file.take_place();
   append(file, nodes, 0, 7);
   if (clock.due()) GTEST_SKIP() << too_slow;
   EXPECT_EQ(times_in(scratch / "field.xdmf"), 0u);
@@ -111,6 +112,7 @@ TEST(FieldFile, AKilledRunLeavesAReadablePairOfFiles) {
   const pid_t child = fork();
   if (child == 0) {
     FieldFile file(scratch.path(), Mesh{1.0, nodes - 1}, 1'000'000);
+    file.take_place();
     append(file, nodes, 0, 20);
     raise(SIGKILL);
   }
@@ -129,6 +131,7 @@ TEST(FieldFile, AKilledRunLeavesAReadablePairOfFiles) {
 TEST(FieldFile, XdmfIsWellFormedAndNamesRowsThatExist) {
   const Scratch scratch;
   FieldFile file(scratch.path(), Mesh{1.0, 4}, 3);
+  file.take_place();
   EXPECT_TRUE(well_formed(read_text(scratch / "field.xdmf")));
   append(file, 5, 0, 7);
   file.close();
@@ -199,6 +202,36 @@ TEST(FieldFile, AFileThatMayNotGrowIsAnErrorThatNamesIt) {
   waitpid(child, &status, 0);
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+TEST(FieldFile, ThatHasBeenRemovedIsAnErrorThatSaysSo) {
+  for (const char* name : {"field.h5", "field.xdmf"}) {
+    const Scratch scratch;
+    FieldFile file(scratch.path(), Mesh{1.0, 4}, 3);
+    file.take_place();
+    append(file, 5, 0, 3);
+    std::filesystem::remove(scratch / name);
+    try {
+      file.close();
+      FAIL() << name << ": a missing file was taken for a written one";
+    } catch (const IoError& error) {
+      EXPECT_NE(std::string(error.what()).find("was removed"), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(FieldFile, FollowsNoLinks) {
+  for (const char* name : {"field.h5", "field.h5.part", "field.xdmf", "field.xdmf.part"}) {
+    const Scratch scratch;
+    std::ofstream(scratch / "elsewhere") << "mine";
+    std::filesystem::create_symlink(scratch / "elsewhere", scratch / name);
+    FieldFile file(scratch.path(), Mesh{1.0, 4}, 3);
+    append(file, 5, 0, 3);
+    file.take_place();
+    append(file, 5, 3, 3);
+    file.close();
+    EXPECT_EQ(read_text(scratch / "elsewhere"), "mine") << name;
+  }
 }
 
 TEST(FieldFile, APlaceThatIsNotThereIsAnErrorAtOnce) {

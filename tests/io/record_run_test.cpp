@@ -4,7 +4,9 @@
 
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "io/file_size_limit.hpp"
 #include "io/scratch.hpp"
 #include "viscobar/io/io_error.hpp"
 
@@ -66,12 +68,17 @@ TEST(RecordRun, AFailedIntegrationKeepsWhatItReachedAndSaysWhy) {
 
 TEST(RecordRun, AFullDiskEndsTheRunAsAFailureThatNamesTheFile) {
   const Scratch scratch;
-  std::filesystem::create_symlink("/dev/full", scratch / "ends.csv");
-  std::ofstream(scratch / "summary.json") << "{}";
-  const RunRecord record = record_run(bouncing_bar(), scratch.path());
+  SceneFile scene = bouncing_bar();
+  scene.run.output_every = 1e-4;  // a megabyte of ends.csv
+  std::optional<FileSizeLimit> full;
+  RecordOptions options;
+  options.progress = [&](double, std::size_t) {
+    if (!full) full.emplace(100'000);
+  };
+  RunRecord record = record_run(scene, scratch.path(), options);
+  full.reset();
   EXPECT_EQ(record.outcome.ending, Ending::failed);
-  EXPECT_NE(record.outcome.error.find("ends.csv: cannot be written: No space left"), std::string::npos)
-      << record.outcome.error;
+  EXPECT_NE(record.outcome.error.find("cannot be written: File too large"), std::string::npos) << record.outcome.error;
   EXPECT_EQ(summary_in(scratch.path())["completed"], false);
 }
 
@@ -94,11 +101,15 @@ TEST(RecordRun, TouchesNoDirectoryThatHoldsOtherFiles) {
 
 TEST(RecordRun, AKilledRunLeavesASummaryThatSaysSoAndNoOldReport) {
   const Scratch scratch;
-  record_run(bouncing_bar(), scratch.path());
   RecordOptions options;
+  options.progress = [](double time, std::size_t) {
+    if (time > 0.5) throw Interrupted();
+  };
+  record_run(bouncing_bar(), scratch.path(), options);
+  EXPECT_TRUE(std::filesystem::exists(scratch / "report.html"));
   options.progress = [&](double, std::size_t steps) {
     if (steps > 1) return;
-    EXPECT_EQ(summary_in(scratch.path())["completed"], false);
+    EXPECT_EQ(summary_in(scratch.path())["error"], "the run is going on, or was killed");
     EXPECT_FALSE(std::filesystem::exists(scratch / "report.html"));
   };
   record_run(bouncing_bar(), scratch.path(), options);

@@ -72,15 +72,17 @@ struct RecordOptions {
 
 /// What record_run() leaves besides the files.
 struct RunRecord {
-  Outcome outcome;      ///< how far it came
-  std::string summary;  ///< summary.json as written
+  Outcome outcome;                  ///< how far it came
+  std::string summary;              ///< summary.json as written
+  std::filesystem::path directory;  ///< where its files are: the one given, or `unfinished` in it
 };
 
 /// Runs a sound case and writes ends.csv, events.csv, field.h5, field.xdmf, summary.json and report.html to
 /// `directory`, which is created where needed. The files grow with the run and are readable at any time; memory does
-/// not grow with the number of output times.
-/// @throws std::invalid_argument when the directory holds anything but an earlier result
-/// @throws IoError when the files cannot be created; later failures are in the outcome
+/// not grow with the number of output times. Where the directory holds a whole result, that stays until the new one is
+/// whole: the files grow in `unfinished` in it, and stay there when the run stops early.
+/// @throws std::invalid_argument when the directory holds anything but an earlier result; nothing was changed
+/// @throws IoError when the directory is in use, or files cannot be created; later failures are in the outcome
 RunRecord record_run(const SceneFile& scene, const std::filesystem::path& directory, const RecordOptions& options = {});
 
 /// The scene of an unfinished run in a directory of results, from its checkpoint.
