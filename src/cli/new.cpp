@@ -8,6 +8,7 @@
 
 #include "cli/commands.hpp"
 #include "io/output_file.hpp"
+#include "io/printable.hpp"
 #include "io/scene_template.hpp"
 #include "viscobar/io/io_error.hpp"
 
@@ -39,7 +40,7 @@ int NewCommand::operator()() const {
   }
   create_new(file_);
   write_atomically(file_, scene_template());
-  print(fmt::format("{0} is a scene; edit it, then\n  viscobar check {0}\n  viscobar run {0}\n", file_));
+  print(fmt::format("{0} is a scene; edit it, then\n  viscobar check {0}\n  viscobar run {0}\n", one_line(file_)));
   return success;
 }
 
