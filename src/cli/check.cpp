@@ -194,7 +194,7 @@ int CheckCommand::operator()() const {
     return success;
   }
 
-  std::string text = fmt::format("{}: sound\n", run.scene.title.empty() ? scene_.file : run.scene.title);
+  std::string text = fmt::format("{}: sound\n", heading(run.scene.title, scene_.file));
   text += row("method", method_text(run, system));
   text +=
       row("unknowns", fmt::format("{} nodes of {}, displacement and velocity", system.size(), system.mesh().nodes()));

@@ -4,11 +4,13 @@
 
 #include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <system_error>
 
 #include "cli/messages.hpp"
+#include "io/printable.hpp"
 #include "io/scene_keys.hpp"
 #include "viscobar/io/io_error.hpp"
 
@@ -89,10 +91,19 @@ void add_threads(CLI::App& command, std::size_t& threads, const std::string& wha
 }
 
 void print(std::string_view text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-    throw IoError("standard output", "cannot be written: " + std::generic_category().message(errno));
+  const std::string shown = printable(text);
+  if (std::fwrite(shown.data(), 1, shown.size(), stdout) == shown.size() && std::fflush(stdout) == 0) return;
+  // A reader that has seen enough, such as head, ends the program as it would any other.
+  if (errno == EPIPE) std::signal(SIGPIPE, SIG_DFL), std::raise(SIGPIPE);
+  throw IoError("standard output", "cannot be written: " + std::generic_category().message(errno));
 }
 
-std::string row(std::string_view name, std::string_view value) { return fmt::format("  {:<20} {}\n", name, value); }
+std::string row(std::string_view name, std::string_view value) {
+  return fmt::format("  {:<20} {}\n", name, one_line(value));
+}
+
+std::string heading(const std::string& title, const std::string& otherwise) {
+  return one_line(title.empty() ? otherwise : title);
+}
 
 }  // namespace viscobar::cli

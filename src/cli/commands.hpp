@@ -213,10 +213,13 @@ const CLI::Validator& number_of_elements();
 /// --threads N, the same for all commands that have it; 0 when it is not given, which means one a core.
 void add_threads(CLI::App& command, std::size_t& threads, const std::string& what = "Runs at a time");
 
-/// Writes to standard output and makes sure that it got there. @throws IoError
+/// Writes to standard output, as printable(), and makes sure that it got there. @throws IoError
 void print(std::string_view text);
 
 /// A line "  name   value" of a table of results.
 std::string row(std::string_view name, std::string_view value);
+
+/// The title of a scene as the heading of a table, or something else where it has none.
+std::string heading(const std::string& title, const std::string& otherwise);
 
 }  // namespace viscobar::cli

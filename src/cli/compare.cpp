@@ -68,8 +68,7 @@ int CompareCommand::operator()() const {
   if (scene_.json)
     print(json);
   else if (!output_.quiet)
-    print(fmt::format("{}\n\n{}", scene.run.scene.title.empty() ? scene_.file : scene.run.scene.title,
-                      cross_check_text(choice, check)) +
+    print(fmt::format("{}\n\n{}", heading(scene.run.scene.title, scene_.file), cross_check_text(choice, check)) +
           row("pictures", (directory / "compare.html").string()));
   for (const MethodRun& run : check.runs)
     if (!run.recording) complain(fmt::format("{}: {}", name(run.run.method), run.error));

@@ -5,6 +5,7 @@
 #include "cli/commands.hpp"
 #include "io/export_result.hpp"
 #include "io/nearest_name.hpp"
+#include "io/printable.hpp"
 
 namespace viscobar::cli {
 
@@ -29,7 +30,7 @@ int ExportCommand::operator()() const {
       where_.empty() ? std::filesystem::path(directory_) / format_ : std::filesystem::path(where_);
   const auto files = export_result(directory_, format_ == "csv" ? ExportFormat::csv : ExportFormat::npy, target);
   if (!quiet_)
-    for (const auto& file : files) print(file.string() + "\n");
+    for (const auto& file : files) print(one_line(file.string()) + "\n");
   return success;
 }
 

@@ -91,7 +91,7 @@ int LimitCommand::operator()() const {
   if (scene_.json)
     print(json);
   else if (!output_.quiet)
-    print(fmt::format("{}\n\n{}", bar.title.empty() ? scene_.file : bar.title, limit_text(study, result, coupling)) +
+    print(fmt::format("{}\n\n{}", heading(bar.title, scene_.file), limit_text(study, result, coupling)) +
           row("pictures", (directory / "limit.html").string()));
   for (const FailedRun& run : result.failed)
     complain(fmt::format("epsilon = {} on {} elements: {}", run.epsilon, run.elements, run.what));

@@ -7,6 +7,7 @@
 #include <exception>
 #include <memory>
 #include <new>
+#include <sstream>
 #include <vector>
 
 #include "cli/command_line.hpp"
@@ -98,7 +99,12 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == success) return app.exit(error);
+    if (error.get_exit_code() == success) {
+      std::ostringstream text;
+      app.exit(error, text);
+      print(text.str());
+      return success;
+    }
     complain(explanation(app, error));
     const auto chosen = app.get_subcommands();
     say(fmt::format("viscobar {}--help says more.", chosen.empty() ? "" : chosen.front()->get_name() + " "));
@@ -136,6 +142,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace viscobar;
+  cli::open_standard_streams();
   // A limit on file sizes is an error like a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   std::set_terminate(cli::end_without_memory);

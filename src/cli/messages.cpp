@@ -4,10 +4,12 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -15,8 +17,11 @@
 #include <memory>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
+#include "cli/commands.hpp"
 #include "cli/progress.hpp"
+#include "io/printable.hpp"
 #include "viscobar/io/io_error.hpp"
 #include "viscobar/io/versions.hpp"
 
@@ -33,11 +38,23 @@ struct Log {
   Clock::time_point started = Clock::now();
 } the_log;
 
+// Each line at once, so that it is there when the program is killed. A message that cannot be written is lost; the run
+// goes on.
+void put(std::FILE* file, std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), file);
+  std::fflush(file);
+}
+
+// A line that follows within a message is indented, so that no text of the user's can look like a message of its own.
+std::string message(std::string_view what) {
+  std::string text;
+  for (const char c : printable(what)) text += c == '\n' ? "\n  " : std::string(1, c);
+  return text;
+}
+
 void write_log(std::string_view what) {
   if (!the_log.file) return;
-  // A line at a time, so that it is there when the program is killed. What cannot be written is lost, the run goes on.
-  fmt::print(the_log.file.get(), "{:%Y-%m-%dT%H:%M:%SZ} {}\n", fmt::gmtime(std::time(nullptr)), what);
-  std::fflush(the_log.file.get());
+  put(the_log.file.get(), fmt::format("{:%Y-%m-%dT%H:%M:%SZ} {}\n", fmt::gmtime(std::time(nullptr)), message(what)));
 }
 
 /// A log is appended to a file that is empty, or begins like one: 2026-11-22T20:15:00Z viscobar. Pipes, devices
@@ -64,13 +81,11 @@ bool colours() {
 }
 
 void write_line(std::string_view word, std::string_view colour, std::string_view what) {
-  if (on_terminal()) fmt::print(stderr, "\r\033[K");  // a progress line may stand there
-  if (word.empty())
-    fmt::print(stderr, "{}\n", what);
-  else if (colours())
-    fmt::print(stderr, "\033[{}m{}\033[0m {}\n", colour, word, what);
-  else
-    fmt::print(stderr, "{} {}\n", word, what);
+  const std::string begin = on_terminal() ? "\r\033[K" : "";  // a progress line may stand there
+  const std::string marked = word.empty() ? ""
+                             : colours()  ? fmt::format("\033[{}m{}\033[0m ", colour, word)
+                                          : fmt::format("{} ", word);
+  put(stderr, begin + marked + message(what) + "\n");
 }
 
 void write_both(std::string_view word, std::string_view colour, std::string_view what) {
@@ -79,6 +94,16 @@ void write_both(std::string_view word, std::string_view colour, std::string_view
 }
 
 }  // namespace
+
+void open_standard_streams() {
+  // In the other direction than they are used, so that a result which nobody can read is still an error.
+  for (const auto& [stream, mode] :
+       {std::pair{STDIN_FILENO, O_WRONLY}, {STDOUT_FILENO, O_RDONLY}, {STDERR_FILENO, O_RDONLY}})
+    if (::fcntl(stream, F_GETFD) == -1 && errno == EBADF && ::open("/dev/null", mode) != stream) std::_Exit(run_failed);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+void show_status(std::string_view what) { put(stderr, fmt::format("\r\033[K{}", what)); }
 
 void MessageOptions::add_to(CLI::App& command) {
   command.add_option("--log", log, "Append to FILE what is done, and every message, with the time")->type_name("FILE");

@@ -8,6 +8,7 @@
 
 #include "cli/commands.hpp"
 #include "io/output_file.hpp"
+#include "io/printable.hpp"
 #include "io/scene_template.hpp"
 #include "viscobar/io/io_error.hpp"
 
@@ -46,7 +47,7 @@ int NewCommand::operator()() const {
     ::unlink(file_.c_str());
     throw;
   }
-  print(fmt::format("{0} is a scene; edit it, then\n  viscobar check {0}\n  viscobar run {0}\n", file_));
+  print(fmt::format("{0} is a scene; edit it, then\n  viscobar check {0}\n  viscobar run {0}\n", one_line(file_)));
   return success;
 }
 

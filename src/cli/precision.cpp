@@ -94,11 +94,10 @@ int PrecisionCommand::operator()() const {
   const std::string json = precision_json(scene, study, result);
   write_atomically(directory / "precision.json", json);
   write_page(directory, "precision.html", precision_page(study, result), output_.figures);
-  const std::string& title = scene.run.scene.title;
   if (scene_.json)
     print(json);
   else if (!output_.quiet)
-    print(fmt::format("{}\n\n{}\n", title.empty() ? scene_.file : title, precision_text(study, result)) +
+    print(fmt::format("{}\n\n{}\n", heading(scene.run.scene.title, scene_.file), precision_text(study, result)) +
           row("pictures", (directory / "precision.html").string()));
   const bool something =
       std::any_of(result.rows.begin(), result.rows.end(), [](const PrecisionRow& run) { return run.failure.empty(); });

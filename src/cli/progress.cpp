@@ -4,8 +4,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <string>
+
+#include "cli/messages.hpp"
 
 namespace viscobar::cli {
 
@@ -29,15 +30,12 @@ void Progress::operator()(double time, std::size_t steps) {
 }
 
 void StatusLine::show(std::string_view what) {
-  fmt::print(stderr, "\r\033[K{}", what);
-  std::fflush(stderr);
+  show_status(what);
   shown_ = true;
 }
 
 void StatusLine::clear() {
-  if (!shown_) return;
-  fmt::print(stderr, "\r\033[K");
-  std::fflush(stderr);
+  if (shown_) show_status("");
   shown_ = false;
 }
 

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string table(const Case& run, const Outcome& outcome, const fs::path& directory) {
-  std::string text = fmt::format("{}\n", run.scene.title.empty() ? "Run" : run.scene.title);
+  std::string text = heading(run.scene.title, "Run") + "\n";
   text += row("method", name(run.method));
   if (outcome.ending == Ending::completed)
     text += row("simulated time", fmt::format("{:.6g}", outcome.reached_time));

@@ -10,6 +10,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
+#include "cli/messages.hpp"
 #include "cli/progress.hpp"
 #include "cli/ranks.hpp"
 #include "cli/sweep_workers.hpp"
@@ -81,7 +82,7 @@ nlohmann::ordered_json description(const SweepFile& sweep, const SweepResults& r
 
 std::string table(const SweepFile& sweep, const SweepResults& results, std::size_t kept, const fs::path& directory,
                   double seconds) {
-  std::string text = fmt::format("{}\n", sweep.title.empty() ? "Sweep" : sweep.title);
+  std::string text = heading(sweep.title, "Sweep") + "\n";
   text += row("cases", kept == 0
                            ? fmt::format("{} of {}", results.size(), sweep.plan.size())
                            : fmt::format("{} of {}, {} of them from before", results.size(), sweep.plan.size(), kept));
@@ -157,17 +158,19 @@ int SweepCommand::operator()() const {
   progress.reset();
   results.close();
 
-  const std::string json = description(sweep, results, kept, workers, seconds_since(started)).dump(2) + "\n";
+  const std::string json = description(sweep, results, kept, workers, seconds_since(started))
+                               .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+                           "\n";
   write_atomically(directory / "sweep.json", json);
   if (json_)
     print(json);
   else if (!output_.quiet)
     print(table(sweep, results, kept, directory, seconds_since(started)));
   for (const SweepRow* row : results.rows())
-    if (!row->completed) fmt::print(stderr, "viscobar: case {}: {}\n", row->index, row->error);
+    if (!row->completed) complain(fmt::format("case {}: {}", row->index, row->error));
   if (!finished) {
-    fmt::print(stderr, "viscobar: interrupted with {} of {} cases done; the same command goes on\n", results.size(),
-               sweep.plan.size());
+    complain(fmt::format("interrupted with {} of {} cases done; the same command goes on", results.size(),
+                         sweep.plan.size()));
     return stopped;
   }
   return results.failed() == 0 ? success : run_failed;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "io/result_directory.hpp"
+#include "io/printable.hpp"
 #include "io/sweep_info.hpp"
 #include "io/table.hpp"
 #include "viscobar/io/io_error.hpp"
@@ -186,7 +187,7 @@ Json describe(const fs::path& place) {
 std::string words(const Json& value) {
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
-  if (value.is_string()) return value.get<std::string>();
+  if (value.is_string()) return one_line(value.get<std::string>());
   if (!value.is_array()) return value.dump();
   std::vector<std::string> parts;
   for (const Json& part : value) parts.push_back(words(part));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "io/printable.hpp"
 #include "io/synonyms.hpp"
 
 namespace viscobar {
@@ -19,19 +20,6 @@ std::string_view trimmed(std::string_view text) {
   if (first == text.npos) return {};
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
-
-}  // namespace
-
-std::string one_line(std::string_view text) {
-  std::string line;
-  for (const char c : text) {
-    const bool is_control = static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
-    line += is_control ? fmt::format("\\x{:02x}", c) : std::string(1, c);
-  }
-  return line;
-}
-
-namespace {
 
 // A TOML value, or else the text itself.
 TomlValue value_of(std::string_view text) {

@@ -25,9 +25,6 @@ std::string_view kind_of(const TomlValue& value);
 /// What to say about "table.leaf", which is no key of a scene: the nearest one, or those of the table.
 std::string unknown_key(std::string_view table, std::string_view leaf);
 
-/// A text on one line, control characters written out.
-std::string one_line(std::string_view text);
-
 /// The keys of a scene with their values, as far as each is right by itself, where each one stands, and all that was
 /// found wrong so far. A key that something was found wrong with is faulty: it has no value any more, and whoever
 /// needs one goes on with a harmless one, so that what else is wrong comes to light in the same run.

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "io/scene_entries.hpp"
+#include "io/printable.hpp"
 #include "io/summary.hpp"
 #include "io/text_check.hpp"
 #include "viscobar/analysis/impulse.hpp"

@@ -14,24 +14,27 @@ bool is_ascii(std::string_view text) {
 
 bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0u) == 0x80u; }
 
-// Bytes of the UTF-8 sequence at `i`, 0 when it is none (overlong forms, surrogates and values above U+10FFFF too).
-std::size_t sequence_length(std::string_view text, std::size_t i) {
+}  // namespace
+
+std::size_t character_length(std::string_view text, std::size_t offset) {
   const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
-  const unsigned first = byte(i), second = byte(i + 1);
+  const unsigned first = byte(offset), second = byte(offset + 1);
   if (first < 0x80) return 1;
   const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
   const unsigned lowest = first == 0xE0 ? 0xA0 : first == 0xF0 ? 0x90 : 0x80;
   const unsigned highest = first == 0xED ? 0x9F : first == 0xF4 ? 0x8F : 0xBF;
   if (first < 0xC2 || first > 0xF4 || second < lowest || second > highest) return 0;
   for (std::size_t k = 2; k < length; ++k)
-    if (i + k >= text.size() || !is_continuation(text[i + k])) return 0;
+    if (offset + k >= text.size() || !is_continuation(text[offset + k])) return 0;
   return length;
 }
+
+namespace {
 
 std::size_t first_invalid(std::string_view text) {
   std::size_t i = 0;
   while (i < text.size()) {
-    const std::size_t length = sequence_length(text, i);
+    const std::size_t length = character_length(text, i);
     if (length == 0) return i;
     i += length;
   }
@@ -120,7 +123,7 @@ class Scanner {
   }
 
   [[noreturn]] void fail_at_letter() const {
-    const std::string_view ascii = ascii_for(text_.substr(i_, sequence_length(text_, i_)));
+    const std::string_view ascii = ascii_for(text_.substr(i_, character_length(text_, i_)));
     const std::string what = "letters beyond ASCII belong into quotes or comments only";
     fail(i_, ascii.empty()
                  ? what

@@ -22,6 +22,9 @@ class TextError : public std::runtime_error {
   TextPosition at;
 };
 
+/// Bytes of the character of UTF-8 at `offset`; 0 when there is none, as for overlong forms and surrogates.
+std::size_t character_length(std::string_view text, std::size_t offset);
+
 bool is_utf8(std::string_view text);
 
 /// The ASCII that somebody meant who has this character from a word processor or a book: - for a typographic minus, a

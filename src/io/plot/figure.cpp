@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "io/plot/json_text.hpp"
+#include "io/printable.hpp"
 
 namespace viscobar::plot {
 
@@ -52,7 +53,7 @@ double height_of_bars(std::size_t rows) { return top + below + legend_pitch * st
 
 std::string escaped(std::string_view text) {
   std::string out;
-  for (const char c : text) {
+  for (const char c : printable(text)) {  // XML has no control characters
     switch (c) {
       case '&': out += "&amp;"; break;
       case '<': out += "&lt;"; break;
