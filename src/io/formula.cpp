@@ -186,6 +186,7 @@ Formula::Formula(std::string text, std::string_view variables) : text_(std::move
   } catch (const mu::ParserError& error) {
     throw FormulaError("the formula " + explain(error, text_, variables));
   }
+  if (uses('t')) parse_formula(text_);  // breaks() will
   if (is_constant() && !std::isfinite(constant_))
     throw FormulaError(fmt::format("must be finite, is {}", printable(constant_)));
 }
