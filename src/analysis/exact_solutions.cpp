@@ -198,8 +198,19 @@ Solution later(Solution solution, double t0) {
   solution.reaction_right = shifted_end(solution.reaction_right);
   solution.scene.displacement = [u = solution.u](double x) { return u(x, 0.0); };
   solution.scene.velocity = [v = solution.v](double x) { return v(x, 0.0); };
-  if (solution.scene.load)
-    solution.scene.load = GeneralLoad{shifted(std::get<GeneralLoad>(*solution.scene.load).density)};
+  if (solution.scene.load) {
+    GeneralLoad& load = std::get<GeneralLoad>(*solution.scene.load);
+    const auto since_then = [t0](std::optional<double> t) { return t ? std::optional(*t - t0) : t; };
+    load.density = shifted(load.density);
+    if (load.breaks)
+      load.breaks = [f = load.breaks, t0, since_then](double after, double until) {
+        return since_then(f(t0 + after, t0 + until));
+      };
+    if (load.breaks_at)
+      load.breaks_at = [f = load.breaks_at, t0, since_then](double x, double after, double until) {
+        return since_then(f(x, t0 + after, t0 + until));
+      };
+  }
   return solution;
 }
 

@@ -119,9 +119,9 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(me
     };
     if (const auto* steady = std::get_if<SteadyLoad>(&*scene.load)) load_ = SteadyVector{weighted(steady->profile)};
     if (const auto* separable = std::get_if<SeparableLoad>(&*scene.load))
-      load_ = SeparableVector{weighted(separable->profile), separable->history};
+      load_ = SeparableVector{weighted(separable->profile), separable->history, separable->breaks};
     if (const auto* general = std::get_if<GeneralLoad>(&*scene.load))
-      load_ = GeneralVector{general->density, load_mass};
+      load_ = GeneralVector{general->density, general->breaks, general->breaks_at, load_mass};
   }
 }
 

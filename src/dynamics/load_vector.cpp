@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <limits>
 
 #include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/dynamics/errors.hpp"
@@ -32,13 +33,47 @@ double finite(double t, Load&& load, auto&& place) {
 LoadVector::LoadVector(const BarSystem& system) : system_(system) {
   if (std::holds_alternative<BarSystem::SteadyVector>(*system.load_)) return;
   weighted_.resize(system.size());
-  if (std::holds_alternative<BarSystem::GeneralVector>(*system.load_)) nodal_.resize(2 * system.mesh().nodes());
+  if (const auto* separable = std::get_if<BarSystem::SeparableVector>(&*system.load_)) breaks_ = separable->breaks;
+  if (const auto* general = std::get_if<BarSystem::GeneralVector>(&*system.load_)) {
+    nodal_.resize(2 * system.mesh().nodes());
+    breaks_ = general->breaks;
+    breaks_at_ = general->breaks_at;
+  }
+  if (breaks_ || breaks_at_)
+    next_.assign(1 + (breaks_at_ ? system.mesh().nodes() : 0), -std::numeric_limits<double>::infinity());
 }
 
 bool LoadVector::steady() const { return weighted_.empty(); }
 
+// Each break is searched for once, when the one before it at its place has been passed.
+double LoadVector::next_break(double after, double until) {
+  constexpr double never = std::numeric_limits<double>::infinity();
+  const Mesh& mesh = system_.mesh();
+  double first = never;
+  for (std::size_t k = 0; k < next_.size(); ++k) {
+    if (next_[k] <= after) {
+      if (k > 0)
+        next_[k] = breaks_at_(mesh.node(k - 1), after, until).value_or(never);
+      else
+        next_[k] = breaks_ ? breaks_(after, until).value_or(never) : never;
+    }
+    first = std::min(first, next_[k]);
+  }
+  return first;
+}
+
+double LoadVector::enter(double t, double end) {
+  if (next_.empty()) return end;
+  const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end));
+  const double next = next_break(t + rounding, end + rounding);
+  first_ = t + rounding;
+  last_ = std::max(first_, next - rounding);
+  return next < end - rounding ? next : end;
+}
+
 std::span<const double> LoadVector::at(double t) {
   if (const auto* steady = std::get_if<BarSystem::SteadyVector>(&*system_.load_)) return steady->weighted;
+  t = inside(t);
   if (time_ == t) return weighted_;
   ++evaluations_;
   if (const auto* separable = std::get_if<BarSystem::SeparableVector>(&*system_.load_)) {

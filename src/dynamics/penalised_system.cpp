@@ -183,14 +183,18 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<
     return;
   }
   double rate = modulus * w[next];
-  if (load_ && !load_->steady()) {
-    const double transit = bar_.mesh().spacing() * std::sqrt(bar_.bar().density / bar_.bar().modulus);
-    // No load is asked for before the start, where it need not exist.
-    const double step = 1e-4 * transit, before = std::max(0.0, t - step), after = t + step;
-    const double early = load_->at(before)[end];
-    rate += (load_->at(after)[end] - early) / (after - before);
+  if (load_varies()) {
+    const auto [before, after] = beside(t);
+    const double early = load(end, before), late = load(end, after);
+    if (before < after) rate += (late - early) / (after - before);
   }
   w[end] = rate / (modulus + stiffness_of_closed(end));
+}
+
+std::pair<double, double> PenalisedSystem::beside(double t) const {
+  const double step = 1e-4 * bar_.mesh().spacing() * std::sqrt(bar_.bar().density / bar_.bar().modulus);
+  // No load is asked for before the start, where it need not exist.
+  return {load_->inside(std::max(0.0, t - step)), load_->inside(t + step)};
 }
 
 void PenalisedSystem::complete_velocity(double t, std::span<const double> u, std::span<double> w) {

@@ -48,7 +48,8 @@ class CvodeStepper {
     probe_ = make_probe(*probed_, context_);
   }
 
-  void restart(double t, std::span<const double> y) {
+  void restart(double t, double stop, std::span<const double> y) {
+    stop_ = stop;
     weights_.tighten(leg_.statistics.events);
     std::ranges::copy(y, values(state_).begin());
     begin(stiff() ? bdf_ : adams_, t);
@@ -56,7 +57,7 @@ class CvodeStepper {
 
   double advance() {
     double t = 0.0;
-    const int flag = CVode(memory_, end_, state_.get(), &t, CV_ONE_STEP);
+    const int flag = CVode(memory_, stop_, state_.get(), &t, CV_ONE_STEP);
     require_memory();
     if (flag < 0) fail(leg_, "CVode", flag, flag_name(CVodeGetReturnFlagName(flag)), cvode_flags());
     return t;
@@ -100,7 +101,7 @@ class CvodeStepper {
     else
       create(memory, t);
     leg_.memory = memory_;
-    check("CVodeSetStopTime", CVodeSetStopTime(memory_, end_));
+    check("CVodeSetStopTime", CVodeSetStopTime(memory_, stop_));
   }
 
   // Adams' formulas, of order up to 12, where every motion is an oscillation that has to be resolved anyway; backward
@@ -164,7 +165,7 @@ class CvodeStepper {
   Leg leg_;
   ErrorWeights weights_;
   Formulas formulas_;
-  double end_;
+  double end_, stop_ = 0.0;  // of the run, and of the leg
   Vector state_, interpolated_;
   std::optional<Probed> probed_;
   Vector probe_;

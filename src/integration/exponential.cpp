@@ -100,8 +100,15 @@ class Run {
     throw IntegrationError(fmt::format("exponential stopped at t = {}: {}", t_, what), reached());
   }
 
+  // The piece of time from here on in which the load is smooth.
+  void enter_piece() {
+    piece_end_ = penalised_.begin_leg(t_, times_.back());
+    load_.enter(t_, times_.back());
+  }
+
   void begin(const State& start) {
     State state = start;
+    enter_piece();
     penalised_.complete_displacement(t_, state.u);
     penalised_.complete_velocity(t_, state.u, state.v);
     const std::vector<double> approach = state.v;
@@ -123,6 +130,7 @@ class Run {
   }
 
   void go_on(const Checkpoint& checkpoint) {
+    enter_piece();
     begin_leg();
     y_.resize(leg().size());
     restore(*this, checkpoint, times_, observers_);
@@ -150,17 +158,17 @@ class Run {
   }
 
   void advance() {
-    if (contacts() > 0)
-      largest_displacement_ = std::max(
-          largest_displacement_,
-          (y_.head(leg().displacements()) + propagators_.origin().head(leg().displacements())).cwiseAbs().maxCoeff());
-    const double remaining = schedule_.next().value_or(times_.back()) - t_;
+    if (t_ >= piece_end_) enter_piece();
+    largest_displacement_ = std::max(
+        largest_displacement_,
+        (y_.head(leg().displacements()) + propagators_.origin().head(leg().displacements())).cwiseAbs().maxCoeff());
+    const double remaining = std::min(schedule_.next().value_or(piece_end_), piece_end_) - t_;
     // A varying load that vanishes at all points of a long step could hide a pulse between them.
     const double longest = load_.varies() ? std::min(remaining, (times_.back() - times_.front()) / 64) : remaining;
     while (level_ > 0 && propagator_->step(level_) > longest) --level_;
     const double tau = std::min(propagator_->step(level_), remaining);
     if (t_ + tau == t_) fail("the step vanishes against the time; choose a larger epsilon");
-    const bool resolved = load_.fit(t_, tau, p_);
+    const bool resolved = load_.fit(t_, tau, negligible_load(), p_);
     if (!resolved && tau > shortest_step()) return shorten();
     // A step of a few roundings of t carries nothing: that is how a jump of the load is crossed.
     if (!resolved && ++load_jumps_ > max_load_jumps)
@@ -173,6 +181,14 @@ class Run {
     pace_.step(t_, statistics_.events);
     if (!y_.allFinite()) fail("the solution is not finite");
     if (observers_.progress) watch_.outside([&] { observers_.progress(t_); });
+  }
+
+  // A force that displaces the bar by less than the rounding of its displacement: over the run by T^2 / mass, and a
+  // massless node by h / E.
+  double negligible_load() const {
+    const double duration = times_.back() - times_.front();
+    const double massless = system_.has_massless() ? system_.mesh().spacing() / system_.bar().modulus : 0.0;
+    return rounding * largest_displacement_ / std::max(duration * duration * propagators_.inverse_inertia(), massless);
   }
 
   void shorten() {
@@ -230,7 +246,7 @@ class Run {
     const double known =
         64.0 * rounding *
         (std::abs(flow.dissipated) + std::abs(flow.work) + distance_.cancelled_power(penetration) * tau);
-    if (error > std::max(share, known)) return false;
+    if (error > std::max({share, known, std::numeric_limits<double>::min()})) return false;
     add(flow);
     return true;
   }
@@ -370,6 +386,7 @@ class Run {
   PaceGuard pace_;
 
   double t_;
+  double piece_end_ = 0.0;  // of the piece in which the load is smooth
   CheckpointSchedule schedule_;
   VectorXd y_;
   LoadPolynomial p_;  // on the current step

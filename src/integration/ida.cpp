@@ -72,7 +72,8 @@ class IdaStepper {
     probe_ = make_probe(*probed_, context_);
   }
 
-  void restart(double t, std::span<const double> y) {
+  void restart(double t, double stop, std::span<const double> y) {
+    stop_ = stop;
     weights_.tighten(leg_.statistics.events);
     std::ranges::copy(y, values(state_).begin());
     set_consistent_rate(t);
@@ -81,12 +82,12 @@ class IdaStepper {
     } else {
       create(t);
     }
-    check("IDASetStopTime", IDASetStopTime(memory_.get(), end_));
+    check("IDASetStopTime", IDASetStopTime(memory_.get(), stop_));
   }
 
   double advance() {
     double t = 0.0;
-    const int flag = IDASolve(memory_.get(), end_, &t, state_.get(), rate_.get(), IDA_ONE_STEP);
+    const int flag = IDASolve(memory_.get(), stop_, &t, state_.get(), rate_.get(), IDA_ONE_STEP);
     require_memory();
     if (flag < 0) fail(leg_, "IDASolve", flag, flag_name(IDAGetReturnFlagName(flag)), ida_flags());
     return t;
@@ -167,7 +168,7 @@ class IdaStepper {
   Context context_;
   Leg leg_;
   ErrorWeights weights_;
-  double end_;
+  double end_, stop_ = 0.0;  // of the run, and of the leg
   Vector state_, rate_, interpolated_;
   std::optional<Probed> probed_;
   Vector probe_;

@@ -34,7 +34,8 @@ class OdeintStepper {
 
   void begin_run(std::vector<std::size_t> sampled_entries) { step_.begin_run(std::move(sampled_entries)); }
 
-  void restart(double t, std::span<const double> y) {
+  void restart(double t, double stop, std::span<const double> y) {
+    stop_ = stop;
     weights_.tighten(statistics_.events);
     StepPolynomial::End& start = step_.end();
     start.t = t;
@@ -77,9 +78,9 @@ class OdeintStepper {
   double rounding(double t) const {
     return 16.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end_));
   }
-  // The time that a step of the present size leads to: the end, where it would leave a rounding to go.
+  // The time that a step of the present size leads to: the end of the leg, where it would leave a rounding to go.
   double target(double t) const {
-    return t + size_ * (1.0 + 1e-9) >= end_ || end_ - t <= rounding(t) ? end_ : t + size_;
+    return t + size_ * (1.0 + 1e-9) >= stop_ || stop_ - t <= rounding(t) ? stop_ : t + size_;
   }
 
   void make_step(double t) {
@@ -95,7 +96,7 @@ class OdeintStepper {
     for (double growth = 5.0;; growth = 1.0) {
       reached.t = target(t);
       const double h = reached.t - t;
-      if (h <= rounding(t) && reached.t < end_)
+      if (h <= rounding(t) && reached.t < stop_)
         throw StepFailure(
             fmt::format("no step, however short, keeps the tolerance at t = {}; {}", t, remedy::accuracy));
       const double error = formulas_.attempt(t, h, scales_, reached);
@@ -116,7 +117,7 @@ class OdeintStepper {
   ErrorWeights weights_;
   Formulas formulas_;
   StepPolynomial step_;
-  double end_, longest_, size_;
+  double end_, longest_, size_, stop_ = 0.0;  // end of the run; end of the leg
   std::vector<double> scales_;
 };
 

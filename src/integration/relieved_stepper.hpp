@@ -47,7 +47,8 @@ class RelievedStepper {
     multistep_.begin_run(std::move(sampled_entries));
   }
 
-  void restart(double t, std::span<const double> y) {
+  void restart(double t, double stop, std::span<const double> y) {
+    stop_ = stop;
     // Where contacts change together, as those of a symmetric bar, they share the cost of the leg.
     const std::size_t changes = std::max<std::size_t>(statistics_.events - events_, 1);
     for (std::size_t k = 0; k < changes; ++k) lengths_[leg_++ % legs] = tried_ ? most_steps : steps_ / changes;
@@ -62,9 +63,9 @@ class RelievedStepper {
       begin_storm();
     begin_stretch(t);
     if (relieved())
-      one_step_->restart(t, y);
+      one_step_->restart(t, stop, y);
     else
-      multistep_.restart(t, y);
+      multistep_.restart(t, stop, y);
   }
 
   void before_step() {
@@ -182,7 +183,7 @@ class RelievedStepper {
     multistep_pace_ = pace();
     multistep_.interpolate(t_, y_);
     begin_relief();
-    one_step_->restart(t_, y_);
+    one_step_->restart(t_, stop_, y_);
     begin_stretch(t_);
     tried_ = true;
     turn_ = Turn::trial;
@@ -206,7 +207,7 @@ class RelievedStepper {
   void give_back() {
     one_step_->interpolate(t_, y_);
     end_relief();
-    multistep_.restart(t_, y_);
+    multistep_.restart(t_, stop_, y_);
     begin_stretch(t_);
   }
 
@@ -223,7 +224,7 @@ class RelievedStepper {
   std::array<std::size_t, legs> lengths_{};  // of the last legs, in steps a change
   std::size_t leg_ = 0, steps_ = 0, storm_legs_ = 0;
   double replaced_length_ = 0.0, paid_ = 0.0, saved_ = 0.0;  // in steps of the multistep method
-  double t_ = 0.0;                                           // now
+  double t_ = 0.0, stop_ = 0.0;                              // now, and the end of the leg
   std::size_t patience_ = first_patience;                    // steps of the multistep method before a trial
   std::array<double, trial_steps> begun_{};                  // when the last steps did
   double multistep_pace_ = 0.0;                              // before a trial

@@ -28,10 +28,11 @@
 namespace viscobar {
 
 /// The run of a method that makes steps and interpolates them, on the penalised system: steps on legs of constant
-/// contact states, a located change ending a leg, output interpolated. A Stepper offers
+/// contact states and a smooth load, a located change or a break of the load ending a leg, output interpolated. A
+/// Stepper offers
 ///
-///     restart(t, y)            begin a leg at t with the state y (its massless entries completed)
-///     double advance()         make one step towards the end, return the time reached
+///     restart(t, stop, y)      begin a leg at t with the state y (its massless entries completed)
+///     double advance()         make one step towards `stop`, return the time reached
 ///     std::size_t order()      degree of the interpolant over that step
 ///     interpolate(t, y)        the whole state at a time within that step
 ///     sample(t, k)             k-th derivative of the entries that the event search samples
@@ -93,14 +94,14 @@ class StepwiseRun {
         switch_contacts(t);
         // What is left after a change at the very end is no leg.
         if (end - t <= 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end))) break;
-      } else if (t >= end) {
-        reach(end);
+      } else if (t >= leg_end_) {
+        reach(t);
       }
       if (t > begin && t < end && schedule_.due(t)) {
         if (!change) reach(t);
         return Checkpoint{t, next_output_, {}, archived(*this)};
       }
-      if (change) restart(t);
+      if (change || (t >= leg_end_ && t < end)) restart(t);
     }
     statistics_.reached_time = end;
     finish(end);
@@ -145,6 +146,7 @@ class StepwiseRun {
   }
 
   void begin(double t, const State& start) {
+    system_.begin_leg(t, times_.back());
     std::ranges::copy(start.u, u().begin());
     std::ranges::copy(start.v, w().begin());
     system_.complete_displacement(t, u());
@@ -209,9 +211,10 @@ class StepwiseRun {
     account_shift_ = {};
     for (std::size_t i = 0; i < system_.contact_count(); ++i)
       if (system_.closed(i)) system_.measure_from_obstacle(i, u());
+    leg_end_ = system_.begin_leg(t, times_.back());
     system_.complete_displacement(t, u());
     system_.complete_velocity(t, u(), w());
-    stepper_.restart(t, y_);
+    stepper_.restart(t, leg_end_, y_);
   }
 
   void outputs_until(double limit) {
@@ -312,6 +315,7 @@ class StepwiseRun {
   Stopwatch stopwatch_;
   std::vector<double> y_, inner_;          // the state where the run is, and within a step
   std::array<double, 2> account_shift_{};  // of the account of this leg
+  double leg_end_ = 0.0;
   std::size_t next_output_ = 0;
   std::size_t last_contact_ = 0, toggles_ = 0, stalled_ = 0;
   double last_change_ = -std::numeric_limits<double>::infinity();

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 
+#include "io/formula_switches.hpp"
 #include "io/nearest_name.hpp"
 #include "io/text_check.hpp"
 #include "scene/printable.hpp"
@@ -185,6 +186,7 @@ Formula::Formula(std::string text, std::string_view variables) : text_(std::move
   } catch (const mu::ParserError& error) {
     throw FormulaError("the formula " + explain(error, text_, variables));
   }
+  if (uses('t')) parse_formula(text_);  // breaks() will
   if (is_constant() && !std::isfinite(constant_))
     throw FormulaError(fmt::format("must be finite, is {}", printable(constant_)));
 }
@@ -202,6 +204,20 @@ TimeFunction Formula::of_t() const {
 SpaceTimeFunction Formula::of_x_t() const {
   if (is_constant()) return [value = constant_](double, double) { return value; };
   return [f = Compiled(text_)](double x, double t) mutable { return f(x, t); };
+}
+
+NextBreak Formula::breaks() const {
+  if (!uses('t')) return {};
+  FormulaSwitches switches(parse_formula(text_), false);
+  if (switches.empty()) return {};
+  return [switches](double after, double until) mutable { return switches.first(0.0, after, until); };
+}
+
+NextBreakAt Formula::breaks_at() const {
+  if (!uses('t') || !uses('x')) return {};
+  FormulaSwitches switches(parse_formula(text_), true);
+  if (switches.empty()) return {};
+  return [switches](double x, double after, double until) mutable { return switches.first(x, after, until); };
 }
 
 }  // namespace viscobar

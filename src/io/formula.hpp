@@ -34,6 +34,11 @@ class Formula {
   TimeFunction of_t() const;
   SpaceTimeFunction of_x_t() const;
 
+  /// Where it is not a smooth function of t, for all x at once, and what depends on x, too (see FormulaSwitches); empty
+  /// functions where there is nothing of the kind.
+  NextBreak breaks() const;
+  NextBreakAt breaks_at() const;
+
  private:
   std::string text_;
   std::string used_;

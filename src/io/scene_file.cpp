@@ -34,14 +34,14 @@ std::optional<Load> load_of(const SceneEntries& entries) {
   if (const auto density = entries.formula("load.density")) {
     if (is_zero(*density)) return std::nullopt;
     if (!density->uses('t')) return SteadyLoad{density->of_x()};
-    if (!density->uses('x')) return SeparableLoad{[](double) { return 1.0; }, density->of_t()};
-    return GeneralLoad{density->of_x_t()};
+    if (!density->uses('x')) return SeparableLoad{[](double) { return 1.0; }, density->of_t(), density->breaks()};
+    return GeneralLoad{density->of_x_t(), density->breaks(), density->breaks_at()};
   }
   const auto profile = entries.formula("load.profile"), history = entries.formula("load.history");
   if (!profile || !history || is_zero(*profile) || is_zero(*history)) return std::nullopt;
   if (history->is_constant())
     return SteadyLoad{[f = profile->of_x(), factor = history->constant()](double x) { return factor * f(x); }};
-  return SeparableLoad{profile->of_x(), history->of_t()};
+  return SeparableLoad{profile->of_x(), history->of_t(), history->breaks()};
 }
 
 // The case that the sound keys make; a faulty one gets a value that does no harm.

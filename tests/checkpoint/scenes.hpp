@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "io/formula.hpp"
 #include "viscobar/analysis/case.hpp"
 
 namespace viscobar::testing_checkpoint {
@@ -14,7 +15,7 @@ struct NamedCase {
 };
 
 /// One scene of each kind that a method may treat in its own way: with and without viscosity, load, mass at the contact
-/// nodes, dashpots, a span obstacle, a fixed end; in all of them contacts close and open.
+/// nodes, dashpots, a span obstacle, a fixed end, a load that jumps; in all of them contacts close and open.
 inline std::vector<NamedCase> kinds_of_scenes() {
   Case two_ends;
   two_ends.scene.bar.viscosity = 0.05;
@@ -58,8 +59,15 @@ inline std::vector<NamedCase> kinds_of_scenes() {
   span.scene.span = Obstacle{0.05};
   span.epsilon = 1e-2;
 
-  return {{"two ends", two_ends}, {"undamped", undamped}, {"massless", massless}, {"algebraic", algebraic},
-          {"dashpots", dashpots}, {"elastic", elastic},   {"moreau", moreau},     {"span", span}};
+  // One of the breaks is where the tests make a checkpoint; the front breaks at each node at another time.
+  Case switching = two_ends;
+  const Formula load("(t > 0.46 ? -1 : 1)*abs(sin(5*t)) - (x < 0.6*t)", "xt");
+  switching.scene.load = GeneralLoad{load.of_x_t(), load.breaks(), load.breaks_at()};
+  switching.mass = Mass::redistributed;
+
+  return {{"two ends", two_ends}, {"undamped", undamped}, {"massless", massless},
+          {"algebraic", algebraic}, {"dashpots", dashpots}, {"elastic", elastic},
+          {"moreau", moreau},     {"span", span},         {"switching", switching}};
 }
 
 }  // namespace viscobar::testing_checkpoint

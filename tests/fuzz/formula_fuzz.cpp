@@ -1,5 +1,6 @@
 // A formula, the first byte choosing its variables and whether a copy is tried: it is refused with a reason, or a
-// function that gives the same value each time, from each copy, and a finite one where it is constant.
+// function that gives the same value each time, from each copy, and a finite one where it is constant; the search for
+// its breaks ends.
 
 // longest: 200
 // seeds: formulas of examples/scenes/*.toml tests/malformed/scenes/*.toml
@@ -28,6 +29,9 @@ void read(const std::string& text, std::string_view variables, bool try_copy) {
   if (formula->is_constant()) claim(std::isfinite(formula->constant()), "a constant is finite");
   const SpaceTimeFunction f = formula->of_x_t();
   const SpaceTimeFunction copy = try_copy ? f : nullptr;
+  const auto after = [&](std::optional<double> t) { claim(!t || (*t >= 0.0 && *t <= 2.0), "a break is in its time"); };
+  if (const NextBreak next = formula->breaks()) after(next(0.0, 2.0));
+  if (const NextBreakAt next = formula->breaks_at()) after(next(0.5, 0.0, 2.0));
   for (const double x : {0.0, 0.5, -1.0, 1e300})
     for (const double t : {0.0, 2.0}) {
       const auto first = std::bit_cast<std::uint64_t>(f(x, t));

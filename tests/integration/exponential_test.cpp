@@ -368,6 +368,30 @@ TEST(Exponential, CrossesKinksOfTheLoadAndIsNotHeldUpByItsRounding) {
   EXPECT_LT(run.statistics.steps, 20 * 2 * 64u);  // a step a halving, down to rounding and up again at each kink
 }
 
+TEST(Exponential, FollowsALoadOverAllDecadesThatNumbersHave) {
+  // A blow of the shape exp(-400 (t - s)^2) has the impulse sqrt(pi/400) at s. It grows and falls by 745 powers of e
+  // within the range of numbers; a step of degree 12 follows one to rounding, and one of half a power is tried at
+  // worst.
+  const double s = 1.646, impulse = -1.3 * std::sqrt(std::numbers::pi / 400);
+  const SeparableLoad blow{[](double) { return -1.3; }, [s](double t) { return std::exp(-400 * (t - s) * (t - s)); }};
+  for (const bool moving : {false, true}) {
+    Scene scene = falling_bar(1.0, moving ? 1.0 : 0.0, 0.1);
+    scene.left = Free{};
+    scene.load = blow;
+    const auto run = record(BarSystem(scene, Mesh{1.0, 5}, Mass::consistent), {0.0, 4.0});
+    for (const double u : run.u.back()) EXPECT_NEAR(u, impulse * (4 - s) - (moving ? 4 : 0), 4 * accuracy);
+    EXPECT_LT(run.statistics.steps, moving ? 500u : 4 * 745u);  // beside a motion of size 1, 700 of them are nothing
+  }
+  const SteadyLoad tiny{[](double x) { return 1e-200 * (1 + x); }};
+  Scene scene = falling_bar(1.0, 0.0, 0.1);
+  scene.left = Free{};
+  scene.load = SeparableLoad{tiny.profile, [](double t) { return std::cos(3 * t); }};
+  const auto run = record(BarSystem(scene, Mesh{1.0, 5}, Mass::lumped), {0.0, 4.0});
+  double mean = 0.0;
+  for (std::size_t j = 0; j < 6; ++j) mean += run.u.back()[j] * (j % 5 == 0 ? 0.1 : 0.2);
+  EXPECT_NEAR(mean, 1.5e-200 * (1 - std::cos(12.0)) / 9, 4 * accuracy * 1e-200);
+}
+
 TEST(Exponential, ALoadThatNoPolynomialFollowsIsAnError) {
   Scene scene = falling_bar(1.0, 0.0, 0.1);
   scene.load = SeparableLoad{[](double) { return 1.0; }, [](double t) { return 1.0 + 1e-6 * std::sin(1e20 * t); }};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -118,9 +119,12 @@ class BarSystem {
   struct SeparableVector {
     std::vector<double> weighted;  // M profile
     TimeFunction history;
+    NextBreak breaks;
   };
   struct GeneralVector {
     SpaceTimeFunction density;
+    NextBreak breaks;
+    NextBreakAt breaks_at;
     SymmetricTridiagonal mass;  // over all nodes
   };
 
@@ -150,13 +154,26 @@ class LoadVector {
   /// @throws LoadError when the load is not finite at t.
   std::span<const double> at(double t);
 
+  /// Time of the first break of the load in (t, end), at any node, or `end`: on the piece between, the load is smooth.
+  /// From here on at() evaluates it at the nearest time inside of that piece, by 64 roundings of the time, so that it
+  /// has its one-sided limits at the ends. Two breaks closer than that are one. `end` is the same at every call.
+  double enter(double t, double end);
+  /// The time at which at(t) evaluates the load.
+  double inside(double t) const { return std::clamp(t, first_, last_); }
+
   bool steady() const;                                      ///< the same at all times
   std::size_t evaluations() const { return evaluations_; }  ///< of the load's functions of time
 
  private:
+  double next_break(double after, double until);
+
   const BarSystem& system_;  // outlives this
   std::vector<double> nodal_, weighted_;
   std::optional<double> time_;
+  NextBreak breaks_;
+  NextBreakAt breaks_at_;
+  std::vector<double> next_;  // break of the whole load; of it at each node, where that has its own
+  double first_ = -std::numeric_limits<double>::infinity(), last_ = std::numeric_limits<double>::infinity();
   std::size_t evaluations_ = 0;
 };
 

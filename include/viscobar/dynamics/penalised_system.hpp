@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "viscobar/dynamics/bar_system.hpp"
@@ -94,8 +95,11 @@ class PenalisedSystem {
   /// D(m,c,k) = m rho M + (c eta + k E) K + sum over closed contacts of (k k_i + c b_i) e_i e_i^T.
   void dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const;
 
+  /// To be called where a leg begins: the time to which the load stays smooth, `end` at most (see LoadVector::enter).
+  double begin_leg(double t, double end) { return load_ ? load_->enter(t, end) : end; }
+
   /// Sets the velocity of massless unknowns from their rows, which have no inertia: for eta > 0 the row itself, for
-  /// eta = 0 its time derivative (the load's by central differences over 2e-4 element transit times).
+  /// eta = 0 its time derivative.
   void complete_velocity(double t, std::span<const double> u, std::span<double> w);
 
   /// Sets the displacement of massless unknowns for eta = 0, where their rows are algebraic. Nothing to do otherwise.
@@ -116,6 +120,9 @@ class PenalisedSystem {
   std::vector<RelaxingRow> relaxing_rows() const;
   /// (M f)_i at t, 0 without a load.
   double load(std::size_t unknown, double t) { return load_ ? load_->at(t)[unknown] : 0.0; }
+  /// Two times of the leg, 1e-4 element transit times or less to either side of t: the difference of the loads there
+  /// gives the load's rate at t. The same time twice in a leg that is too short to have a rate.
+  std::pair<double, double> beside(double t) const;
 
   /// Opens or closes each contact as the state at the start asks for: closed when it penetrates, or touches and moves
   /// in, or touches at rest and is pressed in. Completes u and w at massless nodes on the way.

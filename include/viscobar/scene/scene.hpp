@@ -39,20 +39,31 @@ using TimeFunction = std::function<double(double t)>;
 /// Of both.
 using SpaceTimeFunction = std::function<double(double x, double t)>;
 
+/// The first time in (after, until) at which a function of time jumps or has a kink; absent: none there.
+using NextBreak = std::function<std::optional<double>(double after, double until)>;
+/// Likewise of a function of x and t, at x.
+using NextBreakAt = std::function<std::optional<double>(double x, double after, double until)>;
+
 /// f(x): evaluated once per node.
 struct SteadyLoad {
   SpaceFunction profile;  ///< f(x)
 };
 
 /// f(x,t) = profile(x) history(t): the profile is evaluated once per node, the history once per step.
+///
+/// No step of an adaptive method and none of `exponential` reaches across a break; from either side of it the load is
+/// evaluated a few roundings of the time away.
 struct SeparableLoad {
   SpaceFunction profile;  ///< of x
   TimeFunction history;   ///< of t
+  NextBreak breaks = {};  ///< of the history; empty: it is smooth
 };
 
 /// f(x,t) of no known structure: evaluated at every node and every step.
 struct GeneralLoad {
-  SpaceTimeFunction density;  ///< f(x,t), force per volume
+  SpaceTimeFunction density;   ///< f(x,t), force per volume
+  NextBreak breaks = {};       ///< of the density, the same for all x; empty: none
+  NextBreakAt breaks_at = {};  ///< those that are at another time for another x, such as a front that moves
 };
 
 /// The density f of a load, in the narrowest kind that holds it.

@@ -45,12 +45,16 @@ const Chebyshev& chebyshev() {
   return table;
 }
 
-// Adds the part of `sample` outside the span of the orthonormal `basis` when rounding cannot explain it.
+// Below it a number has lost digits.
+constexpr double smallest = std::numeric_limits<double>::min();
+
+// Adds the part of `sample` outside the span of the orthonormal `basis` when rounding cannot explain it. (The square of
+// a load of 1e-200 is 0: norms are Eigen's stable ones.)
 void extend(MatrixXd& basis, const Eigen::VectorXd& sample, double largest) {
   Eigen::VectorXd rest = sample;
   for (int pass = 0; pass < 2; ++pass) rest -= basis * (basis.transpose() * rest);
-  const double norm = rest.norm();
-  if (norm <= 8.0 * std::numeric_limits<double>::epsilon() * largest) return;
+  const double norm = rest.stableNorm();
+  if (norm <= std::max(8.0 * std::numeric_limits<double>::epsilon() * largest, smallest)) return;
   basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
   basis.rightCols(1) = rest / norm;
 }
@@ -80,21 +84,24 @@ MatrixXd LoadInterpolation::total(const LoadPolynomial& p) const {
   return load_ ? varying(p) : Eigen::Map<const MatrixXd>(steady_.data(), basis_.rows(), steady_.empty() ? 0 : 1);
 }
 
-bool LoadInterpolation::fit(double t, double tau, LoadPolynomial& out) {
+bool LoadInterpolation::fit(double t, double tau, double negligible, LoadPolynomial& out) {
   if (!load_) return true;
   const Chebyshev& table = chebyshev();
   MatrixXd samples(basis_.rows(), points);
   for (Index i = 0; i < points; ++i) {
     const std::span<const double> value = load_->at(t + tau * table.node[i]);
     samples.col(i) = Eigen::Map<const Eigen::VectorXd>(value.data(), basis_.rows());
-    largest_ = std::max(largest_, samples.col(i).norm());
+    largest_ = std::max(largest_, samples.col(i).stableNorm());
   }
   for (Index i = 0; i < points; ++i) extend(basis_, samples.col(i), largest_);
   const MatrixXd coefficients = (basis_.transpose() * samples) * table.analysis;
   out = coefficients * table.monomials;
-  const auto size = [&](Index first) { return coefficients.middleCols(first, 4).norm(); };
+  const auto size = [&](Index first) { return coefficients.middleCols(first, 4).stableNorm(); };
   const double tail = size(points - 4), before = size(points - 8);
-  return tail <= 1e-14 * largest_ || (tail <= 1e-11 * largest_ && tail >= 0.05 * before);
+  if (tail <= std::max({1e-14 * largest_, negligible, smallest})) return true;
+  const double slope = 2.0 * coefficients.col(1).stableNorm() / tau;  // of the load, on average over the step
+  const double of_time = 4.0 * std::numeric_limits<double>::epsilon() * (t + tau) * slope;
+  return tail <= 1e-11 * largest_ && (tail <= of_time || tail >= 0.05 * before);
 }
 
 }  // namespace viscobar::exponential

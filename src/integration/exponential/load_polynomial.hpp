@@ -31,10 +31,17 @@ class LoadInterpolation {
   std::span<const double> steady() const { return steady_; }
   bool varies() const { return load_.has_value(); }
 
-  /// Interpolates at Chebyshev's points of [t, t + tau]. Returns whether the last Chebyshev coefficients are below
-  /// 1e-14 of the largest load so far, or below 1e-11 of it and level: the rounding of the load itself, that no shorter
-  /// step would lower.
-  bool fit(double t, double tau, LoadPolynomial& out);
+  /// The load is that of the piece of time between two of its breaks that begins at t (see LoadVector::enter).
+  void enter(double t, double end) {
+    if (load_) load_->enter(t, end);
+  }
+
+  /// Interpolates at Chebyshev's points of [t, t + tau]. Returns whether the last Chebyshev coefficients are
+  ///
+  ///   - below 1e-14 of the largest load so far, or `negligible`, or below the numbers that have all digits,
+  ///   - or below 1e-11 of the largest load so far and no shorter step would lower them: they are what a few roundings
+  ///     of the time make of the load, or they are level, which is the rounding of the load itself.
+  bool fit(double t, double tau, double negligible, LoadPolynomial& out);
 
   /// Coefficients over the unknowns (n entries each), of the part that varies and of all: no columns without any.
   Eigen::MatrixXd varying(const LoadPolynomial& p) const;

@@ -21,6 +21,8 @@ class PropagatorCache {
   /// What the displacements of the unknowns are measured from, and from where in future that of contact c's node.
   const Eigen::VectorXd& origin() const { return origin_; }
   void measure_from_obstacle(std::size_t c);
+  /// Norm of (rho M)^{-1} on the massive nodes.
+  double inverse_inertia() const { return inverse_inertia_; }
   /// Where contact c begins, measured from the origin.
   double surface(std::size_t c) const { return -system_.contact(c).gap - origin_[node(c)]; }
 

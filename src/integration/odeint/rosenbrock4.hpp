@@ -74,15 +74,14 @@ class Rosenbrock4 {
     }
   }
 
-  // Of the load, by central differences over 2e-4 element transit times.
   void find_time_rate(double t, std::span<double> out) {
     std::ranges::fill(out, 0.0);
     PenalisedSystem& system = form_.system;
     if (!system.load_varies()) return;
     const std::size_t n = system.size();
     const Bar& bar = system.bar().bar();
-    const double step = 1e-4 * system.bar().mesh().spacing() * std::sqrt(bar.density / bar.modulus);
-    const double before = std::max(0.0, t - step), after = t + step;
+    const auto [before, after] = system.beside(t);
+    if (!(before < after)) return;
     for (std::size_t i = 0; i < n; ++i) load_rate_[i] = -system.load(i, before);
     for (std::size_t i = 0; i < n; ++i) load_rate_[i] = (load_rate_[i] + system.load(i, after)) / (after - before);
     const std::span<double> a = out.subspan(n, n);

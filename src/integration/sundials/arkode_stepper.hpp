@@ -58,7 +58,8 @@ class ArkodeStepper {
 
   void begin_run(std::vector<std::size_t> sampled_entries) { step_.begin_run(std::move(sampled_entries)); }
 
-  void restart(double t, std::span<const double> y) {
+  void restart(double t, double stop, std::span<const double> y) {
+    stop_ = stop;
     weights_.tighten(leg_.statistics.events);
     std::ranges::copy(y.first(leg_.layout.size), values(state_).begin());
     StepPolynomial::End& start = step_.end();
@@ -72,12 +73,12 @@ class ArkodeStepper {
       check("ARKStepReset", ARKStepReset(memory_.get(), t, state_.get()));
     else
       create(t);
-    check("ARKStepSetStopTime", ARKStepSetStopTime(memory_.get(), end_));
+    check("ARKStepSetStopTime", ARKStepSetStopTime(memory_.get(), stop_));
   }
 
   double advance() {
     double t = 0.0;
-    const int flag = ARKStepEvolve(memory_.get(), end_, state_.get(), &t, ARK_ONE_STEP);
+    const int flag = ARKStepEvolve(memory_.get(), stop_, state_.get(), &t, ARK_ONE_STEP);
     // It has freed what interpolates then, and ARKStepFree would do so again.
     if (flag == ARK_MEM_FAIL) std::ignore = memory_.release(), throw std::bad_alloc();
     require_memory();
@@ -163,7 +164,7 @@ class ArkodeStepper {
   Context context_;
   Leg leg_;
   ErrorWeights weights_;
-  double end_;
+  double end_, stop_ = 0.0;  // of the run, and of the leg
   StepPolynomial step_;
   Vector state_, rate_;  // at the end of the last step
   NonlinearSolver solver_;
