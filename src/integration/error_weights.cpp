@@ -23,7 +23,7 @@ double ErrorWeights::velocity_tolerance() const {
 }
 
 double ErrorWeights::promised_energy() const {
-  return promised_multiple * inertia_ * largest_w_ * (tolerance_.relative * largest_w_ + tolerance_.absolute);
+  return inertia_ * largest_w_ * promised_velocity();
 }
 
 void ErrorWeights::fill(std::span<const double> y, std::span<double> weights) {

@@ -53,6 +53,9 @@ class ErrorWeights {
   double largest_displacement() const { return largest_u_; }
   double displacement_tolerance() const;
   double velocity_tolerance() const;
+  /// What is promised of u and w.
+  double promised_displacement() const { return promised_multiple * displacement_tolerance() * tightening_; }
+  double promised_velocity() const { return promised_multiple * velocity_tolerance() * tightening_; }
   /// What the promised error of the velocities makes of the kinetic energy of the bar.
   double promised_energy() const;
 

@@ -67,7 +67,7 @@ class StepwiseRun {
     double t = begin;
     while (t < end) {
       if constexpr (requires { stepper_.before_step(); }) stepper_.before_step();
-      const double reached = stepper_.advance();
+      const double step_begin = t, reached = stepper_.advance();
       ++statistics_.steps;
       stall_check(t, reached);
       if (reached <= t) continue;  // nothing can be interpolated
@@ -91,7 +91,7 @@ class StepwiseRun {
       if (observers_.progress) stopwatch_.outside([&] { observers_.progress(t); });
       if (change) {
         reach(t);
-        switch_contacts(t);
+        switch_contacts(t, reached - step_begin);
         // What is left after a change at the very end is no leg.
         if (end - t <= 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end))) break;
       } else if (t >= leg_end_) {
@@ -238,14 +238,18 @@ class StepwiseRun {
     statistics_.completed = true;
   }
 
-  void switch_contacts(double t) {
+  // In the step of that length.
+  void switch_contacts(double t, double length) {
     system_.complete_velocity(t, u(), w());
     const std::span<const double> velocity = w();
     const auto switch_one = [&](std::size_t i) {
       const Change change = system_.closed(i) ? Change::opening : Change::closing;
       tell_event(t, i, change, velocity[system_.contact(i).unknown]);
       system_.set_closed(i, change == Change::closing);
-      if (change == Change::closing) require_duration(t, i);
+      if (change == Change::closing)
+        require_duration(t, i);
+      else if (system_.contact_rate(i) * length > 10.0)
+        weigh_opening(t, i, length);
       system_.place_on_obstacle(i, u());
     };
     search_.look_at(t, stepper_);
@@ -253,6 +257,28 @@ class StepwiseRun {
       if (i == search_.first_contact() || search_.changes(i, t, y_, uncertainty(i))) switch_one(i);
     }
     guard_against_toggling(t, search_.first_contact());
+  }
+
+  // By the row of the node at rest: rho M a = F with what holds it taken away gives it the acceleration pull / m. It opens
+  // a delay after its row asks for it, of 2 zeta / omega <= 2 / omega.
+  void weigh_opening(double t, std::size_t i, double length) {
+    const std::size_t node = system_.contact(i).unknown;
+    const auto pull = [&](double at) {
+      stepper_.interpolate(at, inner_);
+      const std::span<double> rate = layout_.w(inner_);
+      system_.complete_velocity(at, layout_.u(inner_), rate);
+      force_.resize(layout_.nodes);
+      system_.force(at, layout_.u(inner_), rate, force_);
+      system_.bar().accelerate(force_);
+      return system_.bar().inertia().diagonal[node] * force_[node];
+    };
+    const double before = 0.125 * length, now = pull(t), change = std::abs(now - pull(t - before)) / before;
+    const Bar& bar = system_.bar().bar();
+    const double tolerated = (bar.modulus * stepper_.weights().promised_displacement() +
+                              bar.viscosity * stepper_.weights().promised_velocity()) /
+                             system_.bar().spacing_at(node);
+    const double ratio = std::abs(now) / (5.0 / system_.contact_rate(i) * change + tolerated);
+    if (ratio > statistics_.late_opening.ratio) statistics_.late_opening = {ratio, t};
   }
 
   // A contact that is over within a few roundings of the time would be followed wrongly, without anything to show it.
@@ -313,7 +339,7 @@ class StepwiseRun {
   PaceGuard pace_;
   SnapshotBuilder snapshot_;
   Stopwatch stopwatch_;
-  std::vector<double> y_, inner_;          // the state where the run is, and within a step
+  std::vector<double> y_, inner_, force_;  // the state where the run is, and within a step
   std::array<double, 2> account_shift_{};  // of the account of this leg
   double leg_end_ = 0.0;
   std::size_t next_output_ = 0;

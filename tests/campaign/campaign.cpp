@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "properties/random_scene.hpp"
-#include "viscobar/analysis/recording.hpp"
+#include "viscobar/analysis/alarm.hpp"
 
 namespace viscobar::campaign {
 
@@ -153,9 +153,12 @@ Judged judge(const SceneFile& scene) {
     const EnergyAccount& energy = *mine.statistics.energy;
     const double scale = std::max({energy.initial, energy.final, energy.dissipated, std::abs(energy.work)});
     if (scale > 0.0) judged.balance = std::abs(energy.balance_error()) / (100.0 * run.tolerance.relative * scale);
+    judged.late = mine.statistics.late_opening.ratio;
+    for (const Alarm& alarm : alarms(run, mine.statistics)) judged.said += alarm.what + "; ";
+    for (const Alarm& alarm : alarms(by_exponentials(run), exact.statistics)) judged.said += "exponential: " + alarm.what + "; ";
     if (!(judged.error <= 1.0)) {
       judged.magnification = magnification(by_exponentials(run), exact, tolerance);
-      judged.outcome = judged.error <= judged.magnification ? Outcome::magnified : Outcome::wrong;
+      judged.outcome = judged.error <= judged.magnification ? Outcome::magnified : judged.said.empty() ? Outcome::wrong : Outcome::alarmed;
     }
   } catch (const TooLong&) {
     judged.outcome = Outcome::too_long;

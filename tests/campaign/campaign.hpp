@@ -34,7 +34,8 @@ struct Judged {
   double error = 0.0;          ///< max |u - u_exact|, in promises
   double magnification = 1.0;  ///< measured where the error is beyond the promise
   std::size_t events = 0;      ///< contact changes
-  double balance = 0.0;        ///< |balance error| over what alarm takes for sound
+  double balance = 0.0;        ///< |balance error| over 100 relative tolerances of the largest term
+  double late = 0.0;           ///< LateOpening::ratio
   std::string said;            ///< the alarm, or the error
 };
 

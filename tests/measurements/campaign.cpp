@@ -40,10 +40,10 @@ int main(int argc, char** argv) {
       const Judged judged = judge(scene);
       const std::lock_guard lock(mutex);
       ++counts[static_cast<std::size_t>(judged.outcome)];
-      if (judged.outcome == Outcome::kept && judged.said.empty() && judged.balance < 1.0) continue;
-      fmt::print("{:6} {:9} {:6} error {:.2g} magnification {:.2g} balance {:.2g} events {} epsilon {:.2g} e {} rtol {:.1g} {}\n", index,
+      if (judged.outcome == Outcome::kept && judged.said.empty() && judged.balance < 1.0 && judged.late < 0.3) continue;
+      fmt::print("{:6} {:9} {:6} error {:.2g} magnification {:.2g} balance {:.2g} late {:.2g} events {} epsilon {:.2g} e {} rtol {:.1g} {}\n", index,
                  names[static_cast<std::size_t>(judged.outcome)], name(scene.run.method), judged.error, judged.magnification,
-                 judged.balance, judged.events, *scene.run.epsilon, scene.run.restitution ? fmt::format("{:.2g}", *scene.run.restitution) : "-",
+                 judged.balance, judged.late, judged.events, *scene.run.epsilon, scene.run.restitution ? fmt::format("{:.2g}", *scene.run.restitution) : "-",
                  scene.run.tolerance.relative, judged.said);
     }
   };

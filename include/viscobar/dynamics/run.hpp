@@ -50,6 +50,14 @@ struct EnergyAccount {
   double balance_error() const { return final + dissipated - initial - work; }
 };
 
+/// How far an opening was from the equilibrium of its row. A contact that opens on a spring which the step passed over
+/// opens where its row, with the node at rest, asks for no reaction: the pull that the row has left there, in multiples
+/// of what the tolerance and the delay of the spring explain.
+struct LateOpening {
+  double ratio = 0.0;  ///< the largest of the run; sound below 1
+  double time = 0.0;   ///< of that opening
+};
+
 /// What a run did.
 struct Statistics {
   std::size_t unknowns = 0;         ///< scalars that the method advances
@@ -64,6 +72,7 @@ struct Statistics {
   double reached_time = 0.0;              ///< how far it came
   bool completed = false;                 ///< whether to the last output time
   double max_penetration = 0.0;           ///< max over time and contacts, >= 0
+  LateOpening late_opening;               ///< of adaptive penalised methods
   std::optional<EnergyAccount> energy;    ///< where Observers asked for it
 };
 

@@ -1,0 +1,58 @@
+#include "viscobar/analysis/alarm.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace viscobar {
+
+namespace {
+
+bool keeps_a_tolerance(const Case& run) {
+  return is_adaptive(run.method) && !(run.method == MethodName::odeint && run.step && run.stepper == Stepper::symplectic);
+}
+
+double promised_balance(const Case& run, double energy) {
+  if (run.method == MethodName::exponential) return 1e-9 * energy;
+  const Bar& bar = run.scene.bar;
+  const double slope = std::sqrt(2.0 * energy) * (std::sqrt(bar.density * bar.length) + std::sqrt(bar.modulus / bar.length));
+  return 200.0 * (run.tolerance.relative * energy + run.tolerance.absolute * slope);
+}
+
+}  // namespace
+
+std::vector<Alarm> alarms(const Case& run, const Statistics& statistics) {
+  std::vector<Alarm> all;
+  if (!statistics.completed || is_scheme(run.method)) return all;
+  const bool tolerant = run.method == MethodName::exponential || keeps_a_tolerance(run);
+  if (tolerant && statistics.energy) {
+    const EnergyAccount& energy = *statistics.energy;
+    const double largest = std::max({energy.initial, energy.final, std::abs(energy.dissipated), std::abs(energy.work)});
+    const double sound = promised_balance(run, largest), off = std::abs(energy.balance_error());
+    if (!(off <= sound))
+      all.push_back({fmt::format("the energy balance is off by {:.2g}, where the tolerances promise {:.2g} and the largest "
+                                 "of its terms is {:.2g}",
+                                 energy.balance_error(), sound, largest),
+                     !(off <= 0.01 * largest)});
+    if (energy.dissipated < -sound)
+      all.push_back({fmt::format("energy grew with nothing working: {:.2g} was dissipated", energy.dissipated),
+                     energy.dissipated < -0.01 * largest});
+    if (energy.work == 0.0 && run.epsilon && is_penalised(run.method)) {
+      const double stiffness = std::ranges::min(
+          make_system(run).contacts(), {}, [](const Contact& contact) { return contact.weight; }).weight / *run.epsilon;
+      const double deepest = std::sqrt(2.0 * (energy.initial + sound) / stiffness);
+      if (statistics.max_penetration > deepest)
+        all.push_back({fmt::format("a penetration of {:.3g} is deeper than all the energy of the bar can press the spring, {:.3g}",
+                                   statistics.max_penetration, deepest),
+                       true});
+    }
+  }
+  if (const LateOpening& late = statistics.late_opening; late.ratio > 1.0)
+    all.push_back({fmt::format("the contact that opens at t = {:.9g} pulls {:.2g} times as much there as the tolerances explain",
+                               late.time, late.ratio),
+                   late.ratio > 100.0});
+  return all;
+}
+
+}  // namespace viscobar
