@@ -234,7 +234,7 @@ std::vector<PenalisedSystem::RelaxingRow> PenalisedSystem::relaxing_rows() const
     if (!massless(end) || held(end)) continue;
     const double h = bar_.spacing_at(end);
     const double share = modulus / viscosity, apart = origin_at(neighbour(end)) - origin_at(end);
-    RelaxingRow row{end, neighbour(end), share, share, h / viscosity, share * apart};
+    RelaxingRow row{end, neighbour(end), share, share, 1.0, 0.0, h / viscosity, share * apart};
     for (std::size_t i = 0; i < laws_.size(); ++i) {
       if (!closed(i) || contact(i).unknown != end) continue;
       row.rate += laws_[i].stiffness * h / viscosity;
@@ -243,6 +243,22 @@ std::vector<PenalisedSystem::RelaxingRow> PenalisedSystem::relaxing_rows() const
     rows.push_back(row);
   }
   return rows;
+}
+
+PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t i) const {
+  const std::size_t end = contact(i).unknown, next = neighbour(end);
+  const double h = bar_.spacing_at(end), modulus = bar_.bar().modulus / h, viscosity = bar_.bar().viscosity / h;
+  double stiffness = modulus, constant = modulus * (origin_at(next) - origin_at(end)), damping = viscosity;
+  for (std::size_t c = 0; c < laws_.size(); ++c) {
+    if (!closed(c) || contact(c).unknown != end) continue;
+    stiffness += laws_[c].stiffness, damping += laws_[c].damping;
+    constant -= laws_[c].stiffness * offsets_[c];
+  }
+  damping = std::max(damping, stiffness / (1e3 * rates_[i]));
+  const auto& beside = bar_.inertia().off_diagonal;
+  const double inertia = beside.empty() ? 0.0 : beside[std::min(end, next)];
+  return {end, next, stiffness / damping, modulus / damping, viscosity / damping, inertia / damping, 1.0 / damping,
+          constant / damping};
 }
 
 void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w) {

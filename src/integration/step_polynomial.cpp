@@ -37,7 +37,11 @@ StepPolynomial::StepPolynomial(PenalisedSystem& system, const Layout& layout)
       layout_(layout),
       begin_{0.0, std::vector<double>(layout.size), std::vector<double>(layout.nodes)},
       end_(begin_),
-      inner_(layout.size > 2 * layout.nodes ? layout.size : 0) {}
+      inner_(layout.size > 2 * layout.nodes ? layout.size : 0) {
+  for (auto* buffer : {&at_begin_, &at_end_}) buffer->reserve(system.contact_count());
+  unresolved_.reserve(system.contact_count());
+  relaxations_.reserve(4);
+}
 
 void StepPolynomial::begin_run(std::vector<std::size_t> sampled_entries) {
   entries_ = std::move(sampled_entries);
@@ -50,6 +54,7 @@ void StepPolynomial::restart() {
   first_of_leg_ = true;
   relaxations_.clear();
   for (const auto& row : system_.relaxing_rows()) relaxations_.push_back({row, system_.load(row.unknown, end_.t), {}});
+  massless_ = relaxations_.size();
 }
 
 void StepPolynomial::finish() {
@@ -97,9 +102,16 @@ void StepPolynomial::smooth_unresolved() {
   const std::size_t n = layout_.nodes;
   const double h = length();
   unresolved_.clear(), at_begin_.clear(), at_end_.clear();
+  relaxations_.resize(massless_);
   for (std::size_t c = 0; c < system_.contact_count(); ++c) {
     if (!system_.unresolved(c, h)) continue;
     const std::size_t i = system_.contact(c).unknown;
+    if (system_.contact(c).where != Where::span) {
+      relaxations_.push_back({system_.resting_row(c), system_.load(i, begin_.t), {}});
+      unresolved_.push_back(i);
+      at_begin_.push_back(0.0), at_end_.push_back(0.0);
+      continue;
+    }
     const double mean = increment(i) / h, w0 = begin_.y[n + i], w1 = end_.y[n + i];
     unresolved_.push_back(i);
     at_begin_.push_back((6.0 * mean - 4.0 * w0 - 2.0 * w1) / h);
@@ -154,8 +166,11 @@ void StepPolynomial::drive(Relaxation& relaxation) {
                                    w1 - w0 - (2.0 * a0 + a1) / 3.0 + 10.0 * d,
                                    0.5 * (w0 - w1) + 0.25 * (a0 + a1) - 15.0 * d,
                                    6.0 * d};
-  for (std::size_t j = 0; j < 6; ++j)
-    relaxation.drive[j] = row.u_share * u[j] + (j < 5 ? static_cast<double>(j + 1) * u[j + 1] / h : 0.0);
+  for (std::size_t j = 0; j < 6; ++j) {
+    const double up = static_cast<double>(j + 1), twice = up * static_cast<double>(j + 2);
+    relaxation.drive[j] = row.u_share * u[j] + (j < 5 ? row.w_share * up * u[j + 1] / h : 0.0) -
+                          (j < 4 ? row.a_share * twice * u[j + 2] / (h * h) : 0.0);
+  }
   relaxation.drive[0] += row.constant + row.load_share * relaxation.load;
   if (!system_.load_varies()) return;
   // Newton's form through s = 0, 1/4, ..., 1.
@@ -213,6 +228,12 @@ double StepPolynomial::relaxed(const Relaxation& relaxation, double s) const {
   return std::exp(-mu * s) * begin_.y[relaxation.row.unknown] + h * sum;
 }
 
+double StepPolynomial::relaxed_rate(const Relaxation& relaxation, double s, double u) {
+  double rate = 0.0;
+  for (std::size_t j = 6; j-- > 0;) rate = rate * s + relaxation.drive[j];
+  return rate - relaxation.row.rate * u;
+}
+
 void StepPolynomial::motion_at(double t, std::span<double> y) {
   const std::size_t n = layout_.nodes;
   const double h = length(), s = (t - begin_.t) / h;
@@ -221,7 +242,11 @@ void StepPolynomial::motion_at(double t, std::span<double> y) {
     y[i] = begin_.y[i] + massive(i, displacement);
     y[n + i] = massive(i, velocity) / h;
   }
-  for (const Relaxation& relaxation : relaxations_) y[relaxation.row.unknown] = relaxed(relaxation, s);
+  for (std::size_t k = 0; k < relaxations_.size(); ++k) {
+    const std::size_t i = relaxations_[k].row.unknown;
+    y[i] = relaxed(relaxations_[k], s);
+    if (k >= massless_) y[n + i] = relaxed_rate(relaxations_[k], s, y[i]);
+  }
   system_.complete_displacement(t, layout_.u(y));
 }
 
@@ -247,10 +272,7 @@ double StepPolynomial::value(std::size_t unknown, double s, int derivative) cons
   for (const Relaxation& relaxation : relaxations_) {
     if (relaxation.row.unknown != unknown) continue;
     const double u = relaxed(relaxation, s);
-    if (derivative == 0) return u;
-    double rate = 0.0;
-    for (std::size_t j = 6; j-- > 0;) rate = rate * s + relaxation.drive[j];
-    return rate - relaxation.row.rate * u;
+    return derivative == 0 ? u : relaxed_rate(relaxation, s, u);
   }
   const double change = massive(unknown, weights(s, derivative)), h = length();
   return derivative == 0 ? begin_.y[unknown] + change : change / (derivative == 1 ? h : h * h);

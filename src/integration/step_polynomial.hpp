@@ -27,8 +27,10 @@ namespace viscobar {
 /// quintic and a load that is interpolated at five points of the step.
 ///
 /// A node on the spring of a closed contact that the step is too long to resolve has no acceleration to rely on either:
-/// what its displacement is wrong by is in it omega^2 times. It follows the cubic of its u and w at the two ends, and
-/// the other accelerations are those that satisfy their rows beside it.
+/// what its displacement is wrong by is in it omega^2 times. At an end it follows its row without its own inertia, whose
+/// spring is as far in as the neighbour's quintic presses it; u and w of it are known to the tolerance only, which may be
+/// far more. Under a span obstacle it follows the cubic of its u and w. The other accelerations are those that satisfy
+/// their rows beside it.
 ///
 /// The energy account of the step is the integral of its rates over the polynomial, by Gauss' formula.
 class StepPolynomial {
@@ -90,6 +92,7 @@ class StepPolynomial {
   double defect(std::size_t i) const;
   double massive(std::size_t i, const Weights& weights) const;
   double relaxed(const Relaxation& relaxation, double s) const;
+  static double relaxed_rate(const Relaxation& relaxation, double s, double u);
   double value(std::size_t unknown, double s, int derivative) const;
   void forget_acceleration();
   void smooth_unresolved();
@@ -104,7 +107,8 @@ class StepPolynomial {
   PenalisedSystem& system_;
   Layout layout_;
   End begin_, end_;
-  std::vector<Relaxation> relaxations_;
+  std::vector<Relaxation> relaxations_;  // of massless nodes, as long as the leg; behind them those of this step
+  std::size_t massless_ = 0;
   std::vector<std::size_t> entries_, selected_;
   std::vector<double> sampled_, inner_;
   std::optional<Known> known_;

@@ -277,7 +277,7 @@ class StepwiseRun {
     const double tolerated = (bar.modulus * stepper_.weights().promised_displacement() +
                               bar.viscosity * stepper_.weights().promised_velocity()) /
                              system_.bar().spacing_at(node);
-    const double ratio = std::abs(now) / (5.0 / system_.contact_rate(i) * change + tolerated);
+    const double ratio = now / (5.0 / system_.contact_rate(i) * change + tolerated);
     if (ratio > statistics_.late_opening.ratio) statistics_.late_opening = {ratio, t};
   }
 
