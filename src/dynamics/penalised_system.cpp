@@ -233,8 +233,10 @@ std::vector<PenalisedSystem::RelaxingRow> PenalisedSystem::relaxing_rows() const
   for (const std::size_t end : {std::size_t{0}, size() - 1}) {
     if (!massless(end) || held(end)) continue;
     const double h = bar_.spacing_at(end);
-    const double share = modulus / viscosity, apart = origin_at(neighbour(end)) - origin_at(end);
-    RelaxingRow row{end, neighbour(end), share, share, 1.0, 0.0, h / viscosity, share * apart};
+    const std::size_t next = neighbour(end);
+    const double share = modulus / viscosity;
+    RelaxingRow row{end, share, h / viscosity, share * (origin_at(next) - origin_at(end)), {{{next, share, 1.0, 0.0}, {}}},
+                    1};
     for (std::size_t i = 0; i < laws_.size(); ++i) {
       if (!closed(i) || contact(i).unknown != end) continue;
       row.rate += laws_[i].stiffness * h / viscosity;
@@ -245,20 +247,39 @@ std::vector<PenalisedSystem::RelaxingRow> PenalisedSystem::relaxing_rows() const
   return rows;
 }
 
-PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t i) const {
-  const std::size_t end = contact(i).unknown, next = neighbour(end);
-  const double h = bar_.spacing_at(end), modulus = bar_.bar().modulus / h, viscosity = bar_.bar().viscosity / h;
-  double stiffness = modulus, constant = modulus * (origin_at(next) - origin_at(end)), damping = viscosity;
+PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_index) const {
+  const std::size_t i = contact(contact_index).unknown, node = i + bar_.first_node();
+  RelaxingRow row{i, 0.0, 1.0, 0.0, {}, 0};
+  double damping = 0.0;
+  const auto beside = [&](double element, std::optional<std::size_t> next, std::optional<double> wall) {
+    const double modulus = bar_.bar().modulus / element, viscosity = bar_.bar().viscosity / element;
+    row.rate += modulus, damping += viscosity;
+    if (!next) {
+      row.constant += modulus * (*wall - origin_at(i));
+      return;
+    }
+    row.constant += modulus * (origin_at(*next) - origin_at(i));
+    const auto& inertia = bar_.inertia().off_diagonal;
+    row.neighbours[row.count++] = {*next, modulus, viscosity, inertia.empty() ? 0.0 : inertia[std::min(i, *next)]};
+  };
+  const Mesh& mesh = bar_.mesh();
+  if (i > 0)
+    beside(mesh.element(node - 1), i - 1, {});
+  else if (bar_.left_fixed())
+    beside(mesh.element(node - 1), {}, bar_.left_displacement());
+  if (i + 1 < size())
+    beside(mesh.element(node), i + 1, {});
+  else if (bar_.right_fixed())
+    beside(mesh.element(node), {}, bar_.right_displacement());
   for (std::size_t c = 0; c < laws_.size(); ++c) {
-    if (!closed(c) || contact(c).unknown != end) continue;
-    stiffness += laws_[c].stiffness, damping += laws_[c].damping;
-    constant -= laws_[c].stiffness * offsets_[c];
+    if (!closed(c) || contact(c).unknown != i) continue;
+    row.rate += laws_[c].stiffness, damping += laws_[c].damping;
+    row.constant -= laws_[c].stiffness * offsets_[c];
   }
-  damping = std::max(damping, stiffness / (1e3 * rates_[i]));
-  const auto& beside = bar_.inertia().off_diagonal;
-  const double inertia = beside.empty() ? 0.0 : beside[std::min(end, next)];
-  return {end, next, stiffness / damping, modulus / damping, viscosity / damping, inertia / damping, 1.0 / damping,
-          constant / damping};
+  const double scale = 1.0 / std::max(damping, row.rate / (1e3 * rates_[contact_index]));
+  for (RelaxingRow::Neighbour& n : row.neighbours) n.u_share *= scale, n.w_share *= scale, n.a_share *= scale;
+  row.rate *= scale, row.load_share *= scale, row.constant *= scale;
+  return row;
 }
 
 void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w) {

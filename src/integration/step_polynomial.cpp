@@ -38,9 +38,8 @@ StepPolynomial::StepPolynomial(PenalisedSystem& system, const Layout& layout)
       begin_{0.0, std::vector<double>(layout.size), std::vector<double>(layout.nodes)},
       end_(begin_),
       inner_(layout.size > 2 * layout.nodes ? layout.size : 0) {
-  for (auto* buffer : {&at_begin_, &at_end_}) buffer->reserve(system.contact_count());
   unresolved_.reserve(system.contact_count());
-  relaxations_.reserve(4);
+  relaxations_.reserve(system.contact_count() + 2);
 }
 
 void StepPolynomial::begin_run(std::vector<std::size_t> sampled_entries) {
@@ -99,34 +98,26 @@ void StepPolynomial::forget_acceleration() {
 }
 
 void StepPolynomial::smooth_unresolved() {
-  const std::size_t n = layout_.nodes;
-  const double h = length();
-  unresolved_.clear(), at_begin_.clear(), at_end_.clear();
+  unresolved_.clear();
   relaxations_.resize(massless_);
   for (std::size_t c = 0; c < system_.contact_count(); ++c) {
-    if (!system_.unresolved(c, h)) continue;
+    if (!system_.unresolved(c, length())) continue;
     const std::size_t i = system_.contact(c).unknown;
-    if (system_.contact(c).where != Where::span) {
-      relaxations_.push_back({system_.resting_row(c), system_.load(i, begin_.t), {}});
-      unresolved_.push_back(i);
-      at_begin_.push_back(0.0), at_end_.push_back(0.0);
-      continue;
-    }
-    const double mean = increment(i) / h, w0 = begin_.y[n + i], w1 = end_.y[n + i];
+    const std::span ends = std::span(unresolved_).first(std::min<std::size_t>(unresolved_.size(), 2));
+    if (std::ranges::find(ends, i) != ends.end()) continue;  // under a span obstacle, too
     unresolved_.push_back(i);
-    at_begin_.push_back((6.0 * mean - 4.0 * w0 - 2.0 * w1) / h);
-    at_end_.push_back((2.0 * w0 + 4.0 * w1 - 6.0 * mean) / h);
+    relaxations_.push_back({system_.resting_row(c), system_.load(i, begin_.t), {}});
   }
   if (unresolved_.empty()) return;
-  replace_accelerations(begin_.a, at_begin_);
-  replace_accelerations(end_.a, at_end_);
+  rest_unresolved(begin_.a);
+  rest_unresolved(end_.a);
 }
 
-// Where a of some nodes changes by c, that of the others by x, M_rr x = -M_rc c.
-void StepPolynomial::replace_accelerations(std::span<double> a, std::span<const double> at_unresolved) {
+// Where a of those nodes becomes 0, a change by c, that of the others changes by x, M_rr x = -M_rc c.
+void StepPolynomial::rest_unresolved(std::span<double> a) {
   const SymmetricTridiagonal& inertia = system_.bar().inertia();
   if (inertia.off_diagonal.empty()) {
-    for (std::size_t k = 0; k < unresolved_.size(); ++k) a[unresolved_[k]] = at_unresolved[k];
+    for (const std::size_t i : unresolved_) a[i] = 0.0;
     return;
   }
   const std::size_t n = layout_.nodes;
@@ -142,36 +133,38 @@ void StepPolynomial::replace_accelerations(std::span<double> a, std::span<const 
     replaced_ = unresolved_;
   }
   change_.assign(n, 0.0);
-  for (std::size_t k = 0; k < unresolved_.size(); ++k) {
-    const std::size_t i = unresolved_[k];
-    const double by = at_unresolved[k] - a[i];
-    if (i > 0) change_[i - 1] -= inertia.off_diagonal[i - 1] * by;
-    if (i + 1 < n) change_[i + 1] -= inertia.off_diagonal[i] * by;
+  for (const std::size_t i : unresolved_) {
+    if (i > 0) change_[i - 1] += inertia.off_diagonal[i - 1] * a[i];
+    if (i + 1 < n) change_[i + 1] += inertia.off_diagonal[i] * a[i];
   }
   for (const std::size_t i : unresolved_) change_[i] = 0.0;
   beside_.solve(change_);
   for (std::size_t i = 0; i < n; ++i) a[i] += change_[i];
-  for (std::size_t k = 0; k < unresolved_.size(); ++k) a[unresolved_[k]] = at_unresolved[k];
+  for (const std::size_t i : unresolved_) a[i] = 0.0;
 }
 
 void StepPolynomial::drive(Relaxation& relaxation) {
   const auto& row = relaxation.row;
-  const std::size_t i = row.next, n = layout_.nodes;
+  const std::size_t n = layout_.nodes;
   const double h = length();
-  const double w0 = h * begin_.y[n + i], w1 = h * end_.y[n + i], a0 = h * h * begin_.a[i], a1 = h * h * end_.a[i];
-  const double d = defect(i);
-  const std::array<double, 6> u = {begin_.y[i],
-                                   w0,
-                                   0.5 * a0,
-                                   w1 - w0 - (2.0 * a0 + a1) / 3.0 + 10.0 * d,
-                                   0.5 * (w0 - w1) + 0.25 * (a0 + a1) - 15.0 * d,
-                                   6.0 * d};
-  for (std::size_t j = 0; j < 6; ++j) {
-    const double up = static_cast<double>(j + 1), twice = up * static_cast<double>(j + 2);
-    relaxation.drive[j] = row.u_share * u[j] + (j < 5 ? row.w_share * up * u[j + 1] / h : 0.0) -
-                          (j < 4 ? row.a_share * twice * u[j + 2] / (h * h) : 0.0);
+  relaxation.drive = {row.constant + row.load_share * relaxation.load};
+  for (std::size_t k = 0; k < row.count; ++k) {
+    const auto& next = row.neighbours[k];
+    const std::size_t i = next.unknown;
+    const double w0 = h * begin_.y[n + i], w1 = h * end_.y[n + i], a0 = h * h * begin_.a[i], a1 = h * h * end_.a[i];
+    const double d = defect(i);
+    const std::array<double, 6> u = {begin_.y[i],
+                                     w0,
+                                     0.5 * a0,
+                                     w1 - w0 - (2.0 * a0 + a1) / 3.0 + 10.0 * d,
+                                     0.5 * (w0 - w1) + 0.25 * (a0 + a1) - 15.0 * d,
+                                     6.0 * d};
+    for (std::size_t j = 0; j < 6; ++j) {
+      const double up = static_cast<double>(j + 1), twice = up * static_cast<double>(j + 2);
+      relaxation.drive[j] += next.u_share * u[j] + (j < 5 ? next.w_share * up * u[j + 1] / h : 0.0) -
+                             (j < 4 ? next.a_share * twice * u[j + 2] / (h * h) : 0.0);
+    }
   }
-  relaxation.drive[0] += row.constant + row.load_share * relaxation.load;
   if (!system_.load_varies()) return;
   // Newton's form through s = 0, 1/4, ..., 1.
   std::array<double, 5> f{relaxation.load};

@@ -27,10 +27,9 @@ namespace viscobar {
 /// quintic and a load that is interpolated at five points of the step.
 ///
 /// A node on the spring of a closed contact that the step is too long to resolve has no acceleration to rely on either:
-/// what its displacement is wrong by is in it omega^2 times. At an end it follows its row without its own inertia, whose
-/// spring is as far in as the neighbour's quintic presses it; u and w of it are known to the tolerance only, which may be
-/// far more. Under a span obstacle it follows the cubic of its u and w. The other accelerations are those that satisfy
-/// their rows beside it.
+/// what its displacement is wrong by is in it omega^2 times. It follows its row without its own inertia, whose spring is
+/// as far in as the neighbours' quintics press it: u and w of the node are known to the tolerance only, which may be far
+/// more. The other accelerations are those that satisfy their rows beside it.
 ///
 /// The energy account of the step is the integral of its rates over the polynomial, by Gauss' formula.
 class StepPolynomial {
@@ -96,7 +95,7 @@ class StepPolynomial {
   double value(std::size_t unknown, double s, int derivative) const;
   void forget_acceleration();
   void smooth_unresolved();
-  void replace_accelerations(std::span<double> a, std::span<const double> at_unresolved);
+  void rest_unresolved(std::span<double> a);
   void drive(Relaxation& relaxation);
   void motion_at(double t, std::span<double> y);
   void add_account(double until, std::span<double> y);
@@ -113,7 +112,7 @@ class StepPolynomial {
   std::vector<double> sampled_, inner_;
   std::optional<Known> known_;
   std::vector<std::size_t> unresolved_, replaced_;  // nodes; of those the factor is
-  std::vector<double> at_begin_, at_end_, change_;  // accelerations
+  std::vector<double> change_;                       // of accelerations
   TridiagonalFactor beside_;                        // of rho M without the rows of replaced_
   bool first_of_leg_ = false;
 };

@@ -91,7 +91,7 @@ class StepwiseRun {
       if (observers_.progress) stopwatch_.outside([&] { observers_.progress(t); });
       if (change) {
         reach(t);
-        switch_contacts(t, reached - step_begin);
+        switch_contacts(t, step_begin, reached);
         // What is left after a change at the very end is no leg.
         if (end - t <= 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end))) break;
       } else if (t >= leg_end_) {
@@ -238,8 +238,8 @@ class StepwiseRun {
     statistics_.completed = true;
   }
 
-  // In the step of that length.
-  void switch_contacts(double t, double length) {
+  // In the step from `begin` to `end`.
+  void switch_contacts(double t, double begin, double end) {
     system_.complete_velocity(t, u(), w());
     const std::span<const double> velocity = w();
     const auto switch_one = [&](std::size_t i) {
@@ -248,8 +248,8 @@ class StepwiseRun {
       system_.set_closed(i, change == Change::closing);
       if (change == Change::closing)
         require_duration(t, i);
-      else if (system_.contact_rate(i) * length > 10.0)
-        weigh_opening(t, i, length);
+      else if (system_.contact_rate(i) * (end - begin) > 10.0)
+        weigh_opening(t, i, begin, end);
       system_.place_on_obstacle(i, u());
     };
     search_.look_at(t, stepper_);
@@ -261,7 +261,7 @@ class StepwiseRun {
 
   // By the row of the node at rest: rho M a = F with what holds it taken away gives it the acceleration pull / m. It opens
   // a delay after its row asks for it, of 2 zeta / omega <= 2 / omega.
-  void weigh_opening(double t, std::size_t i, double length) {
+  void weigh_opening(double t, std::size_t i, double begin, double end) {
     const std::size_t node = system_.contact(i).unknown;
     const auto pull = [&](double at) {
       stepper_.interpolate(at, inner_);
@@ -272,7 +272,8 @@ class StepwiseRun {
       system_.bar().accelerate(force_);
       return system_.bar().inertia().diagonal[node] * force_[node];
     };
-    const double before = 0.125 * length, now = pull(t), change = std::abs(now - pull(t - before)) / before;
+    const double apart = 0.125 * (end - begin), other = t - apart >= begin ? t - apart : t + apart;
+    const double now = pull(t), change = std::abs(now - pull(other)) / apart;
     const Bar& bar = system_.bar().bar();
     const double tolerated = (bar.modulus * stepper_.weights().promised_displacement() +
                               bar.viscosity * stepper_.weights().promised_velocity()) /

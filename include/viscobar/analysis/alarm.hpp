@@ -24,7 +24,7 @@ struct Alarm {
 /// - Something dissipated that is negative by more than that: energy grew with nothing working.
 /// - A penetration deeper than all the energy there was could press its spring, d^2 k / 2 > E, where no load works.
 ///   Ruinous.
-/// - An opening with a pull left (LateOpening), ruinous from a hundred times what is sound.
+/// - An opening with a pull left, LateOpening::ratio > 10, ruinous above 100.
 std::vector<Alarm> alarms(const Case& run, const Statistics& statistics);
 
 }  // namespace viscobar

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -105,23 +106,28 @@ class PenalisedSystem {
   /// Sets the displacement of massless unknowns for eta = 0, where their rows are algebraic. Nothing to do otherwise.
   void complete_displacement(double t, std::span<double> u);
 
-  /// The row of an end's unknown whose inertia counts for nothing, as an equation of first order:
+  /// The row of an unknown whose inertia counts for nothing, as an equation of first order: with n the one or two
+  /// neighbours,
   ///
-  ///     u_i' + rate u_i = u_share u_next + w_share u_next' - a_share u_next'' + load_share (M f)_i + constant.
+  ///     u_i' + rate u_i = sum_n (u_share u_n + w_share u_n' - a_share u_n'') + load_share (M f)_i + constant.
   struct RelaxingRow {
-    std::size_t unknown;  ///< i
-    std::size_t next;     ///< its neighbour
-    double rate;          ///< per time
-    double u_share;       ///< of the neighbour's displacement, per time
-    double w_share;       ///< of its velocity
-    double a_share;       ///< of its acceleration, a time: off the diagonal of the mass
-    double load_share;    ///< of the load, velocity per force
-    double constant;      ///< of a closed contact: spring times gap, a velocity
+    struct Neighbour {
+      std::size_t unknown;  ///< n
+      double u_share;       ///< of its displacement, per time
+      double w_share;       ///< of its velocity
+      double a_share;       ///< of its acceleration, a time: off the diagonal of the mass
+    };
+    std::size_t unknown;                  ///< i
+    double rate;                          ///< per time
+    double load_share;                    ///< of the load, velocity per force
+    double constant;                      ///< of springs and fixed ends, a velocity
+    std::array<Neighbour, 2> neighbours;  ///< the first `count`
+    std::size_t count;
   };
   /// Those of the massless unknowns that are not held, as long as no contact changes; none for eta = 0.
   std::vector<RelaxingRow> relaxing_rows() const;
-  /// That of the node with mass of contact i at an end, closed on a spring that a step passes over: its own inertia is
-  /// then 1 / (omega step)^2 of the spring's force. Without damping it follows its neighbour at 1000 omega.
+  /// That of the node of contact i, with mass, closed on a spring that a step passes over: its own inertia is then
+  /// 1 / (omega step)^2 of the spring's force. Without damping it follows its neighbours at 1000 omega.
   RelaxingRow resting_row(std::size_t i) const;
   /// (M f)_i at t, 0 without a load.
   double load(std::size_t unknown, double t) { return load_ ? load_->at(t)[unknown] : 0.0; }

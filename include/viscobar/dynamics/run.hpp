@@ -54,7 +54,7 @@ struct EnergyAccount {
 /// opens where its row, with the node at rest, asks for no reaction: the pull that the row has left there, in multiples
 /// of what the tolerance and the delay of the spring explain.
 struct LateOpening {
-  double ratio = 0.0;  ///< the largest of the run; sound below 1
+  double ratio = 0.0;  ///< the largest of the run; some 0.4 where it opens in time
   double time = 0.0;   ///< of that opening
 };
 

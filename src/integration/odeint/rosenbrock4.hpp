@@ -89,7 +89,7 @@ class Rosenbrock4 {
     // What the load does to the velocity of a massless node, that node does to its neighbour.
     for (const auto& row : system.relaxing_rows()) {
       out[row.unknown] = row.load_share * load_rate_[row.unknown];
-      a[row.next] += bar.viscosity / system.bar().spacing_at(row.unknown) * out[row.unknown];
+      a[row.neighbours[0].unknown] += bar.viscosity / system.bar().spacing_at(row.unknown) * out[row.unknown];
     }
     system.bar().accelerate(a);
   }
