@@ -78,8 +78,7 @@ void TimeStep::start_from(const State& start, double begin, Start order) {
   order_.from_nodes(start.u, u_);
   order_.from_nodes(start.v, p_);
   const std::vector<double> v(p_.begin(), p_.end());
-  for (std::size_t k = 0; k < contacts_.size(); ++k)
-    lower_[k] = impact_ == Impact::moreau ? unbounded : -contacts_[k].gap;
+  bound_contacts();
   if (order == Start::second_order) {
     // The Taylor term with the step's own matrix in place of rho M: a difference of O(dt^3), and it stays bounded at
     // any dt / h, where dt^2 (rho M)^{-1} K would not.
@@ -156,18 +155,22 @@ void TimeStep::restored() {
   if (auto* span = std::get_if<SpanConstraint>(&solver_)) span->restored();
 }
 
+// The bound of u^{n+1} from u^n and u^{n-1} = u^n - dt p^{n-1/2}, at the start from u^0 and the initial velocity.
+void TimeStep::bound_contacts() {
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const double gap = contacts_[k].gap, u = u_[contacts_[k].unknown], p = p_[contacts_[k].unknown];
+    if (impact_ == Impact::paoli_schatzman)
+      lower_[k] = -gap - restitution_ * (gap + (u - dt_ * p));
+    else
+      lower_[k] = u > -gap ? unbounded : u - dt_ * (p > 0.0 ? 1.0 : restitution_) * p;
+  }
+}
+
 void TimeStep::balance(double t) {
   std::swap(a_, before_);
   std::swap(reaction_, reaction_before_);
   if (load_) evaluate_load(t);
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const std::size_t i = contacts_[k].unknown;
-    const double gap = contacts_[k].gap;
-    if (impact_ == Impact::paoli_schatzman)
-      lower_[k] = -gap - restitution_ * (gap + (u_[i] - dt_ * p_[i]));
-    else
-      lower_[k] = u_[i] > -gap ? unbounded : u_[i] - dt_ * (p_[i] > 0.0 ? 1.0 : restitution_) * p_[i];
-  }
+  bound_contacts();
   solve(dt_);
 }
 

@@ -26,10 +26,10 @@ namespace viscobar {
 /// Under a span obstacle the order is that of the nodes.
 class TimeStep {
  public:
-  /// Finds u^1 by `scheme.start`, projected on K_h in the norm of the inertia, and the balance at t_1. A massless node
-  /// has no initial velocity: its u^1 follows from the balance of its row at t_1 (backward Euler), and without
-  /// viscosity, where that row is algebraic, its u^0 from the same balance at t_0. lambda^0 is lambda^1 where u^0
-  /// touches, 0 elsewhere.
+  /// Finds u^1 by `scheme.start`, projected in the norm of the inertia on what the contacts bound with u^{-1} = u^0 -
+  /// dt u_1, which is K_h at restitution 0, and the balance at t_1. A massless node has no initial velocity: its u^1
+  /// follows from the balance of its row at t_1 (backward Euler), and without viscosity, where that row is algebraic,
+  /// its u^0 from the same balance at t_0. lambda^0 is lambda^1 where u^0 touches, 0 elsewhere.
   /// @throws LoadError, std::domain_error when the matrix is not positive definite in floating-point numbers
   TimeStep(const BarSystem& system, const State& start, double begin, const FullyDiscrete& scheme);
 
@@ -78,6 +78,7 @@ class TimeStep {
 
  private:
   void evaluate_load(double t);
+  void bound_contacts();
   void solve(double lever);
   template <class Use>
   void substitute(Use&& use);

@@ -120,7 +120,8 @@ TEST(Pages, HaveNoCommandThatNothingRuns) {
   EXPECT_GT(seen, 50u);
 }
 
-/// Whether a name within [measured: names; range] is that of a test (Suite.Name, Suite.*), a command or a file that exists.
+/// Whether a name within [measured: names; range] is that of a test (Suite.Name, Suite.*), a command or a file that
+/// exists.
 bool exists(const std::string& name, const std::string& tests) {
   namespace fs = testing_cli::fs;
   const fs::path root = VISCOBAR_SOURCE_DIR;

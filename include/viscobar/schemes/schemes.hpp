@@ -13,14 +13,15 @@ enum class Start {
   second_order  ///< with the Taylor term dt^2/2 u'' of the semi-discrete system
 };
 
-/// What a contact bounds with a restitution e. With g = u + gap of the contact's node and p^{n+1/2} = (u^{n+1} - u^n) /
-/// dt, the bound holds or lambda^n >= 0 makes it hold:
+/// What a contact bounds with a restitution e, the reaction lambda^n >= 0 acting where the bound holds with equality.
+/// g = u + gap at the contact's node, p^{n+1/2} = (u^{n+1} - u^n) / dt.
 enum class Impact {
   /// g^{n+1} >= -e g^{n-1}: at e = 0 the paper's constraint. With e > 0 an impact may give energy, see
   /// EnergyAccount::growth.
   paoli_schatzman,
-  /// p^{n+1/2} >= -e p^{n-1/2} where g^n <= 0 and the node came in, >= -p^{n-1/2} where it was on its way out: never
-  /// gives energy. A node is stopped in the step after the one that passed the obstacle.
+  /// Where g^n <= 0: p^{n+1/2} >= -e p^{n-1/2} for a node that came in, >= -p^{n-1/2} for one on its way out. Never
+  /// gives
+  /// energy. A node is stopped in the step after the one that passed the obstacle.
   moreau
 };
 
