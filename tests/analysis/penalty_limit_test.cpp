@@ -7,6 +7,7 @@
 
 #include "analysis/penalty_limit_verdict.hpp"
 #include "support/paper_throw.hpp"
+#include "support/verdict_truth.hpp"
 #include "viscobar/analysis/end_traces.hpp"
 
 namespace viscobar {
@@ -279,6 +280,20 @@ TEST(PenaltyLimit, TellsItsProgressRunByRun) {
   penalty_limit(study);
   EXPECT_EQ(calls, all);
 }
+
+class VerdictOf : public testing::TestWithParam<std::size_t> {};
+
+// A slice of docs/limit-verdicts.md, where the rest of the sixty scenes is.
+TEST_P(VerdictOf, ARandomSceneIsTheOneOfTheoryAndItsBoundsEncloseTheDistanceByOtherRuns) {
+  const VerdictScene scene = random_verdict_scenes(45)[GetParam() - 1];
+  const KnownVerdict known = known_verdict(scene);
+  const LimitOrders orders = only(penalty_limit(verdict_study(scene)));
+  EXPECT_EQ(orders.verdict, known.verdict) << scene.name;
+  EXPECT_TRUE(agrees(orders.evidence, known)) << scene.name;
+}
+
+// Of each mass and several restitutions, with and without viscosity, load and a second contact.
+INSTANTIATE_TEST_SUITE_P(Slice, VerdictOf, testing::Values(1, 7, 9, 11, 12, 18, 20, 21, 38, 44));
 
 TEST(ComparisonTimes, RunFromZeroToTheEndAndCrowdAfterAContactChange) {
   const std::vector<Event> changes = {{.time = 0.3}};

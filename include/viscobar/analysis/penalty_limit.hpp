@@ -20,7 +20,7 @@ struct LimitStudy {
   std::vector<double> epsilons;       ///< decreasing
   std::vector<std::size_t> elements;  ///< meshes; empty: the scene's
   std::vector<double> steps;          ///< of the scheme, one for each mesh; empty: see scheme_step()
-  double budget = 60.0;               ///< seconds for smaller steps of the scheme, >= 0; 0: none beyond the first three
+  double budget = 60.0;               ///< processor seconds for smaller steps of the scheme, >= 0; 0: only the first three
   std::size_t threads = 0;            ///< 0: all cores
   std::function<void(std::size_t done, std::size_t of)> progress = {};  ///< told after each run, one call at a time
 };
