@@ -32,8 +32,8 @@ inline Verdict verdict_by_theory(const Case& run, bool touches, bool pressed) {
 }
 
 /// Scenes drawn from a seeded generator whose numbers are the same on every machine.
-inline std::vector<VerdictScene> random_verdict_scenes(std::size_t count) {
-  std::mt19937 generator(1523);
+inline std::vector<VerdictScene> random_verdict_scenes(std::size_t count, unsigned seed = 1523) {
+  std::mt19937 generator(seed);
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * static_cast<double>(generator()) / 4294967296.0;
   };
