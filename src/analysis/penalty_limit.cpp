@@ -230,13 +230,26 @@ double tolerance_error(const MeshRuns& mesh) {
   return 100.0 * scheme.run.tolerance.relative * largest_displacement(scheme.traces);
 }
 
+// The penalised runs that tell whether P(epsilon) settles: a decade apart where that leaves three, since what chatter
+// does to the difference of two that are close hides its order.
+std::vector<const Run*> telling(const std::vector<Run>& penalised) {
+  std::vector<const Run*> all, apart;
+  for (auto run = penalised.rbegin(); run != penalised.rend(); ++run) {
+    if (run->error) continue;
+    all.push_back(&*run);
+    if (apart.empty() || *run->run.epsilon >= 9.99 * *apart.back()->run.epsilon) apart.push_back(&*run);
+  }
+  std::vector<const Run*>& chosen = apart.size() >= 3 ? apart : all;
+  std::reverse(chosen.begin(), chosen.end());
+  return chosen;
+}
+
 Judgement judge_mesh(MeshRuns& mesh, const LimitStudy& study, Progress& progress) {
   LimitTraces traces;
   std::vector<const Case*> cases;
-  for (const Run& run : mesh.penalised) {
-    if (run.error) continue;
-    traces.penalised.add(*run.run.epsilon, run.traces);
-    cases.push_back(&run.run);
+  for (const Run* run : telling(mesh.penalised)) {
+    traces.penalised.add(*run->run.epsilon, run->traces);
+    cases.push_back(&run->run);
   }
   for (const Run& run : mesh.scheme) traces.scheme.add(*run.run.step, run.traces);
   if (mesh.rigid) traces.rigid = mesh.rigid->traces;

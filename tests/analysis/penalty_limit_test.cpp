@@ -225,6 +225,16 @@ TEST(PenaltyLimit, ABarThatIsPressedOnItsObstacleHasOneLimitOnAnyMassAndLaw) {
   EXPECT_EQ(only(penalty_limit(study_of(scene, decades(1e-3, 1e-8)))).verdict, Verdict::converges);
 }
 
+TEST(PenaltyLimit, MorePenaltiesADecadeDoNotChangeTheVerdict) {
+  Case scene = paper_throw(0.01);
+  scene.step = 1e-4;
+  const LimitOrders one = only(penalty_limit(study_of(scene, decades(1e-2, 1e-8)))),
+                    four = only(penalty_limit(study_of(scene, decades(1e-2, 1e-8, 4))));
+  EXPECT_EQ(four.verdict, Verdict::plateau);
+  // The times at which traces are compared follow the contact changes of all runs: a maximum moves by a percent.
+  EXPECT_NEAR(*four.evidence.lower(), *one.evidence.lower(), 0.02 * *one.evidence.lower());
+}
+
 TEST(PenaltyLimit, WithoutBudgetTheSchemeRunsThreeTimes) {
   Case scene = paper_throw(0.01);
   scene.step = 1e-1;
