@@ -68,6 +68,13 @@ std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders,
     case Lack::smaller_epsilon:
       return fmt::format("{}; {}. A smaller epsilon would decide it: --epsilon {:.0e}:{:.0e}, say", found, penalised,
                          study.epsilons.front(), 0.01 * last.epsilon);
+    case Lack::larger_epsilon:
+      return fmt::format(
+          "{}; the penalised bar changes the more from one epsilon to the next, the smaller they are. That is the "
+          "error of "
+          "the time integration at so stiff a penalty, or contact that magnifies it. A range that ends at a larger "
+          "epsilon, method.name = \"exponential\" or a shorter time.end would decide it",
+          found);
     case Lack::smaller_step: break;
     case Lack::nothing: return found;
   }

@@ -291,6 +291,53 @@ TEST(PenaltyLimit, TellsItsProgressRunByRun) {
   EXPECT_EQ(calls, all);
 }
 
+// Traces T(x) = value(x) at every time.
+Settling settling_of(double (*value)(double), const std::vector<double>& at) {
+  std::vector<EndTraces> traces;
+  for (const double x : at) traces.push_back({.left = {value(x)}, .right = {0.0}, .events = {}, .statistics = {}});
+  TraceSequence sequence;
+  for (std::size_t i = 0; i < at.size(); ++i) sequence.add(at[i], traces[i]);
+  return settling(sequence, {.order = 0.5, .values = 3, .safety = 1.0}, 0.0);
+}
+
+TEST(Settling, IsExactForThePowerOfTheTheoryAndSafeForAHigherOne) {
+  const std::vector<double> at = decades(1e-2, 1e-6);
+  const Settling half = settling_of([](double x) { return 1.0 + 3.0 * std::sqrt(x); }, at);
+  EXPECT_TRUE(half.settled);
+  EXPECT_NEAR(half.error, 3.0 * 1e-3, 1e-12);
+  const Settling one = settling_of([](double x) { return 1.0 + 3.0 * x; }, at);
+  EXPECT_TRUE(one.settled);
+  EXPECT_GT(one.error, 3.0 * 1e-6);
+}
+
+TEST(Settling, KnowsWhatDoesNotTendToAnything) {
+  const std::vector<double> at = decades(1e-2, 1e-6);
+  const Settling logarithm = settling_of([](double x) { return std::log(x); }, at);
+  EXPECT_FALSE(logarithm.settled);
+  const Settling growing = settling_of([](double x) { return 1e-9 / x; }, at);
+  EXPECT_FALSE(growing.settled);
+  EXPECT_TRUE(growing.grows);
+  EXPECT_FALSE(settling_of([](double x) { return x; }, {1e-2, 1e-3}).settled) << "two values show no order";
+}
+
+TEST(LimitVerdict, WherePenalisedTracesDivergeASmallerEpsilonIsNotWhatIsLacking) {
+  std::vector<EndTraces> penalised, scheme;
+  LimitTraces mesh;
+  const std::vector<double> at = decades(1e-2, 1e-5), steps = decades(1e-2, 1e-4);
+  const auto constant = [](double value) {
+    EndTraces traces{.left = {value}, .right = {0.0}, .events = {}, .statistics = {}};
+    traces.statistics.max_penetration = 1.0;
+    return traces;
+  };
+  for (const double x : at) penalised.push_back(constant(1e-9 / x));
+  for (const double x : steps) scheme.push_back(constant(x));
+  for (std::size_t i = 0; i < at.size(); ++i) mesh.penalised.add(at[i], penalised[i]);
+  for (std::size_t i = 0; i < steps.size(); ++i) mesh.scheme.add(steps[i], scheme[i]);
+  const Judgement found = judge(mesh);
+  EXPECT_EQ(found.verdict, Verdict::undecided);
+  EXPECT_EQ(found.evidence.lack, Lack::larger_epsilon);
+}
+
 class VerdictOf : public testing::TestWithParam<std::size_t> {};
 
 // A slice of docs/limit-verdicts.md, where the rest of the sixty scenes is.
