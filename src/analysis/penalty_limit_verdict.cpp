@@ -140,7 +140,7 @@ Judgement judge_massive(const LimitTraces& mesh, const TraceSequence& schemes) {
   }
   const Settling penalised = settling(mesh.penalised, by_penalty, mesh.floor);
   if (!penalised.settled) {
-    evidence.lack = Lack::smaller_epsilon;
+    evidence.lack = penalised.grows ? Lack::larger_epsilon : Lack::smaller_epsilon;
     return found;
   }
   evidence.penalty_error = penalised.error;
@@ -210,8 +210,10 @@ Settling settling(const TraceSequence& sequence, const Approach& approach, doubl
     for (std::size_t j = i + 1; j < count; ++j)
       constant = std::max(constant, largest_difference(sequence.traces[i], sequence.traces[j]) /
                                         (std::pow(sequence.x[i], p) - std::pow(sequence.x[j], p)));
-  return {approach.safety * constant * std::pow(sequence.x.back(), p) + floor,
-          differences.size() >= 2 && (still || (shown && shown->order >= least_part_of_order * order))};
+  const bool enough = differences.size() >= 2;
+  return {.error = approach.safety * constant * std::pow(sequence.x.back(), p) + floor,
+          .settled = enough && (still || (shown && shown->order >= least_part_of_order * order)),
+          .grows = enough && !still && shown && shown->order < 0.0};
 }
 
 Judgement judge(const LimitTraces& mesh) {

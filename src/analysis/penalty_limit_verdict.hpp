@@ -27,6 +27,7 @@ struct TraceSequence {
 struct Settling {
   double error = 0.0;
   bool settled = false;  ///< whether the values show that T(x) tends to something at all
+  bool grows = false;    ///< whether its differences grow as x falls
 };
 
 /// How a sequence tends to its limit.

@@ -118,7 +118,10 @@ std::string numbers(const LimitStudy& study, const LimitResult& result) {
           fmt::format("{} values", study.epsilons.size()));
   all.add("Scheme's time step", plot::readable(orders.scheme_step),
           fmt::format("error {}, by {} steps from {} down", plot::readable(orders.scheme_error, 2),
-                      orders.scheme.size(), plot::readable(orders.scheme.front().step)));
+                      orders.scheme.size(), plot::readable(orders.scheme.front().step, 2)));
+  if (const auto lower = orders.evidence.lower(), upper = orders.evidence.upper(); lower && upper)
+    all.add("Distance of the limits", plot::readable(*lower, 2) + " to " + plot::readable(*upper, 2),
+            "of the penalised bar and of the scheme, by their differences and errors");
   all.add("Error of the tolerance", plot::readable(orders.tolerance_error, 2), "at most, in a difference");
   if (orders.boundary)
     all.add("Regimes meet at", plot::readable(*orders.boundary, 3), "ε = " + std::string(theory(study).boundary));

@@ -65,21 +65,26 @@ std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders,
       return found +
              ". Whether the penalised bar settles takes three epsilons or more to say: a longer --epsilon range would "
              "decide it";
-    case Lack::smaller_epsilon: return fmt::format("{}; {}. A smaller epsilon would decide it", found, penalised);
+    case Lack::smaller_epsilon:
+      return fmt::format("{}; {}. A smaller epsilon would decide it: --epsilon {:.0e}:{:.0e}, say", found, penalised,
+                         study.epsilons.front(), 0.01 * last.epsilon);
+    case Lack::larger_epsilon:
+      return fmt::format(
+          "{}; the penalised bar changes the more from one epsilon to the next, the smaller they are. That is the "
+          "error of "
+          "the time integration at so stiff a penalty, or contact that magnifies it. A range that ends at a larger "
+          "epsilon, method.name = \"exponential\" or a shorter time.end would decide it",
+          found);
     case Lack::smaller_step: break;
     case Lack::nothing: return found;
   }
+  const double next = orders.scheme.back().seconds * orders.scheme[orders.scheme.size() - 2].step / orders.scheme_step;
   std::string text = fmt::format(
-      "{}; {}, that of the scheme {} by its last {} steps", found, penalised,
-      evidence.scheme_error ? fmt::format("to {:.2g}", *evidence.scheme_error) : std::string("does not settle"),
-      std::min<std::size_t>(4, orders.scheme.size()));
-  text += fmt::format(
-      ". A smaller step would decide it: the next one takes about {:.2g} s, and --budget {:.3g} s did not allow it",
-      2.15 * orders.scheme.back().seconds, study.budget);
+      "{}; {}, {}. A smaller step would decide it: the next one takes about {:.2g} s of the processor, --budget is "
+      "{:.3g}",
+      found, penalised, within("that of the scheme", evidence.scheme_error), next, study.budget);
   if (!evidence.scheme_error && orders.scheme.size() > 4)
-    text +=
-        ". If the scheme does not settle there either, contact magnifies its errors beyond use: a shorter time.end "
-        "would tell";
+    text += ". If the scheme does not settle there either, contact magnifies its errors: a shorter time.end would tell";
   return text;
 }
 

@@ -7,6 +7,7 @@
 
 #include "analysis/penalty_limit_verdict.hpp"
 #include "support/paper_throw.hpp"
+#include "support/verdict_truth.hpp"
 #include "viscobar/analysis/end_traces.hpp"
 
 namespace viscobar {
@@ -231,6 +232,16 @@ TEST(PenaltyLimit, ABarThatIsPressedOnItsObstacleHasOneLimitOnAnyMassAndLaw) {
   EXPECT_EQ(only(penalty_limit(study_of(scene, decades(1e-3, 1e-8)))).verdict, Verdict::converges);
 }
 
+TEST(PenaltyLimit, MorePenaltiesADecadeDoNotChangeTheVerdict) {
+  Case scene = paper_throw(0.01);
+  scene.step = 1e-4;
+  const LimitOrders one = only(penalty_limit(study_of(scene, decades(1e-2, 1e-8)))),
+                    four = only(penalty_limit(study_of(scene, decades(1e-2, 1e-8, 4))));
+  EXPECT_EQ(four.verdict, Verdict::plateau);
+  // The times at which traces are compared follow the contact changes of all runs: a maximum moves by a percent.
+  EXPECT_NEAR(*four.evidence.lower(), *one.evidence.lower(), 0.02 * *one.evidence.lower());
+}
+
 TEST(PenaltyLimit, WithoutBudgetTheSchemeRunsThreeTimes) {
   Case scene = paper_throw(0.01);
   scene.step = 1e-1;
@@ -286,6 +297,67 @@ TEST(PenaltyLimit, TellsItsProgressRunByRun) {
   penalty_limit(study);
   EXPECT_EQ(calls, all);
 }
+
+// Traces T(x) = value(x) at every time.
+Settling settling_of(double (*value)(double), const std::vector<double>& at) {
+  std::vector<EndTraces> traces;
+  for (const double x : at) traces.push_back({.left = {value(x)}, .right = {0.0}, .events = {}, .statistics = {}});
+  TraceSequence sequence;
+  for (std::size_t i = 0; i < at.size(); ++i) sequence.add(at[i], traces[i]);
+  return settling(sequence, {.order = 0.5, .values = 3, .safety = 1.0}, 0.0);
+}
+
+TEST(Settling, IsExactForThePowerOfTheTheoryAndSafeForAHigherOne) {
+  const std::vector<double> at = decades(1e-2, 1e-6);
+  const Settling half = settling_of([](double x) { return 1.0 + 3.0 * std::sqrt(x); }, at);
+  EXPECT_TRUE(half.settled);
+  EXPECT_NEAR(half.error, 3.0 * 1e-3, 1e-12);
+  const Settling one = settling_of([](double x) { return 1.0 + 3.0 * x; }, at);
+  EXPECT_TRUE(one.settled);
+  EXPECT_GT(one.error, 3.0 * 1e-6);
+}
+
+TEST(Settling, KnowsWhatDoesNotTendToAnything) {
+  const std::vector<double> at = decades(1e-2, 1e-6);
+  const Settling logarithm = settling_of([](double x) { return std::log(x); }, at);
+  EXPECT_FALSE(logarithm.settled);
+  const Settling growing = settling_of([](double x) { return 1e-9 / x; }, at);
+  EXPECT_FALSE(growing.settled);
+  EXPECT_TRUE(growing.grows);
+  EXPECT_FALSE(settling_of([](double x) { return x; }, {1e-2, 1e-3}).settled) << "two values show no order";
+}
+
+TEST(LimitVerdict, WherePenalisedTracesDivergeASmallerEpsilonIsNotWhatIsLacking) {
+  std::vector<EndTraces> penalised, scheme;
+  LimitTraces mesh;
+  const std::vector<double> at = decades(1e-2, 1e-5), steps = decades(1e-2, 1e-4);
+  const auto constant = [](double value) {
+    EndTraces traces{.left = {value}, .right = {0.0}, .events = {}, .statistics = {}};
+    traces.statistics.max_penetration = 1.0;
+    return traces;
+  };
+  for (const double x : at) penalised.push_back(constant(1e-9 / x));
+  for (const double x : steps) scheme.push_back(constant(x));
+  for (std::size_t i = 0; i < at.size(); ++i) mesh.penalised.add(at[i], penalised[i]);
+  for (std::size_t i = 0; i < steps.size(); ++i) mesh.scheme.add(steps[i], scheme[i]);
+  const Judgement found = judge(mesh);
+  EXPECT_EQ(found.verdict, Verdict::undecided);
+  EXPECT_EQ(found.evidence.lack, Lack::larger_epsilon);
+}
+
+class VerdictOf : public testing::TestWithParam<std::size_t> {};
+
+// A slice of docs/limit-verdicts.md, where the rest of the sixty scenes is.
+TEST_P(VerdictOf, ARandomSceneIsTheOneOfTheoryAndItsBoundsEncloseTheDistanceByOtherRuns) {
+  const VerdictScene scene = random_verdict_scenes(45)[GetParam() - 1];
+  const KnownVerdict known = known_verdict(scene);
+  const LimitOrders orders = only(penalty_limit(verdict_study(scene)));
+  EXPECT_EQ(orders.verdict, known.verdict) << scene.name;
+  EXPECT_TRUE(agrees(orders.evidence, known)) << scene.name;
+}
+
+// Of each mass and several restitutions, with and without viscosity, load and a second contact.
+INSTANTIATE_TEST_SUITE_P(Slice, VerdictOf, testing::Values(1, 7, 9, 11, 12, 18, 20, 21, 38, 44));
 
 TEST(ComparisonTimes, RunFromZeroToTheEndAndCrowdAfterAContactChange) {
   const std::vector<Event> changes = {{.time = 0.3}};

@@ -20,8 +20,8 @@ struct LimitStudy {
   std::vector<double> epsilons;       ///< decreasing
   std::vector<std::size_t> elements;  ///< meshes; empty: the scene's
   std::vector<double> steps;          ///< of the scheme, one for each mesh; empty: see scheme_step()
-  double budget = 60.0;               ///< seconds for smaller steps of the scheme, >= 0; 0: none beyond the first three
-  std::size_t threads = 0;            ///< 0: all cores
+  double budget = 60.0;     ///< processor seconds for smaller steps of the scheme, >= 0; 0: only the first three
+  std::size_t threads = 0;  ///< 0: all cores
   std::function<void(std::size_t done, std::size_t of)> progress = {};  ///< told after each run, one call at a time
 };
 
@@ -59,6 +59,7 @@ enum class Lack {
   contact,          ///< nothing touches an obstacle at the smallest epsilon: there is nothing to compare
   penalties,        ///< three epsilons or more, to see whether P(epsilon) settles
   smaller_epsilon,  ///< P(epsilon) has not settled, or not closely enough
+  larger_epsilon,   ///< P(epsilon) changes more and more as epsilon falls: errors of the time integration, or chaos
   smaller_step      ///< S(dt) has not settled, or not closely enough, within the budget
 };
 

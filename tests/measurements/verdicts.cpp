@@ -1,0 +1,112 @@
+// Prints docs/limit-verdicts.md: verdicts of `limit` beside what is known by other means. Run:
+// build/release/tests/measure_verdicts >docs/limit-verdicts.md       (or with part of a scene's name: those rows alone)
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "support/verdict_scenes.hpp"
+#include "support/verdict_truth.hpp"
+#include "viscobar/io/scene_file.hpp"
+
+namespace {
+
+using namespace viscobar;
+
+std::vector<VerdictScene> shipped_scenes() {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(VISCOBAR_SOURCE_DIR "/examples/scenes"))
+    if (entry.path().extension() == ".toml") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  std::vector<VerdictScene> scenes;
+  for (const auto& file : files)
+    scenes.push_back({file.stem().string(), "", read_scene(file, {}, [](Case& run) {
+                                                  run.epsilon = 1e-4;
+                                                  run.method = penalised_method(run);
+                                                }).run});
+  return scenes;
+}
+
+std::string ends(const Scene& scene) {
+  const auto one = [](const EndCondition& end) {
+    return is_obstacle(end) ? "obstacle" : is_fixed(end) ? "fixed" : "free";
+  };
+  return scene.span ? std::string("span") : fmt::format("{}, {}", one(scene.left), one(scene.right));
+}
+
+std::string load(const VerdictScene& scene) {
+  if (!scene.load.empty()) return scene.load;
+  return scene.run.scene.load ? "yes" : "none";
+}
+
+constexpr const char* page_head = R"(# Verdicts beside the truth
+
+How far can a verdict of `viscobar limit` be trusted? Here are sixty scenes whose truth is known without it: those of
+[examples/scenes](../examples/scenes) as they are shipped, and random ones from a seeded generator, with every mass, restitution,
+viscosity, load and kind of end. The penalties are 1e-2 to 1e-8, the budget is the default. This page is printed by
+
+    cmake --build --preset release --target measure_verdicts && build/release/tests/measure_verdicts >docs/limit-verdicts.md
+
+Truth by theory ([penalty-limit.md](penalty-limit.md)):
+
+- Massless contact nodes (`redistributed`) have one limit, the rigid one: `converges`.
+- Nodes with mass and one restitution on both sides: `converges`. This is measured, not proved.
+- Nodes with mass, without a restitution: the penalty throws them back, the scheme stops them: `plateau`.
+- Such nodes that lie on the obstacle from the start and are pressed on it meet nothing: `converges`.
+
+Distance by other runs: |P(0) - S(0)| of the end traces, with its change from a step of the scheme to one three times smaller. S(0) is the scheme
+at 200,000 steps of the run (140,000 for 702 elements). P(0) is the rigid limit of massless nodes; the scheme of restitution 1 for the
+undamped penalty on end nodes; else the penalised bar at epsilon = 1e-10 by matrix exponentials, or on 702 elements at 1e-9 by cvode. A dash: no such run is affordable.
+Where the change is as large as the distance of a plateau, and at a dash, theory alone is the truth: the four scenes of the paper with a left end or a span.
+
+Apart, at least and at most: the bounds of |P(0) - S(0)| by the study. The smallest step and the processor seconds are those of the scheme in the study.
+A slice of this table is a test.
+
+| scene | elements | mass, restitution | viscosity | ends | load | truth by theory | distance by other runs | verdict | apart, at least | at most | smallest step | seconds |
+|---|---|---|---|---|---|---|---|---|---|---|---|---|
+)";
+
+std::string number(std::optional<double> value) { return value ? fmt::format("{:.1e}", *value) : "-"; }
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  constexpr std::size_t all = 60;
+  std::vector<VerdictScene> scenes = shipped_scenes();
+  for (VerdictScene& scene : random_verdict_scenes(all - scenes.size())) scenes.push_back(std::move(scene));
+  fmt::print("{}", page_head);
+  std::size_t undecided = 0, wrong = 0, untouched = 0, outside = 0;
+  for (const VerdictScene& scene : scenes) {
+    if (argc > 1 && scene.name.find(argv[1]) == std::string::npos) continue;
+    const LimitResult result = penalty_limit(verdict_study(scene));
+    const LimitOrders& orders = result.orders.front();
+    const LimitEvidence& evidence = orders.evidence;
+    const KnownVerdict known = known_verdict(scene);
+    const bool same = orders.verdict == known.verdict, open = orders.verdict == Verdict::undecided;
+    undecided += open;
+    untouched += !known.touches;
+    wrong += !open && !same;
+    const bool inside = agrees(evidence, known);
+    outside += !inside;
+    double seconds = 0.0;
+    for (const SchemeRun& run : orders.scheme) seconds += run.seconds;
+    fmt::print(
+        "| {} | {} | {}, {} | {:.2g} | {} | {} | {} | {} | {}{} | {} | {} | {:.1e} | {:.1f} |\n", scene.name,
+        scene.run.elements, name(scene.run.mass),
+        scene.run.restitution ? fmt::format("e = {}", *scene.run.restitution) : "none", scene.run.scene.bar.viscosity,
+        ends(scene.run.scene), load(scene), known.touches ? std::string(name(known.verdict)) : "nothing touches",
+        known.distance ? fmt::format("{:.1e} +- {:.0e}", *known.distance, known.error) : "-", name(orders.verdict),
+        !open && !same ? " (WRONG)"
+        : inside       ? ""
+                       : " (OUTSIDE)",
+        number(evidence.lower()), number(evidence.upper()), orders.scheme_step, seconds);
+  }
+  fmt::print(
+      "\n{} scenes: {} verdicts are wrong, {} are undecided, {} of which because nothing touches. In {} the distance "
+      "by "
+      "other runs is outside the bounds.\n",
+      scenes.size(), wrong, undecided, untouched, outside);
+}
