@@ -81,7 +81,10 @@ void write_both(std::string_view word, std::string_view colour, std::string_view
 }  // namespace
 
 void MessageOptions::add_to(CLI::App& command) {
-  command.add_option("--log", log, "Append to FILE what is done, and every message, with the time")->type_name("FILE");
+  command
+      .add_option("--log", log,
+                  "Append to FILE, a log or not yet there, what is done, and every message, with the time")
+      ->type_name("FILE");
   command.add_flag("-v,--verbose", verbose, "Say more on standard error: what is read, contact changes as they come");
 }
 

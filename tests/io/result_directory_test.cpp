@@ -1,4 +1,5 @@
-// What may be in a directory of results, and who else: nothing that was whole is lost, nothing that is not ours touched.
+// What may be in a directory of results, and who else: nothing that was whole is lost, nothing that is not ours
+// touched.
 #include "io/result_directory.hpp"
 
 #include <gtest/gtest.h>
@@ -173,10 +174,16 @@ TEST_F(ResultDirectories, AKillWhileTheFilesTakeTheirPlacesIsMadeGoodByTheNext) 
     record_run(bouncing_bar(), scratch / "finished");
     fs::rename(scratch / "finished", out / "finished");
     fs::rename(out / "finished/summary.json", out / "finished" / ResultDirectory::final_summary);
-    std::ofstream(out / "finished/summary.json") << R"({"versions": {"viscobar": ""}, "method": "", "completed": false})";
+    std::ofstream(out / "finished/summary.json")
+        << R"({"versions": {"viscobar": ""}, "method": "", "completed": false})";
     const auto whole = all_of(out / "finished");
-    const char* order[] = {"summary.json", "ends.csv",   "events.csv", "field.h5",
-                           "field.xdmf",   "report.html", ResultDirectory::final_summary};
+    const char* order[] = {"summary.json",
+                           "ends.csv",
+                           "events.csv",
+                           "field.h5",
+                           "field.xdmf",
+                           "report.html",
+                           ResultDirectory::final_summary};
     for (std::size_t i = 0; i < moved; ++i) {
       fs::rename(out / "finished" / order[i], out / (i == 6 ? "summary.json" : order[i]));
       if (i < 6) {
