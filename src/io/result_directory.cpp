@@ -222,6 +222,14 @@ void settle_result_directory(const fs::path& directory) {
   }
 }
 
+bool clear_whole_run(const fs::path& directory) {
+  settle_result_directory(directory);
+  if (!holds_whole_run(directory) || fs::exists(directory / unfinished) || !has_checkpoint(directory)) return false;
+  const DirectoryLock lock(directory);
+  remove_checkpoints(directory);
+  return true;
+}
+
 fs::path place_of_stopped_run(const fs::path& directory) {
   if (!holds_whole_run(directory)) return directory;
   if (type(directory / unfinished) == fs::file_type::directory) return directory / unfinished;

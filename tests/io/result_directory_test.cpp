@@ -67,7 +67,7 @@ class ResultDirectories : public testing::Test {
     } catch (const std::exception& error) {
       EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
     }
-    EXPECT_EQ(all_of(scratch.path()), before) << words;
+    EXPECT_TRUE(all_of(scratch.path()) == before) << words;
   }
 
   const Scratch scratch;
@@ -119,7 +119,7 @@ TEST_F(ResultDirectories, AWholeResultStaysUntilTheNextOneIsWhole) {
   RecordOptions options;
   options.progress = [&](double time, std::size_t) {
     if (time < 0.25) return;
-    for (const char* file : files_of_a_run) ASSERT_EQ(read_text(out / file), before.at(file)) << file;
+    for (const char* file : files_of_a_run) ASSERT_TRUE(read_text(out / file) == before.at(file)) << file;
     EXPECT_FALSE(completed(out / "unfinished"));
   };
   const RunRecord record = record_run(shorter(), out, options);
@@ -136,11 +136,11 @@ TEST_F(ResultDirectories, WhatStopsEarlyLeavesTheWholeResultAndResumesToItsPlace
   const RunRecord stopped = record_run(bouncing_bar(), out, stopped_after(50));
   EXPECT_EQ(stopped.outcome.ending, Ending::interrupted);
   EXPECT_EQ(stopped.directory, out / "unfinished");
-  for (const char* file : files_of_a_run) EXPECT_EQ(read_text(out / file), before.at(file)) << file;
+  for (const char* file : files_of_a_run) EXPECT_TRUE(read_text(out / file) == before.at(file)) << file;
 
   // A run that begins anew takes the place of the unfinished one, not of the whole one.
   record_run(bouncing_bar(), out, stopped_after(20));
-  for (const char* file : files_of_a_run) EXPECT_EQ(read_text(out / file), before.at(file)) << file;
+  for (const char* file : files_of_a_run) EXPECT_TRUE(read_text(out / file) == before.at(file)) << file;
 
   EXPECT_THROW(resume_run(bouncing_bar(), out / "unfinished"), std::invalid_argument);
   EXPECT_THROW(record_run(bouncing_bar(), out / "unfinished"), std::invalid_argument);
@@ -159,7 +159,7 @@ TEST_F(ResultDirectories, ARunThatFailsForAFullDiskLeavesTheWholeResult) {
       EXPECT_NE(record_run(bouncing_bar(), out).outcome.ending, Ending::completed) << bytes;
     } catch (const IoError&) {
     }
-    for (const char* file : files_of_a_run) ASSERT_EQ(read_text(out / file), before.at(file)) << bytes << file;
+    for (const char* file : files_of_a_run) ASSERT_TRUE(read_text(out / file) == before.at(file)) << bytes << file;
   }
   EXPECT_EQ(record_run(bouncing_bar(), out).outcome.ending, Ending::completed);
   EXPECT_EQ(all_of(out).size(), std::size(files_of_a_run));
@@ -194,8 +194,8 @@ TEST_F(ResultDirectories, AKillWhileTheFilesTakeTheirPlacesIsMadeGoodByTheNext) 
     EXPECT_TRUE(completed(out));
     EXPECT_EQ(all_of(out).size(), std::size(files_of_a_run));
     for (const char* file : {"ends.csv", "events.csv", "field.h5", "field.xdmf", "report.html"})
-      EXPECT_EQ(read_text(out / file), whole.at(file)) << file;
-    EXPECT_EQ(read_text(out / "summary.json"), whole.at(ResultDirectory::final_summary));
+      EXPECT_TRUE(read_text(out / file) == whole.at(file)) << file;
+    EXPECT_TRUE(read_text(out / "summary.json") == whole.at(ResultDirectory::final_summary));
   }
 }
 
@@ -207,7 +207,7 @@ TEST_F(ResultDirectories, ACheckpointBesideAWholeResultIsNoRunToGoOnWith) {
   const auto before = all_of(out);
   EXPECT_THROW(scene_of_checkpoint(out), std::invalid_argument);
   EXPECT_THROW(resume_run(bouncing_bar(), out), std::invalid_argument);
-  EXPECT_EQ(all_of(out), before);
+  EXPECT_TRUE(all_of(out) == before);
   record_run(shorter(), out);
   EXPECT_EQ(all_of(out).size(), std::size(files_of_a_run));
 }
@@ -273,7 +273,7 @@ TEST_F(ResultDirectories, AReaderThatHoldsALockLosesNothingAndStopsNobody) {
   EXPECT_EQ(rows(out), 51u);
   std::string kept(field.size(), '\0');
   EXPECT_EQ(pread(reader, kept.data(), kept.size(), 0), static_cast<ssize_t>(kept.size()));
-  EXPECT_EQ(kept, field);
+  EXPECT_TRUE(kept == field);
   close(reader);
 }
 
@@ -304,7 +304,7 @@ TEST_F(ResultDirectories, AFileThatMayNotBeWrittenIsNamedAndNothingChanged) {
   fs::permissions(out / "events.csv", fs::perms::owner_read);
   const auto before = all_of(out);
   EXPECT_EQ(as_nobody(run), 1);
-  EXPECT_EQ(all_of(out), before);
+  EXPECT_TRUE(all_of(out) == before);
 }
 
 TEST_F(ResultDirectories, ThatTakeNoFilesAreNamed) {
@@ -321,7 +321,7 @@ TEST_F(ResultDirectories, ThatTakeNoFilesAreNamed) {
               }
             }),
             1);
-  EXPECT_EQ(all_of(out), before);
+  EXPECT_TRUE(all_of(out) == before);
   fs::permissions(out, fs::perms::owner_all);
 }
 
