@@ -208,7 +208,15 @@ fs::path ResultDirectory::place_of_new_run() const {
   return place;
 }
 
+void check_run_files(const fs::path& place) {
+  for (const std::string_view name : files_of(ResultKind::run).others)
+    if (!name.starts_with("checkpoint") && type(place / name) != fs::file_type::regular)
+      throw IoError(place / name, "was removed or replaced while it was written");
+}
+
 void ResultDirectory::replace_by_finished() const {
+  // What is missing later has been moved already; what is missing now has been removed by somebody.
+  check_run_files(directory_ / unfinished);
   rename_file(directory_ / unfinished, directory_ / finished);
   take_places(directory_);
 }

@@ -165,6 +165,22 @@ TEST_F(ResultDirectories, ARunThatFailsForAFullDiskLeavesTheWholeResult) {
   EXPECT_EQ(all_of(out).size(), std::size(files_of_a_run));
 }
 
+// Also in the moment between the end of the run and that of the command.
+TEST_F(ResultDirectories, AFileThatIsMissingAtTheEndIsNotTakenFromTheResultBefore) {
+  record_run(bouncing_bar(), out);
+  const auto before = all_of(out);
+  for (const char* file : {"ends.csv", "events.csv", "field.h5", "field.xdmf", "report.html"}) {
+    const ResultDirectory directory(out, ResultKind::run);
+    record_run(shorter(), scratch / "next");
+    fs::rename(scratch / "next", directory.place_of_new_run());
+    fs::copy(out / "unfinished/summary.json", out / "unfinished" / ResultDirectory::final_summary);
+    fs::remove(out / "unfinished" / file);
+    EXPECT_THROW(directory.replace_by_finished(), IoError) << file;
+    for (const char* kept : files_of_a_run) EXPECT_TRUE(read_text(out / kept) == before.at(kept)) << kept;
+    fs::remove_all(out / "unfinished");
+  }
+}
+
 // The renames of a finished run, ended by a kill before each of them.
 TEST_F(ResultDirectories, AKillWhileTheFilesTakeTheirPlacesIsMadeGoodByTheNext) {
   for (std::size_t moved = 0; moved <= 7; ++moved) {
