@@ -74,6 +74,12 @@ Studies leave
 and
 .IR compare.html ,
 and so on.
+.PP
+One command at a time works in a directory; another one is refused. A whole result there stays until the next run is whole, whose files are in
+.I unfinished
+until then; after an interrupt
+.B viscobar resume
+goes on there. Files that are not of a result are never touched.
 .SH ENVIRONMENT
 .TP
 .B NO_COLOR

@@ -106,7 +106,10 @@ void open_standard_streams() {
 void show_status(std::string_view what) { put(stderr, fmt::format("\r\033[K{}", what)); }
 
 void MessageOptions::add_to(CLI::App& command) {
-  command.add_option("--log", log, "Append to FILE what is done, and every message, with the time")->type_name("FILE");
+  command
+      .add_option("--log", log,
+                  "Append to FILE, a log or not yet there, what is done, and every message, with the time")
+      ->type_name("FILE");
   command.add_flag("-v,--verbose", verbose, "Say more on standard error: what is read, contact changes as they come");
 }
 

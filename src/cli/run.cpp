@@ -3,6 +3,8 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -12,6 +14,7 @@
 #include "cli/messages.hpp"
 #include "cli/progress.hpp"
 #include "io/csv.hpp"
+#include "io/result_directory.hpp"
 #include "viscobar/io/record_run.hpp"
 
 namespace viscobar::cli {
@@ -152,6 +155,14 @@ int ResumeCommand::operator()() const {
   const fs::path directory = directory_;
   RecordOptions options;
   options.figures = figures_;
+  if (clear_whole_run(directory)) {
+    std::ifstream summary(directory / "summary.json");
+    if (json_)
+      print(std::string(std::istreambuf_iterator<char>(summary), {}));
+    else if (!quiet_)
+      say(directory.string() + ": the run was stopped when it was complete");
+    return success;
+  }
   const SceneFile scene = scene_of_checkpoint(directory);
   return shown(scene, directory, json_, quiet_, options,
                [&](const RecordOptions& chosen) { return resume_run(scene, directory, chosen, warn); });

@@ -121,6 +121,10 @@ FoundCheckpoint read_checkpoint(const fs::path& directory) {
                   directory.string()));
 }
 
+bool has_checkpoint(const fs::path& directory) {
+  return fs::exists(directory / newest) || fs::exists(directory / previous);
+}
+
 void remove_newest_checkpoint(const fs::path& directory) {
   std::error_code error;
   // What is no file, and so nobody's checkpoint, is kept out of the way.

@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t block_bytes = 1 << 20;
 
 hid_t create_file(const std::filesystem::path& path) {
-  hdf5_without_exit_handler();
+  begin_hdf5();
   return hdf5_checked(path, "cannot be created",
                       [&] { return H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT); });
 }
@@ -123,7 +123,7 @@ void FieldFile::flush() {
 }
 
 void FieldFile::go_on(const FieldMark& mark) {
-  hdf5_without_exit_handler();
+  begin_hdf5();
   put_back(path_, mark);
   file_.reset(
       hdf5_checked(path_, "cannot be opened", [&] { return H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT); }));

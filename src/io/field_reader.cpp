@@ -8,6 +8,12 @@ namespace viscobar {
 
 namespace {
 
+Hdf5File open(const std::filesystem::path& path) {
+  begin_hdf5();
+  return Hdf5File(
+      hdf5_checked(path, "cannot be opened", [&] { return H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT); }));
+}
+
 Hdf5Dataset open(const std::filesystem::path& path, const Hdf5File& file, const char* name) {
   return Hdf5Dataset(hdf5_checked(path, "lacks a dataset", [&] { return H5Dopen2(file.get(), name, H5P_DEFAULT); }));
 }
@@ -35,8 +41,7 @@ std::vector<double> vector(const std::filesystem::path& path, const Hdf5File& fi
 
 FieldReader::FieldReader(const std::filesystem::path& file)
     : path_(file),
-      file_(
-          hdf5_checked(path_, "cannot be opened", [&] { return H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT); })),
+      file_(open(path_)),
       u_(open(path_, file_, "u")),
       v_(open(path_, file_, "v")),
       x_(vector(path_, file_, "x")),

@@ -1,6 +1,9 @@
 #include "io/hdf5_handle.hpp"
 
+#include <sys/mman.h>
+
 #include <cstdlib>
+#include <new>
 #include <string_view>
 #include <system_error>
 
@@ -21,6 +24,13 @@ std::string hdf5_cause() {
   return std::generic_category().message(std::atoi(text.c_str() + at + before.size()));
 }
 
-void hdf5_without_exit_handler() { [[maybe_unused]] static const herr_t once = H5dont_atexit(); }
+void begin_hdf5() {
+  // Its tables take one megabyte, the cache of each of four datasets another, a block of rows to pass on one more.
+  constexpr std::size_t needed = 8 << 20;
+  void* const room = mmap(nullptr, needed, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (room == MAP_FAILED) throw std::bad_alloc();
+  munmap(room, needed);
+  [[maybe_unused]] static const herr_t once = H5dont_atexit();
+}
 
 }  // namespace viscobar

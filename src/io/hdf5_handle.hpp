@@ -53,7 +53,9 @@ auto hdf5_checked(const std::filesystem::path& path, const char* what, Call&& ca
   return result;
 }
 
-/// HDF5 crashes at exit when it tries once more to write what a full disk refused; nothing of ours waits for the exit.
-void hdf5_without_exit_handler();
+/// Before HDF5 is used: it crashes at exit when it tries once more to write what a full disk refused, and nothing of
+/// ours waits for the exit; and it goes on in memory that it did not get, so that is asked for before.
+/// @throws std::bad_alloc
+void begin_hdf5();
 
 }  // namespace viscobar

@@ -215,6 +215,7 @@ class RecordedRun {
     const bool replaces = place_ != directory_.path();
     if (outcome().ending == Ending::completed)
       attempt(outcome(), [&] {
+        check_run_files(place_);
         write_summary(replaces ? ResultDirectory::final_summary : "summary.json");
         if (replaces) directory_.replace_by_finished();
         remove_checkpoints(place_);

@@ -208,7 +208,15 @@ fs::path ResultDirectory::place_of_new_run() const {
   return place;
 }
 
+void check_run_files(const fs::path& place) {
+  for (const std::string_view name : files_of(ResultKind::run).others)
+    if (!name.starts_with("checkpoint") && type(place / name) != fs::file_type::regular)
+      throw IoError(place / name, "was removed or replaced while it was written");
+}
+
 void ResultDirectory::replace_by_finished() const {
+  // What is missing later has been moved already; what is missing now has been removed by somebody.
+  check_run_files(directory_ / unfinished);
   rename_file(directory_ / unfinished, directory_ / finished);
   take_places(directory_);
 }
@@ -220,6 +228,14 @@ void settle_result_directory(const fs::path& directory) {
     take_places(directory);
   } catch (const std::exception&) {  // in use, or not ours to write to: it is read as it is
   }
+}
+
+bool clear_whole_run(const fs::path& directory) {
+  settle_result_directory(directory);
+  if (!holds_whole_run(directory) || fs::exists(directory / unfinished) || !has_checkpoint(directory)) return false;
+  const DirectoryLock lock(directory);
+  remove_checkpoints(directory);
+  return true;
 }
 
 fs::path place_of_stopped_run(const fs::path& directory) {

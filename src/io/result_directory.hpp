@@ -49,6 +49,13 @@ class ResultDirectory {
 /// about it. Readers call it first.
 void settle_result_directory(const std::filesystem::path& directory);
 
+/// @throws IoError when one of the files of a run that has ended is not there
+void check_run_files(const std::filesystem::path& place);
+
+/// Removes the checkpoints of a run that was killed when its result was whole but for that; whether there were any.
+/// @throws IoError when it is in use
+bool clear_whole_run(const std::filesystem::path& directory);
+
 /// Where the run in a directory of results has its files that can be resumed: there, or in `unfinished` where there is
 /// a whole result. @throws std::invalid_argument when there is nothing but a whole result
 std::filesystem::path place_of_stopped_run(const std::filesystem::path& directory);

@@ -133,7 +133,7 @@ std::vector<TableField> table_fields(const SweepPlan& plan) {
 
 SweepTable::SweepTable(const fs::path& file, const SweepPlan& plan, const std::string& identity)
     : path_(file), plan_(plan), fields_(table_fields(plan)), row_bytes_(fields_.back().offset + fields_.back().bytes) {
-  hdf5_without_exit_handler();
+  begin_hdf5();
   if (!fs::exists(path_)) create(identity);
   file_.reset(open_file(path_).release());
   if (text_of(path_, open_dataset(path_, file_.get(), "identity")) != identity)

@@ -1,4 +1,5 @@
-// What may be in a directory of results, and who else: nothing that was whole is lost, nothing that is not ours touched.
+// What may be in a directory of results, and who else: nothing that was whole is lost, nothing that is not ours
+// touched.
 #include "io/result_directory.hpp"
 
 #include <gtest/gtest.h>
@@ -66,7 +67,7 @@ class ResultDirectories : public testing::Test {
     } catch (const std::exception& error) {
       EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
     }
-    EXPECT_EQ(all_of(scratch.path()), before) << words;
+    EXPECT_TRUE(all_of(scratch.path()) == before) << words;
   }
 
   const Scratch scratch;
@@ -118,7 +119,7 @@ TEST_F(ResultDirectories, AWholeResultStaysUntilTheNextOneIsWhole) {
   RecordOptions options;
   options.progress = [&](double time, std::size_t) {
     if (time < 0.25) return;
-    for (const char* file : files_of_a_run) ASSERT_EQ(read_text(out / file), before.at(file)) << file;
+    for (const char* file : files_of_a_run) ASSERT_TRUE(read_text(out / file) == before.at(file)) << file;
     EXPECT_FALSE(completed(out / "unfinished"));
   };
   const RunRecord record = record_run(shorter(), out, options);
@@ -135,11 +136,11 @@ TEST_F(ResultDirectories, WhatStopsEarlyLeavesTheWholeResultAndResumesToItsPlace
   const RunRecord stopped = record_run(bouncing_bar(), out, stopped_after(50));
   EXPECT_EQ(stopped.outcome.ending, Ending::interrupted);
   EXPECT_EQ(stopped.directory, out / "unfinished");
-  for (const char* file : files_of_a_run) EXPECT_EQ(read_text(out / file), before.at(file)) << file;
+  for (const char* file : files_of_a_run) EXPECT_TRUE(read_text(out / file) == before.at(file)) << file;
 
   // A run that begins anew takes the place of the unfinished one, not of the whole one.
   record_run(bouncing_bar(), out, stopped_after(20));
-  for (const char* file : files_of_a_run) EXPECT_EQ(read_text(out / file), before.at(file)) << file;
+  for (const char* file : files_of_a_run) EXPECT_TRUE(read_text(out / file) == before.at(file)) << file;
 
   EXPECT_THROW(resume_run(bouncing_bar(), out / "unfinished"), std::invalid_argument);
   EXPECT_THROW(record_run(bouncing_bar(), out / "unfinished"), std::invalid_argument);
@@ -158,10 +159,26 @@ TEST_F(ResultDirectories, ARunThatFailsForAFullDiskLeavesTheWholeResult) {
       EXPECT_NE(record_run(bouncing_bar(), out).outcome.ending, Ending::completed) << bytes;
     } catch (const IoError&) {
     }
-    for (const char* file : files_of_a_run) ASSERT_EQ(read_text(out / file), before.at(file)) << bytes << file;
+    for (const char* file : files_of_a_run) ASSERT_TRUE(read_text(out / file) == before.at(file)) << bytes << file;
   }
   EXPECT_EQ(record_run(bouncing_bar(), out).outcome.ending, Ending::completed);
   EXPECT_EQ(all_of(out).size(), std::size(files_of_a_run));
+}
+
+// Also in the moment between the end of the run and that of the command.
+TEST_F(ResultDirectories, AFileThatIsMissingAtTheEndIsNotTakenFromTheResultBefore) {
+  record_run(bouncing_bar(), out);
+  const auto before = all_of(out);
+  for (const char* file : {"ends.csv", "events.csv", "field.h5", "field.xdmf", "report.html"}) {
+    const ResultDirectory directory(out, ResultKind::run);
+    record_run(shorter(), scratch / "next");
+    fs::rename(scratch / "next", directory.place_of_new_run());
+    fs::copy(out / "unfinished/summary.json", out / "unfinished" / ResultDirectory::final_summary);
+    fs::remove(out / "unfinished" / file);
+    EXPECT_THROW(directory.replace_by_finished(), IoError) << file;
+    for (const char* kept : files_of_a_run) EXPECT_TRUE(read_text(out / kept) == before.at(kept)) << kept;
+    fs::remove_all(out / "unfinished");
+  }
 }
 
 // The renames of a finished run, ended by a kill before each of them.
@@ -173,10 +190,16 @@ TEST_F(ResultDirectories, AKillWhileTheFilesTakeTheirPlacesIsMadeGoodByTheNext) 
     record_run(bouncing_bar(), scratch / "finished");
     fs::rename(scratch / "finished", out / "finished");
     fs::rename(out / "finished/summary.json", out / "finished" / ResultDirectory::final_summary);
-    std::ofstream(out / "finished/summary.json") << R"({"versions": {"viscobar": ""}, "method": "", "completed": false})";
+    std::ofstream(out / "finished/summary.json")
+        << R"({"versions": {"viscobar": ""}, "method": "", "completed": false})";
     const auto whole = all_of(out / "finished");
-    const char* order[] = {"summary.json", "ends.csv",   "events.csv", "field.h5",
-                           "field.xdmf",   "report.html", ResultDirectory::final_summary};
+    const char* order[] = {"summary.json",
+                           "ends.csv",
+                           "events.csv",
+                           "field.h5",
+                           "field.xdmf",
+                           "report.html",
+                           ResultDirectory::final_summary};
     for (std::size_t i = 0; i < moved; ++i) {
       fs::rename(out / "finished" / order[i], out / (i == 6 ? "summary.json" : order[i]));
       if (i < 6) {
@@ -187,8 +210,8 @@ TEST_F(ResultDirectories, AKillWhileTheFilesTakeTheirPlacesIsMadeGoodByTheNext) 
     EXPECT_TRUE(completed(out));
     EXPECT_EQ(all_of(out).size(), std::size(files_of_a_run));
     for (const char* file : {"ends.csv", "events.csv", "field.h5", "field.xdmf", "report.html"})
-      EXPECT_EQ(read_text(out / file), whole.at(file)) << file;
-    EXPECT_EQ(read_text(out / "summary.json"), whole.at(ResultDirectory::final_summary));
+      EXPECT_TRUE(read_text(out / file) == whole.at(file)) << file;
+    EXPECT_TRUE(read_text(out / "summary.json") == whole.at(ResultDirectory::final_summary));
   }
 }
 
@@ -200,7 +223,7 @@ TEST_F(ResultDirectories, ACheckpointBesideAWholeResultIsNoRunToGoOnWith) {
   const auto before = all_of(out);
   EXPECT_THROW(scene_of_checkpoint(out), std::invalid_argument);
   EXPECT_THROW(resume_run(bouncing_bar(), out), std::invalid_argument);
-  EXPECT_EQ(all_of(out), before);
+  EXPECT_TRUE(all_of(out) == before);
   record_run(shorter(), out);
   EXPECT_EQ(all_of(out).size(), std::size(files_of_a_run));
 }
@@ -266,7 +289,7 @@ TEST_F(ResultDirectories, AReaderThatHoldsALockLosesNothingAndStopsNobody) {
   EXPECT_EQ(rows(out), 51u);
   std::string kept(field.size(), '\0');
   EXPECT_EQ(pread(reader, kept.data(), kept.size(), 0), static_cast<ssize_t>(kept.size()));
-  EXPECT_EQ(kept, field);
+  EXPECT_TRUE(kept == field);
   close(reader);
 }
 
@@ -297,7 +320,7 @@ TEST_F(ResultDirectories, AFileThatMayNotBeWrittenIsNamedAndNothingChanged) {
   fs::permissions(out / "events.csv", fs::perms::owner_read);
   const auto before = all_of(out);
   EXPECT_EQ(as_nobody(run), 1);
-  EXPECT_EQ(all_of(out), before);
+  EXPECT_TRUE(all_of(out) == before);
 }
 
 TEST_F(ResultDirectories, ThatTakeNoFilesAreNamed) {
@@ -314,7 +337,7 @@ TEST_F(ResultDirectories, ThatTakeNoFilesAreNamed) {
               }
             }),
             1);
-  EXPECT_EQ(all_of(out), before);
+  EXPECT_TRUE(all_of(out) == before);
   fs::permissions(out, fs::perms::owner_all);
 }
 
