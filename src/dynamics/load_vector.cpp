@@ -65,8 +65,11 @@ double LoadVector::next_break(double after, double until) {
 double LoadVector::enter(double t, double end) {
   if (next_.empty()) return end;
   const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end));
-  const double next = next_break(t + rounding, end + rounding);
-  first_ = t + rounding;
+  double next = next_break(t - rounding, end + rounding);
+  if (next <= t + rounding) {
+    first_ = t + rounding;
+    next = next_break(first_, end + rounding);
+  }
   last_ = std::max(first_, next - rounding);
   return next < end - rounding ? next : end;
 }

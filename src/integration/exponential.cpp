@@ -258,9 +258,17 @@ class Run {
     std::optional<std::size_t> changing;
     std::vector<VectorXd> distances;
     if (contacts() > 0) ++statistics_.event_evaluations;
+    // Of a bar that has stood at the origin, with the motion of this step: the load's polynomial has roundings, too.
+    ContactDistance::Largest known = largest();
+    if (contacts() > 0)
+      known.displacement = std::max(
+          known.displacement, (leg().displacement(series, 1.0) + propagators_.origin()).cwiseAbs().maxCoeff());
     for (std::size_t c = 0; c < contacts(); ++c) {
       distances.push_back(distance_.along(c, series, p_));
-      const std::optional<double> passage = first_passage(distances[c], distance_.band(c, largest()));
+      if (penalised_.closed(c)) known.penetration = std::max(known.penetration, std::abs(value(distances[c], 1.0)));
+    }
+    for (std::size_t c = 0; c < contacts(); ++c) {
+      const std::optional<double> passage = first_passage(distances[c], distance_.band(c, known));
       if (passage && (!changing || *passage < sigma)) sigma = *passage, changing = c;
     }
     const double t = t_ + tau * sigma;

@@ -194,6 +194,26 @@ TEST(SwitchingLoad, OfAFrontThatMovesThroughTheMeshKeepsThePromise) {
   }
 }
 
+// Neither the surface nor the displacement gives roundings a scale there, and a step of a 64th of the run would miss
+// all of it. What lifts the bar has the impulse (height times half the width) at its middle.
+TEST(SwitchingLoad, OfAShortBlowLiftsABarOffTheObstacleThatItRestsOn) {
+  const double middle = 1.03605, half_width = 0.0210916, height = 13.8374;
+  const Formula formula("13.8374*max(0, 1 - abs(t - 1.03605)/0.0210916)", "t");
+  for (const double gap : {0.0, 1e-3}) {
+    Case run = bar_under(SeparableLoad{[](double) { return 1.0; }, formula.of_t(), formula.breaks()}, 0.5);
+    run.scene.left = Obstacle{gap};
+    run.epsilon = 1e-4;
+    const double u = height * half_width * (run.end - middle);
+    for (const MethodName method :
+         {MethodName::exponential, MethodName::cvode, MethodName::ida, MethodName::arkode, MethodName::odeint}) {
+      const Recording found = by(run, method);
+      const double allowed = method == MethodName::exponential ? 1e-12 : promise * (1e-6 * u + 1e-9);
+      EXPECT_NEAR(found.u.back(), u, allowed) << name(method) << ", gap " << gap;
+      EXPECT_TRUE(found.events.empty()) << name(method) << ", gap " << gap;
+    }
+  }
+}
+
 // The mean displacement of a free bar answers to the sum of the load's entries alone: each node, of weight h (h/2 at
 // the ends), is loaded by -2.5 more from the time on at which the front is there.
 TEST(SwitchingLoad, OfAFrontMovesTheMeanOfAFreeBarByItsImpulse) {

@@ -154,9 +154,10 @@ class LoadVector {
   /// @throws LoadError when the load is not finite at t.
   std::span<const double> at(double t);
 
-  /// Time of the first break of the load in (t, end), at any node, or `end`: on the piece between, the load is smooth.
-  /// From here on at() evaluates it at the nearest time inside of that piece, by 64 roundings of the time, so that it
-  /// has its one-sided limits at the ends. Two breaks closer than that are one. `end` is the same at every call.
+  /// Time of the first break of the load after t, at any node, or `end` where there is none before: until then the load
+  /// is smooth. From here on at() evaluates it at the nearest time that is 64 roundings of the time away from that break
+  /// and from one at t, so that the load has its one-sided limits there. Two breaks closer than that are one. `end` is
+  /// the same at every call.
   double enter(double t, double end);
   /// The time at which at(t) evaluates the load.
   double inside(double t) const { return std::clamp(t, first_, last_); }

@@ -39,7 +39,8 @@ using TimeFunction = std::function<double(double t)>;
 /// Of both.
 using SpaceTimeFunction = std::function<double(double x, double t)>;
 
-/// The first time in (after, until) at which a function of time jumps or has a kink; absent: none there.
+/// The first time in (after, until) at which a function of time jumps or has a kink; absent: none there. `after` may be
+/// a rounding before the start.
 using NextBreak = std::function<std::optional<double>(double after, double until)>;
 /// Likewise of a function of x and t, at x.
 using NextBreakAt = std::function<std::optional<double>(double x, double after, double until)>;
