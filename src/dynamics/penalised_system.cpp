@@ -235,8 +235,8 @@ std::vector<PenalisedSystem::RelaxingRow> PenalisedSystem::relaxing_rows() const
     const double h = bar_.spacing_at(end);
     const std::size_t next = neighbour(end);
     const double share = modulus / viscosity;
-    RelaxingRow row{end, share, h / viscosity, share * (origin_at(next) - origin_at(end)), {{{next, share, 1.0, 0.0}, {}}},
-                    1};
+    RelaxingRow row{end, share, h / viscosity, share * (origin_at(next) - origin_at(end)), 0.0,
+                    {{{next, share, 1.0, 0.0}, {}}}, 1};
     for (std::size_t i = 0; i < laws_.size(); ++i) {
       if (!closed(i) || contact(i).unknown != end) continue;
       row.rate += laws_[i].stiffness * h / viscosity;
@@ -249,7 +249,7 @@ std::vector<PenalisedSystem::RelaxingRow> PenalisedSystem::relaxing_rows() const
 
 PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_index) const {
   const std::size_t i = contact(contact_index).unknown, node = i + bar_.first_node();
-  RelaxingRow row{i, 0.0, 1.0, 0.0, {}, 0};
+  RelaxingRow row{i, 0.0, 1.0, 0.0, 0.0, {}, 0};
   double damping = 0.0;
   const auto beside = [&](double element, std::optional<std::size_t> next, std::optional<double> wall) {
     const double modulus = bar_.bar().modulus / element, viscosity = bar_.bar().viscosity / element;
@@ -276,6 +276,7 @@ PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_in
     row.rate += laws_[c].stiffness, damping += laws_[c].damping;
     row.constant -= laws_[c].stiffness * offsets_[c];
   }
+  row.inertia = bar_.inertia().diagonal[i] / row.rate;
   const double scale = 1.0 / std::max(damping, row.rate / (1e3 * rates_[contact_index]));
   for (RelaxingRow::Neighbour& n : row.neighbours) n.u_share *= scale, n.w_share *= scale, n.a_share *= scale;
   row.rate *= scale, row.load_share *= scale, row.constant *= scale;

@@ -57,6 +57,7 @@ class OdeintStepper {
       make_controlled_step(from.t);
     else
       make_step(from.t);
+    step_.tolerate(weights_.displacement_tolerance());
     step_.finish();
     return step_.end().t;
   }

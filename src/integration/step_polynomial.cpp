@@ -97,11 +97,19 @@ void StepPolynomial::forget_acceleration() {
   }
 }
 
+bool StepPolynomial::passes_over(std::size_t contact) {
+  const double turns = system_.closed(contact) ? system_.contact_rate(contact) * length() : 0.0;
+  if (turns <= 10.0) return false;
+  const double deepest = std::max(std::abs(system_.clearance(contact, layout_.u(begin_.y))),
+                                  std::abs(system_.clearance(contact, layout_.u(end_.y))));
+  return 2.0 * deepest <= tolerance_ * turns * turns * turns;
+}
+
 void StepPolynomial::smooth_unresolved() {
   unresolved_.clear();
   relaxations_.resize(massless_);
   for (std::size_t c = 0; c < system_.contact_count(); ++c) {
-    if (!system_.unresolved(c, length())) continue;
+    if (!passes_over(c)) continue;
     const std::size_t i = system_.contact(c).unknown;
     const std::span ends = std::span(unresolved_).first(std::min<std::size_t>(unresolved_.size(), 2));
     if (std::ranges::find(ends, i) != ends.end()) continue;  // under a span obstacle, too
@@ -165,7 +173,14 @@ void StepPolynomial::drive(Relaxation& relaxation) {
                              (j < 4 ? next.a_share * twice * u[j + 2] / (h * h) : 0.0);
     }
   }
-  if (!system_.load_varies()) return;
+  if (system_.load_varies()) drive_by_load(relaxation);
+  for (std::size_t j = 0; j < 4; ++j)
+    relaxation.drive[j] -= row.inertia / (h * h) * static_cast<double>((j + 1) * (j + 2)) * relaxation.drive[j + 2];
+}
+
+void StepPolynomial::drive_by_load(Relaxation& relaxation) {
+  const auto& row = relaxation.row;
+  const double h = length();
   // Newton's form through s = 0, 1/4, ..., 1.
   std::array<double, 5> f{relaxation.load};
   for (std::size_t j = 1; j < 5; ++j)

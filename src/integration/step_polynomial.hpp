@@ -29,7 +29,8 @@ namespace viscobar {
 /// A node on the spring of a closed contact that the step is too long to resolve has no acceleration to rely on either:
 /// what its displacement is wrong by is in it omega^2 times. It follows its row without its own inertia, whose spring is
 /// as far in as the neighbours' quintics press it: u and w of the node are known to the tolerance only, which may be far
-/// more. The other accelerations are those that satisfy their rows beside it.
+/// more. What its inertia adds is taken from the row without it, so that a term of 2 d / (omega h)^3 is left out: where
+/// that would be more than the tolerance, the accelerations serve. The other accelerations are those that satisfy their rows beside it.
 ///
 /// The energy account of the step is the integral of its rates over the polynomial, by Gauss' formula.
 class StepPolynomial {
@@ -45,6 +46,9 @@ class StepPolynomial {
   StepPolynomial(PenalisedSystem& system, const Layout& layout);
 
   void begin_run(std::vector<std::size_t> sampled_entries);
+
+  /// What a step may be wrong by in u.
+  void tolerate(double displacement) { tolerance_ = displacement; }
 
   /// Whether viscosity makes of an error of w one of a = f(t, u, w) that spoils a step of that length: 12 eta / (rho
   /// h^2) of it, the fastest decay, and a enters u with 1/48 of its square.
@@ -95,8 +99,10 @@ class StepPolynomial {
   double value(std::size_t unknown, double s, int derivative) const;
   void forget_acceleration();
   void smooth_unresolved();
+  bool passes_over(std::size_t contact);
   void rest_unresolved(std::span<double> a);
   void drive(Relaxation& relaxation);
+  void drive_by_load(Relaxation& relaxation);
   void motion_at(double t, std::span<double> y);
   void add_account(double until, std::span<double> y);
   void complete();
@@ -108,6 +114,7 @@ class StepPolynomial {
   End begin_, end_;
   std::vector<Relaxation> relaxations_;  // of massless nodes, as long as the leg; behind them those of this step
   std::size_t massless_ = 0;
+  double tolerance_ = 0.0;
   std::vector<std::size_t> entries_, selected_;
   std::vector<double> sampled_, inner_;
   std::optional<Known> known_;

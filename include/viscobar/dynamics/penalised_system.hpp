@@ -72,9 +72,6 @@ class PenalisedSystem {
   double penetration_share(std::size_t i) const;
   /// omega = sqrt(k / m) of the node on its spring alone, m = rho M_ii; 0 without mass, where nothing oscillates.
   double contact_rate(std::size_t i) const { return rates_[i]; }
-  /// Whether contact i is closed on a spring that a step of length h passes over: omega h > 10. Formulas of order five
-  /// accept such a step only where the oscillation is below their tolerance.
-  bool unresolved(std::size_t i, double h) const { return closed(i) && rates_[i] * h > 10.0; }
   bool rigid() const { return rigid_; }  ///< epsilon = 0
   /// Whether contact i, while closed, holds its node at -gap: a rigid one does, and a spring on a massless node that
   /// gives way by less than the rounding of the strain, kappa = k h / E > (1 + eta / (h sqrt(E rho))) / rounding.
@@ -106,7 +103,7 @@ class PenalisedSystem {
   /// Sets the displacement of massless unknowns for eta = 0, where their rows are algebraic. Nothing to do otherwise.
   void complete_displacement(double t, std::span<double> u);
 
-  /// The row of an unknown whose inertia counts for nothing, as an equation of first order: with n the one or two
+  /// The row of an unknown whose inertia counts for little, as an equation of first order: with n the one or two
   /// neighbours,
   ///
   ///     u_i' + rate u_i = sum_n (u_share u_n + w_share u_n' - a_share u_n'') + load_share (M f)_i + constant.
@@ -121,13 +118,14 @@ class PenalisedSystem {
     double rate;                          ///< per time
     double load_share;                    ///< of the load, velocity per force
     double constant;                      ///< of springs and fixed ends, a velocity
+    double inertia;                       ///< m over the stiffness, a time squared: what u_i'' adds is -rate times it
     std::array<Neighbour, 2> neighbours;  ///< the first `count`
     std::size_t count;
   };
   /// Those of the massless unknowns that are not held, as long as no contact changes; none for eta = 0.
   std::vector<RelaxingRow> relaxing_rows() const;
-  /// That of the node of contact i, with mass, closed on a spring that a step passes over: its own inertia is then
-  /// 1 / (omega step)^2 of the spring's force. Without damping it follows its neighbours at 1000 omega.
+  /// That of the node of contact i, with mass, closed on a spring that a step passes over. Without damping it follows
+  /// its neighbours at 1000 omega.
   RelaxingRow resting_row(std::size_t i) const;
   /// (M f)_i at t, 0 without a load.
   double load(std::size_t unknown, double t) { return load_ ? load_->at(t)[unknown] : 0.0; }

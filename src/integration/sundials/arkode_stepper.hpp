@@ -91,6 +91,7 @@ class ArkodeStepper {
     std::ranges::copy(leg_.layout.w(values(rate_)), reached.a.begin());
     double length = 0.0;
     check("ARKStepGetLastStep", ARKStepGetLastStep(memory_.get(), &length));
+    step_.tolerate(weights_.displacement_tolerance());
     // The last stage is the new state, and its correction leads there from the old one.
     step_.finish(length, leg_.correction.first(leg_.layout.nodes));
     return t;
