@@ -1,21 +1,37 @@
 #include "io/growing_files.hpp"
 
+#include <fmt/format.h>
+
 #include <system_error>
-#include <utility>
 
 #include "viscobar/io/io_error.hpp"
 
 namespace viscobar {
 
+namespace {
+
+void check_length(const std::filesystem::path& file, std::uint64_t length) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  if (error) throw IoError(file, "cannot be read: " + error.message());
+  if (size < length) throw IoError(file, "is shorter than at the checkpoint: it was changed since");
+}
+
+}  // namespace
+
+void check_begin(const std::filesystem::path& file, const Checksum& expected) {
+  check_length(file, expected.bytes);
+  if (checksum_of_file(file, 0, expected.bytes) != expected)
+    throw IoError(file,
+                  fmt::format("its first {} bytes are not those of the checkpoint: it was changed or damaged since",
+                              expected.bytes));
+}
+
 void GrowingFiles::Mark::check(const std::filesystem::path& directory) const {
-  for (const auto& [name, length] : {std::pair{"ends.csv", ends}, {"events.csv", events}, {"field.h5", field.length}}) {
-    std::error_code error;
-    const auto size = std::filesystem::file_size(directory / name, error);
-    if (error) throw IoError(directory / name, "cannot be read: " + error.message());
-    if (size < length)
-      throw IoError(directory / name,
-                    "is shorter than at the checkpoint: it was changed since; nothing was overwritten");
-  }
+  check_length(directory / "field.h5", field.length);
+  check_begin(directory / "ends.csv", ends);
+  check_begin(directory / "events.csv", events);
+  field.check_values(directory / "field.h5");
 }
 
 }  // namespace viscobar

@@ -83,9 +83,13 @@ class RecordedRun {
     begin();
     simulate_into(outcome(), scene_.run, system_, last_.motion, observers());
     // Each for itself: what one cannot write, another may.
-    attempt(outcome(), [&] { files_->ends.close(); });
-    attempt(outcome(), [&] { files_->events.close(); });
-    attempt(outcome(), [&] { files_->field.close(); });
+    attempt(outcome(), [&] { files_->ends.close(), written_["ends.csv"] = files_->ends.checksum(); });
+    attempt(outcome(), [&] { files_->events.close(), written_["events.csv"] = files_->events.checksum(); });
+    attempt(outcome(), [&] {
+      files_->field.close();
+      written_["field.h5"] = files_->field.checksum();
+      written_["field.xdmf"] = files_->field.xdmf_checksum();
+    });
     write_pages();
     if (outcome().ending == Ending::completed) remove_checkpoints(directory_);
     return std::move(record_);
@@ -97,7 +101,7 @@ class RecordedRun {
   double wall_seconds() const { return last_.wall_seconds + seconds_since(options_.started); }
 
   void write_summary() {
-    record_.summary = summary_json(scene_, system_, outcome(), contact_);
+    record_.summary = summary_json(scene_, system_, outcome(), contact_, written_);
     write_atomically(directory_ / "summary.json", record_.summary);
   }
 
@@ -175,14 +179,14 @@ class RecordedRun {
     outcome().wall_seconds = wall_seconds();
     attempt(outcome(), [&] {
       const Page page = report_page(scene_.run, system_, outcome(), contact_, data_);
-      write_atomically(directory_ / "report.html", page.html());
-      if (options_.figures) write_figures(directory_, page.figure_files());
+      written_.merge(write_page(directory_, "report.html",
+                                {page.html(), options_.figures ? page.figure_files() : std::vector<FigureFile>{}}));
     });
     outcome().wall_seconds = wall_seconds();
     const Ending before = outcome().ending;
     attempt(outcome(), [&] { write_summary(); });
     // The text says what happened also where the file could not.
-    if (outcome().ending != before) record_.summary = summary_json(scene_, system_, outcome(), contact_);
+    if (outcome().ending != before) record_.summary = summary_json(scene_, system_, outcome(), contact_, written_);
   }
 
   const SceneFile& scene_;
@@ -194,6 +198,7 @@ class RecordedRun {
   ReportData data_;
   ChatterWatch chatter_;
   std::optional<GrowingFiles> files_;
+  FileChecksums written_;  // what is whole
   std::optional<CheckpointClock> clock_;
   bool stopping_ = false;
   RunRecord record_;
@@ -221,10 +226,9 @@ SceneFile scene_of_checkpoint(const fs::path& directory) {
 
 RunRecord resume_run(const SceneFile& scene, const fs::path& directory, const RecordOptions& options,
                      const std::function<void(const std::string&)>& complain) {
-  FoundCheckpoint found = read_checkpoint(directory);
+  FoundCheckpoint found = read_checkpoint(directory, CheckFiles::yes);
   if (found.checkpoint.description != scene.description)
     throw std::invalid_argument(directory.string() + " holds the checkpoint of another scene; nothing was changed");
-  if (found.checkpoint.motion) found.checkpoint.files.check(directory);
   if (!found.complaint.empty() && complain) complain(found.complaint);
   if (!found.complaint.empty()) remove_newest_checkpoint(directory);
   return RecordedRun(scene, directory, options, std::move(found.checkpoint))();
