@@ -8,6 +8,7 @@
 #include "io/described_scene.hpp"
 #include "io/growing_files.hpp"
 #include "io/output_file.hpp"
+#include "io/pace_watch.hpp"
 #include "io/report.hpp"
 #include "io/result_directory.hpp"
 #include "io/summary.hpp"
@@ -75,7 +76,8 @@ class RecordedRun {
         system_(make_system(scene.run)),
         contact_(scene.run.scene),
         data_(scene.run, system_),
-        chatter_(system_) {
+        chatter_(system_),
+        pace_(0.0, scene.run.end) {
     if (last_.schedule && !simulated()) clock_.emplace(last_.schedule->interval);
   }
 
@@ -116,7 +118,7 @@ class RecordedRun {
     files_.emplace(directory_, scene_.run, last_.motion ? &last_.files : nullptr);
     if (!last_.motion) return;
     ArchiveReader archive(last_.collected);
-    archive(contact_, data_, chatter_, outcome().warnings);
+    archive(contact_, data_, chatter_, pace_, outcome().warnings);
     outcome().reached_time = last_.motion->time;
     outcome().steps = last_.motion->statistics.steps;
     outcome().events = last_.motion->statistics.events;
@@ -143,6 +145,9 @@ class RecordedRun {
     observers.progress = [this](double time) {
       outcome().reached_time = time;
       ++outcome().steps;
+      // The steps of a scheme are what the user chose.
+      if (!is_scheme(scene_.run.method))
+        if (const auto slow = pace_.heard(time)) warn(*slow);
       if (options_.progress) options_.progress(time, outcome().steps);
       stopping_ = stopping_ || (options_.stop && options_.stop());
       if (stopping_ && simulated()) throw Interrupted();
@@ -166,7 +171,7 @@ class RecordedRun {
       std::vector<double> times = outcome().checkpoints;
       times.push_back(motion.time);
       ArchiveWriter archive;
-      archive(contact_, data_, chatter_, outcome().warnings);
+      archive(contact_, data_, chatter_, pace_, outcome().warnings);
       write_checkpoint(directory_, {scene_.description, last_.schedule, motion, files_->mark(), archive.take(), times,
                                     wall_seconds()});
       outcome().checkpoints = std::move(times);
@@ -197,6 +202,7 @@ class RecordedRun {
   ContactSummary contact_;
   ReportData data_;
   ChatterWatch chatter_;
+  PaceWatch pace_;
   std::optional<GrowingFiles> files_;
   FileChecksums written_;  // what is whole
   std::optional<CheckpointClock> clock_;

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "io/printable.hpp"
+#include "io/printable_text.hpp"
 #include "io/sweep_info.hpp"
 #include "io/table.hpp"
 #include "viscobar/io/io_error.hpp"

@@ -13,7 +13,7 @@
 #include <stdexcept>
 
 #include "io/checkpoint_file.hpp"
-#include "io/printable.hpp"
+#include "io/printable_text.hpp"
 #include "io/sealed_summary.hpp"
 #include "io/sweep_frame.hpp"
 #include "io/table.hpp"
