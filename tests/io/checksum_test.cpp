@@ -25,15 +25,23 @@ std::string noise(std::size_t length) {
   return bytes;
 }
 
+std::uint64_t by_boost(std::string_view bytes) {
+  constexpr std::uint64_t ones = ~std::uint64_t{0};
+  boost::crc_optimal<64, 0x42F0E1EBA9EA3693, ones, ones, true, true> crc;
+  crc.process_bytes(bytes.data(), bytes.size());
+  return crc.checksum();
+}
+
 TEST(Checksum, IsThatOfBoostForEveryLengthAndPlaceInMemory) {
   const std::string bytes = noise(300);
   for (std::size_t begin = 0; begin < 9; ++begin)
     for (std::size_t length = 0; begin + length <= bytes.size(); ++length) {
-      constexpr std::uint64_t ones = ~std::uint64_t{0};
-      boost::crc_optimal<64, 0x42F0E1EBA9EA3693, ones, ones, true, true> crc;
-      crc.process_bytes(bytes.data() + begin, length);
-      ASSERT_EQ(Checksum::of(std::string_view(bytes).substr(begin, length)).crc64, crc.checksum()) << begin << length;
+      const std::string_view part = std::string_view(bytes).substr(begin, length);
+      ASSERT_EQ(Checksum::of(part).crc64, by_boost(part)) << begin << ' ' << length;
     }
+  const std::string many = noise(200'000);
+  for (const std::size_t length : {32'767u, 32'768u, 32'769u, 65'536u, 100'001u, 200'000u})
+    EXPECT_EQ(Checksum::of(many.substr(0, length)).crc64, by_boost(many.substr(0, length))) << length;
 }
 
 TEST(Checksum, OfPartsIsThatOfTheWhole) {
@@ -49,7 +57,7 @@ TEST(Checksum, OfPartsIsThatOfTheWhole) {
 }
 
 TEST(Checksum, OfZerosIsThatOfTheirBytes) {
-  for (const std::size_t count : {0u, 1u, 7u, 8u, 1000u, 123456u})
+  for (const std::size_t count : {0u, 1u, 7u, 8u, 1000u, 123'456u})
     EXPECT_EQ(Checksum::of_zeros(count), Checksum::of(std::string(count, '\0'))) << count;
 }
 
