@@ -285,6 +285,15 @@ TEST_F(DamagedSweep, IsComputedAgainOrRefusedNeverKept) {
   EXPECT_GT(again, times / 4);
 }
 
+// These tests are another build than the program that made the table.
+TEST_F(DamagedSweep, IsToldFromOneThatAnotherBuildBegan) {
+  std::string complaint;
+  const SweepResults results(scratch / "out", read_sweep(scratch / "sweep.toml"),
+                             [&](const std::string& what) { complaint = what; });
+  EXPECT_EQ(results.size(), 8u);
+  EXPECT_NE(complaint.find("sweep.h5: begun by another build of viscobar"), std::string::npos) << complaint;
+}
+
 TEST_F(DamagedSweep, SaysWhichCasesRunAgain) {
   std::string bytes = read_text(scratch / "out/sweep.h5");
   const std::size_t row = bytes.find("redistributed", bytes.find("redistributed", 2048) + 1);  // of case 3
