@@ -2,6 +2,7 @@
 
 // The whole library. viscobar/testing/ is apart: it needs GoogleTest.
 
+#include "viscobar/analysis/alarm.hpp"
 #include "viscobar/analysis/case.hpp"
 #include "viscobar/analysis/chatter.hpp"
 #include "viscobar/analysis/comparison.hpp"

@@ -25,7 +25,7 @@ double promised_balance(const Case& run, double energy) {
 
 }  // namespace
 
-std::vector<Alarm> alarms(const Case& run, const Statistics& statistics) {
+std::vector<Alarm> alarms(const Case& run, const BarSystem& system, const Statistics& statistics) {
   std::vector<Alarm> all;
   if (!statistics.completed || is_scheme(run.method)) return all;
   const bool tolerant = run.method == MethodName::exponential || keeps_a_tolerance(run);
@@ -41,10 +41,9 @@ std::vector<Alarm> alarms(const Case& run, const Statistics& statistics) {
     if (energy.dissipated < -sound)
       all.push_back({fmt::format("energy grew with nothing working: {:.2g} was dissipated", energy.dissipated),
                      energy.dissipated < -0.01 * largest});
-    if (energy.work == 0.0 && run.epsilon && is_penalised(run.method)) {
-      const double stiffness = std::ranges::min(
-          make_system(run).contacts(), {}, [](const Contact& contact) { return contact.weight; }).weight / *run.epsilon;
-      const double deepest = std::sqrt(2.0 * (energy.initial + sound) / stiffness);
+    if (energy.work == 0.0 && run.epsilon && is_penalised(run.method) && !system.contacts().empty()) {
+      const double softest = std::ranges::min(system.contacts(), {}, &Contact::weight).weight / *run.epsilon;
+      const double deepest = std::sqrt(2.0 * (energy.initial + sound) / softest);
       if (statistics.max_penetration > deepest)
         all.push_back({fmt::format("a penetration of {:.3g} is deeper than all the energy of the bar can press the spring, {:.3g}",
                                    statistics.max_penetration, deepest),

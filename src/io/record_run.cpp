@@ -17,6 +17,7 @@
 #include "io/result_directory.hpp"
 #include "io/summary.hpp"
 #include "io/write_page.hpp"
+#include "viscobar/analysis/alarm.hpp"
 #include "viscobar/analysis/chatter.hpp"
 #include "viscobar/io/io_error.hpp"
 
@@ -105,8 +106,10 @@ class RecordedRun {
   RunRecord operator()() {
     begin();
     simulate_into(outcome(), scene_.run, system_, last_.motion, observers());
-    if (const auto& done = outcome().statistics; done && done->energy)
+    if (const auto& done = outcome().statistics; done && done->energy) {
       if (const auto warning = growth_warning(scene_.run, *done)) warn(*warning);
+      for (const Alarm& alarm : alarms(scene_.run, system_, *done)) sound(alarm);
+    }
     // Each for itself: what one cannot write, another may.
     attempt(outcome(), [&] { files_->ends.close(), written_["ends.csv"] = files_->ends.checksum(); });
     attempt(outcome(), [&] { files_->events.close(), written_["events.csv"] = files_->events.checksum(); });
@@ -187,6 +190,18 @@ class RecordedRun {
       checkpoints.take = [this](const Checkpoint& motion) { take(motion); };
     }
     return observers;
+  }
+
+  // The result is kept: it tells what happened.
+  void sound(const Alarm& alarm) {
+    const std::string what = fmt::format(
+        "{}; the result is further from the solution than the tolerances promise: take another method.name or a smaller "
+        "method.relative_tolerance, and report it as an error of viscobar, with the scene",
+        alarm.what);
+    if (alarm.ruinous)
+      fail(outcome(), Ending::failed, what);
+    else
+      warn(what);
   }
 
   void warn(const std::string& warning) {

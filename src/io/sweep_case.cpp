@@ -7,6 +7,7 @@
 #include "io/printable_text.hpp"
 #include "io/summary.hpp"
 #include "io/text_check.hpp"
+#include "viscobar/analysis/alarm.hpp"
 #include "viscobar/analysis/impulse.hpp"
 #include "viscobar/io/record_run.hpp"
 #include "viscobar/io/sweep_file.hpp"
@@ -87,6 +88,11 @@ void simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
     const Statistics done = simulate(run, system, observers);
     tell(row, done);
     row.completed = true;
+    for (const Alarm& alarm : alarms(run, system, done)) {
+      if (!alarm.ruinous) continue;
+      row.completed = false;
+      row.error += (row.error.empty() ? "" : "; ") + alarm.what;
+    }
   } catch (const Interrupted&) {
     throw;
   } catch (const IntegrationError& error) {

@@ -154,8 +154,8 @@ Judged judge(const SceneFile& scene) {
     const double scale = std::max({energy.initial, energy.final, energy.dissipated, std::abs(energy.work)});
     if (scale > 0.0) judged.balance = std::abs(energy.balance_error()) / (100.0 * run.tolerance.relative * scale);
     judged.late = mine.statistics.late_opening.ratio;
-    for (const Alarm& alarm : alarms(run, mine.statistics)) judged.said += alarm.what + "; ";
-    for (const Alarm& alarm : alarms(by_exponentials(run), exact.statistics)) judged.said += "exponential: " + alarm.what + "; ";
+    for (const Alarm& alarm : alarms(run, make_system(run), mine.statistics)) judged.said += alarm.what + "; ";
+    for (const Alarm& alarm : alarms(by_exponentials(run), make_system(run), exact.statistics)) judged.said += "exponential: " + alarm.what + "; ";
     if (!(judged.error <= 1.0)) {
       judged.magnification = magnification(by_exponentials(run), exact, tolerance);
       judged.outcome = judged.error <= judged.magnification ? Outcome::magnified : judged.said.empty() ? Outcome::wrong : Outcome::alarmed;

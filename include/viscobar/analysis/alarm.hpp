@@ -13,7 +13,7 @@ struct Alarm {
   bool ruinous = false;  ///< whether nothing of the result can be relied on
 };
 
-/// Alarms of a run that came to its end, by what it knows of itself; none where it is sound.
+/// Alarms of a run of `system`, that of the case, which came to its end, by what it knows of itself; none where it is sound.
 ///
 /// - The energy balance, |final + dissipated - initial - work|, beyond what the promise of the tolerances makes of it,
 ///
@@ -25,6 +25,6 @@ struct Alarm {
 /// - A penetration deeper than all the energy there was could press its spring, d^2 k / 2 > E, where no load works.
 ///   Ruinous.
 /// - An opening with a pull left, LateOpening::ratio > 10, ruinous above 100.
-std::vector<Alarm> alarms(const Case& run, const Statistics& statistics);
+std::vector<Alarm> alarms(const Case& run, const BarSystem& system, const Statistics& statistics);
 
 }  // namespace viscobar
