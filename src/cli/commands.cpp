@@ -10,7 +10,7 @@
 #include <system_error>
 
 #include "cli/messages.hpp"
-#include "io/printable.hpp"
+#include "io/printable_text.hpp"
 #include "io/scene_keys.hpp"
 #include "viscobar/io/io_error.hpp"
 

@@ -171,7 +171,7 @@ class InfoCommand : public Command {
 
  private:
   std::string directory_;
-  bool json_ = false;
+  bool json_ = false, verify_ = false;
 };
 
 class ExportCommand : public Command {

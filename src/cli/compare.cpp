@@ -7,7 +7,6 @@
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
 #include "cli/method_names.hpp"
-#include "io/output_file.hpp"
 #include "io/result_directory.hpp"
 #include "io/write_page.hpp"
 #include "viscobar/analysis/memory.hpp"
@@ -62,9 +61,8 @@ int CompareCommand::operator()() const {
 
   end_on_interrupt();
   const CrossCheck check = cross_check(choice.cases, threads_);
-  const std::string json = cross_check_json(scene, choice, check);
-  write_atomically(directory / "compare.json", json);
-  write_page(directory, "compare.html", cross_check_page(scene.run.scene, choice, check), output_.figures);
+  const std::string json = write_study(directory, "compare", cross_check_json(scene, choice, check),
+                                       cross_check_page(scene.run.scene, choice, check), output_.figures);
   if (scene_.json)
     print(json);
   else if (!output_.quiet)

@@ -5,7 +5,7 @@
 #include "cli/commands.hpp"
 #include "io/export_result.hpp"
 #include "io/nearest_name.hpp"
-#include "io/printable.hpp"
+#include "io/printable_text.hpp"
 
 namespace viscobar::cli {
 

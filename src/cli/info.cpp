@@ -1,5 +1,6 @@
 #include "cli/commands.hpp"
 #include "io/result_info.hpp"
+#include "io/verify_result.hpp"
 
 namespace viscobar::cli {
 
@@ -10,10 +11,19 @@ InfoCommand::InfoCommand(CLI::App& app)
                   "Where a command put its results, or a file there: summary.json, sweep.h5, ...")
       ->required()
       ->type_name("DIR");
+  command_.add_flag("--verify", verify_,
+                    "Read every file of the result and compare it with the checksums that were taken while it was "
+                    "written; exit code 0: all sound, 1: damaged, 2: not checkable");
   command_.add_flag("--json", json_, "Print one JSON document on standard output, and nothing else there");
 }
 
 int InfoCommand::operator()() const {
+  if (verify_) {
+    const auto files = verify_result(directory_);
+    print(json_ ? verification_json(directory_, files) : verification_text(directory_, files));
+    const FileState state = verdict(files);
+    return state == FileState::sound ? success : state == FileState::damaged ? run_failed : wrong_input;
+  }
   print(json_ ? result_json(directory_) : result_text(directory_));
   return success;
 }

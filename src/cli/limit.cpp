@@ -9,7 +9,6 @@
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
 #include "cli/progress.hpp"
-#include "io/output_file.hpp"
 #include "io/result_directory.hpp"
 #include "io/write_page.hpp"
 #include "viscobar/io/study_reports.hpp"
@@ -85,9 +84,8 @@ int LimitCommand::operator()() const {
   const LimitResult result = penalty_limit(study);
   status.clear();
   const CouplingResult coupling = balance_errors(study, result);
-  const std::string json = limit_json(scene, study, result, coupling);
-  write_atomically(directory / "limit.json", json);
-  write_page(directory, "limit.html", limit_page(study, result, coupling), output_.figures);
+  const std::string json = write_study(directory, "limit", limit_json(scene, study, result, coupling),
+                                       limit_page(study, result, coupling), output_.figures);
   if (scene_.json)
     print(json);
   else if (!output_.quiet)

@@ -21,7 +21,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
-#include "io/printable.hpp"
+#include "io/printable_text.hpp"
 #include "viscobar/io/io_error.hpp"
 #include "viscobar/io/versions.hpp"
 

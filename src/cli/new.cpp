@@ -8,7 +8,7 @@
 
 #include "cli/commands.hpp"
 #include "io/output_file.hpp"
-#include "io/printable.hpp"
+#include "io/printable_text.hpp"
 #include "io/scene_template.hpp"
 #include "viscobar/io/io_error.hpp"
 

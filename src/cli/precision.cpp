@@ -10,7 +10,6 @@
 #include "cli/messages.hpp"
 #include "cli/method_names.hpp"
 #include "cli/progress.hpp"
-#include "io/output_file.hpp"
 #include "io/result_directory.hpp"
 #include "io/write_page.hpp"
 #include "viscobar/analysis/penalty_limit.hpp"
@@ -91,9 +90,8 @@ int PrecisionCommand::operator()() const {
     study.progress = [&](const std::string& what) { status.show(what); };
   const PrecisionResult result = work_precision(study);
   status.clear();
-  const std::string json = precision_json(scene, study, result);
-  write_atomically(directory / "precision.json", json);
-  write_page(directory, "precision.html", precision_page(study, result), output_.figures);
+  const std::string json = write_study(directory, "precision", precision_json(scene, study, result),
+                                       precision_page(study, result), output_.figures);
   if (scene_.json)
     print(json);
   else if (!output_.quiet)

@@ -135,10 +135,12 @@ int SweepCommand::operator()() const {
     costs = plan_cases(sweep, threads_);
   const fs::path directory = output_.where.empty() ? fs::path(file_).stem() += ".out" : fs::path(output_.where);
   catch_interrupts();
-  SweepResults results(directory, sweep);
+  SweepResults results(directory, sweep, warn);
   const std::size_t kept = results.size();
   std::vector<std::size_t> order = dispatch_order(costs);
   std::erase_if(order, [&](std::size_t i) { return results.has(i); });
+  // It has the checksums of tables that are about to change.
+  if (!order.empty()) fs::remove(directory / "sweep.json");
 
   std::optional<SweepProgress> progress;
   if (!json_ && !output_.quiet && on_terminal()) progress.emplace(costs, order, kept);
@@ -158,9 +160,8 @@ int SweepCommand::operator()() const {
   progress.reset();
   results.close();
 
-  const std::string json = description(sweep, results, kept, workers, seconds_since(started))
-                               .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-                           "\n";
+  const std::string json =
+      sealed_summary(description(sweep, results, kept, workers, seconds_since(started)), results.checksums());
   write_atomically(directory / "sweep.json", json);
   if (json_)
     print(json);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <boost/crc.hpp>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -22,17 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view magic = "viscobar";
-constexpr std::uint64_t format = 1;
+constexpr std::uint64_t format = 2;
 constexpr std::size_t head_bytes = 3 * sizeof(std::uint64_t), checksum_bytes = sizeof(std::uint64_t);
 
 constexpr const char *newest = "checkpoint.bin", *previous = "checkpoint.previous.bin";
-
-std::uint64_t checksum(std::string_view bytes) {
-  constexpr std::uint64_t ones = ~std::uint64_t{0};
-  boost::crc_optimal<64, 0x42F0E1EBA9EA3693, ones, ones, true, true> crc;
-  crc.process_bytes(bytes.data(), bytes.size());
-  return crc.checksum();
-}
 
 void append(std::string& bytes, std::uint64_t number) {
   bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
@@ -60,31 +52,40 @@ std::string sealed(std::string_view content) {
   append(bytes, format);
   append(bytes, content.size());
   bytes += content;
-  append(bytes, checksum(bytes));
+  append(bytes, Checksum::of(bytes).crc64);
   return bytes;
 }
 
 std::string encoded(const RunCheckpoint& checkpoint) {
   ArchiveWriter archive;
-  archive(versions().viscobar, checkpoint);
+  archive(versions().viscobar, versions().build, checkpoint);
   return sealed(archive.take());
 }
 
-RunCheckpoint decoded(std::string_view bytes) {
+std::string_view unsealed(std::string_view bytes) {
   if (bytes.size() < head_bytes + checksum_bytes) throw ArchiveError("is truncated");
-  if (!bytes.starts_with(magic)) throw ArchiveError("is no checkpoint of viscobar");
+  if (!bytes.starts_with(magic)) throw ArchiveError("does not begin as those of viscobar do");
   const std::string_view summed = bytes.substr(0, bytes.size() - checksum_bytes);
   const std::uint64_t length = number_at(bytes, 2 * sizeof(std::uint64_t));
   if (length > summed.size() - head_bytes) throw ArchiveError("is truncated");
-  if (length != summed.size() - head_bytes || checksum(summed) != number_at(bytes, summed.size()))
+  if (length != summed.size() - head_bytes || Checksum::of(summed).crc64 != number_at(bytes, summed.size()))
     throw ArchiveError("is damaged: its checksum does not fit its content");
   if (number_at(bytes, magic.size()) != format) throw ArchiveError("has a format that this version does not know");
-  ArchiveReader archive(summed.substr(head_bytes));
-  std::string version;
-  archive(version);
+  return summed.substr(head_bytes);
+}
+
+RunCheckpoint decoded(std::string_view bytes) {
+  ArchiveReader archive(unsealed(bytes));
+  std::string version, build;
+  archive(version, build);
   if (version != versions().viscobar)
     throw ArchiveError(fmt::format("was made by version {}, and only that version can go on with it; this is {}",
                                    version, versions().viscobar));
+  if (build != versions().build)
+    throw ArchiveError(
+        fmt::format("was made by another build of version {} ({}), and only that build can go on with it "
+                    "bit for bit; this is {}",
+                    version, build, versions().build));
   RunCheckpoint checkpoint;
   archive(checkpoint);
   if (!archive.finished()) throw ArchiveError("is longer than its content");
@@ -103,15 +104,26 @@ void write_checkpoint(const fs::path& directory, const RunCheckpoint& checkpoint
   sync_directory(directory);
 }
 
-FoundCheckpoint read_checkpoint(const fs::path& directory) {
+FoundCheckpoint read_checkpoint(const fs::path& directory, CheckFiles check) {
   std::string complaint;
+  bool files_changed = false;
+  const auto complain = [&](const fs::path& file, const std::string& what) {
+    complaint += fmt::format("{}{}: {}", complaint.empty() ? "" : "\n", file.string(), what);
+  };
   for (const char* name : {newest, previous}) {
     const fs::path file = directory / name;
     if (!fs::exists(file)) continue;
     try {
-      return {decoded(content(file)), complaint};
+      RunCheckpoint checkpoint = decoded(content(file));
+      // To begin anew would take the place of what is still sound in files that were changed.
+      if (!checkpoint.motion && files_changed) continue;
+      if (check == CheckFiles::yes && checkpoint.motion) checkpoint.files.check(directory);
+      return {std::move(checkpoint), complaint};
     } catch (const ArchiveError& error) {
-      complaint += fmt::format("{}{}: {}", complaint.empty() ? "" : "\n", file.string(), error.what());
+      complain(file, error.what());
+    } catch (const IoError& error) {
+      files_changed = true;
+      complain(file, std::string("cannot be gone on from: ") + error.what());
     }
   }
   if (!complaint.empty()) throw IoError(directory, "holds no sound checkpoint; nothing was changed\n" + complaint);

@@ -33,14 +33,14 @@ struct RunCheckpoint {
 
 /// The bytes of a checkpoint:
 ///
-///     "viscobar" | format 1 | length of what follows up to the checksum | version of the program | payload | CRC-64
+///     "viscobar" | format 2 | length of what follows up to the checksum | version, build | payload | CRC-64
 ///
-/// each number of 8 bytes. The length finds every truncation; the checksum (CRC-64/XZ) every error of up to 64
-/// neighbouring bits, any two flipped bits in up to 1 GB, and any other damage but for one in 2^64.
+/// each number of 8 bytes. The length finds every truncation, the Checksum other damage.
 std::string encoded(const RunCheckpoint& checkpoint);
 
-/// Version and payload with what stands around them.
+/// Content with what stands around it, and back. @throws ArchiveError when it is not what was sealed
 std::string sealed(std::string_view content);
+std::string_view unsealed(std::string_view bytes);
 
 /// @throws ArchiveError that says what is wrong with the bytes
 RunCheckpoint decoded(std::string_view bytes);
@@ -49,14 +49,16 @@ RunCheckpoint decoded(std::string_view bytes);
 /// kept beside it. @throws IoError, with the checkpoints that were there still there
 void write_checkpoint(const std::filesystem::path& directory, const RunCheckpoint& checkpoint);
 
-/// The newest sound one. `complaint` says what is wrong with a newer one; empty when nothing is.
+/// The newest sound one, which with CheckFiles::yes is one whose part of the growing files is still what it was: they
+/// are read for that. `complaint` says what is wrong with a newer one; empty when nothing is.
+enum class CheckFiles { no, yes };
 struct FoundCheckpoint {
   RunCheckpoint checkpoint;
   std::string complaint;
 };
 /// @throws std::invalid_argument when the directory holds none
 /// @throws IoError when none of those there can be read
-FoundCheckpoint read_checkpoint(const std::filesystem::path& directory);
+FoundCheckpoint read_checkpoint(const std::filesystem::path& directory, CheckFiles check = CheckFiles::no);
 
 /// Whether there is one, sound or not.
 bool has_checkpoint(const std::filesystem::path& directory);

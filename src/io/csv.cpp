@@ -4,13 +4,14 @@ namespace viscobar {
 
 namespace {
 
-LineFile line_file(const std::filesystem::path& path, std::optional<std::size_t> keep) {
+LineFile line_file(const std::filesystem::path& path, const std::optional<Checksum>& keep) {
   return keep ? LineFile(path, *keep) : LineFile(path);
 }
 
 }  // namespace
 
-EndsCsv::EndsCsv(const std::filesystem::path& path, std::optional<std::size_t> keep) : file_(line_file(path, keep)) {
+EndsCsv::EndsCsv(const std::filesystem::path& path, const std::optional<Checksum>& keep)
+    : file_(line_file(path, keep)) {
   if (!keep) file_.print("t,u_left,v_left,reaction_left,u_right,v_right,reaction_right");
 }
 
@@ -19,7 +20,7 @@ void EndsCsv::append(const Snapshot& at) {
               at.reaction_right);
 }
 
-EventsCsv::EventsCsv(const std::filesystem::path& path, std::optional<std::size_t> keep)
+EventsCsv::EventsCsv(const std::filesystem::path& path, const std::optional<Checksum>& keep)
     : file_(line_file(path, keep)) {
   if (!keep) file_.print("t,where,change,velocity");
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <optional>
 
@@ -12,12 +11,13 @@ namespace viscobar {
 /// ends.csv: a row per output time. Numbers are written in the shortest form that reads back as the same double.
 class EndsCsv {
  public:
-  /// A new one, or the first `keep` bytes of one that is there.
-  explicit EndsCsv(const std::filesystem::path& path, std::optional<std::size_t> keep = {});
+  /// A new one, or the bytes of `keep` of one that is there.
+  explicit EndsCsv(const std::filesystem::path& path, const std::optional<Checksum>& keep = {});
   void append(const Snapshot& snapshot);
   void take_place() { file_.take_place(); }
-  std::size_t mark() { return file_.mark(); }
+  Checksum mark() { return file_.mark(); }
   void close() { file_.close(); }
+  const Checksum& checksum() const { return file_.checksum(); }
 
  private:
   LineFile file_;
@@ -26,12 +26,13 @@ class EndsCsv {
 /// events.csv: a row per contact change.
 class EventsCsv {
  public:
-  /// A new one, or the first `keep` bytes of one that is there.
-  explicit EventsCsv(const std::filesystem::path& path, std::optional<std::size_t> keep = {});
+  /// A new one, or the bytes of `keep` of one that is there.
+  explicit EventsCsv(const std::filesystem::path& path, const std::optional<Checksum>& keep = {});
   void append(const Event& event);
   void take_place() { file_.take_place(); }
-  std::size_t mark() { return file_.mark(); }
+  Checksum mark() { return file_.mark(); }
   void close() { file_.close(); }
+  const Checksum& checksum() const { return file_.checksum(); }
 
  private:
   LineFile file_;

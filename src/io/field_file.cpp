@@ -4,6 +4,8 @@
 #include <array>
 #include <numeric>
 #include <span>
+#include <string_view>
+#include <utility>
 
 namespace viscobar {
 
@@ -32,6 +34,10 @@ Hdf5Dataset create_dataset(const std::filesystem::path& path, hid_t file, const 
   }));
 }
 
+std::string_view bytes_of(const auto& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof values.front()};
+}
+
 /// Returns where the values are.
 template <class Value>
 FieldMark::Region write_all(const std::filesystem::path& path, hid_t file, const char* name, hid_t stored, hid_t type,
@@ -39,20 +45,7 @@ FieldMark::Region write_all(const std::filesystem::path& path, hid_t file, const
   const Hdf5Dataset dataset = create_dataset(path, file, name, stored, extent);
   hdf5_checked(path, "cannot be written",
                [&] { return H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()); });
-  return {H5Dget_offset(dataset.get()), H5Dget_storage_size(dataset.get())};
-}
-
-void append_rows(const std::filesystem::path& path, const Hdf5Dataset& dataset, std::span<const hsize_t> first,
-                 std::span<const hsize_t> count, const std::vector<double>& values) {
-  std::vector<hsize_t> extent(count.begin(), count.end());
-  extent[0] += first[0];
-  hdf5_checked(path, "cannot grow", [&] { return H5Dset_extent(dataset.get(), extent.data()); });
-  const Hdf5Dataspace target(H5Dget_space(dataset.get()));
-  const Hdf5Dataspace source(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr));
-  H5Sselect_hyperslab(target.get(), H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr);
-  hdf5_checked(path, "cannot be written", [&] {
-    return H5Dwrite(dataset.get(), H5T_NATIVE_DOUBLE, source.get(), target.get(), H5P_DEFAULT, values.data());
-  });
+  return {H5Dget_offset(dataset.get()), H5Dget_storage_size(dataset.get()), Checksum::of(bytes_of(values))};
 }
 
 }  // namespace
@@ -62,8 +55,10 @@ FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, s
     : path_(directory / "field.h5"),
       nodes_(mesh.nodes()),
       block_rows_(std::max<std::size_t>(1, std::min(block_bytes / (sizeof(double) * nodes_), expected_rows))),
-      time_chunk_(std::clamp<std::size_t>(expected_rows, 1, 4096)),
-      xdmf_(directory / "field.xdmf", "field.h5", nodes_) {
+      xdmf_(directory / "field.xdmf", "field.h5", nodes_),
+      t_{"t", 1, std::clamp<std::size_t>(expected_rows, 1, 4096)},
+      u_{"u", nodes_, block_rows_},
+      v_{"v", nodes_, block_rows_} {
   if (mark)
     go_on(*mark);
   else
@@ -75,19 +70,18 @@ void FieldFile::create(const Mesh& mesh) {
   file_.reset(create_file(new_->part()));
   using One = std::array<hsize_t, 1>;
   using Two = std::array<hsize_t, 2>;
-  const auto grown = [&](const char* name, std::span<const hsize_t> extent, std::span<const hsize_t> chunk) {
-    return create_dataset(path_, file_.get(), name, H5T_IEEE_F64LE, extent, chunk).release();
-  };
-  t_.reset(grown("t", One{0}, One{time_chunk_}));
-  u_.reset(grown("u", Two{0, nodes_}, Two{block_rows_, nodes_}));
-  v_.reset(grown("v", Two{0, nodes_}, Two{block_rows_, nodes_}));
+  t_.dataset.reset(create_dataset(path_, file_.get(), t_.name, H5T_IEEE_F64LE, One{0}, One{t_.chunk_rows}).release());
+  for (Growing* grown : {&u_, &v_})
+    grown->dataset.reset(
+        create_dataset(path_, file_.get(), grown->name, H5T_IEEE_F64LE, Two{0, nodes_}, Two{block_rows_, nodes_})
+            .release());
   std::vector<double> x(nodes_), points(3 * nodes_, 0.0);
   for (std::size_t j = 0; j < nodes_; ++j) points[3 * j] = x[j] = mesh.node(j);
   std::vector<int> line(nodes_);
   std::iota(line.begin(), line.end(), 0);
-  values_ = {write_all(path_, file_.get(), "x", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, One{nodes_}, x),
-             write_all(path_, file_.get(), "points", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, Two{nodes_, 3}, points),
-             write_all(path_, file_.get(), "line", H5T_STD_I32LE, H5T_NATIVE_INT, One{nodes_}, line)};
+  fixed_ = {write_all(path_, file_.get(), "x", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, One{nodes_}, x),
+            write_all(path_, file_.get(), "points", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, Two{nodes_, 3}, points),
+            write_all(path_, file_.get(), "line", H5T_STD_I32LE, H5T_NATIVE_INT, One{nodes_}, line)};
 }
 
 void FieldFile::take_place() {
@@ -110,9 +104,9 @@ void FieldFile::flush() {
   take_place();
   check_in_place(path_, *identity_);
   if (times_.empty()) return;
-  append_rows(path_, t_, std::array<hsize_t, 1>{rows_}, std::array<hsize_t, 1>{times_.size()}, times_);
-  append_rows(path_, u_, std::array<hsize_t, 2>{rows_, 0}, std::array<hsize_t, 2>{times_.size(), nodes_}, us_);
-  append_rows(path_, v_, std::array<hsize_t, 2>{rows_, 0}, std::array<hsize_t, 2>{times_.size(), nodes_}, vs_);
+  append_rows(t_, times_);
+  append_rows(u_, us_);
+  append_rows(v_, vs_);
   hdf5_checked(path_, "cannot be flushed", [&] { return H5Fflush(file_.get(), H5F_SCOPE_GLOBAL); });
   // After the rows, so that it never names one that is not there.
   xdmf_.append(times_);
@@ -122,51 +116,89 @@ void FieldFile::flush() {
   vs_.clear();
 }
 
+void FieldFile::append_rows(Growing& grown, const std::vector<double>& values) {
+  const std::array<hsize_t, 2> first{rows_, 0}, count{times_.size(), grown.row_values},
+      extent{rows_ + times_.size(), grown.row_values};
+  const hid_t dataset = grown.dataset.get();
+  hdf5_checked(path_, "cannot grow", [&] { return H5Dset_extent(dataset, extent.data()); });
+  const Hdf5Dataspace target(H5Dget_space(dataset));
+  const Hdf5Dataspace source(H5Screate_simple(H5Sget_simple_extent_ndims(target.get()), count.data(), nullptr));
+  H5Sselect_hyperslab(target.get(), H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr);
+  hdf5_checked(path_, "cannot be written", [&] {
+    return H5Dwrite(dataset, H5T_NATIVE_DOUBLE, source.get(), target.get(), H5P_DEFAULT, values.data());
+  });
+  const std::size_t chunk_bytes = sizeof(double) * grown.row_values * grown.chunk_rows;
+  for (std::string_view rest = bytes_of(values); !rest.empty();) {
+    if (grown.chunks.empty() || grown.chunks.back().values.bytes == chunk_bytes)
+      grown.chunks.push_back({0, chunk_bytes, {}});
+    Checksum& chunk = grown.chunks.back().values;
+    const std::string_view next = rest.substr(0, chunk_bytes - chunk.bytes);
+    chunk.add(next);
+    rest.remove_prefix(next.size());
+  }
+}
+
 void FieldFile::go_on(const FieldMark& mark) {
   begin_hdf5();
   put_back(path_, mark);
   file_.reset(
       hdf5_checked(path_, "cannot be opened", [&] { return H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT); }));
-  for (const auto& [name, dataset] : {std::pair{"t", &t_}, {"u", &u_}, {"v", &v_}})
-    dataset->reset(hdf5_checked(path_, "lacks a dataset", [&] { return H5Dopen2(file_.get(), name, H5P_DEFAULT); }));
-  rows_ = located_ = mark.rows;
-  values_ = mark.values;
+  rows_ = mark.rows;
+  auto end = mark.regions.end();  // of those of a dataset, in the order of regions()
+  for (Growing* grown : {&v_, &u_, &t_}) {
+    grown->dataset.reset(
+        hdf5_checked(path_, "lacks a dataset", [&] { return H5Dopen2(file_.get(), grown->name, H5P_DEFAULT); }));
+    const auto begin = end - static_cast<std::ptrdiff_t>((rows_ + grown->chunk_rows - 1) / grown->chunk_rows);
+    grown->chunks.assign(begin, end);
+    grown->located = grown->chunks.size();
+    end = begin;
+  }
+  fixed_.assign(mark.regions.begin(), end);
   identity_.emplace(path_);
   xdmf_.begin();
   std::vector<double> times(rows_);
-  hdf5_checked(path_, "cannot be read",
-               [&] { return H5Dread(t_.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, times.data()); });
+  hdf5_checked(path_, "cannot be read", [&] {
+    return H5Dread(t_.dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, times.data());
+  });
   xdmf_.append(times);
 }
 
-// Of a chunk that was not full at the last mark the place is known.
-void FieldFile::locate(const Hdf5Dataset& dataset, hsize_t chunk_rows) {
-  for (hsize_t row = (located_ + chunk_rows - 1) / chunk_rows * chunk_rows; row < rows_; row += chunk_rows) {
-    const std::array<hsize_t, 2> first{row, 0};
+void FieldFile::locate(Growing& grown) {
+  for (; grown.located < grown.chunks.size(); ++grown.located) {
+    const std::array<hsize_t, 2> first{grown.located * grown.chunk_rows, 0};
     unsigned filters = 0;
     haddr_t address = 0;
     hsize_t size = 0;
-    hdf5_checked(path_, "cannot be searched",
-                 [&] { return H5Dget_chunk_info_by_coord(dataset.get(), first.data(), &filters, &address, &size); });
-    values_.push_back({address, size});
+    hdf5_checked(path_, "cannot be searched", [&] {
+      return H5Dget_chunk_info_by_coord(grown.dataset.get(), first.data(), &filters, &address, &size);
+    });
+    grown.chunks[grown.located].begin = address;
   }
+}
+
+std::vector<FieldMark::Region> FieldFile::regions() {
+  std::vector<FieldMark::Region> all = fixed_;
+  for (Growing* grown : {&t_, &u_, &v_}) {
+    locate(*grown);
+    all.insert(all.end(), grown->chunks.begin(), grown->chunks.end());
+  }
+  return all;
 }
 
 FieldMark FieldFile::mark() {
   flush();
   hdf5_checked(path_, "cannot be flushed", [&] { return H5Fflush(file_.get(), H5F_SCOPE_GLOBAL); });
-  locate(t_, time_chunk_);
-  locate(u_, block_rows_);
-  locate(v_, block_rows_);
-  located_ = rows_;
-  return marked(path_, rows_, values_);
+  OutputFile(path_, OutputFile::Content::keep).sync();
+  return marked(path_, rows_, regions());
 }
 
 void FieldFile::close() {
   flush();
-  for (Hdf5Dataset* dataset : {&t_, &u_, &v_})
-    if (dataset->get() >= 0) hdf5_checked(path_, "cannot be closed", [&] { return H5Dclose(dataset->release()); });
-  if (file_.get() >= 0) hdf5_checked(path_, "cannot be closed", [&] { return H5Fclose(file_.release()); });
+  std::vector<FieldMark::Region> values = regions();
+  for (Growing* grown : {&t_, &u_, &v_})
+    hdf5_checked(path_, "cannot be closed", [&] { return H5Dclose(grown->dataset.release()); });
+  hdf5_checked(path_, "cannot be closed", [&] { return H5Fclose(file_.release()); });
+  checksum_ = marked(path_, rows_, std::move(values)).checksum();
   xdmf_.close();
 }
 

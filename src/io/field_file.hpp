@@ -31,23 +31,38 @@ class FieldFile {
   FieldMark mark();
   void close();
 
+  // Once closed.
+  const Checksum& checksum() const { return checksum_; }
+  Checksum xdmf_checksum() const { return xdmf_.checksum(); }
+
  private:
+  /// A dataset that grows by rows, in chunks of so many.
+  struct Growing {
+    const char* name;
+    std::size_t row_values, chunk_rows;
+    Hdf5Dataset dataset{};
+    std::vector<FieldMark::Region> chunks{};
+    std::size_t located = 0;  // chunks whose place is known; it stays
+  };
+
   void create(const Mesh& mesh);
   void go_on(const FieldMark& mark);
-  void locate(const Hdf5Dataset& dataset, hsize_t chunk_rows);
+  void append_rows(Growing& grown, const std::vector<double>& values);
+  void locate(Growing& grown);
+  std::vector<FieldMark::Region> regions();
 
   std::filesystem::path path_;
-  std::size_t nodes_, block_rows_, time_chunk_;
+  std::size_t nodes_, block_rows_;
   XdmfFile xdmf_;
   std::optional<NewFile> new_;  // while it is not in its place
   std::optional<FileIdentity> identity_;
   Hdf5File file_;
-  Hdf5Dataset t_, u_, v_;
+  std::vector<FieldMark::Region> fixed_;  // values that do not grow
+  Growing t_, u_, v_;
   std::size_t rows_ = 0;                 // in the file
   std::vector<double> times_, us_, vs_;  // not yet in the file
   FlushClock clock_;
-  std::size_t located_ = 0;                // rows whose chunks are among the next
-  std::vector<FieldMark::Region> values_;  // where the values lie, as far as somebody asked
+  Checksum checksum_;
 };
 
 }  // namespace viscobar

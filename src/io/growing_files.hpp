@@ -9,6 +9,9 @@
 
 namespace viscobar {
 
+/// @throws IoError when a file does not begin with the bytes of that checksum
+void check_begin(const std::filesystem::path& file, const Checksum& expected);
+
 /// The files that grow with a run.
 struct GrowingFiles {
   EndsCsv ends;
@@ -17,10 +20,10 @@ struct GrowingFiles {
 
   /// As much of them as belongs to a checkpoint.
   struct Mark {
-    std::size_t ends = 0, events = 0;  ///< bytes
+    Checksum ends, events;
     FieldMark field;
 
-    /// @throws IoError when one of the files in the directory is shorter than that: it was changed since
+    /// @throws IoError when one of the files in the directory does not hold what it held then
     void check(const std::filesystem::path& directory) const;
     static void members(auto& mark, auto&& each) { each(mark.ends, mark.events, mark.field); }
   };

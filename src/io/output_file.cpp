@@ -107,8 +107,8 @@ void OutputFile::close() {
 
 void LineFile::flush() {
   file_.check_in_place();
-  file_.write_at(written_, block_);
-  written_ += block_.size();
+  file_.write_at(written_.bytes, block_);
+  written_.add(block_);
   block_.clear();
 }
 

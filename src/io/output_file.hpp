@@ -10,6 +10,8 @@
 #include <string>
 #include <string_view>
 
+#include "io/checksum.hpp"
+
 namespace viscobar {
 
 /// True once at least a second has passed since the last time it was: what is written then bounds what a killed run
@@ -94,10 +96,10 @@ class OutputFile {
 class LineFile {
  public:
   explicit LineFile(std::filesystem::path path) : file_(std::move(path)) {}
-  /// One that is there, cut off behind `keep` bytes, to grow on.
-  LineFile(std::filesystem::path path, std::size_t keep)
+  /// One that is there, cut off behind the bytes of `keep`, to grow on.
+  LineFile(std::filesystem::path path, const Checksum& keep)
       : file_(std::move(path), OutputFile::Content::keep), written_(keep) {
-    file_.cut_at(keep);
+    file_.cut_at(keep.bytes);
   }
 
   template <class... Args>
@@ -108,18 +110,20 @@ class LineFile {
   }
   void take_place() { file_.take_place(); }
   void flush();
-  /// Brings all lines to the disk and returns their length.
-  std::size_t mark() {
+  /// Brings all lines to the disk and returns their checksum.
+  Checksum mark() {
     flush();
     file_.sync();
     return written_;
   }
   void close();
+  /// Of what has been written.
+  const Checksum& checksum() const { return written_; }
 
  private:
   static constexpr std::size_t block_size = 1 << 16;
   OutputFile file_;
-  std::size_t written_ = 0;
+  Checksum written_;
   std::string block_;
   FlushClock clock_;
 };

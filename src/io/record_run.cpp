@@ -12,6 +12,7 @@
 #include "io/described_scene.hpp"
 #include "io/growing_files.hpp"
 #include "io/output_file.hpp"
+#include "io/pace_watch.hpp"
 #include "io/report.hpp"
 #include "io/result_directory.hpp"
 #include "io/summary.hpp"
@@ -97,7 +98,8 @@ class RecordedRun {
         system_(make_system(scene.run)),
         contact_(scene.run.scene),
         data_(scene.run, system_),
-        chatter_(system_) {
+        chatter_(system_),
+        pace_(0.0, scene.run.end) {
     if (last_.schedule && !simulated()) clock_.emplace(last_.schedule->interval);
   }
 
@@ -109,9 +111,13 @@ class RecordedRun {
       for (const Alarm& alarm : alarms(scene_.run, system_, *done)) sound(alarm);
     }
     // Each for itself: what one cannot write, another may.
-    attempt(outcome(), [&] { files_->ends.close(); });
-    attempt(outcome(), [&] { files_->events.close(); });
-    attempt(outcome(), [&] { files_->field.close(); });
+    attempt(outcome(), [&] { files_->ends.close(), written_["ends.csv"] = files_->ends.checksum(); });
+    attempt(outcome(), [&] { files_->events.close(), written_["events.csv"] = files_->events.checksum(); });
+    attempt(outcome(), [&] {
+      files_->field.close();
+      written_["field.h5"] = files_->field.checksum();
+      written_["field.xdmf"] = files_->field.xdmf_checksum();
+    });
     write_report();
     finish();
     return std::move(record_);
@@ -123,7 +129,7 @@ class RecordedRun {
   double wall_seconds() const { return last_.wall_seconds + seconds_since(options_.started); }
 
   void write_summary(const char* name = "summary.json") {
-    record_.summary = summary_json(scene_, system_, outcome(), contact_);
+    record_.summary = summary_json(scene_, system_, outcome(), contact_, written_);
     write_atomically(place_ / name, record_.summary);
   }
 
@@ -143,7 +149,7 @@ class RecordedRun {
       return;
     }
     ArchiveReader archive(last_.collected);
-    archive(contact_, data_, chatter_, outcome().warnings);
+    archive(contact_, data_, chatter_, pace_, outcome().warnings);
     outcome().reached_time = last_.motion->time;
     outcome().steps = last_.motion->statistics.steps;
     outcome().events = last_.motion->statistics.events;
@@ -170,6 +176,9 @@ class RecordedRun {
     observers.progress = [this](double time) {
       outcome().reached_time = time;
       ++outcome().steps;
+      // The steps of a scheme are what the user chose.
+      if (!is_scheme(scene_.run.method))
+        if (const auto slow = pace_.heard(time)) warn(*slow);
       if (options_.progress) options_.progress(time, outcome().steps);
       stopping_ = stopping_ || (options_.stop && options_.stop());
       if (stopping_ && simulated()) throw Interrupted();
@@ -205,7 +214,7 @@ class RecordedRun {
       std::vector<double> times = outcome().checkpoints;
       times.push_back(motion.time);
       ArchiveWriter archive;
-      archive(contact_, data_, chatter_, outcome().warnings);
+      archive(contact_, data_, chatter_, pace_, outcome().warnings);
       write_checkpoint(
           place_, {scene_.description, last_.schedule, motion, files_->mark(), archive.take(), times, wall_seconds()});
       outcome().checkpoints = std::move(times);
@@ -218,8 +227,8 @@ class RecordedRun {
     outcome().wall_seconds = wall_seconds();
     attempt(outcome(), [&] {
       const Page page = report_page(scene_.run, system_, outcome(), contact_, data_);
-      write_atomically(place_ / "report.html", page.html());
-      if (options_.figures) write_figures(place_, page.figure_files());
+      written_.merge(write_page(place_, "report.html",
+                                {page.html(), options_.figures ? page.figure_files() : std::vector<FigureFile>{}}));
     });
     outcome().wall_seconds = wall_seconds();
   }
@@ -238,7 +247,7 @@ class RecordedRun {
       });
     if (outcome().ending == Ending::completed) return;
     // The text says what happened also where the file cannot.
-    record_.summary = summary_json(scene_, system_, outcome(), contact_);
+    record_.summary = summary_json(scene_, system_, outcome(), contact_, written_);
     attempt(outcome(), [&] {
       if (fs::exists(place_)) write_summary();
     });
@@ -253,7 +262,9 @@ class RecordedRun {
   ContactSummary contact_;
   ReportData data_;
   ChatterWatch chatter_;
+  PaceWatch pace_;
   std::optional<GrowingFiles> files_;
+  FileChecksums written_;  // what is whole
   std::optional<CheckpointClock> clock_;
   bool stopping_ = false;
   RunRecord record_;
@@ -291,10 +302,9 @@ RunRecord resume_run(const SceneFile& scene, const fs::path& directory, const Re
   const ResultDirectory results(directory);
   tell_if_unlocked(results, options);
   const fs::path place = place_of_stopped_run(directory);
-  FoundCheckpoint found = read_checkpoint(place);
+  FoundCheckpoint found = read_checkpoint(place, CheckFiles::yes);
   if (found.checkpoint.description != scene.description)
     throw std::invalid_argument(directory.string() + " holds the checkpoint of another scene; nothing was changed");
-  if (found.checkpoint.motion) found.checkpoint.files.check(place);
   if (!found.complaint.empty() && complain) complain(found.complaint);
   if (!found.complaint.empty()) remove_newest_checkpoint(place);
   return RecordedRun(scene, results, place, options, std::move(found.checkpoint))();

@@ -10,8 +10,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "io/printable_text.hpp"
 #include "io/result_directory.hpp"
-#include "io/printable.hpp"
 #include "io/sweep_info.hpp"
 #include "io/table.hpp"
 #include "viscobar/io/io_error.hpp"

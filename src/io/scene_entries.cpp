@@ -6,7 +6,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "io/printable.hpp"
+#include "io/printable_text.hpp"
 #include "io/synonyms.hpp"
 
 namespace viscobar {

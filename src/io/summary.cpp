@@ -57,7 +57,7 @@ std::string_view name(Ending ending) {
 }  // namespace
 
 std::string summary_json(const SceneFile& scene, const BarSystem& system, const Outcome& outcome,
-                         const ContactSummary& contact) {
+                         const ContactSummary& contact, const FileChecksums& files) {
   const auto known = [&](auto member) {
     return outcome.statistics ? Json((*outcome.statistics).*member) : Json(nullptr);
   };
@@ -90,11 +90,13 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
   json["scene"] = Json::parse(scene.description);
   json["mass"] = name(system.mass());
   const Versions used = versions();
-  json["versions"] = {
-      {"viscobar", used.viscobar}, {"sundials", used.sundials}, {"hdf5", used.hdf5}, {"eigen", used.eigen}};
+  json["versions"] = {{"viscobar", used.viscobar},
+                      {"build", used.build},
+                      {"sundials", used.sundials},
+                      {"hdf5", used.hdf5},
+                      {"eigen", used.eigen}};
   json["platform"] = used.platform;
-  // Error texts may quote the user's file, which need not be valid UTF-8.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return sealed_summary(std::move(json), files);
 }
 
 }  // namespace viscobar

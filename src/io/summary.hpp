@@ -5,6 +5,7 @@
 #include <string>
 
 #include "io/contact_account.hpp"
+#include "io/sealed_summary.hpp"
 #include "viscobar/analysis/case.hpp"
 #include "viscobar/io/record_run.hpp"
 
@@ -26,8 +27,9 @@ struct ContactSummary {
   static void members(auto& contact, auto&& each) { each(contact.left, contact.right, contact.span); }
 };
 
-/// summary.json: what was run, what it cost, what came out. Numbers that a run could not tell are null.
+/// summary.json: what was run, what it cost, what came out, and the checksums of the other files. Numbers that a run
+/// could not tell are null.
 std::string summary_json(const SceneFile& scene, const BarSystem& system, const Outcome& outcome,
-                         const ContactSummary& contact);
+                         const ContactSummary& contact, const FileChecksums& files);
 
 }  // namespace viscobar

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "io/printable.hpp"
+#include "io/printable_text.hpp"
 #include "io/summary.hpp"
 #include "io/text_check.hpp"
 #include "viscobar/analysis/alarm.hpp"

@@ -8,7 +8,7 @@
 
 #include "io/input_text.hpp"
 #include "io/nearest_name.hpp"
-#include "io/printable.hpp"
+#include "io/printable_text.hpp"
 #include "io/scene_entries.hpp"
 #include "io/varied_values.hpp"
 #include "viscobar/analysis/cost_estimate.hpp"

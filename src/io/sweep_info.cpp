@@ -8,10 +8,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "io/hdf5_handle.hpp"
+#include "io/sweep_frame.hpp"
 
 namespace viscobar {
 
@@ -130,6 +132,8 @@ Json counted(const std::vector<std::string>& texts) {
 }  // namespace
 
 Json sweep_facts(const fs::path& path) {
+  // HDF5 would take damage for orders.
+  std::ignore = SweepFrame::read(path);
   const Hdf5File file = open_unlocked(path);
   const Rows rows(path, file, "rows"), timings(path, file, "timings"), done(path, file, "done");
   if (timings.count() != rows.count() || done.count() != rows.count()) throw IoError(path, not_a_table);

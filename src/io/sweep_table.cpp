@@ -4,9 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "io/output_file.hpp"
+#include "io/sweep_frame.hpp"
+#include "viscobar/io/versions.hpp"
 
 namespace viscobar {
 
@@ -48,7 +52,8 @@ std::vector<TableField> timing_fields() {
 }
 
 // At its full size from the beginning, in one piece, filled with zeros by the file system.
-void create_dataset(const fs::path& path, hid_t file, const char* name, hid_t type, hsize_t rows) {
+SweepFrame::Part create_dataset(const fs::path& path, hid_t file, const char* name, hid_t type, hsize_t rows,
+                                const void* values = nullptr) {
   const Hdf5Properties properties(H5Pcreate(H5P_DATASET_CREATE));
   H5Pset_layout(properties.get(), H5D_CONTIGUOUS);
   H5Pset_alloc_time(properties.get(), H5D_ALLOC_TIME_EARLY);
@@ -58,6 +63,10 @@ void create_dataset(const fs::path& path, hid_t file, const char* name, hid_t ty
   const Hdf5Dataset dataset(hdf5_checked(path, "cannot create a dataset", [&] {
     return H5Dcreate2(file, name, type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT);
   }));
+  if (values)
+    hdf5_checked(path, "cannot be written",
+                 [&] { return H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values); });
+  return {H5Dget_offset(dataset.get()), H5Dget_storage_size(dataset.get())};
 }
 
 Hdf5Dataset open_dataset(const fs::path& path, hid_t file, const char* name) {
@@ -132,39 +141,59 @@ std::vector<TableField> table_fields(const SweepPlan& plan) {
 }
 
 SweepTable::SweepTable(const fs::path& file, const SweepPlan& plan, const std::string& identity)
-    : path_(file), plan_(plan), fields_(table_fields(plan)), row_bytes_(fields_.back().offset + fields_.back().bytes) {
+    : path_(file),
+      plan_(plan),
+      fields_(table_fields(plan)),
+      row_bytes_(fields_.back().offset + fields_.back().bytes),
+      identity_(Checksum::of(identity)) {
   begin_hdf5();
   if (!fs::exists(path_)) create(identity);
+  const std::optional<SweepFrame> frame = SweepFrame::read(path_);
+  if (!frame)
+    throw std::invalid_argument(
+        path_.string() +
+        " is of a version that made no checksums, so that its rows cannot be trusted; nothing was "
+        "overwritten, choose another directory");
   file_.reset(open_file(path_).release());
   if (text_of(path_, open_dataset(path_, file_.get(), "identity")) != identity)
     throw std::invalid_argument(path_.string() +
                                 " holds the rows of another sweep: the scene, its settings, the varied values or the "
                                 "version differ; nothing was overwritten, choose another directory");
-  rows_.reset(open_dataset(path_, file_.get(), "rows").release());
-  timings_.reset(open_dataset(path_, file_.get(), "timings").release());
-  done_.reset(open_dataset(path_, file_.get(), "done").release());
+  build_ = text_of(path_, open_dataset(path_, file_.get(), "build"));
+  for (const auto& [name, dataset] :
+       {std::pair{"rows", &rows_}, {"timings", &timings_}, {"checksums", &checksums_}, {"done", &done_}})
+    dataset->reset(open_dataset(path_, file_.get(), name).release());
   buffer_.resize(row_bytes_);
   row_type_.reset(compound(fields_).release());
   timing_type_.reset(compound(timing_fields()).release());
+  damaged_ = check_rows(path_, *frame).damaged;
 }
 
 void SweepTable::create(const std::string& identity) const {
   NewFile file_to_be(path_);
   const fs::path& part = file_to_be.part();
+  SweepFrame frame;
   {
+    const Hdf5Properties properties(H5Pcreate(H5P_FILE_CREATE));
+    H5Pset_userblock(properties.get(), SweepFrame::bytes);
     Hdf5File file(hdf5_checked(part, "cannot be created",
-                               [&] { return H5Fcreate(part.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT); }));
+                               [&] { return H5Fcreate(part.c_str(), H5F_ACC_EXCL, properties.get(), H5P_DEFAULT); }));
     const hsize_t cases = plan_.size();
-    create_dataset(part, file.get(), "rows", compound(fields_).get(), cases);
-    create_dataset(part, file.get(), "timings", compound(timing_fields()).get(), cases);
-    create_dataset(part, file.get(), "done", H5T_STD_U8LE, cases);
-    create_dataset(part, file.get(), "identity", H5T_STD_I8LE, identity.size());
-    const Hdf5Dataset text = open_dataset(part, file.get(), "identity");
-    hdf5_checked(part, "cannot be written",
-                 [&] { return H5Dwrite(text.get(), H5T_NATIVE_CHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, identity.data()); });
+    const auto make = [&](const char* name, hid_t type, hsize_t count, const void* values = nullptr) {
+      return create_dataset(part, file.get(), name, type, count, values);
+    };
+    frame.rows = make("rows", compound(fields_).get(), cases);
+    frame.timings = make("timings", compound(timing_fields()).get(), cases);
+    frame.checksums = make("checksums", H5T_STD_U64LE, cases);
+    frame.done = make("done", H5T_STD_U8LE, cases);
+    frame.identity = make("identity", H5T_STD_I8LE, identity.size(), identity.data());
+    const std::string build = versions().build;
+    make("build", H5T_STD_I8LE, build.size(), build.data());
     hdf5_checked(part, "cannot be flushed", [&] { return H5Fflush(file.get(), H5F_SCOPE_GLOBAL); });
   }
+  frame.write(part);
   file_to_be.take_place();
+  sync_directory(path_.parent_path());
 }
 
 std::vector<SweepRow> SweepTable::read() const {
@@ -183,7 +212,7 @@ std::vector<SweepRow> SweepTable::read() const {
   all(rows_, row_type_.get(), bytes.data());
   const std::size_t completed = 1 + plan_.keys.size();
   for (std::size_t i = 0; i < cases; ++i) {
-    if (done[i] != 1) continue;
+    if (done[i] != 1 || std::ranges::binary_search(damaged_, i)) continue;
     const char* from = bytes.data() + i * row_bytes_;
     SweepRow row;
     row.index = i;
@@ -213,18 +242,32 @@ void SweepTable::write(const SweepRow& row) {
   for (const double value : row.values) put(buffer_, *field++, value);
 
   const Timings timings{row.seconds, row.integration_seconds};
-  const std::uint8_t done = 1;
+  const std::uint64_t sum = row_checksum(identity_, {buffer_.data(), buffer_.size()},
+                                         {reinterpret_cast<const char*>(&timings), sizeof timings});
   write_row(path_, rows_, row_type_.get(), row.index, buffer_.data());
   write_row(path_, timings_, timing_type_.get(), row.index, &timings);
-  write_row(path_, done_, H5T_STD_U8LE, row.index, &done);
+  write_row(path_, checksums_, H5T_STD_U64LE, row.index, &sum);
+  unmarked_.push_back(row.index);
+}
+
+void SweepTable::sync() const { OutputFile(path_, OutputFile::Content::keep).sync(); }
+
+void SweepTable::commit() {
+  if (unmarked_.empty()) return;
+  sync();
+  const std::uint8_t done = 1;
+  for (const std::size_t index : unmarked_) write_row(path_, done_, H5T_STD_U8LE, index, &done);
+  unmarked_.clear();
 }
 
 void SweepTable::close() {
-  for (Hdf5Dataset* dataset : {&rows_, &timings_, &done_})
+  commit();
+  for (Hdf5Dataset* dataset : {&rows_, &timings_, &checksums_, &done_})
     hdf5_checked(path_, "cannot be closed", [&] { return H5Dclose(dataset->release()); });
   row_type_.reset();
   timing_type_.reset();
   hdf5_checked(path_, "cannot be closed", [&] { return H5Fclose(file_.release()); });
+  sync();
 }
 
 }  // namespace viscobar

@@ -1,18 +1,19 @@
 #pragma once
 
 #include <filesystem>
-#include <string_view>
-#include <vector>
+#include <string>
 
+#include "io/sealed_summary.hpp"
 #include "viscobar/io/pictured_page.hpp"
 
 namespace viscobar {
 
-/// Writes DIR/figures/NAME.svg for each. @throws IoError
-void write_figures(const std::filesystem::path& directory, const std::vector<FigureFile>& figures);
+/// Writes DIR/FILE, and DIR/figures/NAME.svg for each figure; returns their checksums. @throws IoError
+FileChecksums write_page(const std::filesystem::path& directory, const std::string& file, const PicturedPage& page);
 
-/// Writes DIR/FILE, and the figures where they are wanted. @throws IoError
-void write_page(const std::filesystem::path& directory, std::string_view file, const PicturedPage& page,
-                bool with_figures);
+/// Writes DIR/NAME.json, with the checksums of the files of the study, and DIR/NAME.html, figures where they are
+/// wanted; returns the text of the former. @throws IoError
+std::string write_study(const std::filesystem::path& directory, const std::string& name, const std::string& summary,
+                        PicturedPage page, bool with_figures);
 
 }  // namespace viscobar

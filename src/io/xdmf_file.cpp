@@ -14,14 +14,17 @@ namespace viscobar {
 namespace {
 
 constexpr std::string_view head =
-    "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n"
+    "<?xml version=\"1.0\"?>\n<Xdmf xmlns:xi=\"http://www.w3.org/2001/XInclude\" Version=\"3.0\">\n<Domain>\n"
     "<Grid Name=\"bar\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+// The second and third child of the first grid: the mesh, which does not change.
+constexpr std::string_view of_first =
+    "<xi:include xpointer=\"element(/1/1/1/1/2)\"/><xi:include xpointer=\"element(/1/1/1/1/3)\"/>\n";
 constexpr std::string_view closing_tags = "</Grid>\n</Domain>\n</Xdmf>\n";
 
 }  // namespace
 
 XdmfFile::XdmfFile(std::filesystem::path path, std::string field_file, std::size_t nodes)
-    : path_(std::move(path)), field_file_(std::move(field_file)), nodes_(nodes), end_(head.size()) {}
+    : path_(std::move(path)), field_file_(std::move(field_file)), nodes_(nodes), written_(Checksum::of(head)) {}
 
 void XdmfFile::begin() { write_atomically(path_, std::string(head) + std::string(closing_tags)); }
 
@@ -41,19 +44,19 @@ void XdmfFile::publish() {
     NewFile next(path_);
     std::filesystem::copy_file(path_, next.part());
     OutputFile file(next.part(), OutputFile::Content::keep);
-    std::size_t end = end_;
+    Checksum written = written_;
     std::string text;
     for (std::size_t i = 0; i < pending_.size(); ++i) {
       text += grid(rows_ + i, pending_[i]);
       if (text.size() < (1 << 20) && i + 1 < pending_.size()) continue;
-      file.write_at(end, text);
-      end += text.size();
+      file.write_at(written.bytes, text);
+      written.add(text);
       text.clear();
     }
-    file.write_at(end, closing_tags);
+    file.write_at(written.bytes, closing_tags);
     file.close();
     next.take_place();
-    end_ = end;
+    written_ = written;
   } catch (const std::filesystem::filesystem_error& error) {
     throw IoError(path_, "cannot be replaced: " + error.code().message());
   }
@@ -62,20 +65,29 @@ void XdmfFile::publish() {
   next_ = Clock::now() + 20 * (Clock::now() - started);
 }
 
+Checksum XdmfFile::checksum() const {
+  Checksum whole = written_;
+  whole.add(closing_tags);
+  return whole;
+}
+
 std::string XdmfFile::grid(std::size_t row, double time) const {
-  std::string text = fmt::format(
-      "<Grid Name=\"{0}\" GridType=\"Uniform\"><Time Value=\"{1}\"/>\n"
-      "<Topology TopologyType=\"Polyline\" NumberOfElements=\"1\" NodesPerElement=\"{2}\">"
-      "<DataItem Dimensions=\"1 {2}\" Format=\"HDF\" NumberType=\"Int\" "
-      "Precision=\"4\">{3}:/line</DataItem></Topology>\n"
-      "<Geometry GeometryType=\"XYZ\"><DataItem Dimensions=\"{2} 3\" Format=\"HDF\" NumberType=\"Float\" "
-      "Precision=\"8\">{3}:/points</DataItem></Geometry>\n",
-      row, time, nodes_, field_file_);
+  std::string text = fmt::format("<Grid Name=\"{}\"><Time Value=\"{}\"/>\n", row, time);
+  if (row == 0)
+    fmt::format_to(std::back_inserter(text),
+                   "<Topology TopologyType=\"Polyline\" NumberOfElements=\"1\" NodesPerElement=\"{0}\">"
+                   "<DataItem Dimensions=\"1 {0}\" Format=\"HDF\" NumberType=\"Int\" "
+                   "Precision=\"4\">{1}:/line</DataItem></Topology>\n"
+                   "<Geometry GeometryType=\"XYZ\"><DataItem Dimensions=\"{0} 3\" Format=\"HDF\" NumberType=\"Float\" "
+                   "Precision=\"8\">{1}:/points</DataItem></Geometry>\n",
+                   nodes_, field_file_);
+  else
+    text += of_first;
   for (const auto& [name, dataset] : {std::pair{"displacement", "u"}, std::pair{"velocity", "v"}})
     // A row of the dataset, as start:stride:count:extent; it grows while the run lasts, so its extent is given as far
     // as this row.
     fmt::format_to(std::back_inserter(text),
-                   "<Attribute Name=\"{0}\" AttributeType=\"Scalar\" Center=\"Node\">"
+                   "<Attribute Name=\"{0}\" Center=\"Node\">"
                    "<DataItem Dimensions=\"{1}\" Format=\"HDF\" NumberType=\"Float\" Precision=\"8\">"
                    "{2}:/{3}|{4} 0:1 1:1 {1}:{5} {1}</DataItem></Attribute>\n",
                    name, nodes_, field_file_, dataset, row, row + 1);

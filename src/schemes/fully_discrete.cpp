@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "dynamics/lost_inertia.hpp"
 #include "dynamics/parts.hpp"
 #include "dynamics/stopwatch.hpp"
 #include "schemes/time_step.hpp"
@@ -65,8 +66,9 @@ class Run {
       advance_to_end();
     } catch (const LoadError& error) {
       fail(error.time, error.what());
-    } catch (const std::domain_error& error) {
-      fail(times_.front(), error.what());
+    } catch (const std::domain_error&) {
+      const double dt = scheme_.step;
+      fail(times_.front(), lost_inertia(system_, 1.0, dt, dt * dt / 2, "take a shorter method.step"));
     }
     statistics_.completed = true;
     close_account();

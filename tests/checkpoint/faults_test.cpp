@@ -153,6 +153,17 @@ TEST_F(Faults, WhatCannotBeRenamedOrSyncedFailsTheRunAndLosesNothing) {
   }
 }
 
+// The first two calls are for the table itself; from the third on rows are brought to the disk before they are marked.
+TEST_F(Faults, ASweepMarksNoRowThatIsNotOnTheDisk) {
+  std::ofstream(scratch / "sweep.toml") << "scene = \"bouncing.toml\"\n[vary]\nbar.viscosity = [0.1, 0.2, 0.3]\n";
+  const std::vector<std::string> sweep = {"sweep", "sweep.toml", "--quiet", "-o", "out"};
+  EXPECT_EQ(run(sweep, "fsync:3"), 1);
+  EXPECT_NE(err().find("sweep.h5: cannot be brought to the disk: Input/output error"), std::string::npos) << err();
+  EXPECT_EQ(run({"info", "out", "--json"}, ""), 0) << err();
+  EXPECT_EQ(nlohmann::json::parse(read_text(scratch / "out.txt"))["results"][0]["done"], 0);
+  EXPECT_EQ(run(sweep, ""), 0) << err();
+}
+
 TEST_F(Faults, APlaceThatTakesNoFilesIsNamed) {
   EXPECT_EQ(run({"run", "bouncing.toml", "--quiet", "-o", "/proc/out"}, ""), 1);
   EXPECT_NE(err().find("/proc/out"), std::string::npos) << err();

@@ -85,6 +85,7 @@ constexpr struct {
     {"scripts/benchmark", "takes minutes"},
     {"scripts/coverage", "takes minutes"},
     {"scripts/fuzz", "takes minutes"},
+    {"scripts/campaign", "takes minutes; a slice of it is one of the tests"},
     {"build/release/tests/malformed_test", "is one of the tests"},
     {"build/release/tests/properties_test", "is one of the tests"},
     {"cmake --install", "tests/package/newcomer.bash"},

@@ -5,6 +5,8 @@
 namespace viscobar {
 namespace {
 
+using testing_cli::content;
+
 class Info : public testing_cli::Command {
  protected:
   Info() { viscobar("new scene.toml"); }
@@ -103,11 +105,51 @@ TEST_F(Info, TellsOfASweepThatIsNotAtItsEndWhatRemains) {
   row.index = 1;
   row.completed = true;
   table.write(row);
+  table.commit();
   const auto info = viscobar("info out --json").json()["results"][0];  // the table is open, and locked, here
   EXPECT_EQ(info["done"], 1);
   EXPECT_EQ(info["remaining"], 2);
   EXPECT_EQ(info["completed"], false);
   EXPECT_EQ(info["columns"][0], nlohmann::json({{"name", "mesh.elements"}, {"rows", 1}, {"from", 16}, {"to", 16}}));
+  EXPECT_EQ(viscobar("info out --verify").code, 0) << "so does the table of a sweep that was killed look";
+}
+
+TEST_F(Info, VerifiesAResultAgainstItsChecksums) {
+  viscobar("run scene.toml --quiet -o out");
+  const auto sound = viscobar("info out --verify --json");
+  EXPECT_EQ(sound.code, 0) << sound.out;
+  EXPECT_EQ(sound.json()["verdict"], "sound");
+  EXPECT_EQ(sound.json()["files"].size(), 6u);
+  for (const auto& file : sound.json()["files"]) EXPECT_EQ(file["state"], "sound") << file;
+
+  std::ofstream(directory_ / "out/notes.txt") << "my own";
+  EXPECT_EQ(viscobar("info out --verify").code, 0);
+  std::fstream(directory_ / "out/ends.csv", std::ios::in | std::ios::out).seekp(100).put('!');
+  testing_cli::fs::remove(directory_ / "out/events.csv");
+  const auto damaged = viscobar("info --verify out --json");
+  EXPECT_EQ(damaged.code, 1) << damaged.out;
+  EXPECT_EQ(damaged.json()["verdict"], "damaged");
+  for (const auto& file : damaged.json()["files"])
+    EXPECT_EQ(file["state"], file["name"] == "ends.csv"     ? "damaged"
+                             : file["name"] == "events.csv" ? "missing"
+                             : file["name"] == "notes.txt"  ? "not of the result"
+                                                            : "sound");
+  const auto text = viscobar("info --verify out");
+  EXPECT_TRUE(has(text.out, "out: damaged")) << text.out;
+  EXPECT_TRUE(has(text.out, "ends.csv: its checksum is not the one that was written")) << text.out;
+}
+
+TEST_F(Info, CannotVerifyAResultWithoutChecksums) {
+  viscobar("run scene.toml --quiet -o out");
+  auto summary = nlohmann::ordered_json::parse(content(directory_ / "out/summary.json"));
+  for (const char* key : {"files", "crc64"}) summary.erase(key);
+  std::ofstream(directory_ / "out/summary.json") << summary.dump(2) << "\n";
+  const auto old = viscobar("info out --verify --json");
+  EXPECT_EQ(old.code, 2) << old.out;
+  EXPECT_EQ(old.json()["verdict"], "not checkable");
+  for (const auto& file : old.json()["files"]) EXPECT_EQ(file["state"], "not checkable") << file;
+  EXPECT_EQ(viscobar("info nowhere --verify").code, 2);
+  EXPECT_EQ(viscobar("info . --verify").code, 2);
 }
 
 TEST_F(Info, TellsWhyARunIsNotComplete) {

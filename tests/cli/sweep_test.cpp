@@ -63,7 +63,8 @@ TEST_F(Sweep, ATerminalSeesHowManyCasesAreDoneAndHowLongTheOthersTake) {
     return shown_on_terminal("cd '" + directory_.string() + "' && '" VISCOBAR_COMMAND "' sweep sweep.toml" + option +
                              " >out.txt");
   };
-  const std::string text = shown(" -o seen");
+  // The line appears after a second; all cases to time 3 at once take 0.3.
+  const std::string text = shown(" --set time.end=30 --threads 1 -o seen");
   EXPECT_NE(text.find(" of 108 cases  "), std::string::npos) << text;
   EXPECT_NE(text.find(" s left"), std::string::npos) << text;
   EXPECT_TRUE(text.ends_with("\r\033[K")) << text;  // nothing stays

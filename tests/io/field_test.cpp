@@ -6,6 +6,7 @@
 #include <cmath>
 #include <csignal>
 #include <regex>
+#include <tuple>
 
 #include "io/field_file.hpp"
 #include "io/scratch.hpp"
@@ -177,8 +178,85 @@ TEST(FieldFile, XdmfNamesDatasetsThatExistWithTheirExtents) {
       EXPECT_EQ(given, dataset.extent) << name;
     }
   }
-  EXPECT_EQ(found, 4 * rows);  // line, points, u and v of each time
+  EXPECT_EQ(found, 2 + 2 * rows);  // line and points once, u and v of each time
   EXPECT_EQ(last_row, rows);
+}
+
+// The mesh and, of each time, what names it, two references to the mesh and the rows of two fields.
+TEST(FieldFile, XdmfHoldsTheMeshOnce) {
+  const Scratch scratch;
+  FieldFile file(scratch.path(), Mesh{1.0, 4}, 1000);
+  append(file, 5, 0, 1000);
+  file.close();
+  const std::string text = read_text(scratch / "field.xdmf");
+  for (const std::string once : {":/line<", ":/points<"}) {
+    EXPECT_NE(text.find(once), text.npos);
+    EXPECT_EQ(text.find(once), text.rfind(once));
+  }
+  EXPECT_LT(text.size(), 1000 * 500u);
+}
+
+TEST(FieldFile, ItsChecksumsTakenWhileItGrowsAreThoseOfTheFiles) {
+  for (const auto& [elements, expected, rows] : {std::tuple{4u, 10u, 0u},
+                                                 {4u, 10u, 1u},
+                                                 {4u, 10u, 10u},
+                                                 {30u, 5000u, 4095u},
+                                                 {30u, 5000u, 9000u},
+                                                 {999u, 400u, 131u},
+                                                 {999u, 400u, 262u},
+                                                 {200'000u, 4u, 3u}}) {
+    const Scratch scratch;
+    FieldFile file(scratch.path(), Mesh{1.0, elements}, expected);
+    append(file, elements + 1, 0, rows / 3);
+    file.flush();  // as the clock does, within a chunk
+    append(file, elements + 1, rows / 3, rows - rows / 3);
+    file.close();
+    EXPECT_EQ(file.checksum(), checksum_of_file(scratch / "field.h5")) << elements << ' ' << rows;
+    EXPECT_EQ(file.xdmf_checksum(), checksum_of_file(scratch / "field.xdmf")) << elements << ' ' << rows;
+  }
+}
+
+// A killed run may have written more than its mark says, into a chunk that is not full.
+TEST(FieldFile, GoesOnFromAMarkWhateverCameBehindIt) {
+  const Scratch scratch;
+  const Mesh mesh{1.0, 4};
+  FieldMark mark;
+  {
+    FieldFile killed(scratch.path(), mesh, 100);
+    append(killed, 5, 0, 40);
+    mark = killed.mark();
+    EXPECT_EQ(mark.checksum(), checksum_of_file(scratch / "field.h5"));
+    append(killed, 5, 40, 30);
+    killed.flush();
+  }
+  mark.check_values(scratch / "field.h5");
+  FieldFile resumed(scratch.path(), mesh, 100, &mark);
+  append(resumed, 5, 40, 10);
+  resumed.close();
+  EXPECT_EQ(resumed.checksum(), checksum_of_file(scratch / "field.h5"));
+  EXPECT_EQ(read(scratch / "field.h5", "u").extent, (std::vector<hsize_t>{50, 5}));
+}
+
+TEST(FieldFile, AMarkNoticesEachValueThatIsChanged) {
+  const Scratch scratch;
+  FieldFile file(scratch.path(), Mesh{1.0, 4}, 100);
+  append(file, 5, 0, 40);
+  const FieldMark mark = file.mark();
+  file.close();
+  for (const FieldMark::Region& region : mark.regions)
+    for (const std::size_t at : {std::size_t{0}, static_cast<std::size_t>(region.values.bytes) - 1}) {
+      std::fstream raw(scratch / "field.h5", std::ios::in | std::ios::out | std::ios::binary);
+      const auto flip = [&] {
+        raw.seekg(static_cast<std::streamoff>(region.begin + at));
+        const int byte = raw.get();
+        raw.seekp(static_cast<std::streamoff>(region.begin + at));
+        raw.put(static_cast<char>(byte ^ 1)).flush();
+      };
+      flip();
+      EXPECT_THROW(mark.check_values(scratch / "field.h5"), IoError) << region.begin;
+      flip();
+      EXPECT_NO_THROW(mark.check_values(scratch / "field.h5"));
+    }
 }
 
 TEST(FieldFile, AFileThatMayNotGrowIsAnErrorThatNamesIt) {

@@ -129,5 +129,21 @@ TEST(RecordRun, TheRecordingDoesNotChangeTheMotion) {
   EXPECT_NEAR(std::stod(row.substr(row.find(',') + 1)), u, 10 * scene.run.tolerance.relative);
 }
 
+// A load that oscillates 10^9 times; the run is stopped as soon as it has spoken, after a million steps.
+TEST(RecordRun, WarnsOfARunThatWillTakeLong) {
+  const Scratch scratch;
+  const SceneFile scene = parse_scene(
+      "[bar]\nlength = 1\n[initial]\ndisplacement = 0\nvelocity = 0\n[load]\nprofile = 1\nhistory = \"sin(1e9*t)\"\n"
+      "[time]\nend = 10\n[mesh]\nelements = 2\nmass = \"lumped\"\n[method]\nname = \"cvode\"\n[output]\nevery = 1\n",
+      "slow");
+  std::vector<std::string> warnings;
+  RecordOptions options;
+  options.warning = [&](const std::string& warning) { warnings.push_back(warning); };
+  options.stop = [&] { return !warnings.empty(); };
+  record_run(scene, scratch / "out", options);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_TRUE(warnings[0].starts_with("slow: the last 1000000 steps")) << warnings[0];
+}
+
 }  // namespace
 }  // namespace viscobar

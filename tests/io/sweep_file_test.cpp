@@ -261,6 +261,7 @@ TEST_F(SweepFileTest, TheTableGivesBackEveryRowBitForBit) {
     rows.push_back(run_case(sweep.scene_text, case_of(sweep, i)));
     SweepTable table(folder_ / "sweep.h5", sweep.plan, sweep.identity());  // opened anew for each
     table.write(rows.back());
+    table.commit();
   }
   const std::vector<SweepRow> back = SweepTable(folder_ / "sweep.h5", sweep.plan, sweep.identity()).read();
   ASSERT_EQ(back.size(), 3u);

@@ -45,6 +45,7 @@ class PenalisedSystem {
   /// together: the penetration keeps all its digits, however stiff the spring. `u` is changed to match, unless it is
   /// empty; whatever takes a u below expects it so. A node is measured from one obstacle only, the first.
   void measure_from_obstacle(std::size_t i, std::span<double> u);
+  /// Whether that of contact i is.
   bool measured_from_obstacle(std::size_t i) const { return measured_[i] != 0; }
   /// What is to be added to u to have displacements: -gap at nodes measured from their obstacle, 0 at others; empty
   /// where there are none.
@@ -108,6 +109,7 @@ class PenalisedSystem {
   ///
   ///     u_i' + rate u_i = sum_n (u_share u_n + w_share u_n' - a_share u_n'') + load_share (M f)_i + constant.
   struct RelaxingRow {
+    /// What n contributes.
     struct Neighbour {
       std::size_t unknown;  ///< n
       double u_share;       ///< of its displacement, per time
@@ -120,7 +122,7 @@ class PenalisedSystem {
     double constant;                      ///< of springs and fixed ends, a velocity
     double inertia;                       ///< m over the stiffness, a time squared: what u_i'' adds is -rate times it
     std::array<Neighbour, 2> neighbours;  ///< the first `count`
-    std::size_t count;
+    std::size_t count;                    ///< 1 or 2
   };
   /// Those of the massless unknowns that are not held, as long as no contact changes; none for eta = 0.
   std::vector<RelaxingRow> relaxing_rows() const;
@@ -162,7 +164,9 @@ class PenalisedSystem {
   void complete_displacement_of(std::size_t end, double t, std::span<double> u);
   double stiffness_of_closed(std::size_t unknown) const;
   double acting_stiffness(std::size_t i) const;  // k, infinite where it holds
-  bool follows(std::size_t i) const { return massless(contact(i).unknown) && !bar_.damped(); }  // its neighbour, at once
+  bool follows(std::size_t i) const {
+    return massless(contact(i).unknown) && !bar_.damped();
+  }  // its neighbour, at once
   double origin_at(std::size_t unknown) const { return origin_.empty() ? 0.0 : origin_[unknown]; }
   void find_offsets();
 

@@ -92,9 +92,10 @@ SceneFile scene_of_checkpoint(const std::filesystem::path& directory);
 
 /// Goes on with an unfinished run of a scene from its newest sound checkpoint, as if it had not been stopped: what the
 /// files have beyond that is cut off, and they end as those of a run that made the same checkpoints and was never
-/// stopped, bit for bit. What is wrong with a newer checkpoint goes to `complain`, where there is one.
+/// stopped, bit for bit. Sound is a checkpoint of this build of the program whose own checksum fits, and those of what
+/// the files held then. What is wrong with a newer one goes to `complain`, where there is one.
 /// @throws std::invalid_argument when there is no checkpoint, or one of another scene
-/// @throws IoError when no checkpoint there can be read, or a file is shorter than it was then; nothing is changed
+/// @throws IoError when none there is sound; nothing is changed
 RunRecord resume_run(const SceneFile& scene, const std::filesystem::path& directory, const RecordOptions& options = {},
                      const std::function<void(const std::string&)>& complain = {});
 

@@ -7,6 +7,7 @@ namespace viscobar {
 /// What a result was computed with.
 struct Versions {
   std::string viscobar;  ///< this library
+  std::string build;     ///< of this library or the program it is linked into: differs where their code does
   std::string sundials;  ///< linked
   std::string hdf5;      ///< linked
   std::string eigen;     ///< compiled with

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
+#include "dynamics/lost_inertia.hpp"
 #include "integration/step_failure.hpp"
 
 namespace viscobar::sundials {
@@ -13,7 +15,11 @@ namespace viscobar::sundials {
 void Leg::solve(double m, double c, double k, std::span<double> x) {
   if (!factorised_ || m != m_ || c != c_ || k != k_ || revision_ != system.revision()) {
     system.dynamic_stiffness(m, c, k, matrix_);
-    factor_.factorise(matrix_);
+    try {
+      factor_.factorise(matrix_);
+    } catch (const std::domain_error&) {
+      throw StepFailure(lost_inertia(system.bar(), m, c, k, "choose an earlier time.end"));
+    }
     m_ = m, c_ = c, k_ = k, revision_ = system.revision();
     factorised_ = true;
     ++statistics.matrix_factorisations;

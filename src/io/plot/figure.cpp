@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "io/plot/json_text.hpp"
-#include "io/printable.hpp"
+#include "io/printable_text.hpp"
 
 namespace viscobar::plot {
 

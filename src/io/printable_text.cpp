@@ -1,4 +1,4 @@
-#include "io/printable.hpp"
+#include "io/printable_text.hpp"
 
 #include <fmt/format.h>
 
