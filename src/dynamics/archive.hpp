@@ -41,8 +41,7 @@ void members(Like<Statistics> auto& statistics, auto&& each) {
   each(statistics.unknowns, statistics.steps, statistics.rhs_evaluations, statistics.linear_solves,
        statistics.matrix_factorisations, statistics.event_evaluations, statistics.load_evaluations, statistics.events,
        statistics.integration_seconds, statistics.reached_time, statistics.completed, statistics.max_penetration,
-       statistics.late_opening.ratio, statistics.late_opening.time,
-       statistics.energy);
+       statistics.late_opening.ratio, statistics.late_opening.time, statistics.energy);
 }
 void members(Like<Event> auto& event, auto&& each) {
   each(event.time, event.where, event.node, event.change, event.velocity);

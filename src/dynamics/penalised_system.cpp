@@ -235,8 +235,8 @@ std::vector<PenalisedSystem::RelaxingRow> PenalisedSystem::relaxing_rows() const
     const double h = bar_.spacing_at(end);
     const std::size_t next = neighbour(end);
     const double share = modulus / viscosity;
-    RelaxingRow row{end, share, h / viscosity, share * (origin_at(next) - origin_at(end)), 0.0,
-                    {{{next, share, 1.0, 0.0}, {}}}, 1};
+    RelaxingRow row{
+        end, share, h / viscosity, share * (origin_at(next) - origin_at(end)), 0.0, {{{next, share, 1.0, 0.0}, {}}}, 1};
     for (std::size_t i = 0; i < laws_.size(); ++i) {
       if (!closed(i) || contact(i).unknown != end) continue;
       row.rate += laws_[i].stiffness * h / viscosity;
@@ -318,7 +318,8 @@ double PenalisedSystem::reaction(std::size_t i, double t, std::span<const double
   if (!holds(i)) return laws_[i].reaction(-clearance(i, u), -w[node]);
   const std::size_t next = neighbour(node);
   const double load = load_ ? load_->at(t)[node] : 0.0;
-  const double stress = bar_.bar().modulus * (u[next] + (origin_at(next) + contact(i).gap)) + bar_.bar().viscosity * w[next];
+  const double stress =
+      bar_.bar().modulus * (u[next] + (origin_at(next) + contact(i).gap)) + bar_.bar().viscosity * w[next];
   return std::max(0.0, -stress / bar_.spacing_at(node) - load) * (1.0 - penetration_share(i));
 }
 

@@ -22,9 +22,7 @@ double ErrorWeights::velocity_tolerance() const {
   return (tolerance_.relative * largest_w_ + tolerance_.absolute) / tightening_;
 }
 
-double ErrorWeights::promised_energy() const {
-  return inertia_ * largest_w_ * promised_velocity();
-}
+double ErrorWeights::promised_energy() const { return inertia_ * largest_w_ * promised_velocity(); }
 
 void ErrorWeights::fill(std::span<const double> y, std::span<double> weights) {
   largest_u_ = std::max(largest_u_, system_.largest_displacement(y.first(layout_.nodes)));

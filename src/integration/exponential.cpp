@@ -261,8 +261,8 @@ class Run {
     // Of a bar that has stood at the origin, with the motion of this step: the load's polynomial has roundings, too.
     ContactDistance::Largest known = largest();
     if (contacts() > 0)
-      known.displacement = std::max(
-          known.displacement, (leg().displacement(series, 1.0) + propagators_.origin()).cwiseAbs().maxCoeff());
+      known.displacement =
+          std::max(known.displacement, (leg().displacement(series, 1.0) + propagators_.origin()).cwiseAbs().maxCoeff());
     for (std::size_t c = 0; c < contacts(); ++c) {
       distances.push_back(distance_.along(c, series, p_));
       if (penalised_.closed(c)) known.penetration = std::max(known.penetration, std::abs(value(distances[c], 1.0)));

@@ -27,10 +27,11 @@ namespace viscobar {
 /// quintic and a load that is interpolated at five points of the step.
 ///
 /// A node on the spring of a closed contact that the step is too long to resolve has no acceleration to rely on either:
-/// what its displacement is wrong by is in it omega^2 times. It follows its row without its own inertia, whose spring is
-/// as far in as the neighbours' quintics press it: u and w of the node are known to the tolerance only, which may be far
-/// more. What its inertia adds is taken from the row without it, so that a term of 2 d / (omega h)^3 is left out: where
-/// that would be more than the tolerance, the accelerations serve. The other accelerations are those that satisfy their rows beside it.
+/// what its displacement is wrong by is in it omega^2 times. It follows its row without its own inertia, whose spring
+/// is as far in as the neighbours' quintics press it: u and w of the node are known to the tolerance only, which may be
+/// far more. What its inertia adds is taken from the row without it, so that a term of 2 d / (omega h)^3 is left out:
+/// where that would be more than the tolerance, the accelerations serve. The other accelerations are those that satisfy
+/// their rows beside it.
 ///
 /// The energy account of the step is the integral of its rates over the polynomial, by Gauss' formula.
 class StepPolynomial {
@@ -119,7 +120,7 @@ class StepPolynomial {
   std::vector<double> sampled_, inner_;
   std::optional<Known> known_;
   std::vector<std::size_t> unresolved_, replaced_;  // nodes; of those the factor is
-  std::vector<double> change_;                       // of accelerations
+  std::vector<double> change_;                      // of accelerations
   TridiagonalFactor beside_;                        // of rho M without the rows of replaced_
   bool first_of_leg_ = false;
 };

@@ -259,8 +259,8 @@ class StepwiseRun {
     guard_against_toggling(t, search_.first_contact());
   }
 
-  // By the row of the node at rest: rho M a = F with what holds it taken away gives it the acceleration pull / m. It opens
-  // a delay after its row asks for it, of 2 zeta / omega <= 2 / omega.
+  // By the row of the node at rest: rho M a = F with what holds it taken away gives it the acceleration pull / m. It
+  // opens a delay after its row asks for it, of 2 zeta / omega <= 2 / omega.
   void weigh_opening(double t, std::size_t i, double begin, double end) {
     const std::size_t node = system_.contact(i).unknown;
     const auto pull = [&](double at) {
@@ -278,7 +278,10 @@ class StepwiseRun {
     const double tolerated = (bar.modulus * stepper_.weights().promised_displacement() +
                               bar.viscosity * stepper_.weights().promised_velocity()) /
                              system_.bar().spacing_at(node);
-    const double ratio = now / (5.0 / system_.contact_rate(i) * change + tolerated);
+    // Late by no more than the step, it changes the node's velocity by pull * step / m.
+    const double brief =
+        system_.bar().inertia().diagonal[node] * stepper_.weights().promised_velocity() / (end - begin);
+    const double ratio = now / (5.0 / system_.contact_rate(i) * change + tolerated + brief);
     if (ratio > statistics_.late_opening.ratio) statistics_.late_opening = {ratio, t};
   }
 

@@ -27,8 +27,8 @@ struct Sounded {
 };
 
 TEST(Alarm, IsSilentOnSoundRuns) {
-  for (const MethodName method : {MethodName::cvode, MethodName::ida, MethodName::arkode, MethodName::odeint,
-                                  MethodName::exponential})
+  for (const MethodName method :
+       {MethodName::cvode, MethodName::ida, MethodName::arkode, MethodName::odeint, MethodName::exponential})
     EXPECT_TRUE(Sounded(method)().empty()) << name(method);
 }
 

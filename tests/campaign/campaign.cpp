@@ -17,7 +17,9 @@ class Draw {
  public:
   Draw(std::uint64_t seed, std::size_t index) : engine_(seed * 1'000'003 + index) { engine_.discard(16); }
 
-  double between(double low, double high) { return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53; }
+  double between(double low, double high) {
+    return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
+  }
   double decades(double low, double high) { return std::pow(10.0, between(std::log10(low), std::log10(high))); }
   bool chance(double p) { return between(0.0, 1.0) < p; }
   template <class T>
@@ -79,7 +81,8 @@ double magnification(const Case& run, const Run& exact, double size) {
     shifted([&](Scene& scene) {
       scene.displacement = [u = scene.displacement, by, length](double x) { return u(x) + by * x / length; };
     });
-    shifted([&](Scene& scene) { scene.velocity = [v = scene.velocity, by, rate](double x) { return v(x) + by * rate; }; });
+    shifted(
+        [&](Scene& scene) { scene.velocity = [v = scene.velocity, by, rate](double x) { return v(x) + by * rate; }; });
     shifted([&](Scene& scene) {
       scene.velocity = [v = scene.velocity, by, rate, length](double x) {
         return v(x) + by * rate * std::cos(6.0 * x / length);
@@ -127,13 +130,17 @@ std::string scene_text(std::uint64_t seed, std::size_t index) {
   if (draw.chance(0.75)) {
     const double force = scene.density * amplitude / (transit * transit);
     scene.load = properties::Shape{-force * draw.decades(0.03, 3.0), force * draw.between(-0.2, 0.2), 1};
-    if (draw.chance(0.3)) scene.frequency = draw.decades(0.3, 10.0) / transit, scene.delay = -transit * draw.between(0, 3);
+    if (draw.chance(0.3))
+      scene.frequency = draw.decades(0.3, 10.0) / transit, scene.delay = -transit * draw.between(0, 3);
   }
   scene.epsilon = draw.decades(1e-14, 1.0) * scene.length / scene.modulus;
   const double kind = draw.between(0.0, 1.0);
-  if (kind < 0.3) scene.restitution = 0.0;
-  else if (kind < 0.8) scene.restitution = draw.between(0.0, 1.0);
-  else if (kind < 0.9) scene.restitution = 1.0;
+  if (kind < 0.3)
+    scene.restitution = 0.0;
+  else if (kind < 0.8)
+    scene.restitution = draw.between(0.0, 1.0);
+  else if (kind < 0.9)
+    scene.restitution = 1.0;
   scene.end = transit * draw.decades(2.0, 40.0);
   scene.outputs = 40;
   scene.relative = draw.decades(1e-9, 1e-4);
@@ -155,10 +162,13 @@ Judged judge(const SceneFile& scene) {
     if (scale > 0.0) judged.balance = std::abs(energy.balance_error()) / (100.0 * run.tolerance.relative * scale);
     judged.late = mine.statistics.late_opening.ratio;
     for (const Alarm& alarm : alarms(run, make_system(run), mine.statistics)) judged.said += alarm.what + "; ";
-    for (const Alarm& alarm : alarms(by_exponentials(run), make_system(run), exact.statistics)) judged.said += "exponential: " + alarm.what + "; ";
+    for (const Alarm& alarm : alarms(by_exponentials(run), make_system(run), exact.statistics))
+      judged.said += "exponential: " + alarm.what + "; ";
     if (!(judged.error <= 1.0)) {
       judged.magnification = magnification(by_exponentials(run), exact, tolerance);
-      judged.outcome = judged.error <= judged.magnification ? Outcome::magnified : judged.said.empty() ? Outcome::wrong : Outcome::alarmed;
+      judged.outcome = judged.error <= judged.magnification ? Outcome::magnified
+                       : judged.said.empty()                ? Outcome::wrong
+                                                            : Outcome::alarmed;
     }
   } catch (const TooLong&) {
     judged.outcome = Outcome::too_long;

@@ -7,15 +7,15 @@
 
 #include "viscobar/io/scene_file.hpp"
 
-/// Random scenes in which bars fly, bounce, chatter and come to rest under load, run by an adaptive method and judged by
-/// matrix exponentials: does the method keep its promise, max |u - u_exact| <= 100 (relative max|u| + absolute)?
+/// Random scenes in which bars fly, bounce, chatter and come to rest under load, run by an adaptive method and judged
+/// by matrix exponentials: does the method keep its promise, max |u - u_exact| <= 100 (relative max|u| + absolute)?
 namespace viscobar::campaign {
 
 /// Scene number `index` of the campaign `seed`, as a file. The same on every machine.
 ///
-/// Penalties from 1e-14 to 1 and restitutions from 0 to 1 on every mass, viscosities from 0 to strongly overdamped, units
-/// within a decade of one, steady loads and smooth ones of time, obstacles at the ends and along the span, all adaptive
-/// methods at tolerances from 1e-4 to 1e-9.
+/// Penalties from 1e-14 to 1 and restitutions from 0 to 1 on every mass, viscosities from 0 to strongly overdamped,
+/// units within a decade of one, steady loads and smooth ones of time, obstacles at the ends and along the span, all
+/// adaptive methods at tolerances from 1e-4 to 1e-9.
 std::string scene_text(std::uint64_t seed, std::size_t index);
 
 enum class Outcome {

@@ -15,9 +15,9 @@ TEST_P(Campaign, KeepsThePromiseOrIsMagnifiedAndAlarmsOnlyWhatIsWrong) {
   for (std::size_t index = GetParam() * part; index < (GetParam() + 1) * part; ++index) {
     const SceneFile scene = parse_scene(scene_text(7, index), "random.toml");
     const Judged result = judge(scene);
-    EXPECT_NE(result.outcome, Outcome::wrong) << index << ": " << result.error << " promises, magnified "
-                                              << result.magnification << " times\n"
-                                              << scene_text(7, index);
+    EXPECT_NE(result.outcome, Outcome::wrong)
+        << index << ": " << result.error << " promises, magnified " << result.magnification << " times\n"
+        << scene_text(7, index);
     if (result.outcome == Outcome::kept) {
       EXPECT_EQ(result.said, "") << index << "\n" << scene_text(7, index);
     }

@@ -99,7 +99,6 @@ constexpr struct {
     {"build/release/tests/measure_", "take minutes"},
     {"time viscobar sweep", "takes minutes; with the same keys the chatter sweep of the page is run"},
     {"mpirun ", "tests/cli/sweep_test.cpp, on fewer ranks"},
-    {"scripts/campaign", "a test runs a slice of 20 seconds"},
 };
 
 TEST(Pages, HaveNoCommandThatNothingRuns) {

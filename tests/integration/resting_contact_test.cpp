@@ -11,7 +11,8 @@
 namespace viscobar {
 namespace {
 
-// A bar that is thrown at two obstacles and pressed to the left: it bounces, chatters and comes to rest, more than once.
+// A bar that is thrown at two obstacles and pressed to the left: it bounces, chatters and comes to rest, more than
+// once.
 Case pressed_bar(std::size_t elements, Mass mass, double length, double left, double right) {
   Case run;
   run.scene.bar = {length, 1.0, 0.2, 0.001};
@@ -106,8 +107,8 @@ TEST(RestingContact, OpensWhereItsRowPullsDownToEveryEpsilon) {
   }
 }
 
-// The rate of a massless node was a difference of forces of size gap / epsilon, over the viscosity: the energy account of
-// the methods whose account is an integral over their steps had 2.8 dissipated of 0.5.
+// The rate of a massless node was a difference of forces of size gap / epsilon, over the viscosity: the energy account
+// of the methods whose account is an integral over their steps had 2.8 dissipated of 0.5.
 TEST(RestingContact, KeepsTheEnergyAccountOnMasslessNodesAtEveryEpsilon) {
   Case run;
   run.scene.bar = {1.0, 1.0, 1.0, 0.001};

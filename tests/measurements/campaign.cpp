@@ -1,7 +1,10 @@
 // Runs random scenes and judges them (see campaign/campaign.hpp): prints each that was not within its promise, and the
 // counts. Run:
-//     cmake --build --preset release --target measure_campaign && build/release/tests/measure_campaign [SEED] [COUNT] [FIRST]
+//     cmake --build --preset release --target measure_campaign && build/release/tests/measure_campaign [SEED] [COUNT]
+//     [FIRST]
 // `measure_campaign SEED 1 INDEX show` prints the scene as a file.
+#include "campaign/campaign.hpp"
+
 #include <fmt/format.h>
 
 #include <array>
@@ -10,8 +13,6 @@
 #include <string_view>
 #include <thread>
 #include <vector>
-
-#include "campaign/campaign.hpp"
 
 int main(int argc, char** argv) {
   using namespace viscobar;
@@ -41,10 +42,13 @@ int main(int argc, char** argv) {
       const std::lock_guard lock(mutex);
       ++counts[static_cast<std::size_t>(judged.outcome)];
       if (judged.outcome == Outcome::kept && judged.said.empty() && judged.balance < 1.0 && judged.late < 0.3) continue;
-      fmt::print("{:6} {:9} {:6} error {:.2g} magnification {:.2g} balance {:.2g} late {:.2g} events {} epsilon {:.2g} e {} rtol {:.1g} {}\n", index,
-                 names[static_cast<std::size_t>(judged.outcome)], name(scene.run.method), judged.error, judged.magnification,
-                 judged.balance, judged.late, judged.events, *scene.run.epsilon, scene.run.restitution ? fmt::format("{:.2g}", *scene.run.restitution) : "-",
-                 scene.run.tolerance.relative, judged.said);
+      fmt::print(
+          "{:6} {:9} {:6} error {:.2g} magnification {:.2g} balance {:.2g} late {:.2g} events {} epsilon {:.2g} e {} "
+          "rtol {:.1g} {}\n",
+          index, names[static_cast<std::size_t>(judged.outcome)], name(scene.run.method), judged.error,
+          judged.magnification, judged.balance, judged.late, judged.events, *scene.run.epsilon,
+          scene.run.restitution ? fmt::format("{:.2g}", *scene.run.restitution) : "-", scene.run.tolerance.relative,
+          judged.said);
     }
   };
   std::vector<std::thread> threads;

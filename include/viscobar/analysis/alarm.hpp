@@ -13,11 +13,12 @@ struct Alarm {
   bool ruinous = false;  ///< whether nothing of the result can be relied on
 };
 
-/// Alarms of a run of `system`, that of the case, which came to its end, by what it knows of itself; none where it is sound.
+/// Alarms of a run of `system`, that of the case, which came to its end, by what it knows of itself; none where it is
+/// sound.
 ///
 /// - The energy balance, |final + dissipated - initial - work|, beyond what the promise of the tolerances makes of it,
 ///
-///       2 * 100 (relative E + absolute sqrt(2 E) (sqrt(rho L) + sqrt(modulus / L))),
+///       2 * 100 (relative E + absolute sqrt(2 E) (sqrt(rho L) + 2 J sqrt(modulus / L))),
 ///
 ///   E the largest of its terms; of `exponential`, beyond 1e-9 E. Ruinous beyond a hundredth of E. The schemes close
 ///   their balance by definition, and steps of fixed size promise nothing.

@@ -155,9 +155,9 @@ class LoadVector {
   std::span<const double> at(double t);
 
   /// Time of the first break of the load after t, at any node, or `end` where there is none before: until then the load
-  /// is smooth. From here on at() evaluates it at the nearest time that is 64 roundings of the time away from that break
-  /// and from one at t, so that the load has its one-sided limits there. Two breaks closer than that are one. `end` is
-  /// the same at every call.
+  /// is smooth. From here on at() evaluates it at the nearest time that is 64 roundings of the time away from that
+  /// break and from one at t, so that the load has its one-sided limits there. Two breaks closer than that are one.
+  /// `end` is the same at every call.
   double enter(double t, double end);
   /// The time at which at(t) evaluates the load.
   double inside(double t) const { return std::clamp(t, first_, last_); }

@@ -52,7 +52,7 @@ struct EnergyAccount {
 
 /// How far an opening was from the equilibrium of its row. A contact that opens on a spring which the step passed over
 /// opens where its row, with the node at rest, asks for no reaction: the pull that the row has left there, in multiples
-/// of what the tolerance and the delay of the spring explain.
+/// of what the tolerance, the delay of the spring and, over the step, the tolerance of the velocity explain.
 struct LateOpening {
   double ratio = 0.0;  ///< the largest of the run; some 0.4 where it opens in time
   double time = 0.0;   ///< of that opening
