@@ -190,21 +190,22 @@ void take_places(const fs::path& directory) {
 }  // namespace
 
 ResultDirectory::ResultDirectory(const fs::path& directory, ResultKind kind)
-    : directory_(directory), lock_(created(directory, kind)) {
+    : directory_(directory), unfinished_(directory / unfinished), lock_(created(directory, kind)) {
   if (kind == ResultKind::run) take_places(directory_);
 }
 
-ResultDirectory::ResultDirectory(const fs::path& directory) : directory_(checked_name(directory)), lock_(directory) {
+ResultDirectory::ResultDirectory(const fs::path& directory)
+    : directory_(checked_name(directory)), unfinished_(directory_ / unfinished), lock_(directory) {
   take_places(directory_);
 }
 
 // Of a run that could not begin nothing is left.
-ResultDirectory::~ResultDirectory() { ::rmdir((directory_ / unfinished).c_str()); }
+ResultDirectory::~ResultDirectory() { ::rmdir(unfinished_.c_str()); }
 
 fs::path ResultDirectory::place_of_new_run() const {
   if (!holds_whole_run(directory_)) return directory_;
   remove_checkpoints(directory_);  // a run that was killed when it was whole may have left them
-  const fs::path place = directory_ / unfinished;
+  const fs::path place = unfinished_;
   std::error_code error;
   fs::create_directory(place, error);
   if (error) throw IoError(place, "cannot be created: " + error.message());
@@ -219,8 +220,8 @@ void check_run_files(const fs::path& place) {
 
 void ResultDirectory::replace_by_finished() const {
   // What is missing later has been moved already; what is missing now has been removed by somebody.
-  check_run_files(directory_ / unfinished);
-  rename_file(directory_ / unfinished, directory_ / finished);
+  check_run_files(unfinished_);
+  rename_file(unfinished_, directory_ / finished);
   take_places(directory_);
 }
 

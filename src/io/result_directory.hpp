@@ -41,7 +41,7 @@ class ResultDirectory {
   static constexpr const char* final_summary = "summary.final.json";
 
  private:
-  std::filesystem::path directory_;
+  std::filesystem::path directory_, unfinished_;  // the latter for the destructor, which may not ask for memory
   DirectoryLock lock_;
 };
 
