@@ -45,7 +45,9 @@ LimitCommand::LimitCommand(CLI::App& app)
   list("--steps", steps_,
        "Time steps of the scheme to start with, one for each mesh (default: the scene's, or h / (100 c))", "DT,DT...",
        positive_number());
-  command_.add_option("--budget", budget_, "Processor seconds for smaller steps of the scheme, taken until the verdict is known")
+  command_
+      .add_option("--budget", budget_,
+                  "Processor seconds for smaller steps of the scheme, taken until the verdict is known")
       ->type_name("SECONDS")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();

@@ -65,9 +65,9 @@ inline std::vector<NamedCase> kinds_of_scenes() {
   switching.scene.load = GeneralLoad{load.of_x_t(), load.breaks(), load.breaks_at()};
   switching.mass = Mass::redistributed;
 
-  return {{"two ends", two_ends}, {"undamped", undamped}, {"massless", massless},
+  return {{"two ends", two_ends},   {"undamped", undamped}, {"massless", massless},
           {"algebraic", algebraic}, {"dashpots", dashpots}, {"elastic", elastic},
-          {"moreau", moreau},     {"span", span},         {"switching", switching}};
+          {"moreau", moreau},       {"span", span},         {"switching", switching}};
 }
 
 }  // namespace viscobar::testing_checkpoint
