@@ -30,16 +30,12 @@ PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
 
 void PenalisedSystem::measure_from_obstacle(std::size_t closing, std::span<double> u) {
   if (measured_[closing]) return;
-  const auto node_is_measured = [&](std::size_t node) {  // from its other obstacle
-    for (std::size_t i = 0; i < laws_.size(); ++i)
-      if (measured_[i] && contact(i).unknown == node) return true;
-    return false;
-  };
+  std::vector<bool> node_is_measured(size());  // from its other obstacle
+  for (std::size_t i = 0; i < laws_.size(); ++i)
+    if (measured_[i]) node_is_measured[contact(i).unknown] = true;
   std::vector<std::size_t> together;
   for (std::size_t i = 0; i < laws_.size(); ++i)
-    if (contact(i).where == contact(closing).where && !measured_[i]) together.push_back(i);
-  if (together.size() < laws_.size())
-    std::erase_if(together, [&](std::size_t i) { return node_is_measured(contact(i).unknown); });
+    if (contact(i).where == contact(closing).where && !node_is_measured[contact(i).unknown]) together.push_back(i);
   if (together.empty()) return;
   origin_.resize(size());
   for (const std::size_t i : together) {

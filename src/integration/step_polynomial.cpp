@@ -98,8 +98,8 @@ void StepPolynomial::forget_acceleration() {
 }
 
 bool StepPolynomial::passes_over(std::size_t contact) {
-  const double turns = system_.closed(contact) ? system_.contact_rate(contact) * length() : 0.0;
-  if (turns <= 10.0) return false;
+  if (!system_.closed(contact) || !system_.is_passed_over(contact, length())) return false;
+  const double turns = system_.contact_rate(contact) * length();
   const double deepest = std::max(std::abs(system_.clearance(contact, layout_.u(begin_.y))),
                                   std::abs(system_.clearance(contact, layout_.u(end_.y))));
   return 2.0 * deepest <= tolerance_ * turns * turns * turns;

@@ -248,7 +248,7 @@ class StepwiseRun {
       system_.set_closed(i, change == Change::closing);
       if (change == Change::closing)
         require_duration(t, i);
-      else if (system_.contact_rate(i) * (end - begin) > 10.0)
+      else if (system_.is_passed_over(i, end - begin))
         weigh_opening(t, i, begin, end);
       system_.place_on_obstacle(i, u());
     };

@@ -73,6 +73,9 @@ class PenalisedSystem {
   double penetration_share(std::size_t i) const;
   /// omega = sqrt(k / m) of the node on its spring alone, m = rho M_ii; 0 without mass, where nothing oscillates.
   double contact_rate(std::size_t i) const { return rates_[i]; }
+  /// Whether a step of that length passes over the spring of contact i, omega times it > 10: formulas of order five
+  /// accept one only where the oscillation is below their tolerance.
+  bool is_passed_over(std::size_t i, double length) const { return rates_[i] * length > 10.0; }
   bool rigid() const { return rigid_; }  ///< epsilon = 0
   /// Whether contact i, while closed, holds its node at -gap: a rigid one does, and a spring on a massless node that
   /// gives way by less than the rounding of the strain, kappa = k h / E > (1 + eta / (h sqrt(E rho))) / rounding.
