@@ -6,39 +6,11 @@
 #include <cmath>
 
 #include "support/paper_throw.hpp"
+#include "support/pressed_bar.hpp"
 #include "viscobar/analysis/recording.hpp"
 
 namespace viscobar {
 namespace {
-
-// A bar that is thrown at two obstacles and pressed to the left: it bounces, chatters and comes to rest, more than
-// once.
-Case pressed_bar(std::size_t elements, Mass mass, double length, double left, double right) {
-  Case run;
-  run.scene.bar = {length, 1.0, 0.2, 0.001};
-  run.scene.left = Obstacle{left};
-  run.scene.right = Obstacle{right};
-  run.scene.displacement = [](double) { return 0.0; };
-  run.scene.load = SteadyLoad{[](double) { return -0.6; }};
-  run.elements = elements;
-  run.mass = mass;
-  run.output_every = 0.05;
-  return run;
-}
-
-Case four_elements() {
-  Case run = pressed_bar(4, Mass::consistent, 2.0, 0.3, 0.2);
-  run.scene.velocity = [](double x) { return -0.5 + 0.045 * std::cos(3.0 * x); };
-  run.end = 20.0;
-  return run;
-}
-
-Case two_elements() {
-  Case run = pressed_bar(2, Mass::lumped, 0.5, 0.45, 0.0);
-  run.scene.velocity = [](double x) { return 0.35 + 0.1 * std::cos(3.0 * x); };
-  run.end = 10.0;
-  return run;
-}
 
 // max |u - u of the exponential method|, in promises of the tolerance.
 double error(Case run, MethodName method, double relative, double absolute) {
@@ -58,7 +30,7 @@ double error(Case run, MethodName method, double relative, double absolute) {
 constexpr MethodName adaptive[] = {MethodName::cvode, MethodName::ida, MethodName::arkode, MethodName::odeint};
 
 TEST(RestingContact, OpensOnceAndInTimeWhereTheToleranceIsAboveThePenetration) {
-  Case run = four_elements();
+  Case run = pressed_bar_of_four();
   run.epsilon = 1e-7;
   run.restitution = 0.0;
   for (const MethodName method : adaptive) EXPECT_LT(error(run, method, 1e-6, 1e-9), 1.0) << name(method);
@@ -72,7 +44,7 @@ TEST(RestingContact, OpensOnceAndInTimeWhereTheToleranceIsAboveThePenetration) {
 }
 
 TEST(RestingContact, GivesNoEnergyAtAnEventOfTheOtherContact) {
-  Case run = four_elements();
+  Case run = pressed_bar_of_four();
   run.restitution = 0.3;
   run.epsilon = 1e-10;
   for (const MethodName method : adaptive) {
@@ -88,7 +60,7 @@ TEST(RestingContact, GivesNoEnergyAtAnEventOfTheOtherContact) {
 }
 
 TEST(RestingContact, KeepsThePromiseOnTheSmallestMesh) {
-  Case run = two_elements();
+  Case run = pressed_bar_of_two();
   run.restitution = 0.3;
   run.epsilon = 1e-9;
   for (const MethodName method : adaptive) {

@@ -11,8 +11,8 @@
 #include <cstdlib>
 #include <mutex>
 #include <string_view>
-#include <thread>
-#include <vector>
+
+#include "viscobar/analysis/parallel.hpp"
 
 int main(int argc, char** argv) {
   using namespace viscobar;
@@ -27,33 +27,22 @@ int main(int argc, char** argv) {
   }
   constexpr std::array names = {"kept", "magnified", "wrong", "alarmed", "stopped", "too long"};
   std::array<std::size_t, names.size()> counts{};
-  std::size_t next = first;
   std::mutex mutex;
-  const auto work = [&] {
-    for (;;) {
-      std::size_t index = 0;
-      {
-        const std::lock_guard lock(mutex);
-        if (next == first + count) return;
-        index = next++;
-      }
-      const SceneFile scene = parse_scene(scene_text(seed, index), "random.toml");
-      const Judged judged = judge(scene);
-      const std::lock_guard lock(mutex);
-      ++counts[static_cast<std::size_t>(judged.outcome)];
-      if (judged.outcome == Outcome::kept && judged.said.empty() && judged.balance < 1.0 && judged.late < 0.3) continue;
-      fmt::print(
-          "{:6} {:9} {:6} error {:.2g} magnification {:.2g} balance {:.2g} late {:.2g} events {} epsilon {:.2g} e {} "
-          "rtol {:.1g} {}\n",
-          index, names[static_cast<std::size_t>(judged.outcome)], name(scene.run.method), judged.error,
-          judged.magnification, judged.balance, judged.late, judged.events, *scene.run.epsilon,
-          scene.run.restitution ? fmt::format("{:.2g}", *scene.run.restitution) : "-", scene.run.tolerance.relative,
-          judged.said);
-    }
-  };
-  std::vector<std::thread> threads;
-  for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i) threads.emplace_back(work);
-  for (std::thread& thread : threads) thread.join();
+  parallel_for(count, [&](std::size_t k) {
+    const std::size_t index = first + k;
+    const SceneFile scene = parse_scene(scene_text(seed, index), "random.toml");
+    const Judged judged = judge(scene);
+    const std::lock_guard lock(mutex);
+    ++counts[static_cast<std::size_t>(judged.outcome)];
+    if (judged.outcome == Outcome::kept && judged.said.empty() && judged.balance < 1.0 && judged.late < 0.3) return;
+    fmt::print(
+        "{:6} {:9} {:6} error {:.2g} magnification {:.2g} balance {:.2g} late {:.2g} events {} epsilon {:.2g} e {} "
+        "rtol {:.1g} {}\n",
+        index, names[static_cast<std::size_t>(judged.outcome)], name(scene.run.method), judged.error,
+        judged.magnification, judged.balance, judged.late, judged.events, *scene.run.epsilon,
+        scene.run.restitution ? fmt::format("{:.2g}", *scene.run.restitution) : "-", scene.run.tolerance.relative,
+        judged.said);
+  });
   for (std::size_t k = 0; k < names.size(); ++k) fmt::print("{} {}\n", names[k], counts[k]);
   return counts[static_cast<std::size_t>(Outcome::wrong)] == 0 ? 0 : 1;
 }

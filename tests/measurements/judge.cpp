@@ -10,6 +10,7 @@
 #include <map>
 #include <vector>
 
+#include "support/pressed_bar.hpp"
 #include "viscobar/analysis/recording.hpp"
 #include "viscobar/dynamics/penalised_system.hpp"
 
@@ -226,22 +227,8 @@ class Simulation {
   std::size_t level_ = 0, changes_ = 0;
 };
 
-Case pressed_bar(std::size_t elements, Mass mass, double length, double left, double right, double end) {
-  Case run;
-  run.scene.bar = {length, 1.0, 0.2, 0.001};
-  run.scene.left = Obstacle{left};
-  run.scene.right = Obstacle{right};
-  run.scene.displacement = [](double) { return 0.0; };
-  run.scene.load = SteadyLoad{[](double) { return -0.6; }};
-  run.elements = elements;
-  run.mass = mass;
-  run.method = MethodName::exponential;
-  run.end = end;
-  run.output_every = 0.05;
-  return run;
-}
-
 void judge(const char* what, Case run, double epsilon, double restitution) {
+  run.method = MethodName::exponential;
   run.epsilon = epsilon;
   run.restitution = restitution;
   const Recording recording = record(run);
@@ -261,10 +248,7 @@ void judge(const char* what, Case run, double epsilon, double restitution) {
 }  // namespace
 
 int main() {
-  Case two = pressed_bar(2, Mass::lumped, 0.5, 0.45, 0.0, 10.0);
-  two.scene.velocity = [](double x) { return 0.35 + 0.1 * std::cos(3.0 * x); };
-  Case four = pressed_bar(4, Mass::consistent, 2.0, 0.3, 0.2, 20.0);
-  four.scene.velocity = [](double x) { return -0.5 + 0.045 * std::cos(3.0 * x); };
+  const Case two = pressed_bar_of_two(), four = pressed_bar_of_four();
   fmt::print("| bar | epsilon | restitution | changes | of the simulation | largest error of u, relative |\n");
   fmt::print("|---|---|---|---|---|---|\n");
   judge("2 elements", two, 1e-9, 0.3);
