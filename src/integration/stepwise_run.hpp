@@ -57,6 +57,7 @@ class StepwiseRun {
         search_(system),
         pace_(begin, times.back()),
         snapshot_(system),
+        closed_since_(system.contact_count(), begin),
         y_(layout.size),
         inner_(layout.size) {}
 
@@ -111,7 +112,7 @@ class StepwiseRun {
   /// What a checkpoint holds of it.
   static void members(auto& run, auto&& each) {
     each(std::span(run.y_), ContactStates{run.system_}, run.stepper_.weights(), run.last_contact_, run.toggles_,
-         run.last_change_);
+         run.last_change_, std::span(run.closed_since_));
   }
 
   double seconds() const { return stopwatch_.seconds(); }
@@ -246,10 +247,12 @@ class StepwiseRun {
       const Change change = system_.closed(i) ? Change::opening : Change::closing;
       tell_event(t, i, change, velocity[system_.contact(i).unknown]);
       system_.set_closed(i, change == Change::closing);
-      if (change == Change::closing)
+      if (change == Change::closing) {
         require_duration(t, i);
-      else if (system_.is_passed_over(i, end - begin))
+        closed_since_[i] = t;
+      } else if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - closed_since_[i])) {
         weigh_opening(t, i, begin, end);
+      }
       system_.place_on_obstacle(i, u());
     };
     search_.look_at(t, stepper_);
@@ -278,10 +281,13 @@ class StepwiseRun {
     const double tolerated = (bar.modulus * stepper_.weights().promised_displacement() +
                               bar.viscosity * stepper_.weights().promised_velocity()) /
                              system_.bar().spacing_at(node);
-    // Late by no more than the step, it changes the node's velocity by pull * step / m.
-    const double brief =
-        system_.bar().inertia().diagonal[node] * stepper_.weights().promised_velocity() / (end - begin);
-    const double ratio = now / (5.0 / system_.contact_rate(i) * change + tolerated + brief);
+    const double omega = system_.contact_rate(i);
+    // Late by as long as the pull has grown, or by the step over the spring, it changes the node's velocity by pull *
+    // lateness / m.
+    const double lateness = std::clamp(std::abs(now) / change, std::max(end - begin, 10.0 / omega),
+                                       std::max(end - begin, t - closed_since_[i]));
+    const double brief = system_.bar().inertia().diagonal[node] * stepper_.weights().promised_velocity() / lateness;
+    const double ratio = now / (5.0 / omega * change + tolerated + brief);
     if (ratio > statistics_.late_opening.ratio) statistics_.late_opening = {ratio, t};
   }
 
@@ -343,6 +349,7 @@ class StepwiseRun {
   PaceGuard pace_;
   SnapshotBuilder snapshot_;
   Stopwatch stopwatch_;
+  std::vector<double> closed_since_;       // of each contact
   std::vector<double> y_, inner_, force_;  // the state where the run is, and within a step
   std::array<double, 2> account_shift_{};  // of the account of this leg
   double leg_end_ = 0.0;

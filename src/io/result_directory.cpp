@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "io/checkpoint_file.hpp"
+#include "io/output_file.hpp"
 #include "viscobar/io/io_error.hpp"
 
 namespace viscobar {
@@ -187,6 +188,16 @@ void take_places(const fs::path& directory) {
   fs::remove(from, ignored);
 }
 
+/// Nobody writes them any more once the directory is locked, and a run that goes on from a checkpoint makes none.
+void remove_parts(const fs::path& directory, const Files& files) {
+  const auto remove = [&](std::string_view name) {
+    const fs::path part = directory / fmt::format("{}.part", name);
+    if (type(part) == fs::file_type::regular) remove_file(part);
+  };
+  remove(files.summary);
+  std::ranges::for_each(files.others, remove);
+}
+
 }  // namespace
 
 ResultDirectory::ResultDirectory(const fs::path& directory, ResultKind kind)
@@ -197,6 +208,7 @@ ResultDirectory::ResultDirectory(const fs::path& directory, ResultKind kind)
 ResultDirectory::ResultDirectory(const fs::path& directory)
     : directory_(checked_name(directory)), unfinished_(directory_ / unfinished), lock_(directory) {
   take_places(directory_);
+  for (const fs::path& place : {directory_, unfinished_}) remove_parts(place, files_of(ResultKind::run));
 }
 
 // Of a run that could not begin nothing is left.

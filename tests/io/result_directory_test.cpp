@@ -150,6 +150,13 @@ TEST_F(ResultDirectories, WhatStopsEarlyLeavesTheWholeResultAndResumesToItsPlace
   EXPECT_THROW(resume_run(bouncing_bar(), out), std::invalid_argument);
 }
 
+TEST_F(ResultDirectories, AResumedRunRemovesWhatAKilledNewOneHadBegun) {
+  record_run(shorter(), out, stopped_after(20));
+  for (const char* file : files_of_a_run) std::ofstream(out / (std::string(file) + ".part")) << "begun";
+  EXPECT_EQ(resume_run(shorter(), out).outcome.ending, Ending::completed);
+  EXPECT_EQ(all_of(out).size(), std::size(files_of_a_run));
+}
+
 TEST_F(ResultDirectories, ARunThatFailsForAFullDiskLeavesTheWholeResult) {
   record_run(shorter(), out);
   const auto before = all_of(out);

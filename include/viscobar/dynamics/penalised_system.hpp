@@ -76,6 +76,11 @@ class PenalisedSystem {
   /// Whether a step of that length passes over the spring of contact i, omega times it > 10: formulas of order five
   /// accept one only where the oscillation is below their tolerance.
   bool is_passed_over(std::size_t i, double length) const { return rates_[i] * length > 10.0; }
+  /// Whether the dashpot of contact i, closed for so long, has left of the impact's oscillation less than exp(-40),
+  /// which is below rounding: zeta omega = b / (2 m).
+  bool has_come_to_rest(std::size_t i, double time) const {
+    return rates_[i] * rates_[i] * time * laws_[i].damping > 80.0 * laws_[i].stiffness;
+  }
   bool rigid() const { return rigid_; }  ///< epsilon = 0
   /// Whether contact i, while closed, holds its node at -gap: a rigid one does, and a spring on a massless node that
   /// gives way by less than the rounding of the strain, kappa = k h / E > (1 + eta / (h sqrt(E rho))) / rounding.
