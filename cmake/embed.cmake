@@ -1,6 +1,6 @@
 # cmake -DOUTPUT=FILE.cpp -DROOT=DIR -P embed.cmake -- NAME=FILE,FILE... : text files of the source tree as string_views
 # of viscobar::page_files. Run by the build whenever one of them changes.
-set(code "#include \"io/page_files.hpp\"\n\nnamespace viscobar::page_files {\n")
+set(code "#include \"report/page_files.hpp\"\n\nnamespace viscobar::page_files {\n")
 set(options FALSE)
 math(EXPR last "${CMAKE_ARGC} - 1")
 foreach(i RANGE ${last})

@@ -1,9 +1,9 @@
 # The scripts and styles of result pages, as C++ strings. A page's own script is these files, in this order, in one scope.
 set(page_script)
 foreach(file number palette buttons link field layers map bar curves chart legend events player page)
-  list(APPEND page_script src/io/page/${file}.js)
+  list(APPEND page_script src/report/web/${file}.js)
 endforeach()
-set(page_style src/io/page/page.css src/io/page/live.css)
+set(page_style src/report/web/page.css src/report/web/live.css)
 set(uplot third_party/uplot/uPlot.min.css third_party/uplot/uPlot.iife.min.js third_party/uplot/LICENSE)
 list(JOIN page_script "," page_script_files)
 list(JOIN page_style "," page_style_files)

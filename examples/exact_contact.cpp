@@ -4,8 +4,8 @@
 //     obstacles at both ends, gaps 0.25 and 0.3
 //     u = sum over the ends of (g - gap) A + p phi,    g = sin(omega t)_+^3,   reaction r = (sin(omega t)_-)^2
 //
-// Each end opens and closes once a period, without impact (viscobar/analysis/exact_solutions.hpp). The mesh and the
-// step are halved together and epsilon falls with h^2, so that every error falls like h^2.
+// Each end opens and closes once a period, without impact (viscobar/studies/exact/exact_solutions.hpp). The mesh and
+// the step are halved together and epsilon falls with h^2, so that every error falls like h^2.
 //
 // Run: build/release/examples/exact_contact
 #include <iostream>

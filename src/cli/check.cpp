@@ -3,13 +3,13 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "case/chatter.hpp"
+#include "case/first_impact.hpp"
+#include "case/memory.hpp"
+#include "case/regime.hpp"
 #include "cli/commands.hpp"
 #include "cli/messages.hpp"
-#include "io/table.hpp"
-#include "viscobar/analysis/chatter.hpp"
-#include "viscobar/analysis/first_impact.hpp"
-#include "viscobar/analysis/memory.hpp"
-#include "viscobar/analysis/regime.hpp"
+#include "text/table.hpp"
 
 namespace viscobar::cli {
 

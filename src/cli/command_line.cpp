@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "io/scene_keys.hpp"
+#include "input/scene_keys.hpp"
 
 namespace viscobar::cli {
 

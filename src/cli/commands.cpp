@@ -10,9 +10,9 @@
 #include <system_error>
 
 #include "cli/messages.hpp"
-#include "io/printable_text.hpp"
-#include "io/scene_keys.hpp"
-#include "viscobar/io/io_error.hpp"
+#include "input/scene_keys.hpp"
+#include "text/printable_text.hpp"
+#include "viscobar/results/io_error.hpp"
 
 namespace viscobar::cli {
 

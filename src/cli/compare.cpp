@@ -3,14 +3,14 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "case/memory.hpp"
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
 #include "cli/method_names.hpp"
-#include "io/result_directory.hpp"
-#include "io/write_page.hpp"
-#include "viscobar/analysis/memory.hpp"
-#include "viscobar/io/study_reports.hpp"
+#include "report/write_page.hpp"
+#include "results/result_directory.hpp"
+#include "viscobar/report/reports.hpp"
 
 namespace viscobar::cli {
 

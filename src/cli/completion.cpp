@@ -4,7 +4,7 @@
 
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "io/scene_keys.hpp"
+#include "input/scene_keys.hpp"
 
 namespace viscobar::cli {
 

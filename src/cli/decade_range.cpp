@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "viscobar/analysis/penalty_limit.hpp"
+#include "viscobar/studies/limit/limit.hpp"
 
 namespace viscobar::cli {
 

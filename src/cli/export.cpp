@@ -3,9 +3,9 @@
 #include <stdexcept>
 
 #include "cli/commands.hpp"
-#include "io/export_result.hpp"
-#include "io/nearest_name.hpp"
-#include "io/printable_text.hpp"
+#include "results/export_result.hpp"
+#include "text/nearest_name.hpp"
+#include "text/printable_text.hpp"
 
 namespace viscobar::cli {
 

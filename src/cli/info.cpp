@@ -1,6 +1,6 @@
 #include "cli/commands.hpp"
-#include "io/result_info.hpp"
-#include "io/verify_result.hpp"
+#include "results/result_info.hpp"
+#include "results/verify_result.hpp"
 
 namespace viscobar::cli {
 

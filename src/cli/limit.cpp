@@ -9,9 +9,9 @@
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
 #include "cli/progress.hpp"
-#include "io/result_directory.hpp"
-#include "io/write_page.hpp"
-#include "viscobar/io/study_reports.hpp"
+#include "report/write_page.hpp"
+#include "results/result_directory.hpp"
+#include "viscobar/report/reports.hpp"
 
 namespace viscobar::cli {
 

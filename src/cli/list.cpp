@@ -4,8 +4,8 @@
 #include <stdexcept>
 
 #include "cli/commands.hpp"
-#include "io/nearest_name.hpp"
-#include "io/vocabulary.hpp"
+#include "input/vocabulary.hpp"
+#include "text/nearest_name.hpp"
 
 namespace viscobar::cli {
 

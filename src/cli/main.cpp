@@ -13,9 +13,9 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/messages.hpp"
-#include "io/directory_lock.hpp"
-#include "io/nearest_name.hpp"
-#include "viscobar/io/versions.hpp"
+#include "results/directory_lock.hpp"
+#include "text/nearest_name.hpp"
+#include "viscobar/results/versions.hpp"
 
 namespace viscobar::cli {
 

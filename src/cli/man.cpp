@@ -2,8 +2,8 @@
 
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "io/scene_keys.hpp"
-#include "viscobar/io/versions.hpp"
+#include "input/scene_keys.hpp"
+#include "viscobar/results/versions.hpp"
 
 namespace viscobar::cli {
 

@@ -21,9 +21,9 @@
 
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
-#include "io/printable_text.hpp"
-#include "viscobar/io/io_error.hpp"
-#include "viscobar/io/versions.hpp"
+#include "text/printable_text.hpp"
+#include "viscobar/results/io_error.hpp"
+#include "viscobar/results/versions.hpp"
 
 namespace viscobar::cli {
 

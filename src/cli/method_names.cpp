@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "io/nearest_name.hpp"
+#include "text/nearest_name.hpp"
 
 namespace viscobar::cli {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "viscobar/analysis/case.hpp"
+#include "viscobar/case/case.hpp"
 
 namespace viscobar::cli {
 

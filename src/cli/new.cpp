@@ -7,10 +7,10 @@
 #include <system_error>
 
 #include "cli/commands.hpp"
-#include "io/output_file.hpp"
-#include "io/printable_text.hpp"
-#include "io/scene_template.hpp"
-#include "viscobar/io/io_error.hpp"
+#include "input/scene_template.hpp"
+#include "results/output_file.hpp"
+#include "text/printable_text.hpp"
+#include "viscobar/results/io_error.hpp"
 
 namespace viscobar::cli {
 

@@ -10,10 +10,10 @@
 #include "cli/messages.hpp"
 #include "cli/method_names.hpp"
 #include "cli/progress.hpp"
-#include "io/result_directory.hpp"
-#include "io/write_page.hpp"
-#include "viscobar/analysis/penalty_limit.hpp"
-#include "viscobar/io/study_reports.hpp"
+#include "report/write_page.hpp"
+#include "results/result_directory.hpp"
+#include "viscobar/report/reports.hpp"
+#include "viscobar/studies/limit/limit.hpp"
 
 namespace viscobar::cli {
 

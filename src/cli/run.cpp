@@ -13,9 +13,9 @@
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
 #include "cli/progress.hpp"
-#include "io/csv.hpp"
-#include "io/result_directory.hpp"
-#include "viscobar/io/record_run.hpp"
+#include "results/csv.hpp"
+#include "results/result_directory.hpp"
+#include "viscobar/record/record_run.hpp"
 
 namespace viscobar::cli {
 

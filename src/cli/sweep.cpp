@@ -12,11 +12,11 @@
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
 #include "cli/progress.hpp"
-#include "cli/ranks.hpp"
-#include "cli/sweep_workers.hpp"
-#include "io/output_file.hpp"
-#include "io/result_directory.hpp"
-#include "io/sweep_results.hpp"
+#include "results/output_file.hpp"
+#include "results/result_directory.hpp"
+#include "sweep/ranks.hpp"
+#include "sweep/sweep_results.hpp"
+#include "sweep/sweep_workers.hpp"
 
 namespace viscobar::cli {
 
@@ -119,7 +119,7 @@ SweepCommand::SweepCommand(CLI::App& app)
 int SweepCommand::operator()() const {
   const auto started = Clock::now();
   std::optional<Ranks> ranks;
-  if (started_by_mpi()) ranks.emplace();
+  if (started_by_mpi()) ranks.emplace(interrupt_asked);
   const bool several = ranks && ranks->size() > 1;
   // Until there are rows there is nothing to save. A worker hears of the end from the manager.
   several && !ranks->is_manager() ? catch_interrupts() : end_on_interrupt();
@@ -152,7 +152,8 @@ int SweepCommand::operator()() const {
                        [&] {
                          results.refresh_tables();
                          if (progress) progress->show();
-                       }};
+                       },
+                       interrupt_asked};
   const std::size_t threads = threads_ > 0 ? threads_ : std::max(1u, std::thread::hardware_concurrency());
   const std::size_t workers = several ? static_cast<std::size_t>(ranks->size()) - 1 : threads;
   const bool finished =

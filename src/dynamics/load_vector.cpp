@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "viscobar/dynamics/bar_system.hpp"
-#include "viscobar/dynamics/errors.hpp"
 
 namespace viscobar {
 

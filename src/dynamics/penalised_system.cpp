@@ -1,4 +1,4 @@
-#include "viscobar/dynamics/penalised_system.hpp"
+#include "dynamics/penalised_system.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -8,6 +8,12 @@
 #include <stdexcept>
 
 namespace viscobar {
+
+namespace {
+
+constexpr double stiff = 1e4;  // kappa = k h / E
+
+}  // namespace
 
 PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
     : bar_(bar), closed_(bar.contacts().size(), 0), measured_(closed_) {
@@ -118,8 +124,12 @@ double PenalisedSystem::indicator_offset(std::size_t i, double t) {
 }
 
 bool PenalisedSystem::relaxes(std::size_t i) const {
-  constexpr double stiff = 1e4;
   return closed(i) && massless(contact(i).unknown) && !follows(i) && !holds(i) && relative_stiffness(i) > stiff;
+}
+
+bool PenalisedSystem::has_come_to_rest(std::size_t i, double time) const {
+  const PenaltyLaw& law = laws_[i];
+  return relative_stiffness(i) > stiff && rates_[i] * rates_[i] * law.damping * time > 80.0 * law.stiffness;
 }
 
 double PenalisedSystem::penetration_share(std::size_t i) const {

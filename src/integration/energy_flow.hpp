@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <span>
 
+#include "dynamics/penalised_system.hpp"
 #include "integration/gauss.hpp"
 #include "integration/layout.hpp"
-#include "viscobar/dynamics/penalised_system.hpp"
 
 namespace viscobar {
 

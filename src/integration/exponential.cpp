@@ -4,17 +4,17 @@
 #include <cmath>
 #include <limits>
 
-#include "dynamics/contact_states.hpp"
-#include "dynamics/parts.hpp"
-#include "dynamics/stopwatch.hpp"
+#include "dynamics/penalised_system.hpp"
 #include "integration/exponential/contact_distance.hpp"
 #include "integration/exponential/energy_integral.hpp"
 #include "integration/exponential/passage.hpp"
 #include "integration/exponential/propagator_cache.hpp"
-#include "integration/pace_guard.hpp"
 #include "integration/snapshot.hpp"
-#include "viscobar/dynamics/errors.hpp"
-#include "viscobar/dynamics/penalised_system.hpp"
+#include "run/contact_states.hpp"
+#include "run/parts.hpp"
+#include "run/stopwatch.hpp"
+#include "run/watchdog.hpp"
+#include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/integration/integrate.hpp"
 
 namespace viscobar {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "viscobar/dynamics/penalised_system.hpp"
+#include "dynamics/penalised_system.hpp"
 
 namespace viscobar {
 

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "viscobar/dynamics/penalised_system.hpp"
+#include "dynamics/penalised_system.hpp"
 
 namespace viscobar {
 

@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/penalised_system.hpp"
 #include "integration/sundials/arkode_stepper.hpp"
-#include "viscobar/dynamics/penalised_system.hpp"
 
 namespace viscobar {
 

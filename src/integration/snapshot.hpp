@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
-#include "viscobar/dynamics/penalised_system.hpp"
-#include "viscobar/dynamics/run.hpp"
+#include "dynamics/penalised_system.hpp"
+#include "viscobar/run/run.hpp"
 
 namespace viscobar {
 

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/penalised_system.hpp"
 #include "integration/layout.hpp"
 #include "viscobar/discretisation/tridiagonal.hpp"
-#include "viscobar/dynamics/penalised_system.hpp"
 
 namespace viscobar {
 

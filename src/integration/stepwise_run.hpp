@@ -12,18 +12,18 @@
 #include <utility>
 #include <vector>
 
-#include "dynamics/contact_states.hpp"
-#include "dynamics/parts.hpp"
-#include "dynamics/stopwatch.hpp"
+#include "dynamics/penalised_system.hpp"
 #include "integration/energy_flow.hpp"
 #include "integration/event_search.hpp"
 #include "integration/layout.hpp"
-#include "integration/pace_guard.hpp"
 #include "integration/snapshot.hpp"
-#include "integration/step_failure.hpp"
-#include "viscobar/dynamics/errors.hpp"
-#include "viscobar/dynamics/penalised_system.hpp"
-#include "viscobar/dynamics/run.hpp"
+#include "run/contact_states.hpp"
+#include "run/parts.hpp"
+#include "run/step_failure.hpp"
+#include "run/stopwatch.hpp"
+#include "run/watchdog.hpp"
+#include "viscobar/dynamics/bar_system.hpp"
+#include "viscobar/run/run.hpp"
 
 namespace viscobar {
 
@@ -57,7 +57,6 @@ class StepwiseRun {
         search_(system),
         pace_(begin, times.back()),
         snapshot_(system),
-        closed_since_(system.contact_count(), begin),
         y_(layout.size),
         inner_(layout.size) {}
 
@@ -112,7 +111,7 @@ class StepwiseRun {
   /// What a checkpoint holds of it.
   static void members(auto& run, auto&& each) {
     each(std::span(run.y_), ContactStates{run.system_}, run.stepper_.weights(), run.last_contact_, run.toggles_,
-         run.last_change_, std::span(run.closed_since_));
+         run.last_change_);
   }
 
   double seconds() const { return stopwatch_.seconds(); }
@@ -247,12 +246,10 @@ class StepwiseRun {
       const Change change = system_.closed(i) ? Change::opening : Change::closing;
       tell_event(t, i, change, velocity[system_.contact(i).unknown]);
       system_.set_closed(i, change == Change::closing);
-      if (change == Change::closing) {
+      if (change == Change::closing)
         require_duration(t, i);
-        closed_since_[i] = t;
-      } else if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - closed_since_[i])) {
+      else if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - last_change_))
         weigh_opening(t, i, begin, end);
-      }
       system_.place_on_obstacle(i, u());
     };
     search_.look_at(t, stepper_);
@@ -285,7 +282,7 @@ class StepwiseRun {
     // Late by as long as the pull has grown, or by the step over the spring, it changes the node's velocity by pull *
     // lateness / m.
     const double lateness = std::clamp(std::abs(now) / change, std::max(end - begin, 10.0 / omega),
-                                       std::max(end - begin, t - closed_since_[i]));
+                                       std::max(end - begin, t - last_change_));
     const double brief = system_.bar().inertia().diagonal[node] * stepper_.weights().promised_velocity() / lateness;
     const double ratio = now / (5.0 / omega * change + tolerated + brief);
     if (ratio > statistics_.late_opening.ratio) statistics_.late_opening = {ratio, t};
@@ -349,7 +346,6 @@ class StepwiseRun {
   PaceGuard pace_;
   SnapshotBuilder snapshot_;
   Stopwatch stopwatch_;
-  std::vector<double> closed_since_;       // of each contact
   std::vector<double> y_, inner_, force_;  // the state where the run is, and within a step
   std::array<double, 2> account_shift_{};  // of the account of this leg
   double leg_end_ = 0.0;

@@ -8,10 +8,10 @@
 #include <stdexcept>
 
 #include "dynamics/lost_inertia.hpp"
-#include "dynamics/parts.hpp"
-#include "dynamics/stopwatch.hpp"
+#include "run/parts.hpp"
+#include "run/stopwatch.hpp"
 #include "schemes/time_step.hpp"
-#include "viscobar/dynamics/errors.hpp"
+#include "viscobar/dynamics/bar_system.hpp"
 
 namespace viscobar {
 

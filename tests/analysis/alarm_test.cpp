@@ -1,4 +1,4 @@
-#include "viscobar/analysis/alarm.hpp"
+#include "case/alarm.hpp"
 
 #include <gtest/gtest.h>
 

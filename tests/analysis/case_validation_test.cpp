@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "viscobar/analysis/case.hpp"
-#include "viscobar/analysis/memory.hpp"
+#include "case/memory.hpp"
+#include "viscobar/case/case.hpp"
 
 namespace viscobar {
 namespace {

@@ -1,11 +1,11 @@
-#include "viscobar/analysis/chatter.hpp"
+#include "case/chatter.hpp"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
 #include "support/paper_throw.hpp"
-#include "viscobar/io/scene_file.hpp"
+#include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {
 namespace {

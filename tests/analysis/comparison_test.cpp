@@ -1,10 +1,9 @@
-#include "viscobar/analysis/comparison.hpp"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "analysis/matching.hpp"
+#include "studies/compare/matching.hpp"
+#include "viscobar/studies/compare/difference.hpp"
 
 namespace viscobar {
 namespace {

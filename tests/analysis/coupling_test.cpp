@@ -1,4 +1,4 @@
-#include "viscobar/analysis/coupling.hpp"
+#include "viscobar/studies/limit/coupling.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "viscobar/analysis/exact_solutions.hpp"
+#include "viscobar/studies/exact/exact_solutions.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <complex>
 #include <limits>
 
-#include "viscobar/analysis/recorder.hpp"
+#include "case/recorder.hpp"
 
 namespace viscobar::exact {
 namespace {

@@ -1,8 +1,7 @@
-#include "viscobar/analysis/examination.hpp"
-
 #include <gtest/gtest.h>
 
-#include "viscobar/testing/examination.hpp"
+#include "viscobar/studies/compare/examine.hpp"
+#include "viscobar/testing/examine.hpp"
 
 namespace viscobar {
 namespace {

@@ -3,10 +3,10 @@
 
 #include "support/contact_with_wave.hpp"
 #include "support/paper_throw.hpp"
-#include "viscobar/analysis/comparison.hpp"
-#include "viscobar/analysis/order_study.hpp"
-#include "viscobar/analysis/work_precision.hpp"
-#include "viscobar/testing/examination.hpp"
+#include "viscobar/studies/compare/difference.hpp"
+#include "viscobar/studies/orders/orders.hpp"
+#include "viscobar/studies/precision/precision.hpp"
+#include "viscobar/testing/examine.hpp"
 
 namespace viscobar {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <tuple>
 
-#include "viscobar/analysis/exact_solutions.hpp"
-#include "viscobar/analysis/observed_order.hpp"
-#include "viscobar/analysis/recording.hpp"
+#include "viscobar/case/recording.hpp"
+#include "viscobar/studies/exact/exact_solutions.hpp"
+#include "viscobar/studies/orders/observed_order.hpp"
 
 namespace viscobar {
 namespace {

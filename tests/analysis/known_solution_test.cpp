@@ -1,10 +1,10 @@
-#include "viscobar/analysis/known_solution.hpp"
+#include "viscobar/studies/exact/known_solution.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "viscobar/analysis/exact_solutions.hpp"
+#include "viscobar/studies/exact/exact_solutions.hpp"
 
 namespace viscobar {
 namespace {

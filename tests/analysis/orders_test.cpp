@@ -1,10 +1,11 @@
 // Observed orders against the theory of docs/orders.md, each within 0.1.
+#include "viscobar/studies/orders/orders.hpp"
+
 #include <gtest/gtest.h>
 
 #include "support/contact_with_wave.hpp"
-#include "viscobar/analysis/comparison.hpp"
-#include "viscobar/analysis/order_study.hpp"
-#include "viscobar/testing/examination.hpp"
+#include "viscobar/studies/compare/difference.hpp"
+#include "viscobar/testing/examine.hpp"
 
 namespace viscobar {
 namespace {

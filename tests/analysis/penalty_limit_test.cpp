@@ -1,14 +1,13 @@
-#include "viscobar/analysis/penalty_limit.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <tuple>
 
-#include "analysis/penalty_limit_verdict.hpp"
+#include "case/end_traces.hpp"
+#include "studies/limit/verdict.hpp"
 #include "support/paper_throw.hpp"
 #include "support/verdict_truth.hpp"
-#include "viscobar/analysis/end_traces.hpp"
+#include "viscobar/studies/limit/limit.hpp"
 
 namespace viscobar {
 namespace {

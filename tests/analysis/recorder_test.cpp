@@ -1,4 +1,4 @@
-#include "viscobar/analysis/recorder.hpp"
+#include "case/recorder.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "viscobar/analysis/regime.hpp"
+#include "case/regime.hpp"
 
 #include <gtest/gtest.h>
 

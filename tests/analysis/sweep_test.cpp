@@ -1,4 +1,4 @@
-#include "viscobar/analysis/sweep.hpp"
+#include "viscobar/sweep/sweep.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-#include "viscobar/analysis/cost_estimate.hpp"
+#include "case/cost_estimate.hpp"
 
 namespace viscobar {
 namespace {

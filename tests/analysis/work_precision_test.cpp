@@ -1,12 +1,11 @@
-#include "viscobar/analysis/work_precision.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
-#include "viscobar/analysis/exact_solutions.hpp"
+#include "viscobar/studies/exact/exact_solutions.hpp"
+#include "viscobar/studies/precision/precision.hpp"
 
 namespace viscobar {
 namespace {

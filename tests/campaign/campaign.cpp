@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
+#include "case/alarm.hpp"
 #include "properties/random_scene.hpp"
-#include "viscobar/analysis/alarm.hpp"
 
 namespace viscobar::campaign {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "viscobar/io/scene_file.hpp"
+#include "viscobar/input/scene_file.hpp"
 
 /// Random scenes in which bars fly, bounce, chatter and come to rest under load, run by an adaptive method and judged
 /// by matrix exponentials: does the method keep its promise, max |u - u_exact| <= 100 (relative max|u| + absolute)?

@@ -9,11 +9,11 @@
 
 #include "checkpoint/process.hpp"
 #include "io/scratch.hpp"
-#include "io/sealed_summary.hpp"
-#include "io/sweep_results.hpp"
-#include "io/verify_result.hpp"
-#include "viscobar/io/io_error.hpp"
-#include "viscobar/io/record_run.hpp"
+#include "results/sealed_summary.hpp"
+#include "results/verify_result.hpp"
+#include "sweep/sweep_results.hpp"
+#include "viscobar/record/record_run.hpp"
+#include "viscobar/results/io_error.hpp"
 
 namespace viscobar {
 namespace {

@@ -1,4 +1,4 @@
-#include "io/described_scene.hpp"
+#include "input/described_scene.hpp"
 
 #include <gtest/gtest.h>
 

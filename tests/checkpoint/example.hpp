@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "io/checkpoint_file.hpp"
+#include "results/checkpoint_file.hpp"
 
 namespace viscobar {
 

@@ -6,7 +6,7 @@
 #include "checkpoint/example.hpp"
 #include "io/file_size_limit.hpp"
 #include "io/scratch.hpp"
-#include "viscobar/io/io_error.hpp"
+#include "viscobar/results/io_error.hpp"
 
 namespace viscobar {
 namespace {

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "checkpoint/process.hpp"
-#include "io/field_reader.hpp"
 #include "io/scratch.hpp"
+#include "results/field_reader.hpp"
 
 namespace viscobar {
 namespace {

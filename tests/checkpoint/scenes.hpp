@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "io/formula.hpp"
-#include "viscobar/analysis/case.hpp"
+#include "input/formula.hpp"
+#include "viscobar/case/case.hpp"
 
 namespace viscobar::testing_checkpoint {
 

@@ -1,7 +1,7 @@
 // What a scene or a command line quotes cannot steer a terminal, nor pass for a message of the program.
 #include "cli/command.hpp"
 #include "cli/terminal.hpp"
-#include "io/printable_text.hpp"
+#include "text/printable_text.hpp"
 
 namespace viscobar::testing_cli {
 namespace {

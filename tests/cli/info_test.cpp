@@ -1,6 +1,6 @@
 #include "cli/command.hpp"
-#include "io/sweep_table.hpp"
-#include "viscobar/io/sweep_file.hpp"
+#include "sweep/sweep_table.hpp"
+#include "viscobar/sweep/sweep.hpp"
 
 namespace viscobar {
 namespace {

@@ -1,7 +1,7 @@
 // `viscobar list` and what the pages say are the same table.
 #include "cli/command.hpp"
-#include "io/vocabulary.hpp"
-#include "viscobar/analysis/case.hpp"
+#include "input/vocabulary.hpp"
+#include "viscobar/case/case.hpp"
 
 namespace viscobar {
 namespace {

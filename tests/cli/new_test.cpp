@@ -1,7 +1,7 @@
 #include "cli/command.hpp"
-#include "io/scene_keys.hpp"
-#include "io/scene_template.hpp"
-#include "viscobar/io/scene_file.hpp"
+#include "input/scene_keys.hpp"
+#include "input/scene_template.hpp"
+#include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {
 namespace {

@@ -2,7 +2,7 @@
 #include <sstream>
 
 #include "cli/command.hpp"
-#include "io/scene_keys.hpp"
+#include "input/scene_keys.hpp"
 
 namespace viscobar {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "cli/command.hpp"
 #include "cli/terminal.hpp"
-#include "io/sweep_results.hpp"
+#include "sweep/sweep_results.hpp"
 
 namespace viscobar::testing_cli {
 namespace {

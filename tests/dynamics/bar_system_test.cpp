@@ -6,8 +6,6 @@
 #include <limits>
 #include <random>
 
-#include "viscobar/dynamics/errors.hpp"
-
 namespace viscobar {
 namespace {
 

@@ -1,4 +1,4 @@
-#include "viscobar/dynamics/penalised_system.hpp"
+#include "dynamics/penalised_system.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "dynamics/stopwatch.hpp"
+#include "run/stopwatch.hpp"
 
 #include <gtest/gtest.h>
 

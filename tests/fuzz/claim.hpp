@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "viscobar/io/scene_file.hpp"
+#include "viscobar/input/scene_file.hpp"
 
 namespace viscobar::fuzz {
 

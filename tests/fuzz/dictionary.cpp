@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "io/scene_keys.hpp"
+#include "input/scene_keys.hpp"
 
 int main() {
   using namespace viscobar;

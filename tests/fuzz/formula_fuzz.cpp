@@ -9,7 +9,7 @@
 #include <cstdint>
 
 #include "claim.hpp"
-#include "io/formula.hpp"
+#include "input/formula.hpp"
 
 namespace viscobar {
 namespace {

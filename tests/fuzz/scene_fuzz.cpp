@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "claim.hpp"
-#include "io/text_check.hpp"
+#include "input/text_check.hpp"
 #include "support/description.hpp"
 
 namespace viscobar {

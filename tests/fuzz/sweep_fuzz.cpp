@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "claim.hpp"
-#include "viscobar/io/sweep_file.hpp"
+#include "viscobar/sweep/sweep.hpp"
 
 namespace viscobar {
 namespace {

@@ -14,7 +14,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 
-#include "viscobar/io/scene_file.hpp"
+#include "viscobar/input/scene_file.hpp"
 
 namespace viscobar::hard {
 

@@ -8,9 +8,9 @@
 #include <map>
 #include <numbers>
 
+#include "case/recorder.hpp"
 #include "hard/reference.hpp"
-#include "viscobar/analysis/exact_solutions.hpp"
-#include "viscobar/analysis/recorder.hpp"
+#include "viscobar/studies/exact/exact_solutions.hpp"
 
 namespace viscobar::hard {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "viscobar/analysis/recording.hpp"
+#include "viscobar/case/recording.hpp"
 
 /// What a run of a hard scene is judged by. An oracle knows something about the solution that does not come from the
 /// method at work, and says by how much the run misses it and by how much it may.

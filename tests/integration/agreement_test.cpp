@@ -11,7 +11,7 @@
 #include <tuple>
 #include <utility>
 
-#include "viscobar/analysis/recording.hpp"
+#include "viscobar/case/recording.hpp"
 
 namespace viscobar {
 namespace {

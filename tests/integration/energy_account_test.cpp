@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "viscobar/analysis/recording.hpp"
+#include "viscobar/case/recording.hpp"
 
 namespace viscobar {
 namespace {

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "support/paper_throw.hpp"
-#include "viscobar/analysis/case.hpp"
+#include "viscobar/case/case.hpp"
 
 namespace viscobar {
 namespace {

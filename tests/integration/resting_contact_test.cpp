@@ -7,7 +7,7 @@
 
 #include "support/paper_throw.hpp"
 #include "support/pressed_bar.hpp"
-#include "viscobar/analysis/recording.hpp"
+#include "viscobar/case/recording.hpp"
 
 namespace viscobar {
 namespace {

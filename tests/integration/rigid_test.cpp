@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "support/run_trace.hpp"
-#include "viscobar/analysis/exact_solutions.hpp"
 #include "viscobar/integration/integrate.hpp"
+#include "viscobar/studies/exact/exact_solutions.hpp"
 
 namespace viscobar {
 namespace {

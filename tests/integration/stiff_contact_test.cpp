@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "case/end_traces.hpp"
 #include "support/paper_throw.hpp"
-#include "viscobar/analysis/end_traces.hpp"
-#include "viscobar/analysis/recording.hpp"
+#include "viscobar/case/recording.hpp"
 
 namespace viscobar {
 namespace {

@@ -1,11 +1,11 @@
 // Scenes with many contact changes: every one is counted, and none costs what starting anew would.
 #include <gtest/gtest.h>
 
-#include "integration/pace_guard.hpp"
+#include "run/watchdog.hpp"
 #include "support/bouncing_bar.hpp"
 #include "support/paper_throw.hpp"
 #include "support/run_trace.hpp"
-#include "viscobar/analysis/case.hpp"
+#include "viscobar/case/case.hpp"
 
 namespace viscobar {
 namespace {

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "io/formula.hpp"
-#include "viscobar/analysis/recording.hpp"
+#include "input/formula.hpp"
+#include "viscobar/case/recording.hpp"
 
 namespace viscobar {
 namespace {

@@ -1,4 +1,4 @@
-#include "io/checksum.hpp"
+#include "results/checksum.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 
 #include "io/scratch.hpp"
-#include "viscobar/io/io_error.hpp"
+#include "viscobar/results/io_error.hpp"
 
 namespace viscobar {
 namespace {

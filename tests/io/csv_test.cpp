@@ -1,4 +1,4 @@
-#include "io/csv.hpp"
+#include "results/csv.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -9,7 +9,7 @@
 
 #include "io/file_size_limit.hpp"
 #include "io/scratch.hpp"
-#include "viscobar/io/io_error.hpp"
+#include "viscobar/results/io_error.hpp"
 
 namespace viscobar {
 namespace {

@@ -8,9 +8,9 @@
 #include <regex>
 #include <tuple>
 
-#include "io/field_file.hpp"
 #include "io/scratch.hpp"
-#include "viscobar/io/io_error.hpp"
+#include "results/field_file.hpp"
+#include "viscobar/results/io_error.hpp"
 
 namespace viscobar {
 namespace {

@@ -1,4 +1,4 @@
-#include "io/formula_switches.hpp"
+#include "input/formula_switches.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "io/formula.hpp"
+#include "input/formula.hpp"
 
 namespace viscobar {
 namespace {

@@ -1,4 +1,4 @@
-#include "io/formula.hpp"
+#include "input/formula.hpp"
 
 #include <gtest/gtest.h>
 

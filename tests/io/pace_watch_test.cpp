@@ -1,4 +1,4 @@
-#include "io/pace_watch.hpp"
+#include "record/pace_watch.hpp"
 
 #include <gtest/gtest.h>
 

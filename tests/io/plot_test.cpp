@@ -4,12 +4,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "io/plot/axis.hpp"
-#include "io/plot/colour_map.hpp"
-#include "io/plot/figure.hpp"
-#include "io/plot/png.hpp"
-#include "io/plot/thinning.hpp"
-#include "io/thinned_field.hpp"
+#include "report/plot/axis.hpp"
+#include "report/plot/colour_map.hpp"
+#include "report/plot/figure.hpp"
+#include "report/plot/png.hpp"
+#include "report/plot/thinning.hpp"
+#include "report/run/thinned_field.hpp"
 
 namespace viscobar::plot {
 namespace {

@@ -1,4 +1,4 @@
-#include "viscobar/io/record_run.hpp"
+#include "viscobar/record/record_run.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "io/file_size_limit.hpp"
 #include "io/scratch.hpp"
-#include "viscobar/io/io_error.hpp"
+#include "viscobar/results/io_error.hpp"
 
 namespace viscobar {
 namespace {

@@ -1,5 +1,3 @@
-#include "io/report.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <regex>
 
 #include "io/scratch.hpp"
+#include "report/run/run_page.hpp"
 
 namespace viscobar {
 namespace {

@@ -1,6 +1,6 @@
 // What may be in a directory of results, and who else: nothing that was whole is lost, nothing that is not ours
 // touched.
-#include "io/result_directory.hpp"
+#include "results/result_directory.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/file.h>
@@ -10,11 +10,11 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "io/checkpoint_file.hpp"
 #include "io/file_size_limit.hpp"
 #include "io/scratch.hpp"
-#include "viscobar/io/io_error.hpp"
-#include "viscobar/io/record_run.hpp"
+#include "results/checkpoint_file.hpp"
+#include "viscobar/record/record_run.hpp"
+#include "viscobar/results/io_error.hpp"
 
 namespace viscobar {
 namespace {

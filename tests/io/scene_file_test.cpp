@@ -1,4 +1,4 @@
-#include "viscobar/io/scene_file.hpp"
+#include "viscobar/input/scene_file.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "io/scene_keys.hpp"
+#include "input/scene_keys.hpp"
 #include "support/description.hpp"
 #include "viscobar/integration/integrate.hpp"
 

@@ -1,8 +1,7 @@
-#include "viscobar/io/scheme_reports.hpp"
-
 #include <gtest/gtest.h>
 
-#include "io/cross_check_tables.hpp"
+#include "report/compare/compare_tables.hpp"
+#include "viscobar/report/reports.hpp"
 
 namespace viscobar {
 namespace {

@@ -3,9 +3,9 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "io/contact_account.hpp"
 #include "io/scratch.hpp"
-#include "viscobar/io/record_run.hpp"
+#include "results/contact_account.hpp"
+#include "viscobar/record/record_run.hpp"
 
 namespace viscobar {
 namespace {

@@ -1,5 +1,3 @@
-#include "viscobar/io/sweep_file.hpp"
-
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -9,8 +7,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "io/sweep_csv.hpp"
-#include "io/sweep_table.hpp"
+#include "sweep/sweep_csv.hpp"
+#include "sweep/sweep_table.hpp"
+#include "viscobar/sweep/sweep.hpp"
 
 namespace viscobar {
 namespace {

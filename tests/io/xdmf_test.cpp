@@ -12,8 +12,8 @@
 
 #include <cmath>
 
-#include "io/field_file.hpp"
 #include "io/scratch.hpp"
+#include "results/field_file.hpp"
 
 namespace viscobar {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cli/command.hpp"
-#include "viscobar/io/scene_file.hpp"
+#include "viscobar/input/scene_file.hpp"
 
 namespace viscobar::malformed {
 

@@ -1,6 +1,6 @@
 // Every sweep of sweeps/ is refused with exactly the errors that it announces.
 #include "malformed/by_program.hpp"
-#include "viscobar/io/sweep_file.hpp"
+#include "viscobar/sweep/sweep.hpp"
 
 namespace viscobar::malformed {
 namespace {

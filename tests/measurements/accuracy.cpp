@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "support/relative_error.hpp"
-#include "viscobar/analysis/recording.hpp"
+#include "viscobar/case/recording.hpp"
 
 namespace {
 

@@ -12,7 +12,7 @@
 #include <mutex>
 #include <string_view>
 
-#include "viscobar/analysis/parallel.hpp"
+#include "studies/parallel.hpp"
 
 int main(int argc, char** argv) {
   using namespace viscobar;

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "support/contact_with_wave.hpp"
-#include "viscobar/analysis/exact_solutions.hpp"
 #include "viscobar/discretisation/tridiagonal.hpp"
+#include "viscobar/studies/exact/exact_solutions.hpp"
 
 namespace {
 

@@ -10,9 +10,9 @@
 #include <map>
 #include <vector>
 
+#include "dynamics/penalised_system.hpp"
 #include "support/pressed_bar.hpp"
-#include "viscobar/analysis/recording.hpp"
-#include "viscobar/dynamics/penalised_system.hpp"
+#include "viscobar/case/recording.hpp"
 
 namespace {
 

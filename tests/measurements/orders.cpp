@@ -1,10 +1,11 @@
 // Prints the tables of docs/orders.md: observed orders in h and dt on exact solutions of contact and on an impact. Run:
 // cmake --build --preset release --target measure_orders && build/release/tests/measure_orders
+#include "viscobar/studies/orders/orders.hpp"
+
 #include <fmt/format.h>
 
 #include "support/contact_with_wave.hpp"
-#include "viscobar/analysis/comparison.hpp"
-#include "viscobar/analysis/order_study.hpp"
+#include "viscobar/studies/compare/difference.hpp"
 
 namespace {
 

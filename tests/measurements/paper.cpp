@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "io/plot/figure.hpp"
-#include "io/plot/png.hpp"
-#include "viscobar/analysis/comparison.hpp"
-#include "viscobar/analysis/recording.hpp"
-#include "viscobar/io/scene_file.hpp"
+#include "report/plot/figure.hpp"
+#include "report/plot/png.hpp"
+#include "viscobar/case/recording.hpp"
+#include "viscobar/input/scene_file.hpp"
+#include "viscobar/studies/compare/difference.hpp"
 
 namespace {
 

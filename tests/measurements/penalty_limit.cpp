@@ -1,7 +1,5 @@
 // Prints the tables of docs/penalty-limit.md but that of the redistributions. Run:
 // build/release/tests/measure_penalty_limit
-#include "viscobar/analysis/penalty_limit.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,10 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "case/end_traces.hpp"
 #include "support/paper_throw.hpp"
-#include "viscobar/analysis/end_traces.hpp"
-#include "viscobar/analysis/exact_solutions.hpp"
 #include "viscobar/dynamics/penalty_law.hpp"
+#include "viscobar/studies/exact/exact_solutions.hpp"
+#include "viscobar/studies/limit/limit.hpp"
 
 namespace {
 

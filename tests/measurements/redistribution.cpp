@@ -8,10 +8,10 @@
 #include <cmath>
 #include <vector>
 
-#include "viscobar/analysis/comparison.hpp"
-#include "viscobar/analysis/exact_solutions.hpp"
 #include "viscobar/discretisation/mass.hpp"
 #include "viscobar/schemes/schemes.hpp"
+#include "viscobar/studies/compare/difference.hpp"
+#include "viscobar/studies/exact/exact_solutions.hpp"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "hard/hard_run.hpp"
-#include "viscobar/analysis/parallel.hpp"
+#include "studies/parallel.hpp"
 
 namespace {
 

@@ -11,7 +11,7 @@
 
 #include "support/bouncing_bar.hpp"
 #include "support/relative_error.hpp"
-#include "viscobar/analysis/recording.hpp"
+#include "viscobar/case/recording.hpp"
 
 namespace {
 

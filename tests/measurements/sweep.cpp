@@ -1,6 +1,8 @@
 // The tables of docs/sweep.md: how well costs of cases are foreseen, what the manager needs for a row, and, by
 // simulation with the measured costs, how a sweep spreads over up to 10,000 workers. Run in the project's folder:
 // build/release/tests/measure_sweep examples/sweeps/cost.toml
+#include "viscobar/sweep/sweep.hpp"
+
 #include <fmt/format.h>
 #include <time.h>
 
@@ -13,8 +15,7 @@
 #include <random>
 #include <vector>
 
-#include "io/sweep_table.hpp"
-#include "viscobar/io/sweep_file.hpp"
+#include "sweep/sweep_table.hpp"
 
 namespace {
 
@@ -70,7 +71,7 @@ struct Manager {
   double plan, dispatch, write, latency;
 };
 
-/// Seconds until the last case is done, as src/cli/ranks.cpp works: a worker reports to the manager, which serves one
+/// Seconds until the last case is done, as src/sweep/ranks.cpp works: a worker reports to the manager, which serves one
 /// after another, sends the next case first and then writes the row.
 double makespan(const std::vector<double>& costs, const std::vector<std::size_t>& order, std::size_t workers,
                 const Manager& manager) {

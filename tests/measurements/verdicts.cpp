@@ -9,7 +9,7 @@
 
 #include "support/verdict_scenes.hpp"
 #include "support/verdict_truth.hpp"
-#include "viscobar/io/scene_file.hpp"
+#include "viscobar/input/scene_file.hpp"
 
 namespace {
 

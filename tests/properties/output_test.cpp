@@ -1,6 +1,6 @@
 #include "properties/generator.hpp"
 #include "support/description.hpp"
-#include "viscobar/analysis/recording.hpp"
+#include "viscobar/case/recording.hpp"
 
 namespace viscobar::properties {
 namespace {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "viscobar/io/scene_file.hpp"
+#include "viscobar/input/scene_file.hpp"
 
 namespace viscobar::properties {
 

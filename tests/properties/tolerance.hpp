@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "viscobar/analysis/recording.hpp"
+#include "viscobar/case/recording.hpp"
 
 namespace viscobar::properties {
 

@@ -7,7 +7,7 @@
 
 #include "support/exact_solutions.hpp"
 #include "support/run_trace.hpp"
-#include "viscobar/dynamics/errors.hpp"
+#include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/schemes/schemes.hpp"
 
 namespace viscobar {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "viscobar/analysis/exact_solutions.hpp"
+#include "viscobar/studies/exact/exact_solutions.hpp"
 
 namespace viscobar::exact {
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "viscobar/analysis/exact_solutions.hpp"
+#include "viscobar/studies/exact/exact_solutions.hpp"
 
 /// Modes of a bar without contact, each with its scene; those with contact are in the library.
 namespace viscobar::exact {

@@ -7,7 +7,7 @@
 
 #include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/dynamics/penalty_law.hpp"
-#include "viscobar/dynamics/run.hpp"
+#include "viscobar/run/run.hpp"
 
 namespace viscobar::testing_support {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "viscobar/analysis/case.hpp"
+#include "viscobar/case/case.hpp"
 
 namespace viscobar {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "viscobar/analysis/case.hpp"
+#include "viscobar/case/case.hpp"
 
 namespace viscobar {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "viscobar/dynamics/run.hpp"
+#include "viscobar/run/run.hpp"
 
 namespace viscobar {
 

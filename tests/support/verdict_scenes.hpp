@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "viscobar/analysis/end_traces.hpp"
-#include "viscobar/analysis/penalty_limit.hpp"
+#include "case/end_traces.hpp"
+#include "viscobar/studies/limit/limit.hpp"
 
 namespace viscobar {
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <variant>
 #include <vector>
@@ -15,6 +16,14 @@
 #include "viscobar/scene/scene.hpp"
 
 namespace viscobar {
+
+/// A load that is not finite where it is needed.
+class LoadError : public std::runtime_error {
+ public:
+  /// With the message and the time of the fault.
+  LoadError(double at, const std::string& what) : std::runtime_error(what), time(at) {}
+  double time;  ///< at which it is not finite
+};
 
 /// Which obstacle a contact belongs to.
 enum class Where { left, right, span };

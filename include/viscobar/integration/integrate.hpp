@@ -7,13 +7,13 @@
 
 #include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/dynamics/penalty_law.hpp"
-#include "viscobar/dynamics/run.hpp"
+#include "viscobar/run/run.hpp"
 #include "viscobar/scene/scene.hpp"
 
 namespace viscobar {
 
 /// The methods that a scene can ask for by name: those of this header, and the fully discrete schemes (schemes.hpp).
-/// src/analysis/method_table.cpp has a row for each.
+/// src/case/method_table.cpp has a row for each.
 enum class MethodName { cvode, ida, arkode, odeint, rigid, exponential, fully_discrete, finite_difference };
 
 /// In the order of the enumeration.

@@ -3,7 +3,7 @@
 #include <span>
 
 #include "viscobar/dynamics/bar_system.hpp"
-#include "viscobar/dynamics/run.hpp"
+#include "viscobar/run/run.hpp"
 
 namespace viscobar {
 

@@ -2,10 +2,10 @@
 
 #include <vector>
 
+#include "dynamics/penalised_system.hpp"
 #include "integration/exponential/linear_leg.hpp"
 #include "integration/exponential/load_polynomial.hpp"
 #include "integration/exponential/propagator_cache.hpp"
-#include "viscobar/dynamics/penalised_system.hpp"
 
 namespace viscobar::exponential {
 

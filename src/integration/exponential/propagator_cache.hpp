@@ -3,8 +3,8 @@
 #include <memory>
 #include <vector>
 
+#include "dynamics/penalised_system.hpp"
 #include "integration/exponential/propagator.hpp"
-#include "viscobar/dynamics/penalised_system.hpp"
 
 namespace viscobar::exponential {
 

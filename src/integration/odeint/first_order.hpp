@@ -6,9 +6,9 @@
 #include <limits>
 #include <span>
 
+#include "dynamics/penalised_system.hpp"
 #include "integration/layout.hpp"
-#include "viscobar/dynamics/penalised_system.hpp"
-#include "viscobar/dynamics/run.hpp"
+#include "viscobar/run/run.hpp"
 
 namespace viscobar {
 

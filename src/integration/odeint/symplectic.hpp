@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/penalised_system.hpp"
 #include "integration/step_polynomial.hpp"
-#include "viscobar/dynamics/penalised_system.hpp"
-#include "viscobar/dynamics/run.hpp"
+#include "viscobar/run/run.hpp"
 
 namespace viscobar {
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "dynamics/lost_inertia.hpp"
-#include "integration/step_failure.hpp"
+#include "run/step_failure.hpp"
 
 namespace viscobar::sundials {
 

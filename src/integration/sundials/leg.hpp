@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "dynamics/penalised_system.hpp"
 #include "integration/layout.hpp"
 #include "integration/sundials/return_flags.hpp"
 #include "integration/sundials/vector.hpp"
 #include "viscobar/discretisation/tridiagonal.hpp"
-#include "viscobar/dynamics/penalised_system.hpp"
-#include "viscobar/dynamics/run.hpp"
+#include "viscobar/run/run.hpp"
 
 namespace viscobar::sundials {
 

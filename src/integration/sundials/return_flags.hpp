@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "integration/step_failure.hpp"
+#include "run/step_failure.hpp"
 
 namespace viscobar::sundials {
 

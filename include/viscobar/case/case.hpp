@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "viscobar/discretisation/mass.hpp"
+#include "viscobar/integration/integrate.hpp"
+#include "viscobar/run/run.hpp"
+#include "viscobar/scene/scene.hpp"
+#include "viscobar/schemes/schemes.hpp"
+
+namespace viscobar {
+
+std::string_view name(MethodName method);  ///< in a scene file
+bool is_penalised(MethodName method);      ///< needs epsilon where the scene has an obstacle
+bool is_adaptive(MethodName method);       ///< uses the tolerances
+bool is_scheme(MethodName method);         ///< uses the step
+
+/// A scene together with everything that a run of it needs. Values that the chosen method does not use may be there:
+/// another method can be chosen without editing the scene.
+struct Case {
+  Scene scene;  ///< the physical problem
+
+  std::size_t elements = 1;      ///< J
+  double grading = 1.0;          ///< of the mesh towards the ends with an obstacle; 1: uniform
+  Mass mass = Mass::consistent;  ///< asked for; `rigid` and `finite_difference` have their own, see make_system()
+
+  std::optional<double> epsilon;      ///< reaction = penetration / epsilon
+  std::optional<double> restitution;  ///< absent: an undamped spring in the penalty, the implicit constraint in (2.8)
+
+  MethodName method = MethodName::cvode;    ///< how it is integrated
+  Tolerance tolerance;                      ///< of adaptive methods
+  Formulas formulas = Formulas::automatic;  ///< of cvode
+  Stepper stepper = Stepper::automatic;     ///< of odeint
+  std::optional<double> step;               ///< dt of the schemes and of odeint's symplectic stepper, which need it
+  Start start = Start::first_order;         ///< of the schemes
+  Impact impact = Impact::paoli_schatzman;  ///< of the schemes
+
+  double end = 1.0;           ///< T
+  double output_every = 0.1;  ///< interval of the output times
+
+  /// graded towards the ends that have an obstacle.
+  Mesh mesh() const {
+    return {scene.bar.length, elements, {grading, is_obstacle(scene.left), is_obstacle(scene.right)}};
+  }
+
+  /// 0, every, 2 every, ..., and the end, which is always there. The last interval may be shorter.
+  std::vector<double> output_times() const;
+};
+
+/// Everything wrong with a case, in one go: the scene's findings and those that need the mesh, the contact parameters,
+/// the method or the memory of the machine. Empty when simulate() can start.
+///
+/// `faulty` are keys known to be wrong already: neither they nor what could only be judged by them is reported. Their
+/// values need not make sense, but those of bar.length and mesh.elements must be ones of a mesh.
+std::vector<Finding> validate(const Case& run, const std::vector<std::string>& faulty = {});
+
+/// The penalised method that a study of a case takes: the case's own, or cvode for one that does not penalise, and ida
+/// where that one cannot take the scene (massless contact nodes without viscosity).
+MethodName penalised_method(const Case& run);
+
+/// The mass of a run: `finite_difference` takes the lumped one when the case says "consistent", since (3.22) is (2.8)
+/// with a diagonal product, and `rigid` always the redistributed one.
+Mass effective_mass(const Case& run);
+
+/// The penalty of a penalised method: a spring without dashpot where the case has no restitution.
+Penalty penalty(const Case& run);
+
+/// The semi-discrete system of a sound case, on its effective mass.
+BarSystem make_system(const Case& run);
+
+/// The options of `odeint` that a case asks for.
+Odeint odeint(const Case& run);
+
+/// Runs a sound case by its method, on its own output times or on others. @throws IntegrationError
+Statistics simulate(const Case& run, const BarSystem& system, const Observers& observers);
+/// Likewise.
+Statistics simulate(const Case& run, const BarSystem& system, std::span<const double> times,
+                    const Observers& observers);
+/// The same from a checkpoint of a run of this case on its own output times.
+/// @throws std::invalid_argument when it is of another run
+Statistics simulate(const Case& run, const BarSystem& system, const Checkpoint& from, const Observers& observers);
+
+}  // namespace viscobar

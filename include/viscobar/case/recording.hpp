@@ -1,0 +1,42 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "viscobar/case/case.hpp"
+#include "viscobar/discretisation/mesh.hpp"
+#include "viscobar/run/run.hpp"
+
+namespace viscobar {
+
+/// A run kept in memory, to be compared with another: the field on a time grid, the reactions at the ends, the events.
+/// On a mesh of one element it may hold the ends of a finer one, for a scheme that knows nothing else.
+struct Recording {
+  std::string label;                   ///< in tables and reports
+  Mesh mesh;                           ///< J elements
+  std::vector<double> times;           ///< K output times
+  std::vector<double> u;               ///< displacement, K x (J+1), row by row
+  std::vector<double> v;               ///< velocity, likewise; empty where it is not known
+  std::vector<double> reaction_left;   ///< K, or empty where it is not known
+  std::vector<double> reaction_right;  ///< likewise
+  std::vector<Event> events;           ///< contact changes in order of time
+  Statistics statistics;               ///< of the run
+
+  /// Displacement of the J+1 nodes at times[k].
+  std::span<const double> displacement(std::size_t k) const {
+    return std::span(u).subspan(k * mesh.nodes(), mesh.nodes());
+  }
+  /// Velocity of the J+1 nodes at times[k].
+  std::span<const double> velocity(std::size_t k) const { return std::span(v).subspan(k * mesh.nodes(), mesh.nodes()); }
+};
+
+/// Runs a sound case and keeps it, on its own output times. @throws IntegrationError
+Recording record(const Case& run);
+
+/// Any scheme, also one of your own: it advances the case and gives the recording on run.output_times(), which Recorder
+/// makes out of its steps. Velocities, reactions, events and statistics may be missing.
+using Solver = std::function<Recording(const Case& run)>;
+
+}  // namespace viscobar

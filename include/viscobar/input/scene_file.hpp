@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "viscobar/case/case.hpp"
+
+namespace viscobar {
+
+/// One error of a scene file, at the value or key that causes it (line and column count from 1; for a missing key the
+/// position of its table, or of the end of the file when the table is missing, too).
+struct Diagnostic {
+  std::string source;      ///< file name, or "--set" for an override
+  std::size_t line = 1;    ///< from 1
+  std::size_t column = 1;  ///< from 1, in characters
+  std::string key;         ///< "table.key"
+  std::string message;     ///< what is wrong, with the nearest known key where one is meant
+
+  std::string text() const;  ///< file:line:column: key: message
+};
+
+/// The user's scene cannot be run; all that is wrong with it.
+class SceneError : public std::runtime_error {
+ public:
+  explicit SceneError(std::vector<Diagnostic> found);  ///< what() has a line for each
+  std::vector<Diagnostic> diagnostics;                 ///< in the order of the text, overrides last
+};
+
+/// A case as read, and the scene as understood: every key with its value, defaults included, as one JSON object.
+struct SceneFile {
+  Case run;                 ///< sound
+  std::string description;  ///< the JSON object
+};
+
+/// What a study makes of a case before it is validated, such as another method.
+using Adaptation = std::function<void(Case&)>;
+
+/// Reads a scene (TOML, see docs/scene-file.md), applies overrides "table.key=value" in order, validates.
+/// @throws SceneError with every error of the file in one go
+SceneFile read_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {},
+                     const Adaptation& adapt = {});
+
+/// The same from text; `source` names it in diagnostics.
+SceneFile parse_scene(const std::string& text, const std::string& source, std::span<const std::string> overrides = {},
+                      const Adaptation& adapt = {});
+
+}  // namespace viscobar

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "viscobar/input/scene_file.hpp"
+#include "viscobar/studies/compare/compare.hpp"
+#include "viscobar/studies/compare/examine.hpp"
+#include "viscobar/studies/limit/coupling.hpp"
+#include "viscobar/studies/limit/limit.hpp"
+#include "viscobar/studies/orders/orders.hpp"
+#include "viscobar/studies/precision/precision.hpp"
+
+namespace viscobar {
+
+/// A picture as a file of its own, for a paper: `name`.svg.
+struct FigureFile {
+  std::string name;  ///< without ending
+  std::string svg;   ///< the whole file
+};
+
+/// A page that needs no other file, and each of its pictures.
+struct PicturedPage {
+  std::string html;                 ///< the whole file
+  std::vector<FigureFile> figures;  ///< in the order of the page
+};
+
+/// What `viscobar compare` tells, as JSON.
+std::string cross_check_json(const SceneFile& scene, const MethodChoice& choice, const CrossCheck& check);
+/// The same for the terminal.
+std::string cross_check_text(const MethodChoice& choice, const CrossCheck& check);
+/// The same as a page with pictures.
+PicturedPage cross_check_page(const Scene& scene, const MethodChoice& choice, const CrossCheck& check);
+
+/// What `viscobar limit` tells, as JSON.
+std::string limit_json(const SceneFile& scene, const LimitStudy& study, const LimitResult& result,
+                       const CouplingResult& coupling);
+/// The same for the terminal.
+std::string limit_text(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling);
+/// The same as a page with pictures.
+PicturedPage limit_page(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling);
+
+/// What `viscobar precision` tells, as JSON.
+std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, const PrecisionResult& result);
+/// The same for the terminal.
+std::string precision_text(const PrecisionStudy& study, const PrecisionResult& result);
+/// The same as a page with pictures.
+PicturedPage precision_page(const PrecisionStudy& study, const PrecisionResult& result);
+
+/// Tables for the terminal. A trial: each referee and how far the scheme is from it, its contacts beside theirs, and
+/// what exceeds the bounds.
+std::string trial_text(const TrialResult& result);
+
+/// Errors level by level with the order between two of them, and the fitted orders with their standard errors.
+std::string order_text(const OrderStudy& study);
+
+}  // namespace viscobar

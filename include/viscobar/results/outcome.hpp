@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "viscobar/run/run.hpp"
+
+namespace viscobar {
+
+/// How a run ended.
+enum class Ending {
+  completed,   ///< at the end of its time
+  failed,      ///< the integrator or the disk gave up
+  refused,     ///< the method does not fit the system: the user's input
+  interrupted  ///< by Interrupted
+};
+
+/// How far a run came.
+struct Outcome {
+  Ending ending = Ending::completed;  ///< how the run ended
+  std::string error;                  ///< empty when completed
+  double reached_time = 0.0;          ///< these three are counted by listening, so they are known however the run ended
+  std::size_t steps = 0;              ///< of the method
+  std::size_t events = 0;             ///< contact changes
+  std::vector<double> checkpoints;    ///< times at which checkpoints were made, in all parts of a run that was stopped
+  std::optional<Statistics> statistics;  ///< absent when the run was ended from outside
+  double wall_seconds = 0.0;             ///< of all, reading and writing included
+  std::vector<std::string> warnings;     ///< of what the run met: chatter
+};
+
+/// How often a recorded run makes a checkpoint.
+struct CheckpointEvery {
+  /// What the interval counts.
+  enum class Clock {
+    simulated,  ///< `interval` in the time of the scene: a run that was stopped and goes on ends as if it had not been
+    wall        ///< `interval` in seconds: bounds what is lost
+  };
+  Clock clock = Clock::simulated;  ///< what the interval counts
+  double interval = 0.0;           ///< positive
+};
+
+}  // namespace viscobar

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "viscobar/case/case.hpp"
+#include "viscobar/case/recording.hpp"
+#include "viscobar/studies/compare/difference.hpp"
+
+namespace viscobar {
+
+/// The methods that one scene is to be run by, the reference first.
+struct MethodChoice {
+  /// A method that does not fit.
+  struct Skipped {
+    MethodName method;   ///< which
+    std::string reason;  ///< in a sentence
+  };
+  std::vector<Case> cases;               ///< one for each method
+  std::vector<Skipped> skipped;          ///< methods that do not fit the scene
+  std::vector<MethodName> default_step;  ///< schemes that took scheme_step(), the scene having none
+};
+
+/// Every method that fits the scene, exponential first on a mesh of at most 100 elements and left out on a finer one.
+MethodChoice fitting_methods(const Case& scene);
+
+/// These methods in this order. @throws std::invalid_argument when one does not fit the scene, or comes twice
+MethodChoice chosen_methods(const Case& scene, std::span<const MethodName> methods);
+
+/// One entry of a cross-check: a built-in method, or a scheme of your own.
+struct Contender {
+  std::string label;   ///< its name in tables
+  Case run;            ///< what it is given
+  Solver solver = {};  ///< empty: the case's own method
+};
+
+/// One run of a cross-check.
+struct MethodRun {
+  std::string label;                    ///< its name in tables
+  bool built_in = true;                 ///< run by the case's own method
+  Case run;                             ///< what it was given
+  Mass mass = Mass::consistent;         ///< that the method ran on, which may differ from the scene's
+  std::optional<Recording> recording;   ///< absent when the run failed
+  std::vector<ContactPeriod> contacts;  ///< bounces within a hundredth of the run merged; impulses see below
+  std::string error;                    ///< why it failed; empty when it did not
+};
+
+/// One scene by several methods, and how far every two of them are apart.
+struct CrossCheck {
+  /// How far two runs are apart.
+  struct Pair {
+    std::size_t first = 0;  ///< index of one run
+    std::size_t other = 0;  ///< index of the other
+    Comparison difference;  ///< of the first to the other
+  };
+  std::vector<MethodRun> runs;           ///< in the order of the contenders
+  std::optional<std::size_t> reference;  ///< the first run that did not fail
+  std::vector<Pair> pairs;               ///< every two runs that did not fail
+
+  /// The difference of the reference to a run; absent for the reference itself and for a run that failed.
+  const Comparison* to_reference(std::size_t run) const;
+  bool completed() const;  ///< whether no run failed
+};
+
+/// Runs the contenders, which share mesh and output times, on all cores (or on `threads`; solvers are then called at
+/// the same time). A run that fails, or a recording that does not fit its case, is reported and leaves the others
+/// standing. Impulses are those of EndImpulses for built-in methods and integrals of the reactions for others.
+CrossCheck cross_check(std::span<const Contender> contenders, std::size_t threads = 0);
+/// Likewise of built-in methods.
+CrossCheck cross_check(std::span<const Case> cases, std::size_t threads = 0);
+
+}  // namespace viscobar

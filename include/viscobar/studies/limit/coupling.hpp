@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "viscobar/studies/limit/limit.hpp"
+
+namespace viscobar {
+
+/// epsilon(h) at which the penalty's difference to its limit is as large as the error of the mesh: a smaller epsilon
+/// gains nothing, a larger one spoils the mesh.
+///
+/// The mesh error K h^q of the end traces is read off the limits on three or more meshes: neighbours differ by
+/// K |h_i^q - h_{i+1}^q|. The difference of the penalised solution is interpolated between the rows of a study, on
+/// logarithmic axes.
+struct Coupling {
+  /// A mesh of the study.
+  struct Mesh {
+    std::size_t elements = 0;       ///< J
+    double spacing = 0.0;           ///< h
+    double mesh_error = 0.0;        ///< K h^q
+    std::optional<double> epsilon;  ///< absent where the study's rows do not enclose the mesh error
+    double local_order = 0.0;       ///< of the difference in epsilon there, when epsilon is present
+  };
+  std::vector<Mesh> meshes;          ///< from coarse to fine
+  double mesh_order = 0.0;           ///< q
+  std::optional<ObservedOrder> law;  ///< epsilon ~ h^s over the meshes
+  std::string limit;                 ///< what the differences are to: "rigid" or "scheme"
+};
+
+/// Absent when the data do not carry it, with the reason.
+struct CouplingResult {
+  std::optional<Coupling> coupling;  ///< the balance
+  std::string reason;                ///< why there is none; empty when there is one
+};
+
+/// Runs the limit of each mesh once more and balances. `result` is that of the study.
+CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result);
+
+/// q and K with difference[i] ~ K (h[i]^q - h[i+1]^q) for decreasing h, by least squares on logarithms; absent for
+/// fewer than two differences or when none of 0.1 <= q <= 4 stands out.
+struct MeshError {
+  double order = 0.0;     ///< q
+  double constant = 0.0;  ///< K
+};
+/// `spacings` has one entry more than `differences`.
+std::optional<MeshError> mesh_error(const std::vector<double>& spacings, const std::vector<double>& differences);
+
+}  // namespace viscobar

@@ -1,0 +1,142 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "viscobar/case/case.hpp"
+#include "viscobar/studies/orders/observed_order.hpp"
+
+namespace viscobar {
+
+/// A penalty-limit study: the penalised system at each epsilon against the fully discrete scheme on the same mass and
+/// restitution, and, where the mass has massless contact nodes, against the rigid limit. The scheme runs at three steps
+/// first, and then at smaller ones until the verdict is known or the budget spent.
+struct LimitStudy {
+  Case scene;                         ///< studied by its penalised_method()
+  std::vector<double> epsilons;       ///< decreasing
+  std::vector<std::size_t> elements;  ///< meshes; empty: the scene's
+  std::vector<double> steps;          ///< of the scheme, one for each mesh; empty: see scheme_step()
+  double budget = 60.0;     ///< processor seconds for smaller steps of the scheme, >= 0; 0: only the first three
+  std::size_t threads = 0;  ///< 0: all cores
+  std::function<void(std::size_t done, std::size_t of)> progress = {};  ///< told after each run, one call at a time
+};
+
+/// One penalised run of a study, beside the limits of its mesh.
+struct LimitRow {
+  double epsilon = 0.0;                       ///< reaction = penetration / epsilon
+  std::size_t elements = 0;                   ///< J
+  Mass mass = Mass::consistent;               ///< that it ran on
+  std::size_t events = 0;                     ///< contact changes
+  double max_penetration = 0.0;               ///< max over time and contacts, >= 0
+  double difference_to_scheme = 0.0;          ///< max over comparison_times() and ends of |u - u_scheme|
+  std::optional<double> difference_to_rigid;  ///< likewise
+  std::size_t steps = 0;                      ///< of the integrator
+  double seconds = 0.0;                       ///< of the integration alone
+};
+
+/// A penalised run that could not be finished.
+struct FailedRun {
+  double epsilon = 0.0;      ///< of the run
+  std::size_t elements = 0;  ///< J
+  std::string what;          ///< the error's message
+};
+
+/// Whether P(0) = S(0): P(epsilon) the end traces of the penalised system, S(dt) those of the scheme on the same mesh.
+enum class Verdict {
+  converges,  ///< P(0) and S(0) agree to a small part of what is at stake, LimitEvidence::stake
+  plateau,    ///< they differ by more than all uncertainties
+  undecided   ///< the runs do not tell; LimitEvidence::lack says what would
+};
+std::string_view name(Verdict verdict);  ///< as in JSON
+
+/// What an undecided verdict lacks.
+enum class Lack {
+  nothing,          ///< the verdict is known
+  contact,          ///< nothing touches an obstacle at the smallest epsilon: there is nothing to compare
+  penalties,        ///< three epsilons or more, to see whether P(epsilon) settles
+  smaller_epsilon,  ///< P(epsilon) has not settled, or not closely enough
+  larger_epsilon,   ///< P(epsilon) changes more and more as epsilon falls: errors of the time integration, or chaos
+  smaller_step      ///< S(dt) has not settled, or not closely enough, within the budget
+};
+
+/// What the runs of one mesh tell of |P(0) - S(0)|, | | the largest over time and both ends:
+///
+///     | |P(0) - S(0)| - |P(epsilon) - S(dt)| |  <=  |P(epsilon) - P(0)| + |S(dt) - S(0)|
+///
+/// Each term on the right is measured: against the rigid limit where there is one, else by three values or more of
+/// epsilon and of dt that show an order.
+struct LimitEvidence {
+  double difference = 0.0;              ///< |P(epsilon) - S(dt)| at the smallest of both
+  std::optional<double> penalty_error;  ///< |P(epsilon) - P(0)| at most; absent: not settled
+  std::optional<double> scheme_error;   ///< |S(dt) - S(0)| at most; absent: not settled
+  bool extrapolated = false;            ///< whether S(dt) has lost its error of first order in dt, by two steps
+  /// What a wrong limit would change: between massive nodes that share one law of impact another restitution, else the
+  /// contact itself. Absent where the verdict does not depend on it.
+  std::optional<double> stake;
+  bool by_law = false;        ///< whether the stake is that of another restitution
+  Lack lack = Lack::nothing;  ///< of an undecided verdict
+
+  /// Bounds of |P(0) - S(0)|; absent where a term is.
+  std::optional<double> lower() const;
+  std::optional<double> upper() const;  ///< likewise
+};
+
+/// A run of the scheme in a study.
+struct SchemeRun {
+  double step = 0.0;       ///< dt
+  double change = 0.0;     ///< |S(dt) - S| to the one before it; 0 for the first
+  std::size_t events = 0;  ///< contact changes
+  double seconds = 0.0;    ///< that it took
+};
+
+/// What the rows of one mesh say.
+struct LimitOrders {
+  std::size_t elements = 0;       ///< J
+  std::size_t first_row = 0;      ///< index of the mesh's first row in LimitResult::rows
+  std::size_t row_count = 0;      ///< and how many there are
+  double scheme_step = 0.0;       ///< smallest dt of the scheme, that of LimitRow::difference_to_scheme
+  double scheme_error = 0.0;      ///< of the scheme's end traces by this step, estimated also where not settled
+  std::size_t scheme_events = 0;  ///< contact changes of the scheme at this step
+  std::vector<SchemeRun> scheme;  ///< its runs, dt decreasing
+  double tolerance_error = 0.0;   ///< what the time integration may add to a difference
+  /// epsilon = rho h^3 / eta^2, where the two powers of the penetration meet; under a span obstacle rho h^4 / eta^2,
+  /// below which a node has come to rest before viscosity drags it along with its neighbours
+  std::optional<double> boundary;
+  /// Powers of epsilon over the last two decades above the floor, where they are closest to their limits: in the regime
+  /// of small epsilon, below boundary / 100, where the node alone answers; of all rows when fewer than two lie there.
+  std::optional<ObservedOrder> penetration;
+  std::optional<ObservedOrder> to_rigid;   ///< likewise, of difference_to_rigid
+  std::optional<ObservedOrder> to_scheme;  ///< likewise, of difference_to_scheme
+  /// Where the mesh resolves the contact layer, epsilon > 100 boundary.
+  std::optional<ObservedOrder> penetration_layer;
+  std::optional<ObservedOrder> to_rigid_layer;  ///< likewise
+  Verdict verdict = Verdict::undecided;         ///< on this mesh
+  LimitEvidence evidence;                       ///< that it rests on
+};
+
+/// What a study found.
+struct LimitResult {
+  std::vector<LimitRow> rows;       ///< mesh by mesh, epsilon decreasing
+  std::vector<LimitOrders> orders;  ///< one for each mesh
+  std::vector<FailedRun> failed;    ///< runs that are not among the rows
+};
+
+/// epsilon from `first` down to `last`, `per_decade` values a decade.
+std::vector<double> decades(double first, double last, std::size_t per_decade = 1);
+
+/// The step of the scheme that a study of this case takes when none is given: the scene's, or h / (100 c).
+double scheme_step(const Case& run);
+
+/// Runs the study, independent runs on all cores. The tolerance is the scene's, but at most 1e-10. The scheme starts
+/// at steps 10^(2/3), 10^(1/3) and 1 times the given one: a contact closes on its grid, and halved steps would put it
+/// at the same time as often as not.
+/// A penalised run that fails is listed and leaves the others standing.
+/// @throws IntegrationError (the scheme, the rigid limit, or every penalised run of a mesh failed),
+///         std::invalid_argument (the scene has no obstacle, or a run of it is not sound)
+LimitResult penalty_limit(const LimitStudy& study);
+
+}  // namespace viscobar

@@ -1,0 +1,165 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "viscobar/input/scene_file.hpp"
+
+namespace viscobar {
+
+/// A key of a scene with the values that it takes in a sweep, all of one alternative.
+struct VariedKey {
+  /// Numbers, whole numbers, or texts.
+  using Values = std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<std::string>>;
+  std::string key;  ///< "table.key"
+  Values values;    ///< at least one
+
+  std::size_t size() const;  ///< number of values
+};
+
+/// How the values of several keys make cases.
+enum class Combine {
+  grid,  ///< every value with every other, the last key running fastest
+  zip    ///< the first values, the second ones, ...
+};
+
+/// Which cases a sweep consists of: case i takes the value choice(i)[k] of key k.
+struct SweepPlan {
+  std::vector<VariedKey> keys;      ///< that vary
+  Combine combine = Combine::grid;  ///< how their values go together
+
+  /// Number of cases; that of a grid without keys is 1. A grid of more than 2^64 cases is not counted.
+  std::size_t size() const;
+  std::vector<std::size_t> choice(std::size_t index) const;  ///< an index into the values of each key
+  /// "table.key=value" for each key, as read_scene() takes them; numbers read back to the last bit.
+  std::vector<std::string> overrides(std::size_t index) const;
+};
+
+/// What a sweep tells of each case, apart from its timings: a column of its table each.
+enum class Quantity : std::size_t {
+  unknowns,
+  steps,
+  rhs_evaluations,
+  linear_solves,
+  events,
+  reached_time,
+  max_penetration,
+  energy_initial,
+  energy_final,
+  energy_dissipated,
+  energy_work,
+  energy_balance_error,
+  u_left_final,
+  u_left_min,
+  u_left_max,
+  u_right_final,
+  u_right_min,
+  u_right_max,
+  closings_left,
+  time_in_contact_left,
+  impulse_left,
+  max_reaction_left,
+  closings_right,
+  time_in_contact_right,
+  impulse_right,
+  max_reaction_right,
+  closings_span,
+  count
+};
+
+inline constexpr std::size_t quantities = static_cast<std::size_t>(Quantity::count);  ///< their number
+
+/// How a quantity appears in tables.
+struct QuantityColumn {
+  std::string_view name;     ///< of the column
+  std::string_view unit;     ///< of the quantity, "1" for a number
+  std::string_view meaning;  ///< in half a sentence
+};
+
+/// Name, unit and meaning of each quantity, in their order.
+std::span<const QuantityColumn, quantities> quantity_columns();
+
+inline constexpr std::size_t longest_error = 512;  ///< bytes of an error in a row
+
+/// What became of a case.
+struct SweepRow {
+  std::size_t index = 0;   ///< of the case in its plan
+  bool completed = false;  ///< whether it reached the end of its time
+  std::string error;       ///< empty when completed; cut off after longest_error bytes
+  std::array<double, quantities> values = [] {
+    std::array<double, quantities> none{};
+    none.fill(std::numeric_limits<double>::quiet_NaN());
+    return none;
+  }();                               ///< NaN is what a table holds where the case has no such value
+  double seconds = 0.0;              ///< wall clock of the whole case
+  double integration_seconds = 0.0;  ///< of the method alone
+
+  /// The value of a quantity.
+  double& operator[](Quantity quantity) { return values[static_cast<std::size_t>(quantity)]; }
+  /// The value of a quantity.
+  double operator[](Quantity quantity) const { return values[static_cast<std::size_t>(quantity)]; }
+};
+
+/// The order in which cases are handed out, one whenever a worker is free: the most expensive first, so that no long
+/// one is left for the end. With exact costs c the last of m workers is done by
+///
+///     max(sum c / m, max c) (4/3 - 1/(3m))
+///
+/// [Graham 1969]; with wrong ones still by sum c / m + max c. Equal costs keep the order of the cases.
+std::vector<std::size_t> dispatch_order(std::span<const double> costs);
+
+/// A sweep as read: the scene, what holds for all cases, and what varies.
+struct SweepFile {
+  std::string title;                  ///< free text
+  std::string scene_source;           ///< path of the scene, for diagnostics
+  std::string scene_text;             ///< the scene itself, so that every worker runs the same
+  std::vector<std::string> settings;  ///< "table.key=value" for all cases: [set], then those of the command line
+  SweepPlan plan;                     ///< what varies
+
+  /// Where a key of [set] or [vary] stands: a finding about its value in a case is one there.
+  std::map<std::string, Diagnostic, std::less<>> places;
+
+  /// All that decides about the results, as text: two sweeps with the same one have the same rows.
+  std::string identity() const;
+};
+
+/// Reads a sweep (TOML, see docs/sweep.md) and its scene. The values are checked one by one; whether they fit together
+/// is known case by case, see plan_cases().
+/// @throws SceneError with everything wrong in the sweep file in one go
+SweepFile read_sweep(const std::filesystem::path& file, std::span<const std::string> overrides = {});
+
+/// The same from text; `file` names it in diagnostics, and its scene is looked for beside it.
+SweepFile parse_sweep(const std::string& text, const std::filesystem::path& file,
+                      std::span<const std::string> overrides = {});
+
+/// A case as the workers run it: the scene's text and all overrides.
+struct SweepCase {
+  std::size_t index = 0;               ///< in the plan
+  std::vector<std::string> overrides;  ///< "table.key=value", settings and varied keys
+};
+
+/// 0 <= index < sweep.plan.size()
+SweepCase case_of(const SweepFile& sweep, std::size_t index);
+
+/// What a case of the scene in `scene_text` is estimated to cost; 0 when it is refused.
+double planned_seconds(const std::string& scene_text, const SweepCase& one);
+
+/// Reads every case (on `threads`, or all cores) and estimates what it costs; 0 for one that is refused.
+/// @throws SceneError when all are refused, with all reasons
+std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads = 0);
+
+/// Runs a case of the scene in `scene_text`. Whatever goes wrong with it is in the row: findings of the scene, the
+/// integrator's words. `interrupted` is asked after each step. @throws Interrupted when it says yes
+SweepRow run_case(const std::string& scene_text, const SweepCase& one, const std::function<bool()>& interrupted = {});
+
+}  // namespace viscobar

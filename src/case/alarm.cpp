@@ -1,0 +1,67 @@
+#include "case/alarm.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace viscobar {
+
+namespace {
+
+// Sound openings stay at 0.4, the delay of a critically damped spring, and below 5 where an impact is passed over.
+constexpr double late_opening_limit = 10.0;
+
+// Symplectic steps have a fixed size.
+bool keeps_a_tolerance(const Case& run) {
+  return is_adaptive(run.method) && !(run.method == MethodName::odeint && run.stepper == Stepper::symplectic);
+}
+
+double promised_balance(const Case& run, double energy) {
+  if (run.method == MethodName::exponential) return 1e-9 * energy;
+  const Bar& bar = run.scene.bar;
+  // An error du of the nodes is a strain of up to 2 du / h.
+  const double strained = 2.0 * static_cast<double>(run.elements) * std::sqrt(bar.modulus / bar.length);
+  const double slope = std::sqrt(2.0 * energy) * (std::sqrt(bar.density * bar.length) + strained);
+  return 200.0 * (run.tolerance.relative * energy + run.tolerance.absolute * slope);
+}
+
+}  // namespace
+
+std::vector<Alarm> alarms(const Case& run, const BarSystem& system, const Statistics& statistics) {
+  std::vector<Alarm> all;
+  if (!statistics.completed || is_scheme(run.method)) return all;
+  const bool tolerant = run.method == MethodName::exponential || keeps_a_tolerance(run);
+  if (tolerant && statistics.energy) {
+    const EnergyAccount& energy = *statistics.energy;
+    const double largest = std::max({energy.initial, energy.final, std::abs(energy.dissipated), std::abs(energy.work)});
+    const double sound = promised_balance(run, largest), off = std::abs(energy.balance_error());
+    if (!(off <= sound))
+      all.push_back(
+          {fmt::format("the energy balance is off by {:.2g}, where the tolerances promise {:.2g} and the largest "
+                       "of its terms is {:.2g}",
+                       energy.balance_error(), sound, largest),
+           !(off <= 0.01 * largest)});
+    if (energy.dissipated < -sound)
+      all.push_back({fmt::format("energy grew with nothing working: {:.2g} was dissipated", energy.dissipated),
+                     energy.dissipated < -0.01 * largest});
+    if (energy.work == 0.0 && run.epsilon && is_penalised(run.method) && !system.contacts().empty()) {
+      const double softest = std::ranges::min(system.contacts(), {}, &Contact::weight).weight / *run.epsilon;
+      const double deepest = std::sqrt(2.0 * (energy.initial + sound) / softest);
+      if (statistics.max_penetration > deepest)
+        all.push_back(
+            {fmt::format(
+                 "a penetration of {:.3g} is deeper than all the energy of the bar can press the spring, {:.3g}",
+                 statistics.max_penetration, deepest),
+             true});
+    }
+  }
+  if (const LateOpening& late = statistics.late_opening; late.ratio > late_opening_limit)
+    all.push_back(
+        {fmt::format("the contact that opens at t = {:.9g} pulls {:.2g} times as much there as the tolerances explain",
+                     late.time, late.ratio),
+         late.ratio > 10.0 * late_opening_limit});
+  return all;
+}
+
+}  // namespace viscobar

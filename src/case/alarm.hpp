@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "viscobar/case/case.hpp"
+
+namespace viscobar {
+
+/// That the numbers of a run contradict each other: it is further from the solution than its method promises.
+struct Alarm {
+  std::string what;      ///< what contradicts what, by how much
+  bool ruinous = false;  ///< whether nothing of the result can be relied on
+};
+
+/// Alarms of a run of `system`, that of the case, which came to its end, by what it knows of itself; none where it is
+/// sound.
+///
+/// - The energy balance, |final + dissipated - initial - work|, beyond what the promise of the tolerances makes of it,
+///
+///       2 * 100 (relative E + absolute sqrt(2 E) (sqrt(rho L) + 2 J sqrt(modulus / L))),
+///
+///   E the largest of its terms; of `exponential`, beyond 1e-9 E. Ruinous beyond a hundredth of E. The schemes close
+///   their balance by definition, and steps of fixed size promise nothing.
+/// - Something dissipated that is negative by more than that: energy grew with nothing working.
+/// - A penetration deeper than all the energy there was could press its spring, d^2 k / 2 > E, where no load works.
+///   Ruinous.
+/// - An opening with a pull left, LateOpening::ratio > 10, ruinous above 100.
+std::vector<Alarm> alarms(const Case& run, const BarSystem& system, const Statistics& statistics);
+
+}  // namespace viscobar

@@ -1,0 +1,132 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <optional>
+#include <string_view>
+
+#include "case/findings.hpp"
+#include "case/memory.hpp"
+#include "case/method_table.hpp"
+#include "scene/printable.hpp"
+#include "viscobar/case/case.hpp"
+
+namespace viscobar {
+
+namespace {
+
+// Beyond it the first element is less than the rounding of the nodes of a large mesh; it gained nothing long before.
+constexpr double largest_grading = 1e6;
+
+void check_values(const Case& run, Findings& findings) {
+  const auto positive = [&](const char* key, double value) {
+    if (!(std::isfinite(value) && value > 0.0))
+      findings.report(key, fmt::format("must be positive and finite, is {}", value));
+  };
+  positive("time.end", run.end);
+  positive("output.every", run.output_every);
+  if (run.step) positive("method.step", *run.step);
+  if (run.epsilon) positive("contact.epsilon", *run.epsilon);
+  if (run.restitution && !(*run.restitution >= 0.0 && *run.restitution <= 1.0))
+    findings.report("contact.restitution", fmt::format("must lie in [0, 1], is {}", *run.restitution));
+  const auto tolerance = [&](const char* key, double value, double largest) {
+    if (!(value > 0.0 && value <= largest))
+      findings.report(key, fmt::format("must be positive and at most {}, is {}", largest, value));
+  };
+  tolerance("method.relative_tolerance", run.tolerance.relative, 0.1);
+  tolerance("method.absolute_tolerance", run.tolerance.absolute, 1e300);
+  if (run.elements < 1) findings.report("mesh.elements", "must be at least 1");
+  if (!(run.grading >= 1.0 && run.grading <= largest_grading))
+    findings.report("mesh.grading", fmt::format("must lie in [1, {}], is {}", largest_grading, run.grading));
+}
+
+void check_times(const Case& run, Findings& findings) {
+  const bool timed = findings.sound({"time.end"});
+  if (timed && findings.sound({"output.every"}) && run.end / run.output_every > 1e8)
+    findings.report("output.every", fmt::format("gives more than 1e8 output times up to end = {}", run.end));
+  if (!is_scheme(run.method) || !findings.sound({"method.name"})) return;
+  if (!run.step)
+    findings.report("method.step", fmt::format("is missing: {} has a fixed time step", name(run.method)));
+  else if (timed && findings.sound({"method.step"}) && run.end / *run.step > 1e12)
+    findings.report("method.step", fmt::format("gives more than 1e12 steps up to end = {}", run.end));
+}
+
+void check_massless(const Case& run, Findings& findings) {
+  const Scene& scene = run.scene;
+  const bool left = is_obstacle(scene.left), right = is_obstacle(scene.right);
+  const std::size_t needed = 1 + static_cast<std::size_t>(left) + static_cast<std::size_t>(right);
+  if (scene.span && run.mass == Mass::redistributed)
+    findings.report("mesh.mass",
+                    "\"redistributed\" cannot serve a span obstacle: every node is a contact node "
+                    "and must keep its mass; use \"consistent\" or \"lumped\"");
+  else if (!scene.span && run.elements < needed)
+    findings.report("mesh.elements", fmt::format("mass \"redistributed\" needs at least {} elements here", needed));
+}
+
+void check_grading(const Case& run, Findings& findings) {
+  if (run.grading == 1.0 || !findings.sound({"left.kind", "right.kind"})) return;
+  if (!is_obstacle(run.scene.left) && !is_obstacle(run.scene.right))
+    findings.report("mesh.grading", "has no end with an obstacle to shrink the elements towards; leave it out");
+  else if (effective_mass(run) == Mass::paper && findings.sound({"mesh.mass", "method.name"}))
+    findings.report("mesh.grading",
+                    "does not fit the mass \"paper\", which has one weight h for all nodes; leave it out, or use "
+                    "\"lumped\"");
+}
+
+void check_memory(const Case& run, Findings& findings) {
+  if (!findings.sound({"mesh.elements", "method.name", "time.end", "output.every"})) return;
+  const double need = memory_need(run).bytes, limit = memory_limit();
+  if (need > limit)
+    findings.report(
+        "mesh.elements",
+        fmt::format("{} on {} elements would need {:.3g} GB of memory, here are {:.3g}; take fewer{}", name(run.method),
+                    run.elements, need / 1e9, limit / 1e9,
+                    run.method == MethodName::exponential ? ", or another method: its matrices are dense" : ""));
+}
+
+void check_initial_nodes(const Case& run, Findings& findings) {
+  if (!findings.sound({"bar.length"})) return;
+  Mesh mesh = run.mesh();
+  if (!findings.sound({"mesh.elements"})) mesh.elements = 1;  // the nodes 0 and L are those of any mesh
+  if (!findings.sound({"mesh.grading"})) mesh.grading = {};
+  std::optional<Finding> displacement, velocity;
+  for (std::size_t j = 0; j < mesh.nodes() && !(displacement && velocity); ++j) {
+    const double x = mesh.node(j), u = run.scene.displacement(x), v = run.scene.velocity(x);
+    if (!displacement && !std::isfinite(u))
+      displacement = {"initial.displacement", fmt::format("is {} at x = {}", printable(u), x)};
+    if (!velocity && !std::isfinite(v))
+      velocity = {"initial.velocity", fmt::format("is {} at x = {}", printable(v), x)};
+    if (!displacement && run.scene.span && u < -run.scene.span->gap)
+      displacement = {"initial.displacement", fmt::format("penetrates the obstacle of [span]: u_0({}) = {} < -gap = {}",
+                                                          x, u, -run.scene.span->gap)};
+  }
+  for (const auto& one : {displacement, velocity})
+    if (one) findings.add({*one});
+}
+
+}  // namespace
+
+std::vector<Finding> validate(const Case& run, const std::vector<std::string>& faulty) {
+  Findings findings(faulty);
+  findings.add(validate(run.scene));
+  check_values(run, findings);
+
+  const Scene& scene = run.scene;
+  const bool obstacle = is_obstacle(scene.left) || is_obstacle(scene.right) || scene.span.has_value();
+  check_times(run, findings);
+  if (is_penalised(run.method) && obstacle && !run.epsilon && findings.sound({"method.name"}))
+    findings.report("contact.epsilon", fmt::format("is missing: {} penalises the obstacle", name(run.method)));
+  if (is_fixed(scene.left) && is_fixed(scene.right) && run.elements < 2)
+    findings.report("mesh.elements", "both ends are fixed: 2 elements are needed for one unknown node");
+  if (effective_mass(run) == Mass::redistributed && findings.sound({"mesh.mass", "method.name"}))
+    check_massless(run, findings);
+  check_grading(run, findings);
+  check_memory(run, findings);
+  check_initial_nodes(run, findings);
+  if (const auto refuse = method_row(run.method).refuse; refuse && findings.sound({"method.name"}))
+    refuse(run, findings);
+  return findings.take();
+}
+
+}  // namespace viscobar

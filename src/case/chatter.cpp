@@ -1,0 +1,60 @@
+#include "case/chatter.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace viscobar {
+
+ChatterWatch::ChatterWatch(const BarSystem& system)
+    : window_(2.0 * system.mesh().length * std::sqrt(system.bar().density / system.bar().modulus)) {
+  for (const Contact& contact : system.contacts()) {
+    auto& bursts = contact.where == Where::span ? span_ : ends_;
+    bursts.resize(system.mesh().nodes());
+  }
+}
+
+std::optional<ChatterWatch::Chatter> ChatterWatch::heard(const Event& event) {
+  if (told_ || event.change == Change::opening) return std::nullopt;
+  Burst& burst = (event.where == Where::span ? span_ : ends_)[event.node];
+  if (burst.closings == 0 || event.time - burst.since > window_) burst = {event.time, 0};
+  if (++burst.closings < closings) return std::nullopt;
+  told_ = true;
+  return Chatter{event.where, event.node, burst.since, event.time};
+}
+
+std::string chatter_remedies(const Case& run, const std::optional<ContactRegime>& regime, Where where) {
+  const bool elastic =
+      is_penalised(run.method) ? !(run.restitution && *run.restitution == 0.0) : run.restitution.value_or(0.0) > 0.0;
+  std::string remedies;
+  const auto add = [&](std::string remedy) { remedies += (remedies.empty() ? "" : ", ") + std::move(remedy); };
+  if (where != Where::span && run.mass != Mass::redistributed && run.method != MethodName::rigid)
+    add("mesh.mass = \"redistributed\"");
+  if (elastic) add("contact.restitution = 0");
+  if (regime && regime->quiet_epsilon > 0.0)
+    add(fmt::format("contact.epsilon of at least {:.2g}", regime->quiet_epsilon));
+  else if (is_penalised(run.method))
+    add("a larger contact.epsilon");
+  return remedies;
+}
+
+std::string chatter_warning(const Case& run, const BarSystem& system, const ChatterWatch::Chatter& chatter) {
+  const std::vector<ContactRegime> regimes = contact_regimes(run, system);
+  const auto found = std::ranges::find(regimes, chatter.where, &ContactRegime::where);
+  const std::optional<ContactRegime> regime = found == regimes.end() ? std::nullopt : std::optional(*found);
+  const std::string place = chatter.where == Where::left    ? "the left end"
+                            : chatter.where == Where::right ? "the right end"
+                                                            : fmt::format("node {} of the span", chatter.node);
+  const std::string ratio =
+      regime && regime->damping_ratio ? fmt::format(", damping ratio zeta = {:.3g}", *regime->damping_ratio) : "";
+  const std::string remedies = chatter_remedies(run, regime, chatter.where);
+  return fmt::format(
+      "chatter: {} closed {} times from t = {:.6g} to {:.6g}, within less time than a wave needs to cross the bar and "
+      "come back, so its node rebounds by itself and not with the bar{}; every bounce is followed and counted, which "
+      "costs steps{}{}",
+      place, ChatterWatch::closings, chatter.since, chatter.until, ratio,
+      remedies.empty() ? "" : "; what helps: ", remedies);
+}
+
+}  // namespace viscobar

@@ -1,0 +1,59 @@
+#include "case/end_traces.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace viscobar {
+
+EndTraces trace_ends(const Case& run, std::span<const double> times) {
+  const BarSystem system = make_system(run);
+  EndTraces traces;
+  traces.left.reserve(times.size());
+  traces.right.reserve(times.size());
+  Observers observers;
+  observers.snapshot = [&](const Snapshot& s) {
+    traces.left.push_back(s.u.front());
+    traces.right.push_back(s.u.back());
+  };
+  observers.event = [&](const Event& event) { traces.events.push_back(event); };
+  traces.statistics = simulate(run, system, times, observers);
+  return traces;
+}
+
+std::vector<Event> contact_changes(const Case& run) {
+  std::vector<Event> events;
+  Observers observers;
+  observers.event = [&](const Event& event) { events.push_back(event); };
+  simulate(run, make_system(run), std::array{0.0, run.end}, observers);
+  return events;
+}
+
+double largest_difference(const EndTraces& a, const EndTraces& b) {
+  double largest = 0.0;
+  for (std::size_t k = 0; k < a.left.size(); ++k)
+    largest = std::max({largest, std::abs(a.left[k] - b.left[k]), std::abs(a.right[k] - b.right[k])});
+  return largest;
+}
+
+std::vector<double> comparison_times(double end, std::size_t uniform, std::span<const Event> changes) {
+  constexpr double decades = 6.0;
+  const double interval = end / static_cast<double>(uniform);
+  std::vector<double> times;
+  for (std::size_t k = 0; k < uniform; ++k) times.push_back(static_cast<double>(k) * interval);
+  // A hundred a change are 15 % apart: a smooth maximum is then missed by less than 1 %.
+  const std::size_t each = changes.empty() ? 0 : std::clamp<std::size_t>(200000 / changes.size(), 10, 100);
+  for (const Event& change : changes)
+    for (std::size_t k = 0; k < each; ++k)
+      times.push_back(change.time +
+                      interval * std::pow(10.0, -decades * static_cast<double>(k) / static_cast<double>(each)));
+  std::sort(times.begin(), times.end());
+  const double closest = 1e-12 * end;
+  std::vector<double> apart = {0.0};
+  for (const double t : times)
+    if (t - apart.back() > closest && end - t > closest) apart.push_back(t);
+  apart.push_back(end);
+  return apart;
+}
+
+}  // namespace viscobar

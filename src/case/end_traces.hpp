@@ -1,0 +1,33 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "viscobar/case/case.hpp"
+#include "viscobar/run/run.hpp"
+
+namespace viscobar {
+
+/// u at both ends of a run, one value each a time, and its contact changes.
+struct EndTraces {
+  std::vector<double> left;   ///< u(0, t_k)
+  std::vector<double> right;  ///< u(L, t_k)
+  std::vector<Event> events;  ///< contact changes in order of time
+  Statistics statistics;      ///< of the run
+};
+
+/// Runs a sound case on the given times. @throws IntegrationError
+EndTraces trace_ends(const Case& run, std::span<const double> times);
+
+/// The contact changes of a sound case alone. @throws IntegrationError
+std::vector<Event> contact_changes(const Case& run);
+
+/// max over time and both ends of |u - u'|; the traces share their times.
+double largest_difference(const EndTraces& a, const EndTraces& b);
+
+/// Times on [0, end] at which the largest difference of two runs shows: `uniform` intervals, and after each contact
+/// change times in geometric progression from a millionth of an interval on, since a bounce on the penalty lasts
+/// O(sqrt(epsilon)) and leaves its largest difference then.
+std::vector<double> comparison_times(double end, std::size_t uniform, std::span<const Event> changes);
+
+}  // namespace viscobar

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+
+#include "viscobar/case/case.hpp"
+
+namespace viscobar {
+
+/// What a run allocates that grows with its size, in vectors with an entry an unknown node, and with the list of its
+/// output times; to a third or so.
+struct MemoryNeed {
+  double vectors = 0.0;  ///< with an entry an unknown node
+  double bytes = 0.0;    ///< of these and of the output times
+};
+
+/// Of a case with sound values; nothing is allocated to tell.
+MemoryNeed memory_need(const Case& run);
+
+/// Bytes that this process can have: the memory of the machine, or less where a limit is set for the process
+/// (`ulimit -v`) or its group (Linux, /sys/fs/cgroup/memory.max).
+double memory_limit();
+
+}  // namespace viscobar

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "viscobar/case/case.hpp"
+
+namespace viscobar {
+
+/// Largest penetration of the first impact at a given speed, within a factor of two.
+struct ImpactPrediction {
+  /// What the contact sets in motion first: a viscous layer, an elastic wave, or the end node alone.
+  enum class Layer { viscous, elastic, node };
+  double speed = 0.0;         ///< V > 0, towards the obstacle
+  double penetration = 0.0;   ///< at its peak
+  Layer layer = Layer::node;  ///< on which it rests
+};
+
+/// How a penalised contact behaves on its mesh, judged by the oscillator that its node is: mass m, spring k = w /
+/// epsilon, dashpot to the next node.
+struct ContactRegime {
+  Where where = Where::left;    ///< of the obstacle
+  double effective_mass = 0.0;  ///< m = 1 / (e . (rho M)^{-1} e); 0 for a massless node, which cannot bounce
+  /// zeta = (eta/h) / (2 sqrt(k m)) + zeta of the contact's own dashpot; absent without mass. Of a span obstacle only
+  /// the latter counts: a bar that falls flat does not strain.
+  std::optional<double> damping_ratio;
+  /// zeta < 1 at an epsilon below quiet_epsilon: the node rebounds, and as epsilon goes to 0 contact changes come in
+  /// the hundreds.
+  bool chatters = false;
+  /// The epsilon from which an end with mass does not chatter: viscosity alone gives zeta = 1 from 4 m h^2 / eta^2 on,
+  /// and from h / E on the spring is softer than the element behind it, so that the bar decides and not the node.
+  double quiet_epsilon = 0.0;
+  /// Absent where the initial velocity does not point to the obstacle.
+  std::optional<ImpactPrediction> impact;
+};
+
+/// Peak of the penetration of a long bar that meets a penalised obstacle at speed V > 0.
+///
+/// In the bar the impedance rho E + rho eta s gives, after Laplace transformation,
+///     d^(s) = V epsilon Z / (s (1 + epsilon s Z)),   Z = sqrt(rho (E + eta s)).
+/// A short contact (s eta >> E) sees Z = sqrt(rho eta s): with tau = (epsilon sqrt(rho eta))^(2/3),
+///     d = 0.858 V tau   at   1.646 tau,
+/// a long one Z = sqrt(rho E): d = V epsilon sqrt(rho E). epsilon has the unit displacement per stress, so epsilon
+/// sqrt(rho eta) is time^(3/2) and epsilon sqrt(rho E) a time. The strained layer, sqrt(eta tau / rho) or E epsilon,
+/// must exceed h for this to be seen on a mesh: epsilon > rho h^3 / eta^2, or epsilon > h / E.
+///
+/// Otherwise the end node stops alone, its neighbour going on at V: m d'' + (eta/h)(d' - V) + d/epsilon = 0 has the
+/// peak
+///     d = (V / omega) (2 zeta + exp(-zeta (pi - arccos zeta) / sqrt(1 - zeta^2))),   omega = 1 / sqrt(m epsilon),
+/// and without mass the force is that of the dashpot or of the wave, d = V epsilon max(eta / h, sqrt(rho E)). A
+/// contact's own dashpot makes it smaller; it is left out.
+ImpactPrediction predict_impact(const Bar& bar, double spacing, double effective_mass, double epsilon, double speed);
+
+/// One for each end with an obstacle and one, its worst, for a span obstacle, of a penalised method with epsilon > 0;
+/// empty otherwise.
+std::vector<ContactRegime> contact_regimes(const Case& run, const BarSystem& system);
+
+}  // namespace viscobar

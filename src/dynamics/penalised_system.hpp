@@ -1,0 +1,189 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "viscobar/dynamics/bar_system.hpp"
+#include "viscobar/dynamics/penalty_law.hpp"
+
+namespace viscobar {
+
+/// The semi-discrete system with penalised obstacles,
+///
+///     rho M u'' = M f(t) - E K u - eta K u' + sum_i R_i e_i,     R_i = k_i d_i + b_i d_i' while contact i is closed,
+///
+/// d_i = -(u_i + gap_i). Which contacts are closed is a state of its own, frozen while an integrator makes its
+/// steps: between two changes the system is linear with constant coefficients, so a method sees a smooth problem
+/// and a change is a located event [Petrov 2010, section 1].
+///
+/// At epsilon = 0, on massless contact nodes, this is the rigid obstacle: k is infinite, a closed node is held at -gap,
+/// its reaction is what its row lacks, and it opens when that reaches zero.
+///
+/// Refers to a BarSystem that must outlive it; one object per integration (it owns the load's buffers).
+class PenalisedSystem {
+ public:
+  /// @throws std::invalid_argument for epsilon = 0 where a contact node has mass
+  PenalisedSystem(const BarSystem& bar, const Penalty& penalty);
+
+  const BarSystem& bar() const { return bar_; }     ///< without its contacts
+  std::size_t size() const { return bar_.size(); }  ///< n, number of unknown nodes
+
+  std::size_t contact_count() const { return laws_.size(); }                  ///< N
+  const Contact& contact(std::size_t i) const { return bar_.contacts()[i]; }  ///< 0 <= i < N
+  const PenaltyLaw& law(std::size_t i) const { return laws_[i]; }             ///< of contact i
+  bool closed(std::size_t i) const { return closed_[i] != 0; }                ///< whether contact i acts
+  void set_closed(std::size_t i, bool closed);                                ///< from here on
+  /// Changes whenever a contact does: a factor of the dynamic stiffness is valid for one revision.
+  std::uint64_t revision() const { return revision_; }
+
+  /// Measures the displacement of the node of contact i from its obstacle from here on, those of a span obstacle
+  /// together: the penetration keeps all its digits, however stiff the spring. `u` is changed to match, unless it is
+  /// empty; whatever takes a u below expects it so. A node is measured from one obstacle only, the first.
+  void measure_from_obstacle(std::size_t i, std::span<double> u);
+  /// Whether that of contact i is.
+  bool measured_from_obstacle(std::size_t i) const { return measured_[i] != 0; }
+  /// What is to be added to u to have displacements: -gap at nodes measured from their obstacle, 0 at others; empty
+  /// where there are none.
+  std::span<const double> origin() const { return origin_; }
+  /// max |u_j| of the displacements
+  double largest_displacement(std::span<const double> u) const;
+
+  /// Puts the node of contact i on its obstacle.
+  void place_on_obstacle(std::size_t i, std::span<double> u) const { u[contact(i).unknown] = -offsets_[i]; }
+  /// Displacement of the node of contact i plus gap_i.
+  double clearance(std::size_t i, std::span<const double> u) const { return u[contact(i).unknown] + offsets_[i]; }
+  /// What decides whether contact i is closed: the sign of p = linear part of some entries of (u, w) + offset(t),
+  /// negative where it should be closed. p is a displacement:
+  ///
+  ///     a node with inertia or viscosity    its clearance
+  ///     a contact that holds(), while it is closed
+  ///                                         (h/E) times minus its reaction, u_1 + gap + (eta/E) w_1 + (h/E) (M f)_i
+  ///     an undamped massless node           the same in either state, its clearance while it is open: its own
+  ///                                         displacement shrinks by 1 + k h/E as it closes, this one passes smoothly
+  std::vector<std::size_t> indicator_entries(std::size_t i) const;
+  /// What the values of those entries, in their order, give of p.
+  double indicator_linear(std::size_t i, std::span<const double> entries) const;
+  double indicator_offset(std::size_t i, double t);  ///< the rest: gap, and load where the row asks for it
+  /// Penetration of a closed contact per -p.
+  double penetration_share(std::size_t i) const;
+  /// omega = sqrt(k / m) of the node on its spring alone, m = rho M_ii; 0 without mass, where nothing oscillates.
+  double contact_rate(std::size_t i) const { return rates_[i]; }
+  /// Whether a step of that length passes over the spring of contact i, omega times it > 10: formulas of order five
+  /// accept one only where the oscillation is below their tolerance.
+  bool is_passed_over(std::size_t i, double length) const { return rates_[i] * length > 10.0; }
+  /// Whether the node of closed contact i rests on a stiff spring, kappa > 1e4, after so long without a contact change:
+  /// the dashpot has left of the oscillation less than exp(-40), which is below rounding, zeta omega = b / (2 m).
+  bool has_come_to_rest(std::size_t i, double time) const;
+  bool rigid() const { return rigid_; }  ///< epsilon = 0
+  /// Whether contact i, while closed, holds its node at -gap: a rigid one does, and a spring on a massless node that
+  /// gives way by less than the rounding of the strain, kappa = k h / E > (1 + eta / (h sqrt(E rho))) / rounding.
+  bool holds(std::size_t i) const { return holds_[i] != 0; }
+  /// Whether contact i is closed on a node without mass and a stiff spring, kappa > 1e4, whose penetration is at once
+  /// what the strain beside it makes of it.
+  bool relaxes(std::size_t i) const;
+  /// k h / E
+  double relative_stiffness(std::size_t i) const;
+  /// What a clearance may be wrong by through rounding alone, for displacements up to `largest`.
+  double clearance_rounding(std::size_t i, double largest) const;
+  /// What p may be wrong by through rounding alone: the same; of the clearance of a closed contact measured from its
+  /// obstacle, that of the strain beside it, which gives way by 1 / (1 + kappa) of it.
+  double indicator_rounding(std::size_t i, double largest) const;
+
+  /// out = M f(t) - E K u - eta K w + reactions; w is the velocity of all unknowns.
+  void force(double t, std::span<const double> u, std::span<const double> w, std::span<double> out);
+
+  /// D(m,c,k) = m rho M + (c eta + k E) K + sum over closed contacts of (k k_i + c b_i) e_i e_i^T.
+  void dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const;
+
+  /// To be called where a leg begins: the time to which the load stays smooth, `end` at most (see LoadVector::enter).
+  double begin_leg(double t, double end) { return load_ ? load_->enter(t, end) : end; }
+
+  /// Sets the velocity of massless unknowns from their rows, which have no inertia: for eta > 0 the row itself, for
+  /// eta = 0 its time derivative.
+  void complete_velocity(double t, std::span<const double> u, std::span<double> w);
+
+  /// Sets the displacement of massless unknowns for eta = 0, where their rows are algebraic. Nothing to do otherwise.
+  void complete_displacement(double t, std::span<double> u);
+
+  /// The row of an unknown whose inertia counts for little, as an equation of first order: with n the one or two
+  /// neighbours,
+  ///
+  ///     u_i' + rate u_i = sum_n (u_share u_n + w_share u_n' - a_share u_n'') + load_share (M f)_i + constant.
+  struct RelaxingRow {
+    /// What n contributes.
+    struct Neighbour {
+      std::size_t unknown;  ///< n
+      double u_share;       ///< of its displacement, per time
+      double w_share;       ///< of its velocity
+      double a_share;       ///< of its acceleration, a time: off the diagonal of the mass
+    };
+    std::size_t unknown;                  ///< i
+    double rate;                          ///< per time
+    double load_share;                    ///< of the load, velocity per force
+    double constant;                      ///< of springs and fixed ends, a velocity
+    double inertia;                       ///< m over the stiffness, a time squared: what u_i'' adds is -rate times it
+    std::array<Neighbour, 2> neighbours;  ///< the first `count`
+    std::size_t count;                    ///< 1 or 2
+  };
+  /// Those of the massless unknowns that are not held, as long as no contact changes; none for eta = 0.
+  std::vector<RelaxingRow> relaxing_rows() const;
+  /// That of the node of contact i, with mass, closed on a spring that a step passes over. Without damping it follows
+  /// its neighbours at 1000 omega.
+  RelaxingRow resting_row(std::size_t i) const;
+  /// (M f)_i at t, 0 without a load.
+  double load(std::size_t unknown, double t) { return load_ ? load_->at(t)[unknown] : 0.0; }
+  /// Two times of the leg, 1e-4 element transit times or less to either side of t: the difference of the loads there
+  /// gives the load's rate at t. The same time twice in a leg that is too short to have a rate.
+  std::pair<double, double> beside(double t) const;
+
+  /// Opens or closes each contact as the state at the start asks for: closed when it penetrates, or touches and moves
+  /// in, or touches at rest and is pressed in. Completes u and w at massless nodes on the way.
+  void settle(double t, std::span<double> u, std::span<double> w);
+
+  /// Reaction of contact i.
+  double reaction(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
+
+  /// Kinetic, elastic and contact energy.
+  double energy(std::span<const double> u, std::span<const double> w) const;
+  /// eta w.K w + sum b_i w_i^2
+  double dissipated_power(std::span<const double> w) const;
+  /// w.M f(t)
+  double load_power(double t, std::span<const double> w);
+  bool dissipates() const { return bar_.damped() || dashpots_; }  ///< by viscosity or a dashpot
+  bool loaded() const { return load_.has_value(); }               ///< f is not zero
+  bool load_varies() const { return load_ && !load_->steady(); }  ///< f depends on time
+
+  /// Of the load's functions of time so far.
+  std::size_t load_evaluations() const { return load_ ? load_->evaluations() : 0; }
+
+ private:
+  bool massless(std::size_t unknown) const;
+  static std::size_t neighbour(std::size_t end) { return end == 0 ? 1 : end - 1; }
+  bool gives_way_by_rounding(std::size_t i) const;
+  bool held(std::size_t unknown) const;
+  void complete_velocity_of(std::size_t end, double t, std::span<const double> u, std::span<double> w);
+  void complete_displacement_of(std::size_t end, double t, std::span<double> u);
+  double stiffness_of_closed(std::size_t unknown) const;
+  double acting_stiffness(std::size_t i) const;  // k, infinite where it holds
+  bool follows(std::size_t i) const {
+    return massless(contact(i).unknown) && !bar_.damped();
+  }  // its neighbour, at once
+  double origin_at(std::size_t unknown) const { return origin_.empty() ? 0.0 : origin_[unknown]; }
+  void find_offsets();
+
+  const BarSystem& bar_;
+  std::vector<PenaltyLaw> laws_;
+  std::vector<double> rates_;  // omega of each contact
+  std::vector<unsigned char> closed_, measured_, holds_;
+  std::vector<double> origin_, origin_force_, offsets_;  // the force -E K origin; clearance minus u of each contact
+  bool dashpots_ = false, rigid_ = false;
+  std::uint64_t revision_ = 0;
+  std::optional<LoadVector> load_;
+};
+
+}  // namespace viscobar

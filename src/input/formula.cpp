@@ -1,0 +1,223 @@
+#include "input/formula.hpp"
+
+#include <fmt/format.h>
+#include <muParser.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "input/formula_switches.hpp"
+#include "input/text_check.hpp"
+#include "scene/printable.hpp"
+#include "text/nearest_name.hpp"
+
+namespace viscobar {
+
+namespace {
+
+constexpr std::array<std::string_view, 10> functions = {"sin",  "cos", "tan", "exp", "log",
+                                                        "sqrt", "abs", "min", "max", "pi"};
+
+// Binds the names a formula knows, and nothing else of what the library would offer.
+void define_names(mu::Parser& parser) {
+  parser.ClearFun();
+  parser.ClearConst();
+  using Unary = double (*)(double);
+  parser.DefineFun("sin", static_cast<Unary>(std::sin));
+  parser.DefineFun("cos", static_cast<Unary>(std::cos));
+  parser.DefineFun("tan", static_cast<Unary>(std::tan));
+  parser.DefineFun("exp", static_cast<Unary>(std::exp));
+  parser.DefineFun("log", static_cast<Unary>(std::log));
+  parser.DefineFun("sqrt", static_cast<Unary>(std::sqrt));
+  parser.DefineFun("abs", static_cast<Unary>(std::fabs));
+  parser.DefineFun(
+      "min", +[](const double* values, int n) { return *std::min_element(values, values + n); });
+  parser.DefineFun(
+      "max", +[](const double* values, int n) { return *std::max_element(values, values + n); });
+  parser.DefineConst("pi", std::numbers::pi);
+}
+
+// The parser reads its variables through pointers; a copy compiles anew, over variables of its own.
+class Compiled {
+ public:
+  explicit Compiled(std::string text) : text_(std::move(text)) {
+    define_names(parser_);
+    parser_.DefineVar("x", &x_);
+    parser_.DefineVar("t", &t_);
+    parser_.SetExpr(text_);
+  }
+  Compiled(const Compiled& other) : Compiled(other.text_) {}
+  Compiled& operator=(const Compiled&) = delete;
+  ~Compiled() = default;
+
+  double operator()(double x, double t) {
+    x_ = x;
+    t_ = t;
+    return parser_.Eval();
+  }
+
+ private:
+  std::string text_;
+  double x_ = 0.0, t_ = 0.0;
+  mu::Parser parser_;
+};
+
+// muParser's time grows with the square of the length, its stack with the depth.
+constexpr std::size_t longest = 4096, deepest = 200;
+
+std::string at(std::size_t index) { return fmt::format(" at character {}", index + 1); }
+
+/// What to write instead of what other languages know.
+struct Habit {
+  std::string_view word, instead;
+};
+constexpr Habit habits[] = {
+    {"ln", "log is the natural logarithm"},
+    {"pow", "a power is written x^2"},
+    {"e", "the exponential function is exp"},
+    {"if", "a case is written condition ? then : else"},
+    {"heaviside", "a step is written x < 0.5 ? 0 : 1"},
+    {"step", "a step is written x < 0.5 ? 0 : 1"},
+    {"sign", "a sign is written x < 0 ? -1 : 1"},
+    {"and", "both is written &&"},
+    {"or", "one of two is written ||"},
+    {"not", "not is written == 0"},
+    {"L", "the length is written as a number"},
+};
+
+bool starts_name(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+
+std::string foreign_character(std::string_view text, std::size_t i) {
+  const auto continues = [&](std::size_t k) { return k < text.size() && (text[k] & 0xC0) == 0x80; };
+  std::size_t end = i + 1, before = 0;
+  while (continues(end)) ++end;
+  for (std::size_t k = 0; k < i; ++k) before += continues(k) ? 0 : 1;
+  const std::string_view ascii = ascii_for(text.substr(i, end - i));
+  return fmt::format("the formula holds a character that is no part of a formula{}{}{}", at(before),
+                     ascii.empty() ? "" : "; write ", ascii == " " ? "a plain blank" : ascii);
+}
+
+void check_size(std::string_view text) {
+  if (text.size() > longest)
+    throw FormulaError(fmt::format("the formula is too long: {} characters, at most {}", text.size(), longest));
+  std::size_t depth = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == ')' && depth > 0) --depth;
+    if (text[i] == '(' && ++depth > deepest)
+      throw FormulaError(fmt::format("the formula nests parentheses more than {} deep{}", deepest, at(i)));
+  }
+}
+
+// What the library takes but a formula must not hold: assignments, bytes that are no printable ASCII, strings.
+void check_characters(std::string_view text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    const bool blank = c == ' ' || c == '\t' || c == '\n' || c == '\r';
+    if (!blank && (c < ' ' || c > '~' || c == '"')) throw FormulaError(foreign_character(text, i));
+    if (text.substr(i).starts_with("**")) throw FormulaError("the formula has **" + at(i) + "; a power is written ^");
+    if (c != '=') continue;
+    const bool compares = (i > 0 && std::string_view("<>!").find(text[i - 1]) != std::string_view::npos) ||
+                          (i + 1 < text.size() && text[i + 1] == '=');
+    if (!compares) throw FormulaError("the formula assigns with =" + at(i) + "; comparison is ==");
+    if (i + 1 < text.size() && text[i + 1] == '=') ++i;
+  }
+}
+
+std::string unknown_token(std::string_view token, std::string_view variables, std::size_t position) {
+  token = token.substr(0, token.find_first_of(" \t\r\n"));
+  if (token.empty() || !starts_name(token.front()))
+    return fmt::format("cannot be understood from \"{}\"{} on", token, at(position));
+  if (token == "x" || token == "t")
+    return fmt::format("uses {}{}, but is a function of {} alone", token, at(position), variables);
+  if (std::find(functions.begin(), functions.end(), token) != functions.end())
+    return fmt::format("names the function {}{} without its arguments in parentheses", token, at(position));
+  for (const Habit& habit : habits)
+    if (habit.word == token) return fmt::format("knows no \"{}\"{}; {}", token, at(position), habit.instead);
+  std::optional<std::string_view> nearest;
+  if (token.size() > 1) nearest = nearest_name(token, functions);
+  for (std::size_t i = 0; i < variables.size(); ++i)
+    if (plain_name(token) == variables.substr(i, 1)) nearest = variables.substr(i, 1);
+  return fmt::format("knows no \"{}\"{}{}", token, at(position),
+                     nearest ? fmt::format("; nearest is \"{}\"", *nearest)
+                             : fmt::format("; it may use {}{} and {}", variables.substr(0, 1),
+                                           variables.size() > 1 ? ", t" : "", fmt::join(functions, " ")));
+}
+
+constexpr std::string_view outer_comma =
+    "has a comma outside of a function's arguments; decimals are written with a point";
+
+std::string explain(const mu::ParserError& error, std::string_view text, std::string_view variables) {
+  const std::size_t position = error.GetPos() < 0 ? 0 : static_cast<std::size_t>(error.GetPos());
+  switch (error.GetCode()) {
+    case mu::ecUNASSIGNABLE_TOKEN: return unknown_token(error.GetToken(), variables, position);
+    case mu::ecUNEXPECTED_EOF: return "ends too early";
+    case mu::ecEMPTY_EXPRESSION: return "is empty";
+    case mu::ecMISSING_PARENS: return "does not close a parenthesis";
+    case mu::ecTOO_MANY_PARAMS: return fmt::format("gives {} too many arguments{}", error.GetToken(), at(position));
+    case mu::ecTOO_FEW_PARAMS: return fmt::format("gives {} too few arguments{}", error.GetToken(), at(position));
+    case mu::ecMISSING_ELSE_CLAUSE: return "has a ? without its :";
+    case mu::ecMISPLACED_COLON: return "has a : without its ?," + at(position);
+    case mu::ecUNEXPECTED_ARG:
+    case mu::ecUNEXPECTED_ARG_SEP: return std::string(outer_comma);
+    case mu::ecEXPRESSION_TOO_LONG: return "is too long";
+    default:
+      return position < text.size() ? fmt::format("does not expect \"{}\"{}", error.GetToken(), at(position))
+                                    : "is not complete";
+  }
+}
+
+}  // namespace
+
+Formula::Formula(std::string text, std::string_view variables) : text_(std::move(text)) {
+  check_size(text_);
+  check_characters(text_);
+  mu::Parser parser;
+  define_names(parser);
+  double value = 0.0;
+  for (const char variable : variables) parser.DefineVar(std::string(1, variable), &value);
+  try {
+    parser.SetExpr(text_);
+    constant_ = parser.Eval();
+    if (parser.GetNumResults() != 1) throw FormulaError(fmt::format("the formula {}", outer_comma));
+    for (const auto& [name, storage] : parser.GetUsedVar()) used_ += name;
+  } catch (const mu::ParserError& error) {
+    throw FormulaError("the formula " + explain(error, text_, variables));
+  }
+  if (uses('t')) parse_formula(text_);  // breaks() will
+  if (is_constant() && !std::isfinite(constant_))
+    throw FormulaError(fmt::format("must be finite, is {}", printable(constant_)));
+}
+
+SpaceFunction Formula::of_x() const {
+  if (is_constant()) return [value = constant_](double) { return value; };
+  return [f = Compiled(text_)](double x) mutable { return f(x, 0.0); };
+}
+
+TimeFunction Formula::of_t() const {
+  if (is_constant()) return [value = constant_](double) { return value; };
+  return [f = Compiled(text_)](double t) mutable { return f(0.0, t); };
+}
+
+SpaceTimeFunction Formula::of_x_t() const {
+  if (is_constant()) return [value = constant_](double, double) { return value; };
+  return [f = Compiled(text_)](double x, double t) mutable { return f(x, t); };
+}
+
+NextBreak Formula::breaks() const {
+  if (!uses('t')) return {};
+  FormulaSwitches switches(parse_formula(text_), false);
+  if (switches.empty()) return {};
+  return [switches](double after, double until) mutable { return switches.first(0.0, after, until); };
+}
+
+NextBreakAt Formula::breaks_at() const {
+  if (!uses('t') || !uses('x')) return {};
+  FormulaSwitches switches(parse_formula(text_), true);
+  if (switches.empty()) return {};
+  return [switches](double x, double after, double until) mutable { return switches.first(x, after, until); };
+}
+
+}  // namespace viscobar

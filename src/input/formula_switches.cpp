@@ -1,0 +1,110 @@
+#include "input/formula_switches.hpp"
+
+#include <utility>
+
+namespace viscobar {
+
+namespace {
+
+using Operation = FormulaTree::Operation;
+
+constexpr int thorough = 4096;  // evaluations of a search before it becomes coarse
+
+bool takes_two(Operation operation) {
+  switch (operation) {
+    case Operation::less:
+    case Operation::at_most:
+    case Operation::greater:
+    case Operation::at_least:
+    case Operation::equal:
+    case Operation::unequal:
+    case Operation::min:
+    case Operation::max: return true;
+    default: return false;
+  }
+}
+
+}  // namespace
+
+FormulaSwitches::FormulaSwitches(FormulaTree tree, bool with_x) : tree_(std::move(tree)) {
+  for (std::size_t i = 0, count = tree_.nodes.size(); i < count; ++i) {
+    const FormulaTree::Node node = tree_.nodes[i];
+    if (!node.uses_t || node.uses_x != with_x) continue;
+    if (takes_two(node.operation)) {
+      FormulaTree::Node difference = node;
+      difference.operation = Operation::subtract;
+      switches_.push_back(tree_.nodes.size());
+      tree_.nodes.push_back(difference);
+    } else if (node.operation == Operation::abs) {
+      switches_.push_back(static_cast<std::size_t>(node.a));
+    }
+  }
+  jets_.resize(tree_.nodes.size());
+}
+
+// Whether a branch is surely not taken, by the jets.
+bool FormulaSwitches::excluded(int branch) const {
+  for (; branch >= 0; branch = tree_.branches[branch].outer) {
+    const auto taken = truth(jets_[tree_.branches[branch].condition].value);
+    if (taken && *taken != tree_.branches[branch].when) return true;
+  }
+  return false;
+}
+
+std::optional<double> FormulaSwitches::first(double x, double after, double until) {
+  x_ = x;
+  effort_ = 0;
+  coarse_ = (until - after) / 1024;
+  return first_within(after, until);
+}
+
+std::optional<double> FormulaSwitches::first_within(double begin, double end) {
+  tree_.bound(x_, {begin, end}, jets_);
+  ++effort_;
+  open_.clear();
+  bool monotone = true;
+  for (const std::size_t g : switches_) {
+    const auto [value, slope] = jets_[g];
+    if (value.low > 0.0 || value.high <= 0.0 || slope.is(0.0) || excluded(tree_.nodes[g].branch)) continue;
+    open_.push_back(g);
+    monotone &= slope.low >= 0.0 || slope.high <= 0.0;
+  }
+  if (open_.empty()) return std::nullopt;
+  const double middle = begin + (end - begin) / 2;
+  const bool fine = !(begin < middle && middle < end) || (effort_ > thorough && end - begin <= coarse_);
+  if (!monotone && !fine) {
+    const auto found = first_within(begin, middle);
+    return found ? found : first_within(middle, end);
+  }
+  std::optional<double> first;
+  for (const std::size_t g : open_) {
+    const auto found = flip(g, begin, end);
+    if (found && (!first || *found < *first)) first = found;
+  }
+  return first;
+}
+
+double FormulaSwitches::argument_at(std::size_t argument, double t) {
+  tree_.bound(x_, {t, t}, jets_);
+  return jets_[argument].value.low;
+}
+
+// The number at which g is least, of the two next to each other between which g > 0 changes.
+std::optional<double> FormulaSwitches::flip(std::size_t argument, double begin, double end) {
+  double at_begin = argument_at(argument, begin), at_end = argument_at(argument, end);
+  if ((at_begin > 0.0) == (at_end > 0.0)) return std::nullopt;
+  while (true) {
+    const double middle = begin + (end - begin) / 2;
+    if (!(begin < middle && middle < end)) break;
+    const double value = argument_at(argument, middle);
+    if ((value > 0.0) == (at_begin > 0.0))
+      begin = middle, at_begin = value;
+    else
+      end = middle, at_end = value;
+  }
+  const double root = std::abs(at_begin) < std::abs(at_end) ? begin : end;
+  argument_at(argument, root);
+  return excluded(tree_.nodes[argument].branch) ? std::nullopt : std::optional(root);
+}
+
+}  // namespace viscobar

@@ -1,0 +1,25 @@
+#include "input/input_text.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include "viscobar/input/scene_file.hpp"
+
+namespace viscobar {
+
+std::string input_text(const std::filesystem::path& file) {
+  constexpr std::size_t largest_file = 1 << 20;  // bytes; a scene takes about one thousand
+  const auto fail = [&](const std::string& problem) {
+    throw SceneError({{file.string(), 1, 1, "", "cannot be read: " + problem}});
+  };
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  std::string text(largest_file + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!stream.eof()) fail(errno != 0 ? std::strerror(errno) : "it is longer than 1 MiB");
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
+}
+
+}  // namespace viscobar

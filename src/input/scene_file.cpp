@@ -1,0 +1,202 @@
+#include "viscobar/input/scene_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "input/input_text.hpp"
+#include "input/scene_values.hpp"
+#include "scene/end_kinds.hpp"
+#include "scene/printable.hpp"
+
+namespace viscobar {
+
+namespace {
+
+constexpr Stepper all_steppers[] = {Stepper::automatic, Stepper::rosenbrock4, Stepper::dopri5, Stepper::symplectic};
+
+EndCondition end_of(const SceneEntries& entries, const std::string& side) {
+  const auto word = entries.text(side + ".kind");
+  for (const EndKind& kind : end_kinds) {
+    if (word != kind.name) continue;
+    EndCondition end = kind.harmless;
+    for (const EndNumber& number : kind.numbers)
+      if (const auto value = entries.number(fmt::format("{}.{}", side, number.key))) number.of(end) = *value;
+    return end;
+  }
+  return Free{};
+}
+
+// The narrowest kind of load that the formulas allow, and none at all for one that is zero.
+std::optional<Load> load_of(const SceneEntries& entries) {
+  const auto is_zero = [](const Formula& formula) { return formula.is_constant() && formula.constant() == 0.0; };
+  if (const auto density = entries.formula("load.density")) {
+    if (is_zero(*density)) return std::nullopt;
+    if (!density->uses('t')) return SteadyLoad{density->of_x()};
+    if (!density->uses('x')) return SeparableLoad{[](double) { return 1.0; }, density->of_t(), density->breaks()};
+    return GeneralLoad{density->of_x_t(), density->breaks(), density->breaks_at()};
+  }
+  const auto profile = entries.formula("load.profile"), history = entries.formula("load.history");
+  if (!profile || !history || is_zero(*profile) || is_zero(*history)) return std::nullopt;
+  if (history->is_constant())
+    return SteadyLoad{[f = profile->of_x(), factor = history->constant()](double x) { return factor * f(x); }};
+  return SeparableLoad{profile->of_x(), history->of_t(), history->breaks()};
+}
+
+// The case that the sound keys make; a faulty one gets a value that does no harm.
+Case case_of(const SceneEntries& entries) {
+  const auto number = [&](const char* key, double otherwise) { return entries.number(key).value_or(otherwise); };
+  const auto chosen = [&](const char* key, const auto& all, auto otherwise) {
+    const auto text = entries.text(key);
+    for (const auto one : all)
+      if (text == name(one)) return one;
+    return otherwise;
+  };
+  const auto function = [&](const char* key) {
+    return entries.faulty("bar.length") ? Formula(0.0).of_x() : entries.formula(key).value_or(Formula(0.0)).of_x();
+  };
+
+  Case run;
+  run.scene.title = entries.text("title").value_or("");
+  run.scene.bar = {number("bar.length", 1.0), number("bar.density", 1.0), number("bar.modulus", 1.0),
+                   number("bar.viscosity", 1.0)};
+  run.scene.left = end_of(entries, "left");
+  run.scene.right = end_of(entries, "right");
+  if (entries.present("span.gap")) run.scene.span = Obstacle{number("span.gap", 1e100)};
+  run.scene.displacement = function("initial.displacement");
+  run.scene.velocity = function("initial.velocity");
+  run.scene.load = load_of(entries);
+
+  run.elements = static_cast<std::size_t>(number("mesh.elements", 1.0));
+  run.grading = number("mesh.grading", 1.0);
+  run.mass = chosen("mesh.mass", all_masses, Mass::consistent);
+  run.epsilon = entries.number("contact.epsilon");
+  run.restitution = entries.number("contact.restitution");
+  run.method = chosen("method.name", all_methods, MethodName::cvode);
+  const bool local = entries.text("method.error_control") == "local";
+  run.tolerance = {number("method.relative_tolerance", 1e-6), number("method.absolute_tolerance", 1e-9),
+                   local ? ErrorControl::local : ErrorControl::global};
+  const auto formulas = entries.text("method.formulas");
+  run.formulas = formulas == "adams" ? Formulas::adams : formulas == "bdf" ? Formulas::bdf : Formulas::automatic;
+  run.stepper = chosen("method.stepper", all_steppers, Stepper::automatic);
+  run.impact = entries.text("method.impact") == "moreau" ? Impact::moreau : Impact::paoli_schatzman;
+  run.start = entries.text("method.start") == "second_order" ? Start::second_order : Start::first_order;
+
+  run.end = number("time.end", 1.0);
+  run.output_every = number("output.every", run.end / 100.0);
+  run.step = entries.number("method.step");
+  return run;
+}
+
+void check_end(SceneEntries& entries, const std::string& side) {
+  const auto word = entries.text(side + ".kind");
+  if (!word) return;
+  for (const EndKind& kind : end_kinds)
+    for (const EndNumber& number : kind.numbers) {
+      const std::string key = fmt::format("{}.{}", side, number.key);
+      if (entries.faulty(key) || entries.present(key) == (*word == kind.name)) continue;
+      entries.report(key, *word == kind.name
+                              ? fmt::format("is missing: {} has a {}, {}", kind.in_words, number.key, number.meaning)
+                              : fmt::format("belongs to {}; this end is {}", kind.in_words, *word));
+    }
+}
+
+void check_load_keys(SceneEntries& entries) {
+  const bool density = entries.present("load.density");
+  const bool profile = entries.present("load.profile"), history = entries.present("load.history");
+  if (density && (profile || history))
+    entries.report("load.density", "excludes load.profile and load.history: the load is one or the other");
+  else if (!density && !profile && !history && entries.has_table("load") && !entries.faulty("load.density"))
+    entries.report("load.density", "is missing: a load has a density, or a profile and a history");
+  else if (profile != history)
+    entries.report(profile ? "load.history" : "load.profile", "is missing: profile and history come together");
+}
+
+// validate() asks this of the initial data; a load is not looked at before a run.
+std::vector<Finding> check_load_values(const SceneEntries& entries, const Mesh& mesh) {
+  std::vector<Finding> findings;
+  if (entries.faulty("bar.length")) return findings;
+  for (const char* key : {"load.density", "load.profile", "load.history"}) {
+    const auto formula = entries.formula(key);
+    if (!formula) continue;
+    const SpaceTimeFunction f = formula->of_x_t();
+    const std::size_t nodes = formula->uses('x') ? mesh.nodes() : 1;
+    for (std::size_t j = 0; j < nodes; ++j) {
+      const double x = mesh.node(j), value = f(x, 0.0);
+      if (std::isfinite(value)) continue;
+      const std::string where = formula->uses('x') ? fmt::format("x = {}, t = 0", x) : "t = 0";
+      findings.push_back({key, fmt::format("is {} at {}", printable(value), where)});
+      break;
+    }
+  }
+  return findings;
+}
+
+Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
+  Case run = case_of(entries);
+  if (adapt) adapt(run);
+  for (const Finding& finding : validate(run, entries.faulty_keys())) entries.report(finding.key, finding.problem);
+  for (const Finding& finding : check_load_values(entries, run.mesh())) entries.report(finding.key, finding.problem);
+  return run;
+}
+
+std::string describe(const SceneEntries& entries, const Case& run) {
+  using Json = nlohmann::ordered_json;
+  // Made as objects: where memory ends while null becomes one, the library would destroy what is not there.
+  Json json = Json::object();
+  const auto table = [&](std::string_view name) -> Json& {
+    return json.emplace(std::string(name), Json::object()).first.value();
+  };
+  for (const SceneKey& key : scene_keys()) {
+    if (!entries.present(key.name)) continue;
+    auto& parent = key.table().empty() ? json : table(key.table());
+    auto& value = parent[std::string(key.leaf())];
+    if (key.type == KeyType::count)
+      value = run.elements;
+    else if (const auto text = std::get_if<std::string>(&entries.value(key.name)))
+      value = *text;
+    else
+      value = *entries.number(key.name);
+  }
+  table("method")["name"] = name(run.method);
+  table("output")["every"] = run.output_every;
+  return json.dump(2);
+}
+
+std::string all_texts(const std::vector<Diagnostic>& found) {
+  std::vector<std::string> texts;
+  for (const Diagnostic& one : found) texts.push_back(one.text());
+  return fmt::format("{}", fmt::join(texts, "\n"));
+}
+
+}  // namespace
+
+std::string Diagnostic::text() const {
+  return fmt::format("{}:{}:{}: {}{}{}", source, line, column, key, key.empty() ? "" : ": ", message);
+}
+
+SceneError::SceneError(std::vector<Diagnostic> found)
+    : std::runtime_error(all_texts(found)), diagnostics(std::move(found)) {}
+
+SceneFile parse_scene(const std::string& text, const std::string& source, std::span<const std::string> overrides,
+                      const Adaptation& adapt) {
+  SceneEntries entries(text, source, overrides);
+  SceneFile scene;
+  if (entries.readable()) {
+    check_end(entries, "left");
+    check_end(entries, "right");
+    check_load_keys(entries);
+    scene.run = validated_case(entries, adapt);
+  }
+  if (auto found = entries.diagnostics(); !found.empty()) throw SceneError(std::move(found));
+  scene.description = describe(entries, scene.run);
+  return scene;
+}
+
+SceneFile read_scene(const std::filesystem::path& file, std::span<const std::string> overrides,
+                     const Adaptation& adapt) {
+  return parse_scene(input_text(file), file.string(), overrides, adapt);
+}
+
+}  // namespace viscobar

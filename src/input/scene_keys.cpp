@@ -1,0 +1,205 @@
+#include "input/scene_keys.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <list>
+#include <vector>
+
+#include "case/method_table.hpp"
+#include "input/synonyms.hpp"
+#include "scene/end_kinds.hpp"
+#include "text/nearest_name.hpp"
+
+namespace viscobar {
+
+namespace {
+
+using enum KeyType;
+using enum Presence;
+
+// Squares and products of three stay finite and normal within these bounds.
+constexpr double smallest = 1e-100, largest = 1e100;
+constexpr Range positive{smallest, largest, "> 0"};
+constexpr Range not_negative{0.0, largest, ">= 0"};
+
+// clang-format off
+constexpr Choice steppers[] = {
+    {"automatic", "rosenbrock4 or dopri5, by what their steps cost"},
+    {"rosenbrock4", "linearly implicit, order 4, dense matrices: few nodes"},
+    {"dopri5", "explicit, order 5"},
+    {"symplectic", "explicit, order 4, steps of method.step; no viscosity"},
+};
+constexpr Choice starts[] = {
+    {"first_order", "u_0 + dt u_1"},
+    {"second_order", "u_0 + dt u_1 + dt^2/2 u''"},
+};
+constexpr Choice impacts[] = {
+    {"paoli_schatzman", "(u^{n+1} + e u^{n-1}) / (1 + e) is bounded"},
+    {"moreau", "the velocity after is, which never gives energy"},
+};
+constexpr Choice controls[] = {
+    {"global", "the error of the solution"},
+    {"local", "that of each step"},
+};
+constexpr Choice formulas[] = {
+    {"automatic", "chosen leg by leg, by the bar's stiffness"},
+    {"adams", "Adams-Moulton, for bars that are not stiff"},
+    {"bdf", "backward differentiation, for stiff ones"},
+};
+
+// The choices of ends, masses and methods, and the numbers of the ends, come from their own tables.
+constexpr SceneKey rows[] = {
+    {"title", text, optional, "", "", "free text, for reports"},
+
+    {"bar.length", number, required, "", "length", "length L of the bar, 0 < x < L", positive},
+    {"bar.density", number, optional, "1.0", "density", "rho", positive},
+    {"bar.modulus", number, optional, "1.0", "stress", "E", positive},
+    {"bar.viscosity", number, optional, "0.0", "stress x time", "eta, the paper's alpha; 0 means that no damping term exists", not_negative},
+
+    {"left.kind", choice, required_in_table, "\"free\"", "", "what holds the end at x = 0"},
+    {"right.kind", choice, required_in_table, "\"free\"", "", "what holds the end at x = L"},
+    {"span.gap", number, required_in_table, "", "length", "u(x,t) >= -gap along the whole bar; without the table there is no such obstacle", not_negative},
+
+    {"initial.displacement", formula, required, "", "length", "u_0", {}, {}, "x"},
+    {"initial.velocity", formula, required, "", "length / time", "u_1", {}, {}, "x"},
+
+    {"load.density", formula, optional, "", "stress / length", "f, force per volume", {}, {}, "xt"},
+    {"load.profile", formula, optional, "", "stress / length", "f = profile history, instead of the density: evaluated once per node", {}, {}, "x"},
+    {"load.history", formula, optional, "", "1", "f = profile history: evaluated once per step", {}, {}, "t"},
+
+    {"time.end", number, required, "", "time", "T, the end of the run, which begins at t = 0", positive},
+
+    {"mesh.elements", count, required, "", "1", "number of elements of equal length", {1.0, 1e8, "1 to 1e8"}},
+    {"mesh.grading", number, optional, "1", "1", "size of the elements away from an obstacle to that at it, towards which they shrink", {1.0, 1e6, "1 to 1e6"}},
+    {"mesh.mass", choice, optional, "\"consistent\"", "", "mass matrix"},
+
+    {"contact.epsilon", number, optional, "", "length / stress", "reaction = penetration / epsilon; penalised methods need it where there is an obstacle", positive},
+    {"contact.restitution", number, optional, "", "1", "restitution of a node; absent: undamped spring in penalised methods, implicit constraint in the others", {0.0, 1.0, "0 to 1"}},
+
+    {"method.name", choice, optional, "\"cvode\"", "", "how the scene is integrated"},
+    {"method.relative_tolerance", number, optional, "1e-6", "1", "adaptive methods: error allowed, relative to the largest displacement and velocity", {smallest, 0.1, "> 0, <= 0.1"}},
+    {"method.absolute_tolerance", number, optional, "1e-9", "length", "adaptive methods: error always allowed; the same number serves the velocity", positive},
+    {"method.error_control", choice, optional, "\"global\"", "", "what the tolerances bound: the error of the solution, or that of each step", {}, controls},
+    {"method.formulas", choice, optional, "\"automatic\"", "", "multistep formulas of cvode", {}, formulas},
+    {"method.stepper", choice, optional, "\"automatic\"", "", "formulas of odeint", {}, steppers},
+    {"method.step", number, optional, "", "time", "time step of fully_discrete, finite_difference and odeint's symplectic stepper, which need it", positive},
+    {"method.start", choice, optional, "\"first_order\"", "", "first step of the two schemes: u_0 + dt u_1, or with the term dt^2/2 u'' too", {}, starts},
+    {"method.impact", choice, optional, "\"paoli_schatzman\"", "", "how the two schemes take a restitution: on the mean of displacements, or on the velocity, which never gives energy", {}, impacts},
+
+    {"output.every", number, optional, "", "time", "interval of the output times; absent: time.end / 100", positive},
+};
+// clang-format on
+
+constexpr std::string_view tables[] = {"bar",  "left", "right",   "span",   "initial", "load",
+                                       "time", "mesh", "contact", "method", "output"};
+
+template <class Rows, class Word>
+std::vector<Choice> choices_of(const Rows& rows_of_all, Word word) {
+  std::vector<Choice> choices;
+  for (const auto& row : rows_of_all) choices.push_back(word(row));
+  return choices;
+}
+
+std::span<const Choice> own_choices(std::string_view key) {
+  static const auto masses = choices_of(all_masses, [](Mass mass) { return Choice{name(mass), meaning(mass)}; });
+  static const auto words = [](const auto& row) { return Choice{row.name, row.meaning}; };
+  static const auto methods = choices_of(method_table(), words), ends = choices_of(end_kinds, words);
+  if (key == "mesh.mass") return masses;
+  return key == "method.name" ? methods : ends;
+}
+
+// The keys of an end's numbers, whose texts live as long as the program.
+void add_end_numbers(std::string_view end, std::vector<SceneKey>& keys) {
+  static std::list<std::string> texts;
+  const auto kept = [](std::string text) { return std::string_view(texts.emplace_back(std::move(text))); };
+  for (const EndKind& kind : end_kinds)
+    for (const EndNumber& of_end : kind.numbers)
+      keys.push_back({kept(fmt::format("{}.{}", end, of_end.key)),
+                      number,
+                      optional,
+                      "",
+                      of_end.unit,
+                      kept(fmt::format("{}; {} needs it, no other end has one", of_end.meaning, kind.in_words)),
+                      {of_end.low, of_end.high, of_end.range}});
+}
+
+template <class Condition>
+const SceneKey* first_key(Condition condition) {
+  const auto keys = scene_keys();
+  const auto found = std::find_if(keys.begin(), keys.end(), condition);
+  return found == keys.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+std::string type_words(const SceneKey& key) {
+  switch (key.type) {
+    case text: return "text";
+    case choice: return fmt::format("`{}`", fmt::join(key.choice_names(), "`, `"));
+    case number: return fmt::format("number {}", key.range.words);
+    case count: return fmt::format("whole number {}", key.range.words);
+    case formula: return fmt::format("number, or formula in {}", key.variables == "xt" ? "x and t" : key.variables);
+  }
+  return {};
+}
+
+std::string default_words(const SceneKey& key) {
+  if (key.presence == required) return "required";
+  const std::string value = key.fallback.empty() ? "none" : fmt::format("`{}`", key.fallback);
+  if (key.presence == optional) return value;
+  return fmt::format("required in `[{}]`{}", key.table(), key.fallback.empty() ? "" : ", else " + value);
+}
+
+std::string_view SceneKey::table() const {
+  const std::size_t dot = name.find('.');
+  return dot == name.npos ? std::string_view{} : name.substr(0, dot);
+}
+
+std::string_view SceneKey::leaf() const { return name.substr(name.find('.') + 1); }
+
+std::vector<std::string_view> SceneKey::choice_names() const {
+  std::vector<std::string_view> names;
+  for (const Choice& known : choices) names.push_back(known.name);
+  return names;
+}
+
+std::span<const SceneKey> scene_keys() {
+  static const auto keys = [] {
+    std::vector<SceneKey> all;
+    for (SceneKey key : rows) {
+      if (key.type == choice && key.choices.empty()) key.choices = own_choices(key.name);
+      all.push_back(key);
+      if (key.leaf() == "kind") add_end_numbers(key.table(), all);
+    }
+    return all;
+  }();
+  return keys;
+}
+
+std::span<const std::string_view> scene_tables() { return tables; }
+
+bool is_scene_table(std::string_view name) {
+  return std::find(std::begin(tables), std::end(tables), name) != std::end(tables);
+}
+
+const SceneKey* find_scene_key(std::string_view name) {
+  return first_key([&](const SceneKey& key) { return key.name == name; });
+}
+
+const SceneKey* find_scene_key(std::string_view table, std::string_view leaf) {
+  return first_key([&](const SceneKey& key) { return key.table() == table && key.leaf() == leaf; });
+}
+
+const SceneKey* nearest_scene_key(std::string_view table, std::string_view leaf) {
+  std::vector<std::string_view> siblings;
+  for (const SceneKey& key : scene_keys())
+    if (key.table() == table || table.empty()) siblings.push_back(key.leaf());
+  const auto nearest = meant_name(leaf, siblings);
+  if (nearest && !table.empty()) return find_scene_key(table, *nearest);
+  if (nearest) return first_key([&](const SceneKey& key) { return key.leaf() == *nearest; });
+  const std::string_view usual = usual_name(leaf);
+  return first_key([&](const SceneKey& key) { return key.leaf() == leaf || key.leaf() == usual; });
+}
+
+}  // namespace viscobar

@@ -1,0 +1,314 @@
+#include "viscobar/record/record_run.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <new>
+
+#include "case/alarm.hpp"
+#include "case/chatter.hpp"
+#include "input/described_scene.hpp"
+#include "record/checkpoint_clock.hpp"
+#include "record/pace_watch.hpp"
+#include "report/run/run_page.hpp"
+#include "report/write_page.hpp"
+#include "results/checkpoint_file.hpp"
+#include "results/growing_files.hpp"
+#include "results/output_file.hpp"
+#include "results/result_directory.hpp"
+#include "results/summary.hpp"
+#include "run/archive.hpp"
+#include "viscobar/results/io_error.hpp"
+
+namespace viscobar {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The first failure is what the user needs to know; those that follow from it are not.
+void fail(Outcome& outcome, Ending ending, const std::string& error) {
+  if (outcome.ending == Ending::completed) {
+    outcome.ending = ending;
+    outcome.error = error;
+  }
+}
+
+template <class Action>
+void attempt(Outcome& outcome, Action&& action) {
+  try {
+    action();
+  } catch (const IoError& error) {
+    fail(outcome, Ending::failed, error.what());
+  }
+}
+
+void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, const std::optional<Checkpoint>& from,
+                   const Observers& observers) {
+  try {
+    outcome.statistics = from ? simulate(run, system, *from, observers) : simulate(run, system, observers);
+  } catch (const Interrupted& error) {
+    fail(outcome, Ending::interrupted, error.what());
+  } catch (const IntegrationError& error) {
+    outcome.statistics = error.statistics;
+    fail(outcome, Ending::failed, error.what());
+  } catch (const std::invalid_argument& error) {
+    fail(outcome, Ending::refused, error.what());
+  } catch (const std::bad_alloc&) {
+    fail(outcome, Ending::failed, "there is not enough memory");
+  } catch (const std::exception& error) {
+    fail(outcome, Ending::failed, error.what());
+  }
+  if (!outcome.statistics) return;
+  outcome.reached_time = outcome.statistics->reached_time;
+  outcome.steps = outcome.statistics->steps;
+  outcome.events = outcome.statistics->events;
+}
+
+/// That the impacts of a scheme gave energy: by how much, when, and what helps; none where rounding can be all of it.
+std::optional<std::string> growth_warning(const Case& run, const Statistics& done) {
+  const EnergyAccount& energy = *done.energy;
+  const double scale = energy.initial + energy.final + std::abs(energy.work) + std::abs(energy.dissipated);
+  const double rounding = 100.0 * std::numeric_limits<double>::epsilon() * static_cast<double>(done.steps) * scale;
+  if (energy.growth <= rounding) return std::nullopt;
+  return fmt::format(
+      "energy: up to t = {1:.6g} impacts gave the bar {0:.3g}, though nothing works there; it had {2:.3g} at the "
+      "start. "
+      "With contact.restitution = {3} an impact of this scheme may gain what a force of the bar does over one step; "
+      "what helps: a smaller method.step, or method.impact = \"moreau\", which never gives any",
+      energy.growth, energy.growth_time, energy.initial, run.restitution.value_or(0.0));
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// A run and its files, from the beginning or from a checkpoint.
+class RecordedRun {
+ public:
+  /// Its files are in `place`, which is `directory` or the part of it for what is not finished.
+  RecordedRun(const SceneFile& scene, const ResultDirectory& directory, fs::path place, const RecordOptions& options,
+              RunCheckpoint last)
+      : scene_(scene),
+        directory_(directory),
+        place_(std::move(place)),
+        options_(options),
+        last_(std::move(last)),
+        system_(make_system(scene.run)),
+        contact_(scene.run.scene),
+        data_(scene.run, system_),
+        chatter_(system_),
+        pace_(0.0, scene.run.end) {
+    if (last_.schedule && !simulated()) clock_.emplace(last_.schedule->interval);
+  }
+
+  RunRecord operator()() {
+    begin();
+    simulate_into(outcome(), scene_.run, system_, last_.motion, observers());
+    if (const auto& done = outcome().statistics; done && done->energy) {
+      if (const auto warning = growth_warning(scene_.run, *done)) warn(*warning);
+      for (const Alarm& alarm : alarms(scene_.run, system_, *done)) sound(alarm);
+    }
+    // Each for itself: what one cannot write, another may.
+    attempt(outcome(), [&] { files_->ends.close(), written_["ends.csv"] = files_->ends.checksum(); });
+    attempt(outcome(), [&] { files_->events.close(), written_["events.csv"] = files_->events.checksum(); });
+    attempt(outcome(), [&] {
+      files_->field.close();
+      written_["field.h5"] = files_->field.checksum();
+      written_["field.xdmf"] = files_->field.xdmf_checksum();
+    });
+    write_report();
+    finish();
+    return std::move(record_);
+  }
+
+ private:
+  Outcome& outcome() { return record_.outcome; }
+  bool simulated() const { return last_.schedule && last_.schedule->clock == CheckpointEvery::Clock::simulated; }
+  double wall_seconds() const { return last_.wall_seconds + seconds_since(options_.started); }
+
+  void write_summary(const char* name = "summary.json") {
+    record_.summary = summary_json(scene_, system_, outcome(), contact_, written_);
+    write_atomically(place_ / name, record_.summary);
+  }
+
+  // Until the new files take their places, those of an earlier run that was stopped can be resumed.
+  void begin() {
+    files_.emplace(place_, scene_.run, last_.motion ? &last_.files : nullptr);
+    // A run that is killed leaves this one, and no report of an earlier run beside its own files.
+    outcome().ending = Ending::interrupted;
+    outcome().error = "the run is going on, or was killed";
+    write_summary();
+    outcome() = {};
+    for (const char* old : {"report.html", ResultDirectory::final_summary}) remove_file(place_ / old);
+    if (!last_.motion) {
+      remove_checkpoints(place_);
+      files_->take_places();
+      if (last_.schedule) write_checkpoint(place_, last_);
+      return;
+    }
+    ArchiveReader archive(last_.collected);
+    archive(contact_, data_, chatter_, pace_, outcome().warnings);
+    outcome().reached_time = last_.motion->time;
+    outcome().steps = last_.motion->statistics.steps;
+    outcome().events = last_.motion->statistics.events;
+    outcome().checkpoints = last_.times;
+  }
+
+  Observers observers() {
+    Observers observers;
+    observers.energy = true;
+    observers.snapshot = [this](const Snapshot& snapshot) {
+      files_->ends.append(snapshot);
+      files_->field.append(snapshot);
+      contact_.add(snapshot);
+      data_.add(snapshot);
+    };
+    observers.event = [this](const Event& event) {
+      ++outcome().events;
+      files_->events.append(event);
+      contact_.add(event);
+      data_.add(event);
+      if (options_.event) options_.event(event);
+      if (const auto first = chatter_.heard(event)) warn(chatter_warning(scene_.run, system_, *first));
+    };
+    observers.progress = [this](double time) {
+      outcome().reached_time = time;
+      ++outcome().steps;
+      // The steps of a scheme are what the user chose.
+      if (!is_scheme(scene_.run.method))
+        if (const auto slow = pace_.heard(time)) warn(*slow);
+      if (options_.progress) options_.progress(time, outcome().steps);
+      stopping_ = stopping_ || (options_.stop && options_.stop());
+      if (stopping_ && simulated()) throw Interrupted();
+    };
+    if (last_.schedule || options_.stop) {
+      Checkpoints& checkpoints = observers.checkpoints.emplace();
+      if (simulated()) checkpoints.every = last_.schedule->interval;
+      checkpoints.asked = [this] { return stopping_ || (clock_ && clock_->due()); };
+      checkpoints.take = [this](const Checkpoint& motion) { take(motion); };
+    }
+    return observers;
+  }
+
+  // The result is kept: it tells what happened.
+  void sound(const Alarm& alarm) {
+    const std::string what = fmt::format(
+        "{}; the result is further from the solution than the tolerances promise: take another method.name or a "
+        "smaller "
+        "method.relative_tolerance, and report it as an error of viscobar, with the scene",
+        alarm.what);
+    if (alarm.ruinous)
+      fail(outcome(), Ending::failed, what);
+    else
+      warn(what);
+  }
+
+  void warn(const std::string& warning) {
+    outcome().warnings.push_back(warning);
+    if (options_.warning) options_.warning(warning);
+  }
+
+  void take(const Checkpoint& motion) {
+    const auto write = [&] {
+      std::vector<double> times = outcome().checkpoints;
+      times.push_back(motion.time);
+      ArchiveWriter archive;
+      archive(contact_, data_, chatter_, pace_, outcome().warnings);
+      write_checkpoint(
+          place_, {scene_.description, last_.schedule, motion, files_->mark(), archive.take(), times, wall_seconds()});
+      outcome().checkpoints = std::move(times);
+    };
+    clock_ ? clock_->make(write) : write();
+    if (stopping_) throw Interrupted();
+  }
+
+  void write_report() {
+    outcome().wall_seconds = wall_seconds();
+    attempt(outcome(), [&] {
+      const Page page = report_page(scene_.run, system_, outcome(), contact_, data_);
+      written_.merge(write_page(place_, "report.html",
+                                {page.html(), options_.figures ? page.figure_files() : std::vector<FigureFile>{}}));
+    });
+    outcome().wall_seconds = wall_seconds();
+  }
+
+  // The summary comes last, and says completed only when all else is there.
+  void finish() {
+    record_.directory = place_;
+    const bool replaces = place_ != directory_.path();
+    if (outcome().ending == Ending::completed)
+      attempt(outcome(), [&] {
+        check_run_files(place_);
+        write_summary(replaces ? ResultDirectory::final_summary : "summary.json");
+        if (replaces) directory_.replace_by_finished();
+        remove_checkpoints(place_);
+        record_.directory = directory_.path();
+      });
+    if (outcome().ending == Ending::completed) return;
+    // The text says what happened also where the file cannot.
+    record_.summary = summary_json(scene_, system_, outcome(), contact_, written_);
+    attempt(outcome(), [&] {
+      if (fs::exists(place_)) write_summary();
+    });
+  }
+
+  const SceneFile& scene_;
+  const ResultDirectory& directory_;
+  const fs::path place_;
+  const RecordOptions& options_;
+  const RunCheckpoint last_;  // from which it goes on
+  const BarSystem system_;
+  ContactSummary contact_;
+  ReportData data_;
+  ChatterWatch chatter_;
+  PaceWatch pace_;
+  std::optional<GrowingFiles> files_;
+  FileChecksums written_;  // what is whole
+  std::optional<CheckpointClock> clock_;
+  bool stopping_ = false;
+  RunRecord record_;
+};
+
+void tell_if_unlocked(const ResultDirectory& results, const RecordOptions& options) {
+  if (!results.locked() && options.warning)
+    options.warning(results.path().string() +
+                    " is on a file system without locks: see to it that no other run uses it");
+}
+
+}  // namespace
+
+RunRecord record_run(const SceneFile& scene, const fs::path& directory, const RecordOptions& options) {
+  const ResultDirectory results(directory, ResultKind::run);
+  tell_if_unlocked(results, options);
+  RunCheckpoint beginning;
+  beginning.description = scene.description;
+  beginning.schedule = options.checkpoint;
+  return RecordedRun(scene, results, results.place_of_new_run(), options, std::move(beginning))();
+}
+
+SceneFile scene_of_checkpoint(const fs::path& directory) {
+  settle_result_directory(directory);
+  const std::string description = read_checkpoint(place_of_stopped_run(directory)).checkpoint.description;
+  SceneFile scene = described_scene(description, directory.string());
+  if (scene.description != description)
+    throw IoError(directory, "the scene in the checkpoint is not understood as it was");
+  return scene;
+}
+
+RunRecord resume_run(const SceneFile& scene, const fs::path& directory, const RecordOptions& options,
+                     const std::function<void(const std::string&)>& complain) {
+  read_checkpoint(place_of_stopped_run(directory));  // where there is none, nothing is made
+  const ResultDirectory results(directory);
+  tell_if_unlocked(results, options);
+  const fs::path place = place_of_stopped_run(directory);
+  FoundCheckpoint found = read_checkpoint(place, CheckFiles::yes);
+  if (found.checkpoint.description != scene.description)
+    throw std::invalid_argument(directory.string() + " holds the checkpoint of another scene; nothing was changed");
+  if (!found.complaint.empty() && complain) complain(found.complaint);
+  if (!found.complaint.empty()) remove_newest_checkpoint(place);
+  return RecordedRun(scene, results, place, options, std::move(found.checkpoint))();
+}
+
+}  // namespace viscobar

@@ -1,0 +1,290 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "report/compare/compare_tables.hpp"
+#include "report/page.hpp"
+#include "report/plot/figure.hpp"
+#include "report/plot/range.hpp"
+#include "text/printable_text.hpp"
+#include "viscobar/report/reports.hpp"
+#include "viscobar/results/versions.hpp"
+
+namespace viscobar {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using plot::Axis;
+using plot::Figure;
+using plot::Interval;
+using plot::Point;
+using plot::Range;
+
+/// The colour of a method is the same in every picture, whatever else is there.
+std::string colour(const MethodRun& run) {
+  return run.built_in ? plot::series_colour(static_cast<std::size_t>(run.run.method)) : "var(--ink)";
+}
+
+const std::string& label(const MethodRun& run) { return run.label; }
+
+std::vector<const MethodRun*> finished(const CrossCheck& check) {
+  std::vector<const MethodRun*> runs;
+  for (const MethodRun& run : check.runs)
+    if (run.recording) runs.push_back(&run);
+  return runs;
+}
+
+template <class Value>
+std::vector<Point> trace(const Recording& recording, Value value) {
+  plot::ThinnedLine line(240);  // eight methods, five pictures
+  for (std::size_t k = 0; k < recording.times.size(); ++k) line.add({recording.times[k], value(k)});
+  return line.points();
+}
+
+Axis time_axis(const CrossCheck& check) {
+  const std::vector<double>& times = check.runs[*check.reference].recording->times;
+  return {.label = "time t", .low = times.front(), .high = times.back(), .link = "t"};
+}
+
+/// Lines over each other, each thinner than the one below, so that all show where they coincide.
+void draw(Figure& figure, const std::vector<const MethodRun*>& runs, const std::vector<std::vector<Point>>& lines) {
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    figure.line(lines[i], {colour(*runs[i]), false, 1.4 + 1.1 * static_cast<double>(runs.size() - 1 - i)},
+                label(*runs[i]));
+}
+
+Picture ends_picture(const Scene& scene, const CrossCheck& check) {
+  const auto runs = finished(check);
+  const auto panel = [&](const EndCondition& end, bool left, const char* axis) -> Panel {
+    std::vector<std::vector<Point>> lines;
+    Range range;
+    for (const MethodRun* run : runs) {
+      const Recording& r = *run->recording;
+      lines.push_back(
+          trace(r, [&](std::size_t k) { return left ? r.displacement(k).front() : r.displacement(k).back(); }));
+      range.add(lines.back());
+    }
+    const auto* body = std::get_if<Obstacle>(&end);
+    const bool shown = body && range.reach(-body->gap);
+    Figure figure(time_axis(check), range.axis(axis), 240.0);
+    if (shown) figure.level(-body->gap, {"var(--ink)", true, 1.2}, "obstacle");
+    draw(figure, runs, lines);
+    return {left ? "left-end" : "right-end", std::string("Displacement over time by each method: ") + axis, figure};
+  };
+  return {
+      "Ends",
+      "Displacement of the left and of the right end. Lines lie over each other from wide to narrow, so that all show "
+      "where the methods agree.",
+      {panel(scene.left, true, "u(0, t)"), panel(scene.right, false, "u(L, t)")}};
+}
+
+Picture differences_picture(const CrossCheck& check) {
+  const MethodRun& reference = check.runs[*check.reference];
+  const Recording& r = *reference.recording;
+  std::vector<const MethodRun*> runs;
+  std::vector<std::vector<Point>> lines;
+  double low = std::numeric_limits<double>::infinity(), high = 0.0;
+  std::vector<double> difference(r.mesh.nodes());
+  for (std::size_t i = 0; i < check.runs.size(); ++i) {
+    const Comparison* known = check.to_reference(i);
+    if (!known || !known->displacement_l2) continue;  // a scheme that gives its ends only has no field to show
+    runs.push_back(&check.runs[i]);
+    lines.push_back(trace(r, [&](std::size_t k) {
+      const auto u = r.displacement(k), other = check.runs[i].recording->displacement(k);
+      for (std::size_t j = 0; j < u.size(); ++j) difference[j] = u[j] - other[j];
+      const double size = l2_norm(r.mesh, difference);
+      if (size > 0.0) low = std::min(low, size), high = std::max(high, size);
+      return size;
+    }));
+  }
+  if (!(high > 0.0)) return {};
+  // Equal but for rounding at the start: the picture needs not show how equal.
+  Figure figure(time_axis(check), plot::fitted_decades("difference, L2 norm", std::max(low, 1e-9 * high), high), 300.0);
+  for (std::size_t i = 0; i < runs.size(); ++i) figure.line(lines[i], {colour(*runs[i])}, label(*runs[i]));
+  return {"Difference to " + label(reference),
+          "‖<i>u</i> − <i>u</i><sub>" + label(reference) + "</sub>‖ in <i>L</i>² over the bar, at the output times.",
+          {{"difference", "Difference of each method to the reference over time", figure}}};
+}
+
+/// Times with at least one contact closed there.
+std::vector<Interval> contact_intervals(const Recording& recording, Where where) {
+  plot::ThinnedIntervals all;
+  std::size_t closed = 0;
+  double begin = 0.0;
+  for (const Event& event : recording.events) {
+    if (event.where != where) continue;
+    if (event.change == Change::closing) {
+      if (closed++ == 0) begin = event.time;
+    } else if (closed > 0 && --closed == 0) {
+      all.add({begin, event.time});
+    }
+  }
+  if (closed > 0) all.add({begin, recording.times.back()});
+  return all.intervals();
+}
+
+Picture contacts_picture(const Scene& scene, const CrossCheck& check) {
+  const auto runs = finished(check);
+  std::vector<Panel> panels;
+  const auto panel = [&](Where where, const char* name, const char* axis) {
+    const double rows = static_cast<double>(runs.size());
+    Figure figure(time_axis(check), {axis, rows - 0.5, -0.5, plot::Scale::linear, true},
+                  plot::height_of_bars(runs.size()));
+    for (std::size_t i = 0; i < runs.size(); ++i)
+      figure.bars(contact_intervals(*runs[i]->recording, where), static_cast<double>(i), colour(*runs[i]),
+                  label(*runs[i]));
+    panels.push_back({name, std::string("Times in contact by each method: ") + axis, figure});
+  };
+  if (is_obstacle(scene.left)) panel(Where::left, "contact-left", "left end");
+  if (is_obstacle(scene.right)) panel(Where::right, "contact-right", "right end");
+  if (scene.span) panel(Where::span, "contact-span", "span");
+  return {"Contact",
+          std::string("Times in contact. A bar broken into short pieces is a node that chatters.") +
+              (scene.span ? " Under the span: times when any node is in contact." : ""),
+          panels};
+}
+
+Picture reactions_picture(const Scene& scene, const CrossCheck& check) {
+  const auto runs = finished(check);
+  std::vector<Panel> panels;
+  const auto panel = [&](bool left, const char* axis) {
+    std::vector<std::vector<Point>> lines;
+    Range range;
+    range.add(0.0);
+    for (const MethodRun* run : runs) {
+      const Recording& r = *run->recording;
+      lines.push_back(trace(r, [&](std::size_t k) { return left ? r.reaction_left[k] : r.reaction_right[k]; }));
+      range.add(lines.back());
+    }
+    Figure figure(time_axis(check), range.axis(axis), 240.0);
+    draw(figure, runs, lines);
+    panels.push_back(
+        {left ? "reaction-left" : "reaction-right", std::string("Reaction over time by each method: ") + axis, figure});
+  };
+  if (scene.span || is_obstacle(scene.left)) panel(true, "reaction, left");
+  if (scene.span || is_obstacle(scene.right)) panel(false, "reaction, right");
+  return {"Reactions",
+          "Force of the obstacle on each end, at the output times: of a node that chatters, single samples.", panels};
+}
+
+Json to_json(const ContactPeriod& period) {
+  return {{"begin", period.begin},
+          {"end", period.end},
+          {"impulse", period.where == Where::span ? Json(nullptr) : Json(period.impulse)},
+          {"bounces", period.bounces}};
+}
+
+Json to_json(const MethodRun& run) {
+  Json json = {{"method", run.label}, {"mass", name(run.mass)}};
+  if (run.built_in && is_scheme(run.run.method)) json["step"] = *run.run.step;
+  if (run.built_in && is_adaptive(run.run.method)) {
+    json["relative_tolerance"] = run.run.tolerance.relative;
+    json["absolute_tolerance"] = run.run.tolerance.absolute;
+  }
+  if (run.built_in && is_penalised(run.run.method) && run.run.epsilon) json["epsilon"] = *run.run.epsilon;
+  if (run.run.restitution) json["restitution"] = *run.run.restitution;
+  json["completed"] = run.recording.has_value();
+  json["error"] = run.recording ? Json(nullptr) : Json(run.error);
+  if (!run.recording) return json;
+  const Statistics& s = run.recording->statistics;
+  json["unknowns"] = s.unknowns;
+  json["steps"] = s.steps;
+  json["integration_seconds"] = s.integration_seconds;
+  json["events"] = run.recording->events.size();
+  json["max_penetration"] = s.max_penetration;
+  if (s.energy)
+    json["energy"] = {{"initial", s.energy->initial},
+                      {"final", s.energy->final},
+                      {"dissipated", s.energy->dissipated},
+                      {"work", s.energy->work},
+                      {"balance_error", s.energy->balance_error()}};
+  json["contacts"] = Json::array();
+  for (const ContactPeriod& period : run.contacts) {
+    Json contact = {{"where", place(period)}};
+    contact.update(to_json(period));
+    json["contacts"].push_back(std::move(contact));
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string cross_check_json(const SceneFile& scene, const MethodChoice& choice, const CrossCheck& check) {
+  const auto method = [&](std::size_t i) { return Json(check.runs[i].label); };
+  const auto known = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
+  Json json;
+  json["title"] = scene.run.scene.title;
+  json["reference"] = check.reference ? method(*check.reference) : Json(nullptr);
+  json["completed"] = check.completed();
+  json["methods"] = Json::array();
+  for (const MethodRun& run : check.runs) json["methods"].push_back(to_json(run));
+  json["pairs"] = Json::array();
+  for (const auto& [first, other, d] : check.pairs) {
+    Json pair = {{"first", method(first)},
+                 {"other", method(other)},
+                 {"displacement_l2", known(d.displacement_l2)},
+                 {"displacement_h1", known(d.displacement_h1)},
+                 {"velocity_l2", known(d.velocity_l2)},
+                 {"end_trace", d.end_trace},
+                 {"events_first", d.events},
+                 {"events_other", d.events_other},
+                 {"events_matched", d.events_matched},
+                 {"largest_event_shift", known(d.largest_event_shift)},
+                 {"energy_final", known(d.energy_final)},
+                 {"contacts", Json::array()}};
+    for (const auto& [a, b] : d.contacts)
+      pair["contacts"].push_back({{"where", place(a)}, {"first", to_json(a)}, {"other", to_json(b)}});
+    json["pairs"].push_back(std::move(pair));
+  }
+  json["skipped"] = Json::array();
+  for (const auto& [skipped, reason] : choice.skipped)
+    json["skipped"].push_back({{"method", name(skipped)}, {"reason", reason}});
+  json["remarks"] = remarks(choice, check);
+  json["scene"] = Json::parse(scene.description);
+  json["version"] = versions().viscobar;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string cross_check_text(const MethodChoice& choice, const CrossCheck& check) {
+  std::string out = "Methods\n" + text(method_table(check, plain_number));
+  if (const Table differences = difference_table(check, plain_number); !differences.rows.empty())
+    out +=
+        fmt::format("\nDifference to {}: largest over time\n", label(check.runs[*check.reference])) + text(differences);
+  if (const Table contacts = contact_table(check, plain_number); !contacts.rows.empty())
+    out += "\nContact periods, bounces within a hundredth of the run counted as one\n" + text(contacts);
+  out += "\n";
+  for (const std::string& remark : remarks(choice, check)) out += fmt::format("  note: {}\n", remark);
+  return out;
+}
+
+PicturedPage cross_check_page(const Scene& scene, const MethodChoice& choice, const CrossCheck& check) {
+  Page page((scene.title.empty() ? "A scene" : scene.title) + ", by several methods", scene);
+  for (const MethodRun& run : check.runs)
+    if (!run.recording)
+      page.add_head(
+          fmt::format("<p class=\"failed\"><b>{} did not complete.</b> {}</p>\n", label(run), escaped(run.error)));
+  page.add(section_html("Methods", html(method_table(check, readable_number))));
+  if (!check.reference) return page.with_figures();
+  std::string notes;
+  for (const std::string& remark : remarks(choice, check)) notes += "<p class=\"note\">" + escaped(remark) + ".</p>\n";
+  if (const Table differences = difference_table(check, readable_number); !differences.rows.empty())
+    page.add(section_html("Difference to " + label(check.runs[*check.reference]),
+                          html(differences) +
+                              "<p class=\"note\">Largest over the output times; changes matched: place by place and in "
+                              "order of time, of those of the reference and of the method.</p>\n" +
+                              notes));
+  page.add(ends_picture(scene, check));
+  page.add(differences_picture(check));
+  page.add(contacts_picture(scene, check));
+  page.add(reactions_picture(scene, check));
+  if (const Table contacts = contact_table(check, readable_number); !contacts.rows.empty())
+    page.add(section_html("Contact periods",
+                          html(contacts) +
+                              "<p class=\"note\">Bounces within a hundredth of the run count as one contact. "
+                              "The impulse is that of the reaction, by the balance of the end node's "
+                              "momentum.</p>\n"));
+  return page.with_figures();
+}
+
+}  // namespace viscobar

@@ -1,0 +1,140 @@
+#include "report/compare/compare_tables.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "results/csv.hpp"
+
+namespace viscobar {
+
+namespace {
+
+// Contacts of a span come node by node; a table of them all would tell nobody anything.
+constexpr std::size_t most_contacts = 30;
+
+std::string count(std::size_t value) { return fmt::format("{}", value); }
+
+std::string settings(const MethodRun& method, NumberText number) {
+  const Case& run = method.run;
+  if (!method.built_in) return "";
+  if (is_scheme(run.method)) return "step " + number(*run.step);
+  if (is_adaptive(run.method)) return "tolerance " + number(run.tolerance.relative);
+  return "";
+}
+
+}  // namespace
+
+std::string place(const ContactPeriod& period) { return place(Event{period.begin, period.where, period.node}); }
+
+Table method_table(const CrossCheck& check, NumberText number) {
+  Table table{
+      {"method", "mass", "settings", "steps", "seconds", "changes", "penetration", "final energy", "dissipated"},
+      3,
+      {}};
+  for (const MethodRun& run : check.runs) {
+    std::vector<std::string> row = {run.label, std::string(name(run.mass)), settings(run, number)};
+    if (run.recording) {
+      const Statistics& s = run.recording->statistics;
+      row.insert(row.end(), {count(s.steps), number(s.integration_seconds), count(run.recording->events.size()),
+                             number(s.max_penetration)});
+      row.insert(row.end(), {s.energy ? fmt::format("{:.5g}", s.energy->final) : "",
+                             s.energy ? fmt::format("{:.5g}", s.energy->dissipated) : ""});
+    } else {
+      row.insert(row.end(), {"failed", "", "", "", "", ""});
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+Table difference_table(const CrossCheck& check, NumberText number) {
+  Table table{
+      {"method", "mass", "u, L2", "u, H1", "v, L2", "end trace", "changes matched", "largest shift", "final energy"},
+      2,
+      {}};
+  for (std::size_t i = 0; i < check.runs.size(); ++i) {
+    const Comparison* d = check.to_reference(i);
+    if (!d) continue;
+    const auto known = [&](const std::optional<double>& value) { return value ? number(*value) : std::string(); };
+    table.rows.push_back({check.runs[i].label, std::string(name(check.runs[i].mass)), known(d->displacement_l2),
+                          known(d->displacement_h1), known(d->velocity_l2), number(d->end_trace),
+                          fmt::format("{} of {}, {}", d->events_matched, d->events, d->events_other),
+                          known(d->largest_event_shift), known(d->energy_final)});
+  }
+  return table;
+}
+
+Table contact_table(const CrossCheck& check, NumberText number) {
+  Table table{{"where", "method", "begin", "end", "impulse", "bounces"}, 2, {}};
+  if (!check.reference) return table;
+  // Each period of the reference with those that match it; what has no match stands alone, where its time puts it.
+  struct Group {
+    ContactPeriod first;
+    std::vector<std::vector<std::string>> rows;
+  };
+  using Key = std::tuple<Where, std::size_t, double>;
+  const auto key = [](const ContactPeriod& period) { return Key{period.where, period.node, period.begin}; };
+  std::vector<Group> groups;
+  std::map<Key, std::size_t> of_reference;
+  for (std::size_t i = 0; i < check.runs.size(); ++i) {
+    const MethodRun& run = check.runs[i];
+    std::map<Key, std::size_t> matched;
+    if (const Comparison* difference = check.to_reference(i))
+      for (const auto& [first, other] : difference->contacts) matched[key(other)] = of_reference.at(key(first));
+    for (const ContactPeriod& period : run.contacts) {
+      const auto found = matched.find(key(period));
+      const std::size_t group = found == matched.end() ? groups.size() : found->second;
+      if (group == groups.size()) groups.push_back({period, {}});
+      if (i == *check.reference) of_reference[key(period)] = group;
+      groups[group].rows.push_back({place(period), run.label, fmt::format("{:.6g}", period.begin),
+                                    fmt::format("{:.6g}", period.end),
+                                    period.where == Where::span ? "" : number(period.impulse), count(period.bounces)});
+    }
+  }
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const Group& a, const Group& b) { return a.first.begin < b.first.begin; });
+  if (groups.size() > most_contacts) groups.resize(most_contacts);
+  for (Group& group : groups)
+    for (auto& row : group.rows) table.rows.push_back(std::move(row));
+  return table;
+}
+
+std::vector<std::string> remarks(const MethodChoice& choice, const CrossCheck& check) {
+  std::vector<std::string> found;
+  for (const MethodRun& run : check.runs)
+    if (!run.recording) found.push_back(fmt::format("{} failed: {}", run.label, run.error));
+  for (const MethodName method : choice.default_step)
+    for (const Case& run : choice.cases)
+      if (run.method == method)
+        found.push_back(fmt::format("{} took the step h / (100 c) = {:.4g}: the scene has no method.step", name(method),
+                                    *run.step));
+  for (const auto& [method, reason] : choice.skipped)
+    found.push_back(fmt::format("{} was left out: {}", name(method), reason));
+  std::string masses;
+  bool differ = false;
+  for (const MethodRun& run : check.runs) {
+    if (!run.built_in) continue;
+    differ = differ || run.mass != check.runs.front().mass;
+    masses += fmt::format("{}{} on the {} mass", masses.empty() ? "" : ", ", run.label, name(run.mass));
+  }
+  if (differ)
+    found.push_back(
+        "the masses differ, so a difference is also one between semi-discretisations of the same bar, "
+        "which only a finer mesh removes: " +
+        masses);
+  const bool penalty = std::any_of(check.runs.begin(), check.runs.end(), [](const MethodRun& run) {
+    return run.built_in && is_penalised(run.run.method) && !make_system(run.run).contacts().empty();
+  });
+  const bool exact = std::any_of(check.runs.begin(), check.runs.end(),
+                                 [](const MethodRun& run) { return run.built_in && is_scheme(run.run.method); });
+  if (penalty && exact && !check.runs.front().run.restitution && check.runs.front().run.mass != Mass::redistributed)
+    found.push_back(
+        "contact nodes with mass rebound from an undamped penalty and do not from the schemes' constraint; "
+        "contact.restitution gives both the same law, mesh.mass = \"redistributed\" takes the mass away");
+  return found;
+}
+
+}  // namespace viscobar

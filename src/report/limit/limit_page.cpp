@@ -1,0 +1,201 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "report/limit/limit_pictures.hpp"
+#include "report/limit/limit_tables.hpp"
+#include "report/page.hpp"
+#include "report/plot/figure.hpp"
+#include "text/number.hpp"
+#include "text/printable_text.hpp"
+#include "viscobar/report/reports.hpp"
+#include "viscobar/results/versions.hpp"
+
+namespace viscobar {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json value_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+Json order_or_null(const std::optional<ObservedOrder>& order) { return order ? Json(order->order) : Json(nullptr); }
+
+Json to_json(const LimitEvidence& evidence) {
+  return {{"difference", evidence.difference},
+          {"penalty_error", value_or_null(evidence.penalty_error)},
+          {"scheme_error", value_or_null(evidence.scheme_error)},
+          {"extrapolated", evidence.extrapolated},
+          {"apart_at_least", value_or_null(evidence.lower())},
+          {"apart_at_most", value_or_null(evidence.upper())},
+          {"stake", value_or_null(evidence.stake)}};
+}
+
+Json to_json(const std::vector<SchemeRun>& runs) {
+  Json json = Json::array();
+  for (const SchemeRun& run : runs)
+    json.push_back({{"step", run.step}, {"change", run.change}, {"events", run.events}, {"seconds", run.seconds}});
+  return json;
+}
+
+Json detailed(const std::optional<ObservedOrder>& order) {
+  if (!order) return nullptr;
+  return {{"order", order->order}, {"standard_error", order->standard_error}};
+}
+
+Json to_json(const LimitRow& row) {
+  Json json = {{"epsilon", row.epsilon},
+               {"elements", row.elements},
+               {"mass", name(row.mass)},
+               {"events", row.events},
+               {"max_penetration", row.max_penetration},
+               {"difference_to_scheme", row.difference_to_scheme}};
+  if (row.difference_to_rigid) json["difference_to_rigid"] = *row.difference_to_rigid;
+  json["steps"] = row.steps;
+  json["seconds"] = row.seconds;
+  return json;
+}
+
+Json to_json(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
+  const LimitTheory powers = theory(study);
+  return {{"elements", orders.elements},
+          {"verdict", name(orders.verdict)},
+          {"reason", verdict_reason(study, orders, rows)},
+          {"boundary", value_or_null(orders.boundary)},
+          {"small_epsilon",
+           {{"penetration", detailed(orders.penetration)},
+            {"to_scheme", detailed(orders.to_scheme)},
+            {"to_rigid", detailed(orders.to_rigid)},
+            {"theory_penetration", powers.penetration},
+            {"theory_difference", value_or_null(powers.difference)}}},
+          {"layer_resolved",
+           {{"penetration", detailed(orders.penetration_layer)},
+            {"to_rigid", detailed(orders.to_rigid_layer)},
+            {"theory", value_or_null(powers.layer)}}},
+          {"scheme_step", orders.scheme_step},
+          {"scheme_error", orders.scheme_error},
+          {"scheme_events", orders.scheme_events},
+          {"tolerance_error", orders.tolerance_error},
+          {"evidence", to_json(orders.evidence)},
+          {"scheme_runs", to_json(orders.scheme)}};
+}
+
+Json to_json(const CouplingResult& result) {
+  if (!result.coupling) return nullptr;
+  const Coupling& c = *result.coupling;
+  Json json = {
+      {"limit", c.limit}, {"mesh_order", c.mesh_order}, {"order_in_h", detailed(c.law)}, {"meshes", Json::array()}};
+  for (const Coupling::Mesh& mesh : c.meshes)
+    json["meshes"].push_back({{"elements", mesh.elements},
+                              {"spacing", mesh.spacing},
+                              {"mesh_error", mesh.mesh_error},
+                              {"epsilon", value_or_null(mesh.epsilon)},
+                              {"local_order", mesh.epsilon ? Json(mesh.local_order) : Json(nullptr)}});
+  return json;
+}
+
+std::string verdict_sentence(const LimitStudy& study, const LimitResult& result, std::size_t mesh) {
+  return fmt::format("{}: {}.", name(result.orders[mesh].verdict),
+                     verdict_reason(study, result.orders[mesh], rows_of(result, mesh)));
+}
+
+std::string head(const LimitStudy& study, const LimitResult& result) {
+  std::string out;
+  for (std::size_t m = 0; m < result.orders.size(); ++m) {
+    const LimitOrders& orders = result.orders[m];
+    const std::string_view verdict = name(orders.verdict);
+    const std::string mesh = result.orders.size() > 1 ? fmt::format(" on {} elements", orders.elements) : "";
+    out += fmt::format("<p class=\"verdict {0}\"><b>{0}{1}</b>: {2}.</p>\n", verdict, mesh,
+                       escaped(verdict_reason(study, orders, rows_of(result, m))));
+  }
+  return out;
+}
+
+std::string numbers(const LimitStudy& study, const LimitResult& result) {
+  Numbers all;
+  const LimitOrders& orders = result.orders[finest(result)];
+  all.add("Mass", std::string(name(study.scene.mass)));
+  all.add("Restitution", study.scene.restitution ? readable(*study.scene.restitution) : "not given",
+          study.scene.restitution ? "in penalty and scheme" : "undamped penalty, implicit constraint in the scheme");
+  all.add("Penalty ε", readable(study.epsilons.front()) + " to " + readable(study.epsilons.back()),
+          fmt::format("{} values", study.epsilons.size()));
+  all.add("Scheme's time step", readable(orders.scheme_step),
+          fmt::format("error {}, by {} steps from {} down", readable(orders.scheme_error, 2), orders.scheme.size(),
+                      readable(orders.scheme.front().step, 2)));
+  if (const auto lower = orders.evidence.lower(), upper = orders.evidence.upper(); lower && upper)
+    all.add("Distance of the limits", readable(*lower, 2) + " to " + readable(*upper, 2),
+            "of the penalised bar and of the scheme, by their differences and errors");
+  all.add("Error of the tolerance", readable(orders.tolerance_error, 2), "at most, in a difference");
+  if (orders.boundary)
+    all.add("Regimes meet at", readable(*orders.boundary, 3), "ε = " + std::string(theory(study).boundary));
+  return all.html("The study");
+}
+
+}  // namespace
+
+std::string limit_json(const SceneFile& scene, const LimitStudy& study, const LimitResult& result,
+                       const CouplingResult& coupling) {
+  const std::size_t best = finest(result);
+  const LimitOrders& orders = result.orders[best];
+  Json json;
+  json["title"] = study.scene.scene.title;
+  json["verdict"] = name(orders.verdict);
+  json["reason"] = verdict_reason(study, orders, rows_of(result, best));
+  json["order_penetration"] = order_or_null(orders.penetration);
+  json["order_to_rigid"] = order_or_null(orders.to_rigid);
+  json["order_to_scheme"] = order_or_null(orders.to_scheme);
+  json["budget"] = study.budget;
+  json["mass"] = name(study.scene.mass);
+  json["restitution"] = value_or_null(study.scene.restitution);
+  json["rows"] = Json::array();
+  for (const LimitRow& row : result.rows) json["rows"].push_back(to_json(row));
+  json["failed"] = Json::array();
+  for (const FailedRun& run : result.failed)
+    json["failed"].push_back({{"epsilon", run.epsilon}, {"elements", run.elements}, {"error", run.what}});
+  json["meshes"] = Json::array();
+  for (std::size_t m = 0; m < result.orders.size(); ++m)
+    json["meshes"].push_back(to_json(study, result.orders[m], rows_of(result, m)));
+  json["coupling"] = to_json(coupling);
+  json["coupling_reason"] = coupling.coupling ? Json(nullptr) : Json(coupling.reason);
+  json["scene"] = Json::parse(scene.description);
+  json["version"] = versions().viscobar;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string limit_text(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
+  std::string out = text(limit_table(result, plain_number));
+  out += "\nObserved powers of epsilon\n" + text(order_table(study, result)) + "\n";
+  for (std::size_t m = 0; m < result.orders.size(); ++m) {
+    if (result.orders.size() > 1) out += fmt::format("{} elements, ", result.orders[m].elements);
+    out += verdict_sentence(study, result, m) + "\n";
+  }
+  if (result.orders.size() > 1) {
+    out += fmt::format("\n{}\n", coupling_sentence(coupling, plain_number));
+    if (coupling.coupling) out += text(coupling_table(*coupling.coupling, plain_number));
+  }
+  return out;
+}
+
+PicturedPage limit_page(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
+  const Scene& scene = study.scene.scene;
+  Page page((scene.title.empty() ? "A scene" : scene.title) + ": the penalty limit", scene);
+  page.add_head(head(study, result));
+  page.add(numbers(study, result));
+  page.add(penetration_picture(study, result));
+  page.add(difference_picture(study, result));
+  page.add(events_picture(result));
+  page.add(cost_picture(result));
+  page.add(
+      section_html("Observed powers of ε",
+                   html(order_table(study, result)) +
+                       "<p class=\"note\">Least squares on logarithms with the standard error of the slope; values "
+                       "at a floor are left out.</p>\n"));
+  if (result.orders.size() > 1)
+    page.add(
+        section_html("Penalty and mesh in balance",
+                     fmt::format("<p>{}</p>\n{}", escaped(coupling_sentence(coupling, readable_number)),
+                                 coupling.coupling ? html(coupling_table(*coupling.coupling, readable_number)) : "")));
+  page.add(section_html("Every run", html(limit_table(result, readable_number))));
+  return page.with_figures();
+}
+
+}  // namespace viscobar

@@ -1,0 +1,207 @@
+#include "report/limit/limit_pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "report/limit/limit_tables.hpp"
+#include "report/page.hpp"
+#include "report/plot/figure.hpp"
+#include "report/plot/range.hpp"
+#include "text/number.hpp"
+
+namespace viscobar {
+
+namespace {
+
+using plot::Axis;
+using plot::Figure;
+using plot::Point;
+using plot::Range;
+
+constexpr const char* soft = "var(--soft)";
+
+Axis epsilon_axis(const LimitResult& result) {
+  Range range;
+  for (const LimitRow& row : result.rows) range.add(row.epsilon);
+  Axis axis = plot::fitted_decades("penalty ε", range.low, range.high);
+  axis.link = "epsilon";
+  return axis;
+}
+
+/// Light for the coarsest mesh, dark for the finest; a single one like the first series elsewhere.
+std::string mesh_colour(const LimitResult& result, std::size_t mesh) {
+  if (result.orders.size() == 1) return plot::series_colour(0);
+  return plot::sequence_colour(static_cast<double>(mesh) / static_cast<double>(result.orders.size() - 1));
+}
+
+std::string mesh_label(const LimitResult& result, std::size_t mesh) {
+  return fmt::format("{} elements", result.orders[mesh].elements);
+}
+
+template <class Value>
+std::vector<Point> points_of(std::span<const LimitRow> rows, Value value) {
+  std::vector<Point> points;
+  for (const LimitRow& row : rows)
+    if (const double y = value(row); y > 0.0) points.push_back({row.epsilon, y});
+  return points;
+}
+
+Axis decades_of(std::string label, const std::vector<std::vector<Point>>& lines, std::vector<double> levels = {}) {
+  Range range;
+  for (const auto& line : lines) range.add(line);
+  for (const double level : levels)
+    if (level > 0.0) range.add(level);
+  if (!(range.low <= range.high)) return {std::move(label), 0.1, 1.0, plot::Scale::logarithmic};
+  return plot::fitted_decades(std::move(label), range.low, range.high);
+}
+
+void series(Figure& figure, const std::vector<Point>& points, const std::string& colour, std::string_view label,
+            double width = 1.6) {
+  figure.line(points, {colour, false, width}, label);
+  figure.markers(points, colour);
+}
+
+std::string slope_name(double order) {
+  if (order == 1.0) return "slope 1";
+  return order == 0.5 ? "slope 1/2" : "slope 2/3";
+}
+
+/// A dashed line of the theory's slope, parallel to what is measured and a little below it, over [low, high].
+void slope_line(Figure& figure, Point through, double order, double low, double high) {
+  constexpr double shift = 0.45;
+  const auto at = [&](double x) { return Point{x, shift * through.y * std::pow(x / through.x, order)}; };
+  figure.line(std::vector<Point>{at(low), at(high)}, {soft, true, 1.4}, slope_name(order));
+}
+
+/// Lines of theory for one curve: the node's power below the boundary of the regimes, the layer's above.
+void theory_lines(Figure& figure, const std::vector<Point>& points, const Axis& x, std::optional<double> boundary,
+                  std::optional<double> node, std::optional<double> layer) {
+  if (points.empty()) return;
+  const double border = std::clamp(boundary.value_or(x.high), x.low, x.high);
+  if (node && border > 3.0 * x.low) slope_line(figure, points.back(), *node, x.low, border);
+  if (layer && border < x.high / 3.0) slope_line(figure, points.front(), *layer, border, x.high);
+}
+
+bool inside(std::optional<double> boundary, const Axis& x) {
+  return boundary && *boundary > x.low && *boundary < x.high;
+}
+
+void mark_boundaries(Figure& figure, const LimitResult& result, const LimitTheory& powers, const Axis& x) {
+  for (std::size_t m = 0; m < result.orders.size(); ++m) {
+    const auto& boundary = result.orders[m].boundary;
+    if (!inside(boundary, x)) continue;
+    figure.marker_line(*boundary, {mesh_colour(result, m), true, 1.0},
+                       result.orders.size() == 1 ? fmt::format("ε = {}", powers.boundary)
+                                                 : fmt::format("{}", result.orders[m].elements));
+  }
+}
+
+}  // namespace
+
+Picture penetration_picture(const LimitStudy& study, const LimitResult& result) {
+  std::vector<std::vector<Point>> lines;
+  for (std::size_t m = 0; m < result.orders.size(); ++m)
+    lines.push_back(points_of(rows_of(result, m), [](const LimitRow& row) { return row.max_penetration; }));
+  const Axis x = epsilon_axis(result);
+  Figure figure(x, decades_of("largest penetration", lines), 380.0);
+  const LimitTheory powers = theory(study);
+  mark_boundaries(figure, result, powers, x);
+  for (std::size_t m = 0; m < lines.size(); ++m)
+    series(figure, lines[m], mesh_colour(result, m), mesh_label(result, m));
+  const std::size_t best = finest(result);
+  theory_lines(figure, lines[best], x, result.orders[best].boundary, powers.penetration, powers.layer);
+  std::string caption =
+      "How far the bar goes into the obstacles. Grey dashes: slopes of the theory, drawn below the measured line";
+  if (const auto& boundary = result.orders[best].boundary; inside(boundary, x))
+    caption += fmt::format(
+        "; the upright line at <i>ε</i> = {} separates the regimes: left of it the contact node "
+        "answers alone, right of it {}",
+        powers.boundary,
+        powers.layer ? "the mesh resolves the layer that a contact strains"
+                     : "viscosity drags it along with its neighbours");
+  else if (boundary)
+    caption += fmt::format("; the regimes meet at <i>ε</i> = {} = {}, {} the picture", powers.boundary,
+                           readable(*boundary, 3), *boundary >= x.high ? "right of" : "left of");
+  return {"Penetration", caption + ".", {{"penetration", "Largest penetration over the penalty", figure}}};
+}
+
+Picture difference_picture(const LimitStudy& study, const LimitResult& result) {
+  const Axis x = epsilon_axis(result);
+  const LimitTheory powers = theory(study);
+  std::vector<Panel> panels;
+  for (std::size_t m = 0; m < result.orders.size(); ++m) {
+    const LimitOrders& orders = result.orders[m];
+    const auto scheme = points_of(rows_of(result, m), [](const LimitRow& row) { return row.difference_to_scheme; });
+    const auto rigid =
+        points_of(rows_of(result, m), [](const LimitRow& row) { return row.difference_to_rigid.value_or(0.0); });
+    const Axis y = decades_of("end difference", {scheme, rigid}, {orders.scheme_error});
+    Figure figure(x, y, 380.0);
+    mark_boundaries(figure, {.rows = {}, .orders = {orders}, .failed = {}}, powers, x);
+    if (result.orders.size() > 1) figure.legend_note(mesh_label(result, m));
+    // Wide, to be seen below the other where the two agree.
+    series(figure, scheme, plot::series_colour(1), "to the scheme", 4.0);
+    if (!rigid.empty()) series(figure, rigid, plot::series_colour(0), "to rigid");
+    if (orders.scheme_error > 0.0)
+      figure.level(orders.scheme_error, {plot::series_colour(1), true, 1.2}, "scheme's dt error");
+    if (!rigid.empty() && orders.tolerance_error > y.low)
+      figure.level(orders.tolerance_error, {plot::series_colour(0), true, 1.2}, "tolerance");
+    theory_lines(figure, rigid.empty() ? scheme : rigid, x, orders.boundary,
+                 rigid.empty() && orders.verdict == Verdict::plateau ? std::nullopt : powers.difference, powers.layer);
+    panels.push_back({fmt::format("difference-{}", orders.elements),
+                      fmt::format("Difference of the end traces over the penalty, {} elements", orders.elements),
+                      figure});
+  }
+  return {
+      "Difference to the limits",
+      "Largest difference of the end traces over time, to the fully discrete scheme on the same mass" +
+          std::string(study.scene.mass == Mass::redistributed ? " and to the rigid limit, <i>ε</i> = 0 itself" : "") +
+          ". Coloured dashes: what the time step of the scheme accounts for, and below which its differences mean "
+          "nothing. Grey dashes: slopes of the theory.",
+      panels};
+}
+
+Picture events_picture(const LimitResult& result) {
+  std::vector<std::vector<Point>> lines;
+  std::vector<double> levels;
+  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  for (std::size_t m = 0; m < result.orders.size(); ++m) {
+    lines.emplace_back();
+    for (const LimitRow& row : rows_of(result, m)) {
+      const auto events = static_cast<double>(row.events);
+      lines.back().push_back({row.epsilon, events});
+      least = std::min(least, events);
+      most = std::max(most, events);
+    }
+    levels.push_back(static_cast<double>(result.orders[m].scheme_events));
+  }
+  constexpr double linear_up_to = 30.0;
+  Range range;
+  range.add(0.0);
+  range.add(std::max(most, *std::max_element(levels.begin(), levels.end())));
+  Figure figure(
+      epsilon_axis(result),
+      most > linear_up_to && least > 0.0 ? decades_of("contact changes", lines, levels) : range.axis("contact changes"),
+      260.0);
+  for (std::size_t m = 0; m < lines.size(); ++m) {
+    series(figure, lines[m], mesh_colour(result, m), mesh_label(result, m));
+    figure.level(levels[m], {mesh_colour(result, m), true, 1.2}, m + 1 == lines.size() ? "scheme" : "");
+  }
+  return {"Contact changes",
+          "How often contacts close or open, penalised (marks) and in the scheme (dashed).",
+          {{"contact-changes", "Number of contact changes over the penalty", figure}}};
+}
+
+Picture cost_picture(const LimitResult& result) {
+  std::vector<std::vector<Point>> lines;
+  for (std::size_t m = 0; m < result.orders.size(); ++m)
+    lines.push_back(points_of(rows_of(result, m), [](const LimitRow& row) { return static_cast<double>(row.steps); }));
+  Figure figure(epsilon_axis(result), decades_of("steps", lines), 260.0);
+  for (std::size_t m = 0; m < lines.size(); ++m)
+    series(figure, lines[m], mesh_colour(result, m), mesh_label(result, m));
+  return {"Cost", "Steps of the penalised runs.", {{"cost", "Steps of the time integration over the penalty", figure}}};
+}
+
+}  // namespace viscobar

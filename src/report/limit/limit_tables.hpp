@@ -1,0 +1,38 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "text/table.hpp"
+#include "viscobar/studies/limit/coupling.hpp"
+#include "viscobar/studies/limit/limit.hpp"
+
+namespace viscobar {
+
+/// The rows of the m-th mesh.
+std::span<const LimitRow> rows_of(const LimitResult& result, std::size_t mesh);
+
+/// The mesh with most elements, whose verdict is the study's.
+std::size_t finest(const LimitResult& result);
+
+/// Powers of epsilon that theory has for a small epsilon, where the contact node answers alone, and for a large one,
+/// where the mesh resolves the contact layer. Absent where there is no law (the pair that does not match) or none is
+/// known.
+struct LimitTheory {
+  double penetration = 1.0;
+  std::optional<double> difference;
+  std::optional<double> layer = 2.0 / 3.0;
+  const char* boundary = "ρh³/η²";  ///< the epsilon where the two meet
+};
+LimitTheory theory(const LimitStudy& study);
+
+/// Why the verdict on a mesh is what it is, with the numbers that it rests on.
+std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows);
+
+Table limit_table(const LimitResult& result, NumberText number);
+Table order_table(const LimitStudy& study, const LimitResult& result);
+Table coupling_table(const Coupling& coupling, NumberText number);
+std::string coupling_sentence(const CouplingResult& coupling, NumberText number);
+
+}  // namespace viscobar

@@ -1,0 +1,117 @@
+#include "report/page.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "report/page_files.hpp"
+#include "scene/end_kinds.hpp"
+#include "text/json_text.hpp"
+#include "text/number.hpp"
+#include "text/printable_text.hpp"
+#include "viscobar/results/versions.hpp"
+
+namespace viscobar {
+
+namespace {
+
+std::string end_text(EndCondition end) {
+  const EndKind& kind = end_kind(end);
+  std::string text(kind.in_words);
+  for (const EndNumber& number : kind.numbers)
+    text += fmt::format(", {}\u00a0{}", number.key, readable(number.of(end)));
+  return text;
+}
+
+std::string grouped(std::size_t value) {
+  std::string digits = fmt::format("{}", value);
+  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, "\u2009");
+  return digits;
+}
+
+}  // namespace
+
+std::string model_html(const Scene& scene) {
+  const Bar& bar = scene.bar;
+  const bool damped = bar.viscosity > 0.0;
+  std::string load = "0";
+  if (scene.load)
+    load = std::holds_alternative<SteadyLoad>(*scene.load) ? "<i>f</i>(<i>x</i>)" : "<i>f</i>(<i>x</i>, <i>t</i>)";
+  std::string text = fmt::format(
+      "<i>ρ u<sub>tt</sub></i> − <i>E u<sub>xx</sub></i>{} = {} on 0 &lt; <i>x</i> &lt; {}, with <i>ρ</i> = {}, "
+      "<i>E</i> = {}{}. "
+      "Left end {}; right end {}",
+      damped ? " − <i>η u<sub>xxt</sub></i>" : "", load, readable(bar.length), readable(bar.density),
+      readable(bar.modulus), damped ? ", <i>η</i> = " + readable(bar.viscosity) : "", end_text(scene.left),
+      end_text(scene.right));
+  if (scene.span)
+    text += fmt::format("; under the whole span <i>u</i>\u00a0≥\u00a0{}",
+                        readable(scene.span->gap == 0.0 ? 0.0 : -scene.span->gap));
+  return text + ".";
+}
+
+void Numbers::add(std::string_view name, const std::string& value, std::string_view remark) {
+  html_ += fmt::format("<div><dt>{}</dt><dd>{}", name, value);
+  if (!remark.empty()) html_ += fmt::format(" <small>{}</small>", remark);
+  html_ += "</dd></div>\n";
+}
+
+void Numbers::add(std::string_view name, std::size_t value) { add(name, grouped(value)); }
+
+std::string Numbers::html(std::string_view heading) const {
+  return fmt::format("<section><h2>{}</h2>\n<dl>\n{}</dl></section>\n", heading, html_);
+}
+
+std::string section_html(std::string_view heading, std::string_view content) {
+  return fmt::format("<section><h2>{}</h2>\n{}</section>\n", heading, content);
+}
+
+Page::Page(std::string title, const Scene& scene) : title_(std::move(title)), model_(model_html(scene)) {}
+
+void Page::add(Picture picture) {
+  if (picture.panels.empty()) return;
+  body_ += fmt::format("<figure>\n<h2>{}</h2>\n", picture.heading);
+  for (Panel& panel : picture.panels) {
+    body_ +=
+        fmt::format("<div class=\"panel\" data-picture=\"{}\">\n{}</div>\n", panel.name, panel.figure.svg(panel.title));
+    live_ += fmt::format("{}{}:{}", live_.empty() ? "" : ",\n", plot::json_string(panel.name),
+                         (panel.live ? *panel.live : panel.figure).live(panel.title));
+    panels_.push_back(std::move(panel));
+  }
+  body_ += fmt::format("<figcaption>{}</figcaption>\n</figure>\n", picture.caption);
+}
+
+void Page::add_data(std::string_view key, std::string_view json) {
+  data_ += fmt::format(",\n{}:{}", plot::json_string(key), json);
+}
+
+std::string Page::html() const {
+  const Versions used = versions();
+  std::string styles = plot::palette_css(), scripts;
+  styles += plot::drawing_css();
+  styles += page_files::style;
+  if (!live_.empty()) {
+    (styles += page_files::chart_style) += '\n';
+    scripts = fmt::format(
+        "<script type=\"application/json\" id=\"data\">{{\"figures\":{{\n{}}}{}}}</script>\n"
+        "<script>/* uPlot\n{}*/\n{}</script>\n<script>(() => {{\n\"use strict\";\n{}}})();</script>\n",
+        live_, data_, page_files::chart_licence, page_files::chart_script, page_files::script);
+  }
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n"
+      "<header>\n<h1>{0}</h1>\n<p class=\"model\">{2}</p>\n{3}</header>\n{4}"
+      "<footer>viscobar {5}, SUNDIALS {6}, HDF5 {7}, Eigen {8}; {9}. All quantities in the units of the "
+      "scene.</footer>\n</main>\n{10}</body>\n</html>\n",
+      escaped(title_), styles, model_, head_, body_, used.viscobar, used.sundials, used.hdf5, used.eigen,
+      escaped(used.platform), scripts);
+}
+
+std::vector<FigureFile> Page::figure_files() const {
+  std::vector<FigureFile> files;
+  for (const Panel& panel : panels_) files.push_back({panel.name, panel.figure.file(panel.title)});
+  return files;
+}
+
+}  // namespace viscobar

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "report/plot/figure.hpp"
+#include "viscobar/report/reports.hpp"
+#include "viscobar/scene/scene.hpp"
+
+namespace viscobar {
+
+/// The scene's equation and ends in a sentence.
+std::string model_html(const Scene& scene);
+
+std::string section_html(std::string_view heading, std::string_view content);
+
+/// Named values in columns.
+class Numbers {
+ public:
+  void add(std::string_view name, const std::string& value, std::string_view remark = {});
+  void add(std::string_view name, std::size_t value);
+  std::string html(std::string_view heading) const;
+
+ private:
+  std::string html_;
+};
+
+/// A figure of a page, and of the file figures/NAME.svg.
+struct Panel {
+  std::string name;   ///< unique in its page
+  std::string title;  ///< read out in place of the picture
+  plot::Figure figure;
+  std::optional<plot::Figure> live = {};  ///< what the script draws, where that is not the same
+};
+
+/// Figures below each other, with their heading and their caption (both HTML). Without panels it is not there.
+struct Picture {
+  std::string heading, caption;
+  std::vector<Panel> panels = {};
+};
+
+/// A page of HTML that needs no other file and no network: the title, the equation of the scene, what was added, in its
+/// order, and a footer with the versions. Without scripts, and printed, its pictures are SVG; a script draws them anew
+/// from one JSON document in the page, {"figures": {NAME: Figure::live()}, KEY: ...}.
+class Page {
+ public:
+  Page(std::string title, const Scene& scene);
+
+  /// HTML below the equation.
+  void add_head(std::string_view html) { head_ += html; }
+  /// HTML.
+  void add(std::string_view html) { body_ += html; }
+  void add(Picture picture);
+  /// A further member of the document that the script reads.
+  void add_data(std::string_view key, std::string_view json);
+
+  std::string html() const;
+  /// Each figure as an SVG file.
+  std::vector<FigureFile> figure_files() const;
+  PicturedPage with_figures() const { return {html(), figure_files()}; }
+
+ private:
+  std::string title_, model_, head_, body_, live_, data_;
+  std::vector<Panel> panels_;
+};
+
+}  // namespace viscobar

@@ -1,0 +1,283 @@
+#include "report/plot/figure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "text/json_text.hpp"
+#include "text/number.hpp"
+#include "text/printable_text.hpp"
+
+namespace viscobar::plot {
+
+namespace {
+
+constexpr double width = 960.0, left = 84.0, right = 800.0, top = 12.0, below = 46.0, legend_pitch = 19.0;
+
+// 1 / 10^5 of a picture, and enough digits of a time to tell its events apart.
+constexpr int digits_of_y = 5, digits_of_x = 9;
+
+std::string json(const Axis& axis) {
+  std::string text =
+      fmt::format(R"({{"label":{},"low":{:.9g},"high":{:.9g})", json_string(axis.label), axis.low, axis.high);
+  if (axis.scale == Scale::logarithmic) text += R"(,"log":true)";
+  if (axis.bare) text += R"(,"bare":true)";
+  if (!axis.link.empty()) text += fmt::format(R"(,"link":{})", json_string(axis.link));
+  return text + '}';
+}
+
+std::string json(std::span<const Interval> parts) {
+  std::vector<double> ends;
+  for (const Interval& part : parts) ends.insert(ends.end(), {part.begin, part.end});
+  return json_numbers(
+      ends, [](double end) { return end; }, digits_of_x);
+}
+
+std::string json(std::span<const Point> points, const Axis& y) {
+  return fmt::format(R"("x":{},"y":{})",
+                     json_numbers(
+                         points, [](Point p) { return p.x; }, digits_of_x),
+                     json_numbers(
+                         points, [](Point p) { return p.y; }, y.significant_digits(digits_of_y)));
+}
+
+std::string json(const Style& style, std::string_view legend) {
+  return fmt::format(R"("colour":{},"width":{}{},"label":{})", json_string(style.colour), style.width,
+                     style.dashed ? R"(,"dashed":true)" : "", json_string(legend));
+}
+
+}  // namespace
+
+double height_of_bars(std::size_t rows) { return top + below + legend_pitch * static_cast<double>(rows) + 1.0; }
+
+Figure::Figure(Axis x, Axis y, double height)
+    : x_(std::move(x)), y_(std::move(y)), height_(height), legend_y_(top + 10.0) {}
+
+double Figure::place_x(double value) const { return left + x_.position(value) * (right - left); }
+double Figure::place_y(double value) const {
+  const double bottom = height_ - below;
+  return bottom - y_.position(value) * (bottom - top);
+}
+
+void Figure::shade(std::span<const Interval> bands, const std::string& colour, std::string_view legend) {
+  std::string d;
+  for (const Interval& band : bands) {
+    const double from = place_x(std::max(band.begin, x_.low)), to = place_x(std::min(band.end, x_.high));
+    // A short contact still shows.
+    if (to >= from)
+      fmt::format_to(std::back_inserter(d), "M{:.2f} {}h{:.2f}V{}h{:.2f}z", from, top, std::max(1.0, to - from),
+                     height_ - below, -std::max(1.0, to - from));
+  }
+  if (d.empty()) return;
+  live_layer(fmt::format(R"({{"kind":"bands","colour":{},"label":{},"parts":{}}})", json_string(colour),
+                         json_string(legend), json(bands)));
+  content_ += fmt::format("<path class=\"band\" style=\"fill:{}\" d=\"{}\"/>\n", colour, d);
+  if (!legend.empty()) {
+    legend_ += fmt::format("<rect class=\"band\" style=\"fill:{}\" x=\"{}\" y=\"{}\" width=\"20\" height=\"10\"/>",
+                           colour, right + 14, legend_y_ - 5);
+    legend_text(legend);
+  }
+}
+
+void Figure::level(double y, const Style& style, std::string_view legend) {
+  live_layer(fmt::format(R"({{"kind":"level","y":{:.9g},{}}})", y, json(style, legend)));
+  stroke(std::vector<Point>{{x_.low, y}, {x_.high, y}}, style);
+  if (!legend.empty()) legend_line(style, legend);
+}
+
+void Figure::body(double y, Interval part) {
+  const double from = place_x(part.begin), to = place_x(part.end), surface = place_y(y);
+  const double depth = std::min(12.0, height_ - below - surface);
+  live_layer(fmt::format(R"({{"kind":"body","y":{:.9g},"from":{:.9g},"to":{:.9g}}})", y, part.begin, part.end));
+  content_ += fmt::format(
+      "<rect class=\"body\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"/>"
+      "<path class=\"surface\" d=\"M{:.2f} {:.2f}H{:.2f}\"/>\n",
+      from, surface, to - from, std::max(0.0, depth), from, surface, to);
+}
+
+std::string Figure::path(std::span<const Point> points) const {
+  std::string d;
+  char command = 'M';
+  for (const Point& point : points) {
+    const double x = place_x(point.x), y = place_y(point.y);
+    if (!std::isfinite(x) || !std::isfinite(y)) continue;
+    fmt::format_to(std::back_inserter(d), "{}{:.1f} {:.1f}", command, x, y);
+    command = 'L';
+  }
+  return d;
+}
+
+void Figure::stroke(std::span<const Point> points, const Style& style) {
+  content_ += fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}{}\" d=\"{}\"/>\n", style.colour,
+                          style.width, style.dashed ? ";stroke-dasharray:6 4" : "", path(points));
+}
+
+void Figure::line(std::span<const Point> points, const Style& style, std::string_view legend) {
+  live_layer(fmt::format(R"({{"kind":"line",{},{}}})", json(style, legend), json(points, y_)));
+  constexpr std::size_t told_apart = 600;
+  if (points.size() > 4 * told_apart)
+    stroke(thin(points, told_apart), style);
+  else
+    stroke(points, style);
+  if (!legend.empty()) legend_line(style, legend);
+}
+
+void Figure::markers(std::span<const Point> points, const std::string& colour, std::string_view legend) {
+  live_layer(fmt::format(R"({{"kind":"marks","colour":{},"label":{},{}}})", json_string(colour), json_string(legend),
+                         json(points, y_)));
+  for (const Point& point : points)
+    content_ += fmt::format("<circle style=\"fill:{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\"/>\n", colour,
+                            place_x(point.x), place_y(point.y));
+  if (legend.empty()) return;
+  legend_ += fmt::format("<circle style=\"fill:{}\" cx=\"{}\" cy=\"{}\" r=\"3.5\"/>", colour, right + 24, legend_y_);
+  legend_text(legend);
+}
+
+void Figure::label(Point at, std::string_view text) {
+  live_layer(fmt::format(R"({{"kind":"text","x":{:.9g},"y":{:.9g},"text":{}}})", at.x, at.y, json_string(text)));
+  content_ += fmt::format("<text class=\"note\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", place_x(at.x) + 6,
+                          place_y(at.y) - 6, escaped(text));
+}
+
+void Figure::marker_line(double x, const Style& style, std::string_view text) {
+  live_layer(fmt::format(R"({{"kind":"upright","x":{:.9g},{},"text":{}}})", x, json(style, {}), json_string(text)));
+  stroke(std::vector<Point>{{x, y_.low}, {x, y_.high}}, style);
+  content_ +=
+      fmt::format("<text class=\"note\" x=\"{:.1f}\" y=\"{}\">{}</text>\n", place_x(x) + 5, top + 15, escaped(text));
+}
+
+void Figure::bars(std::span<const Interval> parts, double y, const std::string& colour, std::string_view legend) {
+  constexpr double thickness = 11.0, least_length = 0.75;
+  live_layer(fmt::format(R"({{"kind":"bars","y":{},"colour":{},"label":{},"parts":{}}})", y, json_string(colour),
+                         json_string(legend), json(parts)));
+  std::string d;
+  for (const Interval& part : parts) {
+    const double from = place_x(std::max(part.begin, x_.low)), to = place_x(std::min(part.end, x_.high));
+    if (to >= from)
+      fmt::format_to(std::back_inserter(d), "M{:.2f} {:.2f}h{:.2f}", from, place_y(y),
+                     std::max(least_length, to - from));
+  }
+  content_ +=
+      fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}\" d=\"{}\"/>\n", colour, thickness, d);
+  legend_box(colour, legend);
+}
+
+void Figure::image(const std::string& uri, Point low, Point high) {
+  const double x = place_x(low.x), y = place_y(high.y);
+  content_ += fmt::format(
+      "<image x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" "
+      "preserveAspectRatio=\"none\" href=\"{}\"/>\n",
+      x, y, place_x(high.x) - x, place_y(low.y) - y, uri);
+}
+
+void Figure::colour_bar(const ColourMap& map, const Axis& values) {
+  const double bar = right + 20, bottom = height_ - below - 44, length = bottom - top;
+  std::string stops;
+  for (std::size_t i = 0; i < map.anchors.size(); ++i)
+    stops += fmt::format("<stop offset=\"{:.4f}\" stop-color=\"{}\"/>",
+                         static_cast<double>(i) / static_cast<double>(map.anchors.size() - 1), hex(map.anchors[i]));
+  legend_ += fmt::format(
+      "<defs><linearGradient id=\"scale\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">{}</linearGradient></defs>"
+      "<rect class=\"frame\" style=\"fill:url(#scale)\" x=\"{}\" y=\"{}\" width=\"16\" height=\"{}\"/>\n",
+      stops, bar, top, length);
+  const Ticks marks = ticks(values, 6);
+  for (const Tick& tick : marks.ticks) {
+    const double y = bottom - values.position(tick.value) * length;
+    legend_ +=
+        fmt::format("<path class=\"frame\" d=\"M{} {:.1f}h4\"/><text x=\"{}\" y=\"{:.1f}\" dy=\".35em\">{}</text>",
+                    bar + 16, y, bar + 24, y, tick.label);
+  }
+  const std::string factor = marks.exponent ? " / " + power_of_ten(marks.exponent) : "";
+  legend_ +=
+      fmt::format("<text class=\"axis\" transform=\"rotate(-90)\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
+                  -(top + bottom) / 2, bar + 78, values.label + factor);
+  legend_y_ = bottom + 22;
+}
+
+void Figure::legend_box(const std::string& colour, std::string_view text) {
+  legend_ += fmt::format("<rect style=\"fill:{}\" x=\"{}\" y=\"{}\" width=\"16\" height=\"10\"/>", colour, right + 20,
+                         legend_y_ - 5);
+  legend_text(text);
+}
+
+void Figure::legend_note(std::string_view text) {
+  live_layer(fmt::format(R"({{"kind":"note","text":{}}})", json_string(text)));
+  legend_text(text, 14.0);
+}
+
+void Figure::legend_line(const Style& style, std::string_view text) {
+  legend_ +=
+      fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}{}\" d=\"M{} {}h20\"/>", style.colour,
+                  std::max(1.6, style.width), style.dashed ? ";stroke-dasharray:6 4" : "", right + 14, legend_y_);
+  legend_text(text);
+}
+
+void Figure::legend_text(std::string_view text, double indent) {
+  legend_ += fmt::format("<text x=\"{}\" y=\"{}\" dy=\".35em\">{}</text>\n", right + indent, legend_y_, escaped(text));
+  legend_y_ += legend_pitch;
+}
+
+std::string Figure::svg(std::string_view title) const {
+  const double bottom = height_ - below;
+  std::string axes, grid;
+  const auto factor = [](const Ticks& marks) {
+    return marks.exponent ? " / " + power_of_ten(marks.exponent) : std::string();
+  };
+  const Ticks along = ticks(x_, 9), up = ticks(y_, std::max(2, static_cast<int>((bottom - top) / 38)));
+  for (const Tick& tick : along.ticks) {
+    const double x = place_x(tick.value);
+    fmt::format_to(std::back_inserter(grid), "M{:.1f} {}V{}", x, top, bottom);
+    axes += fmt::format("<path class=\"frame\" d=\"M{:.1f} {}v{}\"/>", x, bottom, tick.label.empty() ? 3 : 5);
+    axes += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>", x, bottom + 19, tick.label);
+  }
+  for (const Tick& tick : up.ticks) {
+    const double y = place_y(tick.value);
+    fmt::format_to(std::back_inserter(grid), "M{} {:.1f}H{}", left, y, right);
+    axes += fmt::format("<path class=\"frame\" d=\"M{} {:.1f}h-{}\"/>", left, y, tick.label.empty() ? 3 : 5);
+    axes +=
+        fmt::format("<text x=\"{}\" y=\"{:.1f}\" dy=\".35em\" text-anchor=\"end\">{}</text>", left - 9, y, tick.label);
+  }
+  return fmt::format(
+      "<svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"{2}\">\n"
+      "<path class=\"grid\" d=\"{3}\"/>\n<svg x=\"{4}\" y=\"{5}\" width=\"{6}\" height=\"{7}\" "
+      "viewBox=\"{4} {5} {6} {7}\">\n{8}</svg>\n"
+      "<rect class=\"frame\" x=\"{4}\" y=\"{5}\" width=\"{6}\" height=\"{7}\"/>\n{9}\n"
+      "<text class=\"axis\" x=\"{10}\" y=\"{11}\" text-anchor=\"middle\">{12}</text>\n"
+      "<text class=\"axis\" transform=\"rotate(-90)\" x=\"{13}\" y=\"16\" "
+      "text-anchor=\"middle\">{14}</text>\n{15}</svg>\n",
+      width, height_, escaped(title), grid, left, top, right - left, bottom - top, content_, axes, (left + right) / 2,
+      height_ - 8, escaped(x_.label) + factor(along), -(top + bottom) / 2, escaped(y_.label) + factor(up), legend_);
+}
+
+std::string Figure::live(std::string_view title) const {
+  return fmt::format("{{\"title\":{},\"height\":{},\"x\":{},\"y\":{},\"layers\":[\n{}]}}", json_string(title), height_,
+                     json(x_), json(y_), layers_);
+}
+
+std::string Figure::file(std::string_view title) const {
+  return fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
+      "font-family=\"'Noto Sans', 'Liberation Sans', Arial, Helvetica, sans-serif\">\n<title>{2}</title>\n"
+      "<style>{3}</style>\n<rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>\n{4}</svg>\n",
+      width, height_, escaped(title), in_light_colours(drawing_css()), in_light_colours(svg(title)));
+}
+
+std::string_view drawing_css() {
+  return R"css(
+svg { font-size: 13px; fill: var(--ink); overflow: hidden; }
+svg text { font-variant-numeric: tabular-nums; }
+svg .axis { font-size: 14px; fill: var(--soft); }
+svg .note { font-size: 12px; fill: var(--soft); }
+svg .grid { stroke: var(--faint); fill: none; }
+svg .frame { stroke: var(--soft); fill: none; }
+svg .line { fill: none; stroke-linejoin: round; stroke-linecap: butt; }
+svg .band { opacity: .2; stroke: none; }
+svg .body { fill: var(--soft); opacity: .25; }
+svg .surface { stroke: var(--ink); stroke-width: 1.6; fill: none; }
+)css";
+}
+
+}  // namespace viscobar::plot

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "report/plot/axis.hpp"
+#include "report/plot/colour_map.hpp"
+#include "report/plot/palette.hpp"
+#include "report/plot/thinning.hpp"
+
+namespace viscobar::plot {
+
+/// How a series is drawn. `colour` is any CSS colour, such as series_colour(i), which follows light and dark.
+struct Style {
+  std::string colour;
+  bool dashed = false;
+  double width = 1.6;
+};
+
+/// Height of a figure of bars() on a bare y axis from rows - 1/2 down to -1/2: each bar stands beside its legend.
+double height_of_bars(std::size_t rows);
+
+/// A picture with two axes, as SVG and as the data from which the script of a page draws it anew (src/report/web/).
+/// What is added first lies below. The legend stands right of the frame, whose place is the same in every figure of one
+/// width, so that figures below each other share their axis.
+class Figure {
+ public:
+  Figure(Axis x, Axis y, double height = 260.0);
+
+  /// Vertical bands.
+  void shade(std::span<const Interval> bands, const std::string& colour, std::string_view legend = {});
+  /// A horizontal line through the frame.
+  void level(double y, const Style& style, std::string_view legend = {});
+  /// A solid body below y over the part of x.
+  void body(double y, Interval part);
+  void line(std::span<const Point> points, const Style& style, std::string_view legend = {});
+  void markers(std::span<const Point> points, const std::string& colour, std::string_view legend = {});
+  void label(Point at, std::string_view text);
+  /// A vertical line through the frame, the text at its top.
+  void marker_line(double x, const Style& style, std::string_view text);
+  /// Horizontal bars of one height in y, a line of the legend as high as they are.
+  void bars(std::span<const Interval> parts, double y, const std::string& colour, std::string_view legend);
+  /// An image over the rectangle between two corners of the frame's coordinates.
+  void image(const std::string& uri, Point low, Point high);
+  /// A colour bar in place of a legend.
+  void colour_bar(const ColourMap& map, const Axis& values);
+  /// A line of the legend that stands for nothing drawn by line().
+  void legend_box(const std::string& colour, std::string_view text);
+
+  /// A line of the legend without a mark.
+  void legend_note(std::string_view text);
+  /// A layer that only the script draws: a JSON object with its "kind".
+  void live_layer(const std::string& json) { (layers_ += layers_.empty() ? "" : ",\n") += json; }
+
+  /// Inline SVG, whose colours are variables of the page. @param title read out in place of the picture
+  std::string svg(std::string_view title) const;
+  /// An SVG file of its own, in light colours, with its fonts named.
+  std::string file(std::string_view title) const;
+  /// The picture as a JSON object: {"title", "height", "x", "y", "layers": [{"kind", ...}, ...]}.
+  std::string live(std::string_view title) const;
+
+ private:
+  double place_x(double value) const;
+  double place_y(double value) const;
+  std::string path(std::span<const Point> points) const;
+  void stroke(std::span<const Point> points, const Style& style);
+  void legend_line(const Style& style, std::string_view text);
+  void legend_text(std::string_view text, double indent = 41.0);
+
+  Axis x_, y_;
+  double height_;
+  std::string content_, legend_, layers_;
+  double legend_y_;
+};
+
+/// How the SVG of every figure looks.
+std::string_view drawing_css();
+
+}  // namespace viscobar::plot

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "report/plot/colour_map.hpp"
+
+namespace viscobar::plot {
+
+/// An image of palette indices (rows from the top, width * height of them) as a data: URI. Not compressed: a picture in
+/// a report has some 10^5 pixels.
+std::string png_data_uri(std::size_t width, std::size_t height, std::span<const Colour, 256> palette,
+                         std::span<const std::uint8_t> pixels);
+
+}  // namespace viscobar::plot

@@ -1,0 +1,68 @@
+#include "report/plot/thinning.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace viscobar::plot {
+
+void ThinnedLine::Bucket::join(const Bucket& next) {
+  if (next.lowest.y < lowest.y) lowest = next.lowest;
+  if (next.highest.y > highest.y) highest = next.highest;
+  last = next.last;
+}
+
+void ThinnedLine::add(Point point) {
+  if (!std::isfinite(point.x) || !std::isfinite(point.y)) return;
+  const Bucket single{point, point, point, point};
+  if (!buckets_.empty() && in_last_ < stride_) {
+    buckets_.back().join(single);
+    ++in_last_;
+    return;
+  }
+  if (buckets_.size() == capacity_) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < buckets_.size(); i += 2) {
+      buckets_[kept] = buckets_[i];
+      if (i + 1 < buckets_.size()) buckets_[kept].join(buckets_[i + 1]);
+      ++kept;
+    }
+    buckets_.resize(kept);
+    stride_ *= 2;
+  }
+  buckets_.push_back(single);
+  in_last_ = 1;
+}
+
+std::vector<Point> ThinnedLine::points() const {
+  std::vector<Point> kept;
+  for (const Bucket& bucket : buckets_) {
+    const bool falling = bucket.highest.x < bucket.lowest.x;
+    for (const Point& point : {bucket.first, falling ? bucket.highest : bucket.lowest,
+                               falling ? bucket.lowest : bucket.highest, bucket.last})
+      if (kept.empty() || point.x != kept.back().x || point.y != kept.back().y) kept.push_back(point);
+  }
+  return kept;
+}
+
+std::vector<Point> thin(std::span<const Point> line, std::size_t capacity) {
+  ThinnedLine thinned(capacity);
+  for (const Point& point : line) thinned.add(point);
+  return thinned.points();
+}
+
+void ThinnedIntervals::add(Interval interval) {
+  intervals_.push_back(interval);
+  if (intervals_.size() < 2 * capacity) return;
+  // An eye cannot tell apart what is closer than this.
+  const double resolution = (intervals_.back().end - intervals_.front().begin) / static_cast<double>(capacity);
+  std::vector<Interval> merged = {intervals_.front()};
+  for (const Interval& next : intervals_) {
+    if (next.begin - merged.back().end < resolution)
+      merged.back().end = std::max(merged.back().end, next.end);
+    else
+      merged.push_back(next);
+  }
+  intervals_ = std::move(merged);
+}
+
+}  // namespace viscobar::plot

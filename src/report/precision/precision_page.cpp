@@ -1,0 +1,170 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "report/page.hpp"
+#include "report/plot/figure.hpp"
+#include "report/precision/precision_advice.hpp"
+#include "report/precision/precision_pictures.hpp"
+#include "report/precision/precision_tables.hpp"
+#include "text/number.hpp"
+#include "text/printable_text.hpp"
+#include "viscobar/report/reports.hpp"
+#include "viscobar/results/versions.hpp"
+
+namespace viscobar {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string norm(const PrecisionResult& result) {
+  return fmt::format(
+      "largest |u - u_ref| over {} times, {:.3g} apart, and the nodes of the mesh, in the unit of u, the start left "
+      "out",
+      result.times, result.every);
+}
+
+Json value_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+Json to_json(const PrecisionResult& result, const PrecisionRow& row) {
+  const bool failed = !row.failure.empty();
+  const ErrorParts& parts = result.parts_of(row);
+  Json json = {{"method", name(row.method)}, {"label", row.label}};
+  json["error"] = value_or_null(row.error);
+  json["seconds"] = failed ? Json(nullptr) : Json(row.seconds);
+  json["steps"] = failed ? Json(nullptr) : Json(row.steps);
+  json["runs"] = row.runs;
+  json["elements"] = row.elements;
+  json["mass"] = name(row.mass);
+  if (is_adaptive(row.method)) json["tolerance"] = row.setting;
+  if (is_scheme(row.method)) json["step"] = row.setting;
+  json["space"] = value_or_null(parts.space);
+  json["penalty"] = value_or_null(parts.penalty);
+  json["time"] = value_or_null(row.time_error);
+  json["largest_part"] = text_or_null(largest_part(result, row));
+  json["failure"] = text_or_null(row.failure);
+  return json;
+}
+
+Json to_json(const PrecisionStudy& study, const PrecisionResult& result, const ErrorParts& parts) {
+  return {{"method", name(parts.method)},
+          {"elements", parts.elements},
+          {"mass", name(parts.mass)},
+          {"space", value_or_null(parts.space)},
+          {"penalty", value_or_null(parts.penalty)},
+          {"penalty_order", value_or_null(parts.penalty_order)},
+          {"penalty_against", text_or_null(parts.penalty_against)},
+          {"time_reference", text_or_null(parts.time_reference)},
+          {"time_reference_error", parts.time_reference.empty() ? Json(nullptr) : Json(parts.time_reference_error)},
+          {"problem", text_or_null(parts.problem)},
+          {"advice", advice(study, result, parts, plain_number)}};
+}
+
+Json to_json(const PrecisionResult& result) {
+  if (!result.reference) return {{"description", reference_sentence(result, plain_number)}, {"error", nullptr}};
+  const PrecisionReference& reference = *result.reference;
+  Json json = {{"description", reference_sentence(result, plain_number)},
+               {"kind", reference.closed_form ? "closed form" : "finer run"},
+               {"what", reference.what},
+               {"error", reference.error},
+               {"order", value_or_null(reference.order)},
+               {"largest_displacement", reference.largest_displacement},
+               {"meshes", Json::array()}};
+  for (const auto& level : reference.levels)
+    json["meshes"].push_back({{"elements", level.elements}, {"difference_to_next", value_or_null(level.difference)}});
+  return json;
+}
+
+std::string numbers(const PrecisionStudy& study, const PrecisionResult& result) {
+  Numbers all;
+  all.add("Mass", std::string(name(study.scene.mass)), "rigid: redistributed; finite_difference: diagonal");
+  if (study.scene.epsilon) all.add("Penalty ε", readable(*study.scene.epsilon));
+  if (result.reference) {
+    all.add("Largest |u|", readable(result.reference->largest_displacement, 3));
+    all.add("Reference", result.reference->closed_form ? "closed form" : "finer run",
+            result.reference->closed_form
+                ? escaped(result.reference->what)
+                : fmt::format("{}; good to {}", result.reference->what, readable(result.reference->error, 2)));
+  }
+  all.add("Errors taken at", fmt::format("{} times", result.times), fmt::format("{} apart", readable(result.every)));
+  return all.html("The study");
+}
+
+std::string head(const PrecisionStudy& study, const PrecisionResult& result) {
+  const auto meshes = meshes_in(result);
+  std::string out;
+  for (const std::size_t elements : meshes)
+    for (const auto& [methods, text] : advice_on_mesh(study, result, elements, readable_number))
+      out += fmt::format("<b>{}{}</b>: {}.<br>\n", methods,
+                         meshes.size() > 1 ? fmt::format(" on {} elements", elements) : "", escaped(text));
+  return fmt::format("<p class=\"verdict\">{}</p>\n", out);
+}
+
+std::string list(const std::vector<std::string>& lines) {
+  std::string out;
+  for (const std::string& line : lines) out += fmt::format("<p class=\"note\">{}.</p>\n", escaped(line));
+  return out;
+}
+
+}  // namespace
+
+std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, const PrecisionResult& result) {
+  Json json;
+  json["title"] = study.scene.scene.title;
+  json["norm"] = norm(result);
+  json["reference"] = to_json(result);
+  json["epsilon"] = value_or_null(study.scene.epsilon);
+  json["rows"] = Json::array();
+  for (const PrecisionRow& row : result.rows) json["rows"].push_back(to_json(result, row));
+  json["parts"] = Json::array();
+  for (const ErrorParts& parts : result.parts) json["parts"].push_back(to_json(study, result, parts));
+  json["left_out"] = Json::array();
+  for (const auto& [method, elements, what, reason] : result.left_out)
+    json["left_out"].push_back(
+        {{"method", name(method)}, {"elements", elements}, {"from", text_or_null(what)}, {"reason", reason}});
+  json["remarks"] = remarks(study, result);
+  json["errors_every"] = result.every;
+  json["core_share"] = result.core_share;
+  json["scene"] = Json::parse(scene.description);
+  json["version"] = versions().viscobar;
+  json["platform"] = versions().platform;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string precision_text(const PrecisionStudy& study, const PrecisionResult& result) {
+  std::string out = text(precision_table(result, plain_number)) + "\n";
+  const auto meshes = meshes_in(result);
+  for (const std::size_t elements : meshes)
+    for (const auto& [methods, advised] : advice_on_mesh(study, result, elements, plain_number))
+      out += fmt::format("{}{}: {}.\n", methods, meshes.size() > 1 ? fmt::format(" on {} elements", elements) : "",
+                         advised);
+  out += fmt::format("\n{}\nThe error is the {}.\n", reference_sentence(result, plain_number), norm(result));
+  out += fmt::format("\n{}", text(time_reference_table(result, plain_number)));
+  if (const auto lines = remarks(study, result); !lines.empty()) {
+    out += "\n";
+    for (const std::string& line : lines) out += line + ".\n";
+  }
+  return out;
+}
+
+PicturedPage precision_page(const PrecisionStudy& study, const PrecisionResult& result) {
+  const Scene& scene = study.scene.scene;
+  Page page((scene.title.empty() ? "A scene" : scene.title) + ": speed against error", scene);
+  page.add_head(head(study, result));
+  page.add(numbers(study, result));
+  page.add(error_picture(result));
+  page.add(time_error_picture(result));
+  page.add(parts_picture(result));
+  page.add(section_html("Every run", html(precision_table(result, readable_number))));
+  std::string references = fmt::format("<p>{}</p>\n", escaped(reference_sentence(result, readable_number))) +
+                           html(time_reference_table(result, readable_number));
+  if (result.reference && !result.reference->levels.empty())
+    references +=
+        fmt::format("<h2>Refinement of the reference</h2>\n{}", html(mesh_table(*result.reference, readable_number)));
+  page.add(section_html("What the errors are against", references + list(remarks(study, result))));
+  return page.with_figures();
+}
+
+}  // namespace viscobar

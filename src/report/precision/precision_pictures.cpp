@@ -1,0 +1,186 @@
+#include "report/precision/precision_pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "report/page.hpp"
+#include "report/plot/figure.hpp"
+#include "report/plot/range.hpp"
+#include "report/precision/precision_tables.hpp"
+
+namespace viscobar {
+
+namespace {
+
+using plot::Axis;
+using plot::Figure;
+using plot::Point;
+using plot::Range;
+using plot::Style;
+
+constexpr const char* soft = "var(--soft)";
+
+std::vector<MethodName> methods_in(const PrecisionResult& result) {
+  std::vector<MethodName> methods;
+  for (const ErrorParts& parts : result.parts)
+    if (std::find(methods.begin(), methods.end(), parts.method) == methods.end()) methods.push_back(parts.method);
+  return methods;
+}
+
+/// The same in every picture; schemes are dashed, so that the palette may come round.
+Style style_of(const PrecisionResult& result, MethodName method) {
+  const auto methods = methods_in(result);
+  const auto place = std::find(methods.begin(), methods.end(), method) - methods.begin();
+  return {plot::series_colour(static_cast<std::size_t>(place)), is_scheme(method), 1.8};
+}
+
+template <class X, class Y>
+std::vector<Point> points_of(std::span<const PrecisionRow> rows, X x, Y y) {
+  std::vector<Point> points;
+  for (const PrecisionRow& row : rows) {
+    const std::optional<double> value = y(row);
+    if (row.failure.empty() && value && *value > 0.0 && x(row) > 0.0) points.push_back({x(row), *value});
+  }
+  return points;
+}
+
+double seconds(const PrecisionRow& row) { return row.seconds; }
+double setting(const PrecisionRow& row) { return row.setting; }
+std::optional<double> error(const PrecisionRow& row) { return row.error; }
+
+/// With room for the marks at either end.
+Axis decades_of(std::string label, const Range& range) {
+  constexpr double margin = 1.3;
+  if (!(range.low <= range.high)) return {std::move(label), 0.1, 1.0, plot::Scale::logarithmic};
+  return plot::fitted_decades(std::move(label), range.low / margin, range.high * margin);
+}
+
+void draw(Figure& figure, const std::vector<Point>& points, const Style& style, std::string_view legend) {
+  figure.line(points, style, legend);
+  figure.markers(points, style.colour);
+}
+
+/// Labels in the frame, those that would lie on each other joined.
+class Labels {
+ public:
+  Labels(Axis x, Axis y) : x_(std::move(x)), y_(std::move(y)) {}
+
+  void add(Point at, const std::string& text) {
+    constexpr double close = 0.05;
+    for (auto& [place, known] : labels_)
+      if (std::abs(x_.position(place.x) - x_.position(at.x)) < close &&
+          std::abs(y_.position(place.y) - y_.position(at.y)) < close) {
+        if (!known.ends_with(text)) known += ", " + text;
+        return;
+      }
+    labels_.emplace_back(at, text);
+  }
+  void draw(Figure& figure) const {
+    for (const auto& [place, text] : labels_) figure.label(place, text);
+  }
+
+ private:
+  Axis x_, y_;
+  std::vector<std::pair<Point, std::string>> labels_;
+};
+
+/// A line for each method on each mesh, the mesh named at its end where there are several.
+template <class Error>
+std::optional<Figure> diagram(const PrecisionResult& result, std::span<const std::size_t> meshes, const char* label,
+                              Error value, double floor) {
+  Range x, y;
+  for (const ErrorParts& parts : result.parts)
+    for (const Point& point : points_of(rows_of(result, parts), seconds, value)) {
+      x.add(point.x);
+      if (std::find(meshes.begin(), meshes.end(), parts.elements) != meshes.end()) y.add(point.y);
+    }
+  if (!(y.low <= y.high)) return std::nullopt;
+  if (meshes.size() > 1) x.add(3.0 * x.high);  // room for the labels
+  const Axis along = decades_of("seconds", x), up = decades_of(label, y);
+  Figure figure(along, up, 420.0);
+  Labels labels(along, up);
+  if (meshes.size() == 1 && meshes_in(result).size() > 1) figure.legend_note(fmt::format("{} elements", meshes[0]));
+  if (floor > up.low && floor < up.high) figure.level(floor, {soft, true, 1.2}, "reference's own");
+  std::vector<MethodName> named;
+  for (const ErrorParts& parts : result.parts) {
+    if (std::find(meshes.begin(), meshes.end(), parts.elements) == meshes.end()) continue;
+    const auto points = points_of(rows_of(result, parts), seconds, value);
+    if (points.empty()) continue;
+    const bool known = std::find(named.begin(), named.end(), parts.method) != named.end();
+    draw(figure, points, style_of(result, parts.method), known ? std::string_view() : name(parts.method));
+    named.push_back(parts.method);
+    if (meshes.size() > 1) labels.add(points.back(), fmt::format("{}", parts.elements));
+  }
+  labels.draw(figure);
+  return figure;
+}
+
+}  // namespace
+
+Picture error_picture(const PrecisionResult& result) {
+  if (!result.reference) return {};
+  const auto meshes = meshes_in(result);
+  const auto figure = diagram(result, meshes, "error", error, result.reference->error);
+  if (!figure) return {};
+  std::string caption =
+      "Largest |<i>u</i> − <i>u</i><sub>∗</sub>| over times and nodes, over the median time of the integration: "
+      "the lower left is better. Where a line is flat, a smaller tolerance or step is paid for in vain. ";
+  if (meshes.size() > 1) caption += "Numbers: elements. ";
+  return {"Speed against error", caption + "Schemes are dashed.", {{"error", "Error over seconds", *figure}}};
+}
+
+Picture time_error_picture(const PrecisionResult& result) {
+  std::vector<Panel> panels;
+  const auto resolved = [&](const PrecisionRow& row) { return resolved_time_error(result, row); };
+  for (const std::size_t mesh : meshes_in(result))
+    if (const auto figure = diagram(result, std::span(&mesh, 1), "time error", resolved, 0.0))
+      panels.push_back(
+          {fmt::format("time-error-{}", mesh), fmt::format("Time error over seconds, {} elements", mesh), *figure});
+  return {
+      "Speed against the error of time integration",
+      "The same runs against the exact solution of each method's own semi-discrete system: what the tolerance or the "
+      "step does by itself. Schemes are dashed; errors that their reference cannot tell from its own are left out.",
+      panels};
+}
+
+Picture parts_picture(const PrecisionResult& result) {
+  const auto meshes = meshes_in(result);
+  const std::size_t finest = *std::max_element(meshes.begin(), meshes.end());
+  const auto resolved = [&](const PrecisionRow& row) { return resolved_time_error(result, row); };
+  std::vector<Panel> panels;
+  for (const ErrorParts& parts : result.parts) {
+    if (parts.elements != finest || !parts.space) continue;
+    const auto rows = rows_of(result, parts);
+    const auto total = points_of(rows, setting, error), time = points_of(rows, setting, resolved);
+    if (total.size() < 2) continue;
+    Range x, y;
+    for (const Point& point : total) x.add(point.x);
+    y.add(total);
+    y.add(time);
+    // A part far below all that the picture shows is left to the table.
+    const double least = y.low / 100.0;
+    for (const auto& level : {parts.space, parts.penalty})
+      if (level && *level > least) y.add(*level);
+    Figure figure(decades_of(is_scheme(parts.method) ? "step" : "tolerance", x), decades_of("error", y), 300.0);
+    figure.legend_note(name(parts.method));
+    figure.line(total, {"var(--rule)", false, 7.0}, "in all");
+    if (*parts.space > least) figure.level(*parts.space, {plot::series_colour(2), true, 1.8}, "space");
+    if (parts.penalty && *parts.penalty > least)
+      figure.level(*parts.penalty, {plot::series_colour(1), true, 1.8}, "penalty");
+    draw(figure, time, {plot::series_colour(0), false, 1.8}, "time");
+    panels.push_back({fmt::format("parts-{}", name(parts.method)),
+                      fmt::format("Parts of the error of {}", name(parts.method)), figure});
+  }
+  return {"What the error consists of",
+          fmt::format("On {} elements. The error in all follows its largest part: with the tolerance or the step it "
+                      "falls until space or penalty is left over.",
+                      finest),
+          panels};
+}
+
+}  // namespace viscobar

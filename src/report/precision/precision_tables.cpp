@@ -1,0 +1,171 @@
+#include "report/precision/precision_tables.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace viscobar {
+
+namespace {
+
+/// A measured error that its reference can tell from its own, else the bound that remains.
+std::string measured(const std::optional<double>& error, double reference_error, NumberText number) {
+  if (!error) return "-";
+  return resolved(*error, reference_error) ? number(*error) : fmt::format("<{}", number(*error + reference_error));
+}
+
+std::string part(const std::optional<double>& value, NumberText number) { return value ? number(*value) : "-"; }
+
+/// The time error of a scheme that has stopped falling over the last halvings of its step.
+std::optional<double> stagnation(const PrecisionResult& result, const ErrorParts& parts) {
+  constexpr std::size_t halvings = 3;
+  const auto rows = rows_of(result, parts);
+  if (!is_scheme(parts.method) || rows.size() <= halvings) return std::nullopt;
+  const auto first = rows[rows.size() - 1 - halvings].time_error, last = rows.back().time_error;
+  if (!first || !last || *last < 10.0 * parts.time_reference_error || *first > 1.5 * *last) return std::nullopt;
+  return last;
+}
+
+}  // namespace
+
+bool resolved(double error, double reference_error) { return error > 3.0 * reference_error; }
+
+const char* setting_word(MethodName method) { return is_scheme(method) ? "step" : "tolerance"; }
+
+std::span<const PrecisionRow> rows_of(const PrecisionResult& result, const ErrorParts& parts) {
+  const auto same = [&](const PrecisionRow& row) {
+    return row.method == parts.method && row.elements == parts.elements;
+  };
+  const auto begin = std::find_if(result.rows.begin(), result.rows.end(), same);
+  const auto end = std::find_if_not(begin, result.rows.end(), same);
+  return {begin, end};
+}
+
+std::optional<double> resolved_time_error(const PrecisionResult& result, const PrecisionRow& row) {
+  const double own = result.parts_of(row).time_reference_error;
+  return row.time_error && resolved(*row.time_error, own) ? row.time_error : std::nullopt;
+}
+
+std::string largest_part(const PrecisionResult& result, const PrecisionRow& row) {
+  const ErrorParts& parts = result.parts_of(row);
+  if (!parts.space || !row.time_error) return "";
+  const double penalty = parts.penalty.value_or(0.0);
+  const double rest = std::max(*parts.space, penalty);
+  if (*row.time_error + parts.time_reference_error > rest && !resolved(*row.time_error, parts.time_reference_error))
+    return "";
+  if (*row.time_error >= rest) return "time";
+  return penalty > *parts.space ? "penalty" : "space";
+}
+
+Table precision_table(const PrecisionResult& result, NumberText number) {
+  const bool penalised = std::any_of(result.parts.begin(), result.parts.end(),
+                                     [](const ErrorParts& parts) { return parts.penalty.has_value(); });
+  const bool several = meshes_in(result).size() > 1;
+  Table table{{"method"}, several ? 3U : 2U, {}};
+  if (several) table.header.emplace_back("elements");
+  table.header.emplace_back("setting");
+  table.header.insert(table.header.end(), {"seconds", "steps", "error", "space"});
+  if (penalised) table.header.emplace_back("penalty");
+  table.header.insert(table.header.end(), {"time", "largest part"});
+  const double reference_error = result.reference ? result.reference->error : 0.0;
+  for (const PrecisionRow& row : result.rows) {
+    std::vector<std::string> cells = {std::string(name(row.method))};
+    if (several) cells.push_back(fmt::format("{}", row.elements));
+    cells.push_back(row.setting > 0.0 ? fmt::format("{} {}", setting_word(row.method), number(row.setting))
+                                      : row.label);
+    if (!row.failure.empty()) {
+      cells.emplace_back("failed");
+      table.rows.push_back(std::move(cells));
+      continue;
+    }
+    const ErrorParts& parts = result.parts_of(row);
+    cells.insert(cells.end(), {number(row.seconds), fmt::format("{}", row.steps),
+                               measured(row.error, reference_error, number), part(parts.space, number)});
+    if (penalised) cells.push_back(part(parts.penalty, number));
+    cells.insert(cells.end(),
+                 {measured(row.time_error, parts.time_reference_error, number), largest_part(result, row)});
+    table.rows.push_back(std::move(cells));
+  }
+  return table;
+}
+
+std::vector<std::size_t> meshes_in(const PrecisionResult& result) {
+  std::vector<std::size_t> meshes;
+  for (const ErrorParts& parts : result.parts)
+    if (std::find(meshes.begin(), meshes.end(), parts.elements) == meshes.end()) meshes.push_back(parts.elements);
+  return meshes;
+}
+
+std::string reference_sentence(const PrecisionResult& result, NumberText number) {
+  if (!result.reference) return "No total error is given, for the reference failed: " + result.no_reference + ".";
+  const PrecisionReference& r = *result.reference;
+  if (r.closed_form) return fmt::format("Errors are against the closed form: {}.", r.what);
+  return fmt::format("Errors are against a finer run: {}, itself good to about {} by its last two meshes{}.", r.what,
+                     number(r.error), r.order ? fmt::format(" (observed order in h {:.2f})", *r.order) : "");
+}
+
+Table time_reference_table(const PrecisionResult& result, NumberText number) {
+  Table table{{"method", "elements", "mass", "time errors are against", "which is good to", "power of epsilon"}, 4, {}};
+  for (const ErrorParts& parts : result.parts)
+    table.rows.push_back(
+        {std::string(name(parts.method)), fmt::format("{}", parts.elements), std::string(name(parts.mass)),
+         parts.time_reference.empty() ? fmt::format("nothing: {}", parts.problem) : parts.time_reference,
+         parts.time_reference.empty() ? "-" : number(parts.time_reference_error),
+         parts.penalty_order ? fmt::format("{:.2f}", *parts.penalty_order) : "-"});
+  return table;
+}
+
+Table mesh_table(const PrecisionReference& reference, NumberText number) {
+  Table table{{"elements", "difference to the next", "order"}, 0, {}};
+  for (std::size_t i = 0; i < reference.levels.size(); ++i) {
+    const auto difference = reference.levels[i].difference;
+    const auto before = i > 0 ? reference.levels[i - 1].difference : std::nullopt;
+    const bool order = difference && before && *difference > 0.0 && *before > 0.0;
+    table.rows.push_back({fmt::format("{}", reference.levels[i].elements), difference ? number(*difference) : "-",
+                          order ? fmt::format("{:.2f}", std::log2(*before / *difference)) : "-"});
+  }
+  return table;
+}
+
+std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionResult& result) {
+  std::vector<std::string> found;
+  for (const PrecisionRow& row : result.rows)
+    if (!row.failure.empty())
+      found.push_back(fmt::format("{}, {}, failed: {}", name(row.method), row.label, row.failure));
+  for (const auto& [method, elements, what, reason] : result.left_out) {
+    const std::string mesh = study.elements.size() > 1 && what.empty() ? fmt::format(" on {} elements", elements) : "";
+    found.push_back(what.empty() ? fmt::format("{}{} was left out: {}", name(method), mesh, reason)
+                                 : fmt::format("{} was left out from {} on: {}", name(method), what, reason));
+  }
+  for (const ErrorParts& parts : result.parts)
+    if (!parts.problem.empty())
+      found.push_back(fmt::format("{} on {} elements has no {}: {}", name(parts.method), parts.elements,
+                                  parts.time_reference.empty() ? "time errors" : "space and penalty", parts.problem));
+  for (const ErrorParts& parts : result.parts)
+    if (const auto stuck = stagnation(result, parts))
+      found.push_back(
+          fmt::format("{} on {} elements does not tend to that semi-discrete solution: its time error stays "
+                      "near {} however small the step",
+                      name(parts.method), parts.elements, plain_number(*stuck)));
+  if (result.core_share < 0.9)
+    found.push_back(
+        fmt::format("Other work kept the machine busy: the timed runs had {:.0f} % of a core, so seconds are "
+                    "longer than they need be",
+                    100.0 * result.core_share));
+  const Case& scene = study.scene;
+  const bool touched = std::any_of(result.parts.begin(), result.parts.end(),
+                                   [](const ErrorParts& parts) { return parts.penalty.value_or(0.0) > 0.0; });
+  if (touched && !scene.restitution && scene.mass != Mass::redistributed)
+    found.emplace_back(
+        scene.scene.span
+            ? "Where an undamped penalty rebounds from a span obstacle and the scheme does not, these are two "
+              "solutions "
+              "of one problem, and their difference, here in the space part, falls with no mesh; contact.restitution "
+              "gives both the same law"
+            : "Where a contact node with mass rebounds from the undamped penalty, that counts as space: only a finer "
+              "mesh makes it smaller, or contact.restitution or mesh.mass = \"redistributed\"");
+  return found;
+}
+
+}  // namespace viscobar

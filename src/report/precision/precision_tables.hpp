@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "text/table.hpp"
+#include "viscobar/studies/precision/precision.hpp"
+
+namespace viscobar {
+
+/// The rows that belong to a method on a mesh.
+std::span<const PrecisionRow> rows_of(const PrecisionResult& result, const ErrorParts& parts);
+
+/// Whether a reference can tell an error from its own.
+bool resolved(double error, double reference_error);
+
+/// tolerance or step
+const char* setting_word(MethodName method);
+
+/// The time error, absent also where its reference cannot tell it from its own error.
+std::optional<double> resolved_time_error(const PrecisionResult& result, const PrecisionRow& row);
+
+/// space, penalty or time: the largest part of the row's error; empty where they are not known or not told apart.
+std::string largest_part(const PrecisionResult& result, const PrecisionRow& row);
+
+Table precision_table(const PrecisionResult& result, NumberText number);
+
+/// In the order of the rows.
+std::vector<std::size_t> meshes_in(const PrecisionResult& result);
+
+/// What the errors are measured against, and how good that is.
+std::string reference_sentence(const PrecisionResult& result, NumberText number);
+Table time_reference_table(const PrecisionResult& result, NumberText number);
+Table mesh_table(const PrecisionReference& reference, NumberText number);
+
+/// What failed, what was left out, and what is not what it seems.
+std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionResult& result);
+
+}  // namespace viscobar

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "report/plot/thinning.hpp"
+#include "report/run/thinned_events.hpp"
+#include "report/run/thinned_field.hpp"
+#include "viscobar/case/case.hpp"
+
+namespace viscobar {
+
+/// What the report shows of a run, collected while it runs in memory that does not grow with it.
+class ReportData {
+ public:
+  ReportData(const Case& run, const BarSystem& system);
+
+  void add(const Snapshot& snapshot);
+  void add(const Event& event);
+
+  /// Some more than a picture of the whole can show, to zoom into.
+  static constexpr std::size_t buckets = 800;
+  struct End {
+    plot::ThinnedLine displacement{buckets}, reaction{buckets};
+    static void members(auto& end, auto&& each) { each(end.displacement, end.reaction); }
+  };
+  /// Of the bar, and stored in the contacts' penalty springs.
+  struct Energy {
+    plot::ThinnedLine kinetic{buckets}, elastic{buckets}, contact{buckets}, total{buckets};
+    static void members(auto& energy, auto&& each) {
+      each(energy.kinetic, energy.elastic, energy.contact, energy.total);
+    }
+  };
+  static constexpr std::size_t most_events = 50;
+
+  std::size_t snapshots = 0;
+  ThinnedField field;
+  End left, right;
+  Energy energy;
+  std::vector<Event> first_events;
+  ThinnedEvents marked_events;
+  static void members(auto& data, auto&& each) {
+    each(data.snapshots, data.field, data.left, data.right, data.energy, data.first_events, data.marked_events);
+  }
+
+  /// Contact springs exist: an obstacle and a penalised method.
+  bool has_springs() const { return epsilon_.has_value(); }
+
+ private:
+  double spring_energy(std::span<const double> u) const;
+
+  const BarSystem& system_;
+  std::optional<double> epsilon_;
+};
+
+}  // namespace viscobar

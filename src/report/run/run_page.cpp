@@ -1,0 +1,123 @@
+#include "report/run/run_page.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <vector>
+
+#include "report/page.hpp"
+#include "report/plot/figure.hpp"
+#include "results/csv.hpp"
+#include "text/number.hpp"
+#include "text/printable_text.hpp"
+
+namespace viscobar {
+
+namespace {
+
+std::string seconds(double value) { return readable(value, 3) + " s"; }
+
+std::string numbers(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data) {
+  Numbers all;
+  all.add("Method", std::string(name(run.method)));
+  if (is_adaptive(run.method))
+    all.add("Tolerances", readable(run.tolerance.relative),
+            "relative, " + readable(run.tolerance.absolute) + " absolute");
+  if (is_scheme(run.method) && run.step) all.add("Time step", readable(*run.step));
+  if (data.has_springs()) all.add("Penalty ε", readable(*run.epsilon));
+  if (run.restitution && !system.contacts().empty()) all.add("Restitution", readable(*run.restitution));
+  all.add("Elements", fmt::format("{}", system.mesh().elements),
+          fmt::format("h = {}{}, {} mass", readable(system.mesh().spacing()),
+                      system.mesh().uniform()
+                          ? ""
+                          : fmt::format(" on average, {} at the contacts", readable(system.mesh().smallest())),
+                      name(system.mass())));
+  if (outcome.statistics) all.add("Unknowns", outcome.statistics->unknowns);
+  all.add("Simulated time", readable(outcome.reached_time),
+          outcome.ending == Ending::completed ? std::string() : "of " + readable(run.end));
+  all.add("Steps", outcome.steps);
+  if (!system.contacts().empty()) all.add("Contact changes", outcome.events);
+  if (const auto& statistics = outcome.statistics) {
+    all.add("Evaluations", statistics->rhs_evaluations);
+    all.add("Linear solves", statistics->linear_solves);
+    all.add("Factorisations", statistics->matrix_factorisations);
+    if (!system.contacts().empty()) all.add("Largest penetration", readable(statistics->max_penetration, 3));
+    if (const auto& energy = statistics->energy) {
+      all.add("Energy at the start", readable(energy->initial));
+      all.add("Energy at the end", readable(energy->final));
+      all.add("Dissipated", readable(energy->dissipated), "work of the load " + readable(energy->work));
+      all.add("Energy balance error", readable(energy->balance_error(), 2));
+    }
+    all.add("Integration", seconds(statistics->integration_seconds));
+  }
+  all.add("Whole run", seconds(outcome.wall_seconds));
+  return all.html("The run in numbers");
+}
+
+std::string contact_table(const Outcome& outcome, const ContactSummary& contact) {
+  std::string rows;
+  const auto add = [&](const char* where, const std::optional<ContactAccount>& account) {
+    if (account)
+      rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", where,
+                          account->closings(), readable(account->duration(outcome.reached_time)),
+                          readable(account->impulse()), readable(account->max_reaction()));
+  };
+  add("left end", contact.left);
+  add("right end", contact.right);
+  std::string html;
+  if (!rows.empty())
+    html =
+        "<table><thead><tr><th>Obstacle</th><th>closings</th><th>time in contact</th><th>impulse of the reaction</th>"
+        "<th>greatest reaction</th></tr></thead><tbody>\n" +
+        rows + "</tbody></table>\n";
+  if (contact.span)
+    html += fmt::format("<p class=\"note\">Under the span: nodes closed {} times and opened {} times.</p>\n",
+                        contact.span->closings, contact.span->openings);
+  return html.empty() ? html : "<section><h2>Contact</h2>\n<div class=\"tables\">" + html + "</div></section>\n";
+}
+
+std::string event_table(const Outcome& outcome, const ReportData& data) {
+  if (data.first_events.empty()) return {};
+  std::string rows;
+  for (const Event& event : data.first_events)
+    rows += fmt::format("<tr><td>{}</td><td class=\"word\">{}</td><td class=\"word\">{}</td><td>{}</td></tr>\n",
+                        readable(event.time, 8), place(event), event.change == Change::closing ? "closes" : "opens",
+                        readable(event.velocity));
+  std::string rest;
+  if (outcome.events > data.first_events.size())
+    rest = fmt::format("<p class=\"note\">and {} more, in events.csv</p>", outcome.events - data.first_events.size());
+  return "<section id=\"events\"><h2>Contact changes</h2>\n<div class=\"tables "
+         "still\"><table><thead><tr><th>time</th><th "
+         "class=\"word\">where</th>"
+         "<th class=\"word\">change</th><th>velocity</th></tr></thead><tbody>\n" +
+         rows + "</tbody></table>" + rest + "</div></section>\n";
+}
+
+}  // namespace
+
+Page report_page(const Case& run, const BarSystem& system, const Outcome& outcome, const ContactSummary& contact,
+                 const ReportData& data) {
+  Page page(run.scene.title.empty() ? "A run of viscobar" : run.scene.title, run.scene);
+  if (!outcome.error.empty())
+    page.add_head(fmt::format("<p class=\"failed\"><b>The run did not complete.</b> It reached t = {}: {}</p>\n",
+                              readable(outcome.reached_time), escaped(outcome.error)));
+  for (const std::string& warning : outcome.warnings)
+    page.add_head(fmt::format("<p class=\"note\">{}</p>\n", escaped(warning)));
+  if (data.field.rows() >= 2) {
+    const FieldColours colours = field_colours(run, data);
+    page.add(profiles(run, data));
+    page.add(displacement_map(run, data, colours));
+    page.add(end_traces(run, outcome, contact, data));
+    page.add(reactions(run, contact, data));
+    page.add(energies(data));
+    page.add_data("field", field_json(data, colours));
+    page.add_data("events", events_json(data, outcome.events));
+    page.add_data("supports", supports_json(run.scene, outcome, contact));
+  }
+  page.add(numbers(run, system, outcome, data));
+  page.add(contact_table(outcome, contact));
+  page.add(event_table(outcome, data));
+  return page;
+}
+
+}  // namespace viscobar

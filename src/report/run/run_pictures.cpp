@@ -1,0 +1,253 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "report/plot/figure.hpp"
+#include "report/plot/png.hpp"
+#include "report/plot/range.hpp"
+#include "report/run/run_page.hpp"
+#include "text/number.hpp"
+
+namespace viscobar {
+
+namespace {
+
+using plot::Axis;
+using plot::Figure;
+using plot::fitted;
+using plot::Interval;
+using plot::Point;
+using plot::Range;
+
+Axis time_axis(const ReportData& data) {
+  return {.label = "time t", .low = data.field.time(0), .high = data.field.time(data.field.rows() - 1), .link = "t"};
+}
+
+Range field_range(const ReportData& data) {
+  Range range;
+  for (std::size_t row = 0; row < data.field.rows(); ++row)
+    for (const double u : data.field.row(row)) range.add(u);
+  return range;
+}
+
+double mixed(double a, double b, double weight) { return a + weight * (b - a); }
+
+/// Where a position lies among increasing values: the index below it and the part of the way to the next.
+struct Place {
+  std::size_t index;
+  double weight;
+};
+template <class Values>
+Place locate(const Values& values, std::size_t count, double at, std::size_t from) {
+  std::size_t i = from;
+  while (i + 2 < count && values(i + 1) <= at) ++i;
+  return {i, std::clamp((at - values(i)) / (values(i + 1) - values(i)), 0.0, 1.0)};
+}
+
+std::string obstacle_text(double gap) { return "obstacle " + readable(gap == 0.0 ? 0.0 : -gap); }
+
+const Obstacle* obstacle(const EndCondition& end) { return std::get_if<Obstacle>(&end); }
+
+}  // namespace
+
+FieldColours field_colours(const Case& run, const ReportData& data) {
+  Range range = field_range(data);
+  const double size = range.high - range.low, smaller_part = std::min(range.high, -range.low);
+  const bool two_signs = smaller_part > 0.1 * std::max(range.high, -range.low);
+  if (two_signs) {
+    range.add(-range.low);
+    range.add(-range.high);
+  }
+  Axis values{"displacement u", range.low, range.high};
+  if (!(range.high - range.low > 1e-12 * std::max(std::abs(range.low), std::abs(range.high))))
+    values = range.axis(values.label);
+  // Rounding apart, a constrained node lies on the obstacle and a penalised one below.
+  return {two_signs ? plot::diverging() : plot::sequential(), values,
+          run.scene.span ? -run.scene.span->gap + 1e-9 * size : -std::numeric_limits<double>::infinity()};
+}
+
+Picture displacement_map(const Case& run, const ReportData& data, const FieldColours& colours_of) {
+  constexpr std::size_t width = 480, height = 300, colours = 255, touching = 255;
+  const ThinnedField& field = data.field;
+  const auto& [map, values, contact_level] = colours_of;
+
+  std::array<plot::Colour, 256> palette{};
+  for (std::size_t i = 0; i < colours; ++i) palette[i] = map.at(static_cast<double>(i) / (colours - 1));
+  palette[touching] = FieldColours::touching;
+  bool touched = false;
+  std::vector<std::uint8_t> pixels(width * height);
+  const Axis time = time_axis(data);
+  Place in_time{0, 0.0};
+  for (std::size_t i = 0; i < width; ++i) {
+    const double t = mixed(time.low, time.high, (static_cast<double>(i) + 0.5) / width);
+    in_time = locate([&](std::size_t k) { return field.time(k); }, field.rows(), t, in_time.index);
+    const auto before = field.row(in_time.index), after = field.row(in_time.index + 1);
+    Place in_space{0, 0.0};
+    for (std::size_t j = 0; j < height; ++j) {
+      const double x = run.scene.bar.length * (static_cast<double>(j) + 0.5) / height;
+      in_space = locate([&](std::size_t k) { return field.x()[k]; }, field.x().size(), x, in_space.index);
+      const auto at = [&](std::span<const double> row) {
+        return mixed(row[in_space.index], row[in_space.index + 1], in_space.weight);
+      };
+      const double u = mixed(at(before), at(after), in_time.weight);
+      std::uint8_t& pixel = pixels[(height - 1 - j) * width + i];
+      pixel = static_cast<std::uint8_t>(std::lround(std::clamp(values.position(u), 0.0, 1.0) * (colours - 1)));
+      if (u <= contact_level) {
+        pixel = touching;
+        touched = true;
+      }
+    }
+  }
+
+  const Axis position{.label = "position x", .low = 0.0, .high = run.scene.bar.length, .link = "x"};
+  Figure figure(time, position, 400.0);
+  figure.image(plot::png_data_uri(width, height, palette, pixels), {time.low, 0.0}, {time.high, run.scene.bar.length});
+  figure.colour_bar(map, values);
+  if (touched) figure.legend_box(plot::hex(palette[touching]), "in contact");
+  figure.live_layer(R"({"kind":"map"})");
+  std::string caption = "Displacement <i>u</i>(<i>x</i>, <i>t</i>).";
+  if (values.low == -values.high) caption += " The pale middle of the scale is zero.";
+  const auto every = [](std::size_t stride, const char* what) {
+    return stride == 1 ? fmt::format("every {}", what) : fmt::format("every {} {}", ordinal(stride), what);
+  };
+  if (field.time_stride() > 1 || field.node_stride() > 1)
+    caption += fmt::format(" Drawn from {} and {}; field.h5 has them all.", every(field.time_stride(), "output time"),
+                           every(field.node_stride(), "node"));
+  return {"Displacement over space and time",
+          caption,
+          {{"displacement", "Displacement over time and space as a colour map", figure}}};
+}
+
+Picture profiles(const Case& run, const ReportData& data) {
+  constexpr std::size_t count = 6;
+  const ThinnedField& field = data.field;
+  const double length = run.scene.bar.length;
+  std::vector<std::size_t> rows;
+  const Axis time = time_axis(data);
+  for (std::size_t k = 0, row = 0; k < count; ++k) {
+    const double t = mixed(time.low, time.high, static_cast<double>(k) / (count - 1));
+    while (row + 1 < field.rows() && std::abs(field.time(row + 1) - t) <= std::abs(field.time(row) - t)) ++row;
+    if (rows.empty() || rows.back() != row) rows.push_back(row);
+  }
+  Range of_few;
+  for (const std::size_t row : rows)
+    for (const double u : field.row(row)) of_few.add(u);
+  const double depth = 0.03 * length;
+  const Axis position{.label = "position x", .low = -depth, .high = length + depth, .link = "x"};
+
+  // The obstacles, and what is said of those that lie outside.
+  std::string hidden;
+  bool has_bodies = false;
+  const auto with_obstacles = [&](Range range, double height, double room_below) {
+    std::vector<std::pair<double, Interval>> bodies;
+    hidden.clear();
+    const auto place = [&](const Obstacle* body, Interval part, const char* where) {
+      if (!body) return;
+      if (range.reach(-body->gap))
+        bodies.push_back({-body->gap, part});
+      else
+        hidden += fmt::format(" The obstacle {} lies outside, at {}.", where, readable(-body->gap));
+    };
+    place(obstacle(run.scene.left), {-depth, depth}, "at the left end");
+    place(obstacle(run.scene.right), {length - depth, length + depth}, "at the right end");
+    place(run.scene.span ? &*run.scene.span : nullptr, {-depth, length + depth}, "under the span");
+    has_bodies = !bodies.empty();
+    if (has_bodies) range.add(range.low - room_below * (range.high - range.low));
+    Figure figure(position, range.axis("displacement u"), height);
+    for (const auto& [level, part] : bodies) figure.body(level, part);
+    return figure;
+  };
+
+  Figure live = with_obstacles(field_range(data), 340.0, 0.2);  // for gap and reaction below the obstacles
+  live.live_layer(R"({"kind":"bar"})");
+  const std::string live_caption =
+      std::string(
+          "The bar at the time of the slider, its displacement drawn upwards and coloured as in the picture below; "
+          "shaded: where it has been and will be.") +
+      (has_bodies ? " Hatched: obstacles, with the gap left and the reaction while in contact." : "") + hidden;
+
+  Figure figure = with_obstacles(of_few, 320.0, 0.0);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    std::vector<Point> line;
+    const auto u = field.row(rows[k]);
+    for (std::size_t j = 0; j < u.size(); ++j) line.push_back({field.x()[j], u[j]});
+    const double part = rows.size() > 1 ? static_cast<double>(k) / static_cast<double>(rows.size() - 1) : 0.0;
+    figure.line(line, {plot::sequence_colour(part), false, 1.8}, "t = " + readable(field.time(rows[k])));
+  }
+  const std::string still_caption =
+      "The bar's displacement <i>u</i>(<i>x</i>, ·) at a few times, from the first (light) to the last (dark)." +
+      std::string(has_bodies ? " Grey: obstacles." : "") + hidden;
+  return {"The bar",
+          fmt::format("<span class=\"still\">{}</span><span class=\"live\">{}</span>", still_caption, live_caption),
+          {{"bar", "Displacement over space at a few times", figure, live}}};
+}
+
+Picture end_traces(const Case& run, const Outcome& outcome, const ContactSummary& contact, const ReportData& data) {
+  std::vector<Panel> panels;
+  const auto panel = [&](const char* name, const EndCondition& end, const ReportData::End& trace,
+                         const std::optional<ContactAccount>& account, std::size_t colour, const char* label) {
+    if (is_fixed(end)) return;
+    const std::vector<Point> points = trace.displacement.points();
+    Range range;
+    range.add(points);
+    const Obstacle* body = obstacle(end);
+    const bool shown = body && range.reach(-body->gap);
+    const bool span_shown = run.scene.span && range.reach(-run.scene.span->gap);
+    Figure figure(time_axis(data), range.axis(label), 220.0);
+    if (account) figure.shade(account->intervals(outcome.reached_time), plot::series_colour(colour), "in contact");
+    if (shown) figure.level(-body->gap, {"var(--ink)", true, 1.2}, obstacle_text(body->gap));
+    if (body && !shown) figure.legend_note(obstacle_text(body->gap) + " (outside)");
+    if (span_shown)
+      figure.level(-run.scene.span->gap, {"var(--soft)", true, 1.2},
+                   "span at " + readable(run.scene.span->gap == 0.0 ? 0.0 : -run.scene.span->gap));
+    figure.line(points, {plot::series_colour(colour)}, label);
+    panels.push_back({name, std::string("Displacement over time: ") + label, figure});
+  };
+  panel("left-end", run.scene.left, data.left, contact.left, 0, "u(0, t)");
+  panel("right-end", run.scene.right, data.right, contact.right, 1, "u(L, t)");
+  return {"Ends",
+          std::string(is_fixed(run.scene.left) || is_fixed(run.scene.right) ? "Displacement of the end that moves."
+                                                                            : "Displacement of the two ends.") +
+              (contact.left || contact.right ? " Dashed: obstacle; shaded: times in contact." : ""),
+          panels};
+}
+
+Picture reactions(const Case& run, const ContactSummary& contact, const ReportData& data) {
+  const bool span = run.scene.span.has_value();
+  const std::vector<Point> left = data.left.reaction.points(), right = data.right.reaction.points();
+  const bool with_left = span || contact.left, with_right = span || contact.right;
+  if (!with_left && !with_right) return {};
+  Range range;
+  range.add(0.0);
+  if (with_left) range.add(left);
+  if (with_right) range.add(right);
+  Figure figure(time_axis(data), range.axis("reaction R"), 240.0);
+  if (with_left) figure.line(left, {plot::series_colour(0)}, "left end");
+  if (with_right) figure.line(right, {plot::series_colour(1)}, "right end");
+  return {"Reactions",
+          "Force of the obstacle on each end, at the output times.",
+          {{"reactions", "Reactions of the obstacles over time", figure}}};
+}
+
+Picture energies(const ReportData& data) {
+  const auto& energy = data.energy;
+  const std::vector<Point> total = energy.total.points(), kinetic = energy.kinetic.points(),
+                           elastic = energy.elastic.points(), contact = energy.contact.points();
+  Range range;
+  range.add(0.0);
+  range.add(total);
+  Figure figure(time_axis(data), range.axis("energy"), 260.0);
+  figure.line(kinetic, {plot::series_colour(0)}, "kinetic");
+  figure.line(elastic, {plot::series_colour(1)}, "elastic");
+  if (data.has_springs()) figure.line(contact, {plot::series_colour(2)}, "contact springs");
+  figure.line(total, {"var(--ink)", true, 1.6}, "total");
+  return {"Energy",
+          data.has_springs()
+              ? "Energy of the bar and, counted in the total, that stored in the penalty springs of the contacts."
+              : "Kinetic and elastic energy of the bar.",
+          {{"energy", "Energy over time", figure}}};
+}
+
+}  // namespace viscobar

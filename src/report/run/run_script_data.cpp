@@ -1,0 +1,99 @@
+#include "report/run/run_script_data.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+
+#include "report/plot/base64.hpp"
+#include "report/plot/range.hpp"
+#include "results/csv.hpp"
+#include "text/json_text.hpp"
+
+namespace viscobar {
+
+namespace {
+
+using plot::json_numbers;
+using plot::json_string;
+
+constexpr auto itself = [](double value) { return value; };
+constexpr int digits_of_time = 9;
+
+const char* kind(const EndCondition& end) {
+  if (is_obstacle(end)) return "obstacle";
+  return is_fixed(end) ? "fixed" : "free";
+}
+
+std::string support_json(const EndCondition& end, const std::optional<ContactAccount>& contact, double reached) {
+  std::string text = fmt::format(R"({{"kind":"{}")", kind(end));
+  if (const auto* body = std::get_if<Obstacle>(&end)) text += fmt::format(R"(,"gap":{:.9g})", body->gap);
+  if (contact) {
+    std::vector<double> ends;
+    for (const plot::Interval& part : contact->intervals(reached)) ends.insert(ends.end(), {part.begin, part.end});
+    text += R"(,"contact":)" + json_numbers(ends, itself, digits_of_time);
+  }
+  return text + '}';
+}
+
+}  // namespace
+
+std::string field_json(const ReportData& data, const FieldColours& colours) {
+  const ThinnedField& field = data.field;
+  plot::Range range;
+  std::vector<double> times;
+  for (std::size_t row = 0; row < field.rows(); ++row) {
+    times.push_back(field.time(row));
+    for (const double u : field.row(row)) range.add(u);
+  }
+  const double size = range.high - range.low;
+  std::string bytes;
+  bytes.reserve(2 * field.rows() * field.x().size());
+  for (std::size_t row = 0; row < field.rows(); ++row)
+    for (const double u : field.row(row)) {
+      const double part = size > 0.0 && std::isfinite(u) ? std::clamp((u - range.low) / size, 0.0, 1.0) : 0.0;
+      const auto q = static_cast<std::uint16_t>(std::lround(65535.0 * part));
+      bytes += static_cast<char>(q & 0xff);
+      bytes += static_cast<char>(q >> 8);
+    }
+  std::string anchors;
+  for (const plot::Colour colour : colours.map.anchors)
+    anchors += fmt::format("{}\"{}\"", anchors.empty() ? "" : ",", plot::hex(colour));
+  const std::string level =
+      std::isfinite(colours.contact_level) ? fmt::format(R"(,"contactLevel":{:.9g})", colours.contact_level) : "";
+  return fmt::format(R"({{"everyTime":{},"everyNode":{},"low":{:.9g},"high":{:.9g},"t":{},"x":{},)"
+                     R"("colours":{{"anchors":[{}],"low":{:.9g},"high":{:.9g},"touching":"{}"{}}},"u":"{}"}})",
+                     field.time_stride(), field.node_stride(), range.low, range.high,
+                     json_numbers(times, itself, digits_of_time), json_numbers(field.x(), itself, digits_of_time),
+                     anchors, colours.values.low, colours.values.high, plot::hex(FieldColours::touching), level,
+                     plot::base64(bytes));
+}
+
+std::string events_json(const ReportData& data, std::size_t happened) {
+  const std::vector<Event>& events = data.marked_events.events();
+  std::map<std::string, std::size_t> number_of;
+  std::string places, where;
+  for (const Event& event : events) {
+    const auto [known, added] = number_of.emplace(place(event), number_of.size());
+    if (added) places += fmt::format("{}{}", places.empty() ? "" : ",", json_string(known->first));
+    where += fmt::format("{}{}", where.empty() ? "" : ",", known->second);
+  }
+  const auto column = [&](auto value, int digits) { return json_numbers(events, value, digits); };
+  return fmt::format(R"({{"happened":{},"every":{},"places":[{}],"place":[{}],"t":{},"closes":{},"velocity":{}}})",
+                     happened, data.marked_events.stride(), places, where,
+                     column([](const Event& e) { return e.time; }, digits_of_time),
+                     column([](const Event& e) { return e.change == Change::closing ? 1.0 : 0.0; }, 1),
+                     column([](const Event& e) { return e.velocity; }, 6));
+}
+
+std::string supports_json(const Scene& scene, const Outcome& outcome, const ContactSummary& contact) {
+  std::string text =
+      fmt::format(R"({{"left":{},"right":{})", support_json(scene.left, contact.left, outcome.reached_time),
+                  support_json(scene.right, contact.right, outcome.reached_time));
+  if (scene.span) text += fmt::format(R"(,"span":{{"gap":{:.9g}}})", scene.span->gap);
+  return text + '}';
+}
+
+}  // namespace viscobar

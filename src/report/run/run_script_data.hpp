@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+
+#include "report/plot/axis.hpp"
+#include "report/plot/colour_map.hpp"
+#include "report/run/run_data.hpp"
+#include "results/summary.hpp"
+
+namespace viscobar {
+
+/// How displacements are coloured.
+struct FieldColours {
+  plot::ColourMap map;
+  plot::Axis values;     ///< the ends of the scale
+  double contact_level;  ///< at or below it a node touches the span obstacle
+  static constexpr plot::Colour touching = 0xe0218a;
+};
+
+/// The displacement over space and time for the page's script: u = low + (high - low) q / 65535, q in row after row of
+/// 16 bits, low byte first, as base64.
+std::string field_json(const ReportData& data, const FieldColours& colours);
+
+/// The contact changes that the page marks, as columns.
+std::string events_json(const ReportData& data, std::size_t happened);
+
+/// What holds the ends and the span: kind, gap, and the times in contact.
+std::string supports_json(const Scene& scene, const Outcome& outcome, const ContactSummary& contact);
+
+}  // namespace viscobar

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "results/field_mark.hpp"
+#include "results/hdf5_handle.hpp"
+#include "results/output_file.hpp"
+#include "results/xdmf_file.hpp"
+#include "viscobar/discretisation/mesh.hpp"
+#include "viscobar/run/run.hpp"
+
+namespace viscobar {
+
+/// field.h5 with x (J+1), t (K), u and v (K x J+1), K growing, and field.xdmf beside it. Rows are collected to blocks
+/// of about 1 MiB; a block that is written is flushed and readable. For ParaView there are also `points` (J+1 x 3) and
+/// `line`, the node numbers. @throws IoError
+class FieldFile {
+ public:
+  /// `expected_rows` bounds the size of a block. With a mark the file is the one that is there, as it was then.
+  FieldFile(const std::filesystem::path& directory, const Mesh& mesh, std::size_t expected_rows,
+            const FieldMark* mark = nullptr);
+
+  /// A new one is seen from now on as it grows; otherwise from its first block on. @throws IoError
+  void take_place();
+  void append(const Snapshot& snapshot);
+  void flush();
+  /// Brings all rows to the disk.
+  FieldMark mark();
+  void close();
+
+  // Once closed.
+  const Checksum& checksum() const { return checksum_; }
+  Checksum xdmf_checksum() const { return xdmf_.checksum(); }
+
+ private:
+  /// A dataset that grows by rows, in chunks of so many.
+  struct Growing {
+    const char* name;
+    std::size_t row_values, chunk_rows;
+    Hdf5Dataset dataset{};
+    std::vector<FieldMark::Region> chunks{};
+    std::size_t located = 0;  // chunks whose place is known; it stays
+  };
+
+  void create(const Mesh& mesh);
+  void go_on(const FieldMark& mark);
+  void append_rows(Growing& grown, const std::vector<double>& values);
+  void locate(Growing& grown);
+  std::vector<FieldMark::Region> regions();
+
+  std::filesystem::path path_;
+  std::size_t nodes_, block_rows_;
+  XdmfFile xdmf_;
+  std::optional<NewFile> new_;  // while it is not in its place
+  std::optional<FileIdentity> identity_;
+  Hdf5File file_;
+  std::vector<FieldMark::Region> fixed_;  // values that do not grow
+  Growing t_, u_, v_;
+  std::size_t rows_ = 0;                 // in the file
+  std::vector<double> times_, us_, vs_;  // not yet in the file
+  FlushClock clock_;
+  Checksum checksum_;
+};
+
+}  // namespace viscobar

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "results/hdf5_handle.hpp"
+
+namespace viscobar {
+
+/// field.h5 of a run, finished or not, row by row. @throws IoError
+class FieldReader {
+ public:
+  explicit FieldReader(const std::filesystem::path& file);
+
+  const std::vector<double>& x() const { return x_; }
+  const std::vector<double>& times() const { return times_; }  ///< of the rows that are whole
+  std::size_t rows() const { return times_.size(); }
+  std::size_t nodes() const { return x_.size(); }
+
+  enum class Quantity { displacement, velocity };
+  /// Values at the nodes for the output times first, first + 1, ..., as many as `values` has room for.
+  void read(Quantity quantity, std::size_t first, std::span<double> values) const;
+
+ private:
+  std::filesystem::path path_;
+  Hdf5File file_;
+  Hdf5Dataset u_, v_;
+  std::vector<double> x_, times_;
+};
+
+}  // namespace viscobar

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <hdf5.h>
+
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "viscobar/results/io_error.hpp"
+
+namespace viscobar {
+
+/// Owns an HDF5 identifier.
+template <herr_t (*Close)(hid_t)>
+class Hdf5Handle {
+ public:
+  explicit Hdf5Handle(hid_t id = H5I_INVALID_HID) : id_(id) {}
+  Hdf5Handle(Hdf5Handle&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)) {}
+  Hdf5Handle(const Hdf5Handle&) = delete;
+  Hdf5Handle& operator=(const Hdf5Handle&) = delete;
+  ~Hdf5Handle() { reset(); }
+  void reset(hid_t id = H5I_INVALID_HID) {
+    if (id_ >= 0) {
+      H5E_BEGIN_TRY { Close(id_); }
+      H5E_END_TRY
+    }
+    id_ = id;
+  }
+  hid_t get() const { return id_; }
+  hid_t release() { return std::exchange(id_, H5I_INVALID_HID); }
+
+ private:
+  hid_t id_;
+};
+
+using Hdf5File = Hdf5Handle<H5Fclose>;
+using Hdf5Dataset = Hdf5Handle<H5Dclose>;
+
+using Hdf5Dataspace = Hdf5Handle<H5Sclose>;
+using Hdf5Properties = Hdf5Handle<H5Pclose>;
+using Hdf5Type = Hdf5Handle<H5Tclose>;
+
+/// The cause that HDF5 names innermost in its error stack, of a system call the system's own words.
+std::string hdf5_cause();
+
+/// Calls HDF5 with its printing off. @throws IoError
+template <class Call>
+auto hdf5_checked(const std::filesystem::path& path, const char* what, Call&& call) {
+  decltype(call()) result;
+  H5E_BEGIN_TRY { result = call(); }
+  H5E_END_TRY
+  if (result < 0) throw IoError(path, std::string(what) + ": " + hdf5_cause());
+  return result;
+}
+
+/// Before HDF5 is used: it crashes at exit when it tries once more to write what a full disk refused, and nothing of
+/// ours waits for the exit; and it goes on in memory that it did not get, so that is asked for before.
+/// @throws std::bad_alloc
+void begin_hdf5();
+
+}  // namespace viscobar

@@ -1,0 +1,139 @@
+#include "results/output_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
+#include <utility>
+
+#include "viscobar/results/io_error.hpp"
+
+namespace viscobar {
+
+namespace {
+
+std::string last_error() { return std::generic_category().message(errno); }
+
+}  // namespace
+
+NewFile::NewFile(std::filesystem::path path) : path_(std::move(path)), part_(path_) {
+  part_ += ".part";
+  struct stat there {};
+  if (::lstat(path_.c_str(), &there) == 0 && !S_ISREG(there.st_mode) && !S_ISLNK(there.st_mode))
+    throw IoError(path_, "cannot be replaced: it is no regular file");
+  remove_file(part_);
+}
+
+NewFile::~NewFile() {
+  if (!placed_) ::unlink(part_.c_str());
+}
+
+void NewFile::take_place() {
+  if (::rename(part_.c_str(), path_.c_str()) != 0) throw IoError(path_, "cannot be replaced: " + last_error());
+  placed_ = true;
+}
+
+FileIdentity::FileIdentity(int descriptor) {
+  struct stat status {};
+  if (::fstat(descriptor, &status) == 0) device_ = status.st_dev, node_ = status.st_ino;
+}
+
+FileIdentity::FileIdentity(const std::filesystem::path& path) {
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) == 0) device_ = status.st_dev, node_ = status.st_ino;
+}
+
+void check_in_place(const std::filesystem::path& path, const FileIdentity& file) {
+  if (FileIdentity(path) != file) throw IoError(path, "was removed or replaced while it was written");
+}
+
+OutputFile::OutputFile(std::filesystem::path path, Content content) : path_(std::move(path)) {
+  if (content == Content::discard) {
+    new_.emplace(path_);
+    descriptor_ = ::open(new_->part().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) throw IoError(path_, "cannot be created: " + last_error());
+  } else {
+    // Of a pipe that nobody reads this is an error at once.
+    descriptor_ = ::open(path_.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (descriptor_ < 0) throw IoError(path_, "cannot be opened: " + last_error());
+  }
+}
+
+OutputFile::~OutputFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void OutputFile::take_place() {
+  if (!new_) return;
+  new_->take_place();
+  new_.reset();
+}
+
+void OutputFile::write_at(std::size_t offset, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t count = ::pwrite(descriptor_, text.data(), text.size(), static_cast<off_t>(offset));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw IoError(path_, "cannot be written: " + last_error());
+    offset += static_cast<std::size_t>(count);
+    text.remove_prefix(static_cast<std::size_t>(count));
+  }
+}
+
+void OutputFile::cut_at(std::size_t length) {
+  if (::ftruncate(descriptor_, static_cast<off_t>(length)) != 0)
+    throw IoError(path_, "cannot be cut off: " + last_error());
+}
+
+void OutputFile::sync() {
+  // What cannot be synced, as a pipe or a device, cannot lose anything either.
+  if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS)
+    throw IoError(path_, "cannot be brought to the disk: " + last_error());
+}
+
+void OutputFile::check_in_place() const {
+  if (!new_) viscobar::check_in_place(path_, FileIdentity(descriptor_));
+}
+
+void OutputFile::close() {
+  if (descriptor_ < 0) return;
+  check_in_place();
+  // Network file systems report a full disk here at the earliest.
+  if (::close(std::exchange(descriptor_, -1)) != 0) throw IoError(path_, "cannot be closed: " + last_error());
+  take_place();
+}
+
+void LineFile::flush() {
+  file_.check_in_place();
+  file_.write_at(written_.bytes, block_);
+  written_.add(block_);
+  block_.clear();
+}
+
+void LineFile::close() {
+  flush();
+  file_.close();
+}
+
+void remove_file(const std::filesystem::path& file) {
+  if (::unlink(file.c_str()) != 0 && errno != ENOENT) throw IoError(file, "cannot be removed: " + last_error());
+}
+
+void sync_directory(const std::filesystem::path& directory) {
+  const int descriptor = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) throw IoError(directory, "cannot be opened: " + last_error());
+  const bool synced = ::fsync(descriptor) == 0 || errno == EINVAL;
+  const std::string error = last_error();
+  ::close(descriptor);
+  if (!synced) throw IoError(directory, "cannot be brought to the disk: " + error);
+}
+
+void write_atomically(const std::filesystem::path& path, std::string_view text) {
+  OutputFile file(path);
+  file.write_at(0, text);
+  file.close();
+}
+
+}  // namespace viscobar

@@ -1,0 +1,140 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "results/checksum.hpp"
+
+namespace viscobar {
+
+/// True once at least a second has passed since the last time it was: what is written then bounds what a killed run
+/// loses.
+class FlushClock {
+ public:
+  bool due() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::seconds(1)) return false;
+    last_ = now;
+    return true;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// The name of a new file until it is fit to be seen: the one it will have, with ".part". What has that one so far is
+/// left as it is until then, be it a file, or a link to another one.
+class NewFile {
+ public:
+  /// Removes what a killed run left under the name; nothing is created. @throws IoError
+  explicit NewFile(std::filesystem::path path);
+  /// Removes the part that took no place.
+  ~NewFile();
+  NewFile(const NewFile&) = delete;
+  NewFile& operator=(const NewFile&) = delete;
+
+  const std::filesystem::path& part() const { return part_; }
+  /// Gives the file its name. @throws IoError
+  void take_place();
+
+ private:
+  std::filesystem::path path_, part_;
+  bool placed_ = false;
+};
+
+/// Which file it is that has a name.
+class FileIdentity {
+ public:
+  explicit FileIdentity(int descriptor);
+  explicit FileIdentity(const std::filesystem::path& path);
+  bool operator==(const FileIdentity&) const = default;
+
+ private:
+  unsigned long device_ = 0, node_ = 0;  // of no file
+};
+
+/// @throws IoError when the name is no longer that file's: somebody has removed or replaced it
+void check_in_place(const std::filesystem::path& path, const FileIdentity& file);
+
+/// A file whose write errors are noticed where they happen. A new one takes its place when it is closed, or before by
+/// take_place(). @throws IoError
+class OutputFile {
+ public:
+  enum class Content { discard, keep };
+  explicit OutputFile(std::filesystem::path path, Content content = Content::discard);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  /// From now on it is seen as it grows.
+  void take_place();
+
+  /// Overwrites from `offset` on.
+  void write_at(std::size_t offset, std::string_view text);
+  /// Cuts it off behind that many bytes.
+  void cut_at(std::size_t length);
+  /// Returns when the content is on the disk.
+  void sync();
+  /// @throws IoError when it took its place and has been removed or replaced since
+  void check_in_place() const;
+  void close();
+
+ private:
+  std::filesystem::path path_;
+  std::optional<NewFile> new_;  // while it is not in its place
+  int descriptor_;
+};
+
+/// Text that grows line by line, written in blocks that end with a line.
+class LineFile {
+ public:
+  explicit LineFile(std::filesystem::path path) : file_(std::move(path)) {}
+  /// One that is there, cut off behind the bytes of `keep`, to grow on.
+  LineFile(std::filesystem::path path, const Checksum& keep)
+      : file_(std::move(path), OutputFile::Content::keep), written_(keep) {
+    file_.cut_at(keep.bytes);
+  }
+
+  template <class... Args>
+  void print(fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(block_), format, std::forward<Args>(args)...);
+    block_ += '\n';
+    if (block_.size() >= block_size || clock_.due()) flush();
+  }
+  void take_place() { file_.take_place(); }
+  void flush();
+  /// Brings all lines to the disk and returns their checksum.
+  Checksum mark() {
+    flush();
+    file_.sync();
+    return written_;
+  }
+  void close();
+  /// Of what has been written.
+  const Checksum& checksum() const { return written_; }
+
+ private:
+  static constexpr std::size_t block_size = 1 << 16;
+  OutputFile file_;
+  Checksum written_;
+  std::string block_;
+  FlushClock clock_;
+};
+
+/// Does nothing where there is none. @throws IoError
+void remove_file(const std::filesystem::path& file);
+
+/// Returns when the names in a directory are on the disk.
+void sync_directory(const std::filesystem::path& directory);
+
+/// Writes a whole file so that a reader sees the old content or the new, never a part.
+void write_atomically(const std::filesystem::path& path, std::string_view text);
+
+}  // namespace viscobar

@@ -1,0 +1,263 @@
+#include "results/result_directory.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "results/checkpoint_file.hpp"
+#include "results/output_file.hpp"
+#include "viscobar/results/io_error.hpp"
+
+namespace viscobar {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char *unfinished = "unfinished", *finished = "finished";
+
+/// The summary is written before the others. It is ours where it holds all of these words; of a table, which finds
+/// itself what is damaged in it, one is enough.
+struct Files {
+  std::string_view summary;
+  std::vector<std::string_view> words, others;
+  bool table = false;
+};
+
+const std::array<Files, 5>& all_files() {
+  static const std::array<Files, 5> files = {
+      Files{"summary.json",
+            {R"("versions")", R"("viscobar")", R"("method")"},
+            {"ends.csv", "events.csv", "field.h5", "field.xdmf", "report.html", "checkpoint.bin",
+             "checkpoint.previous.bin"}},
+      Files{"compare.json", {R"("pairs")", R"("version")"}, {"compare.html"}},
+      Files{"limit.json", {R"("verdict")", R"("version")"}, {"limit.html"}},
+      Files{"precision.json", {R"("reference")", R"("version")"}, {"precision.html"}},
+      Files{"sweep.h5", {"viscobar", "\x89HDF"}, {"sweep.csv", "timings.csv", "sweep.json"}, true}};
+  return files;
+}
+
+const Files& files_of(ResultKind kind) { return all_files()[static_cast<std::size_t>(kind)]; }
+
+fs::file_type type(const fs::path& file) {
+  std::error_code error;
+  return fs::symlink_status(file, error).type();
+}
+
+std::string content(const fs::path& file) {
+  if (type(file) != fs::file_type::regular) return {};
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+bool has_result(const fs::path& directory, const Files& files) {
+  const std::string text = content(directory / files.summary);
+  const auto held = [&](std::string_view word) { return text.find(word) != text.npos; };
+  return files.table ? std::ranges::any_of(files.words, held) : std::ranges::all_of(files.words, held);
+}
+
+bool completed(const fs::path& summary) {
+  const auto json = nlohmann::json::parse(content(summary), nullptr, false);
+  return json.is_object() && json.value("completed", nlohmann::json()) == true;
+}
+
+bool holds_whole_run(const fs::path& directory) {
+  return has_result(directory, files_of(ResultKind::run)) && completed(directory / "summary.json");
+}
+
+/// What a command leaves that was killed before it had a summary.
+bool begun(const fs::directory_entry& entry) {
+  const std::string name = entry.path().filename();
+  if (name == DirectoryLock::file_name) return true;
+  return std::ranges::any_of(all_files(), [&](const Files& files) {
+    const auto part_of = [&](std::string_view file) { return name == fmt::format("{}.part", file); };
+    return part_of(files.summary) || std::ranges::any_of(files.others, part_of);
+  });
+}
+
+/// Nothing may be in the way that is not ours to replace, and nothing that cannot be replaced.
+void check_files(const fs::path& directory, const Files& files) {
+  const bool ours = has_result(directory, files);
+  const auto check = [&](std::string_view name) {
+    const fs::path file = directory / name;
+    const fs::file_type there = type(file);
+    if (there == fs::file_type::not_found) return;
+    if (there != fs::file_type::regular)
+      throw std::invalid_argument(fmt::format("{} is {}, not a file of a result; nothing was changed", file.string(),
+                                              there == fs::file_type::symlink ? "a symbolic link" : "no regular file"));
+    if (!ours)
+      throw std::invalid_argument(
+          fmt::format("{} holds files and no result of viscobar (no {} of its own); nothing was overwritten, choose "
+                      "another directory, or remove {}",
+                      directory.string(), files.summary, file.string()));
+    if (::faccessat(AT_FDCWD, file.c_str(), W_OK, AT_EACCESS) != 0)
+      throw IoError(file, "cannot be written: " + std::generic_category().message(errno) + "; nothing was changed");
+  };
+  check(files.summary);
+  std::ranges::for_each(files.others, check);
+}
+
+const fs::path& checked_name(const fs::path& directory) {
+  const fs::path normal = fs::absolute(directory).lexically_normal();
+  const fs::path named = normal.has_filename() ? normal : normal.parent_path();
+  if (named.filename() == unfinished && holds_whole_run(named.parent_path()))
+    throw std::invalid_argument(fmt::format("{} is where a run into {} has its files until it is finished; give that",
+                                            directory.string(), named.parent_path().string()));
+  return directory;
+}
+
+void check_inner(const fs::path& inner) {
+  if (type(inner) == fs::file_type::not_found) return;
+  const Files& files = files_of(ResultKind::run);
+  const auto is_begun = [&] { return std::all_of(fs::directory_iterator(inner), fs::directory_iterator(), begun); };
+  if (type(inner) != fs::file_type::directory ||
+      !(has_result(inner, files) || fs::exists(inner / ResultDirectory::final_summary) || is_begun()))
+    throw std::invalid_argument(inner.string() +
+                                " is not of viscobar, and in the way of a run; nothing was changed, choose another "
+                                "directory");
+}
+
+void check_place(const fs::path& directory, ResultKind kind) {
+  std::error_code error;
+  const fs::file_type there = fs::status(directory, error).type();
+  if (there == fs::file_type::not_found) return;
+  if (there != fs::file_type::directory)
+    throw std::invalid_argument(directory.string() + " is not a directory; choose another place for the results");
+  const auto files = [&] { return fs::directory_iterator(directory, error); };
+  if (std::ranges::none_of(all_files(), [&](const Files& of_kind) { return has_result(directory, of_kind); }) &&
+      !std::all_of(begin(files()), end(files()), begun))
+    throw std::invalid_argument(directory.string() +
+                                " holds files and no result of viscobar (no summary.json); nothing was overwritten, "
+                                "choose another directory");
+  if (error) throw IoError(directory, "cannot be read: " + error.message());
+  check_files(directory, files_of(kind));
+  if (kind != ResultKind::run) return;
+  for (const char* name : {unfinished, finished}) check_inner(directory / name);
+  if (type(directory / unfinished) == fs::file_type::directory) check_files(directory / unfinished, files_of(kind));
+}
+
+const fs::path& created(const fs::path& directory, ResultKind kind) {
+  check_place(checked_name(directory), kind);
+  std::error_code error;
+  fs::create_directories(directory, error);
+  if (error) throw IoError(directory, "cannot be created: " + error.message());
+  return directory;
+}
+
+void rename_file(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::rename(from, to, error);
+  if (error) throw IoError(to, "cannot be replaced: " + error.message());
+}
+
+// What was moved when a kill came is not there any more: doing it again does the rest.
+void take_places(const fs::path& directory) {
+  const fs::path from = directory / finished;
+  if (type(from) != fs::file_type::directory) return;
+  if (type(from / ResultDirectory::final_summary) == fs::file_type::regular) {
+    // First the one that says the run is going on: nothing may be called completed meanwhile.
+    if (fs::exists(from / "summary.json")) rename_file(from / "summary.json", directory / "summary.json");
+    for (const std::string_view name : files_of(ResultKind::run).others) {
+      if (!fs::exists(from / name)) continue;
+      if (name.starts_with("checkpoint"))
+        fs::remove(from / name);
+      else
+        rename_file(from / name, directory / name);
+    }
+    if (fs::is_directory(from / "figures")) {
+      fs::create_directory(directory / "figures");
+      for (const auto& entry : fs::directory_iterator(from / "figures"))
+        rename_file(entry.path(), directory / "figures" / entry.path().filename());
+      fs::remove(from / "figures");
+    }
+    rename_file(from / ResultDirectory::final_summary, directory / "summary.json");
+  }
+  std::error_code ignored;
+  fs::remove(from, ignored);
+}
+
+/// Nobody writes them any more once the directory is locked, and a run that goes on from a checkpoint makes none.
+void remove_parts(const fs::path& directory, const Files& files) {
+  const auto remove = [&](std::string_view name) {
+    const fs::path part = directory / fmt::format("{}.part", name);
+    if (type(part) == fs::file_type::regular) remove_file(part);
+  };
+  remove(files.summary);
+  std::ranges::for_each(files.others, remove);
+}
+
+}  // namespace
+
+ResultDirectory::ResultDirectory(const fs::path& directory, ResultKind kind)
+    : directory_(directory), unfinished_(directory / unfinished), lock_(created(directory, kind)) {
+  if (kind == ResultKind::run) take_places(directory_);
+}
+
+ResultDirectory::ResultDirectory(const fs::path& directory)
+    : directory_(checked_name(directory)), unfinished_(directory_ / unfinished), lock_(directory) {
+  take_places(directory_);
+  for (const fs::path& place : {directory_, unfinished_}) remove_parts(place, files_of(ResultKind::run));
+}
+
+// Of a run that could not begin nothing is left.
+ResultDirectory::~ResultDirectory() { ::rmdir(unfinished_.c_str()); }
+
+fs::path ResultDirectory::place_of_new_run() const {
+  if (!holds_whole_run(directory_)) return directory_;
+  remove_checkpoints(directory_);  // a run that was killed when it was whole may have left them
+  const fs::path place = unfinished_;
+  std::error_code error;
+  fs::create_directory(place, error);
+  if (error) throw IoError(place, "cannot be created: " + error.message());
+  return place;
+}
+
+void check_run_files(const fs::path& place) {
+  for (const std::string_view name : files_of(ResultKind::run).others)
+    if (!name.starts_with("checkpoint") && type(place / name) != fs::file_type::regular)
+      throw IoError(place / name, "was removed or replaced while it was written");
+}
+
+void ResultDirectory::replace_by_finished() const {
+  // What is missing later has been moved already; what is missing now has been removed by somebody.
+  check_run_files(unfinished_);
+  rename_file(unfinished_, directory_ / finished);
+  take_places(directory_);
+}
+
+void settle_result_directory(const fs::path& directory) {
+  if (type(directory / finished) != fs::file_type::directory) return;
+  try {
+    const DirectoryLock lock(directory);
+    take_places(directory);
+  } catch (const std::exception&) {  // in use, or not ours to write to: it is read as it is
+  }
+}
+
+bool clear_whole_run(const fs::path& directory) {
+  settle_result_directory(directory);
+  if (!holds_whole_run(directory) || fs::exists(directory / unfinished) || !has_checkpoint(directory)) return false;
+  const DirectoryLock lock(directory);
+  remove_checkpoints(directory);
+  return true;
+}
+
+fs::path place_of_stopped_run(const fs::path& directory) {
+  if (!holds_whole_run(directory)) return directory;
+  if (type(directory / unfinished) == fs::file_type::directory) return directory / unfinished;
+  throw std::invalid_argument(directory.string() + " holds no checkpoint: the run there is complete");
+}
+
+}  // namespace viscobar

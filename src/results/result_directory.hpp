@@ -1,0 +1,63 @@
+#pragma once
+
+#include <filesystem>
+
+#include "results/directory_lock.hpp"
+
+namespace viscobar {
+
+/// The commands that leave results; each has files of its own.
+enum class ResultKind { run, compare, limit, precision, sweep };
+
+/// A directory of results, of which this object is the only user until it ends.
+///
+/// What a run may find in it, and what that means:
+///
+///     summary.json, not completed       a run that goes on or has stopped; with checkpoint.bin it can be resumed
+///     summary.json, completed           a whole result
+///     the same, and `unfinished`        a later run, in the state of the first line; the whole result stays as it was
+///     `finished`                        that run is whole, and its files are on their way here: killed in the midst of
+///                                       it, the next user of the directory ends that
+///
+/// @throws std::invalid_argument when there are files that are not of a result of viscobar: they are never touched
+/// @throws IoError when it is in use, or does not take files
+class ResultDirectory {
+ public:
+  /// Creates it where needed.
+  ResultDirectory(const std::filesystem::path& directory, ResultKind kind);
+  /// Of a run that is to go on from a checkpoint, which says what the files must be.
+  explicit ResultDirectory(const std::filesystem::path& directory);
+  ~ResultDirectory();
+
+  /// Where a run that begins puts its files: here, or in `unfinished` where there is a whole result.
+  std::filesystem::path place_of_new_run() const;
+  /// Gives the files in `unfinished`, where the final summary is final_summary, the place of those here.
+  void replace_by_finished() const;
+
+  /// False on a file system without locks.
+  bool locked() const { return lock_.held(); }
+  const std::filesystem::path& path() const { return directory_; }
+
+  static constexpr const char* final_summary = "summary.final.json";
+
+ private:
+  std::filesystem::path directory_, unfinished_;  // the latter for the destructor, which may not ask for memory
+  DirectoryLock lock_;
+};
+
+/// Ends what a kill has left half done while the files of a finished run took their places, unless somebody else is
+/// about it. Readers call it first.
+void settle_result_directory(const std::filesystem::path& directory);
+
+/// @throws IoError when one of the files of a run that has ended is not there
+void check_run_files(const std::filesystem::path& place);
+
+/// Removes the checkpoints of a run that was killed when its result was whole but for that; whether there were any.
+/// @throws IoError when it is in use
+bool clear_whole_run(const std::filesystem::path& directory);
+
+/// Where the run in a directory of results has its files that can be resumed: there, or in `unfinished` where there is
+/// a whole result. @throws std::invalid_argument when there is nothing but a whole result
+std::filesystem::path place_of_stopped_run(const std::filesystem::path& directory);
+
+}  // namespace viscobar

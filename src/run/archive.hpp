@@ -1,0 +1,176 @@
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "viscobar/run/run.hpp"
+
+namespace viscobar {
+
+/// Bytes that are not the values they are taken for.
+struct ArchiveError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Numbers, flags and enumerators are archived as they lie in memory: what is archived is read by the same build.
+template <class T>
+concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
+
+/// A class that has  static void members(auto& self, auto&& each) { each(self.a_, self.b_, ...); }
+template <class T>
+concept HasMembers = requires(T& value) {
+  T::members(value, [](auto&&...) {});
+};
+
+/// The same for structures of public headers.
+template <class T, class Value>
+concept Like = std::is_same_v<std::remove_const_t<T>, Value>;
+
+void members(Like<EnergyAccount> auto& energy, auto&& each) {
+  each(energy.initial, energy.final, energy.dissipated, energy.work, energy.growth, energy.growth_time);
+}
+void members(Like<Statistics> auto& statistics, auto&& each) {
+  each(statistics.unknowns, statistics.steps, statistics.rhs_evaluations, statistics.linear_solves,
+       statistics.matrix_factorisations, statistics.event_evaluations, statistics.load_evaluations, statistics.events,
+       statistics.integration_seconds, statistics.reached_time, statistics.completed, statistics.max_penetration,
+       statistics.late_opening.ratio, statistics.late_opening.time, statistics.energy);
+}
+void members(Like<Event> auto& event, auto&& each) {
+  each(event.time, event.where, event.node, event.change, event.velocity);
+}
+void members(Like<Checkpoint> auto& checkpoint, auto&& each) {
+  each(checkpoint.time, checkpoint.outputs, checkpoint.statistics, checkpoint.state);
+}
+
+/// Values to bytes: archive(a, b, ...). A span is read into a span of the same length only.
+class ArchiveWriter {
+ public:
+  template <class... T>
+  void operator()(const T&... values) {
+    (write(values), ...);
+  }
+  std::string take() { return std::move(bytes_); }
+
+ private:
+  void write_bytes(const void* data, std::size_t count) { bytes_.append(static_cast<const char*>(data), count); }
+
+  template <class T>
+  void write(const T& value) {
+    if constexpr (Plain<T>)
+      write_bytes(&value, sizeof value);
+    else if constexpr (HasMembers<const T>)
+      T::members(value, *this);
+    else
+      members(value, *this);
+  }
+  void write(const std::string& text) {
+    write(text.size());
+    bytes_ += text;
+  }
+  template <class T>
+  void write(const std::optional<T>& value) {
+    write(value.has_value());
+    if (value) write(*value);
+  }
+  template <class T>
+  void write(const std::vector<T>& values) {
+    write(values.size());
+    write_elements<T>(values);
+  }
+  template <class T>
+  void write(const std::span<T>& values) {
+    write(values.size());
+    write_elements<std::remove_const_t<T>>(values);
+  }
+
+  template <class T>
+  void write_elements(std::span<const T> values) {
+    if constexpr (Plain<T>)
+      write_bytes(values.data(), values.size_bytes());
+    else
+      for (const T& value : values) write(value);
+  }
+
+  std::string bytes_;
+};
+
+/// Bytes to the values they were made of, in the same order. @throws ArchiveError
+class ArchiveReader {
+ public:
+  explicit ArchiveReader(std::string_view bytes) : rest_(bytes) {}
+
+  template <class... T>
+  void operator()(T&&... values) {
+    (read(values), ...);
+  }
+  bool finished() const { return rest_.empty(); }
+
+ private:
+  void read_bytes(void* data, std::size_t count) {
+    if (count > rest_.size()) throw ArchiveError("ends too early");
+    if (count > 0) std::memcpy(data, rest_.data(), count);
+    rest_.remove_prefix(count);
+  }
+  // Of things of at least `bytes` each: more than could follow is wrong, before memory is asked for.
+  std::size_t read_count(std::size_t bytes) {
+    std::size_t count = 0;
+    read(count);
+    if (count > rest_.size() / bytes) throw ArchiveError("ends too early");
+    return count;
+  }
+
+  template <class T>
+  void read(T& value) {
+    if constexpr (std::is_same_v<T, bool>) {
+      unsigned char byte = 0;
+      read_bytes(&byte, 1);
+      value = byte != 0;
+    } else if constexpr (Plain<T>) {
+      read_bytes(&value, sizeof value);
+    } else if constexpr (HasMembers<T>) {
+      T::members(value, *this);
+    } else {
+      members(value, *this);
+    }
+  }
+  void read(std::string& text) {
+    text.resize(read_count(1));
+    read_bytes(text.data(), text.size());
+  }
+  template <class T>
+  void read(std::optional<T>& value) {
+    bool there = false;
+    read(there);
+    value.reset();
+    if (there) read(value.emplace());
+  }
+  template <class T>
+  void read(std::vector<T>& values) {
+    values.resize(read_count(Plain<T> ? sizeof(T) : 1));
+    read_elements<T>(values);
+  }
+  template <class T>
+  void read(std::span<T>& values) {
+    if (read_count(1) != values.size()) throw ArchiveError("has another length");
+    read_elements<T>(values);
+  }
+  template <class T>
+  void read_elements(std::span<T> values) {
+    if constexpr (Plain<T>)
+      read_bytes(values.data(), values.size_bytes());
+    else
+      for (T& value : values) read(value);
+  }
+
+  std::string_view rest_;
+};
+
+}  // namespace viscobar

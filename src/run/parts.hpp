@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <utility>
+#include <variant>
+
+#include "run/archive.hpp"
+#include "viscobar/run/run.hpp"
+
+namespace viscobar {
+
+/// How a part of a run ends: at a checkpoint, from which the next part begins, or at the end.
+using PartEnd = std::variant<Statistics, Checkpoint>;
+
+/// A run in parts, `part(start)` being one. Since nothing but the checkpoint passes from one part to the next, a run
+/// that begins from it later cannot differ from this one.
+template <class Part>
+Statistics run_in_parts(const StartingPoint& start, const Observers& observers, Part&& part) {
+  PartEnd end = part(start);
+  while (std::holds_alternative<Checkpoint>(end)) {
+    const StartingPoint next = std::get<Checkpoint>(std::move(end));
+    observers.checkpoints->take(std::get<Checkpoint>(next));
+    end = part(next);
+  }
+  return std::get<Statistics>(std::move(end));
+}
+
+inline Statistics statistics_before(const StartingPoint& start) {
+  const auto* checkpoint = std::get_if<Checkpoint>(&start);
+  return checkpoint ? checkpoint->statistics : Statistics{};
+}
+
+inline double begin_of(const StartingPoint& start, std::span<const double> times) {
+  const auto* checkpoint = std::get_if<Checkpoint>(&start);
+  return checkpoint ? checkpoint->time : times.front();
+}
+
+/// The state of a method, archived by its members(), put into a checkpoint or taken from one.
+template <class Method>
+std::string archived(const Method& method) {
+  ArchiveWriter archive;
+  archive(method);
+  return archive.take();
+}
+
+/// @throws std::invalid_argument when the checkpoint is not one of such a run
+template <class Method>
+void restore(Method& method, const Checkpoint& checkpoint, std::span<const double> times, const Observers& observers) {
+  const auto refuse = [] {
+    throw std::invalid_argument("the checkpoint is of another run than the one to go on with");
+  };
+  try {
+    ArchiveReader archive(checkpoint.state);
+    archive(method);
+    if (!archive.finished()) refuse();
+  } catch (const ArchiveError&) {
+    refuse();
+  }
+  const bool within = checkpoint.time >= times.front() && checkpoint.time < times.back();
+  if (observers.energy != checkpoint.statistics.energy.has_value() || !within || checkpoint.outputs == 0 ||
+      checkpoint.outputs >= times.size())
+    refuse();
+}
+
+/// When the next checkpoint is due in a part of a run that begins at `now`.
+class CheckpointSchedule {
+ public:
+  /// @throws std::invalid_argument for an interval that is not positive, or lost in the rounding of the times
+  CheckpointSchedule(const Observers& observers, std::span<const double> times, double now)
+      : checkpoints_(observers.checkpoints ? &*observers.checkpoints : nullptr) {
+    if (!checkpoints_ || !checkpoints_->every) return;
+    const double every = *checkpoints_->every, start = times.front(), end = times.back();
+    const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(start), std::abs(end));
+    if (!(every > rounding))
+      throw std::invalid_argument("the time between checkpoints must be positive and not lost in rounding");
+    // k every, never a sum; what is left after a checkpoint at the very end would be no leg.
+    double k = std::floor((now - start) / every);
+    while (start + k * every <= now) ++k;
+    if (start + k * every < end - rounding) next_ = start + k * every;
+  }
+
+  /// The next one in simulated time.
+  std::optional<double> next() const { return next_; }
+  /// Whether one is due at the end of a step at t.
+  bool due(double t) const {
+    return checkpoints_ && ((next_ && t >= *next_) || (checkpoints_->asked && checkpoints_->asked()));
+  }
+
+ private:
+  const Checkpoints* checkpoints_;
+  std::optional<double> next_;
+};
+
+}  // namespace viscobar

@@ -1,0 +1,145 @@
+#include "viscobar/studies/compare/compare.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "studies/compare/end_impulses.hpp"
+#include "case/recorder.hpp"
+#include "studies/parallel.hpp"
+#include "viscobar/integration/integrate.hpp"
+#include "viscobar/studies/limit/limit.hpp"
+
+namespace viscobar {
+
+namespace {
+
+// Beyond this, dense matrix exponentials take longer than everything else together.
+constexpr std::size_t most_exponential_elements = 100;
+// Steps times nodes of an explicit method, some ten seconds of them.
+constexpr double most_explicit_work = 5e8;
+
+/// Takes the method in, or says why it does not fit.
+std::optional<std::string> try_method(MethodChoice& choice, const Case& scene, MethodName method) {
+  Case run = scene;
+  run.method = method;
+  const bool needs_step = is_scheme(method) && !run.step;
+  if (needs_step) run.step = scheme_step(run);
+  const std::vector<Finding> findings = validate(run);
+  if (!findings.empty()) return fmt::format("{}: {}", findings.front().key, findings.front().problem);
+  if (needs_step) choice.default_step.push_back(method);
+  choice.cases.push_back(std::move(run));
+  return std::nullopt;
+}
+
+std::optional<std::string> takes_long(const Case& scene, MethodName method) {
+  Case run = scene;
+  run.method = method;
+  if (method != MethodName::odeint || !validate(run).empty()) return std::nullopt;
+  const double steps = plan(make_system(run), run.end, odeint(run)).least_steps;
+  if (steps * static_cast<double>(run.elements) <= most_explicit_work) return std::nullopt;
+  return fmt::format("would make {:.1e} steps, for it is explicit; it runs when asked for by name", steps);
+}
+
+MethodRun attempt(const Contender& contender) {
+  const Case& run = contender.run;
+  MethodRun result;
+  result.label = contender.label;
+  result.built_in = !contender.solver;
+  result.run = run;
+  result.mass = run.mass;
+  try {
+    if (result.built_in) result.mass = make_system(run).mass();
+    Recording recording = result.built_in ? record(run) : contender.solver(run);
+    if (const auto problem = fault(recording, run)) throw std::invalid_argument(*problem);
+    const std::vector<double>& times = recording.times;
+    result.contacts = contact_periods(recording, 0.01 * (times.back() - times.front()));
+    if (result.built_in) {
+      const EndImpulses impulses(run, recording);
+      for (ContactPeriod& period : result.contacts) period.impulse = impulses.over(period);
+    }
+    result.recording = std::move(recording);
+  } catch (const std::exception& error) {
+    result.error = error.what();
+  }
+  return result;
+}
+
+/// The same period as found in a run, with its impulse.
+const ContactPeriod& with_impulse(const ContactPeriod& period, const MethodRun& run) {
+  for (const ContactPeriod& known : run.contacts)
+    if (known.where == period.where && known.node == period.node && known.begin == period.begin) return known;
+  return period;
+}
+
+}  // namespace
+
+MethodChoice fitting_methods(const Case& scene) {
+  MethodChoice choice;
+  std::vector<MethodName> methods(std::begin(all_methods), std::end(all_methods));
+  std::stable_partition(methods.begin(), methods.end(), [](MethodName m) { return m == MethodName::exponential; });
+  for (const MethodName method : methods) {
+    if (method == MethodName::exponential && scene.elements > most_exponential_elements &&
+        scene.elements < Exponential::most_unknowns)
+      choice.skipped.push_back(
+          {method, fmt::format("takes long on {} elements; it runs when asked for by name", scene.elements)});
+    else if (auto slow = takes_long(scene, method))
+      choice.skipped.push_back({method, std::move(*slow)});
+    else if (auto reason = try_method(choice, scene, method))
+      choice.skipped.push_back({method, std::move(*reason)});
+  }
+  return choice;
+}
+
+MethodChoice chosen_methods(const Case& scene, std::span<const MethodName> methods) {
+  MethodChoice choice;
+  for (auto method = methods.begin(); method != methods.end(); ++method) {
+    if (std::find(methods.begin(), method, *method) != method)
+      throw std::invalid_argument(fmt::format("{} is asked for twice", name(*method)));
+    if (const auto reason = try_method(choice, scene, *method))
+      throw std::invalid_argument(fmt::format("{} does not fit the scene: {}", name(*method), *reason));
+  }
+  return choice;
+}
+
+const Comparison* CrossCheck::to_reference(std::size_t run) const {
+  for (const Pair& pair : pairs)
+    if (pair.first == reference && pair.other == run) return &pair.difference;
+  return nullptr;
+}
+
+bool CrossCheck::completed() const {
+  return std::all_of(runs.begin(), runs.end(), [](const MethodRun& run) { return run.recording.has_value(); });
+}
+
+CrossCheck cross_check(std::span<const Case> cases, std::size_t threads) {
+  std::vector<Contender> contenders;
+  for (const Case& run : cases) contenders.push_back({std::string(name(run.method)), run, {}});
+  return cross_check(contenders, threads);
+}
+
+CrossCheck cross_check(std::span<const Contender> contenders, std::size_t threads) {
+  const std::size_t count = contenders.size();
+  CrossCheck result;
+  result.runs.resize(count);
+  parallel_for(
+      count, [&](std::size_t i) { result.runs[i] = attempt(contenders[i]); }, threads);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!result.runs[i].recording) continue;
+    if (!result.reference) result.reference = i;
+    for (std::size_t j = i + 1; j < count; ++j) {
+      const MethodRun &first = result.runs[i], &other = result.runs[j];
+      if (!other.recording) continue;
+      Comparison difference = compare(*first.recording, *other.recording);
+      for (auto& [a, b] : difference.contacts) {
+        a = with_impulse(a, first);
+        b = with_impulse(b, other);
+      }
+      result.pairs.push_back({i, j, std::move(difference)});
+    }
+  }
+  return result;
+}
+
+}  // namespace viscobar

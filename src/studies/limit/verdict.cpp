@@ -1,0 +1,229 @@
+#include "studies/limit/verdict.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace viscobar {
+
+std::string_view name(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::converges: return "converges";
+    case Verdict::plateau: return "plateau";
+    case Verdict::undecided: break;
+  }
+  return "undecided";
+}
+
+std::optional<double> LimitEvidence::lower() const {
+  if (!penalty_error || !scheme_error) return std::nullopt;
+  return std::max(0.0, difference - *penalty_error - *scheme_error);
+}
+
+std::optional<double> LimitEvidence::upper() const {
+  if (!penalty_error || !scheme_error) return std::nullopt;
+  return difference + *penalty_error + *scheme_error;
+}
+
+namespace {
+
+constexpr std::size_t considered = 4;  // last values of a sequence, for its order
+
+// A contact of the scheme closes on its grid, anywhere within a step of its time, so that the differences of a few
+// steps show less than all of the error's constant. The penalised traces have no grid, and their error falls faster
+// while epsilon is large: two differences tell the constant where both powers are past.
+constexpr Approach by_step{.order = 1.0, .values = 4, .safety = 2.0};
+// A bounce lasts O(sqrt(epsilon)).
+constexpr Approach by_penalty{.order = 0.5, .values = 3, .safety = 1.0};
+
+// Of the order that theory has: with less a sequence is not taken to tend to anything.
+constexpr double least_part_of_order = 0.25;
+
+// P(0) = S(0) is believed where what is left is a small part of what a wrong limit would change. A law of impact either
+// is the same or is not: a quarter tells. What contact does with massless nodes has no such alternative.
+constexpr double part_of_law = 0.25, part_of_contact = 0.01;
+
+bool touches(const EndTraces& traces) { return !traces.events.empty() || traces.statistics.max_penetration > 0.0; }
+
+double hardest_impact(const EndTraces& traces) {
+  double speed = 0.0;
+  for (const Event& event : traces.events)
+    if (event.change == Change::closing) speed = std::max(speed, std::abs(event.velocity));
+  return speed;
+}
+
+// Whether bodies meet at a speed that stays as epsilon goes to 0. A node that is pressed on its obstacle oscillates at
+// speeds of O(sqrt(epsilon)): half that order tells the two apart.
+bool impacts(const TraceSequence& penalised) {
+  std::vector<double> epsilons, speeds;
+  for (std::size_t i = penalised.x.size() - std::min<std::size_t>(3, penalised.x.size()); i < penalised.x.size(); ++i) {
+    epsilons.push_back(penalised.x[i]);
+    speeds.push_back(hardest_impact(penalised.traces[i]));
+  }
+  if (speeds.back() == 0.0) return false;
+  const auto order = observed_order(epsilons, speeds);
+  return !order || order->order < 0.25;
+}
+
+/// The order of values over the last steps of x, from the last four of them.
+std::optional<ObservedOrder> last_order(std::span<const double> x, std::span<const double> values) {
+  const std::size_t first = values.size() - std::min(considered, values.size());
+  return observed_order(x.subspan(first, values.size() - first), values.subspan(first));
+}
+
+std::vector<double> distances(const TraceSequence& sequence, const EndTraces& to) {
+  std::vector<double> values;
+  for (const EndTraces& traces : sequence.traces) values.push_back(largest_difference(traces, to));
+  return values;
+}
+
+// Massless nodes: P(0) is the rigid limit, known apart from both sequences.
+Judgement judge_massless(const LimitTraces& mesh) {
+  Judgement found;
+  LimitEvidence& evidence = found.evidence;
+  const EndTraces& rigid = *mesh.rigid;
+  evidence.difference = largest_difference(mesh.penalised.last(), mesh.scheme.last());
+  evidence.penalty_error = largest_difference(mesh.penalised.last(), rigid) + mesh.floor;
+  const std::vector<double> distance = distances(mesh.scheme, rigid);
+  const double left = distance.back() + mesh.floor;
+  const Settling itself = settling(mesh.scheme, by_step, mesh.floor);
+  found.scheme_error = left;
+  const auto order = distance.size() < 3 ? std::nullopt : last_order(mesh.scheme.x, distance);
+  if (distance.back() <= mesh.floor || (order && order->order >= 0.5)) {
+    evidence.scheme_error = left;
+    evidence.stake = largest_difference(mesh.penalised.last(), mesh.without_obstacles());
+    if (*evidence.penalty_error + left <= part_of_contact * *evidence.stake) {
+      found.verdict = Verdict::converges;
+      return found;
+    }
+    evidence.lack = left > *evidence.penalty_error ? Lack::smaller_step : Lack::smaller_epsilon;
+    return found;
+  }
+  // It tends to something else only where it stays away from the rigid limit over a decade of dt, and settles there.
+  evidence.lack = Lack::smaller_step;
+  if (mesh.scheme.x.front() < 9.0 * mesh.scheme.x.back() || distance.back() < 0.5 * distance.front() || !itself.settled)
+    return found;
+  evidence.scheme_error = found.scheme_error = itself.error;
+  if (*evidence.lower() > 0.0) {
+    found.verdict = Verdict::plateau;
+    evidence.lack = Lack::nothing;
+  }
+  return found;
+}
+
+// Scheme traces from which a first power of dt is taken: T_i + (T_i - T_{i-1}) x_i / (x_{i-1} - x_i). Their limit is
+// the same; what the start and the smooth part of the motion contribute to the error is gone, what the grid does to
+// contact times is not.
+std::vector<EndTraces> extrapolated(const TraceSequence& sequence) {
+  std::vector<EndTraces> found;
+  for (std::size_t i = 1; i < sequence.x.size(); ++i) {
+    const EndTraces &before = sequence.traces[i - 1], &now = sequence.traces[i];
+    const double share = sequence.x[i] / (sequence.x[i - 1] - sequence.x[i]);
+    EndTraces& next = found.emplace_back();
+    for (std::size_t k = 0; k < now.left.size(); ++k) {
+      next.left.push_back(now.left[k] + share * (now.left[k] - before.left[k]));
+      next.right.push_back(now.right[k] + share * (now.right[k] - before.right[k]));
+    }
+  }
+  return found;
+}
+
+Judgement judge_massive(const LimitTraces& mesh, const TraceSequence& schemes) {
+  Judgement found;
+  LimitEvidence& evidence = found.evidence;
+  evidence.difference = largest_difference(mesh.penalised.last(), schemes.last());
+  const Settling scheme = settling(schemes, by_step, mesh.floor);
+  found.scheme_error = scheme.error;
+  if (scheme.settled) evidence.scheme_error = scheme.error;
+  if (mesh.penalised.x.size() < 3) {
+    evidence.lack = Lack::penalties;
+    return found;
+  }
+  const Settling penalised = settling(mesh.penalised, by_penalty, mesh.floor);
+  if (!penalised.settled) {
+    evidence.lack = penalised.grows ? Lack::larger_epsilon : Lack::smaller_epsilon;
+    return found;
+  }
+  evidence.penalty_error = penalised.error;
+  evidence.lack = Lack::smaller_step;
+  if (!scheme.settled) return found;
+  if (*evidence.lower() > 0.0) {
+    found.verdict = Verdict::plateau;
+    evidence.lack = Lack::nothing;
+    return found;
+  }
+  const bool impact = impacts(mesh.penalised);
+  // Two laws of impact do not lead to one limit because their difference is too small to be seen.
+  if (impact && !mesh.one_law) {
+    if (evidence.difference + scheme.error < penalised.error) evidence.lack = Lack::smaller_epsilon;
+    return found;
+  }
+  // A smaller step does not help where the penalty hides as much.
+  if (scheme.error < 0.25 * penalised.error) evidence.lack = Lack::smaller_epsilon;
+  double part = part_of_contact;
+  if (impact) {
+    const TraceSequence other = mesh.other_law();
+    if (other.x.size() < 3) return found;
+    const Settling limit = settling(other, by_penalty, mesh.floor);
+    if (!limit.settled) return found;
+    evidence.stake =
+        std::max(0.0, largest_difference(mesh.penalised.last(), other.last()) - penalised.error - limit.error);
+    evidence.by_law = true;
+    part = part_of_law;
+  } else {
+    evidence.stake = largest_difference(mesh.penalised.last(), mesh.without_obstacles());
+  }
+  if (*evidence.upper() <= part * *evidence.stake) {
+    found.verdict = Verdict::converges;
+    evidence.lack = Lack::nothing;
+  }
+  return found;
+}
+
+Judgement judge_massive(const LimitTraces& mesh) {
+  Judgement as_run = judge_massive(mesh, mesh.scheme);
+  if (as_run.evidence.lack != Lack::smaller_step) return as_run;
+  const std::vector<EndTraces> traces = extrapolated(mesh.scheme);
+  TraceSequence sequence;
+  for (std::size_t i = 0; i < traces.size(); ++i) sequence.add(mesh.scheme.x[i + 1], traces[i]);
+  Judgement better = judge_massive(mesh, sequence);
+  if (!better.evidence.scheme_error || better.scheme_error > as_run.scheme_error) return as_run;
+  better.evidence.extrapolated = true;
+  better.scheme_error = as_run.scheme_error;
+  return better;
+}
+
+}  // namespace
+
+Settling settling(const TraceSequence& sequence, const Approach& approach, double floor) {
+  const double order = approach.order;
+  const std::size_t count = sequence.x.size(), first = count - std::min(considered, count);
+  std::vector<double> x, differences;
+  for (std::size_t i = first; i + 1 < count; ++i) {
+    x.push_back(sequence.x[i]);
+    differences.push_back(largest_difference(sequence.traces[i], sequence.traces[i + 1]));
+  }
+  const auto shown = observed_order(x, differences);
+  const bool still = std::all_of(differences.begin(), differences.end(), [&](double d) { return d <= floor; });
+  const double p = std::clamp(shown ? shown->order : order, least_part_of_order * order, order);
+  double constant = 0.0;
+  for (std::size_t i = count - std::min(approach.values, count); i < count; ++i)
+    for (std::size_t j = i + 1; j < count; ++j)
+      constant = std::max(constant, largest_difference(sequence.traces[i], sequence.traces[j]) /
+                                        (std::pow(sequence.x[i], p) - std::pow(sequence.x[j], p)));
+  const bool enough = differences.size() >= 2;
+  return {.error = approach.safety * constant * std::pow(sequence.x.back(), p) + floor,
+          .settled = enough && (still || (shown && shown->order >= least_part_of_order * order)),
+          .grows = enough && !still && shown && shown->order < 0.0};
+}
+
+Judgement judge(const LimitTraces& mesh) {
+  if (touches(mesh.penalised.last()) || (mesh.rigid && touches(*mesh.rigid)))
+    return mesh.rigid ? judge_massless(mesh) : judge_massive(mesh);
+  Judgement found;
+  found.evidence.difference = largest_difference(mesh.penalised.last(), mesh.scheme.last());
+  found.evidence.lack = Lack::contact;
+  found.scheme_error = settling(mesh.scheme, by_step, mesh.floor).error;
+  return found;
+}
+
+}  // namespace viscobar

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "case/end_traces.hpp"
+#include "viscobar/studies/limit/limit.hpp"
+
+namespace viscobar {
+
+using TracesRef = std::reference_wrapper<const EndTraces>;
+
+/// End traces T(x) on common times, x a penalty or a step, decreasing.
+struct TraceSequence {
+  std::vector<double> x;
+  std::vector<TracesRef> traces;
+
+  void add(double at, const EndTraces& value) {
+    x.push_back(at);
+    traces.push_back(value);
+  }
+  const EndTraces& last() const { return traces.back(); }
+};
+
+/// |T(x) - T(0)| at the smallest x.
+struct Settling {
+  double error = 0.0;
+  bool settled = false;  ///< whether the values show that T(x) tends to something at all
+  bool grows = false;    ///< whether its differences grow as x falls
+};
+
+/// How a sequence tends to its limit.
+struct Approach {
+  double order;        ///< that theory has
+  std::size_t values;  ///< last ones that tell the constant
+  double safety;       ///< the constant's, over the largest that they show
+};
+
+/// |T(x) - T(0)| <= A x^p, A the largest |T(x_i) - T(x_j)| / (x_i^p - x_j^p) of the last values times their safety, p
+/// the order that the last three differences of neighbours show, but not more than the theory's. Settled with three
+/// values or more and at least a quarter of that order. Differences below `floor` are those of the time integration.
+Settling settling(const TraceSequence& sequence, const Approach& approach, double floor);
+
+/// The traces of one mesh, and what is run only where a verdict needs it.
+struct LimitTraces {
+  TraceSequence penalised;                   ///< over epsilon
+  TraceSequence scheme;                      ///< over dt
+  std::optional<TracesRef> rigid;            ///< of massless contact nodes
+  bool one_law = false;                      ///< massive contact nodes have one law of impact in penalty and scheme
+  double floor = 0.0;                        ///< error of the time integration in a difference
+  std::function<TraceSequence()> other_law;  ///< the last penalised traces, with another restitution
+  std::function<const EndTraces&()> without_obstacles;  ///< the penalised traces of the bar that touches nothing
+};
+
+struct Judgement {
+  Verdict verdict = Verdict::undecided;
+  LimitEvidence evidence;
+  double scheme_error = 0.0;  ///< estimated also where not settled
+};
+
+Judgement judge(const LimitTraces& mesh);
+
+}  // namespace viscobar

@@ -1,0 +1,80 @@
+#include "viscobar/studies/orders/orders.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "case/recorder.hpp"
+#include "studies/parallel.hpp"
+#include "viscobar/studies/compare/difference.hpp"
+
+namespace viscobar {
+
+namespace {
+
+Recording sound_recording(const Solver& solver, const Case& run) {
+  Recording recording = solver(run);
+  if (const auto problem = fault(recording, run))
+    throw std::invalid_argument(fmt::format("{}: {}", recording.label, *problem));
+  return recording;
+}
+
+void fit_orders(OrderStudy& study, Refine what, double length) {
+  std::vector<double> sizes;
+  for (const OrderStudy::Row& row : study.rows)
+    sizes.push_back(what == Refine::mesh ? length / static_cast<double>(row.elements) : row.step.value_or(0.0));
+  const auto order = [&](double exact::Error::*quantity) {
+    std::vector<double> errors;
+    for (const OrderStudy::Row& row : study.rows) errors.push_back(row.error.*quantity);
+    return observed_order(sizes, errors);
+  };
+  study.displacement_l2 = order(&exact::Error::displacement_l2);
+  study.velocity_l2 = order(&exact::Error::velocity_l2);
+  study.end_trace = order(&exact::Error::end_trace);
+  study.reaction_l1 = order(&exact::Error::reaction_l1);
+}
+
+}  // namespace
+
+std::vector<Case> refinements(const Case& coarsest, Refine what, std::size_t levels) {
+  if (what != Refine::mesh && !coarsest.step) throw std::invalid_argument("the case has no step that could be refined");
+  std::vector<Case> cases;
+  Case run = coarsest;
+  for (std::size_t level = 0; level < levels; ++level) {
+    cases.push_back(run);
+    if (what != Refine::step) run.elements *= 2;
+    if (what != Refine::mesh) *run.step /= 2.0;
+  }
+  return cases;
+}
+
+OrderStudy order_study(const Solver& solver, const exact::Solution& solution, std::span<const Case> cases, Refine what,
+                       std::size_t threads) {
+  OrderStudy study;
+  study.rows.resize(cases.size());
+  parallel_for(
+      cases.size(),
+      [&](std::size_t i) {
+        study.rows[i] = {cases[i].elements, cases[i].step, exact::error(sound_recording(solver, cases[i]), solution)};
+      },
+      threads);
+  if (!cases.empty()) fit_orders(study, what, cases.front().scene.bar.length);
+  return study;
+}
+
+OrderStudy self_study(const Solver& solver, std::span<const Case> cases, std::size_t threads) {
+  std::vector<Recording> recordings(cases.size());
+  parallel_for(
+      cases.size(), [&](std::size_t i) { recordings[i] = sound_recording(solver, cases[i]); }, threads);
+  OrderStudy study;
+  for (std::size_t i = 0; i + 1 < cases.size(); ++i) {
+    const Comparison change = compare(recordings[i], recordings[i + 1]);
+    study.rows.push_back({cases[i].elements,
+                          cases[i].step,
+                          {change.displacement_l2.value_or(0.0), change.velocity_l2.value_or(0.0), change.end_trace}});
+  }
+  if (!cases.empty()) fit_orders(study, Refine::step, cases.front().scene.bar.length);
+  return study;
+}
+
+}  // namespace viscobar

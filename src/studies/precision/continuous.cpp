@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "studies/precision/solved.hpp"
+
+namespace viscobar::precision {
+
+namespace {
+
+constexpr double tolerance = 1e-9;
+constexpr std::size_t fine = 1000;          // elements from which on no further mesh is needed,
+constexpr std::size_t least_doublings = 3;  // after so many: the last three of four meshes show an order
+
+Case on_mesh(const Case& scene, std::size_t elements) {
+  Case run = scene;
+  run.elements = elements;
+  run.method = MethodName::rigid;
+  run.tolerance.absolute *= tolerance / run.tolerance.relative;
+  run.tolerance.relative = tolerance;
+  if (validate(run).empty()) return run;
+  run.method = MethodName::fully_discrete;
+  run.start = Start::second_order;
+  run.step = run.mesh().spacing() / (16.0 * std::sqrt(run.scene.bar.modulus / run.scene.bar.density));
+  return run;
+}
+
+double largest(const std::vector<Field>& fields) {
+  double size = 0.0;
+  for (const Field& field : fields)
+    for (const double u : field.u) size = std::max(size, std::abs(u));
+  return size;
+}
+
+}  // namespace
+
+Continuous refine(const Case& scene, std::span<const Mesh> meshes, double seconds) {
+  Continuous result;
+  PrecisionReference reference;
+  std::size_t elements = 0;
+  for (const Mesh& mesh : meshes) elements = std::max(elements, mesh.elements);
+  for (std::size_t doublings = 0; doublings <= least_doublings || elements / 2 < fine; ++doublings, elements *= 2) {
+    const Case run = on_mesh(scene, elements);
+    try {
+      std::vector<Field> fields = fields_of(run, meshes, seconds);
+      if (!result.fields.empty()) {
+        double difference = 0.0;
+        for (std::size_t m = 0; m < meshes.size(); ++m)
+          difference = std::max(difference, distance(result.fields[m], fields[m]));
+        reference.levels.back().difference = difference;
+      }
+      result.fields = std::move(fields);
+      reference.levels.push_back({elements, std::nullopt});
+      reference.what = fmt::format("{} on {} elements", name(run.method), elements);
+      reference.what += is_scheme(run.method) ? fmt::format(", step {:.3g}", *run.step)
+                                              : fmt::format(", tolerance {:.3g}", run.tolerance.relative);
+    } catch (const std::exception& error) {
+      result.problem = fmt::format("{} on {} elements: {}", name(run.method), elements, error.what());
+      break;
+    }
+  }
+  const auto& levels = reference.levels;
+  if (levels.size() < 2) {
+    result.fields.clear();
+    return result;
+  }
+  const double last = *levels[levels.size() - 2].difference;
+  if (levels.size() > 2 && last > 0.0)
+    if (const double before = *levels[levels.size() - 3].difference; before > 0.0)
+      reference.order = std::log2(before / last);
+  reference.largest_displacement = largest(result.fields);
+  // Neighbouring meshes differ by (2^q - 1) times the error of the finer one; without a q to believe in, that much.
+  const bool believable = reference.order && *reference.order < 2.5;
+  const double order = believable ? std::clamp(*reference.order, 0.3, 2.0) : 1.0;
+  reference.error = last / (std::exp2(order) - 1.0) + tolerance * reference.largest_displacement;
+  result.reference = std::move(reference);
+  return result;
+}
+
+Continuous closed_form(const KnownSolution& known, const Case& scene, std::span<const Mesh> meshes) {
+  Continuous result;
+  const std::vector<double> times = scene.output_times();
+  for (const Mesh& mesh : meshes) result.fields.push_back(field_of(known.u, mesh, times));
+  PrecisionReference reference;
+  reference.what = known.name;
+  reference.closed_form = true;
+  reference.largest_displacement = largest(result.fields);
+  result.reference = std::move(reference);
+  return result;
+}
+
+}  // namespace viscobar::precision

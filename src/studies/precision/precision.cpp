@@ -1,0 +1,135 @@
+#include "viscobar/studies/precision/precision.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "studies/parallel.hpp"
+#include "studies/precision/field.hpp"
+#include "studies/precision/references.hpp"
+#include "studies/precision/timing.hpp"
+
+namespace viscobar {
+
+namespace {
+
+using namespace precision;
+
+/// Errors are taken at the scene's output times and at equal parts between them, for an impact on a stiff penalty is
+/// shorter than an output interval; at every n-th output time where the fields would fill the memory.
+double error_times(const Case& scene, const std::vector<Mesh>& meshes) {
+  constexpr double most_times = 2000.0, most_entries = 4e6;
+  std::size_t nodes = 0;
+  for (const Mesh& mesh : meshes) nodes = std::max(nodes, mesh.nodes());
+  const double most = std::clamp(most_entries / static_cast<double>(nodes), 50.0, most_times);
+  const double outputs = scene.end / scene.output_every;
+  return outputs > most ? scene.output_every * std::ceil(outputs / most)
+                        : scene.output_every / std::floor(most / std::max(1.0, outputs));
+}
+
+/// Why the method does not fit the scene; its step is the study's to choose.
+std::optional<std::string> misfit(Case run) {
+  if (is_scheme(run.method)) run.step = run.mesh().spacing();
+  const std::vector<Finding> findings = validate(run);
+  if (findings.empty()) return std::nullopt;
+  return fmt::format("{}: {}", findings.front().key, findings.front().problem);
+}
+
+std::vector<Timed> timed_rows(const PrecisionStudy& study, const Case& scene, const std::vector<Mesh>& meshes,
+                              PrecisionResult& result) {
+  Spent spent;
+  std::vector<MethodName> methods = study.methods;
+  if (methods.empty())
+    std::copy_if(std::begin(all_methods), std::end(all_methods), std::back_inserter(methods),
+                 [](MethodName method) { return is_scheme(method) || is_adaptive(method); });
+  std::vector<Timed> all;
+  for (const Mesh& mesh : meshes)
+    for (const MethodName method : methods) {
+      Case run = scene;
+      run.elements = mesh.elements;
+      run.method = method;
+      if (const auto reason = misfit(run)) {
+        if (!study.methods.empty())
+          throw std::invalid_argument(fmt::format("{} does not fit the scene: {}", name(method), *reason));
+        result.left_out.push_back({method, mesh.elements, "", *reason});
+        continue;
+      }
+      std::vector<Timed> rows = settings_of(study, run);
+      const auto [wall, processor] = time_rows(study, rows, result.left_out);
+      spent.wall += wall;
+      spent.processor += processor;
+      std::move(rows.begin(), rows.end(), std::back_inserter(all));
+    }
+  if (spent.wall > 0.0) result.core_share = std::min(1.0, spent.processor / spent.wall);
+  if (!all.empty()) return all;
+  std::string text = "no method has a run to show";
+  for (const auto& [method, elements, what, reason] : result.left_out)
+    text += fmt::format("\n  {} on {} elements: {}", name(method), elements, reason);
+  throw std::invalid_argument(text);
+}
+
+void measure_errors(Timed& timed, const References& references) {
+  PrecisionRow& row = timed.row;
+  if (!row.failure.empty()) return;
+  const Field* exact = references.exact(row.elements);
+  const Field* semi_discrete = references.semi_discrete(timed.run);
+  if (exact) row.error = 0.0;
+  if (semi_discrete) row.time_error = 0.0;
+  std::size_t k = 0;
+  Observers observers;
+  observers.snapshot = [&](const Snapshot& now) {
+    if (k > 0 && exact) row.error = std::max(*row.error, distance(now.u, exact->at(k)));
+    if (k > 0 && semi_discrete) row.time_error = std::max(*row.time_error, distance(now.u, semi_discrete->at(k)));
+    ++k;
+  };
+  try {
+    simulate(timed.run, make_system(timed.run), observers);
+  } catch (const std::exception& failure) {
+    row.failure = failure.what();
+    row.error = row.time_error = std::nullopt;
+  }
+}
+
+}  // namespace
+
+const ErrorParts& PrecisionResult::parts_of(const PrecisionRow& row) const {
+  return *std::find_if(parts.begin(), parts.end(), [&](const ErrorParts& candidate) {
+    return candidate.method == row.method && candidate.elements == row.elements;
+  });
+}
+
+PrecisionResult work_precision(const PrecisionStudy& study) {
+  std::vector<Mesh> meshes;
+  Mesh mesh = study.scene.mesh();
+  if (study.elements.empty()) meshes.push_back(mesh);
+  for (const std::size_t count : study.elements) {
+    mesh.elements = count;
+    meshes.push_back(mesh);
+  }
+  Case scene = study.scene;
+  scene.output_every = error_times(scene, meshes);
+
+  PrecisionResult result;
+  result.times = scene.output_times().size();
+  result.every = scene.output_every;
+  std::vector<Timed> rows = timed_rows(study, scene, meshes, result);
+  if (study.progress) study.progress("references");
+  const References references(study, scene, meshes, rows);
+  if (study.progress) study.progress("errors");
+  parallel_for(
+      rows.size(), [&](std::size_t i) { measure_errors(rows[i], references); }, study.threads);
+
+  for (Timed& timed : rows) {
+    const bool same = !result.rows.empty() && result.rows.back().method == timed.row.method &&
+                      result.rows.back().elements == timed.row.elements;
+    if (!same) result.parts.push_back(references.parts(timed));
+    result.rows.push_back(std::move(timed.row));
+  }
+  result.reference = references.continuous().reference;
+  result.no_reference = references.continuous().problem;
+  return result;
+}
+
+}  // namespace viscobar

@@ -1,0 +1,165 @@
+#include "studies/precision/references.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "studies/parallel.hpp"
+
+namespace viscobar::precision {
+
+namespace {
+
+// References may take this many times as long as a timed run: they are made once.
+constexpr double patience = 20.0;
+
+/// The penalised problem a decade closer to its limit, and the limit: epsilon = 0 where the contact nodes are massless,
+/// epsilon / 100 where they have mass and epsilon = 0 is no system.
+System softer(System system) {
+  system.epsilon /= 10.0;
+  return system;
+}
+
+System limit_of(const System& system) {
+  if (system.mass == Mass::redistributed) return {system.elements, system.mass, System::Law::rigid, 0.0};
+  return softer(softer(system));
+}
+
+bool penalised(const System& system) { return system.epsilon > 0.0; }
+
+/// A tolerance a tenth of the row's, or a step a quarter of it; smaller still where that takes no long time, so that
+/// few and coarse rows have a good reference, too.
+double finer_than(const Timed& timed, double seconds) {
+  constexpr double fine_tolerance = 2e-10, fine_parts = 1024.0;  // of the time that a wave takes through an element
+  const bool scheme = is_scheme(timed.row.method);
+  const Bar& bar = timed.run.scene.bar;
+  const double enough =
+      scheme ? timed.run.mesh().spacing() / std::sqrt(bar.modulus / bar.density) / fine_parts : fine_tolerance;
+  // A decade of tolerance and half of a step both take about twice as long.
+  double setting = timed.row.setting / (scheme ? 4.0 : 10.0), cost = timed.row.seconds * (scheme ? 7.0 : 2.0);
+  for (; setting > enough && cost < 0.2 * seconds; cost *= 2.0) setting /= scheme ? 2.0 : 10.0;
+  return setting;
+}
+
+/// The problems of the rows, each to be solved finer than the finest row of it.
+std::map<System, Fineness> problems_of(std::span<const Timed> rows, double seconds) {
+  constexpr double unset = std::numeric_limits<double>::infinity();
+  std::map<System, Fineness> smallest, problems;
+  const auto each = [&](auto visit) {
+    for (const Timed& timed : rows)
+      if (timed.row.failure.empty()) visit(timed, system_of(timed.run));
+  };
+  const auto lower = [](Fineness& fineness, MethodName method, double setting) {
+    if (is_adaptive(method)) fineness.tolerance = std::min(fineness.tolerance, setting);
+    if (is_scheme(method)) fineness.step = std::min(fineness.step, setting);
+  };
+  each([&](const Timed& timed, const System& system) {
+    problems.try_emplace(system, Fineness{unset, unset});
+    lower(smallest.try_emplace(system, Fineness{unset, unset}).first->second, timed.row.method, timed.row.setting);
+  });
+  each([&](const Timed& timed, const System& system) {
+    const Fineness& last = smallest.at(system);
+    if (timed.row.setting == (is_scheme(timed.row.method) ? last.step : last.tolerance))
+      lower(problems.at(system), timed.row.method, finer_than(timed, seconds));
+  });
+  for (auto& [system, fineness] : problems)
+    if (fineness.tolerance == unset) fineness.tolerance = Fineness{}.tolerance;
+  for (const auto& [system, fineness] : std::map(problems))
+    if (penalised(system)) {
+      problems.try_emplace(softer(system), fineness);
+      problems.try_emplace(limit_of(system), fineness);
+    }
+  return problems;
+}
+
+}  // namespace
+
+References::References(const PrecisionStudy& study, const Case& scene, std::span<const Mesh> meshes,
+                       std::span<const Timed> rows) {
+  const double seconds = patience * study.seconds;
+  const auto problems = problems_of(rows, seconds);
+  const std::vector<std::pair<System, Fineness>> jobs(problems.begin(), problems.end());
+  std::vector<SemiDiscrete> found(jobs.size());
+  parallel_for(
+      jobs.size() + 1,
+      [&](std::size_t i) {
+        if (i > 0) {
+          found[i - 1] = solve_in_time(scene, jobs[i - 1].first, jobs[i - 1].second, seconds);
+          return;
+        }
+        const auto known = study.exact ? study.exact : known_solution(scene.scene, scene.end);
+        continuous_ = known ? closed_form(*known, scene, meshes) : refine(scene, meshes, seconds);
+      },
+      study.threads);
+  for (std::size_t i = 0; i < jobs.size(); ++i) solved_.emplace(jobs[i].first, std::move(found[i]));
+}
+
+const Field* References::exact(std::size_t elements) const {
+  for (const Field& field : continuous_.fields)
+    if (field.mesh.elements == elements) return &field;
+  return nullptr;
+}
+
+const Field* References::field(const System& system) const {
+  const auto found = solved_.find(system);
+  return found != solved_.end() && found->second.field ? &*found->second.field : nullptr;
+}
+
+const Field* References::semi_discrete(const Case& run) const { return field(system_of(run)); }
+
+ErrorParts References::parts(const Timed& timed) const {
+  ErrorParts parts;
+  parts.method = timed.row.method;
+  parts.elements = timed.row.elements;
+  parts.mass = timed.row.mass;
+  const System own = system_of(timed.run);
+  const auto found = solved_.find(own);
+  parts.problem = found == solved_.end() ? "every run failed" : found->second.problem;
+  if (!field(own)) return parts;
+  parts.time_reference = found->second.what;
+  parts.time_reference_error = found->second.error;
+  const Field* exact_field = exact(parts.elements);
+  const auto measure_space = [&](const Field& limit) {
+    if (exact_field) parts.space = distance(limit, *exact_field);
+  };
+  if (!penalised(own)) {
+    measure_space(*field(own));
+  } else if (const auto limit = penalty_limit(own, parts)) {
+    measure_space(*limit);
+    parts.penalty = distance(*field(own), *limit);
+  }
+  return parts;
+}
+
+std::optional<Field> References::penalty_limit(const System& own, ErrorParts& parts) const {
+  const System end = limit_of(own);
+  const Field *here = field(own), *next = field(softer(own)), *last = field(end);
+  if (!last && !next) {
+    parts.problem = "what the penalty tends to was not found: " + solved_.at(end).problem;
+    return std::nullopt;
+  }
+  if (!last) {
+    parts.penalty_against = fmt::format("epsilon / 10 by {}, for the limit failed: {}", solved_.at(softer(own)).what,
+                                        solved_.at(end).problem);
+    return *next;
+  }
+  const bool rigid = end.law == System::Law::rigid;
+  parts.penalty_against = solved_.at(end).what;
+  if (!rigid) parts.penalty_against = fmt::format("epsilon / 100 by {}", parts.penalty_against);
+  if (!next) return *last;
+  // Differences to the limit itself fall with its power, and so do those between neighbours.
+  const double first = distance(*here, rigid ? *last : *next), second = distance(*next, *last);
+  const double least = 3.0 * parts.time_reference_error;
+  if (first < least || second < least) return *last;
+  parts.penalty_order = std::log10(first / second);
+  // What a power law leaves from epsilon / 100 on to 0 would else be taken for space.
+  constexpr double least_order = 0.4, greatest_order = 1.5;
+  if (rigid || *parts.penalty_order < least_order || *parts.penalty_order > greatest_order) return *last;
+  parts.penalty_against += ", extrapolated";
+  return extrapolated(*last, *next, std::pow(10.0, *parts.penalty_order));
+}
+
+}  // namespace viscobar::precision

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "studies/precision/solved.hpp"
+#include "studies/precision/timing.hpp"
+#include "viscobar/studies/precision/precision.hpp"
+
+namespace viscobar::precision {
+
+/// All that the errors of a study are measured against: the continuous problem, the semi-discrete problems of its rows,
+/// and those that their penalties tend to.
+class References {
+ public:
+  /// Solves them, on all cores.
+  References(const PrecisionStudy& study, const Case& scene, std::span<const Mesh> meshes, std::span<const Timed> rows);
+
+  const Continuous& continuous() const { return continuous_; }
+  const Field* exact(std::size_t elements) const;     ///< u_* on a mesh, or null
+  const Field* semi_discrete(const Case& run) const;  ///< what the run is to approximate as its time error vanishes
+
+  /// Space and penalty of a method on a mesh.
+  ErrorParts parts(const Timed& row) const;
+
+ private:
+  const Field* field(const System& system) const;
+  /// The solution that the penalised one tends to; tells the parts how that was found, and at which power of epsilon.
+  std::optional<Field> penalty_limit(const System& own, ErrorParts& parts) const;
+
+  std::map<System, SemiDiscrete> solved_;
+  Continuous continuous_;
+};
+
+}  // namespace viscobar::precision

@@ -1,0 +1,282 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+
+#include "case/cost_estimate.hpp"
+#include "input/input_text.hpp"
+#include "input/scene_values.hpp"
+#include "studies/parallel.hpp"
+#include "sweep/varied_values.hpp"
+#include "text/nearest_name.hpp"
+#include "text/printable_text.hpp"
+#include "viscobar/results/versions.hpp"
+#include "viscobar/sweep/sweep.hpp"
+
+namespace viscobar {
+
+namespace {
+
+constexpr double most_cases = 1e7;
+
+std::string number_text(double value) { return fmt::format("{}", value); }
+std::string number_text(std::int64_t value) { return fmt::format("{}", value); }
+const std::string& number_text(const std::string& value) { return value; }
+
+/// Reads a sweep file, collecting what is wrong with it.
+class SweepReader {
+ public:
+  SweepReader(const std::filesystem::path& file, std::span<const std::string> overrides)
+      : file_(file), source_(file.string()), overrides_(overrides.begin(), overrides.end()) {}
+
+  SweepFile read(const std::string& text) {
+    TomlNode root;
+    try {
+      root = parse_toml_tree(text);
+    } catch (const TextError& error) {
+      report("", error.at, error.what());
+      throw SceneError(std::move(found_));
+    }
+    end_ = position_in(text, text.size());
+    if (const TomlNode* bar = inside(root, "bar"); bar && !inside(root, "vary")) {
+      report("", bar->key_at, "this is a scene; a sweep names one, scene = \"...\", and has a table [vary]");
+      throw SceneError(std::move(found_));
+    }
+    for (const TomlNode& entry : root.inside) top_level(entry);
+    if (!has("scene")) report("scene", end_, "is missing: the scene file, relative to this one");
+    if (!has("vary")) report("vary", end_, "is missing: a table [vary] with a list or a range for each varied key");
+    check_command_line();
+    check_sizes();
+    if (!found_.empty()) {
+      std::stable_sort(found_.begin(), found_.end(), [](const Diagnostic& a, const Diagnostic& b) {
+        return std::tie(a.line, a.column) < std::tie(b.line, b.column);
+      });
+      throw SceneError(std::move(found_));
+    }
+    sweep_.settings.insert(sweep_.settings.end(), overrides_.begin(), overrides_.end());
+    return std::move(sweep_);
+  }
+
+ private:
+  static const TomlNode* inside(const TomlNode& table, std::string_view key) {
+    const auto found =
+        std::find_if(table.inside.begin(), table.inside.end(), [&](const TomlNode& entry) { return entry.key == key; });
+    return found == table.inside.end() ? nullptr : &*found;
+  }
+
+  bool has(const std::string& key) const { return seen_.contains(key); }
+
+  void report(const std::string& key, TextPosition at, const std::string& message) {
+    found_.push_back({source_, at.line, at.column, one_line(key), one_line(message)});
+  }
+
+  void top_level(const TomlNode& entry) {
+    static constexpr std::string_view known[] = {"title", "scene", "combine", "set", "vary"};
+    std::string key = entry.key;
+    if (std::find(std::begin(known), std::end(known), key) == std::end(known)) {
+      if (is_scene_table(key))
+        return report(key, entry.key_at, "belongs to the scene; its keys are given in [set] or [vary]");
+      const auto nearest = nearest_name(key, known);
+      report(key, entry.key_at,
+             nearest ? fmt::format("unknown key; nearest is \"{}\"", *nearest)
+                     : fmt::format("unknown key; known are {}", fmt::join(known, ", ")));
+      if (!nearest || has(std::string(*nearest))) return;
+      key = *nearest;  // so that its value is checked, and does not count as missing
+    }
+    seen_.insert(key);
+    if (key == "vary" || key == "set") {
+      if (entry.kind != TomlNode::Kind::table)
+        return report(key, entry.value_at, fmt::format("must be a table, written [{}]", key));
+      for (const TomlNode& inside : entry.inside) scene_key(inside, "", key == "vary");
+      if (key == "vary" && entry.inside.empty()) report(key, entry.value_at, "is empty: nothing varies");
+      return;
+    }
+    const auto* text = std::get_if<std::string>(&entry.value);
+    if (!text) return report(key, entry.value_at, fmt::format("must be a string, is {}", kind_of(entry.value)));
+    if (key == "title") sweep_.title = *text;
+    if (key == "combine") combine(*text, entry.value_at);
+    if (key == "scene") scene(*text, entry.value_at);
+  }
+
+  void combine(const std::string& word, TextPosition at) {
+    static constexpr std::string_view known[] = {"grid", "zip"};
+    if (word == "zip") {
+      sweep_.plan.combine = Combine::zip;
+    } else if (word != "grid") {
+      const auto nearest = nearest_name(word, known);
+      report("combine", at,
+             fmt::format("cannot be \"{}\"; {}", word,
+                         nearest ? fmt::format("nearest is \"{}\"", *nearest) : "there are \"grid\" and \"zip\""));
+    }
+  }
+
+  void scene(const std::string& name, TextPosition at) {
+    const std::filesystem::path path = (file_.parent_path() / name).lexically_normal();
+    sweep_.scene_source = path.string();
+    try {
+      sweep_.scene_text = input_text(path);
+    } catch (const SceneError& error) {
+      report("scene", at, fmt::format("\"{}\" {}", name, error.diagnostics.front().message));
+    }
+  }
+
+  // "table.key" may be one quoted name, or two with a dot, or a table of its own.
+  void scene_key(const TomlNode& node, const std::string& before, bool varied) {
+    const std::string name = before.empty() ? node.key : before + "." + node.key;
+    const std::size_t dot = name.find('.');
+    const SceneKey* key = find_scene_key(name);
+    if (!key && dot == name.npos && node.kind == TomlNode::Kind::table) {
+      for (const TomlNode& inside : node.inside) scene_key(inside, name, varied);
+      return;
+    }
+    if (!key)
+      return report(name, node.key_at,
+                    dot == name.npos ? unknown_key("", name) : unknown_key(name.substr(0, dot), name.substr(dot + 1)));
+    if (!sweep_.places.try_emplace(name, Diagnostic{source_, node.value_at.line, node.value_at.column, name, ""})
+             .second)
+      return report(name, node.key_at, "is given twice: in [set], or in [vary]");
+    if (!varied) return setting(*key, node);
+    const std::size_t before_count = found_.size();
+    sweep_.plan.keys.push_back(
+        varied_key(*key, node, [&](TextPosition at, const std::string& message) { report(name, at, message); }));
+    if (found_.size() != before_count) faulty_ = true;
+  }
+
+  void setting(const SceneKey& key, const TomlNode& node) {
+    const std::string problem = node.kind == TomlNode::Kind::plain
+                                    ? problem_with(key, node.value)
+                                    : fmt::format("must be one value, is {}", kind_of(node.value));
+    if (!problem.empty()) return report(std::string(key.name), node.value_at, problem);
+    TomlNode list;
+    list.kind = TomlNode::Kind::array;
+    list.inside = {node};
+    const SweepPlan one{{varied_key(key, list, [](TextPosition, const std::string&) {})}, Combine::grid};
+    sweep_.settings.push_back(one.overrides(0).front());
+  }
+
+  void check_command_line() {
+    for (const std::string& text : overrides_) {
+      std::string name = text.substr(0, text.find('='));
+      name.erase(std::remove(name.begin(), name.end(), ' '), name.end());
+      for (const VariedKey& key : sweep_.plan.keys)
+        if (key.key == name) {
+          const Diagnostic& at = sweep_.places.at(name);
+          report(name, {at.line, at.column}, "varies, so --set cannot give it one value");
+        }
+    }
+  }
+
+  void check_sizes() {
+    const std::vector<VariedKey>& keys = sweep_.plan.keys;
+    if (faulty_ || keys.empty()) return;
+    if (sweep_.plan.combine == Combine::zip) {
+      for (const VariedKey& key : keys)
+        if (key.size() != keys.front().size()) {
+          const Diagnostic& at = sweep_.places.at(key.key);
+          report(key.key, {at.line, at.column},
+                 fmt::format("has {} values where {} has {}: zipped keys have the same number", key.size(),
+                             keys.front().key, keys.front().size()));
+        }
+      return;
+    }
+    double cases = 1.0;
+    for (const VariedKey& key : keys) cases *= static_cast<double>(key.size());
+    if (cases > most_cases) report("vary", end_, fmt::format("the grid has {} cases, more than {}", cases, most_cases));
+  }
+
+  std::filesystem::path file_;
+  std::string source_;
+  std::vector<std::string> overrides_;
+  SweepFile sweep_;
+  TextPosition end_;
+  std::set<std::string> seen_;
+  bool faulty_ = false;
+  std::vector<Diagnostic> found_;
+};
+
+// A case is read on a coarse mesh: its initial data are then checked at a few nodes, by the worker at all, and a sweep
+// of large bars is planned as fast as one of small ones. @throws SceneError
+double cost_of(const std::string& scene_text, const std::string& source, const SweepCase& one) {
+  constexpr std::size_t coarse = 32;
+  std::size_t elements = 0;
+  Case run = parse_scene(scene_text, source, one.overrides, [&](Case& read) {
+               elements = read.elements;
+               read.elements = std::min(read.elements, coarse);
+             }).run;
+  run.elements = elements;
+  return estimated_seconds(run);
+}
+
+}  // namespace
+
+std::string SweepFile::identity() const {
+  std::string text = fmt::format("viscobar {}\n", versions().viscobar);
+  for (const std::string& setting : settings) text += fmt::format("{}\n", setting);
+  text += plan.combine == Combine::zip ? "zip\n" : "grid\n";
+  for (const VariedKey& key : plan.keys) {
+    text += key.key + ":";
+    std::visit(
+        [&](const auto& list) {
+          for (const auto& value : list) text += " " + number_text(value) + ",";
+        },
+        key.values);
+    text += "\n";
+  }
+  return text + scene_text;
+}
+
+SweepFile read_sweep(const std::filesystem::path& file, std::span<const std::string> overrides) {
+  return parse_sweep(input_text(file), file, overrides);
+}
+
+SweepFile parse_sweep(const std::string& text, const std::filesystem::path& file,
+                      std::span<const std::string> overrides) {
+  return SweepReader(file, overrides).read(text);
+}
+
+SweepCase case_of(const SweepFile& sweep, std::size_t index) {
+  SweepCase one{index, sweep.settings};
+  for (std::string& text : sweep.plan.overrides(index)) one.overrides.push_back(std::move(text));
+  return one;
+}
+
+double planned_seconds(const std::string& scene_text, const SweepCase& one) {
+  try {
+    return cost_of(scene_text, "scene", one);
+  } catch (const SceneError&) {
+    return 0.0;
+  }
+}
+
+std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads) {
+  std::vector<double> costs(sweep.plan.size(), 0.0);
+  std::vector<std::vector<Diagnostic>> refused(costs.size());
+  parallel_for(
+      costs.size(),
+      [&](std::size_t i) {
+        try {
+          costs[i] = cost_of(sweep.scene_text, sweep.scene_source, case_of(sweep, i));
+        } catch (const SceneError& error) {
+          refused[i] = error.diagnostics;
+        }
+      },
+      threads);
+  if (std::any_of(refused.begin(), refused.end(), [](const auto& list) { return list.empty(); })) return costs;
+
+  // No case can run: the input is wrong as a whole. What an override brought in stands in the sweep file.
+  std::vector<Diagnostic> all;
+  std::set<std::string> texts;
+  for (const auto& list : refused)
+    for (Diagnostic found : list) {
+      if (const auto place = sweep.places.find(found.key); found.source == "--set" && place != sweep.places.end()) {
+        const std::string message = found.message;
+        found = place->second;
+        found.message = message;
+      }
+      if (texts.insert(found.text()).second) all.push_back(found);
+    }
+  throw SceneError(std::move(all));
+}
+
+}  // namespace viscobar

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "results/result_directory.hpp"
+#include "results/sealed_summary.hpp"
+#include "viscobar/sweep/sweep.hpp"
+
+namespace viscobar {
+
+class SweepTable;
+
+/// The rows of a sweep: in memory, in sweep.h5 each as it comes, in sweep.csv and timings.csv every few seconds.
+/// Rows of sweep.h5 that are damaged count as not there.
+class SweepResults {
+ public:
+  /// Goes on with the rows that the directory has of the same sweep, or begins.
+  /// What is wrong with what is there, but not in the way, goes to `complain`.
+  /// @throws std::invalid_argument when the directory has other files, or another sweep
+  /// @throws IoError
+  SweepResults(const std::filesystem::path& directory, const SweepFile& sweep,
+               const std::function<void(const std::string&)>& complain = {});
+  ~SweepResults();
+
+  bool has(std::size_t index) const { return rows_[index].has_value(); }
+  std::size_t size() const { return done_; }
+  std::size_t failed() const { return failed_; }
+  /// The finished ones, in the order of the cases.
+  std::vector<const SweepRow*> rows() const;
+
+  void add(const SweepRow& row);
+  /// To be called often: brings the rows to the disk, and writes the CSV files, when there is something new and they
+  /// have been left alone long enough for each of the two to take at most a twentieth of the time.
+  void refresh_tables();
+  void close();
+
+  /// Of the CSV files.
+  const FileChecksums& checksums() const { return checksums_; }
+
+ private:
+  void keep(SweepRow row);
+  void write_tables();
+
+  using Clock = std::chrono::steady_clock;
+  const ResultDirectory directory_;
+  const SweepPlan& plan_;
+  std::unique_ptr<SweepTable> table_;
+  std::vector<std::optional<SweepRow>> rows_;
+  std::size_t done_ = 0, failed_ = 0;
+  std::optional<std::size_t> written_;  // rows in the CSV files
+  FileChecksums checksums_;
+  Clock::time_point next_ = Clock::now(), next_commit_ = next_;
+};
+
+}  // namespace viscobar

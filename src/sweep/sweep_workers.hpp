@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+
+#include "viscobar/sweep/sweep.hpp"
+
+namespace viscobar {
+
+/// The cases that are to be run, in the order in which they are handed out, and who wants to know.
+struct SweepWork {
+  const SweepFile& sweep;
+  std::span<const std::size_t> order;
+  std::function<void(const SweepRow&)> take;  ///< each row, in the thread that called; may throw, which ends the sweep
+  std::function<void()> tick;                 ///< a few times a second
+  std::function<bool()> interrupted;          ///< whether to give up; from any thread
+};
+
+/// Runs the cases, each as soon as one of the threads is free. False when interrupted: the cases under way are given
+/// up, all finished rows taken.
+bool run_on_threads(const SweepWork& work, std::size_t threads);
+
+}  // namespace viscobar

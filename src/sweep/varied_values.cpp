@@ -1,0 +1,219 @@
+#include "sweep/varied_values.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <optional>
+
+#include "input/scene_values.hpp"
+#include "text/nearest_name.hpp"
+
+namespace viscobar {
+
+namespace {
+
+constexpr std::size_t most_values = 1000000;  // of one key
+
+// value 10^decades, rounded once: 1e-2 a decade on is 0.1, not 0.1 and a bit.
+double shifted(double value, int decades) {
+  char shortest[64];
+  const auto end = std::to_chars(shortest, shortest + sizeof shortest, value, std::chars_format::scientific).ptr;
+  const std::string text(shortest, end);
+  const std::size_t e = text.find('e');
+  const int exponent = std::stoi(text.substr(e + 1)) + decades;
+  // Not by stod, which refuses subnormal numbers.
+  return std::strtod(fmt::format("{}e{}", text.substr(0, e), exponent).c_str(), nullptr);
+}
+
+std::optional<double> number_of(const TomlValue& value) {
+  if (const auto* integer = std::get_if<std::int64_t>(&value)) return static_cast<double>(*integer);
+  if (const auto* number = std::get_if<double>(&value); number && std::isfinite(*number)) return *number;
+  return std::nullopt;
+}
+
+struct ProgressionRange {
+  double from = 0.0, to = 0.0;
+  std::optional<double> count, per_decade;
+  bool logarithmic = false;
+};
+
+/// What a range says, as far as it is sound.
+class RangeReader {
+ public:
+  RangeReader(const TomlNode& node, const Report& report) : node_(node), report_(report) {}
+
+  std::optional<ProgressionRange> read() {
+    static constexpr std::string_view known[] = {"from", "to", "count", "per_decade", "spacing"};
+    for (const TomlNode& entry : node_.inside)
+      if (std::find(std::begin(known), std::end(known), entry.key) == std::end(known)) {
+        const auto nearest = nearest_name(entry.key, known);
+        fail(entry.key_at, nearest
+                               ? fmt::format("unknown key \"{}\" of a range; nearest is \"{}\"", entry.key, *nearest)
+                               : fmt::format("unknown key \"{}\" of a range; known are from, to, count, per_decade, "
+                                             "spacing",
+                                             entry.key));
+      }
+    const auto from = number("from"), to = number("to");
+    for (const auto& [name, value] : {std::pair("from", from), std::pair("to", to)})
+      if (!value && !find(name)) fail(node_.value_at, fmt::format("the range lacks {}", name));
+    ProgressionRange range{from.value_or(1.0), to.value_or(1.0), whole("count"), whole("per_decade"), false};
+    const TomlNode *count = find("count"), *per_decade = find("per_decade");
+    if (!count && !per_decade && sound_) fail(node_.value_at, "the range lacks count or per_decade");
+    if (count && per_decade) fail(per_decade->key_at, "excludes count: a range has one or the other");
+    read_spacing(range);
+    if (sound_ && range.count && *range.count == 1.0 && range.from != range.to)
+      fail(count->value_at, "count must be at least 2, for both ends of the range");
+    if (sound_ && range.logarithmic)
+      for (const char* end : {"from", "to"})
+        if (*number(end) <= 0.0)
+          fail(find(end)->value_at, fmt::format("{} must be positive in a logarithmic range", end));
+    if (sound_ && range.logarithmic && !std::isnormal(range.to / range.from))
+      fail(node_.value_at, fmt::format("from {:.3g} to {:.3g} is more than 307 decades", range.from, range.to));
+    return sound_ ? std::optional(range) : std::nullopt;
+  }
+
+ private:
+  const TomlNode* find(std::string_view name) const {
+    const auto found =
+        std::find_if(node_.inside.begin(), node_.inside.end(), [&](const TomlNode& one) { return one.key == name; });
+    return found == node_.inside.end() ? nullptr : &*found;
+  }
+
+  std::optional<double> number(std::string_view name) {
+    const TomlNode* entry = find(name);
+    if (!entry) return std::nullopt;
+    const auto value = number_of(entry->value);
+    if (!value) fail(entry->value_at, fmt::format("{} must be a finite number", name));
+    return value;
+  }
+
+  std::optional<double> whole(std::string_view name) {
+    const TomlNode* entry = find(name);
+    if (!entry) return std::nullopt;
+    const auto* value = std::get_if<std::int64_t>(&entry->value);
+    if (value && *value >= 1 && static_cast<std::size_t>(*value) <= most_values) return static_cast<double>(*value);
+    fail(entry->value_at, fmt::format("{} must be a whole number from 1 to {}", name, most_values));
+    return std::nullopt;
+  }
+
+  void read_spacing(ProgressionRange& range) {
+    range.logarithmic = find("per_decade") != nullptr;
+    const TomlNode* spacing = find("spacing");
+    if (!spacing) return;
+    const auto* word = std::get_if<std::string>(&spacing->value);
+    if (!word || (*word != "linear" && *word != "log"))
+      fail(spacing->value_at, "spacing must be \"linear\" or \"log\"");
+    else if (*word == "linear" && range.logarithmic)
+      fail(spacing->value_at, "per_decade has the spacing \"log\"");
+    else
+      range.logarithmic = *word == "log";
+  }
+
+  void fail(TextPosition at, const std::string& message) {
+    sound_ = false;
+    report_(at, message);
+  }
+
+  const TomlNode& node_;
+  const Report& report_;
+  bool sound_ = true;
+};
+
+std::vector<double> by_count(const ProgressionRange& range) {
+  const auto count = static_cast<std::size_t>(*range.count);
+  std::vector<double> values = {range.from};
+  for (std::size_t k = 1; k < count; ++k) {
+    const double share = static_cast<double>(k) / static_cast<double>(count - 1);
+    values.push_back(k + 1 == count      ? range.to
+                     : range.logarithmic ? range.from * std::pow(range.to / range.from, share)
+                                         : std::lerp(range.from, range.to, share));
+  }
+  return values;
+}
+
+// From `from` towards `to`; `to` itself where the steps meet it.
+std::vector<double> by_decade(const ProgressionRange& range) {
+  const auto each = static_cast<int>(*range.per_decade);
+  const double steps = std::abs(std::log10(range.to / range.from)) * each;
+  const int sign = range.to < range.from ? -1 : 1;
+  std::vector<double> values;
+  for (int k = 0; k <= steps * (1.0 + 1e-12) + 1e-9 && values.size() <= most_values; ++k) {
+    const double whole_decades = shifted(range.from, sign * (k / each));
+    values.push_back(k % each == 0 ? whole_decades : whole_decades * std::pow(10.0, sign * double(k % each) / each));
+  }
+  if (std::abs(steps - std::round(steps)) < 1e-9) values.back() = range.to;
+  return values;
+}
+
+template <class Value>
+Value as(const TomlValue& value);
+
+template <>
+double as<double>(const TomlValue& value) {
+  return *number_of(value);
+}
+
+template <>
+std::int64_t as<std::int64_t>(const TomlValue& value) {
+  return std::get<std::int64_t>(value);
+}
+
+template <>
+std::string as<std::string>(const TomlValue& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  if (const auto* whole = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *whole);
+  return fmt::format("{}", std::get<double>(value));
+}
+
+template <class Value>
+VariedKey converted(const SceneKey& key, const std::vector<TomlValue>& values) {
+  std::vector<Value> list;
+  for (const TomlValue& value : values) list.push_back(as<Value>(value));
+  return {std::string(key.name), std::move(list)};
+}
+
+}  // namespace
+
+VariedKey varied_key(const SceneKey& key, const TomlNode& node, const Report& report) {
+  std::vector<TomlValue> values;
+  bool sound = true;
+  const auto add = [&](const TomlValue& value, TextPosition at) {
+    const std::string problem = problem_with(key, value);
+    if (problem.empty()) return values.push_back(value);
+    if (sound || node.kind == TomlNode::Kind::array) report(at, problem);  // of a range the first one says enough
+    sound = false;
+  };
+  if (node.kind == TomlNode::Kind::array) {
+    for (const TomlNode& element : node.inside) add(element.value, element.value_at);
+    if (node.inside.empty()) report(node.value_at, "is an empty list");
+  } else if (node.kind == TomlNode::Kind::table) {
+    const bool takes_numbers =
+        key.type == KeyType::number || key.type == KeyType::count || key.type == KeyType::formula;
+    if (!takes_numbers) report(node.value_at, "takes no numbers, so give a list of its values, not a range");
+    const auto range = takes_numbers ? RangeReader(node, report).read() : std::nullopt;
+    if (range)
+      for (const double value : range->count ? by_count(*range) : by_decade(*range)) {
+        if (key.type != KeyType::count) {
+          add(value, node.value_at);
+        } else if (std::abs(value) > 1e15) {
+          add(std::int64_t{1} << 53, node.value_at);
+        } else if (const std::int64_t whole = std::llround(value);
+                   values.empty() || std::get<std::int64_t>(values.back()) != whole) {
+          add(whole, node.value_at);
+        }
+      }
+  } else {
+    report(node.value_at,
+           "must be a list of values, or a range { from, to, count }, or { from, to, per_decade }; a single "
+           "value belongs into [set]");
+  }
+  if (!sound) values.clear();
+  if (key.type == KeyType::number) return converted<double>(key, values);
+  if (key.type == KeyType::count) return converted<std::int64_t>(key, values);
+  return converted<std::string>(key, values);
+}
+
+}  // namespace viscobar

@@ -1,0 +1,43 @@
+#include "text/number.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace viscobar {
+
+std::string with_true_minus(std::string text) { return text.starts_with('-') ? "\u2212" + text.substr(1) : text; }
+
+std::string power_of_ten(int exponent) {
+  static constexpr const char* digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string text = exponent < 0 ? "10⁻" : "10";
+  for (const char digit : fmt::format("{}", std::abs(exponent))) text += digits[digit - '0'];
+  return text;
+}
+
+std::string readable(double value, int digits) {
+  const double size = std::abs(value);
+  if (value == 0.0) return "0";
+  if (!std::isfinite(value)) return fmt::format("{}", value);
+  if (size >= 1e-3 && size < 1e5) {
+    const std::string plain = fmt::format("{:.{}g}", value, std::max(digits, static_cast<int>(std::log10(size)) + 1));
+    return with_true_minus(plain);
+  }
+  const std::string scientific = fmt::format("{:.{}e}", value, digits - 1);
+  const std::size_t at = scientific.find('e');
+  std::string mantissa = scientific.substr(0, at);
+  while (mantissa.ends_with('0')) mantissa.pop_back();
+  if (mantissa.ends_with('.')) mantissa.pop_back();
+  const std::string power = power_of_ten(std::stoi(scientific.substr(at + 1)));
+  if (mantissa == "1") return power;
+  return with_true_minus(mantissa) + "\u2009×\u2009" + power;
+}
+
+std::string ordinal(std::size_t number) {
+  const std::size_t last = number % 10;
+  const bool teen = number / 10 % 10 == 1;
+  return fmt::format("{}{}", number, teen || last == 0 || last > 3 ? "th" : last == 1 ? "st" : last == 2 ? "nd" : "rd");
+}
+
+}  // namespace viscobar
