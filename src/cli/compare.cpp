@@ -60,13 +60,13 @@ int CompareCommand::operator()() const {
   const ResultDirectory results(directory, ResultKind::compare);
 
   end_on_interrupt();
-  const CrossCheck check = cross_check(choice.cases, threads_);
-  const std::string json = write_study(directory, "compare", cross_check_json(scene, choice, check),
-                                       cross_check_page(scene.run.scene, choice, check), output_.figures);
+  const Comparison check = compare(choice.cases, threads_);
+  const std::string json = write_study(directory, "compare", compare_json(scene, choice, check),
+                                       compare_page(scene.run.scene, choice, check), output_.figures);
   if (scene_.json)
     print(json);
   else if (!output_.quiet)
-    print(fmt::format("{}\n\n{}", heading(scene.run.scene.title, scene_.file), cross_check_text(choice, check)) +
+    print(fmt::format("{}\n\n{}", heading(scene.run.scene.title, scene_.file), compare_text(choice, check)) +
           row("pictures", (directory / "compare.html").string()));
   for (const MethodRun& run : check.runs)
     if (!run.recording) complain(fmt::format("{}: {}", name(run.run.method), run.error));

@@ -83,7 +83,7 @@ int LimitCommand::operator()() const {
   StatusLine status;
   if (!output_.quiet && on_terminal())
     study.progress = [&](std::size_t done, std::size_t of) { status.show(fmt::format("{} of {} runs", done, of)); };
-  const LimitResult result = penalty_limit(study);
+  const LimitResult result = limit_of(study);
   status.clear();
   const CouplingResult coupling = balance_errors(study, result);
   const std::string json = write_study(directory, "limit", limit_json(scene, study, result, coupling),

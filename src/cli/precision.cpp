@@ -88,7 +88,7 @@ int PrecisionCommand::operator()() const {
   StatusLine status;
   if (!scene_.json && !output_.quiet && on_terminal())
     study.progress = [&](const std::string& what) { status.show(what); };
-  const PrecisionResult result = work_precision(study);
+  const PrecisionResult result = precision_of(study);
   status.clear();
   const std::string json = write_study(directory, "precision", precision_json(scene, study, result),
                                        precision_page(study, result), output_.figures);

@@ -156,7 +156,7 @@ class StepwiseRun {
     if (observers_.energy) statistics_.energy = EnergyAccount{.initial = system_.energy(u(), w())};
     for (std::size_t i = 0; i < system_.contact_count(); ++i)
       if (system_.closed(i)) tell_event(t, i, Change::closing, approach[system_.contact(i).unknown]);
-    statistics_.reached_time = t;
+    statistics_.reached_time = last_change_ = t;
     tell_snapshot(t);
     next_output_ = 1;
     restart(t);
@@ -351,7 +351,7 @@ class StepwiseRun {
   double leg_end_ = 0.0;
   std::size_t next_output_ = 0;
   std::size_t last_contact_ = 0, toggles_ = 0, stalled_ = 0;
-  double last_change_ = -std::numeric_limits<double>::infinity();
+  double last_change_ = 0.0;  // when, the beginning of the run where there was none
 };
 
 /// Makes a part of the run and turns whatever stops it into an IntegrationError that says how far it came. `statistics`

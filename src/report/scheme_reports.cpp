@@ -13,7 +13,7 @@ Table differences(const TrialResult& result) {
   Table table{{"referee", "u, L2", "u, H1", "v, L2", "end trace", "changes matched", "largest shift"}, 1, {}};
   const auto known = [](const std::optional<double>& value) { return value ? plain_number(*value) : std::string("-"); };
   for (std::size_t i = 0; i + 1 < result.check.runs.size(); ++i) {
-    const Comparison* d = result.to(i);
+    const Difference* d = result.to(i);
     if (!d) continue;
     table.rows.push_back({result.check.runs[i].label, known(d->displacement_l2), known(d->displacement_h1),
                           known(d->velocity_l2), plain_number(d->end_trace),

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "results/field_reader.hpp"
+#include "results/field/field_reader.hpp"
 #include "results/npy_file.hpp"
 #include "results/output_file.hpp"
 #include "results/result_directory.hpp"

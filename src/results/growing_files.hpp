@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "results/csv.hpp"
-#include "results/field_file.hpp"
+#include "results/field/field_file.hpp"
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {

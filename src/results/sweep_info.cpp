@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "results/hdf5_handle.hpp"
+#include "results/field/hdf5_handle.hpp"
 #include "results/sweep_frame.hpp"
 
 namespace viscobar {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "results/checksum.hpp"
-#include "results/hdf5_handle.hpp"
+#include "results/field/hdf5_handle.hpp"
 #include "viscobar/sweep/sweep.hpp"
 
 namespace viscobar {

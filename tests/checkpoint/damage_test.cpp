@@ -8,7 +8,7 @@
 #include <random>
 
 #include "checkpoint/process.hpp"
-#include "io/scratch.hpp"
+#include "support/scratch.hpp"
 #include "results/sealed_summary.hpp"
 #include "results/verify_result.hpp"
 #include "sweep/sweep_results.hpp"

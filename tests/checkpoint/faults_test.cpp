@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "checkpoint/process.hpp"
-#include "io/scratch.hpp"
+#include "support/scratch.hpp"
 
 namespace viscobar {
 namespace {

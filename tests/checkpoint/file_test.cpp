@@ -4,8 +4,8 @@
 #include <random>
 
 #include "checkpoint/example.hpp"
-#include "io/file_size_limit.hpp"
-#include "io/scratch.hpp"
+#include "support/file_size_limit.hpp"
+#include "support/scratch.hpp"
 #include "viscobar/results/io_error.hpp"
 
 namespace viscobar {

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "checkpoint/process.hpp"
-#include "io/scratch.hpp"
-#include "results/field_reader.hpp"
+#include "support/scratch.hpp"
+#include "results/field/field_reader.hpp"
 
 namespace viscobar {
 namespace {

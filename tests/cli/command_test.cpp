@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/terminal.hpp"
-#include "io/scratch.hpp"
+#include "support/scratch.hpp"
 
 namespace viscobar {
 namespace {

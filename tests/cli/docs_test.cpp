@@ -68,7 +68,7 @@ constexpr Page pages[] = {{"README.md", "readme", 6},
                           {"docs/model.md", "model", 1},
                           {"docs/report.md", "report", 2},
                           {"docs/scene-file.md", "scene_file", 1},
-                          {"docs/penalty-limit.md", "penalty_limit", 1},
+                          {"docs/penalty-limit.md", "limit", 1},
                           {"docs/stability.md", "stability", 1},
                           {"docs/storms.md", "storms", 1},
                           {"docs/sweep.md", "sweep", 1}};

@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "cli/command.hpp"
-#include "results/field_reader.hpp"
+#include "results/field/field_reader.hpp"
 
 namespace viscobar {
 namespace {

@@ -78,13 +78,13 @@ void redistribution(bool both) {
       "| elements | u, L2 | order | end traces | order |\n|---|---|---|---|---|\n",
       both ? "Two ends" : "One end");
   const exact::Solution solution = exact::contact_with_wave(contact(both), 0.1);
-  std::optional<Comparison> coarser;
+  std::optional<Difference> coarser;
   for (Case run : refinements(coarse(solution.scene, MethodName::cvode, Mass::consistent), Refine::mesh, 6)) {
     const double h = run.mesh().spacing();
     run.epsilon = 1e-3 * h * h;
     const Recording consistent = record(run);
     run.mass = Mass::redistributed;
-    const Comparison found = compare(record(run), consistent);
+    const Difference found = compare(record(run), consistent);
     const auto order = [](double before, double now) { return fmt::format("{:.2f}", std::log2(before / now)); };
     fmt::print("| {} | {:.2e} | {} | {:.2e} | {} |\n", run.elements, *found.displacement_l2,
                coarser ? order(*coarser->displacement_l2, *found.displacement_l2) : "-", found.end_trace,
@@ -135,7 +135,7 @@ void share_of_the_start(bool both) {
     for (Case refined : refinements(run, Refine::step, 4)) {
       const Recording first = record(refined);
       refined.start = Start::second_order;
-      const Comparison share = compare(first, record(refined));
+      const Difference share = compare(first, record(refined));
       steps.push_back(*refined.step);
       norms.push_back(*share.displacement_l2);
       traces.push_back(share.end_trace);

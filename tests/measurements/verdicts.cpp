@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
   std::size_t undecided = 0, wrong = 0, untouched = 0, outside = 0;
   for (const VerdictScene& scene : scenes) {
     if (argc > 1 && scene.name.find(argv[1]) == std::string::npos) continue;
-    const LimitResult result = penalty_limit(verdict_study(scene));
+    const LimitResult result = limit_of(verdict_study(scene));
     const LimitOrders& orders = result.orders.front();
     const LimitEvidence& evidence = orders.evidence;
     const KnownVerdict known = known_verdict(scene);

@@ -26,11 +26,11 @@ struct PicturedPage {
 };
 
 /// What `viscobar compare` tells, as JSON.
-std::string cross_check_json(const SceneFile& scene, const MethodChoice& choice, const CrossCheck& check);
+std::string compare_json(const SceneFile& scene, const MethodChoice& choice, const Comparison& check);
 /// The same for the terminal.
-std::string cross_check_text(const MethodChoice& choice, const CrossCheck& check);
+std::string compare_text(const MethodChoice& choice, const Comparison& check);
 /// The same as a page with pictures.
-PicturedPage cross_check_page(const Scene& scene, const MethodChoice& choice, const CrossCheck& check);
+PicturedPage compare_page(const Scene& scene, const MethodChoice& choice, const Comparison& check);
 
 /// What `viscobar limit` tells, as JSON.
 std::string limit_json(const SceneFile& scene, const LimitStudy& study, const LimitResult& result,

@@ -28,7 +28,7 @@ std::string colour(const MethodRun& run) {
 
 const std::string& label(const MethodRun& run) { return run.label; }
 
-std::vector<const MethodRun*> finished(const CrossCheck& check) {
+std::vector<const MethodRun*> finished(const Comparison& check) {
   std::vector<const MethodRun*> runs;
   for (const MethodRun& run : check.runs)
     if (run.recording) runs.push_back(&run);
@@ -42,7 +42,7 @@ std::vector<Point> trace(const Recording& recording, Value value) {
   return line.points();
 }
 
-Axis time_axis(const CrossCheck& check) {
+Axis time_axis(const Comparison& check) {
   const std::vector<double>& times = check.runs[*check.reference].recording->times;
   return {.label = "time t", .low = times.front(), .high = times.back(), .link = "t"};
 }
@@ -54,7 +54,7 @@ void draw(Figure& figure, const std::vector<const MethodRun*>& runs, const std::
                 label(*runs[i]));
 }
 
-Picture ends_picture(const Scene& scene, const CrossCheck& check) {
+Picture ends_picture(const Scene& scene, const Comparison& check) {
   const auto runs = finished(check);
   const auto panel = [&](const EndCondition& end, bool left, const char* axis) -> Panel {
     std::vector<std::vector<Point>> lines;
@@ -79,7 +79,7 @@ Picture ends_picture(const Scene& scene, const CrossCheck& check) {
       {panel(scene.left, true, "u(0, t)"), panel(scene.right, false, "u(L, t)")}};
 }
 
-Picture differences_picture(const CrossCheck& check) {
+Picture differences_picture(const Comparison& check) {
   const MethodRun& reference = check.runs[*check.reference];
   const Recording& r = *reference.recording;
   std::vector<const MethodRun*> runs;
@@ -87,7 +87,7 @@ Picture differences_picture(const CrossCheck& check) {
   double low = std::numeric_limits<double>::infinity(), high = 0.0;
   std::vector<double> difference(r.mesh.nodes());
   for (std::size_t i = 0; i < check.runs.size(); ++i) {
-    const Comparison* known = check.to_reference(i);
+    const Difference* known = check.to_reference(i);
     if (!known || !known->displacement_l2) continue;  // a scheme that gives its ends only has no field to show
     runs.push_back(&check.runs[i]);
     lines.push_back(trace(r, [&](std::size_t k) {
@@ -124,7 +124,7 @@ std::vector<Interval> contact_intervals(const Recording& recording, Where where)
   return all.intervals();
 }
 
-Picture contacts_picture(const Scene& scene, const CrossCheck& check) {
+Picture contacts_picture(const Scene& scene, const Comparison& check) {
   const auto runs = finished(check);
   std::vector<Panel> panels;
   const auto panel = [&](Where where, const char* name, const char* axis) {
@@ -145,7 +145,7 @@ Picture contacts_picture(const Scene& scene, const CrossCheck& check) {
           panels};
 }
 
-Picture reactions_picture(const Scene& scene, const CrossCheck& check) {
+Picture reactions_picture(const Scene& scene, const Comparison& check) {
   const auto runs = finished(check);
   std::vector<Panel> panels;
   const auto panel = [&](bool left, const char* axis) {
@@ -210,7 +210,7 @@ Json to_json(const MethodRun& run) {
 
 }  // namespace
 
-std::string cross_check_json(const SceneFile& scene, const MethodChoice& choice, const CrossCheck& check) {
+std::string compare_json(const SceneFile& scene, const MethodChoice& choice, const Comparison& check) {
   const auto method = [&](std::size_t i) { return Json(check.runs[i].label); };
   const auto known = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
   Json json;
@@ -246,7 +246,7 @@ std::string cross_check_json(const SceneFile& scene, const MethodChoice& choice,
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-std::string cross_check_text(const MethodChoice& choice, const CrossCheck& check) {
+std::string compare_text(const MethodChoice& choice, const Comparison& check) {
   std::string out = "Methods\n" + text(method_table(check, plain_number));
   if (const Table differences = difference_table(check, plain_number); !differences.rows.empty())
     out +=
@@ -258,7 +258,7 @@ std::string cross_check_text(const MethodChoice& choice, const CrossCheck& check
   return out;
 }
 
-PicturedPage cross_check_page(const Scene& scene, const MethodChoice& choice, const CrossCheck& check) {
+PicturedPage compare_page(const Scene& scene, const MethodChoice& choice, const Comparison& check) {
   Page page((scene.title.empty() ? "A scene" : scene.title) + ", by several methods", scene);
   for (const MethodRun& run : check.runs)
     if (!run.recording)

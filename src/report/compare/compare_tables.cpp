@@ -29,7 +29,7 @@ std::string settings(const MethodRun& method, NumberText number) {
 
 std::string place(const ContactPeriod& period) { return place(Event{period.begin, period.where, period.node}); }
 
-Table method_table(const CrossCheck& check, NumberText number) {
+Table method_table(const Comparison& check, NumberText number) {
   Table table{
       {"method", "mass", "settings", "steps", "seconds", "changes", "penetration", "final energy", "dissipated"},
       3,
@@ -50,13 +50,13 @@ Table method_table(const CrossCheck& check, NumberText number) {
   return table;
 }
 
-Table difference_table(const CrossCheck& check, NumberText number) {
+Table difference_table(const Comparison& check, NumberText number) {
   Table table{
       {"method", "mass", "u, L2", "u, H1", "v, L2", "end trace", "changes matched", "largest shift", "final energy"},
       2,
       {}};
   for (std::size_t i = 0; i < check.runs.size(); ++i) {
-    const Comparison* d = check.to_reference(i);
+    const Difference* d = check.to_reference(i);
     if (!d) continue;
     const auto known = [&](const std::optional<double>& value) { return value ? number(*value) : std::string(); };
     table.rows.push_back({check.runs[i].label, std::string(name(check.runs[i].mass)), known(d->displacement_l2),
@@ -67,7 +67,7 @@ Table difference_table(const CrossCheck& check, NumberText number) {
   return table;
 }
 
-Table contact_table(const CrossCheck& check, NumberText number) {
+Table contact_table(const Comparison& check, NumberText number) {
   Table table{{"where", "method", "begin", "end", "impulse", "bounces"}, 2, {}};
   if (!check.reference) return table;
   // Each period of the reference with those that match it; what has no match stands alone, where its time puts it.
@@ -82,7 +82,7 @@ Table contact_table(const CrossCheck& check, NumberText number) {
   for (std::size_t i = 0; i < check.runs.size(); ++i) {
     const MethodRun& run = check.runs[i];
     std::map<Key, std::size_t> matched;
-    if (const Comparison* difference = check.to_reference(i))
+    if (const Difference* difference = check.to_reference(i))
       for (const auto& [first, other] : difference->contacts) matched[key(other)] = of_reference.at(key(first));
     for (const ContactPeriod& period : run.contacts) {
       const auto found = matched.find(key(period));
@@ -102,7 +102,7 @@ Table contact_table(const CrossCheck& check, NumberText number) {
   return table;
 }
 
-std::vector<std::string> remarks(const MethodChoice& choice, const CrossCheck& check) {
+std::vector<std::string> remarks(const MethodChoice& choice, const Comparison& check) {
   std::vector<std::string> found;
   for (const MethodRun& run : check.runs)
     if (!run.recording) found.push_back(fmt::format("{} failed: {}", run.label, run.error));

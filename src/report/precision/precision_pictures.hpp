@@ -5,7 +5,7 @@
 
 namespace viscobar {
 
-/// The pictures of a work-precision study, each a <figure> with its caption, on logarithmic axes; empty where there is
+/// The pictures of a precision study, each a <figure> with its caption, on logarithmic axes; empty where there is
 /// nothing to draw.
 Picture error_picture(const PrecisionResult& result);
 Picture time_error_picture(const PrecisionResult& result);

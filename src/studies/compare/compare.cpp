@@ -103,25 +103,25 @@ MethodChoice chosen_methods(const Case& scene, std::span<const MethodName> metho
   return choice;
 }
 
-const Comparison* CrossCheck::to_reference(std::size_t run) const {
+const Difference* Comparison::to_reference(std::size_t run) const {
   for (const Pair& pair : pairs)
     if (pair.first == reference && pair.other == run) return &pair.difference;
   return nullptr;
 }
 
-bool CrossCheck::completed() const {
+bool Comparison::completed() const {
   return std::all_of(runs.begin(), runs.end(), [](const MethodRun& run) { return run.recording.has_value(); });
 }
 
-CrossCheck cross_check(std::span<const Case> cases, std::size_t threads) {
+Comparison compare(std::span<const Case> cases, std::size_t threads) {
   std::vector<Contender> contenders;
   for (const Case& run : cases) contenders.push_back({std::string(name(run.method)), run, {}});
-  return cross_check(contenders, threads);
+  return compare(contenders, threads);
 }
 
-CrossCheck cross_check(std::span<const Contender> contenders, std::size_t threads) {
+Comparison compare(std::span<const Contender> contenders, std::size_t threads) {
   const std::size_t count = contenders.size();
-  CrossCheck result;
+  Comparison result;
   result.runs.resize(count);
   parallel_for(
       count, [&](std::size_t i) { result.runs[i] = attempt(contenders[i]); }, threads);
@@ -131,7 +131,7 @@ CrossCheck cross_check(std::span<const Contender> contenders, std::size_t thread
     for (std::size_t j = i + 1; j < count; ++j) {
       const MethodRun &first = result.runs[i], &other = result.runs[j];
       if (!other.recording) continue;
-      Comparison difference = compare(*first.recording, *other.recording);
+      Difference difference = compare(*first.recording, *other.recording);
       for (auto& [a, b] : difference.contacts) {
         a = with_impulse(a, first);
         b = with_impulse(b, other);

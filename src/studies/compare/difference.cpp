@@ -100,7 +100,7 @@ double reach(std::size_t first, std::size_t other, double duration) {
   return 2.0 * duration / static_cast<double>(std::max(first, other));
 }
 
-void match_events(const Recording& first, const Recording& other, double duration, Comparison& result) {
+void match_events(const Recording& first, const Recording& other, double duration, Difference& result) {
   using Kind = std::tuple<Where, std::size_t, Change>;
   std::map<Kind, std::pair<std::vector<double>, std::vector<double>>> times;
   for (const Event& event : first.events) times[{event.where, event.node, event.change}].first.push_back(event.time);
@@ -116,7 +116,7 @@ void match_events(const Recording& first, const Recording& other, double duratio
 }
 
 // By the middle of the period: one that two methods see merged differently is still the same.
-void match_contacts(const Recording& first, const Recording& other, double duration, Comparison& result) {
+void match_contacts(const Recording& first, const Recording& other, double duration, Difference& result) {
   // Bounces closer together than a hundredth of the run belong to one contact.
   const double merge = 0.01 * duration;
   std::map<Place, std::pair<std::vector<ContactPeriod>, std::vector<ContactPeriod>>> periods;
@@ -154,11 +154,11 @@ std::optional<double> largest_difference(const Recording& first, const Recording
 
 }  // namespace
 
-Comparison compare(const Recording& first, const Recording& other) {
+Difference compare(const Recording& first, const Recording& other) {
   const bool same_mesh = same_nodes(first.mesh, other.mesh);
   if (first.times != other.times || !(same_mesh || first.mesh.elements == 1 || other.mesh.elements == 1))
     throw std::invalid_argument("only recordings on the same mesh and time grid can be compared");
-  Comparison result;
+  Difference result;
   result.displacement_l2 = largest_difference(first, other, &Recording::u, l2_norm);
   result.displacement_h1 = largest_difference(first, other, &Recording::u, h1_seminorm);
   result.velocity_l2 = largest_difference(first, other, &Recording::v, l2_norm);

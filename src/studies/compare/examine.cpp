@@ -20,7 +20,7 @@ std::vector<Contender> contenders(const std::string& label, const Solver& scheme
   return list;
 }
 
-void judge(const Bounds& bounds, const Comparison& found, const std::string& referee, std::vector<Finding>& findings) {
+void judge(const Bounds& bounds, const Difference& found, const std::string& referee, std::vector<Finding>& findings) {
   const auto hold = [&](const char* quantity, std::optional<double> value, std::optional<double> bound) {
     if (!bound) return;
     const std::string key = fmt::format("{}: {}", referee, quantity);
@@ -46,12 +46,12 @@ void judge(const Bounds& bounds, const Comparison& found, const std::string& ref
 TrialResult one(const std::string& label, const Solver& scheme, const Trial& trial, std::size_t threads) {
   TrialResult result;
   result.name = trial.name;
-  result.check = cross_check(contenders(label, scheme, trial), threads);
+  result.check = compare(contenders(label, scheme, trial), threads);
   const std::vector<MethodRun>& runs = result.check.runs;
   for (const MethodRun& run : runs)
     if (!run.recording) result.findings.push_back({run.label, "failed: " + run.error});
   for (std::size_t i = 0; i + 1 < runs.size(); ++i) {
-    const Comparison* difference = result.to(i);
+    const Difference* difference = result.to(i);
     if (!difference) continue;
     Bounds bounds = trial.bounds;
     if (runs[i].label == "exact") bounds.event_shift.reset();  // an exact solution lists no changes
@@ -64,8 +64,8 @@ TrialResult one(const std::string& label, const Solver& scheme, const Trial& tri
 
 }  // namespace
 
-const Comparison* TrialResult::to(std::size_t referee) const {
-  for (const CrossCheck::Pair& pair : check.pairs)
+const Difference* TrialResult::to(std::size_t referee) const {
+  for (const Comparison::Pair& pair : check.pairs)
     if (pair.first == referee && pair.other + 1 == check.runs.size()) return &pair.difference;
   return nullptr;
 }

@@ -394,7 +394,7 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
 
 }  // namespace
 
-LimitResult penalty_limit(const LimitStudy& study) {
+LimitResult limit_of(const LimitStudy& study) {
   if (!has_obstacle(study.scene.scene)) throw std::invalid_argument("the scene has no obstacle to penalise");
   if (study.epsilons.empty()) throw std::invalid_argument("a limit study needs at least one epsilon");
   const std::vector<std::size_t> meshes =

@@ -68,7 +68,7 @@ OrderStudy self_study(const Solver& solver, std::span<const Case> cases, std::si
       cases.size(), [&](std::size_t i) { recordings[i] = sound_recording(solver, cases[i]); }, threads);
   OrderStudy study;
   for (std::size_t i = 0; i + 1 < cases.size(); ++i) {
-    const Comparison change = compare(recordings[i], recordings[i + 1]);
+    const Difference change = compare(recordings[i], recordings[i + 1]);
     study.rows.push_back({cases[i].elements,
                           cases[i].step,
                           {change.displacement_l2.value_or(0.0), change.velocity_l2.value_or(0.0), change.end_trace}});

@@ -100,7 +100,7 @@ const ErrorParts& PrecisionResult::parts_of(const PrecisionRow& row) const {
   });
 }
 
-PrecisionResult work_precision(const PrecisionStudy& study) {
+PrecisionResult precision_of(const PrecisionStudy& study) {
   std::vector<Mesh> meshes;
   Mesh mesh = study.scene.mesh();
   if (study.elements.empty()) meshes.push_back(mesh);

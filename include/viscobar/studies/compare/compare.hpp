@@ -49,27 +49,27 @@ struct MethodRun {
 };
 
 /// One scene by several methods, and how far every two of them are apart.
-struct CrossCheck {
+struct Comparison {
   /// How far two runs are apart.
   struct Pair {
     std::size_t first = 0;  ///< index of one run
     std::size_t other = 0;  ///< index of the other
-    Comparison difference;  ///< of the first to the other
+    Difference difference;  ///< of the first to the other
   };
   std::vector<MethodRun> runs;           ///< in the order of the contenders
   std::optional<std::size_t> reference;  ///< the first run that did not fail
   std::vector<Pair> pairs;               ///< every two runs that did not fail
 
   /// The difference of the reference to a run; absent for the reference itself and for a run that failed.
-  const Comparison* to_reference(std::size_t run) const;
+  const Difference* to_reference(std::size_t run) const;
   bool completed() const;  ///< whether no run failed
 };
 
 /// Runs the contenders, which share mesh and output times, on all cores (or on `threads`; solvers are then called at
 /// the same time). A run that fails, or a recording that does not fit its case, is reported and leaves the others
 /// standing. Impulses are those of EndImpulses for built-in methods and integrals of the reactions for others.
-CrossCheck cross_check(std::span<const Contender> contenders, std::size_t threads = 0);
+Comparison compare(std::span<const Contender> contenders, std::size_t threads = 0);
 /// Likewise of built-in methods.
-CrossCheck cross_check(std::span<const Case> cases, std::size_t threads = 0);
+Comparison compare(std::span<const Case> cases, std::size_t threads = 0);
 
 }  // namespace viscobar

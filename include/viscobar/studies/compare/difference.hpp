@@ -29,7 +29,7 @@ std::vector<ContactPeriod> contact_periods(const Recording& recording, double me
 
 /// How far two recordings of one scene are apart. Where one of them has the ends only (a mesh of one element), or no
 /// velocity, the norms that need the field are absent.
-struct Comparison {
+struct Difference {
   std::optional<double> displacement_l2;  ///< max over time of the L2 norm
   std::optional<double> displacement_h1;  ///< max over time of the H1 seminorm
   std::optional<double> velocity_l2;      ///< max over time of the L2 norm
@@ -50,6 +50,6 @@ struct Comparison {
 };
 
 /// @throws std::invalid_argument when meshes (other than that of the ends) or time grids differ
-Comparison compare(const Recording& first, const Recording& other);
+Difference compare(const Recording& first, const Recording& other);
 
 }  // namespace viscobar

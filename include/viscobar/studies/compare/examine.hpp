@@ -10,7 +10,7 @@
 
 namespace viscobar {
 
-/// How far a scheme may be from its referees, in the norms of Comparison. What is absent is measured, not judged.
+/// How far a scheme may be from its referees, in the norms of Difference. What is absent is measured, not judged.
 struct Bounds {
   std::optional<double> displacement_l2 = std::nullopt;  ///< max over time of the L2 norm
   std::optional<double> displacement_h1 = std::nullopt;  ///< max over time of the H1 seminorm
@@ -32,14 +32,14 @@ struct Trial {
 /// What came out on one scene. The scheme is the last run of `check`; the exact solution, where known, the first.
 struct TrialResult {
   std::string name;                   ///< of the trial
-  CrossCheck check;                   ///< the scheme beside its referees
+  Comparison check;                   ///< the scheme beside its referees
   std::optional<exact::Error> error;  ///< to the exact solution; absent for a scheme that gives its ends only
   std::vector<Finding> findings;      ///< bounds exceeded (key: referee and quantity) and runs that failed
 
   bool passed() const { return findings.empty(); }               ///< whether nothing was found
   const MethodRun& scheme() const { return check.runs.back(); }  ///< the run of the scheme
   /// The difference of the scheme to a referee; absent where one of the two failed.
-  const Comparison* to(std::size_t referee) const;
+  const Difference* to(std::size_t referee) const;
 };
 
 /// Runs a scheme of your own on each trial beside the referees and holds it to the trial's bounds.

@@ -137,6 +137,6 @@ double scheme_step(const Case& run);
 /// A penalised run that fails is listed and leaves the others standing.
 /// @throws IntegrationError (the scheme, the rigid limit, or every penalised run of a mesh failed),
 ///         std::invalid_argument (the scene has no obstacle, or a run of it is not sound)
-LimitResult penalty_limit(const LimitStudy& study);
+LimitResult limit_of(const LimitStudy& study);
 
 }  // namespace viscobar

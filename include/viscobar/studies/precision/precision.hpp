@@ -103,6 +103,6 @@ struct PrecisionResult {
 
 /// Runs the study: timed runs one by one, then references and errors on all cores. A run that fails is a row that says
 /// so. @throws std::invalid_argument when no method fits the scene, or one that was asked for does not
-PrecisionResult work_precision(const PrecisionStudy& study);
+PrecisionResult precision_of(const PrecisionStudy& study);
 
 }  // namespace viscobar

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <thread>
 
-#include "io/file_size_limit.hpp"
-#include "io/scratch.hpp"
+#include "support/file_size_limit.hpp"
+#include "support/scratch.hpp"
 #include "viscobar/results/io_error.hpp"
 
 namespace viscobar {

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "io/scratch.hpp"
+#include "support/scratch.hpp"
 #include "results/contact_account.hpp"
 #include "viscobar/record/record_run.hpp"
 

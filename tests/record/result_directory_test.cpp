@@ -10,8 +10,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "io/file_size_limit.hpp"
-#include "io/scratch.hpp"
+#include "support/file_size_limit.hpp"
+#include "support/scratch.hpp"
 #include "results/checkpoint_file.hpp"
 #include "viscobar/record/record_run.hpp"
 #include "viscobar/results/io_error.hpp"

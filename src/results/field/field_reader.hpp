@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "results/hdf5_handle.hpp"
+#include "results/field/hdf5_handle.hpp"
 
 namespace viscobar {
 

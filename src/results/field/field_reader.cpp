@@ -1,4 +1,4 @@
-#include "results/field_reader.hpp"
+#include "results/field/field_reader.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "results/field_mark.hpp"
+#include "results/field/field_mark.hpp"
 
 #include <fmt/format.h>
 

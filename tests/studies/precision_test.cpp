@@ -53,7 +53,7 @@ const ErrorParts& parts_of(const PrecisionResult& result, MethodName method, std
 
 /// Both orders of the space part over three meshes, each the half of the one before, within 0.1 of linear elements' 2.
 void expect_second_order(const PrecisionStudy& study, MethodName method) {
-  const PrecisionResult result = work_precision(study);
+  const PrecisionResult result = precision_of(study);
   const auto space = [&](std::size_t mesh) { return *parts_of(result, method, study.elements[mesh]).space; };
   EXPECT_NEAR(std::log2(space(0) / space(1)), 2.0, 0.1);
   EXPECT_NEAR(std::log2(space(1) / space(2)), 2.0, 0.1);
@@ -61,7 +61,7 @@ void expect_second_order(const PrecisionStudy& study, MethodName method) {
 
 // On the consistent mass this solution, a polynomial of degree 2 in x, would have no space error at all. What moving
 // the mass off the end costs is C h^2 (1 - O(h)): the order comes to 2 from below.
-TEST(WorkPrecision, SpaceFallsWithTheSquareOfTheElementOnMasslessContactNodes) {
+TEST(Precision, SpaceFallsWithTheSquareOfTheElementOnMasslessContactNodes) {
   PrecisionStudy study = manufactured();
   study.elements = {64, 128, 256};
   study.methods = {MethodName::rigid};
@@ -69,19 +69,19 @@ TEST(WorkPrecision, SpaceFallsWithTheSquareOfTheElementOnMasslessContactNodes) {
   expect_second_order(study, MethodName::rigid);
 }
 
-TEST(WorkPrecision, SpaceFallsWithTheSquareOfTheElementOnTheConsistentMass) {
+TEST(Precision, SpaceFallsWithTheSquareOfTheElementOnTheConsistentMass) {
   const PrecisionStudy study = two_ends();
   expect_second_order(study, MethodName::fully_discrete);
-  EXPECT_NEAR(*work_precision(study).reference->order, 2.0, 0.1);
+  EXPECT_NEAR(*precision_of(study).reference->order, 2.0, 0.1);
 }
 
 // Massless contact nodes: below h^3 / eta^2 / 100 the penetration is epsilon R, and so is all that comes of it.
-TEST(WorkPrecision, PenaltyIsLinearInEpsilonOnMasslessContactNodes) {
+TEST(Precision, PenaltyIsLinearInEpsilonOnMasslessContactNodes) {
   PrecisionStudy study = manufactured();
   study.methods = {MethodName::cvode};
   const auto penalty = [&](double epsilon) {
     study.scene.epsilon = epsilon;
-    const PrecisionResult result = work_precision(study);
+    const PrecisionResult result = precision_of(study);
     const ErrorParts& parts = result.parts.at(0);
     EXPECT_NEAR(*parts.penalty_order, 1.0, 0.03);
     EXPECT_NE(parts.penalty_against.find("rigid"), std::string::npos);
@@ -91,12 +91,12 @@ TEST(WorkPrecision, PenaltyIsLinearInEpsilonOnMasslessContactNodes) {
 }
 
 // Consistent mass, restitution 0 on the penalty: epsilon / 100 stands for the limit, towards which the power is 1/2.
-TEST(WorkPrecision, PenaltyOnNodesWithMassIsMeasuredAgainstASmallerEpsilon) {
+TEST(Precision, PenaltyOnNodesWithMassIsMeasuredAgainstASmallerEpsilon) {
   PrecisionStudy study = manufactured();
   study.scene.mass = Mass::consistent;
   study.scene.restitution = 0.0;
   study.methods = {MethodName::cvode};
-  const PrecisionResult result = work_precision(study);
+  const PrecisionResult result = precision_of(study);
   const ErrorParts& parts = result.parts.at(0);
   EXPECT_NE(parts.penalty_against.find("epsilon / 100"), std::string::npos);
   EXPECT_GT(*parts.penalty, 0.0);
@@ -104,23 +104,23 @@ TEST(WorkPrecision, PenaltyOnNodesWithMassIsMeasuredAgainstASmallerEpsilon) {
 }
 
 // Two ways to one semi-discrete solution: epsilon to 0 by matrix exponentials, dt to 0 by the scheme.
-TEST(WorkPrecision, PenaltyAndSchemeOfOneLawOfImpactLeaveTheSameSpace) {
+TEST(Precision, PenaltyAndSchemeOfOneLawOfImpactLeaveTheSameSpace) {
   PrecisionStudy study = two_ends();
   study.elements = {16};
   study.methods = {MethodName::cvode, MethodName::fully_discrete};
   study.tolerances = {1e-6};
   study.scene.epsilon = 1e-4;
   study.scene.restitution = 0.0;
-  const PrecisionResult result = work_precision(study);
+  const PrecisionResult result = precision_of(study);
   const double penalised = *parts_of(result, MethodName::cvode, 16).space;
   const double scheme = *parts_of(result, MethodName::fully_discrete, 16).space;
   // What epsilon / 100 leaves, less what extrapolation takes of it.
   EXPECT_NEAR(penalised, scheme, 0.01 * *parts_of(result, MethodName::cvode, 16).penalty);
 }
 
-TEST(WorkPrecision, TimeFollowsTheToleranceAndTheStep) {
+TEST(Precision, TimeFollowsTheToleranceAndTheStep) {
   const PrecisionStudy study = manufactured();
-  const PrecisionResult result = work_precision(study);
+  const PrecisionResult result = precision_of(study);
   const double size = result.reference->largest_displacement;
   for (const PrecisionRow& row : result.rows) {
     ASSERT_TRUE(row.time_error) << name(row.method) << " " << row.label;
@@ -141,10 +141,10 @@ TEST(WorkPrecision, TimeFollowsTheToleranceAndTheStep) {
   EXPECT_GT(error_at(MethodName::fully_discrete, 3) / error_at(MethodName::fully_discrete, 6), 6.0);
 }
 
-TEST(WorkPrecision, PartsBoundTheErrorFromAboveAndFromBelow) {
+TEST(Precision, PartsBoundTheErrorFromAboveAndFromBelow) {
   PrecisionStudy study = manufactured();
   study.scene.epsilon = 1e-3;
-  const PrecisionResult result = work_precision(study);
+  const PrecisionResult result = precision_of(study);
   for (const PrecisionRow& row : result.rows) {
     const ErrorParts& parts = result.parts_of(row);
     const double penalty = parts.penalty.value_or(0.0), sum = *parts.space + penalty + *row.time_error;
@@ -155,12 +155,12 @@ TEST(WorkPrecision, PartsBoundTheErrorFromAboveAndFromBelow) {
   }
 }
 
-TEST(WorkPrecision, AFinerRunIsAsGoodAsItSays) {
+TEST(Precision, AFinerRunIsAsGoodAsItSays) {
   PrecisionStudy study = manufactured();
   study.methods = {MethodName::rigid, MethodName::fully_discrete};
-  const PrecisionResult exact = work_precision(study);
+  const PrecisionResult exact = precision_of(study);
   study.exact.reset();
-  const PrecisionResult finer = work_precision(study);
+  const PrecisionResult finer = precision_of(study);
   EXPECT_TRUE(exact.reference->closed_form);
   EXPECT_EQ(exact.reference->error, 0.0);
   EXPECT_FALSE(finer.reference->closed_form);
@@ -172,8 +172,8 @@ TEST(WorkPrecision, AFinerRunIsAsGoodAsItSays) {
     EXPECT_NEAR(*finer.rows[i].error, *exact.rows[i].error, 1.5 * finer.reference->error) << exact.rows[i].label;
 }
 
-TEST(WorkPrecision, TimeReferencesAreCheckedBySomethingElse) {
-  const PrecisionResult result = work_precision(manufactured());
+TEST(Precision, TimeReferencesAreCheckedBySomethingElse) {
+  const PrecisionResult result = precision_of(manufactured());
   for (const ErrorParts& parts : result.parts) {
     EXPECT_FALSE(parts.time_reference.empty()) << name(parts.method);
     EXPECT_GT(parts.time_reference_error, 0.0) << name(parts.method);
@@ -182,10 +182,10 @@ TEST(WorkPrecision, TimeReferencesAreCheckedBySomethingElse) {
             std::string::npos);
 }
 
-TEST(WorkPrecision, EveryRowIsAMedianOfAnOddNumberOfRuns) {
+TEST(Precision, EveryRowIsAMedianOfAnOddNumberOfRuns) {
   PrecisionStudy study = manufactured();
   study.repeat = 0;
-  for (const PrecisionRow& row : work_precision(study).rows) {
+  for (const PrecisionRow& row : precision_of(study).rows) {
     EXPECT_GE(row.runs, 3u);
     EXPECT_EQ(row.runs % 2, 1u);
     EXPECT_GT(row.seconds, 0.0);
@@ -193,13 +193,13 @@ TEST(WorkPrecision, EveryRowIsAMedianOfAnOddNumberOfRuns) {
   }
 }
 
-TEST(WorkPrecision, ARunThatFailsIsARowThatSaysSo) {
+TEST(Precision, ARunThatFailsIsARowThatSaysSo) {
   PrecisionStudy study = manufactured();
   study.methods = {MethodName::cvode, MethodName::fully_discrete};
   study.exact.reset();
   study.scene.scene.load =
       GeneralLoad{[](double, double t) { return t > 0.5 ? std::numeric_limits<double>::quiet_NaN() : 0.0; }};
-  const PrecisionResult result = work_precision(study);
+  const PrecisionResult result = precision_of(study);
   ASSERT_EQ(result.rows.size(), 3u + 7u);
   for (const PrecisionRow& row : result.rows) {
     EXPECT_NE(row.failure.find("load"), std::string::npos) << row.failure;
@@ -209,27 +209,27 @@ TEST(WorkPrecision, ARunThatFailsIsARowThatSaysSo) {
   EXPECT_FALSE(result.no_reference.empty());
 }
 
-TEST(WorkPrecision, WhatTakesTooLongIsLeftOutAloud) {
+TEST(Precision, WhatTakesTooLongIsLeftOutAloud) {
   PrecisionStudy study = manufactured();
   study.methods = {MethodName::fully_discrete};
   study.halvings = 30;
   study.seconds = 0.05;
-  const PrecisionResult result = work_precision(study);
+  const PrecisionResult result = precision_of(study);
   EXPECT_LT(result.rows.size(), 31u);
   ASSERT_EQ(result.left_out.size(), 1u);
   EXPECT_NE(result.left_out[0].reason.find("0.05 s"), std::string::npos);
   EXPECT_NE(result.left_out[0].what.find("step"), std::string::npos);
 }
 
-TEST(WorkPrecision, MethodsThatDoNotFitAreLeftOutOrRefusedWhenAskedFor) {
+TEST(Precision, MethodsThatDoNotFitAreLeftOutOrRefusedWhenAskedFor) {
   PrecisionStudy study = manufactured();
   study.tolerances = {1e-4};
   study.halvings = 3;
-  const PrecisionResult result = work_precision(study);
+  const PrecisionResult result = precision_of(study);
   ASSERT_EQ(result.left_out.size(), 1u);
   EXPECT_EQ(result.left_out[0].method, MethodName::finite_difference) << "its mass is diagonal";
   study.methods = {MethodName::finite_difference};
-  EXPECT_THROW(work_precision(study), std::invalid_argument);
+  EXPECT_THROW(precision_of(study), std::invalid_argument);
 }
 
 }  // namespace

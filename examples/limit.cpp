@@ -7,7 +7,7 @@
 // On the consistent mass the contact nodes bounce on their penalty and the difference stays at some 3e-3 however small
 // epsilon is; on the redistributed mass, whose contact nodes have none, it vanishes (docs/penalty-limit.md).
 //
-// Run: build/release/examples/penalty_limit
+// Run: build/release/examples/limit
 #include <cstdio>
 #include <viscobar/viscobar.hpp>
 
@@ -27,7 +27,7 @@ int main() {
   bool as_expected = true;
   for (const Mass mass : {Mass::consistent, Mass::redistributed}) {
     study.scene.mass = mass;
-    const LimitResult result = penalty_limit(study);
+    const LimitResult result = limit_of(study);
     std::printf("mass %s\n  epsilon   contact changes   penetration   difference to the scheme\n", name(mass).data());
     for (const LimitRow& row : result.rows)
       std::printf("  %7.0e   %15zu   %11.2e   %24.2e\n", row.epsilon, row.events, row.max_penetration,

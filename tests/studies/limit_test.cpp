@@ -21,10 +21,10 @@ LimitStudy study_of(Case scene, std::vector<double> epsilons) {
 
 LimitOrders only(const LimitResult& result) { return result.orders.at(0); }
 
-TEST(PenaltyLimit, AnUndampedPenaltyOnTheConsistentMassStopsAtAPlateauAgainstTheScheme) {
+TEST(Limit, AnUndampedPenaltyOnTheConsistentMassStopsAtAPlateauAgainstTheScheme) {
   Case scene = paper_throw(0.01);
   scene.step = 1e-4;
-  const LimitResult result = penalty_limit(study_of(scene, decades(1e-2, 1e-6)));
+  const LimitResult result = limit_of(study_of(scene, decades(1e-2, 1e-6)));
   EXPECT_EQ(only(result).verdict, Verdict::plateau);
   // Model: 3.0e-3, and it still moves by a tenth a decade.
   EXPECT_NEAR(result.rows.back().difference_to_scheme, 3.0e-3, 0.3e-3);
@@ -45,7 +45,7 @@ class MasslessNodes : public testing::TestWithParam<double> {
 };
 
 TEST_P(MasslessNodes, ShareOneLimitWithTheRigidBarAndTheScheme) {
-  const LimitResult result = penalty_limit(study_of(scene(), decades(1e-2, 1e-8)));
+  const LimitResult result = limit_of(study_of(scene(), decades(1e-2, 1e-8)));
   const LimitOrders orders = only(result);
   EXPECT_EQ(orders.verdict, Verdict::converges);
   ASSERT_TRUE(orders.penetration && orders.to_rigid);
@@ -82,13 +82,13 @@ TEST_P(MasslessNodes, TheSchemeTendsToTheRigidBarAtFirstOrderInItsStep) {
 
 INSTANTIATE_TEST_SUITE_P(Viscosities, MasslessNodes, testing::Values(1.0, 0.1, 0.01, 0.001, 0.0));
 
-TEST(PenaltyLimit, WhereTheMeshResolvesTheLayerThePowerIsTwoThirds) {
+TEST(Limit, WhereTheMeshResolvesTheLayerThePowerIsTwoThirds) {
   Case scene = paper_throw(1.0);
   scene.mass = Mass::redistributed;
   scene.elements = 216;
   scene.step = 1e-4;
   // 100 h^3 = 1e-5; the law is that of epsilon -> 0.
-  const LimitOrders orders = only(penalty_limit(study_of(scene, decades(1e-3, 1e-5, 2))));
+  const LimitOrders orders = only(limit_of(study_of(scene, decades(1e-3, 1e-5, 2))));
   ASSERT_TRUE(orders.penetration_layer && orders.to_rigid_layer);
   EXPECT_NEAR(orders.penetration_layer->order, 2.0 / 3.0, 0.02);
   EXPECT_NEAR(orders.to_rigid_layer->order, 2.0 / 3.0, 0.02);
@@ -104,7 +104,7 @@ TEST_P(CommonRestitution, GivesPenaltyAndSchemeOneLimitOnTheConsistentMassLikeTh
   scene.step = 1e-6;
   // A bar that forgets nothing comes to the power late.
   const std::vector<double> epsilons = viscosity > 0.0 ? decades(1e-3, 1e-6) : decades(1e-5, 1e-7);
-  const LimitResult result = penalty_limit(study_of(scene, epsilons));
+  const LimitResult result = limit_of(study_of(scene, epsilons));
   const LimitOrders orders = only(result);
   EXPECT_EQ(orders.verdict, Verdict::converges);
   ASSERT_TRUE(orders.to_scheme);
@@ -130,7 +130,7 @@ INSTANTIATE_TEST_SUITE_P(UndampedThrows, CommonRestitution,
                          testing::Combine(testing::Values(0.5, 1.0), testing::Values(0.0),
                                           testing::Values(Impact::paoli_schatzman)));
 
-TEST(PenaltyLimit, IsTheSameStudyByEveryPenalisedMethod) {
+TEST(Limit, IsTheSameStudyByEveryPenalisedMethod) {
   for (const Mass mass : {Mass::consistent, Mass::redistributed}) {
     Case scene = paper_throw(0.01);
     scene.mass = mass;
@@ -143,7 +143,7 @@ TEST(PenaltyLimit, IsTheSameStudyByEveryPenalisedMethod) {
       // Explicit, it would make millions of steps on stiff rows.
       if (method == MethodName::odeint && mass == Mass::redistributed) continue;
       scene.method = method;
-      results.push_back(penalty_limit(study_of(scene, epsilons)));
+      results.push_back(limit_of(study_of(scene, epsilons)));
     }
     const double tolerance = only(results[0]).tolerance_error;
     for (const LimitResult& result : results) {
@@ -162,7 +162,7 @@ TEST(PenaltyLimit, IsTheSameStudyByEveryPenalisedMethod) {
   }
 }
 
-TEST(PenaltyLimit, APathToTheBarExistsOnThePapersMassOfOrderTwoInH) {
+TEST(Limit, APathToTheBarExistsOnThePapersMassOfOrderTwoInH) {
   // A node's bounce is over after rho h^2 / eta, having gone V rho h^2 / eta far: along epsilon ~ h^3, dt ~ h^2 all
   // differences are O(h^2), chatter or not.
   const auto difference = [](double viscosity, std::size_t elements) {
@@ -171,7 +171,7 @@ TEST(PenaltyLimit, APathToTheBarExistsOnThePapersMassOfOrderTwoInH) {
     scene.elements = elements;
     const double h = scene.mesh().spacing();
     scene.step = 0.2 * h * h;
-    return penalty_limit(study_of(scene, {0.1 * h * h * h})).rows.at(0).difference_to_scheme;
+    return limit_of(study_of(scene, {0.1 * h * h * h})).rows.at(0).difference_to_scheme;
   };
   for (const double viscosity : {1.0, 0.1})
     EXPECT_NEAR(std::log2(difference(viscosity, 27) / difference(viscosity, 54)), 2.0, 0.1) << viscosity;
@@ -194,31 +194,31 @@ Case paper_span(Mass mass) {
   return run;
 }
 
-TEST(PenaltyLimit, UnderASpanOneRestitutionGivesOneLimitWhereTheMassDoesNotTieNeighboursTogether) {
+TEST(Limit, UnderASpanOneRestitutionGivesOneLimitWhereTheMassDoesNotTieNeighboursTogether) {
   // Below epsilon = rho h^4 / eta^2 = 1 a node is at rest before its neighbours drag it along.
-  const LimitResult lumped = penalty_limit(study_of(paper_span(Mass::lumped), decades(1e-5, 1e-7)));
+  const LimitResult lumped = limit_of(study_of(paper_span(Mass::lumped), decades(1e-5, 1e-7)));
   EXPECT_EQ(only(lumped).verdict, Verdict::converges);
   EXPECT_NEAR(*only(lumped).boundary, 1.0, 1e-12);
   EXPECT_NEAR(only(lumped).to_scheme->order, 0.5, 0.05);
   EXPECT_FALSE(only(lumped).penetration_layer);
   // On the consistent mass the impact of a node is an impulse on its neighbours, which share it between them by a law
   // of their own: a plateau, small beside the 650 that the bar falls.
-  const LimitResult consistent = penalty_limit(study_of(paper_span(Mass::consistent), decades(1e-5, 1e-7)));
+  const LimitResult consistent = limit_of(study_of(paper_span(Mass::consistent), decades(1e-5, 1e-7)));
   EXPECT_EQ(only(consistent).verdict, Verdict::plateau);
   EXPECT_LT(consistent.rows.back().difference_to_scheme, 0.01 * 650.0);
 }
 
-TEST(PenaltyLimit, OneEpsilonAloneHasNoVerdictUnlessTheRigidLimitJudgesIt) {
+TEST(Limit, OneEpsilonAloneHasNoVerdictUnlessTheRigidLimitJudgesIt) {
   Case scene = paper_throw(0.01);
   scene.step = 1e-4;
-  const LimitOrders massive = only(penalty_limit(study_of(scene, {1e-3})));
+  const LimitOrders massive = only(limit_of(study_of(scene, {1e-3})));
   EXPECT_EQ(massive.verdict, Verdict::undecided);
   EXPECT_EQ(massive.evidence.lack, Lack::penalties);
   scene.mass = Mass::redistributed;
-  EXPECT_EQ(only(penalty_limit(study_of(scene, {1e-8}))).verdict, Verdict::converges);
+  EXPECT_EQ(only(limit_of(study_of(scene, {1e-8}))).verdict, Verdict::converges);
 }
 
-TEST(PenaltyLimit, ABarThatIsPressedOnItsObstacleHasOneLimitOnAnyMassAndLaw) {
+TEST(Limit, ABarThatIsPressedOnItsObstacleHasOneLimitOnAnyMassAndLaw) {
   // Nothing meets at a speed that stays as epsilon -> 0, so the law of impact does not matter: u -> 0 at the left end
   // in both.
   Case scene = paper_throw(0.1);
@@ -228,32 +228,32 @@ TEST(PenaltyLimit, ABarThatIsPressedOnItsObstacleHasOneLimitOnAnyMassAndLaw) {
   scene.scene.load = SteadyLoad{[](double) { return -1.0; }};
   scene.end = 3.0;
   scene.step = 1e-2;
-  EXPECT_EQ(only(penalty_limit(study_of(scene, decades(1e-3, 1e-8)))).verdict, Verdict::converges);
+  EXPECT_EQ(only(limit_of(study_of(scene, decades(1e-3, 1e-8)))).verdict, Verdict::converges);
 }
 
-TEST(PenaltyLimit, MorePenaltiesADecadeDoNotChangeTheVerdict) {
+TEST(Limit, MorePenaltiesADecadeDoNotChangeTheVerdict) {
   Case scene = paper_throw(0.01);
   scene.step = 1e-4;
-  const LimitOrders one = only(penalty_limit(study_of(scene, decades(1e-2, 1e-8)))),
-                    four = only(penalty_limit(study_of(scene, decades(1e-2, 1e-8, 4))));
+  const LimitOrders one = only(limit_of(study_of(scene, decades(1e-2, 1e-8)))),
+                    four = only(limit_of(study_of(scene, decades(1e-2, 1e-8, 4))));
   EXPECT_EQ(four.verdict, Verdict::plateau);
   // The times at which traces are compared follow the contact changes of all runs: a maximum moves by a percent.
   EXPECT_NEAR(*four.evidence.lower(), *one.evidence.lower(), 0.02 * *one.evidence.lower());
 }
 
-TEST(PenaltyLimit, WithoutBudgetTheSchemeRunsThreeTimes) {
+TEST(Limit, WithoutBudgetTheSchemeRunsThreeTimes) {
   Case scene = paper_throw(0.01);
   scene.step = 1e-1;
   LimitStudy study = study_of(scene, decades(1e-2, 1e-5));
   study.budget = 0.0;
-  const LimitOrders orders = only(penalty_limit(study));
+  const LimitOrders orders = only(limit_of(study));
   EXPECT_EQ(orders.verdict, Verdict::undecided);
   EXPECT_EQ(orders.evidence.lack, Lack::smaller_step);
   ASSERT_EQ(orders.scheme.size(), 3u);
   EXPECT_DOUBLE_EQ(orders.scheme_step, 1e-1);
 }
 
-TEST(PenaltyLimit, TheSchemesErrorByItsStepsCoversItsDistanceToTheRigidLimit) {
+TEST(Limit, TheSchemesErrorByItsStepsCoversItsDistanceToTheRigidLimit) {
   // Without using the rigid limit, as a study of massive nodes must: the error that the last four steps show. The
   // last one of each run is put at another place of its grid by the throw's speed.
   std::size_t covered = 0;
@@ -284,7 +284,7 @@ TEST(PenaltyLimit, TheSchemesErrorByItsStepsCoversItsDistanceToTheRigidLimit) {
   EXPECT_EQ(covered, throws);
 }
 
-TEST(PenaltyLimit, TellsItsProgressRunByRun) {
+TEST(Limit, TellsItsProgressRunByRun) {
   Case scene = paper_throw(0.1);
   scene.step = 1e-2;
   LimitStudy study = study_of(scene, {1e-2, 1e-3});
@@ -293,7 +293,7 @@ TEST(PenaltyLimit, TellsItsProgressRunByRun) {
     EXPECT_EQ(done, ++calls);
     all = of;
   };
-  penalty_limit(study);
+  limit_of(study);
   EXPECT_EQ(calls, all);
 }
 
@@ -350,7 +350,7 @@ class VerdictOf : public testing::TestWithParam<std::size_t> {};
 TEST_P(VerdictOf, ARandomSceneIsTheOneOfTheoryAndItsBoundsEncloseTheDistanceByOtherRuns) {
   const VerdictScene scene = random_verdict_scenes(45)[GetParam() - 1];
   const KnownVerdict known = known_verdict(scene);
-  const LimitOrders orders = only(penalty_limit(verdict_study(scene)));
+  const LimitOrders orders = only(limit_of(verdict_study(scene)));
   EXPECT_EQ(orders.verdict, known.verdict) << scene.name;
   EXPECT_TRUE(agrees(orders.evidence, known)) << scene.name;
 }

@@ -91,7 +91,7 @@ TEST_P(Redistribution, CostsFiveHalvesInL2AndThreeAtTheEnds) {
       const Recording moved = record(run);
       if (run.method == MethodName::rigid) run.method = MethodName::cvode;
       run.mass = Mass::consistent;
-      const Comparison found = compare(moved, record(run));
+      const Difference found = compare(moved, record(run));
       spacings.push_back(run.mesh().spacing());
       norms.push_back(*found.displacement_l2);
       traces.push_back(found.end_trace);
@@ -129,7 +129,7 @@ TEST_P(OrderInDt, OfTheFirstOrderStartsShareIsOne) {
     for (Case refined : refinements(run, Refine::step, 4)) {
       const Recording first = record(refined);
       refined.start = Start::second_order;
-      const Comparison share = compare(first, record(refined));
+      const Difference share = compare(first, record(refined));
       steps.push_back(*refined.step);
       norms.push_back(*share.displacement_l2);
       traces.push_back(share.end_trace);

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "io/file_size_limit.hpp"
-#include "io/scratch.hpp"
+#include "support/file_size_limit.hpp"
+#include "support/scratch.hpp"
 #include "viscobar/results/io_error.hpp"
 
 namespace viscobar {

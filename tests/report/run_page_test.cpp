@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "io/scratch.hpp"
+#include "support/scratch.hpp"
 #include "report/run/run_page.hpp"
 
 namespace viscobar {

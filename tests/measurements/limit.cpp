@@ -1,5 +1,5 @@
 // Prints the tables of docs/penalty-limit.md but that of the redistributions. Run:
-// build/release/tests/measure_penalty_limit
+// build/release/tests/measure_limit
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ LimitResult study(const Case& scene, std::vector<double> epsilons) {
   limit.scene = scene;
   limit.epsilons = std::move(epsilons);
   limit.budget = 0.0;  // the tables are of the steps that they name
-  return penalty_limit(limit);
+  return limit_of(limit);
 }
 
 // "1e-3 / 1e-4 / ..."

@@ -10,7 +10,7 @@
 //
 // and the time part is what a tolerance buys: the solution keeps a hundred times the tolerance (docs/methods.md).
 //
-// Run: build/release/examples/work_precision
+// Run: build/release/examples/precision
 #include <cstdio>
 #include <viscobar/viscobar.hpp>
 
@@ -26,7 +26,7 @@ int main() {
   study.tolerances = {1e-3, 1e-4, 1e-5, 1e-6};
   study.halvings = 5;
   study.repeat = 3;
-  const PrecisionResult result = work_precision(study);
+  const PrecisionResult result = precision_of(study);
 
   bool as_expected = result.reference && result.reference->closed_form;
   std::printf("errors against %s\n", result.reference ? result.reference->what.c_str() : "nothing");

@@ -1,4 +1,4 @@
-#include "results/xdmf_file.hpp"
+#include "results/field/xdmf_file.hpp"
 
 #include <fmt/format.h>
 

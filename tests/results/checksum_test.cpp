@@ -5,7 +5,7 @@
 #include <boost/crc.hpp>
 #include <random>
 
-#include "io/scratch.hpp"
+#include "support/scratch.hpp"
 #include "viscobar/results/io_error.hpp"
 
 namespace viscobar {

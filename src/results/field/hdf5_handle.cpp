@@ -1,4 +1,4 @@
-#include "results/hdf5_handle.hpp"
+#include "results/field/hdf5_handle.hpp"
 
 #include <sys/mman.h>
 

@@ -1,4 +1,4 @@
-#include "results/field_file.hpp"
+#include "results/field/field_file.hpp"
 
 #include <algorithm>
 #include <array>

@@ -48,26 +48,26 @@ TEST(MatchTimes, LeavesTimesFurtherApartThanTheReachAlone) {
 }
 
 TEST(Compare, AMissedBounceDoesNotShiftTheLaterOnes) {
-  const Comparison found =
+  const Difference found =
       compare(bouncing({1, 2, 3, 4, 5, 6, 7, 8}), bouncing({1.01, 2.01, 4.01, 5.01, 6.01, 7.01, 8.01}));
   EXPECT_EQ(found.events_matched, 14u);
   EXPECT_NEAR(*found.largest_event_shift, 0.01, 10 * eps);
 }
 
 TEST(Compare, BouncesMissedOnBothSidesStayAlone) {
-  const Comparison found = compare(bouncing({1, 2, 3, 4, 5, 6, 7, 9}), bouncing({1, 3, 4, 5, 6, 7, 8, 9}));
+  const Difference found = compare(bouncing({1, 2, 3, 4, 5, 6, 7, 9}), bouncing({1, 3, 4, 5, 6, 7, 8, 9}));
   EXPECT_LE(*found.largest_event_shift, 1.0 + 10 * eps);
   EXPECT_GE(found.events_matched, 14u);
 }
 
 TEST(Compare, FollowsADriftBelowTheDistanceOfTheBounces) {
-  const Comparison found = compare(bouncing({1, 2, 3, 4, 5, 6}), bouncing({1.1, 2.2, 3.3, 4.4, 5.5, 6.6}));
+  const Difference found = compare(bouncing({1, 2, 3, 4, 5, 6}), bouncing({1.1, 2.2, 3.3, 4.4, 5.5, 6.6}));
   EXPECT_EQ(found.events_matched, 12u);
   EXPECT_NEAR(*found.largest_event_shift, 0.6, 100 * eps);
 }
 
 TEST(Compare, MatchesContactPeriodsAsItDoesEvents) {
-  const Comparison found = compare(bouncing({1, 3, 5, 7}, 0.5), bouncing({1, 5, 7}, 0.6));
+  const Difference found = compare(bouncing({1, 3, 5, 7}, 0.5), bouncing({1, 5, 7}, 0.6));
   ASSERT_EQ(found.contacts.size(), 3u);
   for (const auto& [a, b] : found.contacts) EXPECT_EQ(a.begin, b.begin);
 }
@@ -85,7 +85,7 @@ TEST(Compare, MatchesClosingsWithClosingsAtTheSamePlaceOnly) {
 TEST(Compare, AllBouncesOfALongChatterFindTheirPartners) {
   std::vector<double> a, b;
   for (int k = 0; k < 3000; ++k) a.push_back(3e-3 * k + 1e-3), b.push_back(a.back() + 5e-4);
-  const Comparison found = compare(bouncing(a, 1e-3), bouncing(b, 1e-3));
+  const Difference found = compare(bouncing(a, 1e-3), bouncing(b, 1e-3));
   EXPECT_EQ(found.events_matched, 6000u);
   EXPECT_NEAR(*found.largest_event_shift, 5e-4, 20 * eps);
 }
@@ -95,7 +95,7 @@ TEST(Compare, EndsAloneAreComparedWithTheEndsOfAField) {
   ends.mesh.elements = 1;
   ends.u = {0.0, 0.0, 0.25, -0.125};
   ends.v.clear();
-  const Comparison found = compare(field, ends);
+  const Difference found = compare(field, ends);
   EXPECT_EQ(found.end_trace, 0.25);
   EXPECT_FALSE(found.displacement_l2);
   EXPECT_FALSE(found.velocity_l2);

@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "results/field_mark.hpp"
-#include "results/hdf5_handle.hpp"
+#include "results/field/field_mark.hpp"
+#include "results/field/hdf5_handle.hpp"
 #include "results/output_file.hpp"
-#include "results/xdmf_file.hpp"
+#include "results/field/xdmf_file.hpp"
 #include "viscobar/discretisation/mesh.hpp"
 #include "viscobar/run/run.hpp"
 
