@@ -3,6 +3,8 @@
 // The whole library. viscobar/testing/ is apart: it needs GoogleTest.
 
 #include "viscobar/case/case.hpp"
+#include "viscobar/case/end_traces.hpp"
+#include "viscobar/case/recorder.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/discretisation/mass.hpp"
 #include "viscobar/discretisation/mesh.hpp"

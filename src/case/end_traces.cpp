@@ -1,4 +1,4 @@
-#include "case/end_traces.hpp"
+#include "viscobar/case/end_traces.hpp"
 
 #include <algorithm>
 #include <array>

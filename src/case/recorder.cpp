@@ -1,4 +1,4 @@
-#include "case/recorder.hpp"
+#include "viscobar/case/recorder.hpp"
 
 #include <fmt/format.h>
 

@@ -8,7 +8,7 @@
 #include <map>
 #include <numbers>
 
-#include "case/recorder.hpp"
+#include "viscobar/case/recorder.hpp"
 #include "hard/reference.hpp"
 #include "viscobar/studies/exact/exact_solutions.hpp"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "case/end_traces.hpp"
+#include "viscobar/case/end_traces.hpp"
 #include "support/paper_throw.hpp"
 #include "viscobar/case/recording.hpp"
 

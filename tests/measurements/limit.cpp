@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "case/end_traces.hpp"
+#include "viscobar/case/end_traces.hpp"
 #include "support/paper_throw.hpp"
 #include "viscobar/dynamics/penalty_law.hpp"
 #include "viscobar/studies/exact/exact_solutions.hpp"

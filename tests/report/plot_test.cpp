@@ -10,6 +10,7 @@
 #include "report/plot/png.hpp"
 #include "report/plot/thinning.hpp"
 #include "report/run/thinned_field.hpp"
+#include "text/number.hpp"
 
 namespace viscobar::plot {
 namespace {

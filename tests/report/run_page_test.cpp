@@ -1,3 +1,5 @@
+#include "report/run/run_page.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,7 +8,7 @@
 #include <regex>
 
 #include "support/scratch.hpp"
-#include "report/run/run_page.hpp"
+#include "viscobar/record/record_run.hpp"
 
 namespace viscobar {
 namespace {

@@ -6,7 +6,7 @@
 #include <complex>
 #include <limits>
 
-#include "case/recorder.hpp"
+#include "viscobar/case/recorder.hpp"
 
 namespace viscobar::exact {
 namespace {

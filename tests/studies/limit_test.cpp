@@ -3,7 +3,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "case/end_traces.hpp"
+#include "viscobar/case/end_traces.hpp"
 #include "studies/limit/verdict.hpp"
 #include "support/paper_throw.hpp"
 #include "support/verdict_truth.hpp"

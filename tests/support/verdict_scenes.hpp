@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "case/end_traces.hpp"
+#include "viscobar/case/end_traces.hpp"
 #include "viscobar/studies/limit/limit.hpp"
 
 namespace viscobar {

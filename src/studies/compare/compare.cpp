@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "studies/compare/end_impulses.hpp"
-#include "case/recorder.hpp"
+#include "viscobar/case/recorder.hpp"
 #include "studies/parallel.hpp"
 #include "viscobar/integration/integrate.hpp"
 #include "viscobar/studies/limit/limit.hpp"

@@ -13,7 +13,7 @@
 #include <span>
 #include <stdexcept>
 
-#include "case/end_traces.hpp"
+#include "viscobar/case/end_traces.hpp"
 #include "studies/limit/verdict.hpp"
 #include "studies/parallel.hpp"
 

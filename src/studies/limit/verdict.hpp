@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "case/end_traces.hpp"
+#include "viscobar/case/end_traces.hpp"
 #include "viscobar/studies/limit/limit.hpp"
 
 namespace viscobar {

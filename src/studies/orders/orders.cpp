@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-#include "case/recorder.hpp"
+#include "viscobar/case/recorder.hpp"
 #include "studies/parallel.hpp"
 #include "viscobar/studies/compare/difference.hpp"
 
