@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "report/plot/thinning.hpp"
+#include "results/thinning.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {

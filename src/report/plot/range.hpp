@@ -7,7 +7,7 @@
 #include <string>
 
 #include "report/plot/axis.hpp"
-#include "report/plot/thinning.hpp"
+#include "results/thinning.hpp"
 
 namespace viscobar::plot {
 

@@ -1,4 +1,4 @@
-#include "report/plot/thinning.hpp"
+#include "results/thinning.hpp"
 
 #include <algorithm>
 #include <cmath>
