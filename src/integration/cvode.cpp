@@ -2,11 +2,12 @@
 
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "integration/error_weights.hpp"
 #include "integration/hull.hpp"
 #include "integration/longest_step.hpp"
-#include "integration/relieved_stepper.hpp"
+#include "integration/rest_watch.hpp"
 #include "integration/stepwise_run.hpp"
 #include "integration/sundials/leg.hpp"
 #include "viscobar/integration/integrate.hpp"
@@ -51,8 +52,10 @@ class CvodeStepper {
   void restart(double t, double stop, std::span<const double> y) {
     stop_ = stop;
     weights_.tighten(leg_.statistics.events);
+    weights_.pass_over(0.0);
     std::ranges::copy(y, values(state_).begin());
-    begin(stiff() ? bdf_ : adams_, t);
+    rest_.begin_leg(leg_.system, t);
+    stiff() ? begin(bdf_, CV_BDF, highest_bdf, t) : begin(adams_, CV_ADAMS, highest_adams, t);
   }
 
   double advance() {
@@ -60,7 +63,19 @@ class CvodeStepper {
     const int flag = CVode(memory_, stop_, state_.get(), &t, CV_ONE_STEP);
     require_memory();
     if (flag < 0) fail(leg_, "CVode", flag, flag_name(CVodeGetReturnFlagName(flag)), cvode_flags());
-    return t;
+    if (formulas_ == Formulas::automatic)
+      advice_ = rest_.stepped(t, leg_.layout.w(values(state_)), weights_.promised_velocity());
+    return t_ = t;
+  }
+
+  void before_step() {
+    switch (std::exchange(advice_, RestWatch::Advice::go_on)) {
+      case RestWatch::Advice::go_on: return;
+      case RestWatch::Advice::damp: weights_.pass_over(rest_.oscillation()); return begin(bdf_, CV_BDF, 2, t_);
+      case RestWatch::Advice::release:
+        weights_.pass_over(0.0);
+        check("CVodeSetMaxOrd", CVodeSetMaxOrd(memory_, highest_bdf));
+    }
   }
 
   std::size_t order() const {
@@ -94,13 +109,17 @@ class CvodeStepper {
   double account_correction() const { return leg_.account_correction; }
 
  private:
-  void begin(Memory& memory, double t) {
+  static constexpr int highest_adams = 12, highest_bdf = 5;
+
+  void begin(Memory& memory, int formulas, int order, double t) {
     memory_ = memory.get();
     if (memory_)
       check("CVodeReInit", CVodeReInit(memory_, t, state_.get()));
     else
-      create(memory, t);
+      create(memory, formulas, t);
+    check("CVodeSetMaxOrd", CVodeSetMaxOrd(memory_, order));
     leg_.memory = memory_;
+    advice_ = RestWatch::Advice::go_on;
     check("CVodeSetStopTime", CVodeSetStopTime(memory_, stop_));
   }
 
@@ -115,9 +134,8 @@ class CvodeStepper {
     return bar.has_massless() || material.viscosity * highest >= 2.0 * material.modulus;
   }
 
-  void create(Memory& memory, double t) {
-    const bool bdf = &memory == &bdf_;
-    memory.reset(CVodeCreate(bdf ? CV_BDF : CV_ADAMS, context_.get()));
+  void create(Memory& memory, int formulas, double t) {
+    memory.reset(CVodeCreate(formulas, context_.get()));
     if (!memory) throw std::bad_alloc();
     memory_ = memory.get();
     const int begun = CVodeInit(memory_, right_hand_side, t, state_.get());
@@ -131,7 +149,7 @@ class CvodeStepper {
     if (leg_.system.load_varies())
       check("CVodeSetMaxStep", CVodeSetMaxStep(memory_, longest_step(leg_.system, end_ - t)));
     // The formulas of order 3 to 5 are unstable near the imaginary axis, where a lightly damped contact spring is.
-    if (bdf) check("CVodeSetStabLimDet", CVodeSetStabLimDet(memory_, SUNTRUE));
+    if (formulas == CV_BDF) check("CVodeSetStabLimDet", CVodeSetStabLimDet(memory_, SUNTRUE));
   }
 
   void check(const char* call, int flag) {
@@ -165,7 +183,9 @@ class CvodeStepper {
   Leg leg_;
   ErrorWeights weights_;
   Formulas formulas_;
-  double end_, stop_ = 0.0;  // of the run, and of the leg
+  RestWatch rest_;
+  RestWatch::Advice advice_ = RestWatch::Advice::go_on;
+  double end_, stop_ = 0.0, t_ = 0.0;  // of the run, of the leg, and now
   Vector state_, interpolated_;
   std::optional<Probed> probed_;
   Vector probe_;
@@ -186,10 +206,7 @@ Statistics integrate(const BarSystem& system, const StartingPoint& start, std::s
     const Layout layout(penalised, observers.energy);
     Statistics statistics = statistics_before(from);
     CvodeStepper stepper(penalised, layout, method, times.back(), statistics);
-    if (method.formulas != Formulas::automatic)
-      return run_stepwise("cvode", penalised, layout, stepper, statistics, from, times, observers);
-    RelievedStepper<CvodeStepper> steps(penalised, layout, method.tolerance, times.back(), statistics, stepper);
-    return run_stepwise("cvode", penalised, layout, steps, statistics, from, times, observers);
+    return run_stepwise("cvode", penalised, layout, stepper, statistics, from, times, observers);
   });
 }
 

@@ -31,7 +31,7 @@ void ErrorWeights::fill(std::span<const double> y, std::span<double> weights) {
   const double relative = std::max(tolerance_.relative / tightening_, 16.0 * std::numeric_limits<double>::epsilon());
   const double absolute = tolerance_.absolute / tightening_;
   std::ranges::fill(layout_.u(weights), 1.0 / (relative * largest_u_ + absolute));
-  const double of_velocity = relative * largest_w_ + absolute;
+  const double of_velocity = std::max(relative * largest_w_ + absolute, 4.0 * passed_over_);
   for (std::size_t i = 0; i < system_.contact_count(); ++i)
     if (const double rate = system_.closed(i) ? system_.contact_rate(i) : 0.0; rate > 0.0) {
       double& weight = weights[system_.contact(i).unknown];

@@ -45,11 +45,8 @@ class ErrorWeights {
     if (tolerance_.control == ErrorControl::global)
       tightening_ = accumulated_ + per_change_ * static_cast<double>(changes);
   }
-  /// The maxima that another method has seen in the same run.
-  void adopt_largest(const ErrorWeights& other) {
-    largest_u_ = std::max(largest_u_, other.largest_u_);
-    largest_w_ = std::max(largest_w_, other.largest_w_);
-  }
+  /// Errors of w of that size, an oscillation that is passed over, do not count; 0 for none.
+  void pass_over(double oscillation) { passed_over_ = oscillation; }
   double largest_displacement() const { return largest_u_; }
   double displacement_tolerance() const;
   double velocity_tolerance() const;
@@ -66,7 +63,7 @@ class ErrorWeights {
   Layout layout_;
   Tolerance tolerance_;
   std::size_t massive_begin_, massive_end_;
-  double inertia_, largest_u_ = 0.0, largest_w_ = 0.0, accumulated_, per_change_, tightening_ = 1.0;
+  double inertia_, largest_u_ = 0.0, largest_w_ = 0.0, accumulated_, per_change_, tightening_ = 1.0, passed_over_ = 0.0;
 };
 
 }  // namespace viscobar

@@ -4,11 +4,12 @@
 #include <cmath>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "integration/error_weights.hpp"
 #include "integration/hull.hpp"
 #include "integration/longest_step.hpp"
-#include "integration/relieved_stepper.hpp"
+#include "integration/rest_watch.hpp"
 #include "integration/stepwise_run.hpp"
 #include "integration/sundials/leg.hpp"
 #include "viscobar/integration/integrate.hpp"
@@ -75,14 +76,11 @@ class IdaStepper {
   void restart(double t, double stop, std::span<const double> y) {
     stop_ = stop;
     weights_.tighten(leg_.statistics.events);
+    weights_.pass_over(0.0);
     std::ranges::copy(y, values(state_).begin());
     set_consistent_rate(t);
-    if (memory_) {
-      check("IDAReInit", IDAReInit(memory_.get(), t, state_.get(), rate_.get()));
-    } else {
-      create(t);
-    }
-    check("IDASetStopTime", IDASetStopTime(memory_.get(), stop_));
+    rest_.begin_leg(leg_.system, t);
+    begin(highest_order, t);
   }
 
   double advance() {
@@ -90,7 +88,18 @@ class IdaStepper {
     const int flag = IDASolve(memory_.get(), stop_, &t, state_.get(), rate_.get(), IDA_ONE_STEP);
     require_memory();
     if (flag < 0) fail(leg_, "IDASolve", flag, flag_name(IDAGetReturnFlagName(flag)), ida_flags());
-    return t;
+    advice_ = rest_.stepped(t, leg_.layout.w(values(state_)), weights_.promised_velocity());
+    return t_ = t;
+  }
+
+  void before_step() {
+    switch (std::exchange(advice_, RestWatch::Advice::go_on)) {
+      case RestWatch::Advice::go_on: return;
+      case RestWatch::Advice::damp: weights_.pass_over(rest_.oscillation()); return begin(2, t_);
+      case RestWatch::Advice::release:
+        weights_.pass_over(0.0);
+        check("IDASetMaxOrd", IDASetMaxOrd(memory_.get(), highest_order));
+    }
   }
 
   std::size_t order() const {
@@ -124,6 +133,18 @@ class IdaStepper {
   double account_correction() const { return leg_.account_correction; }
 
  private:
+  static constexpr int highest_order = 5;
+
+  void begin(int order, double t) {
+    if (memory_)
+      check("IDAReInit", IDAReInit(memory_.get(), t, state_.get(), rate_.get()));
+    else
+      create(t);
+    check("IDASetMaxOrd", IDASetMaxOrd(memory_.get(), order));
+    check("IDASetStopTime", IDASetStopTime(memory_.get(), stop_));
+    advice_ = RestWatch::Advice::go_on;
+  }
+
   // y' that satisfies the equations: u' = w and rho M w' = F; massless velocities are dependent, their rate is free.
   void set_consistent_rate(double t) {
     const Layout& layout = leg_.layout;
@@ -168,7 +189,9 @@ class IdaStepper {
   Context context_;
   Leg leg_;
   ErrorWeights weights_;
-  double end_, stop_ = 0.0;  // of the run, and of the leg
+  RestWatch rest_;
+  RestWatch::Advice advice_ = RestWatch::Advice::go_on;
+  double end_, stop_ = 0.0, t_ = 0.0;  // of the run, of the leg, and now
   Vector state_, rate_, interpolated_;
   std::optional<Probed> probed_;
   Vector probe_;
@@ -185,8 +208,7 @@ Statistics integrate(const BarSystem& system, const StartingPoint& start, std::s
     const Layout layout(penalised, observers.energy);
     Statistics statistics = statistics_before(from);
     IdaStepper stepper(penalised, layout, method.tolerance, times.back(), statistics);
-    RelievedStepper<IdaStepper> steps(penalised, layout, method.tolerance, times.back(), statistics, stepper);
-    return run_stepwise("ida", penalised, layout, steps, statistics, from, times, observers);
+    return run_stepwise("ida", penalised, layout, stepper, statistics, from, times, observers);
   });
 }
 

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "dynamics/penalised_system.hpp"
+
+namespace viscobar {
+
+/// Finds the leg on which a multistep method resolves the spring of a contact at rest for nothing, and tells how to
+/// pass over it.
+///
+/// A contact that stays closed does not bounce, and its oscillation dies out. Once that is smaller than what is
+/// promised, it need not be followed. But Adams' formulas have to resolve the spring for stability, and backward
+/// differentiation of order 3 to 5 is unstable near the imaginary axis, for omega h up to about 7. Of order 1 and 2 it
+/// is L-stable: so the leg goes on with these, and errors of the size of the oscillation, until its steps have left the
+/// region of instability far behind, and then with all orders again (docs/internals/storms.md).
+class RestWatch {
+ public:
+  enum class Advice {
+    go_on,
+    damp,    ///< begin anew by backward differentiation of order 1 and 2, with errors of w up to oscillation()
+    release  ///< go on by backward differentiation of all orders
+  };
+
+  /// The contacts of `system` are those of the leg.
+  void begin_leg(const PenalisedSystem& system, double t) {
+    look_for_springs(system);
+    state_ = State::resolving;
+    releases_ = 0;
+    begin_stretch(t);
+  }
+
+  /// After each step, which led to t and the velocities w; `promised` is the error of w that is promised.
+  Advice stepped(double t, std::span<const double> w, double promised) {
+    if (nodes_.empty()) return Advice::go_on;
+    const double pace = (t - times_[steps_ % window]) / window;  // time per step, over the last ones
+    times_[steps_ % window] = t;
+    double& largest = velocities_[steps_ % window] = 0.0;
+    for (const std::size_t i : nodes_) largest = std::max(largest, std::abs(w[i]));
+    if (++steps_ < (state_ == State::resolving ? patience : window)) return Advice::go_on;
+    switch (state_) {
+      case State::resolving:
+      case State::released:
+        oscillation_ = *std::ranges::max_element(velocities_);
+        if (pace >= 0.5 * period_ || oscillation_ > share * promised) return Advice::go_on;
+        state_ = State::damped;
+        begin_stretch(t);
+        return Advice::damp;
+      case State::damped:
+        if (pace < 4.0 * period_ || releases_ == most_releases) return Advice::go_on;
+        state_ = State::released;
+        ++releases_;
+        return Advice::release;
+    }
+    return Advice::go_on;
+  }
+
+  /// Largest velocity of a node at rest, over the last steps before it was damped.
+  double oscillation() const { return oscillation_; }
+
+ private:
+  enum class State { resolving, damped, released };
+
+  static constexpr std::size_t window = 20;        // steps
+  static constexpr std::size_t patience = 400;     // steps on a leg before it is damped: a bounce takes tens
+  static constexpr std::size_t most_releases = 3;  // of a leg
+  static constexpr double share = 0.1;             // of the promised error, that the oscillation may be
+
+  // None where nothing dissipates, and an oscillation stays.
+  void look_for_springs(const PenalisedSystem& system) {
+    nodes_.clear();
+    period_ = 0.0;
+    if (!system.dissipates()) return;
+    for (std::size_t i = 0; i < system.contact_count(); ++i) {
+      const double rate = system.closed(i) ? system.contact_rate(i) : 0.0;
+      if (rate == 0.0) continue;
+      nodes_.push_back(system.contact(i).unknown);
+      period_ = std::max(period_, 2.0 * std::numbers::pi / rate);
+    }
+  }
+
+  void begin_stretch(double t) {
+    times_.fill(t);
+    velocities_.fill(0.0);
+    steps_ = 0;
+  }
+
+  std::vector<std::size_t> nodes_;                     // with mass, of closed contacts
+  double period_ = 0.0;                                // of the slowest of their springs
+  std::array<double, window> times_{}, velocities_{};  // that the last steps led to
+  double oscillation_ = 0.0;
+  std::size_t steps_ = 0, releases_ = 0;
+  State state_ = State::resolving;
+};
+
+}  // namespace viscobar
