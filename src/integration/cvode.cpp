@@ -52,7 +52,6 @@ class CvodeStepper {
   void restart(double t, double stop, std::span<const double> y) {
     stop_ = stop;
     weights_.tighten(leg_.statistics.events);
-    weights_.pass_over(0.0);
     std::ranges::copy(y, values(state_).begin());
     rest_.begin_leg(leg_.system, t);
     stiff() ? begin(bdf_, CV_BDF, highest_bdf, t) : begin(adams_, CV_ADAMS, highest_adams, t);
@@ -71,10 +70,11 @@ class CvodeStepper {
   void before_step() {
     switch (std::exchange(advice_, RestWatch::Advice::go_on)) {
       case RestWatch::Advice::go_on: return;
-      case RestWatch::Advice::damp: weights_.pass_over(rest_.oscillation()); return begin(bdf_, CV_BDF, 2, t_);
+      case RestWatch::Advice::damp: begin(bdf_, CV_BDF, 2, t_); return weights_.pass_over(rest_.oscillation());
       case RestWatch::Advice::release:
         weights_.pass_over(0.0);
-        check("CVodeSetMaxOrd", CVodeSetMaxOrd(memory_, highest_bdf));
+        return check("CVodeSetMaxOrd", CVodeSetMaxOrd(memory_, highest_bdf));
+      case RestWatch::Advice::give_back: return begin(bdf_, CV_BDF, highest_bdf, t_);
     }
   }
 
@@ -111,6 +111,8 @@ class CvodeStepper {
  private:
   static constexpr int highest_adams = 12, highest_bdf = 5;
 
+  void begin(double t) { stiff() ? begin(bdf_, CV_BDF, highest_bdf, t) : begin(adams_, CV_ADAMS, highest_adams, t); }
+
   void begin(Memory& memory, int formulas, int order, double t) {
     memory_ = memory.get();
     if (memory_)
@@ -120,6 +122,7 @@ class CvodeStepper {
     check("CVodeSetMaxOrd", CVodeSetMaxOrd(memory_, order));
     leg_.memory = memory_;
     advice_ = RestWatch::Advice::go_on;
+    weights_.pass_over(0.0);
     check("CVodeSetStopTime", CVodeSetStopTime(memory_, stop_));
   }
 

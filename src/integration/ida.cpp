@@ -76,7 +76,6 @@ class IdaStepper {
   void restart(double t, double stop, std::span<const double> y) {
     stop_ = stop;
     weights_.tighten(leg_.statistics.events);
-    weights_.pass_over(0.0);
     std::ranges::copy(y, values(state_).begin());
     set_consistent_rate(t);
     rest_.begin_leg(leg_.system, t);
@@ -95,10 +94,11 @@ class IdaStepper {
   void before_step() {
     switch (std::exchange(advice_, RestWatch::Advice::go_on)) {
       case RestWatch::Advice::go_on: return;
-      case RestWatch::Advice::damp: weights_.pass_over(rest_.oscillation()); return begin(2, t_);
+      case RestWatch::Advice::damp: begin(2, t_); return weights_.pass_over(rest_.oscillation());
       case RestWatch::Advice::release:
         weights_.pass_over(0.0);
-        check("IDASetMaxOrd", IDASetMaxOrd(memory_.get(), highest_order));
+        return check("IDASetMaxOrd", IDASetMaxOrd(memory_.get(), highest_order));
+      case RestWatch::Advice::give_back: return begin(highest_order, t_);
     }
   }
 
@@ -143,6 +143,7 @@ class IdaStepper {
     check("IDASetMaxOrd", IDASetMaxOrd(memory_.get(), order));
     check("IDASetStopTime", IDASetStopTime(memory_.get(), stop_));
     advice_ = RestWatch::Advice::go_on;
+    weights_.pass_over(0.0);
   }
 
   // y' that satisfies the equations: u' = w and rho M w' = F; massless velocities are dependent, their rate is free.

@@ -17,23 +17,23 @@ namespace viscobar {
 ///
 /// A contact that stays closed does not bounce, and its oscillation dies out. Once that is smaller than what is
 /// promised, it need not be followed. But Adams' formulas have to resolve the spring for stability, and backward
-/// differentiation of order 3 to 5 is unstable near the imaginary axis, for omega h up to about 7. Of order 1 and 2 it
-/// is L-stable: so the leg goes on with these, and errors of the size of the oscillation, until its steps have left the
-/// region of instability far behind, and then with all orders again (docs/internals/storms.md).
+/// differentiation of order 5 amplifies an oscillation of omega h < 9.4. Of order 1 and 2 it is L-stable: so the leg
+/// goes on with these, and errors of the size of the oscillation, for as many steps as it may take to leave the region
+/// of instability behind, and then with all orders again (docs/internals/storms.md).
 class RestWatch {
  public:
   enum class Advice {
     go_on,
-    damp,    ///< begin anew by backward differentiation of order 1 and 2, with errors of w up to oscillation()
-    release  ///< go on by backward differentiation of all orders
+    damp,      ///< begin anew by backward differentiation of order 1 and 2, with errors of w up to oscillation()
+    release,   ///< go on by backward differentiation of all orders
+    give_back  ///< it has not led further: begin anew by backward differentiation of all orders
   };
 
   /// The contacts of `system` are those of the leg.
   void begin_leg(const PenalisedSystem& system, double t) {
     look_for_springs(system);
-    state_ = State::resolving;
-    releases_ = 0;
-    begin_stretch(t);
+    patience_ = first_patience;
+    begin_stretch(t, State::resolving);
   }
 
   /// After each step, which led to t and the velocities w; `promised` is the error of w that is promised.
@@ -43,20 +43,20 @@ class RestWatch {
     times_[steps_ % window] = t;
     double& largest = velocities_[steps_ % window] = 0.0;
     for (const std::size_t i : nodes_) largest = std::max(largest, std::abs(w[i]));
-    if (++steps_ < (state_ == State::resolving ? patience : window)) return Advice::go_on;
+    ++steps_;
     switch (state_) {
       case State::resolving:
       case State::released:
+        if (steps_ < patience_ || pace >= 0.5 * period_) return Advice::go_on;
         oscillation_ = *std::ranges::max_element(velocities_);
-        if (pace >= 0.5 * period_ || oscillation_ > share * promised) return Advice::go_on;
-        state_ = State::damped;
-        begin_stretch(t);
-        return Advice::damp;
+        if (oscillation_ > share * promised) return Advice::go_on;
+        return begin_stretch(t, State::damped), Advice::damp;
       case State::damped:
-        if (pace < 4.0 * period_ || releases_ == most_releases) return Advice::go_on;
-        state_ = State::released;
-        ++releases_;
-        return Advice::release;
+        if (steps_ >= window && pace > released_periods * period_)
+          return begin_stretch(t, State::released), Advice::release;
+        if (steps_ < most_damped) return Advice::go_on;
+        patience_ *= 2;
+        return begin_stretch(t, State::resolving), Advice::give_back;
     }
     return Advice::go_on;
   }
@@ -67,10 +67,11 @@ class RestWatch {
  private:
   enum class State { resolving, damped, released };
 
-  static constexpr std::size_t window = 20;        // steps
-  static constexpr std::size_t patience = 400;     // steps on a leg before it is damped: a bounce takes tens
-  static constexpr std::size_t most_releases = 3;  // of a leg
-  static constexpr double share = 0.1;             // of the promised error, that the oscillation may be
+  static constexpr std::size_t window = 20;           // steps
+  static constexpr std::size_t first_patience = 400;  // steps on a leg before it is damped: a bounce takes tens
+  static constexpr std::size_t most_damped = 300;     // steps
+  static constexpr double released_periods = 2.5;     // omega h = 5 pi
+  static constexpr double share = 0.1;                // of the promised error, that the oscillation may be
 
   // None where nothing dissipates, and an oscillation stays.
   void look_for_springs(const PenalisedSystem& system) {
@@ -85,7 +86,8 @@ class RestWatch {
     }
   }
 
-  void begin_stretch(double t) {
+  void begin_stretch(double t, State state) {
+    state_ = state;
     times_.fill(t);
     velocities_.fill(0.0);
     steps_ = 0;
@@ -95,7 +97,7 @@ class RestWatch {
   double period_ = 0.0;                                // of the slowest of their springs
   std::array<double, window> times_{}, velocities_{};  // that the last steps led to
   double oscillation_ = 0.0;
-  std::size_t steps_ = 0, releases_ = 0;
+  std::size_t steps_ = 0, patience_ = first_patience;
   State state_ = State::resolving;
 };
 

@@ -81,19 +81,21 @@ TEST(Layers, EveryFolderIsInTheTableAndHoldsNoMoreThanFortyFiles) {
     std::map<fs::path, std::size_t> files;
     for (const auto& entry : fs::recursive_directory_iterator(root)) {
       if (entry.is_regular_file()) ++files[entry.path().parent_path()];
-      if (entry.is_directory() && entry.path().parent_path() == root)
+      if (entry.is_directory() && entry.path().parent_path() == root) {
         EXPECT_TRUE(allowed.contains(entry.path().filename())) << entry.path();
+      }
     }
     for (const auto& [place, count] : files) EXPECT_LE(count, 40u) << place;
   }
 }
 
 TEST(Layers, AStudyHasOneNameInEveryLayer) {
-  for (const std::string study : {"compare", "limit", "precision"})
-    for (const std::string file :
+  for (const std::string study : {"compare", "limit", "precision"}) {
+    for (const std::string& file :
          {"include/viscobar/studies/" + study + "/" + study + ".hpp", "src/studies/" + study + "/" + study + ".cpp",
           "src/report/" + study + "/" + study + "_page.cpp", "src/cli/" + study + ".cpp"})
       EXPECT_TRUE(fs::exists(VISCOBAR_SOURCE_DIR "/" + file)) << file;
+  }
 }
 
 TEST(Layers, PublicHeadersAreFew) {
@@ -114,6 +116,19 @@ TEST(Layers, PublicHeadersIncludeNothingOfThirdParties) {
       R"(^(sundials|cvode|ida|arkode|nvector|sunmatrix|sunlinsol|boost|hdf5|H5|toml|muParser|Eigen|fmt|CLI|nlohmann))");
   for_each_include(VISCOBAR_SOURCE_DIR "/include", [&](const fs::path& file, const std::string& included) {
     EXPECT_FALSE(std::regex_search(included, third_party)) << file << " includes " << included;
+  });
+}
+
+TEST(Layers, AMethodOfSundialsIncludesTheLibraryThatItIsNamedAfterAlone) {
+  const std::map<std::string, std::string> methods = {
+      {"cvode.cpp", "cvode"}, {"ida.cpp", "ida"}, {"arkode.cpp", "arkode"}};
+  for_each_include(VISCOBAR_SOURCE_DIR "/src/integration", [&](const fs::path& file, const std::string& included) {
+    const auto own = methods.find(file.filename());
+    if (own == methods.end()) return;
+    for (const auto& [name, library] : methods) {
+      if (library == own->second) continue;
+      EXPECT_EQ(included.find(library), std::string::npos) << file << " includes " << included;
+    }
   });
 }
 
