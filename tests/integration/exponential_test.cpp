@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "support/fine_step_oracle.hpp"
+#include "support/maximum_norm.hpp"
 #include "support/modal_solution.hpp"
 #include "support/run_trace.hpp"
 #include "viscobar/integration/integrate.hpp"
@@ -29,12 +30,6 @@ RunTrace record(const BarSystem& system, const std::vector<double>& times, const
 
 std::vector<double> grid(double end, std::size_t count) {
   return uniform_times(end / static_cast<double>(count), count);
-}
-
-double distance(const std::vector<double>& a, const std::vector<double>& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
-  return largest;
 }
 
 Scene smooth_scene(double viscosity) {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "support/relative_error.hpp"
+#include "support/maximum_norm.hpp"
 #include "viscobar/analysis/recording.hpp"
 
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "support/bouncing_bar.hpp"
-#include "support/relative_error.hpp"
+#include "support/maximum_norm.hpp"
 #include "viscobar/analysis/recording.hpp"
 
 namespace {

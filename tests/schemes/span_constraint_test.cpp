@@ -7,6 +7,8 @@
 #include <numeric>
 #include <random>
 
+#include "support/maximum_norm.hpp"
+
 namespace viscobar {
 namespace {
 
@@ -35,12 +37,6 @@ std::vector<double> random_vector(std::size_t n, double scale, std::mt19937& ran
   std::vector<double> x(n);
   for (double& value : x) value = uniform(random);
   return x;
-}
-
-double largest(std::span<const double> x) {
-  double value = 0.0;
-  for (const double entry : x) value = std::max(value, std::abs(entry));
-  return value;
 }
 
 // The bounds bitwise, the rows and complementarity to rounding: these conditions have one solution only.
