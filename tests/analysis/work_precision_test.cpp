@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "support/paper_throw.hpp"
 #include "viscobar/analysis/exact_solutions.hpp"
 
 namespace viscobar {
@@ -32,11 +33,7 @@ PrecisionStudy manufactured() {
 /// The paper's second reading, symmetric contact at both ends: no closed form.
 PrecisionStudy two_ends() {
   PrecisionStudy study;
-  Scene& scene = study.scene.scene;
-  scene.bar.viscosity = 1.0;
-  scene.left = scene.right = Obstacle{0.1};
-  scene.displacement = [](double x) { return x * (1 - x); };
-  scene.velocity = [](double x) { return -x * (1 - x); };
+  study.scene.scene = paper_throw(1.0).scene;
   study.scene.end = 3.0;
   study.scene.output_every = 0.02;
   study.elements = {16, 32, 64};

@@ -6,6 +6,7 @@
 
 #include "checkpoint/process.hpp"
 #include "io/scratch.hpp"
+#include "support/scene_text.hpp"
 
 namespace viscobar {
 namespace {
@@ -13,32 +14,12 @@ namespace {
 namespace fs = std::filesystem;
 using testing_checkpoint::Process;
 
-constexpr const char* bouncing = R"toml(
-[bar]
-length = 1.0
-viscosity = 0.1
-[left]
-kind = "obstacle"
-gap = 0.1
-[right]
-kind = "free"
-[initial]
-displacement = 0.0
-velocity = "-1-x/10"
-[load]
-density = "-sin(t)*x"
-[time]
-end = 2.0
-[mesh]
-elements = 20
-[contact]
-epsilon = 1e-3
-[method]
-name = "cvode"
-step = 1e-3
-[output]
-every = 0.01
-)toml";
+const std::string bouncing = falling_bar_with({{"initial.velocity", "\"-1-x/10\""},
+                                               {"load.density", "\"-sin(t)*x\""},
+                                               {"time.end", "2.0"},
+                                               {"method.name", "\"cvode\""},
+                                               {"method.step", "1e-3"},
+                                               {"output.every", "0.01"}});
 
 #ifdef __SANITIZE_ADDRESS__
 constexpr bool sanitized = true;  // has an allocator of its own, in front of every other

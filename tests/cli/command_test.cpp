@@ -7,37 +7,19 @@
 
 #include "cli/terminal.hpp"
 #include "io/scratch.hpp"
+#include "support/scene_text.hpp"
 
 namespace viscobar {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* falling = R"toml(
-title = "Falling bar"
-[bar]
-length = 1.0
-viscosity = 0.5
-[left]
-kind = "obstacle"
-gap = 0.1
-[right]
-kind = "free"
-[initial]
-displacement = 0.0
-velocity = -1.0
-[time]
-end = 1.0
-[mesh]
-elements = 20
-[contact]
-epsilon = 1e-3
-[method]
-name = "cvode"
-step = 1e-3
-[output]
-every = 0.01
-)toml";
+const std::string falling = falling_bar_with({{"title", "\"Falling bar\""},
+                                              {"bar.viscosity", "0.5"},
+                                              {"right.kind", "\"free\""},
+                                              {"method.name", "\"cvode\""},
+                                              {"method.step", "1e-3"},
+                                              {"output.every", "0.01"}});
 
 class Command : public testing::Test {
  protected:

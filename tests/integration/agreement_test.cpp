@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "support/maximum_norm.hpp"
+#include "support/paper_throw.hpp"
 #include "viscobar/analysis/recording.hpp"
 
 namespace viscobar {
@@ -166,13 +167,7 @@ INSTANTIATE_TEST_SUITE_P(EveryScene, Agreement,
 
 // Hundreds of bounces multiply errors, and a missed one would shift all that follow.
 TEST(AgreementOfChatter, HoldsToTheLastBounce) {
-  Case run;
-  run.scene.bar = {1.0, 1.0, 1.0, 0.01};
-  run.scene.left = run.scene.right = Obstacle{0.1};
-  run.scene.displacement = [](double x) { return x * (1 - x); };
-  run.scene.velocity = [](double x) { return -x * (1 - x); };
-  run.elements = 27;
-  run.end = 6.0;
+  Case run = paper_throw(0.01);
   run.output_every = 0.05;
   const std::pair<double, std::size_t> all[] = {{1e-2, 4},   {1e-3, 12},  {1e-4, 56}, {1e-5, 352},
                                                 {1e-6, 456}, {1e-7, 488}, {1e-8, 496}};

@@ -11,6 +11,7 @@
 #include "support/fine_step_oracle.hpp"
 #include "support/maximum_norm.hpp"
 #include "support/modal_solution.hpp"
+#include "support/paper_throw.hpp"
 #include "support/run_trace.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -50,14 +51,7 @@ Scene falling_bar(double height, double speed, double viscosity) {
 }
 
 // Section 6 of docs/model.md.
-Scene chatter_scene(double viscosity) {
-  Scene scene;
-  scene.bar = {1.0, 1.0, 1.0, viscosity};
-  scene.left = scene.right = Obstacle{0.1};
-  scene.displacement = [](double x) { return x * (1 - x); };
-  scene.velocity = [](double x) { return -x * (1 - x); };
-  return scene;
-}
+Scene chatter_scene(double viscosity) { return paper_throw(viscosity).scene; }
 
 TEST(Exponential, FollowsEveryModeOfEveryBarWithoutContact) {
   const EndCondition ends[][2] = {{Free{}, Free{}}, {Fixed{}, Free{}}, {Free{}, Fixed{}}, {Fixed{}, Fixed{}}};

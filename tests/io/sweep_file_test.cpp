@@ -1,7 +1,6 @@
 #include "viscobar/io/sweep_file.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,44 +8,27 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "io/scratch.hpp"
 #include "io/sweep_csv.hpp"
 #include "io/sweep_table.hpp"
+#include "support/scene_text.hpp"
 
 namespace viscobar {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* scene = R"([bar]
-length = 1.0
-viscosity = 0.1
-[left]
-kind = "obstacle"
-gap = 0.1
-[initial]
-displacement = 0
-velocity = -1
-[time]
-end = 1.0
-[mesh]
-elements = 9
-[contact]
-epsilon = 1e-3
-)";
+const std::string scene = falling_bar_with({{"mesh.elements", "9"}});
 
 class SweepFileTest : public testing::Test {
  protected:
-  SweepFileTest() {
-    fs::create_directories(folder_);
-    write("scene.toml", scene);
-  }
-  ~SweepFileTest() override { fs::remove_all(folder_); }
+  SweepFileTest() { write("scene.toml", scene); }
 
-  void write(const char* name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+  void write(const char* name, const std::string& text) const { std::ofstream(scratch_ / name) << text; }
 
   SweepFile read(const std::string& text, const std::vector<std::string>& overrides = {}) const {
     write("sweep.toml", text);
-    return read_sweep(folder_ / "sweep.toml", overrides);
+    return read_sweep(scratch_ / "sweep.toml", overrides);
   }
 
   /// "line:column: key: message" of everything wrong.
@@ -68,8 +50,7 @@ class SweepFileTest : public testing::Test {
     return std::get<std::vector<Value>>(sweep.plan.keys.front().values);
   }
 
-  fs::path folder_ = fs::temp_directory_path() / ("viscobar-sweep-" + std::to_string(getpid()) + "-" +
-                                                  testing::UnitTest::GetInstance()->current_test_info()->name());
+  const Scratch scratch_;
 };
 
 TEST_F(SweepFileTest, TakesNamesQuotedDottedOrInATableAlike) {
@@ -259,11 +240,11 @@ TEST_F(SweepFileTest, TheTableGivesBackEveryRowBitForBit) {
   std::vector<SweepRow> rows;
   for (const std::size_t i : {3, 0, 1}) {
     rows.push_back(run_case(sweep.scene_text, case_of(sweep, i)));
-    SweepTable table(folder_ / "sweep.h5", sweep.plan, sweep.identity());  // opened anew for each
+    SweepTable table(scratch_ / "sweep.h5", sweep.plan, sweep.identity());  // opened anew for each
     table.write(rows.back());
     table.commit();
   }
-  const std::vector<SweepRow> back = SweepTable(folder_ / "sweep.h5", sweep.plan, sweep.identity()).read();
+  const std::vector<SweepRow> back = SweepTable(scratch_ / "sweep.h5", sweep.plan, sweep.identity()).read();
   ASSERT_EQ(back.size(), 3u);
   const SweepRow* written[] = {&rows[1], &rows[2], &rows[0]};
   const SweepRow* read_back[] = {&back[0], &back[1], &back[2]};
@@ -296,9 +277,9 @@ TEST_F(SweepFileTest, TheTableOfAnotherSweepIsNotTouched) {
   const std::string head = "scene = \"scene.toml\"\n[vary]\n";
   const SweepFile one = read(head + "bar.viscosity = [0.1, 0.2]\n"),
                   other = read(head + "bar.viscosity = [0.1, 0.3]\n");
-  SweepTable(folder_ / "sweep.h5", one.plan, one.identity()).close();
-  EXPECT_THROW(SweepTable(folder_ / "sweep.h5", other.plan, other.identity()), std::invalid_argument);
-  EXPECT_NO_THROW(SweepTable(folder_ / "sweep.h5", one.plan, one.identity()));
+  SweepTable(scratch_ / "sweep.h5", one.plan, one.identity()).close();
+  EXPECT_THROW(SweepTable(scratch_ / "sweep.h5", other.plan, other.identity()), std::invalid_argument);
+  EXPECT_NO_THROW(SweepTable(scratch_ / "sweep.h5", one.plan, one.identity()));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "support/exact_solutions.hpp"
+#include "support/paper_throw.hpp"
 #include "support/run_trace.hpp"
 #include "viscobar/schemes/schemes.hpp"
 
@@ -259,11 +260,7 @@ TEST(FullyDiscreteContact, AnEndUnderTwoObstaclesIsBoundByTheHigherOneAndTellsWh
 }
 
 TEST(FullyDiscreteContact, EventsAlternateAtEachNodeInTheOrderOfTime) {
-  Scene scene;
-  scene.bar.viscosity = 0.001;
-  scene.left = scene.right = Obstacle{0.1};
-  scene.displacement = [](double x) { return x * (1 - x); };
-  scene.velocity = [](double x) { return -x * (1 - x); };
+  Scene scene = paper_throw(0.001).scene;
   for (const bool span : {false, true}) {
     if (span) scene.span = Obstacle{0.05};
     for (const double restitution : {0.0, 1.0}) {
