@@ -146,11 +146,6 @@ TEST_F(SweepFileTest, EverythingWrongIsSaidAtOnceWithItsPlaceAndTheNearestKey) {
       }));
 }
 
-struct Malformed {
-  const char* text;
-  const char* expected;
-};
-
 TEST_F(SweepFileTest, ASceneIsToldFromASweep) {
   try {
     read(scene);
@@ -160,48 +155,6 @@ TEST_F(SweepFileTest, ASceneIsToldFromASweep) {
     EXPECT_NE(error.diagnostics[0].message.find("this is a scene"), std::string::npos) << error.what();
   }
 }
-
-class MalformedSweep : public SweepFileTest, public testing::WithParamInterface<Malformed> {};
-
-TEST_P(MalformedSweep, IsRefused) {
-  const auto found = faults(GetParam().text);
-  ASSERT_FALSE(found.empty()) << GetParam().text;
-  EXPECT_EQ(found.front(), GetParam().expected);
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Files, MalformedSweep,
-    testing::Values(
-        Malformed{"", "1:1: scene: is missing: the scene file, relative to this one"},
-        Malformed{"scene = 3\n[vary]\nbar.length = [1]\n", "1:9: scene: must be a string, is a whole number"},
-        Malformed{"scene = \"scene.toml\"\n",
-                  "2:1: vary: is missing: a table [vary] with a list or a range for each varied key"},
-        Malformed{"scene = \"scene.toml\"\nvary = 3\n", "2:8: vary: must be a table, written [vary]"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\n", "2:1: vary: is empty: nothing varies"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar = 3\n", "3:1: bar: unknown key; known here: title"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = {}\n", "3:14: bar.length: the range lacks from"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = [[1]]\n",
-                  "3:15: bar.length: must be a number, is an array"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = [nan]\n", "3:15: bar.length: must be finite, is nan"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = { from = inf, to = 1, count = 2 }\n",
-                  "3:23: bar.length: from must be a finite number"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = { from = 1, to = 2, count = 0 }\n",
-                  "3:42: bar.length: count must be a whole number from 1 to 1000000"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = { from = 1, to = 2, count = 1 }\n",
-                  "3:42: bar.length: count must be at least 2, for both ends of the range"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = { from = -1, to = 2, count = 4 }\n",
-                  "3:14: bar.length: must be positive, is -1"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nmesh.elements = [1.5]\n",
-                  "3:18: mesh.elements: must be a whole number, written without point or exponent"},
-        Malformed{"scene = \"scene.toml\"\ncombine = \"zip\"\n[vary]\nbar.length = [1, 2]\nbar.density = [1]\n",
-                  "5:15: bar.density: has 1 values where bar.length has 2: zipped keys have the same number"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = { from = 1, to = 2, count = 9999 }\n"
-                  "bar.density = { from = 1, to = 2, count = 9999 }\n",
-                  "5:1: vary: the grid has 99980001 cases, more than 10000000"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = [1",
-                  "3:16: Error while parsing array: encountered end-of-file"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\ninitial.displacement = [-1, \"-1+x\"]\n",
-                  "3:24: initial.displacement: penetrates the obstacle of [left]: u_0(0) = -1 < -gap = -0.1"}));
 
 TEST_F(SweepFileTest, ACombinationThatDoesNotFitIsARowNotAnEnd) {
   const SweepFile sweep = read("scene = \"scene.toml\"\n[vary]\ninitial.displacement = [0, -1]\n");
