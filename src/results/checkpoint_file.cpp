@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
@@ -26,14 +25,11 @@ constexpr std::size_t head_bytes = 3 * sizeof(std::uint64_t), checksum_bytes = s
 
 constexpr const char *newest = "checkpoint.bin", *previous = "checkpoint.previous.bin";
 
-void append(std::string& bytes, std::uint64_t number) {
-  bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
-}
-
-std::uint64_t number_at(std::string_view bytes, std::size_t offset) {
-  std::uint64_t number = 0;
-  std::memcpy(&number, bytes.data() + offset, sizeof number);
-  return number;
+template <class... Numbers>
+std::string archived(const Numbers&... numbers) {
+  ArchiveWriter archive;
+  archive(numbers...);
+  return archive.take();
 }
 
 std::string content(const fs::path& file) {
@@ -49,10 +45,9 @@ std::string content(const fs::path& file) {
 std::string sealed(std::string_view content) {
   std::string bytes(magic);
   bytes.reserve(head_bytes + content.size() + checksum_bytes);
-  append(bytes, format);
-  append(bytes, content.size());
+  bytes += archived(format, content.size());
   bytes += content;
-  append(bytes, Checksum::of(bytes).crc64);
+  bytes += archived(Checksum::of(bytes).crc64);
   return bytes;
 }
 
@@ -66,11 +61,13 @@ std::string_view unsealed(std::string_view bytes) {
   if (bytes.size() < head_bytes + checksum_bytes) throw ArchiveError("is truncated");
   if (!bytes.starts_with(magic)) throw ArchiveError("does not begin as those of viscobar do");
   const std::string_view summed = bytes.substr(0, bytes.size() - checksum_bytes);
-  const std::uint64_t length = number_at(bytes, 2 * sizeof(std::uint64_t));
+  std::uint64_t its_format = 0, length = 0, checksum = 0;
+  ArchiveReader(bytes.substr(magic.size()))(its_format, length);
+  ArchiveReader(bytes.substr(summed.size()))(checksum);
   if (length > summed.size() - head_bytes) throw ArchiveError("is truncated");
-  if (length != summed.size() - head_bytes || Checksum::of(summed).crc64 != number_at(bytes, summed.size()))
+  if (length != summed.size() - head_bytes || Checksum::of(summed).crc64 != checksum)
     throw ArchiveError("is damaged: its checksum does not fit its content");
-  if (number_at(bytes, magic.size()) != format) throw ArchiveError("has a format that this version does not know");
+  if (its_format != format) throw ArchiveError("has a format that this version does not know");
   return summed.substr(head_bytes);
 }
 

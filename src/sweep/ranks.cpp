@@ -14,12 +14,24 @@
 #include <chrono>
 #include <exception>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <thread>
-#include <type_traits>
 #include <vector>
 
+#include "run/archive.hpp"
 #include "viscobar/record/record_run.hpp"
+
+namespace viscobar {
+
+void members(Like<SweepRow> auto& row, auto&& each) {
+  each(row.index, row.completed, row.error, std::span(row.values.data(), row.values.size()), row.seconds,
+       row.integration_seconds);
+}
+void members(Like<SweepCase> auto& one, auto&& each) { each(one.index, one.overrides); }
+
+}  // namespace viscobar
 
 #endif
 
@@ -46,118 +58,26 @@ enum Tag {
   stop    // manager: leave, also in the middle of a case
 };
 
-/// Values one after another, as they lie in memory: all ranks run the same program.
-class Packer {
- public:
-  template <class Value>
-  void add(const Value& value) {
-    static_assert(std::is_trivially_copyable_v<Value>);
-    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
-  }
-  void add(const std::string& text) {
-    add(text.size());
-    bytes_ += text;
-  }
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  std::string bytes_;
+struct PlannedCost {
+  std::size_t index = 0;
+  double seconds = 0.0;
+  static void members(auto& self, auto&& each) { each(self.index, self.seconds); }
 };
 
-class Unpacker {
- public:
-  explicit Unpacker(const std::string& bytes) : bytes_(bytes) {}
-  template <class Value>
-  void get(Value& value) {
-    if (bytes_.size() - at_ < sizeof value) throw std::runtime_error("a message between the ranks was cut off");
-    std::memcpy(&value, bytes_.data() + at_, sizeof value);
-    at_ += sizeof value;
-  }
-  void get(std::string& text) {
-    std::size_t size = 0;
-    get(size);
-    if (bytes_.size() - at_ < size) throw std::runtime_error("a message between the ranks was cut off");
-    text.assign(bytes_, at_, size);
-    at_ += size;
-  }
-
- private:
-  const std::string& bytes_;
-  std::size_t at_ = 0;
-};
-
-std::string pack(const SweepRow& one) {
-  Packer packer;
-  packer.add(one.index);
-  packer.add(one.completed);
-  packer.add(one.values);
-  packer.add(one.seconds);
-  packer.add(one.integration_seconds);
-  packer.add(one.error);
-  return packer.bytes();
+/// All ranks run the same program, as an archive asks.
+template <class Value>
+std::string pack(const Value& value) {
+  ArchiveWriter archive;
+  archive(value);
+  return archive.take();
 }
 
-SweepRow unpack_row(const std::string& bytes) {
-  SweepRow one;
-  Unpacker unpacker(bytes);
-  unpacker.get(one.index);
-  unpacker.get(one.completed);
-  unpacker.get(one.values);
-  unpacker.get(one.seconds);
-  unpacker.get(one.integration_seconds);
-  unpacker.get(one.error);
-  return one;
-}
-
-std::string pack(const SweepCase& one) {
-  Packer packer;
-  packer.add(one.index);
-  packer.add(one.overrides.size());
-  for (const std::string& text : one.overrides) packer.add(text);
-  return packer.bytes();
-}
-
-SweepCase unpack_case(const std::string& bytes) {
-  SweepCase one;
-  std::size_t count = 0;
-  Unpacker unpacker(bytes);
-  unpacker.get(one.index);
-  unpacker.get(count);
-  one.overrides.resize(count);
-  for (std::string& text : one.overrides) unpacker.get(text);
-  return one;
-}
-
-std::string pack(const std::vector<SweepCase>& cases) {
-  Packer packer;
-  packer.add(cases.size());
-  for (const SweepCase& one : cases) packer.add(pack(one));
-  return packer.bytes();
-}
-
-/// Index and cost of each case.
-std::string planned(const std::string& scene_text, const std::string& cases) {
-  std::size_t count = 0;
-  Unpacker unpacker(cases);
-  unpacker.get(count);
-  Packer packer;
-  packer.add(count);
-  for (std::string one; count > 0; --count) {
-    unpacker.get(one);
-    const SweepCase read = unpack_case(one);
-    packer.add(read.index);
-    packer.add(planned_seconds(scene_text, read));
-  }
-  return packer.bytes();
-}
-
-void read_costs(const std::string& bytes, std::vector<double>& costs) {
-  std::size_t count = 0, index = 0;
-  Unpacker unpacker(bytes);
-  for (unpacker.get(count); count > 0; --count) {
-    unpacker.get(index);
-    unpacker.get(costs.at(index));
-  }
+/// @throws ArchiveError
+template <class Value>
+Value unpack(std::string_view bytes) {
+  Value value;
+  ArchiveReader{bytes}(value);
+  return value;
 }
 
 struct Message {
@@ -237,7 +157,7 @@ Ranks::~Ranks() {
   // Nothing to run, or an error before: the workers go home.
   std::string none;
   if (is_manager() && !scene_sent_) broadcast(none);
-  if (is_manager() && scene_sent_ && !ran_) run({SweepFile(), {}, [](const SweepRow&) {}, [] {}});
+  if (is_manager() && scene_sent_ && !ran_) run({SweepFile(), {}, [](const SweepRow&) {}, [] {}, interrupted_});
   MPI_Finalize();
 }
 
@@ -258,7 +178,7 @@ std::vector<double> Ranks::plan(const SweepFile& sweep) {
   for (int rank = 1; rank < size_; ++rank) busy += send_some(rank) ? 1 : 0;
   while (busy > 0) {
     const Message message = wait_for_message();
-    read_costs(message.bytes, costs);
+    for (const PlannedCost& one : unpack<std::vector<PlannedCost>>(message.bytes)) costs.at(one.index) = one.seconds;
     if (!send_some(message.rank)) --busy;
   }
   for (int rank = 1; rank < size_; ++rank) send(rank, begin);
@@ -315,7 +235,7 @@ bool Ranks::run(const SweepWork& work) {
       send(message->rank, job, pack(case_of(work.sweep, work.order[next++])));
     else
       tell_to_stop(message->rank);
-    if (message->tag == row) guarded([&] { work.take(unpack_row(message->bytes)); });
+    if (message->tag == row) guarded([&] { work.take(unpack<SweepRow>(message->bytes)); });
   }
   guarded(work.tick);
   if (error) std::rethrow_exception(error);
@@ -326,15 +246,19 @@ void Ranks::serve() {
   std::string scene_text;
   broadcast(scene_text);
   if (scene_text.empty()) return;
-  for (Message message = wait_for_message(); message.tag == Tag::plan; message = wait_for_message())
-    send(0, Tag::plan, planned(scene_text, message.bytes));
+  for (Message message = wait_for_message(); message.tag == Tag::plan; message = wait_for_message()) {
+    std::vector<PlannedCost> costs;
+    for (const SweepCase& one : unpack<std::vector<SweepCase>>(message.bytes))
+      costs.push_back({one.index, planned_seconds(scene_text, one)});
+    send(0, Tag::plan, pack(costs));
+  }
   send(0, ready);
   StopWatch stopped(interrupted_);
   for (;;) {
     const Message message = wait_for_message();
     if (message.tag == stop) break;
     try {
-      send(0, row, pack(run_case(scene_text, unpack_case(message.bytes), [&] { return stopped(); })));
+      send(0, row, pack(run_case(scene_text, unpack<SweepCase>(message.bytes), [&] { return stopped(); })));
     } catch (const Interrupted&) {
       break;
     }

@@ -7,6 +7,7 @@
 
 #include "case/alarm.hpp"
 #include "properties/random_scene.hpp"
+#include "support/maximum_norm.hpp"
 
 namespace viscobar::campaign {
 
@@ -51,14 +52,8 @@ Run run_of(const Case& run) {
     if (++steps > longest) throw TooLong();
   };
   result.statistics = simulate(run, make_system(run), observers);
-  for (const double u : result.u) result.largest = std::max(result.largest, std::abs(u));
+  result.largest = largest(result.u);
   return result;
-}
-
-double distance(const std::vector<double>& a, const std::vector<double>& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
-  return largest;
 }
 
 Case by_exponentials(Case run) {

@@ -8,9 +8,10 @@
 #include <random>
 
 #include "checkpoint/process.hpp"
-#include "support/scratch.hpp"
 #include "results/sealed_summary.hpp"
 #include "results/verify_result.hpp"
+#include "support/scene_text.hpp"
+#include "support/scratch.hpp"
 #include "sweep/sweep_results.hpp"
 #include "viscobar/record/record_run.hpp"
 #include "viscobar/results/io_error.hpp"
@@ -20,29 +21,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* bouncing = R"toml(
-title = "bouncing"
-[bar]
-length = 1.0
-viscosity = 0.02
-[left]
-kind = "obstacle"
-gap = 0.1
-[initial]
-displacement = 0
-velocity = -1
-[time]
-end = 3.0
-[mesh]
-elements = 12
-[contact]
-epsilon = 1e-3
-[method]
-name = "fully_discrete"
-step = 1e-3
-[output]
-every = 0.01
-)toml";
+const std::string bouncing = falling_bar_with({{"title", "\"bouncing\""},
+                                               {"bar.viscosity", "0.02"},
+                                               {"time.end", "3.0"},
+                                               {"mesh.elements", "12"},
+                                               {"method.name", "\"fully_discrete\""},
+                                               {"method.step", "1e-3"},
+                                               {"output.every", "0.01"}});
 
 /// Random damage, the same in every run of the tests.
 class Vandal {

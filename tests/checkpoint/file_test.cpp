@@ -35,7 +35,7 @@ TEST(CheckpointBytes, EveryTruncationIsNoticed) {
 
 TEST(CheckpointBytes, EveryFlippedBitIsNoticed) {
   std::string bytes = encoded(example_checkpoint());
-  for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += bit < 8 * 64 ? 1 : 13) {
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
     bytes[bit / 8] ^= static_cast<char>(1 << bit % 8);
     EXPECT_THROW(decoded(bytes), ArchiveError) << bit;
     bytes[bit / 8] ^= static_cast<char>(1 << bit % 8);
@@ -70,13 +70,18 @@ TEST(CheckpointBytes, AThousandKindsOfDamageAreNoticed) {
   }
 }
 
-// Behind the checksum, too, nothing is believed: lengths of absurd size must not be allocated.
-TEST(CheckpointBytes, AnArchiveOfNonsenseIsRefused) {
-  std::mt19937_64 random(7);
+std::string archived(const RunCheckpoint& checkpoint) {
   ArchiveWriter archive;
-  archive(example_checkpoint());
-  const std::string sound = archive.take();
-  std::size_t refused = 0;
+  archive(checkpoint);
+  return archive.take();
+}
+
+// Behind the checksum, too, nothing is believed: lengths of absurd size must not be allocated. Another number is read
+// as what it is.
+TEST(CheckpointBytes, AnArchiveOfNonsenseIsRefusedOrReadAsItStands) {
+  std::mt19937_64 random(7);
+  const std::string sound = archived(example_checkpoint());
+  std::size_t refused = 0, taken = 0;
   for (std::size_t i = 0; i < 1000; ++i) {
     std::string bytes = sound;
     const std::uint64_t nonsense = random() >> random() % 64;
@@ -85,11 +90,17 @@ TEST(CheckpointBytes, AnArchiveOfNonsenseIsRefused) {
     try {
       ArchiveReader reader(bytes);
       reader(read);
+      if (!reader.finished()) continue;  // a shorter list, which decoded() refuses
+      ++taken;
+      RunCheckpoint again;
+      ArchiveReader{archived(read)}(again);
+      EXPECT_EQ(archived(again), archived(read));
     } catch (const ArchiveError&) {
       ++refused;
     }
   }
   EXPECT_GT(refused, 0u);
+  EXPECT_GT(taken, 0u);
 }
 
 TEST(CheckpointFile, KeepsTheOneBefore) {

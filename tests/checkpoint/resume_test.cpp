@@ -7,8 +7,9 @@
 #include <random>
 
 #include "checkpoint/process.hpp"
-#include "support/scratch.hpp"
 #include "results/field/field_reader.hpp"
+#include "support/scene_text.hpp"
+#include "support/scratch.hpp"
 
 namespace viscobar {
 namespace {
@@ -18,35 +19,20 @@ using Json = nlohmann::json;
 using testing_checkpoint::Process;
 
 // A bar of forty nodes thrown between two obstacles, for about a tenth of a second of computing.
-constexpr const char* thrown = R"toml(
-title = "A bar \"thrown\" between two obstacles"
-[bar]
-length = 1.0
-viscosity = 0.02
-[left]
-kind = "obstacle"
-gap = 0.1
-[right]
-kind = "obstacle"
-gap = 0.1
-[initial]
-displacement = "x*(1-x)"
-velocity = "-0.8-x/3"
-[load]
-profile = "cos(2*x)"
-history = "sin(t*sqrt(2))"
-[time]
-end = 40.0
-[mesh]
-elements = 40
-[contact]
-epsilon = 1e-4
-[method]
-name = "cvode"
-step = 2e-4
-[output]
-every = 0.02
-)toml";
+const std::string thrown = falling_bar_with({{"title", R"("A bar \"thrown\" between two obstacles")"},
+                                             {"bar.viscosity", "0.02"},
+                                             {"right.kind", "\"obstacle\""},
+                                             {"right.gap", "0.1"},
+                                             {"initial.displacement", "\"x*(1-x)\""},
+                                             {"initial.velocity", "\"-0.8-x/3\""},
+                                             {"load.profile", "\"cos(2*x)\""},
+                                             {"load.history", "\"sin(t*sqrt(2))\""},
+                                             {"time.end", "40.0"},
+                                             {"mesh.elements", "40"},
+                                             {"contact.epsilon", "1e-4"},
+                                             {"method.name", "\"cvode\""},
+                                             {"method.step", "2e-4"},
+                                             {"output.every", "0.02"}});
 
 class Resume : public testing::Test {
  protected:

@@ -7,18 +7,14 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
+
+#include "support/scratch.hpp"
 
 namespace viscobar::testing_cli {
 
 namespace fs = std::filesystem;
-
-inline std::string content(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 /// What a command printed and how it ended.
 struct Ended {
@@ -31,19 +27,6 @@ struct Ended {
 /// Runs the program in a directory of the test's own.
 class Command : public testing::Test {
  protected:
-  Command() {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    std::string name = std::string(info->test_suite_name()) + "." + info->name();
-    for (char& c : name)
-      if (c == '/') c = '-';
-    directory_ = fs::path(testing::TempDir()) / ("viscobar-" + name + "-" + std::to_string(getpid()));
-    fs::create_directories(directory_);
-  }
-  ~Command() override {
-    std::error_code ignored;
-    fs::remove_all(directory_, ignored);
-  }
-
   Ended viscobar(const std::string& arguments) const {
     const fs::path error = directory_ / "standard-error";
     const std::string line =
@@ -56,7 +39,7 @@ class Command : public testing::Test {
       ended.out.append(buffer.data(), n);
     const int status = pclose(pipe);
     if (WIFEXITED(status)) ended.code = WEXITSTATUS(status);
-    ended.error = content(error);
+    ended.error = read_text(error);
     return ended;
   }
 
@@ -65,7 +48,8 @@ class Command : public testing::Test {
     return "'" VISCOBAR_SOURCE_DIR "/examples/scenes/" + name + ".toml'";
   }
 
-  fs::path directory_;
+  const Scratch scratch_;
+  const fs::path directory_ = scratch_.path();
 };
 
 }  // namespace viscobar::testing_cli

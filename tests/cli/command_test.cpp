@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/terminal.hpp"
+#include "support/scene_text.hpp"
 #include "support/scratch.hpp"
 
 namespace viscobar {
@@ -13,31 +14,12 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* falling = R"toml(
-title = "Falling bar"
-[bar]
-length = 1.0
-viscosity = 0.5
-[left]
-kind = "obstacle"
-gap = 0.1
-[right]
-kind = "free"
-[initial]
-displacement = 0.0
-velocity = -1.0
-[time]
-end = 1.0
-[mesh]
-elements = 20
-[contact]
-epsilon = 1e-3
-[method]
-name = "cvode"
-step = 1e-3
-[output]
-every = 0.01
-)toml";
+const std::string falling = falling_bar_with({{"title", "\"Falling bar\""},
+                                              {"bar.viscosity", "0.5"},
+                                              {"right.kind", "\"free\""},
+                                              {"method.name", "\"cvode\""},
+                                              {"method.step", "1e-3"},
+                                              {"output.every", "0.01"}});
 
 class Command : public testing::Test {
  protected:

@@ -48,8 +48,8 @@ TEST_F(Compare, TheFirstMethodAskedForIsTheReference) {
   EXPECT_EQ(result["reference"], "ida");
   ASSERT_EQ(result["pairs"].size(), 1u);
   EXPECT_EQ(result["pairs"][0]["first"], "ida");
-  EXPECT_EQ(Json::parse(content(directory_ / "out" / "compare.json")), result);
-  const std::string page = content(directory_ / "out" / "compare.html");
+  EXPECT_EQ(Json::parse(read_text(directory_ / "out" / "compare.json")), result);
+  const std::string page = read_text(directory_ / "out" / "compare.html");
   EXPECT_NE(page.find("<svg"), std::string::npos);
   EXPECT_EQ(page.find(" src="), std::string::npos) << "the page must need no other file";
 }
@@ -70,7 +70,7 @@ TEST_F(Compare, MethodsThatDoNotFitAreLeftOutWithAReasonButRefusedByName) {
 }
 
 TEST_F(Compare, ASchemeWithoutAStepTakesOneAndSaysSo) {
-  std::string text = content(VISCOBAR_SOURCE_DIR "/examples/scenes/chatter.toml");
+  std::string text = read_text(VISCOBAR_SOURCE_DIR "/examples/scenes/chatter.toml");
   text.replace(text.find("step = 1e-4"), 11, "");
   std::ofstream(directory_ / "stepless.toml") << text;
   const Ended ended = viscobar("compare stepless.toml --methods cvode,fully_discrete --json");
@@ -102,7 +102,7 @@ TEST_F(Compare, TakesASpanObstacle) {
   const Ended ended =
       viscobar("compare " + scene("unit-span") + " --methods cvode,fully_discrete --set contact.epsilon=1e-4 --json");
   ASSERT_EQ(ended.code, 0) << ended.error;
-  EXPECT_NE(content(directory_ / "unit-span.out" / "compare.html").find("span"), std::string::npos);
+  EXPECT_NE(read_text(directory_ / "unit-span.out" / "compare.html").find("span"), std::string::npos);
 }
 
 TEST_F(Compare, RefusesWhatItCannotCompare) {

@@ -35,7 +35,7 @@ class Directories : public Command {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   nlohmann::json summary(const std::string& directory) const {
-    return nlohmann::json::parse(content(directory_ / directory / "summary.json"));
+    return nlohmann::json::parse(read_text(directory_ / directory / "summary.json"));
   }
 };
 
@@ -55,7 +55,7 @@ TEST_F(Directories, OfARunThatGoesOnAreRefusedToEveryOtherCommandThatWrites) {
     EXPECT_EQ(first.wait(), 0);
     unsetenv("HDF5_USE_FILE_LOCKING");
     EXPECT_EQ(summary("out")["completed"], true);
-    const std::string ends = content(directory_ / "out/ends.csv");
+    const std::string ends = read_text(directory_ / "out/ends.csv");
     EXPECT_EQ(std::count(ends.begin(), ends.end(), '\n'), 1 + 8001);
     EXPECT_EQ(ends.find('\0'), std::string::npos);
     fs::remove_all(directory_ / "out");
@@ -71,10 +71,10 @@ TEST_F(Directories, UnderMpirunOneProcessRunsAndTheOthersSayWhyTheyDoNot) {
       "/examples/scenes/unit-both-ends.toml' --set time.end=4000 --set output.every=0.5 --quiet -o "
       "out >messages 2>&1";
   EXPECT_EQ(std::system(line.c_str()), 0);
-  const std::string messages = content(directory_ / "messages");
+  const std::string messages = read_text(directory_ / "messages");
   EXPECT_NE(messages.find("only sweep makes use of several"), std::string::npos) << messages;
   EXPECT_EQ(summary("out")["completed"], true);
-  const std::string ends = content(directory_ / "out/ends.csv");
+  const std::string ends = read_text(directory_ / "out/ends.csv");
   EXPECT_EQ(std::count(ends.begin(), ends.end(), '\n'), 1 + 8001);
 }
 
@@ -84,7 +84,7 @@ TEST_F(Directories, AFileThatIsRemovedWhileItIsWrittenFailsTheRun) {
     wait_for("out/" + file);
     fs::remove(directory_ / "out" / file);
     EXPECT_EQ(run.wait(), 1) << file;
-    EXPECT_NE(content(directory_ / "err.txt").find(file), std::string::npos) << content(directory_ / "err.txt");
+    EXPECT_NE(read_text(directory_ / "err.txt").find(file), std::string::npos) << read_text(directory_ / "err.txt");
     EXPECT_EQ(summary("out")["completed"], false);
     fs::remove_all(directory_ / "out");
   }
@@ -92,16 +92,16 @@ TEST_F(Directories, AFileThatIsRemovedWhileItIsWrittenFailsTheRun) {
 
 TEST_F(Directories, AnInterruptedRunSaysWhereItIsAndThatTheWholeOneStayed) {
   ASSERT_EQ(viscobar("run chatter.toml --quiet -o out").code, 0);
-  const std::string ends = content(directory_ / "out/ends.csv");
+  const std::string ends = read_text(directory_ / "out/ends.csv");
   Process run = long_run("out");
   wait_for("out/unfinished/ends.csv");
   run.signal(SIGINT);
   EXPECT_EQ(run.wait(), 130);
-  const std::string said = content(directory_ / "err.txt");
+  const std::string said = read_text(directory_ / "err.txt");
   EXPECT_NE(said.find("The earlier result in out is as it was; what this run reached is in out/unfinished."),
             std::string::npos)
       << said;
-  EXPECT_TRUE(content(directory_ / "out/ends.csv") == ends);
+  EXPECT_TRUE(read_text(directory_ / "out/ends.csv") == ends);
   const nlohmann::json info = viscobar("info out --json").json();
   ASSERT_EQ(info["results"].size(), 2u);
   EXPECT_EQ(info["results"][0]["completed"], true);
@@ -142,7 +142,7 @@ TEST_F(Directories, OfASceneThatIsNamedAsASummaryAreRefused) {
   fs::create_directory(directory_ / "out");
   fs::copy_file(directory_ / "chatter.toml", directory_ / "out/summary.json");
   EXPECT_EQ(viscobar("run out/summary.json -o out").code, 2);
-  EXPECT_EQ(content(directory_ / "out/summary.json"), content(directory_ / "chatter.toml"));
+  EXPECT_EQ(read_text(directory_ / "out/summary.json"), read_text(directory_ / "chatter.toml"));
 }
 
 TEST_F(Directories, ACheckpointThatIsADirectoryGivesWayToTheOneBefore) {
@@ -167,25 +167,25 @@ TEST_F(Directories, ARunKilledWhenItWasWholeIsCompleteToResume) {
   fs::copy_file(directory_ / "out/checkpoint.bin", directory_ / "left");
   ASSERT_EQ(viscobar("resume out --quiet").code, 0);
   fs::copy_file(directory_ / "left", directory_ / "out/checkpoint.bin");
-  const std::string summary = content(directory_ / "out/summary.json");
+  const std::string summary = read_text(directory_ / "out/summary.json");
   const Ended ended = viscobar("resume out --json");
   EXPECT_EQ(ended.code, 0) << ended.error;
   EXPECT_EQ(ended.out, summary);
-  EXPECT_EQ(content(directory_ / "out/summary.json"), summary);
+  EXPECT_EQ(read_text(directory_ / "out/summary.json"), summary);
   EXPECT_FALSE(fs::exists(directory_ / "out/checkpoint.bin"));
 }
 
 TEST_F(Directories, ALogIsAppendedToLogsOnly) {
-  const std::string scene = content(directory_ / "chatter.toml");
+  const std::string scene = read_text(directory_ / "chatter.toml");
   EXPECT_EQ(viscobar("check chatter.toml --log chatter.toml").code, 2);
-  EXPECT_EQ(content(directory_ / "chatter.toml"), scene);
+  EXPECT_EQ(read_text(directory_ / "chatter.toml"), scene);
   std::ofstream(directory_ / "notes") << "mine";
   EXPECT_EQ(viscobar("check chatter.toml --log notes").code, 2);
-  EXPECT_EQ(content(directory_ / "notes"), "mine");
+  EXPECT_EQ(read_text(directory_ / "notes"), "mine");
   EXPECT_EQ(viscobar("check chatter.toml --log log").code, 0);
-  const std::size_t once = content(directory_ / "log").size();
+  const std::size_t once = read_text(directory_ / "log").size();
   EXPECT_EQ(viscobar("check chatter.toml --log log").code, 0);
-  EXPECT_GT(content(directory_ / "log").size(), once);
+  EXPECT_GT(read_text(directory_ / "log").size(), once);
   EXPECT_EQ(viscobar("check chatter.toml --log /dev/stderr").code, 0);
   ASSERT_EQ(mkfifo((directory_ / "pipe").c_str(), 0666), 0);
   EXPECT_EQ(viscobar("check chatter.toml --log pipe").code, 1) << "nobody reads it";
@@ -199,26 +199,26 @@ TEST_F(Directories, AnExportReplacesExportsOnlyAndFollowsNoLinks) {
     const Ended ended = viscobar("export out -o . --format " + format);
     EXPECT_EQ(ended.code, 2);
     EXPECT_NE(ended.error.find("is not an earlier export"), std::string::npos) << ended.error;
-    EXPECT_TRUE(content(directory_ / ("v." + format)) == "mine\n");
+    EXPECT_TRUE(read_text(directory_ / ("v." + format)) == "mine\n");
     EXPECT_FALSE(fs::exists(directory_ / "x.npy"));
     EXPECT_FALSE(fs::exists(directory_ / "ends.csv"));
   }
   ASSERT_EQ(viscobar("export out --quiet").code, 0);
-  const std::string field = content(directory_ / "out/field.h5"), exported = content(directory_ / "out/csv/u.csv");
+  const std::string field = read_text(directory_ / "out/field.h5"), exported = read_text(directory_ / "out/csv/u.csv");
   fs::remove(directory_ / "out/csv/u.csv");
   fs::create_symlink("../field.h5", directory_ / "out/csv/u.csv");
   EXPECT_EQ(viscobar("export out --quiet").code, 2) << "what the link points to is no export";
-  EXPECT_TRUE(content(directory_ / "out/field.h5") == field);
+  EXPECT_TRUE(read_text(directory_ / "out/field.h5") == field);
   fs::remove(directory_ / "out/csv/u.csv");
   fs::create_symlink("nowhere", directory_ / "out/csv/u.csv");
   EXPECT_EQ(viscobar("export out --quiet").code, 0);
-  EXPECT_TRUE(content(directory_ / "out/csv/u.csv") == exported);
+  EXPECT_TRUE(read_text(directory_ / "out/csv/u.csv") == exported);
 }
 
 TEST_F(Directories, ANewSceneLeavesTheFileBesideItAlone) {
   std::ofstream(directory_ / "mine.toml.part") << "mine";
   EXPECT_EQ(viscobar("new mine.toml").code, 0);
-  EXPECT_EQ(content(directory_ / "mine.toml.part"), "mine");
+  EXPECT_EQ(read_text(directory_ / "mine.toml.part"), "mine");
 }
 
 // Ten million cases take minutes to plan.
@@ -228,7 +228,7 @@ TEST_F(Directories, ASweepHearsCtrlCWhileItPlans) {
                                               "time.end = { from = 3.1, to = 4.0, count = 3162 }\n";
   Process sweep(directory_, {"sweep", "sweep.toml", "--threads", "1", "-o", "out"});
   std::this_thread::sleep_for(std::chrono::seconds(1));
-  ASSERT_FALSE(sweep.ended()) << content(directory_ / "err.txt");
+  ASSERT_FALSE(sweep.ended()) << read_text(directory_ / "err.txt");
   const auto asked = std::chrono::steady_clock::now();
   sweep.signal(SIGINT);
   EXPECT_EQ(sweep.wait(), 130);

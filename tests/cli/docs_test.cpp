@@ -7,8 +7,6 @@
 namespace viscobar {
 namespace {
 
-using testing_cli::content;
-
 const std::regex placeholder("\\[|\\b(SCENE|SWEEP|DIR|FILE|COMMAND|ALPHA|MASS|N|E)\\b");
 
 /// The lines of a page that are indented by four and whose first word is that of a command, without the remark at their
@@ -47,7 +45,7 @@ void PrintTo(const Page& page, std::ostream* out) { *out << page.file; }
 class Docs : public testing_cli::Command, public testing::WithParamInterface<Page> {};
 
 TEST_P(Docs, CommandsRunAsTheyStandThere) {
-  const std::string page = content(testing_cli::fs::path(VISCOBAR_SOURCE_DIR) / GetParam().file);
+  const std::string page = read_text(testing_cli::fs::path(VISCOBAR_SOURCE_DIR) / GetParam().file);
   for (const std::string folder : {"examples", "tests"})
     testing_cli::fs::create_directory_symlink(testing_cli::fs::path(VISCOBAR_SOURCE_DIR) / folder, directory_ / folder);
   std::ofstream(directory_ / "scene.toml") << scene_of(page);
@@ -58,7 +56,7 @@ TEST_P(Docs, CommandsRunAsTheyStandThere) {
     std::ofstream(directory_ / "command.bash") << "set -euo pipefail\nviscobar() { '" VISCOBAR_COMMAND "' \"$@\"; }\n"
                                                << command << "\n";
     const std::string line = "cd '" + directory_.string() + "' && /bin/bash command.bash >out.txt 2>error.txt";
-    EXPECT_EQ(std::system(line.c_str()), 0) << command << "\n" << content(directory_ / "error.txt");
+    EXPECT_EQ(std::system(line.c_str()), 0) << command << "\n" << read_text(directory_ / "error.txt");
   }
 }
 
@@ -109,7 +107,7 @@ TEST(Pages, HaveNoCommandThatNothingRuns) {
   const std::regex command("^(viscobar|cmake|scripts/|build/|mpirun|export|g\\+\\+|time|make|ctest|python3|octave) ?");
   std::size_t seen = 0;
   for (const fs::path& file : files)
-    for (const std::string& line : commands_of(content(fs::path(VISCOBAR_SOURCE_DIR) / file), command)) {
+    for (const std::string& line : commands_of(read_text(fs::path(VISCOBAR_SOURCE_DIR) / file), command)) {
       ++seen;
       const bool here =
           line.starts_with("viscobar ") &&
@@ -142,12 +140,12 @@ TEST(Pages, MeasuredSentencesNameTestsAndCommandsThatExist) {
   const fs::path root = VISCOBAR_SOURCE_DIR;
   std::string tests;
   for (const auto& entry : fs::recursive_directory_iterator(root / "tests"))
-    if (entry.path().extension() == ".cpp") tests += content(entry.path());
+    if (entry.path().extension() == ".cpp") tests += read_text(entry.path());
   const std::regex mark("\\[measured:\\s+([^\\]]*)\\]"), quoted("`([^`]*)`");
   std::size_t seen = 0;
   for (const auto& entry : fs::directory_iterator(root / "docs")) {
     if (entry.path().extension() != ".md" || entry.path().filename() == "README.md") continue;
-    const std::string page = content(entry.path());
+    const std::string page = read_text(entry.path());
     for (std::sregex_iterator found(page.begin(), page.end(), mark), end; found != end; ++found) {
       const std::string inside = (*found)[1], what = inside.substr(0, inside.find(';'));
       EXPECT_TRUE(what.find('`') != what.npos) << entry.path() << " names no test: " << inside;

@@ -11,7 +11,6 @@
 namespace viscobar {
 namespace {
 
-using testing_cli::content;
 using testing_cli::fs::path;
 using Quantity = FieldReader::Quantity;
 
@@ -23,7 +22,7 @@ struct Array {
 // By the letter of the format: magic, version 1.0, a length in two bytes, a header that ends in a line feed at a
 // multiple of 64, the numbers.
 Array read_npy(const path& file) {
-  const std::string bytes = content(file);
+  const std::string bytes = read_text(file);
   EXPECT_EQ(bytes.substr(0, 8), std::string("\x93NUMPY\x01\x00", 8)) << file;
   const std::size_t length = static_cast<unsigned char>(bytes[8]) + 256u * static_cast<unsigned char>(bytes[9]);
   EXPECT_EQ((10 + length) % 64, 0u);
@@ -64,8 +63,8 @@ class Export : public testing_cli::Command {
     const std::string line = "cd '" + directory_.string() + "' && " + interpreter +
                              " '" VISCOBAR_SOURCE_DIR "/examples/" + script + "' out >script.txt 2>script-error.txt";
     const int status = std::system(line.c_str());
-    EXPECT_EQ(status, 0) << content(directory_ / "script-error.txt");
-    return content(directory_ / "script.txt");
+    EXPECT_EQ(status, 0) << read_text(directory_ / "script-error.txt");
+    return read_text(directory_ / "script.txt");
   }
 };
 
@@ -106,7 +105,7 @@ TEST_F(Export, OfCsvHoldsTheFieldBitForBit) {
     }
     EXPECT_FALSE(std::getline(stream, line));
   }
-  EXPECT_EQ(content(directory_ / "plain/ends.csv"), content(directory_ / "out/ends.csv"));
+  EXPECT_EQ(read_text(directory_ / "plain/ends.csv"), read_text(directory_ / "out/ends.csv"));
 }
 
 TEST_F(Export, OfARunThatStoppedHasTheRowsItReached) {

@@ -17,7 +17,7 @@ class FailedRun : public Command, public testing::WithParamInterface<std::string
     EXPECT_EQ(ended.code, 1) << load << ended.error;
     EXPECT_NE(ended.error.find(reason), std::string::npos) << ended.error;
     const nlohmann::json summary = ended.json();
-    EXPECT_EQ(summary, nlohmann::json::parse(content(directory_ / "out/summary.json")));
+    EXPECT_EQ(summary, nlohmann::json::parse(read_text(directory_ / "out/summary.json")));
     EXPECT_EQ(summary["completed"], false);
     EXPECT_EQ(summary["ending"], "failed");
     EXPECT_NE(summary["error"].get<std::string>().find(reason), std::string::npos) << summary["error"];
@@ -26,7 +26,7 @@ class FailedRun : public Command, public testing::WithParamInterface<std::string
     EXPECT_FALSE(summary["rhs_evaluations"].is_null());
 
     // A row for each output time reached and one for the state reached, and whole lines only.
-    std::istringstream ends(content(directory_ / "out/ends.csv"));
+    std::istringstream ends(read_text(directory_ / "out/ends.csv"));
     std::size_t rows = 0;
     double last = -1.0;
     for (std::string line; std::getline(ends, line); ++rows) {
@@ -35,12 +35,12 @@ class FailedRun : public Command, public testing::WithParamInterface<std::string
     }
     EXPECT_EQ(last, reached);
     EXPECT_NEAR(static_cast<double>(rows), 2.0 + reached / 0.01, 1.0) << "with the header and t = 0";
-    EXPECT_EQ(content(directory_ / "out/ends.csv").back(), '\n');
-    EXPECT_EQ(content(directory_ / "out/events.csv").back(), '\n');
+    EXPECT_EQ(read_text(directory_ / "out/ends.csv").back(), '\n');
+    EXPECT_EQ(read_text(directory_ / "out/events.csv").back(), '\n');
     const Ended info = viscobar("info out");
     EXPECT_EQ(info.code, 0) << info.error;
     ASSERT_EQ(viscobar("export out --format csv -o table").code, 0) << "the field is readable";
-    EXPECT_NE(content(directory_ / "out/report.html").find("did not complete"), std::string::npos);
+    EXPECT_NE(read_text(directory_ / "out/report.html").find("did not complete"), std::string::npos);
   }
 };
 
@@ -87,8 +87,8 @@ TEST_F(Storm, IsWarnedOfOnceOnStandardErrorInTheSummaryAndInTheReport) {
   ASSERT_EQ(warnings.size(), 1u);
   for (const char* remedy : {"mesh.mass", "contact.restitution = 0", "contact.epsilon"})
     EXPECT_NE(warnings[0].get<std::string>().find(remedy), std::string::npos) << warnings[0];
-  EXPECT_NE(content(directory_ / "out/report.html").find("rebounds by itself"), std::string::npos);
-  const std::string events = content(directory_ / "out/events.csv");
+  EXPECT_NE(read_text(directory_ / "out/report.html").find("rebounds by itself"), std::string::npos);
+  const std::string events = read_text(directory_ / "out/events.csv");
   EXPECT_EQ(std::count(events.begin(), events.end(), '\n'), 1 + ended.json()["events"].get<long>());
   EXPECT_EQ(viscobar("run " + scene("chatter") + " --quiet -o out").error, "");
 }

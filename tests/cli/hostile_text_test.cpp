@@ -28,7 +28,7 @@ TEST(Printable, LeavesLinesUnlessOneIsWanted) {
 class HostileText : public Command {
  protected:
   HostileText() {
-    std::string text = content(VISCOBAR_SOURCE_DIR "/examples/scenes/unit-both-ends.toml");
+    std::string text = read_text(VISCOBAR_SOURCE_DIR "/examples/scenes/unit-both-ends.toml");
     const std::size_t title = text.find("title"), end = text.find('\n', title);
     text.replace(title, end - title, R"(title = "\u001b]0;x\u0007\u001b[2J\nviscobar: fake\u009b2J")");
     std::ofstream(directory_ / "scene.toml") << text;
@@ -59,10 +59,10 @@ TEST_F(HostileText, OfATitleIsHarmlessInEveryCommand) {
     expect_harmless(ended.out, command);
     expect_harmless(ended.error, command);
   }
-  expect_harmless(content(directory_ / "log.txt"), "log");
+  expect_harmless(read_text(directory_ / "log.txt"), "log");
   for (const std::string page :
        {"run/report.html", "compare/compare.html", "limit/limit.html", "precision/precision.html"})
-    EXPECT_EQ(content(directory_ / page).find('\033'), std::string::npos) << page;
+    EXPECT_EQ(read_text(directory_ / page).find('\033'), std::string::npos) << page;
 }
 
 TEST_F(HostileText, OfPathsAndValuesIsHarmlessInMessagesAndLog) {
@@ -80,7 +80,7 @@ TEST_F(HostileText, OfPathsAndValuesIsHarmlessInMessagesAndLog) {
     expect_harmless(ended.out, command);
     expect_harmless(ended.error, command);
   }
-  expect_harmless(content(directory_ / "log.txt"), "log");
+  expect_harmless(read_text(directory_ / "log.txt"), "log");
 }
 
 TEST_F(HostileText, IsHarmlessOnATerminal) {

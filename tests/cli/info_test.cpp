@@ -5,8 +5,6 @@
 namespace viscobar {
 namespace {
 
-using testing_cli::content;
-
 class Info : public testing_cli::Command {
  protected:
   Info() { viscobar("new scene.toml"); }
@@ -141,7 +139,7 @@ TEST_F(Info, VerifiesAResultAgainstItsChecksums) {
 
 TEST_F(Info, CannotVerifyAResultWithoutChecksums) {
   viscobar("run scene.toml --quiet -o out");
-  auto summary = nlohmann::ordered_json::parse(content(directory_ / "out/summary.json"));
+  auto summary = nlohmann::ordered_json::parse(read_text(directory_ / "out/summary.json"));
   for (const char* key : {"files", "crc64"}) summary.erase(key);
   std::ofstream(directory_ / "out/summary.json") << summary.dump(2) << "\n";
   const auto old = viscobar("info out --verify --json");

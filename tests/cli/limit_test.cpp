@@ -205,8 +205,8 @@ TEST_F(Limit, DoesNotNeedTheScenesOwnEpsilonNorAPenalisedMethod) {
   EXPECT_EQ(ended.code, 0) << ended.error;
   EXPECT_EQ(ended.out, "");
   const fs::path results = directory_ / "unit-both-ends.out";
-  EXPECT_EQ(Json::parse(content(results / "limit.json"))["rows"].size(), 1u);
-  const std::string page = content(results / "limit.html");
+  EXPECT_EQ(Json::parse(read_text(results / "limit.json"))["rows"].size(), 1u);
+  const std::string page = read_text(results / "limit.html");
   EXPECT_NE(page.find("<svg"), std::string::npos);
   EXPECT_EQ(page.find(" src="), std::string::npos) << "the page must need no other file";
 }
@@ -224,7 +224,7 @@ TEST_F(Limit, AFailedRunIsNamedAndTheOthersAreKept) {
   ASSERT_EQ(result["failed"].size(), 2u);
   EXPECT_EQ(result["failed"][0]["epsilon"], 1e-15);
   EXPECT_NE(result["failed"][0]["error"].get<std::string>().find("larger epsilon"), std::string::npos);
-  EXPECT_EQ(Json::parse(content(directory_ / "out" / "limit.json")), result);
+  EXPECT_EQ(Json::parse(read_text(directory_ / "out" / "limit.json")), result);
 }
 
 TEST_F(Limit, ATerminalSeesHowManyRunsAreDone) {

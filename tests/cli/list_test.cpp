@@ -17,7 +17,7 @@ std::string between_comments(const std::string& page, const std::string& command
 }
 
 TEST_F(List, IsWhatThePageOfTheSceneFileHolds) {
-  const std::string page = testing_cli::content(VISCOBAR_SOURCE_DIR "/docs/scene-file.md");
+  const std::string page = read_text(VISCOBAR_SOURCE_DIR "/docs/scene-file.md");
   for (const std::string what : {"methods", "masses", "keys"}) {
     const auto listed = viscobar("list " + what + " --markdown");
     EXPECT_EQ(listed.code, 0);

@@ -5,8 +5,6 @@
 namespace viscobar {
 namespace {
 
-using testing_cli::content;
-
 class Messages : public testing_cli::Command {
  protected:
   Messages() { viscobar("new scene.toml"); }
@@ -21,7 +19,7 @@ class Messages : public testing_cli::Command {
 TEST_F(Messages, TheLogHasTheCommandEachContactChangeAndTheExitCode) {
   const auto run = viscobar("run scene.toml --json --log run.log -o out");
   EXPECT_TRUE(run.error.empty()) << run.error;
-  const std::string log = content(directory_ / "run.log");
+  const std::string log = read_text(directory_ / "run.log");
   EXPECT_TRUE(has(log, "run scene.toml --json")) << log;
   EXPECT_TRUE(has(log, "A bar between two obstacles")) << log;
   EXPECT_TRUE(has(log, "exit code 0 after")) << log;
@@ -34,7 +32,7 @@ TEST_F(Messages, TheLogGrowsAndKeepsTheErrors) {
   viscobar("check scene.toml --log run.log");
   EXPECT_EQ(viscobar("check scene.toml --set bar.length=-1 --log run.log").code, 2);
   EXPECT_EQ(viscobar("check nowhere.toml --log run.log").code, 2);
-  const std::string log = content(directory_ / "run.log");
+  const std::string log = read_text(directory_ / "run.log");
   EXPECT_TRUE(has(log, "exit code 0")) << log;
   EXPECT_TRUE(has(log, "bar.length: must be positive")) << log;
   EXPECT_TRUE(has(log, "nowhere.toml:1:1: cannot be read")) << log;

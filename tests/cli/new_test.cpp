@@ -22,7 +22,7 @@ TEST_F(New, NeverOverwrites) {
   const auto ended = viscobar("new mine.toml");
   EXPECT_EQ(ended.code, 2);
   EXPECT_NE(ended.error.find("nothing was overwritten"), std::string::npos) << ended.error;
-  EXPECT_EQ(testing_cli::content(directory_ / "mine.toml"), "precious");
+  EXPECT_EQ(read_text(directory_ / "mine.toml"), "precious");
   EXPECT_EQ(viscobar("new nowhere/mine.toml").code, 1);
 }
 
@@ -31,7 +31,7 @@ TEST_F(New, WithoutAFilePrintsWhatItWouldWrite) {
   EXPECT_EQ(printed.code, 0);
   EXPECT_EQ(printed.out, scene_template());
   viscobar("new mine.toml");
-  EXPECT_EQ(testing_cli::content(directory_ / "mine.toml"), printed.out);
+  EXPECT_EQ(read_text(directory_ / "mine.toml"), printed.out);
 }
 
 TEST(SceneTemplate, HasEveryKeyOnceWithItsMeaning) {

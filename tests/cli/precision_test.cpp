@@ -64,10 +64,10 @@ TEST_F(Precision, TheTableNamesThePartsTheNormAndTheReference) {
   for (const char* word : {"space", "penalty", "time", "largest part", "dominates", "buys nothing",
                            "Errors are against", "in the unit of u", "out/precision.html"})
     EXPECT_NE(ended.out.find(word), std::string::npos) << word;
-  const std::string page = content(directory_ / "out" / "precision.html");
+  const std::string page = read_text(directory_ / "out" / "precision.html");
   EXPECT_NE(page.find("<svg"), std::string::npos);
   EXPECT_EQ(page.find(" src="), std::string::npos) << "the page must need no other file";
-  const Json document = Json::parse(content(directory_ / "out" / "precision.json"));
+  const Json document = Json::parse(read_text(directory_ / "out" / "precision.json"));
   std::set<std::string> methods;
   for (const Json& row : document["rows"]) methods.insert(row["method"]);
   EXPECT_EQ(methods.size(), 7u);

@@ -6,8 +6,6 @@
 namespace viscobar {
 namespace {
 
-using testing_cli::content;
-
 class ReadSweep : public testing_cli::Command {
  protected:
   // Six rows, and two refused ones, whose error holds commas and quotes.
@@ -25,8 +23,8 @@ class ReadSweep : public testing_cli::Command {
   void expect_read_by(const std::string& interpreter, const std::string& script) const {
     const std::string line = "cd '" + directory_.string() + "' && " + interpreter +
                              " '" VISCOBAR_SOURCE_DIR "/examples/" + script + "' out >script.txt 2>error.txt";
-    ASSERT_EQ(std::system(line.c_str()), 0) << content(directory_ / "error.txt");
-    const std::string printed = content(directory_ / "script.txt"), before = "largest penetration = ";
+    ASSERT_EQ(std::system(line.c_str()), 0) << read_text(directory_ / "error.txt");
+    const std::string printed = read_text(directory_ / "script.txt"), before = "largest penetration = ";
     EXPECT_EQ(printed.find("Few"), 0u) << printed;
     EXPECT_NE(printed.find(" seconds of 8 cases"), std::string::npos) << printed;
     EXPECT_NE(printed.find("failed: 2 "), std::string::npos) << printed;

@@ -7,7 +7,6 @@
 namespace viscobar {
 namespace {
 
-using testing_cli::content;
 using Words = std::vector<std::string>;
 
 class Shell : public testing_cli::Command {
@@ -25,7 +24,7 @@ class Shell : public testing_cli::Command {
                                            << ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n_viscobar\n"
                                               "printf '%s\\n' \"${COMPREPLY[@]}\"\n";
     EXPECT_EQ(run("bash ask.bash >offered.txt"), 0);
-    std::istringstream lines(content(directory_ / "offered.txt"));
+    std::istringstream lines(read_text(directory_ / "offered.txt"));
     Words found;
     for (std::string line; std::getline(lines, line);)
       if (!line.empty()) found.push_back(line);
@@ -65,7 +64,7 @@ TEST_F(Shell, ZshTakesItsCompletion) {
   EXPECT_EQ(
       run("zsh -fc 'fpath=($PWD $fpath); autoload -Uz compinit; compinit -u -D; print $_comps[viscobar]' >name.txt"),
       0);
-  EXPECT_EQ(content(directory_ / "name.txt"), "_viscobar\n");
+  EXPECT_EQ(read_text(directory_ / "name.txt"), "_viscobar\n");
 }
 
 TEST_F(Shell, ManPageNamesEveryCommandOptionAndKey) {
@@ -86,7 +85,7 @@ TEST_F(Shell, ManPageIsSetWithoutWarnings) {
   if (run("groff --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "groff is not installed";
   std::ofstream(directory_ / "viscobar.1") << viscobar("man").out;
   EXPECT_EQ(run("groff -man -ww -Tutf8 -z viscobar.1 2>warnings.txt"), 0);
-  EXPECT_EQ(content(directory_ / "warnings.txt"), "");
+  EXPECT_EQ(read_text(directory_ / "warnings.txt"), "");
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ class Streams : public Command {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
   bool completed(const std::string& where) const {
-    return nlohmann::json::parse(content(directory_ / where / "summary.json"))["completed"];
+    return nlohmann::json::parse(read_text(directory_ / where / "summary.json"))["completed"];
   }
   /// A run that warns on standard error before it is over.
   const std::string warned = "$V run " + scene("chatter");
@@ -54,7 +54,7 @@ TEST_F(Streams, ASweepWhoseErrorsCannotBeWrittenWritesItsTables) {
                                               "bar.viscosity = [0.0]\n";
   EXPECT_EQ(shell("$V sweep sweep.toml -o out >out.txt 2>/dev/full"), 1) << "a case failed";
   EXPECT_TRUE(fs::exists(directory_ / "out/sweep.json"));
-  EXPECT_NE(content(directory_ / "out.txt").find("whole sweep"), std::string::npos);
+  EXPECT_NE(read_text(directory_ / "out.txt").find("whole sweep"), std::string::npos);
 }
 
 TEST_F(Streams, NoFileTakesThePlaceOfAClosedStream) {
@@ -64,13 +64,14 @@ TEST_F(Streams, NoFileTakesThePlaceOfAClosedStream) {
   EXPECT_EQ(shell(run + "both <&- >out.txt 2>&-"), 0);
   for (const std::string where : {"closed", "both"})
     for (const std::string file : {"/ends.csv", "/events.csv"})
-      EXPECT_EQ(content(directory_ / ("open" + file)) == content(directory_ / (where + file)), true) << where << file;
+      EXPECT_EQ(read_text(directory_ / ("open" + file)) == read_text(directory_ / (where + file)), true)
+          << where << file;
 }
 
 TEST_F(Streams, AResultThatCannotBePrintedIsAnError) {
   for (const std::string command : {"list methods", "--help", "--version", "run --help"}) {
     EXPECT_EQ(shell("$V " + command + " >/dev/full 2>err.txt"), 1) << command;
-    EXPECT_NE(content(directory_ / "err.txt").find("standard output: cannot be written: No space left"),
+    EXPECT_NE(read_text(directory_ / "err.txt").find("standard output: cannot be written: No space left"),
               std::string::npos);
     EXPECT_EQ(shell("$V " + command + " >&- 2>err.txt"), 1) << command;
   }
@@ -82,7 +83,7 @@ TEST_F(Streams, AReaderOfTheResultThatHasSeenEnoughEndsTheProgramWithoutAMessage
                                              "'\nmkfifo pipe\nexec 7<>pipe\nexec 8>pipe\nexec 7<&-\n"
                                              "$V list keys >&8 2>err.txt\necho $?\n";
   EXPECT_EQ(shell("test $(/bin/bash head.bash) = " + std::to_string(128 + SIGPIPE)), 0);
-  EXPECT_EQ(content(directory_ / "err.txt"), "");
+  EXPECT_EQ(read_text(directory_ / "err.txt"), "");
 }
 
 // As after a login has ended, by a program that nohup(1) had told to ignore it.

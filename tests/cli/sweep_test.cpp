@@ -29,7 +29,7 @@ class Sweep : public Command {
 
   void write(const std::string& name, const std::string& text) const { std::ofstream(directory_ / name) << text; }
 
-  std::string table(const std::string& where) const { return content(directory_ / where / "sweep.csv"); }
+  std::string table(const std::string& where) const { return read_text(directory_ / where / "sweep.csv"); }
 
   /// The rows that are safe now, and how long each took: another number is another run.
   std::map<std::size_t, double> kept(const std::string& where) const {
@@ -150,13 +150,13 @@ TEST_F(Sweep, InterruptedItKeepsItsRowsAndSays130) {
   const auto the_short_cases = [&] {  // for ten minutes at most: valgrind
     for (int i = 0; i < 6000 && std::count(rows.begin(), rows.end(), '\n') < 4; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
-      rows = content(directory_ / "long.out/sweep.csv");
+      rows = read_text(directory_ / "long.out/sweep.csv");
     }
     interrupted = std::chrono::steady_clock::now();
   };
   EXPECT_EQ(stopped_by(SIGINT, "sweep long.toml --threads 4", the_short_cases), 130);
   EXPECT_LT(std::chrono::steady_clock::now() - interrupted, std::chrono::seconds(20));
-  rows = content(directory_ / "long.out/sweep.csv");
+  rows = read_text(directory_ / "long.out/sweep.csv");
   // The three short cases, and the heading.
   EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 4) << rows;
 }
@@ -177,7 +177,7 @@ TEST_F(Sweep, AFailedCaseIsARowAndTheOthersGoOn) {
     EXPECT_NE(one["error"], "");
   }
   EXPECT_EQ(failed, (std::vector<std::size_t>{3, 4, 5, 6, 7}));
-  const std::string rows = content(directory_ / "some.out/sweep.csv");
+  const std::string rows = read_text(directory_ / "some.out/sweep.csv");
   EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 9);
   EXPECT_NE(rows.find("does not fit finite_difference"), std::string::npos);
   EXPECT_EQ(viscobar("sweep some.toml --quiet").code, 1) << "they are still failed, and not tried again";

@@ -8,6 +8,8 @@
 #include <numeric>
 #include <random>
 
+#include "support/random_vector.hpp"
+
 namespace viscobar {
 namespace {
 
@@ -24,13 +26,6 @@ SymmetricTridiagonal uniform_matrix(std::size_t n, double diagonal, double off, 
     if (i > 0) matrix.off_diagonal[i - 1] *= 0.5;
   }
   return matrix;
-}
-
-std::vector<double> random_vector(std::size_t n, std::mt19937& random) {
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  std::vector<double> x(n);
-  for (double& value : x) value = uniform(random);
-  return x;
 }
 
 // A^{-1} b by both sweeps and a factor of the condensed matrix, in the order of the nodes.

@@ -8,6 +8,8 @@
 #include <random>
 #include <vector>
 
+#include "support/random_vector.hpp"
+
 namespace viscobar {
 namespace {
 
@@ -31,13 +33,6 @@ double entry(const SymmetricTridiagonal& matrix, std::size_t i, std::size_t j) {
   if (i == j) return matrix.diagonal[i];
   const bool neighbours = i + 1 == j || j + 1 == i;
   return neighbours && !matrix.off_diagonal.empty() ? matrix.off_diagonal[std::min(i, j)] : 0.0;
-}
-
-std::vector<double> random_vector(std::size_t n, std::mt19937& random) {
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  std::vector<double> x(n);
-  for (double& value : x) value = uniform(random);
-  return x;
 }
 
 TEST(Tridiagonal, MultiplyAndQuadraticFormAreThoseOfTheFullMatrix) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "support/random_vector.hpp"
 namespace viscobar {
 namespace {
 
@@ -20,14 +21,6 @@ Scene scene_with(EndCondition left, EndCondition right, double viscosity = 0.5) 
   scene.displacement = [](double x) { return 1.0 + 0.5 * x; };
   scene.velocity = [](double x) { return 0.25 - x; };
   return scene;
-}
-
-std::vector<double> random_vector(std::size_t n, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> entry(-1.0, 1.0);
-  std::vector<double> x(n);
-  for (double& value : x) value = entry(random);
-  return x;
 }
 
 const EndCondition all_ends[] = {Free{}, Fixed{}, Obstacle{10.0}};

@@ -7,6 +7,8 @@
 #include <numeric>
 #include <random>
 
+#include "support/random_vector.hpp"
+
 namespace viscobar {
 namespace {
 
@@ -18,14 +20,6 @@ Scene scene_with(EndCondition left, EndCondition right, double viscosity) {
   scene.displacement = [](double x) { return 0.2 + x * (1.5 - x); };
   scene.velocity = [](double x) { return -x; };
   return scene;
-}
-
-std::vector<double> random_vector(std::size_t n, unsigned seed) {
-  std::mt19937 generator(seed);
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  std::vector<double> x(n);
-  for (double& entry : x) entry = uniform(generator);
-  return x;
 }
 
 // D(m,c,k) is the derivative of m rho M x - F(u + k x, w + c x): the force is affine on a leg, so differences are exact

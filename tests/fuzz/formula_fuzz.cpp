@@ -3,7 +3,7 @@
 // its breaks ends.
 
 // longest: 200
-// seeds: formulas of examples/scenes/*.toml tests/malformed/scenes/*.toml
+// seeds: formulas of examples/scenes/*.toml build/fuzz/malformed/scenes/*.toml
 #include <bit>
 #include <cmath>
 #include <cstdint>

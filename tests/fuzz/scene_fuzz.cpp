@@ -2,7 +2,7 @@
 // the same, or a SceneError, and nothing else.
 
 // longest: 2048
-// seeds: examples/scenes/*.toml tests/malformed/scenes/*.toml
+// seeds: examples/scenes/*.toml build/fuzz/malformed/scenes/*.toml
 #include <algorithm>
 #include <cstdint>
 

@@ -1,7 +1,7 @@
 // Sweep text: it is refused with findings, or a plan whose first and last case can be named.
 
 // longest: 2048
-// seeds: examples/sweeps/*.toml tests/malformed/sweeps/*.toml
+// seeds: examples/sweeps/*.toml build/fuzz/malformed/sweeps/*.toml
 #include <algorithm>
 #include <cctype>
 #include <cstdint>

@@ -78,19 +78,6 @@ double Judgement::ratio() const {
   return error == 0.0 ? 0.0 : error / tolerance;
 }
 
-double largest(const std::vector<double>& values) {
-  double result = 0.0;
-  for (const double value : values) result = std::max(result, std::abs(value));
-  return result;
-}
-
-double distance(const std::vector<double>& a, const std::vector<double>& b) {
-  if (a.size() != b.size()) return infinite;
-  double result = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) result = std::max(result, std::abs(a[i] - b[i]));
-  return result;
-}
-
 double promised(const Trial& trial, double largest) {
   const Case& run = trial.run;
   if (is_adaptive(run.method)) return 100 * (run.tolerance.relative * largest + run.tolerance.absolute);

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
 
 /// What a run of a hard scene is judged by. An oracle knows something about the solution that does not come from the
@@ -30,9 +31,6 @@ using Oracle = std::function<std::vector<Judgement>(const Trial&)>;
 /// What an adaptive method promises for the displacement, 100 (relative max|u| + absolute), ten times the 1e-12 of the
 /// exponential method, and for a scheme what rounding adds up to in its steps.
 double promised(const Trial& trial, double largest);
-
-double largest(const std::vector<double>& values);
-double distance(const std::vector<double>& a, const std::vector<double>& b);
 
 /// What holds for every run: complete and finite; contact changes in order, closing and opening in turn; no pull of an
 /// obstacle without dashpot; no penetration of an exact obstacle; the energy account closed.

@@ -8,27 +8,18 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
+#include "support/maximum_norm.hpp"
+#include "support/paper_throw.hpp"
 #include "viscobar/case/recording.hpp"
 
 namespace viscobar {
 namespace {
 
 constexpr double constant = 100.0;
-
-double largest(const std::vector<double>& values) {
-  double result = 0.0;
-  for (const double value : values) result = std::max(result, std::abs(value));
-  return result;
-}
-
-double distance(const std::vector<double>& a, const std::vector<double>& b) {
-  double result = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) result = std::max(result, std::abs(a[i] - b[i]));
-  return result;
-}
 
 EndCondition end_condition(char kind) {
   if (kind == 'o') return Obstacle{0.1};
@@ -82,24 +73,47 @@ std::map<std::pair<Where, std::size_t>, std::vector<Event>> by_contact(const Rec
   return events;
 }
 
-// A crossing is as late as the displacement is wrong: |v| dt <= C tol U; at a graze, v = 0, dt <= sqrt(C tol U / a).
+// Two changes in a row between which the node is on the other side, no further than a quarter of speed times duration
+// (the height of a parabola): where the other run is wrong by as much, it may stay on this one.
+bool is_missable(const std::vector<Event>& events, std::size_t k, double error) {
+  if (k + 1 >= events.size()) return false;
+  const double speed = std::max(std::abs(events[k].velocity), std::abs(events[k + 1].velocity));
+  return speed * (events[k + 1].time - events[k].time) / 4 <= error;
+}
+
+// Each contact's changes are those of the reference, but for missable pairs in either. A crossing is as late as the
+// displacement is wrong: |v| dt <= C tol U; at a graze, v = 0, dt <= sqrt(C tol U / a).
 void expect_same_events(const Recording& reference, const Recording& run, double tolerance, const std::string& what) {
-  const double u = largest(reference.u), v = largest(reference.v);
-  const auto expected = by_contact(reference), found = by_contact(run);
-  ASSERT_EQ(found.size(), expected.size()) << what;
-  for (const auto& [contact, events] : expected) {
-    ASSERT_TRUE(found.contains(contact)) << what;
-    const auto& others = found.at(contact);
-    // Coarser tolerances may lose or add a bounce smaller than they are; then the k-th ones are not the same.
-    if (tolerance > 1e-8 && others.size() != events.size()) continue;
-    ASSERT_EQ(others.size(), events.size()) << what;
-    for (std::size_t k = 0; k < events.size(); ++k) {
-      EXPECT_EQ(others[k].change, events[k].change) << what;
-      const double speed = std::abs(events[k].velocity) + std::sqrt(tolerance) * v;
-      EXPECT_LE(speed * std::abs(others[k].time - events[k].time), constant * tolerance * u)
-          << what << ", event " << k << " at " << events[k].time;
+  const double error = constant * tolerance * largest(reference.u);
+  const double graze = std::sqrt(tolerance) * largest(reference.v);
+  const auto is_same = [&](const Event& one, const Event& other) {
+    return one.change == other.change && (std::abs(one.velocity) + graze) * std::abs(one.time - other.time) <= error;
+  };
+  auto all_expected = by_contact(reference), all_found = by_contact(run);
+  for (const auto& [contact, events] : all_found) all_expected.try_emplace(contact);
+  for (const auto& [contact, expected] : all_expected) {
+    const std::vector<Event>& found = all_found[contact];
+    for (std::size_t i = 0, k = 0; i < expected.size() || k < found.size();) {
+      if (i < expected.size() && k < found.size() && is_same(expected[i], found[k])) {
+        ++i, ++k;
+      } else if (is_missable(expected, i, error)) {
+        i += 2;
+      } else if (is_missable(found, k, error)) {
+        k += 2;
+      } else {
+        FAIL() << what << ": change " << i << " of " << expected.size() << " is not change " << k << " of "
+               << found.size();
+      }
     }
   }
+}
+
+// In theory error ~ tolerance^rate. The one-step methods advance the better of the two solutions whose difference they
+// keep at the tolerance, h^p, so that the rate is 1, and p / (p + 1) = 4/5 where the last order is lost (p >= 4, at
+// contact changes say). Formulas of several steps keep h^(q+1) at the tolerance and sum up errors to h^q: q / (q + 1),
+// where backward differentiation falls back to q = 2 at worst.
+double least_rate(MethodName method) {
+  return method == MethodName::cvode || method == MethodName::ida ? 2.0 / 3.0 : 4.0 / 5.0;
 }
 
 using Parameters = std::tuple<std::string, Mass>;
@@ -108,6 +122,7 @@ class Agreement : public testing::TestWithParam<Parameters> {};
 TEST_P(Agreement, ErrorsAndEventsFollowTheTolerance) {
   const auto& [ends, mass] = GetParam();
   const bool obstacle = ends.find('o') != std::string::npos;
+  std::map<MethodName, std::vector<double>> rates;
   for (const bool loaded : {false, true}) {
     for (const double viscosity : {0.0, 0.01, 0.5}) {
       for (const double epsilon : obstacle ? std::vector{1e-2, 1e-4, 1e-6} : std::vector{1e-2}) {
@@ -116,26 +131,27 @@ TEST_P(Agreement, ErrorsAndEventsFollowTheTolerance) {
         for (const MethodName method : {MethodName::cvode, MethodName::ida, MethodName::arkode, MethodName::odeint}) {
           const bool differential = method == MethodName::cvode || method == MethodName::odeint;
           if (differential && mass == Mass::redistributed && viscosity == 0.0 && obstacle) continue;
-          double previous = 0.0;
+          std::vector<double> errors;
           for (const double tolerance : {1e-6, 1e-8, 1e-10}) {
             const Recording other = run_by(run, method, tolerance);
             const std::string what = std::string(name(method)) + (loaded ? ", loaded" : "") + ", viscosity " +
                                      std::to_string(viscosity) + ", epsilon " + std::to_string(epsilon) +
                                      ", tolerance " + std::to_string(std::log10(tolerance));
             expect_agreement(run, reference, other, tolerance, what);
-            // The reference itself is good to 1e-12 or so.
-            const double error = distance(other.u, reference.u) / largest(reference.u);
-            // Within a quarter of the promise chance decides.
-            if (tolerance < 1e-6) {
-              EXPECT_LE(error, std::max(previous, constant / 4 * tolerance) + 1e-11) << what;
-            }
-            previous = error;
+            errors.push_back(relative_error(other.u, reference.u));
             expect_same_events(reference, other, tolerance, what);
           }
+          // The reference itself is good to 1e-12 or so.
+          rates[method].push_back(std::log10(errors.front() / std::max(errors.back(), 1e-12)) / 4);
         }
       }
     }
   }
+  // An error's constant is chance, and one scene may have it small where another has it large: the rate is the mean.
+  for (const auto& [method, of_scenes] : rates)
+    EXPECT_GE(std::accumulate(of_scenes.begin(), of_scenes.end(), 0.0) / static_cast<double>(of_scenes.size()),
+              least_rate(method))
+        << name(method);
 }
 
 std::string parameter_name(const testing::TestParamInfo<Parameters>& info) {
@@ -151,13 +167,7 @@ INSTANTIATE_TEST_SUITE_P(EveryScene, Agreement,
 
 // Hundreds of bounces multiply errors, and a missed one would shift all that follow.
 TEST(AgreementOfChatter, HoldsToTheLastBounce) {
-  Case run;
-  run.scene.bar = {1.0, 1.0, 1.0, 0.01};
-  run.scene.left = run.scene.right = Obstacle{0.1};
-  run.scene.displacement = [](double x) { return x * (1 - x); };
-  run.scene.velocity = [](double x) { return -x * (1 - x); };
-  run.elements = 27;
-  run.end = 6.0;
+  Case run = paper_throw(0.01);
   run.output_every = 0.05;
   const std::pair<double, std::size_t> all[] = {{1e-2, 4},   {1e-3, 12},  {1e-4, 56}, {1e-5, 352},
                                                 {1e-6, 456}, {1e-7, 488}, {1e-8, 496}};

@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "support/fine_step_oracle.hpp"
+#include "support/maximum_norm.hpp"
 #include "support/modal_solution.hpp"
+#include "support/paper_throw.hpp"
 #include "support/run_trace.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -31,12 +33,6 @@ std::vector<double> grid(double end, std::size_t count) {
   return uniform_times(end / static_cast<double>(count), count);
 }
 
-double distance(const std::vector<double>& a, const std::vector<double>& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
-  return largest;
-}
-
 Scene smooth_scene(double viscosity) {
   Scene scene;
   scene.bar = {1.3, 1.7, 2.1, viscosity};
@@ -55,14 +51,7 @@ Scene falling_bar(double height, double speed, double viscosity) {
 }
 
 // Section 6 of docs/model.md.
-Scene chatter_scene(double viscosity) {
-  Scene scene;
-  scene.bar = {1.0, 1.0, 1.0, viscosity};
-  scene.left = scene.right = Obstacle{0.1};
-  scene.displacement = [](double x) { return x * (1 - x); };
-  scene.velocity = [](double x) { return -x * (1 - x); };
-  return scene;
-}
+Scene chatter_scene(double viscosity) { return paper_throw(viscosity).scene; }
 
 TEST(Exponential, FollowsEveryModeOfEveryBarWithoutContact) {
   const EndCondition ends[][2] = {{Free{}, Free{}}, {Fixed{}, Free{}}, {Free{}, Fixed{}}, {Fixed{}, Fixed{}}};

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "input/formula.hpp"
+#include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
 
 namespace viscobar {
@@ -38,18 +39,6 @@ Case bar_under(Load load, double viscosity) {
 Recording by(Case run, MethodName method) {
   run.method = method;
   return record(run);
-}
-
-double largest(const std::vector<double>& values) {
-  double result = 0.0;
-  for (const double value : values) result = std::max(result, std::abs(value));
-  return result;
-}
-
-double distance(const std::vector<double>& a, const std::vector<double>& b) {
-  double result = a.size() == b.size() ? 0.0 : INFINITY;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) result = std::max(result, std::abs(a[i] - b[i]));
-  return result;
 }
 
 double tolerance(const Case& run, const Recording& reference) {
@@ -153,6 +142,7 @@ TEST(SwitchingLoad, OfASquareWaveOnMasslessNodesWithLittleViscosityKeepsEnergyAn
 TEST(SwitchingLoad, OfRandomStepsIsWhatRunsCutByHandGive) {
   std::mt19937 random(3);
   const auto uniform = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  std::size_t compared = 0;
   for (int trial = 0; trial < 24; ++trial) {
     Steps steps;
     for (double t = uniform(0.0, 0.6); t < 3.0; t += uniform(0.0, 0.6) * uniform(0.0, 1.0)) steps.times.push_back(t);
@@ -173,11 +163,13 @@ TEST(SwitchingLoad, OfRandomStepsIsWhatRunsCutByHandGive) {
     EXPECT_EQ(exponential.events.size(), reference.events.size());
     for (const MethodName method : adaptive) {
       run.method = method;
-      if (!validate(run).empty()) continue;
+      if (!validate(run).empty()) continue;  // massless nodes without viscosity are not for all
+      ++compared;
       const Recording found = by(run, method);
       EXPECT_LE(distance(found.u, reference.u), tolerance(run, reference)) << name(method);
     }
   }
+  EXPECT_EQ(compared, 24u * 4 - 3 * 2);  // cvode and odeint do not take three that are massless and undamped
 }
 
 TEST(SwitchingLoad, OfAFrontThatMovesThroughTheMeshKeepsThePromise) {

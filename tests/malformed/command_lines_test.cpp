@@ -32,7 +32,7 @@ class MalformedCommandLines : public testing_cli::Command {
 
 // A line is "arguments | part of the message"; # begins a comment. Every one ends with code 2.
 TEST_F(MalformedCommandLines, EndWithCode2AndTheWordsTheyAnnounceAndNothingWritten) {
-  std::istringstream table(testing_cli::content(VISCOBAR_SOURCE_DIR "/tests/malformed/command-lines.txt"));
+  std::istringstream table(read_text(VISCOBAR_SOURCE_DIR "/tests/malformed/command-lines.txt"));
   const auto before = files();
   std::size_t count = 0;
   for (std::string line; std::getline(table, line);) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "support/maximum_norm.hpp"
+#include "support/paper_throw.hpp"
 #include "support/relative_error.hpp"
 #include "viscobar/case/recording.hpp"
 
@@ -15,15 +17,9 @@ namespace {
 using namespace viscobar;
 
 Case two_obstacles(double viscosity, double epsilon, Mass mass) {
-  Case run;
-  run.scene.bar = {1.0, 1.0, 1.0, viscosity};
-  run.scene.left = run.scene.right = Obstacle{0.1};
-  run.scene.displacement = [](double x) { return x * (1 - x); };
-  run.scene.velocity = [](double x) { return -x * (1 - x); };
-  run.elements = 27;
+  Case run = paper_throw(viscosity);
   run.mass = mass;
   run.epsilon = epsilon;
-  run.end = 6.0;
   run.output_every = 0.05;
   return run;
 }

@@ -114,11 +114,9 @@ void common_restitution() {
     }
 }
 
-void joint_limit() {
-  fmt::print(
-      "\n### Joint limit on the consistent mass, undamped penalty, T = 2.4: epsilon = h^3 / 10, dt = h^2 / 50\n\n| "
-      "alpha | elements | epsilon | dt "
-      "| contact changes | difference to (2.8) | order in h |\n|---|---|---|---|---|---|---|\n");
+// Finer meshes at T = 2.4, epsilon = share h^3, dt = h^2 / 50: print(alpha, elements, dt, row, order in h).
+template <class Print>
+void by_mesh(double share, Print print) {
   for (const double alpha : {1.0, 0.1, 0.01}) {
     double previous = 0.0;
     for (const std::size_t elements : {27u, 54u, 108u, 216u}) {
@@ -127,13 +125,23 @@ void joint_limit() {
       scene.elements = elements;
       const double h = scene.mesh().spacing();
       scene.step = h * h / 50;
-      const LimitRow row = study(scene, {h * h * h / 10}).rows[0];
-      fmt::print("| {} | {} | {:.1e} | {:.1e} | {} | {:.2e} | {} |\n", alpha, elements, row.epsilon, *scene.step,
-                 row.events, row.difference_to_scheme,
-                 previous > 0.0 ? fmt::format("{:.2f}", std::log2(previous / row.difference_to_scheme)) : "-");
+      const LimitRow row = study(scene, {share * h * h * h}).rows[0];
+      print(alpha, elements, *scene.step, row,
+            previous > 0.0 ? fmt::format("{:.2f}", std::log2(previous / row.difference_to_scheme)) : "-");
       previous = row.difference_to_scheme;
     }
   }
+}
+
+void joint_limit() {
+  fmt::print(
+      "\n### Joint limit on the consistent mass, undamped penalty, T = 2.4: epsilon = h^3 / 10, dt = h^2 / 50\n\n| "
+      "alpha | elements | epsilon | dt "
+      "| contact changes | difference to (2.8) | order in h |\n|---|---|---|---|---|---|---|\n");
+  by_mesh(1.0 / 10, [](double alpha, std::size_t elements, double step, const LimitRow& row, const std::string& order) {
+    fmt::print("| {} | {} | {:.1e} | {:.1e} | {} | {:.2e} | {} |\n", alpha, elements, row.epsilon, step, row.events,
+               row.difference_to_scheme, order);
+  });
 }
 
 // The plateau itself, epsilon far below what h asks for.
@@ -142,20 +150,9 @@ void plateau_by_mesh() {
       "\n### The plateau by the mesh, T = 2.4: epsilon = h^3 / 1000, dt = h^2 / 50\n\n| alpha | elements | difference "
       "to (2.8) | "
       "order in h |\n|---|---|---|---|\n");
-  for (const double alpha : {1.0, 0.1, 0.01}) {
-    double previous = 0.0;
-    for (const std::size_t elements : {27u, 54u, 108u, 216u}) {
-      Case scene = paper_throw(alpha);
-      scene.end = 2.4;
-      scene.elements = elements;
-      const double h = scene.mesh().spacing();
-      scene.step = h * h / 50;
-      const LimitRow row = study(scene, {h * h * h / 1000}).rows[0];
-      fmt::print("| {} | {} | {:.2e} | {} |\n", alpha, elements, row.difference_to_scheme,
-                 previous > 0.0 ? fmt::format("{:.2f}", std::log2(previous / row.difference_to_scheme)) : "-");
-      previous = row.difference_to_scheme;
-    }
-  }
+  by_mesh(1.0 / 1000, [](double alpha, std::size_t elements, double, const LimitRow& row, const std::string& order) {
+    fmt::print("| {} | {} | {:.2e} | {} |\n", alpha, elements, row.difference_to_scheme, order);
+  });
 }
 
 void impact() {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "support/contact_with_wave.hpp"
+#include "support/paper_throw.hpp"
 #include "viscobar/studies/compare/difference.hpp"
 
 namespace {
@@ -148,13 +149,8 @@ void share_of_the_start(bool both) {
 
 // A bar thrown against both obstacles.
 Case thrown(double alpha, Mass mass, Start start) {
-  Case run;
-  run.scene.bar.viscosity = alpha;
-  run.scene.left = run.scene.right = Obstacle{0.1};
-  run.scene.displacement = [](double x) { return x * (1 - x); };
-  run.scene.velocity = [](double x) { return -x * (1 - x); };
+  Case run = paper_throw(alpha);
   run.mass = mass;
-  run.elements = 27;
   run.end = 3.0;
   run.output_every = 0.01;
   run.method = MethodName::fully_discrete;

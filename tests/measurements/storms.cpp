@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "support/bouncing_bar.hpp"
+#include "support/maximum_norm.hpp"
+#include "support/paper_throw.hpp"
 #include "support/relative_error.hpp"
 #include "viscobar/case/recording.hpp"
 
@@ -23,14 +25,9 @@ struct Setting {
 };
 
 Case chatter(double epsilon) {
-  Case run;
-  run.scene.bar.viscosity = 0.01;
-  run.scene.left = run.scene.right = Obstacle{0.1};
-  run.scene.displacement = [](double x) { return x * (1 - x); };
-  run.scene.velocity = [](double x) { return -x * (1 - x); };
-  run.elements = 27;
+  Case run = paper_throw(0.01);
   run.epsilon = epsilon;
-  run.end = 6.0;
+  run.output_every = 0.1;
   return run;
 }
 

@@ -20,7 +20,7 @@ endif()
 
 run(control dpkg-deb -f ${packages})
 message(STATUS "${control}")
-foreach(field "Package: viscobar" "Section: science" "Depends: " "libc6" "libsundials" "libhdf5" "libmuparser" "libfmt")
+foreach(field "Package: viscobar" "Section: science" "Depends: " "libc6" "libsundials" "libhdf5" "libmuparser" "libfmt" "zlib1g")
   if(NOT control MATCHES "${field}")
     message(FATAL_ERROR "the control file lacks ${field}")
   endif()

@@ -59,11 +59,11 @@ TEST(Energy, WithoutLoadNeverGrowsButByWhatASchemeSays) {
   });
 }
 
-// Steps from a 16th of an element to 16 elements: impacts of Paoli and Schatzman gain in a part of the scenes.
-// scenes.
+// Steps from a 16th of an element to 16 elements: impacts of Paoli and Schatzman gain in one of ten scenes.
 TEST(Energy, OfReboundsGrowsByWhatASchemeSaysAndNeverByMoreausImpact) {
-  int gained = 0;
-  expect_always([&gained] {
+  int tried = 0, gained = 0;
+  expect_always([&] {
+    ++tried;
     Asked asked;
     asked.loads = false;
     asked.methods = {MethodName::fully_discrete, MethodName::finite_difference};
@@ -84,7 +84,7 @@ TEST(Energy, OfReboundsGrowsByWhatASchemeSaysAndNeverByMoreausImpact) {
       gained += gains;
     }
   });
-  EXPECT_GT(gained, 10) << "of 500 scenes; too few to say anything";
+  EXPECT_GE(gained, tried / 50) << "of " << tried << " scenes; too few to say anything";
 }
 
 TEST(Energy, AccountBalancesUnderAnyLoad) {

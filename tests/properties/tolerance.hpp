@@ -4,15 +4,10 @@
 #include <cmath>
 #include <vector>
 
+#include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
 
 namespace viscobar::properties {
-
-inline double largest(const std::vector<double>& values) {
-  double found = 0.0;
-  for (const double value : values) found = std::max(found, std::abs(value));
-  return found;
-}
 
 /// What docs/methods.md promises about the displacement: 100 (relative max|u| + absolute) for an adaptive method. The
 /// others are exact but for rounding: of at most 1e4 steps, each a solve on up to 25 nodes at a condition of up to 1e8

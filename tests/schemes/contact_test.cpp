@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "support/exact_solutions.hpp"
+#include "support/paper_throw.hpp"
 #include "support/run_trace.hpp"
 #include "viscobar/schemes/schemes.hpp"
 
@@ -157,7 +158,6 @@ TEST(FullyDiscreteContact, AFlatFallOnASpanReboundsWithTheRestitutionFromTheObst
             // What is bounded is the mean of two displacements, or the velocity of the step after.
             const double share = impact == Impact::paoli_schatzman ? 2 * restitution : 1.0;
             EXPECT_LE(run.statistics.max_penetration, share * 0.6 * dt * (1 + 1e4 * eps));
-            EXPECT_GE(run.statistics.max_penetration, 0.0);
           }
 }
 
@@ -253,6 +253,7 @@ TEST(FullyDiscreteContact, AnEndUnderTwoObstaclesIsBoundByTheHigherOneAndTellsWh
   const auto run = run_steps(BarSystem(scene, {1.0, 10}, Mass::lumped), 0.01, 20.0);
   EXPECT_EQ(run.u.back().front(), -0.2);
   EXPECT_EQ(run.u.back().back(), -0.3);
+  ASSERT_FALSE(run.events.empty());
   for (const Event& event : run.events) EXPECT_EQ(event.where, event.node == 0 ? Where::left : Where::span);
   EXPECT_GT(run.reaction_right.back(), 0.0);
   // Nodes in contact under the weight carry what the stress does not: the sum of what is held is the whole weight.
@@ -260,11 +261,7 @@ TEST(FullyDiscreteContact, AnEndUnderTwoObstaclesIsBoundByTheHigherOneAndTellsWh
 }
 
 TEST(FullyDiscreteContact, EventsAlternateAtEachNodeInTheOrderOfTime) {
-  Scene scene;
-  scene.bar.viscosity = 0.001;
-  scene.left = scene.right = Obstacle{0.1};
-  scene.displacement = [](double x) { return x * (1 - x); };
-  scene.velocity = [](double x) { return -x * (1 - x); };
+  Scene scene = paper_throw(0.001).scene;
   for (const bool span : {false, true}) {
     if (span) scene.span = Obstacle{0.05};
     for (const double restitution : {0.0, 1.0}) {

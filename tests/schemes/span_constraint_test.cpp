@@ -7,6 +7,9 @@
 #include <numeric>
 #include <random>
 
+#include "support/maximum_norm.hpp"
+#include "support/random_vector.hpp"
+
 namespace viscobar {
 namespace {
 
@@ -30,19 +33,6 @@ SymmetricTridiagonal random_matrix(std::size_t n, Signs signs, double dominance,
   return matrix;
 }
 
-std::vector<double> random_vector(std::size_t n, double scale, std::mt19937& random) {
-  std::uniform_real_distribution<double> uniform(-scale, scale);
-  std::vector<double> x(n);
-  for (double& value : x) value = uniform(random);
-  return x;
-}
-
-double largest(std::span<const double> x) {
-  double value = 0.0;
-  for (const double entry : x) value = std::max(value, std::abs(entry));
-  return value;
-}
-
 // The bounds bitwise, the rows and complementarity to rounding: these conditions have one solution only.
 void expect_solution(const SymmetricTridiagonal& matrix, std::span<const double> b, std::span<const double> bound,
                      std::span<const double> x, std::span<const double> multiplier) {
@@ -64,7 +54,7 @@ TEST(SpanConstraint, FindsTheOneActiveSetOfAllThatFits) {
     const std::size_t n = 1 + random() % 8;
     const double dominance = 0.05;
     const auto matrix = random_matrix(n, static_cast<Signs>(random() % 3), dominance, random);
-    const auto b = random_vector(n, 1.0, random), bound = random_vector(n, 1.0, random);
+    const auto b = random_vector(n, random), bound = random_vector(n, random);
     SpanConstraint constraint(matrix);
     std::vector<double> x(n), multiplier(n);
     constraint.solve(b, bound, x, multiplier);
@@ -106,8 +96,8 @@ TEST(SpanConstraint, EndsFromEveryActiveSetItIsStartedFrom) {
     SpanConstraint constraint(matrix);
     std::vector<double> x(n), multiplier(n);
     for (int problem = 0; problem < 5; ++problem) {
-      const auto b = random_vector(n, 1.0, random);
-      auto bound = random_vector(n, problem % 2 ? 1e3 : 1e-3, random);
+      const auto b = random_vector(n, random);
+      auto bound = random_vector(n, random, problem % 2 ? 1e3 : 1e-3);
       if (problem > 2)  // entries that were held may have no bound now
         for (double& value : bound)
           if (random() % 3 == 0) value = -std::numeric_limits<double>::infinity();
@@ -124,7 +114,7 @@ TEST(SpanConstraint, EndsForPositiveCouplingCloseToSingular) {
     SymmetricTridiagonal matrix;
     matrix.diagonal.assign(n, 1.0 + 1e-6);
     matrix.off_diagonal.assign(n - 1, trial % 2 ? 0.5 : 0.5 * (1.0 - 1e-3));
-    const auto b = random_vector(n, 1.0, random);
+    const auto b = random_vector(n, random);
     const std::vector<double> bound(n, 0.0);
     SpanConstraint constraint(matrix);
     std::vector<double> x(n), multiplier(n);
@@ -161,7 +151,7 @@ TEST(SpanConstraint, NeedsAtMostAPivotAnEntryForAnMMatrix) {
   for (int trial = 0; trial < 500; ++trial) {
     const std::size_t n = 2 + random() % 100;
     const auto matrix = random_matrix(n, Signs::negative, 1e-4, random);
-    const auto b = random_vector(n, 1.0, random), bound = random_vector(n, 1.0, random);
+    const auto b = random_vector(n, random), bound = random_vector(n, random);
     SpanConstraint constraint(matrix);
     std::vector<double> x(n), multiplier(n);
     constraint.solve(b, bound, x, multiplier);
@@ -173,8 +163,8 @@ TEST(SpanConstraint, RestartsFromTheLastActiveSetWithASingleSolveAndNoFactorisat
   std::mt19937 random(5);
   const std::size_t n = 50;
   const auto matrix = random_matrix(n, Signs::any, 0.1, random);
-  auto b = random_vector(n, 1.0, random);
-  const auto bound = random_vector(n, 1.0, random);
+  auto b = random_vector(n, random);
+  const auto bound = random_vector(n, random);
   SpanConstraint constraint(matrix);
   std::vector<double> x(n), multiplier(n);
   constraint.solve(b, bound, x, multiplier);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "support/contact_with_wave.hpp"
+#include "support/maximum_norm.hpp"
 #include "support/paper_throw.hpp"
 #include "viscobar/studies/compare/difference.hpp"
 #include "viscobar/studies/orders/orders.hpp"
@@ -73,6 +74,7 @@ Case thrown(Mass mass, double viscosity, const Grading& ends) {
 // As on uniform meshes (agreement_test): 100 times the tolerance, with the exponential reference.
 TEST(GradedMeshes, AllMethodsOfThePenalisedSystemAgree) {
   constexpr double tolerance = 1e-8;
+  std::size_t compared = 0;
   for (const Mass mass : {Mass::consistent, Mass::lumped, Mass::redistributed})
     for (const double viscosity : {0.0, 0.1})
       for (const Grading& ends : {Grading{8.0, true, true}, Grading{8.0, true, false}, Grading{8.0, false, true}})
@@ -83,17 +85,14 @@ TEST(GradedMeshes, AllMethodsOfThePenalisedSystemAgree) {
           run.method = method;
           run.tolerance = {tolerance, tolerance * 1e-3};
           if (!validate(run).empty()) continue;  // massless nodes without viscosity are not for all
+          ++compared;
           const Recording found = record(run);
-          double largest = 0.0, distance = 0.0;
-          for (std::size_t i = 0; i < found.u.size(); ++i) {
-            largest = std::max(largest, std::abs(reference.u[i]));
-            distance = std::max(distance, std::abs(found.u[i] - reference.u[i]));
-          }
-          EXPECT_LT(distance, 100 * tolerance * (largest + 1e-3))
+          EXPECT_LT(distance(found.u, reference.u), 100 * tolerance * (largest(reference.u) + 1e-3))
               << name(method) << " " << name(mass) << " " << viscosity << " " << ends.left << ends.right;
           EXPECT_EQ(found.events.size(), reference.events.size())
               << name(method) << " " << name(mass) << " " << viscosity << " " << ends.left << ends.right;
         }
+  EXPECT_EQ(compared, 3u * 2 * 3 * 4 - 3 * 2);  // cvode and odeint do not take the redistributed mass undamped
 }
 
 // (2.8) and the limit epsilon = 0 share their semi-discrete system: what is between them is of order 2 in dt, or 1

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/contact_with_wave.hpp"
+#include "support/paper_throw.hpp"
 #include "viscobar/studies/compare/difference.hpp"
 #include "viscobar/testing/examine.hpp"
 
@@ -153,12 +154,7 @@ std::string label(const ::testing::TestParamInfo<MassAndStart>& test) {
 class OrderInDtOfAnImpact : public ::testing::TestWithParam<MassAndStart> {};
 
 Case thrown(Mass mass) {
-  Scene scene;
-  scene.bar.viscosity = 0.01;
-  scene.left = scene.right = Obstacle{0.1};
-  scene.displacement = [](double x) { return x * (1 - x); };
-  scene.velocity = [](double x) { return -x * (1 - x); };
-  Case run = coarse(scene, MethodName::fully_discrete, mass);
+  Case run = coarse(paper_throw(0.01).scene, MethodName::fully_discrete, mass);
   run.elements = 27;
   run.step = 1.0 / 1000;
   return run;

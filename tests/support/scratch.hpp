@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -18,8 +19,9 @@ class Scratch {
  public:
   Scratch() {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::temp_directory_path() /
-            ("viscobar-" + std::to_string(::getpid()) + "-" + test->test_suite_name() + "-" + test->name());
+    std::string name = std::string(test->test_suite_name()) + "-" + test->name();
+    std::ranges::replace(name, '/', '-');
+    path_ = std::filesystem::temp_directory_path() / ("viscobar-" + std::to_string(::getpid()) + "-" + name);
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }

@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +6,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "support/scene_text.hpp"
+#include "support/scratch.hpp"
 #include "sweep/sweep_csv.hpp"
 #include "sweep/sweep_table.hpp"
 #include "viscobar/sweep/sweep.hpp"
@@ -16,36 +17,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* scene = R"([bar]
-length = 1.0
-viscosity = 0.1
-[left]
-kind = "obstacle"
-gap = 0.1
-[initial]
-displacement = 0
-velocity = -1
-[time]
-end = 1.0
-[mesh]
-elements = 9
-[contact]
-epsilon = 1e-3
-)";
+const std::string scene = falling_bar_with({{"mesh.elements", "9"}});
 
 class SweepFileTest : public testing::Test {
  protected:
-  SweepFileTest() {
-    fs::create_directories(folder_);
-    write("scene.toml", scene);
-  }
-  ~SweepFileTest() override { fs::remove_all(folder_); }
+  SweepFileTest() { write("scene.toml", scene); }
 
-  void write(const char* name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+  void write(const char* name, const std::string& text) const { std::ofstream(scratch_ / name) << text; }
 
   SweepFile read(const std::string& text, const std::vector<std::string>& overrides = {}) const {
     write("sweep.toml", text);
-    return read_sweep(folder_ / "sweep.toml", overrides);
+    return read_sweep(scratch_ / "sweep.toml", overrides);
   }
 
   /// "line:column: key: message" of everything wrong.
@@ -67,8 +49,7 @@ class SweepFileTest : public testing::Test {
     return std::get<std::vector<Value>>(sweep.plan.keys.front().values);
   }
 
-  fs::path folder_ = fs::temp_directory_path() / ("viscobar-sweep-" + std::to_string(getpid()) + "-" +
-                                                  testing::UnitTest::GetInstance()->current_test_info()->name());
+  const Scratch scratch_;
 };
 
 TEST_F(SweepFileTest, TakesNamesQuotedDottedOrInATableAlike) {
@@ -164,11 +145,6 @@ TEST_F(SweepFileTest, EverythingWrongIsSaidAtOnceWithItsPlaceAndTheNearestKey) {
       }));
 }
 
-struct Malformed {
-  const char* text;
-  const char* expected;
-};
-
 TEST_F(SweepFileTest, ASceneIsToldFromASweep) {
   try {
     read(scene);
@@ -178,48 +154,6 @@ TEST_F(SweepFileTest, ASceneIsToldFromASweep) {
     EXPECT_NE(error.diagnostics[0].message.find("this is a scene"), std::string::npos) << error.what();
   }
 }
-
-class MalformedSweep : public SweepFileTest, public testing::WithParamInterface<Malformed> {};
-
-TEST_P(MalformedSweep, IsRefused) {
-  const auto found = faults(GetParam().text);
-  ASSERT_FALSE(found.empty()) << GetParam().text;
-  EXPECT_EQ(found.front(), GetParam().expected);
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Files, MalformedSweep,
-    testing::Values(
-        Malformed{"", "1:1: scene: is missing: the scene file, relative to this one"},
-        Malformed{"scene = 3\n[vary]\nbar.length = [1]\n", "1:9: scene: must be a string, is a whole number"},
-        Malformed{"scene = \"scene.toml\"\n",
-                  "2:1: vary: is missing: a table [vary] with a list or a range for each varied key"},
-        Malformed{"scene = \"scene.toml\"\nvary = 3\n", "2:8: vary: must be a table, written [vary]"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\n", "2:1: vary: is empty: nothing varies"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar = 3\n", "3:1: bar: unknown key; known here: title"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = {}\n", "3:14: bar.length: the range lacks from"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = [[1]]\n",
-                  "3:15: bar.length: must be a number, is an array"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = [nan]\n", "3:15: bar.length: must be finite, is nan"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = { from = inf, to = 1, count = 2 }\n",
-                  "3:23: bar.length: from must be a finite number"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = { from = 1, to = 2, count = 0 }\n",
-                  "3:42: bar.length: count must be a whole number from 1 to 1000000"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = { from = 1, to = 2, count = 1 }\n",
-                  "3:42: bar.length: count must be at least 2, for both ends of the range"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = { from = -1, to = 2, count = 4 }\n",
-                  "3:14: bar.length: must be positive, is -1"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nmesh.elements = [1.5]\n",
-                  "3:18: mesh.elements: must be a whole number, written without point or exponent"},
-        Malformed{"scene = \"scene.toml\"\ncombine = \"zip\"\n[vary]\nbar.length = [1, 2]\nbar.density = [1]\n",
-                  "5:15: bar.density: has 1 values where bar.length has 2: zipped keys have the same number"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = { from = 1, to = 2, count = 9999 }\n"
-                  "bar.density = { from = 1, to = 2, count = 9999 }\n",
-                  "5:1: vary: the grid has 99980001 cases, more than 10000000"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\nbar.length = [1",
-                  "3:16: Error while parsing array: encountered end-of-file"},
-        Malformed{"scene = \"scene.toml\"\n[vary]\ninitial.displacement = [-1, \"-1+x\"]\n",
-                  "3:24: initial.displacement: penetrates the obstacle of [left]: u_0(0) = -1 < -gap = -0.1"}));
 
 TEST_F(SweepFileTest, ACombinationThatDoesNotFitIsARowNotAnEnd) {
   const SweepFile sweep = read("scene = \"scene.toml\"\n[vary]\ninitial.displacement = [0, -1]\n");
@@ -258,11 +192,11 @@ TEST_F(SweepFileTest, TheTableGivesBackEveryRowBitForBit) {
   std::vector<SweepRow> rows;
   for (const std::size_t i : {3, 0, 1}) {
     rows.push_back(run_case(sweep.scene_text, case_of(sweep, i)));
-    SweepTable table(folder_ / "sweep.h5", sweep.plan, sweep.identity());  // opened anew for each
+    SweepTable table(scratch_ / "sweep.h5", sweep.plan, sweep.identity());  // opened anew for each
     table.write(rows.back());
     table.commit();
   }
-  const std::vector<SweepRow> back = SweepTable(folder_ / "sweep.h5", sweep.plan, sweep.identity()).read();
+  const std::vector<SweepRow> back = SweepTable(scratch_ / "sweep.h5", sweep.plan, sweep.identity()).read();
   ASSERT_EQ(back.size(), 3u);
   const SweepRow* written[] = {&rows[1], &rows[2], &rows[0]};
   const SweepRow* read_back[] = {&back[0], &back[1], &back[2]};
@@ -295,9 +229,9 @@ TEST_F(SweepFileTest, TheTableOfAnotherSweepIsNotTouched) {
   const std::string head = "scene = \"scene.toml\"\n[vary]\n";
   const SweepFile one = read(head + "bar.viscosity = [0.1, 0.2]\n"),
                   other = read(head + "bar.viscosity = [0.1, 0.3]\n");
-  SweepTable(folder_ / "sweep.h5", one.plan, one.identity()).close();
-  EXPECT_THROW(SweepTable(folder_ / "sweep.h5", other.plan, other.identity()), std::invalid_argument);
-  EXPECT_NO_THROW(SweepTable(folder_ / "sweep.h5", one.plan, one.identity()));
+  SweepTable(scratch_ / "sweep.h5", one.plan, one.identity()).close();
+  EXPECT_THROW(SweepTable(scratch_ / "sweep.h5", other.plan, other.identity()), std::invalid_argument);
+  EXPECT_NO_THROW(SweepTable(scratch_ / "sweep.h5", one.plan, one.identity()));
 }
 
 }  // namespace

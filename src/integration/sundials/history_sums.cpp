@@ -10,43 +10,36 @@ namespace {
 
 constexpr std::size_t highest_order = 12;
 
-template <class Values, std::size_t q, std::size_t rounds, class Load, class Store>
-void cascades(const Load& load, const Store& store) {
+template <class Values, std::size_t q, class Load, class Store>
+void triangle(const Load& load, const Store& store) {
   std::array<Values, q + 1> z;
 #pragma GCC unroll 16
   for (std::size_t j = 0; j <= q; ++j) z[j] = load(j);
 #pragma GCC unroll 16
-  for (std::size_t k = 1; k <= rounds; ++k)
+  for (std::size_t k = 1; k <= q; ++k)
 #pragma GCC unroll 16
     for (std::size_t j = q; j >= k; --j) z[j - 1] += z[j];
 #pragma GCC unroll 16
   for (std::size_t j = 0; j < q; ++j) store(j, z[j]);
 }
 
-template <std::size_t q, std::size_t rounds>
+template <std::size_t q>
 void sum_history(double* const* z, std::size_t n) {
   namespace simd = std::experimental;
   using Pack = simd::native_simd<double>;
   std::size_t i = 0;
   for (; i + Pack::size() <= n; i += Pack::size())
-    cascades<Pack, q, rounds>(
-        [&](std::size_t j) { return Pack(z[j] + i, simd::element_aligned); },
-        [&](std::size_t j, const Pack& value) { value.copy_to(z[j] + i, simd::element_aligned); });
+    triangle<Pack, q>([&](std::size_t j) { return Pack(z[j] + i, simd::element_aligned); },
+                      [&](std::size_t j, const Pack& value) { value.copy_to(z[j] + i, simd::element_aligned); });
   for (; i < n; ++i)
-    cascades<double, q, rounds>([&](std::size_t j) { return z[j][i]; },
-                                [&](std::size_t j, double value) { z[j][i] = value; });
+    triangle<double, q>([&](std::size_t j) { return z[j][i]; }, [&](std::size_t j, double value) { z[j][i] = value; });
 }
 
 using Kernel = void (*)(double* const*, std::size_t);
 
 template <std::size_t... q>
 constexpr std::array<Kernel, sizeof...(q)> triangles(std::index_sequence<q...>) {
-  return {sum_history<q + 1, q + 1>...};
-}
-
-template <std::size_t... q>
-constexpr std::array<Kernel, sizeof...(q)> single_cascades(std::index_sequence<q...>) {
-  return {sum_history<q + 1, 1>...};
+  return {sum_history<q + 1>...};
 }
 
 }  // namespace
@@ -79,15 +72,12 @@ bool HistorySums::is_triangle(std::size_t order) const {
 }
 
 void HistorySums::carry_out() {
-  static constexpr auto orders = std::make_index_sequence<highest_order>{};
-  static constexpr auto triangle = triangles(orders), single = single_cascades(orders);
-  const std::size_t q = cascade();
-  const bool whole = q <= highest_order && is_triangle(q);
-  if (whole || (q <= highest_order && count_ == q)) {
+  static constexpr auto kernels = triangles(std::make_index_sequence<highest_order>{});
+  if (const std::size_t q = cascade(); q <= highest_order && is_triangle(q)) {
     std::array<double*, highest_order + 1> z;
     z[q] = const_cast<double*>(sums_[0].y);  // is read only
     for (std::size_t j = 0; j < q; ++j) z[q - 1 - j] = sums_[j].x;
-    (whole ? triangle : single)[q - 1](z.data(), size_);
+    kernels[q - 1](z.data(), size_);
   } else {
     for (std::size_t k = 0; k < count_; ++k)
       for (std::size_t i = 0; i < size_; ++i) sums_[k].x[i] += sums_[k].y[i];

@@ -7,9 +7,9 @@
 namespace viscobar::sundials {
 
 /// Sums x += y of vectors, put off until somebody looks. CVODE predicts by multiplying its history with Pascal's
-/// triangle, and IDA updates its divided differences by one cascade of it,
+/// triangle,
 ///
-///     for k = 1 ... q (IDA: k = 1):  for j = q ... k:  z_{j-1} += z_j,
+///     for k = 1 ... q:  for j = q ... k:  z_{j-1} += z_j,
 ///
 /// as separate sums, which move three times q (q + 1) / 2 numbers through memory for each entry; in one pass it is
 /// 2 q + 1. The sums are the same and in the same order, so the result is too, to the last bit.

@@ -1,7 +1,9 @@
 #include "report/plot/png.hpp"
 
-#include <algorithm>
+#include <zlib.h>
+
 #include <cassert>
+#include <new>
 #include <string_view>
 
 #include "report/plot/base64.hpp"
@@ -14,55 +16,23 @@ void put(std::string& out, std::uint32_t value) {
   for (const unsigned shift : {24U, 16U, 8U, 0U}) out += static_cast<char>(value >> shift & 0xff);
 }
 
-std::uint32_t crc32(std::string_view bytes) {
-  static const auto table = [] {
-    std::array<std::uint32_t, 256> rows{};
-    for (std::uint32_t i = 0; i < rows.size(); ++i) {
-      std::uint32_t row = i;
-      for (int bit = 0; bit < 8; ++bit) row = (row & 1) ? row >> 1 ^ 0xedb88320U : row >> 1;
-      rows[i] = row;
-    }
-    return rows;
-  }();
-  std::uint32_t crc = ~0U;
-  for (const char byte : bytes) crc = crc >> 8 ^ table[(crc ^ static_cast<unsigned char>(byte)) & 0xff];
-  return ~crc;
-}
-
-std::uint32_t adler32(std::string_view bytes) {
-  std::uint32_t sum = 1, sum_of_sums = 0;
-  for (const char byte : bytes) {
-    sum = (sum + static_cast<unsigned char>(byte)) % 65521;
-    sum_of_sums = (sum_of_sums + sum) % 65521;
-  }
-  return sum_of_sums << 16 | sum;
-}
-
 void put_chunk(std::string& out, std::string_view type, std::string_view content) {
   put(out, static_cast<std::uint32_t>(content.size()));
   const std::size_t begin = out.size();
   out += type;
   out += content;
-  put(out, crc32(std::string_view(out).substr(begin)));
+  const auto* bytes = reinterpret_cast<const Bytef*>(out.data());
+  put(out, static_cast<std::uint32_t>(crc32_z(0, bytes + begin, out.size() - begin)));
 }
 
-// A zlib stream of stored blocks.
-std::string stored(std::string_view bytes) {
-  constexpr std::size_t longest = 0xffff;
-  std::string out = "\x78\x01";
-  const std::uint32_t check = adler32(bytes);
-  do {
-    const std::string_view block = bytes.substr(0, longest);
-    bytes.remove_prefix(block.size());
-    const auto size = static_cast<unsigned>(block.size());
-    out += bytes.empty() ? '\x01' : '\x00';
-    for (const unsigned word : {size, ~size}) {
-      out += static_cast<char>(word & 0xff);
-      out += static_cast<char>(word >> 8 & 0xff);
-    }
-    out += block;
-  } while (!bytes.empty());
-  put(out, check);
+// A zlib stream.
+std::string compressed(std::string_view bytes) {
+  std::string out(compressBound(bytes.size()), '\0');
+  uLongf size = out.size();
+  if (compress(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
+               bytes.size()) != Z_OK)
+    throw std::bad_alloc();  // the only failure with room for the bound
+  out.resize(size);
   return out;
 }
 
@@ -85,7 +55,7 @@ std::string png_data_uri(std::size_t width, std::size_t height, std::span<const 
   std::string png = "\x89PNG\r\n\x1a\n";
   put_chunk(png, "IHDR", header);
   put_chunk(png, "PLTE", colours);
-  put_chunk(png, "IDAT", stored(rows));
+  put_chunk(png, "IDAT", compressed(rows));
   put_chunk(png, "IEND", {});
   return "data:image/png;base64," + base64(png);
 }

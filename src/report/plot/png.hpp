@@ -10,8 +10,7 @@
 
 namespace viscobar::plot {
 
-/// An image of palette indices (rows from the top, width * height of them) as a data: URI. Not compressed: a picture in
-/// a report has some 10^5 pixels.
+/// An image of palette indices (rows from the top, width * height of them) as a data: URI.
 std::string png_data_uri(std::size_t width, std::size_t height, std::span<const Colour, 256> palette,
                          std::span<const std::uint8_t> pixels);
 
