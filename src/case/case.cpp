@@ -34,6 +34,17 @@ Penalty penalty(const Case& run) { return {run.epsilon.value_or(1.0), run.restit
 
 Odeint odeint(const Case& run) { return {penalty(run), run.tolerance, run.stepper, run.step}; }
 
+MethodName automatic_method(const Case& run) {
+  const bool ends = is_obstacle(run.scene.left) || is_obstacle(run.scene.right);
+  if (ends && !run.scene.span && !run.epsilon) return MethodName::rigid;
+  const bool massless = ends && run.mass == Mass::redistributed;
+  return run.scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode;
+}
+
+std::string method_words(const Case& run) {
+  return std::string(name(run.method)) + (run.automatic ? ", chosen for the scene" : "");
+}
+
 MethodName penalised_method(const Case& run) {
   Case study = run;
   if (!is_penalised(study.method)) study.method = MethodName::cvode;

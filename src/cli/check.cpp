@@ -47,7 +47,7 @@ std::string contact_kind(const Case& run) {
 }
 
 std::string method_text(const Case& run, const BarSystem& system) {
-  if (run.method != MethodName::odeint) return std::string(viscobar::name(run.method));
+  if (run.method != MethodName::odeint) return method_words(run);
   const OdeintPlan what = plan(system, run.end, odeint(run));
   return fmt::format("odeint, {}{}", viscobar::name(what.stepper),
                      what.least_steps > 1e4 ? fmt::format(", at least {:.1e} steps", what.least_steps) : "");
@@ -167,6 +167,7 @@ int CheckCommand::operator()() const {
   Json json;
   json["title"] = run.scene.title;
   json["method"] = viscobar::name(run.method);
+  json["method_requested"] = run.automatic ? automatic : viscobar::name(run.method);
   if (run.method == MethodName::odeint) json["stepper"] = viscobar::name(plan(system, run.end, odeint(run)).stepper);
   json["nodes"] = system.mesh().nodes();
   json["unknown_nodes"] = system.size();

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 std::string table(const Case& run, const Outcome& outcome, const fs::path& directory) {
   std::string text = heading(run.scene.title, "Run") + "\n";
-  text += row("method", name(run.method));
+  text += row("method", method_words(run));
   if (outcome.ending == Ending::completed)
     text += row("simulated time", fmt::format("{:.6g}", outcome.reached_time));
   else

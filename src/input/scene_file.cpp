@@ -73,7 +73,8 @@ Case case_of(const SceneEntries& entries) {
   run.mass = chosen("mesh.mass", all_masses, Mass::consistent);
   run.epsilon = entries.number("contact.epsilon");
   run.restitution = entries.number("contact.restitution");
-  run.method = chosen("method.name", all_methods, MethodName::cvode);
+  run.automatic = entries.text("method.name").value_or(std::string(automatic)) == automatic;
+  run.method = run.automatic ? automatic_method(run) : chosen("method.name", all_methods, MethodName::cvode);
   const bool local = entries.text("method.error_control") == "local";
   run.tolerance = {number("method.relative_tolerance", 1e-6), number("method.absolute_tolerance", 1e-9),
                    local ? ErrorControl::local : ErrorControl::global};
@@ -135,7 +136,11 @@ std::vector<Finding> check_load_values(const SceneEntries& entries, const Mesh& 
 
 Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
   Case run = case_of(entries);
-  if (adapt) adapt(run);
+  if (adapt) {
+    const MethodName before = run.method;
+    adapt(run);
+    run.automatic = run.automatic && run.method == before;
+  }
   for (const Finding& finding : validate(run, entries.faulty_keys())) entries.report(finding.key, finding.problem);
   for (const Finding& finding : check_load_values(entries, run.mesh())) entries.report(finding.key, finding.problem);
   return run;
@@ -159,7 +164,7 @@ std::string describe(const SceneEntries& entries, const Case& run) {
     else
       value = *entries.number(key.name);
   }
-  table("method")["name"] = name(run.method);
+  table("method")["name"] = run.automatic ? automatic : name(run.method);
   table("output")["every"] = run.output_every;
   return json.dump(2);
 }

@@ -77,7 +77,7 @@ constexpr SceneKey rows[] = {
     {"contact.epsilon", number, optional, "", "length / stress", "reaction = penetration / epsilon; penalised methods need it where there is an obstacle", positive},
     {"contact.restitution", number, optional, "", "1", "restitution of a node; absent: undamped spring in penalised methods, implicit constraint in the others", {0.0, 1.0, "0 to 1"}},
 
-    {"method.name", choice, optional, "\"cvode\"", "", "how the scene is integrated"},
+    {"method.name", choice, optional, "\"automatic\"", "", "how the scene is integrated"},
     {"method.relative_tolerance", number, optional, "1e-6", "1", "adaptive methods: error allowed, relative to the largest displacement and velocity", {smallest, 0.1, "> 0, <= 0.1"}},
     {"method.absolute_tolerance", number, optional, "1e-9", "length", "adaptive methods: error always allowed; the same number serves the velocity", positive},
     {"method.error_control", choice, optional, "\"global\"", "", "what the tolerances bound: the error of the solution, or that of each step", {}, controls},
@@ -103,8 +103,14 @@ std::vector<Choice> choices_of(const Rows& rows_of_all, Word word) {
 
 std::span<const Choice> own_choices(std::string_view key) {
   static const auto masses = choices_of(all_masses, [](Mass mass) { return Choice{name(mass), meaning(mass)}; });
-  static const auto words = [](const auto& row) { return Choice{row.name, row.meaning}; };
-  static const auto methods = choices_of(method_table(), words), ends = choices_of(end_kinds, words);
+  static constexpr auto words = [](const auto& row) { return Choice{row.name, row.meaning}; };
+  static const auto ends = choices_of(end_kinds, words);
+  static const auto methods = [] {
+    auto all = choices_of(method_table(), words);
+    all.insert(all.begin(),
+               {automatic, "the method that suits the scene best, one for the whole run; summary.json names it"});
+    return all;
+  }();
   if (key == "mesh.mass") return masses;
   return key == "method.name" ? methods : ends;
 }

@@ -38,7 +38,7 @@ constexpr Example examples[] = {
     {"mesh.mass", "\"redistributed\""},
     {"contact.epsilon", "1e-6"},
     {"contact.restitution", "0.0", not_set},
-    {"method.name", "\"cvode\""},
+    {"method.name", "\"automatic\""},
     {"method.step", "1e-3", not_set},
     {"output.every", "0.01"},
 };

@@ -79,6 +79,10 @@ Table vocabulary_table(Vocabulary vocabulary) {
     case Vocabulary::methods:
       table.header = {"method", "obstacle", "accuracy by", "what it is"};
       for (const auto& [word, meaning] : find_scene_key("method.name")->choices) {
+        if (word == automatic) {
+          table.rows.push_back({code(word), "as the method chosen", "tolerances", std::string(meaning)});
+          continue;
+        }
         const MethodName method = method_named(word);
         table.rows.push_back({code(word), std::string(obstacle_words(method)), std::string(accuracy_words(method)),
                               std::string(meaning)});
@@ -105,6 +109,10 @@ std::string vocabulary_json(Vocabulary vocabulary) {
   switch (vocabulary) {
     case Vocabulary::methods:
       for (const auto& [word, meaning] : find_scene_key("method.name")->choices) {
+        if (word == automatic) {
+          json.push_back({{"method", word}, {"meaning", meaning}});
+          continue;
+        }
         const MethodName method = method_named(word);
         json.push_back({{"method", word},
                         {"penalised", is_penalised(method)},

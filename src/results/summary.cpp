@@ -64,6 +64,7 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
   Json json = Json::object();
   json["title"] = scene.run.scene.title;
   json["method"] = name(scene.run.method);
+  json["method_requested"] = scene.run.automatic ? automatic : name(scene.run.method);
   json["completed"] = outcome.ending == Ending::completed;
   json["ending"] = name(outcome.ending);
   json["error"] = outcome.error.empty() ? Json(nullptr) : Json(outcome.error);

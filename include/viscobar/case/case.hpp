@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -32,6 +33,7 @@ struct Case {
   std::optional<double> restitution;  ///< absent: an undamped spring in the penalty, the implicit constraint in (2.8)
 
   MethodName method = MethodName::cvode;    ///< how it is integrated
+  bool automatic = false;                   ///< method was asked to be automatic_method(): for what tells of the run
   Tolerance tolerance;                      ///< of adaptive methods
   Formulas formulas = Formulas::automatic;  ///< of cvode
   Stepper stepper = Stepper::automatic;     ///< of odeint
@@ -57,6 +59,22 @@ struct Case {
 /// `faulty` are keys known to be wrong already: neither they nor what could only be judged by them is reported. Their
 /// values need not make sense, but those of bar.length and mesh.elements must be ones of a mesh.
 std::vector<Finding> validate(const Case& run, const std::vector<std::string>& faulty = {});
+
+/// The word of a scene file for it.
+inline constexpr std::string_view automatic = "automatic";
+
+/// The method for a case that names none, whatever its own is:
+///
+///     obstacles and no epsilon                    rigid, where there is no span obstacle
+///     viscosity, or contact nodes without mass    arkode, which passes over what is stiff by L-stable formulas
+///     else                                        cvode, whose Adams formulas of order up to 12 follow oscillations
+///     best
+///
+/// Measured in docs/speed.md.
+MethodName automatic_method(const Case& run);
+
+/// What to call the method of a run: its name, with "automatic" where it was asked to be chosen.
+std::string method_words(const Case& run);
 
 /// The penalised method that a study of a case takes: the case's own, or cvode for one that does not penalise, and ida
 /// where that one cannot take the scene (massless contact nodes without viscosity).

@@ -19,7 +19,7 @@ std::string seconds(double value) { return readable(value, 3) + " s"; }
 
 std::string numbers(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data) {
   Numbers all;
-  all.add("Method", std::string(name(run.method)));
+  all.add("Method", method_words(run));
   if (is_adaptive(run.method))
     all.add("Tolerances", readable(run.tolerance.relative),
             "relative, " + readable(run.tolerance.absolute) + " absolute");
