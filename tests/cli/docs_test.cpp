@@ -105,10 +105,10 @@ constexpr struct {
 /// The pages of docs/ and its folders, the README and CONTRIBUTING, relative to the source directory.
 std::vector<testing_cli::fs::path> all_pages() {
   namespace fs = testing_cli::fs;
-  std::vector<fs::path> pages = {"README.md", "CONTRIBUTING.md"};
+  std::vector<fs::path> all = {"README.md", "CONTRIBUTING.md"};
   for (const auto& entry : fs::recursive_directory_iterator(VISCOBAR_SOURCE_DIR "/docs"))
-    if (entry.path().extension() == ".md") pages.push_back(fs::relative(entry.path(), VISCOBAR_SOURCE_DIR));
-  return pages;
+    if (entry.path().extension() == ".md") all.push_back(fs::relative(entry.path(), VISCOBAR_SOURCE_DIR));
+  return all;
 }
 
 TEST(Pages, HaveNoCommandThatNothingRuns) {
@@ -200,6 +200,18 @@ TEST(Pages, HaveNoLinkThatLeadsNowhere) {
     }
   }
   EXPECT_GT(seen, 100u);
+}
+
+/// Words of the code, which the manual says in plain English; quotations of code and links are left out.
+TEST(Pages, OfTheManualUseNoWordsThatOnlyTheCodeKnows) {
+  const std::regex of_the_code("\\b(storm|lane|triad|referee)s?\\b", std::regex::icase);
+  const std::regex quoted("`[^`]*`|\\[[^\\]]*\\]\\([^)]*\\)");
+  for (const auto& file : all_pages()) {
+    if (file.string().starts_with("docs/internals/") || file == "CONTRIBUTING.md") continue;
+    std::istringstream lines(content(testing_cli::fs::path(VISCOBAR_SOURCE_DIR) / file));
+    for (std::string line; std::getline(lines, line);)
+      EXPECT_FALSE(std::regex_search(std::regex_replace(line, quoted, ""), of_the_code)) << file << ": " << line;
+  }
 }
 
 }  // namespace
