@@ -77,7 +77,7 @@ Table vocabulary_table(Vocabulary vocabulary) {
   Table table;
   switch (vocabulary) {
     case Vocabulary::methods:
-      table.header = {"method", "obstacle", "accuracy by", "what it is"};
+      table.header = {"method", "obstacle", "accuracy by", "meaning"};
       for (const auto& [word, meaning] : find_scene_key("method.name")->choices) {
         const MethodName method = method_named(word);
         table.rows.push_back({code(word), std::string(obstacle_words(method)), std::string(accuracy_words(method)),
@@ -85,7 +85,7 @@ Table vocabulary_table(Vocabulary vocabulary) {
       }
       break;
     case Vocabulary::masses:
-      table.header = {"mass", "what it is"};
+      table.header = {"mass", "meaning"};
       for (const auto& [word, meaning] : find_scene_key("mesh.mass")->choices)
         table.rows.push_back({code(word), std::string(meaning)});
       break;
