@@ -21,14 +21,13 @@ namespace viscobar {
 ///   - in an event storm. It begins every leg at order one with a step to match, and where legs are short it never gets
 ///     to what it is good at; a one-step method has no history that a contact change could cost it. So once the last
 ///     `legs` legs were short on average, until a leg is long again. Where that proves dearer than what it replaces, as
-///     at tight tolerances, which are the affair of high orders, it is not done again. Measured in
-///     docs/internals/storms.md.
+///     at tight tolerances, which are the affair of high orders, it is not done again. Measured in docs/storms.md.
 ///   - at rest. A contact that stays closed does not bounce, and its spring dies out. Yet Adams' formulas have to
 ///     resolve it for stability, and backward differentiation of order 3 to 5 is unstable near the imaginary axis,
 ///     where the spring is: it keeps an oscillation of the size of the tolerance alive for ever. ARKODE's formulas are
 ///     L-stable. They are tried on a leg once it has cost ten times what a trial does and its steps still resolve the
 ///     spring, keep it if their first steps lead further at their price, and are tried again after twice as many
-///     steps otherwise. Measured in docs/internals/storms.md, too.
+///     steps otherwise. Measured in docs/storms.md, too.
 template <class Multistep>
 class RelievedStepper {
  public:
