@@ -1,4 +1,4 @@
-// A scheme of one's own before its referees: central differences in space and Boost.Odeint's dopri5 in time.
+// A scheme of one's own compared with built-in methods: central differences in space and Boost.Odeint's dopri5 in time.
 //
 //     rho u_tt - E u_xx - eta u_xxt = f,    at an obstacle  R = (-(u + gap))_+ / epsilon
 //

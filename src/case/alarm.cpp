@@ -43,22 +43,22 @@ std::vector<Alarm> alarms(const Case& run, const BarSystem& system, const Statis
                        energy.balance_error(), sound, largest),
            !(off <= 0.01 * largest)});
     if (energy.dissipated < -sound)
-      all.push_back({fmt::format("energy grew with nothing working: {:.2g} was dissipated", energy.dissipated),
+      all.push_back({fmt::format("energy grew without a cause: the dissipated energy is {:.2g}", energy.dissipated),
                      energy.dissipated < -0.01 * largest});
     if (energy.work == 0.0 && run.epsilon && is_penalised(run.method) && !system.contacts().empty()) {
       const double softest = std::ranges::min(system.contacts(), {}, &Contact::weight).weight / *run.epsilon;
       const double deepest = std::sqrt(2.0 * (energy.initial + sound) / softest);
       if (statistics.max_penetration > deepest)
         all.push_back(
-            {fmt::format(
-                 "a penetration of {:.3g} is deeper than all the energy of the bar can press the spring, {:.3g}",
-                 statistics.max_penetration, deepest),
+            {fmt::format("a penetration of {:.3g} is deeper than the energy of the bar can press the spring, {:.3g}",
+                         statistics.max_penetration, deepest),
              true});
     }
   }
   if (const LateOpening& late = statistics.late_opening; late.ratio > late_opening_limit)
     all.push_back(
-        {fmt::format("the contact that opens at t = {:.9g} pulls {:.2g} times as much there as the tolerances explain",
+        {fmt::format("the contact that opens at t = {:.9g} still pulls then, {:.2g} times as much as the tolerances "
+                     "explain",
                      late.time, late.ratio),
          late.ratio > 10.0 * late_opening_limit});
   return all;

@@ -22,7 +22,7 @@ struct Alarm {
 ///
 ///   E the largest of its terms; of `exponential`, beyond 1e-9 E. Ruinous beyond a hundredth of E. The schemes close
 ///   their balance by definition, and steps of fixed size promise nothing.
-/// - Something dissipated that is negative by more than that: energy grew with nothing working.
+/// - A dissipated energy that is negative by more than that: energy grew without a cause.
 /// - A penetration deeper than all the energy there was could press its spring, d^2 k / 2 > E, where no load works.
 ///   Ruinous.
 /// - An opening with a pull left, LateOpening::ratio > 10, ruinous above 100.

@@ -58,7 +58,7 @@ void check_massless(const Case& run, Findings& findings) {
   const std::size_t needed = 1 + static_cast<std::size_t>(left) + static_cast<std::size_t>(right);
   if (scene.span && run.mass == Mass::redistributed)
     findings.report("mesh.mass",
-                    "\"redistributed\" cannot serve a span obstacle: every node is a contact node "
+                    "\"redistributed\" does not fit a span obstacle: every node is a contact node "
                     "and must keep its mass; use \"consistent\" or \"lumped\"");
   else if (!scene.span && run.elements < needed)
     findings.report("mesh.elements", fmt::format("mass \"redistributed\" needs at least {} elements here", needed));
@@ -80,8 +80,8 @@ void check_memory(const Case& run, Findings& findings) {
   if (need > limit)
     findings.report(
         "mesh.elements",
-        fmt::format("{} on {} elements would need {:.3g} GB of memory, here are {:.3g}; take fewer{}", name(run.method),
-                    run.elements, need / 1e9, limit / 1e9,
+        fmt::format("{} on {} elements would need {:.3g} GB of memory, but only {:.3g} are available; take fewer{}",
+                    name(run.method), run.elements, need / 1e9, limit / 1e9,
                     run.method == MethodName::exponential ? ", or another method: its matrices are dense" : ""));
 }
 

@@ -50,11 +50,10 @@ std::string chatter_warning(const Case& run, const BarSystem& system, const Chat
       regime && regime->damping_ratio ? fmt::format(", damping ratio zeta = {:.3g}", *regime->damping_ratio) : "";
   const std::string remedies = chatter_remedies(run, regime, chatter.where);
   return fmt::format(
-      "chatter: {} closed {} times from t = {:.6g} to {:.6g}, within less time than a wave needs to cross the bar and "
-      "come back, so its node rebounds by itself and not with the bar{}; every bounce is followed and counted, which "
-      "costs steps{}{}",
+      "chatter: {} closed {} times from t = {:.6g} to {:.6g}, faster than a wave crosses the bar and returns: its node "
+      "rebounds by itself{}; every bounce is computed, which costs steps{}{}",
       place, ChatterWatch::closings, chatter.since, chatter.until, ratio,
-      remedies.empty() ? "" : "; what helps: ", remedies);
+      remedies.empty() ? "" : "; remedies: ", remedies);
 }
 
 }  // namespace viscobar

@@ -13,7 +13,7 @@ namespace viscobar {
 namespace {
 
 // All constants, and the seconds in the table of methods, are fits to tests/measurements/sweep.cpp, whose table in
-// docs/sweep.md says how good they are.
+// docs/internals/sweep-balance.md says how good they are.
 constexpr double start_seconds = 3e-4;  // reading, building the system
 
 // int min(c/h, E/eta, c sqrt(2 rho / (eta t))) dt over [0, T]

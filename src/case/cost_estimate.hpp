@@ -4,8 +4,8 @@
 
 namespace viscobar {
 
-/// About how long a sound case takes, in seconds of the machine that docs/sweep.md names. Made for deciding which of
-/// several cases to begin with; docs/sweep.md says how good it is.
+/// About how long a sound case takes, in seconds. Decides which of several cases to begin with.
+/// docs/internals/sweep-balance.md names the machine and has the errors of the estimate.
 ///
 ///     seconds = start + steps (a + b nodes)
 ///

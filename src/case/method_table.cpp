@@ -109,7 +109,7 @@ void refuse_finite_difference(const Case& run, Findings& findings) {
                     "fully_discrete with the mass \"lumped\"");
 }
 
-// The seconds are fits to tests/measurements/sweep.cpp; its table in docs/sweep.md says how good they are.
+// The seconds are fits to tests/measurements/sweep.cpp; the table in docs/internals/sweep-balance.md has their errors.
 constexpr StepSeconds multistep{1.6e-6, 12e-9}, scheme{0.18e-6, 1.3e-9};
 
 // clang-format off

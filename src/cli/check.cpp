@@ -66,18 +66,17 @@ std::string advice(const Case& run, const ContactRegime& regime) {
                                          span ? "nodes rebound" : "end node rebounds", *regime.damping_ratio);
   if (run.restitution)
     return fmt::format(
-        "{}, and so do the fully discrete scheme's under the same contact.restitution = {}: the two "
-        "share one limit as epsilon goes to 0, with chatter; contact.restitution = 0 takes the chatter "
-        "away",
+        "{}, and so do those of the fully discrete scheme with the same contact.restitution = {}: the two share one "
+        "limit as epsilon goes to 0, but the nodes chatter; contact.restitution = 0 prevents the chatter",
         bounce, *run.restitution);
   if (span)
     return bounce +
-           ", and the fully discrete scheme's do not: as epsilon goes to 0 the difference to it has a plateau; "
+           ", and those of the fully discrete scheme do not: as epsilon goes to 0 the difference has a plateau; "
            "contact.restitution = 0 makes the two agree";
   return fmt::format(
-      "{}, so chatter is expected, whose every bounce costs steps, and as epsilon goes to 0 a plateau in the "
-      "difference "
-      "to the fully discrete scheme; what helps: {}",
+      "{}: chatter is expected, and every bounce costs steps; as epsilon goes to 0 the difference to the fully "
+      "discrete "
+      "scheme has a plateau; remedies: {}",
       bounce, chatter_remedies(run, regime, regime.where));
 }
 
@@ -153,7 +152,7 @@ std::string to_text(const ContactRegime& regime) {
 }  // namespace
 
 CheckCommand::CheckCommand(CLI::App& app)
-    : Command(app, "check", "Validate a scene and say what model it needs"), scene_(command_) {}
+    : Command(app, "check", "Validate a scene, describe its model and predict its first impacts"), scene_(command_) {}
 
 int CheckCommand::operator()() const {
   const SceneFile scene = scene_.read();

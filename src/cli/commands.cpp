@@ -38,10 +38,10 @@ SceneFile SceneOptions::read(const std::vector<std::string>& defaults, const std
 
 OutputOptions::OutputOptions(CLI::App& command) {
   command
-      .add_option("-o,--output", where,
-                  "Where the results go; an earlier result there is replaced when the new one is whole (default: the "
-                  "scene's name with "
-                  "\".out\", in the working directory)")
+      .add_option(
+          "-o,--output", where,
+          "Directory of the results; an earlier result there is replaced when the new one is complete (default: the "
+          "scene's name with \".out\", in the working directory)")
       ->type_name("DIR");
   command.add_flag("--quiet", quiet, "Print nothing but errors");
 }

@@ -30,7 +30,7 @@ void check_memory(const Case& run, std::size_t methods) {
 }  // namespace
 
 CompareCommand::CompareCommand(CLI::App& app)
-    : Command(app, "compare", "Run a scene by several methods and tell their differences"),
+    : Command(app, "compare", "Run a scene by several methods and report their differences"),
       scene_(command_),
       output_(command_) {
   command_

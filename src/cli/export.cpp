@@ -11,9 +11,13 @@ namespace viscobar::cli {
 
 ExportCommand::ExportCommand(CLI::App& app)
     : Command(app, "export", "Write the field and the end traces of a run as CSV or NumPy arrays") {
-  command_.add_option("directory", directory_, "Where `viscobar run` put its results")->required()->type_name("DIR");
+  command_.add_option("directory", directory_, "The directory of results of `viscobar run`")
+      ->required()
+      ->type_name("DIR");
   command_.add_option("--format", format_, "Of the files")->type_name("csv|npy")->capture_default_str();
-  command_.add_option("-o,--output", where_, "Where they go; what is there is replaced (default: DIR/csv or DIR/npy)")
+  command_
+      .add_option("-o,--output", where_,
+                  "Directory of the files; an earlier export there is replaced (default: DIR/csv or DIR/npy)")
       ->type_name("DIR");
   command_.add_flag("--quiet", quiet_, "Print nothing but errors");
 }

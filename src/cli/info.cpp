@@ -5,10 +5,8 @@
 namespace viscobar::cli {
 
 InfoCommand::InfoCommand(CLI::App& app)
-    : Command(app, "info", "Say what is in a directory of results, or in one summary of it") {
-  command_
-      .add_option("directory", directory_,
-                  "Where a command put its results, or a file there: summary.json, sweep.h5, ...")
+    : Command(app, "info", "List the contents of a directory of results, or of one summary") {
+  command_.add_option("directory", directory_, "A directory of results, or a file in it: summary.json, sweep.h5, ...")
       ->required()
       ->type_name("DIR");
   command_.add_flag("--verify", verify_,

@@ -108,9 +108,9 @@ void show_status(std::string_view what) { put(stderr, fmt::format("\r\033[K{}", 
 void MessageOptions::add_to(CLI::App& command) {
   command
       .add_option("--log", log,
-                  "Append to FILE, a log or not yet there, what is done, and every message, with the time")
+                  "Append every action and message with its time to FILE, a new file or a log of viscobar")
       ->type_name("FILE");
-  command.add_flag("-v,--verbose", verbose, "Say more on standard error: what is read, contact changes as they come");
+  command.add_flag("-v,--verbose", verbose, "Print more on standard error: files read, contact changes as they happen");
 }
 
 void MessageOptions::begin(int argc, char** argv) const {

@@ -30,7 +30,8 @@ void create_new(const std::string& file) {
 }  // namespace
 
 NewCommand::NewCommand(CLI::App& app) : Command(app, "new", "Write a commented scene to start from") {
-  command_.add_option("file", file_, "Where it goes; it must not exist (default: standard output)")->type_name("FILE");
+  command_.add_option("file", file_, "The new file, which must not exist (default: standard output)")
+      ->type_name("FILE");
 }
 
 int NewCommand::operator()() const {

@@ -36,8 +36,8 @@ void check_lists(const PrecisionStudy& study) {
 
 PrecisionCommand::PrecisionCommand(CLI::App& app)
     : Command(app, "precision",
-              "Measure speed against error for the methods that fit the scene, and what the "
-              "error consists of: space, penalty, time"),
+              "Measure time against error for the methods that fit the scene, and split the error into space, penalty "
+              "and time"),
       scene_(command_),
       output_(command_) {
   command_.add_option("--methods", methods_, "The methods (default: all that fit the scene)")

@@ -144,7 +144,7 @@ int RunCommand::operator()() const {
 }
 
 ResumeCommand::ResumeCommand(CLI::App& app)
-    : Command(app, "resume", "Go on with a run that was stopped, from its last checkpoint, as if it had not been") {
+    : Command(app, "resume", "Continue a run that was stopped, from its last checkpoint") {
   command_.add_option("directory", directory_, "Where the run put its results")->required()->type_name("DIR");
   command_.add_flag("--json", json_, "Print one JSON document on standard output, and nothing else there");
   command_.add_flag("--quiet", quiet_, "Print nothing but errors");

@@ -104,14 +104,16 @@ SweepCommand::SweepCommand(CLI::App& app)
       ->type_name("SWEEP");
   command_.get_option("--output")
       ->description(
-          "Where the rows go; those that are there of the same sweep are kept (default: the sweep's name with "
-          "\".out\", in "
+          "Directory of the rows; finished rows of the same sweep are kept (default: the sweep's name with \".out\", "
+          "in "
           "the working directory)");
   command_.add_option("--set", overrides_, "Replace a value of the scene in all cases (repeatable)")
       ->type_name("TABLE.KEY=VALUE")
       ->allow_extra_args(false);
   command_.add_flag("--json", json_, "Print one JSON document on standard output, and nothing else there");
-  command_.add_option("--threads", threads_, "Cases at a time (default: one a core); under mpirun each rank runs one")
+  command_
+      .add_option("--threads", threads_,
+                  "Number of simultaneous cases (default: one a core); under mpirun each rank runs one")
       ->type_name("N")
       ->check(CLI::Range(1, 4096));
 }

@@ -81,7 +81,7 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(me
   const bool redistributed = mass == Mass::redistributed;
   if (redistributed && scene.span)
     throw std::invalid_argument(
-        "mass \"redistributed\" cannot serve a span obstacle: every node is a contact node and must keep its mass");
+        "mass \"redistributed\" does not fit a span obstacle: every node is a contact node and must keep its mass");
   massless_left_ = redistributed && left.gap;
   massless_right_ = redistributed && right.gap;
   if (!mesh.uniform())

@@ -36,11 +36,11 @@ constexpr Choice starts[] = {
 };
 constexpr Choice impacts[] = {
     {"paoli_schatzman", "(u^{n+1} + e u^{n-1}) / (1 + e) is bounded"},
-    {"moreau", "the velocity after is, which never gives energy"},
+    {"moreau", "the velocity after an impact is bounded, which never gives energy"},
 };
 constexpr Choice controls[] = {
     {"global", "the error of the solution"},
-    {"local", "that of each step"},
+    {"local", "the error of each step"},
 };
 constexpr Choice formulas[] = {
     {"automatic", "chosen leg by leg, by the bar's stiffness"},
@@ -57,9 +57,9 @@ constexpr SceneKey rows[] = {
     {"bar.modulus", number, optional, "1.0", "stress", "E", positive},
     {"bar.viscosity", number, optional, "0.0", "stress x time", "eta, the paper's alpha; 0 means that no damping term exists", not_negative},
 
-    {"left.kind", choice, required_in_table, "\"free\"", "", "what holds the end at x = 0"},
-    {"right.kind", choice, required_in_table, "\"free\"", "", "what holds the end at x = L"},
-    {"span.gap", number, required_in_table, "", "length", "u(x,t) >= -gap along the whole bar; without the table there is no such obstacle", not_negative},
+    {"left.kind", choice, required_in_table, "\"free\"", "", "condition at the end x = 0"},
+    {"right.kind", choice, required_in_table, "\"free\"", "", "condition at the end x = L"},
+    {"span.gap", number, required_in_table, "", "length", "u(x,t) >= -gap along the whole bar; without this table there is no such obstacle", not_negative},
 
     {"initial.displacement", formula, required, "", "length", "u_0", {}, {}, "x"},
     {"initial.velocity", formula, required, "", "length / time", "u_1", {}, {}, "x"},
@@ -71,21 +71,21 @@ constexpr SceneKey rows[] = {
     {"time.end", number, required, "", "time", "T, the end of the run, which begins at t = 0", positive},
 
     {"mesh.elements", count, required, "", "1", "number of elements of equal length", {1.0, 1e8, "1 to 1e8"}},
-    {"mesh.grading", number, optional, "1", "1", "size of the elements away from an obstacle to that at it, towards which they shrink", {1.0, 1e6, "1 to 1e6"}},
+    {"mesh.grading", number, optional, "1", "1", "ratio of the largest element to the smallest; elements shrink towards obstacles", {1.0, 1e6, "1 to 1e6"}},
     {"mesh.mass", choice, optional, "\"consistent\"", "", "mass matrix"},
 
     {"contact.epsilon", number, optional, "", "length / stress", "reaction = penetration / epsilon; penalised methods need it where there is an obstacle", positive},
-    {"contact.restitution", number, optional, "", "1", "restitution of a node; absent: undamped spring in penalised methods, implicit constraint in the others", {0.0, 1.0, "0 to 1"}},
+    {"contact.restitution", number, optional, "", "1", "restitution of a contact node; absent: undamped spring in penalised methods, implicit constraint in the others", {0.0, 1.0, "0 to 1"}},
 
-    {"method.name", choice, optional, "\"automatic\"", "", "how the scene is integrated"},
+    {"method.name", choice, optional, "\"automatic\"", "", "method of time integration"},
     {"method.relative_tolerance", number, optional, "1e-6", "1", "adaptive methods: error allowed, relative to the largest displacement and velocity", {smallest, 0.1, "> 0, <= 0.1"}},
-    {"method.absolute_tolerance", number, optional, "1e-9", "length", "adaptive methods: error always allowed; the same number serves the velocity", positive},
-    {"method.error_control", choice, optional, "\"global\"", "", "what the tolerances bound: the error of the solution, or that of each step", {}, controls},
+    {"method.absolute_tolerance", number, optional, "1e-9", "length", "adaptive methods: error allowed in addition; the same number is used for the velocity", positive},
+    {"method.error_control", choice, optional, "\"global\"", "", "whether the tolerances bound the error of the solution or of each step", {}, controls},
     {"method.formulas", choice, optional, "\"automatic\"", "", "multistep formulas of cvode", {}, formulas},
     {"method.stepper", choice, optional, "\"automatic\"", "", "formulas of odeint", {}, steppers},
     {"method.step", number, optional, "", "time", "time step of fully_discrete, finite_difference and odeint's symplectic stepper, which need it", positive},
     {"method.start", choice, optional, "\"first_order\"", "", "first step of the two schemes: u_0 + dt u_1, or with the term dt^2/2 u'' too", {}, starts},
-    {"method.impact", choice, optional, "\"paoli_schatzman\"", "", "how the two schemes take a restitution: on the mean of displacements, or on the velocity, which never gives energy", {}, impacts},
+    {"method.impact", choice, optional, "\"paoli_schatzman\"", "", "law of restitution of the two schemes: a bound on the mean of displacements, or on the velocity, which never gives energy", {}, impacts},
 
     {"output.every", number, optional, "", "time", "interval of the output times; absent: time.end / 100", positive},
 };

@@ -82,8 +82,8 @@ std::string facts(const SceneKey& key) {
 
 std::string scene_template() {
   std::string text =
-      "# A scene of viscobar. What is commented out with its value need not be there. `viscobar check FILE` says what\n"
-      "# this describes, `viscobar run FILE` computes it, docs/scene-file.md has more words.\n\n";
+      "# A scene of viscobar. Keys that are commented out are optional. `viscobar check FILE` describes the scene,\n"
+      "# `viscobar run FILE` computes it, docs/scene-file.md explains every key.\n\n";
   std::string_view table;
   for (const SceneKey& key : scene_keys()) {
     const auto [name, value, set] = example(key);

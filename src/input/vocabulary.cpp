@@ -77,7 +77,7 @@ Table vocabulary_table(Vocabulary vocabulary) {
   Table table;
   switch (vocabulary) {
     case Vocabulary::methods:
-      table.header = {"method", "obstacle", "accuracy by", "what it is"};
+      table.header = {"method", "obstacle", "accuracy by", "meaning"};
       for (const auto& [word, meaning] : find_scene_key("method.name")->choices) {
         if (word == automatic) {
           table.rows.push_back({code(word), "as the method chosen", "tolerances", std::string(meaning)});
@@ -89,7 +89,7 @@ Table vocabulary_table(Vocabulary vocabulary) {
       }
       break;
     case Vocabulary::masses:
-      table.header = {"mass", "what it is"};
+      table.header = {"mass", "meaning"};
       for (const auto& [word, meaning] : find_scene_key("mesh.mass")->choices)
         table.rows.push_back({code(word), std::string(meaning)});
       break;

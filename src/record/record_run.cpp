@@ -66,17 +66,16 @@ void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, c
   outcome.events = outcome.statistics->events;
 }
 
-/// That the impacts of a scheme gave energy: by how much, when, and what helps; none where rounding can be all of it.
+/// Warns that the impacts of a scheme gave energy: how much, when, and the remedies; none if it can be rounding.
 std::optional<std::string> growth_warning(const Case& run, const Statistics& done) {
   const EnergyAccount& energy = *done.energy;
   const double scale = energy.initial + energy.final + std::abs(energy.work) + std::abs(energy.dissipated);
   const double rounding = 100.0 * std::numeric_limits<double>::epsilon() * static_cast<double>(done.steps) * scale;
   if (energy.growth <= rounding) return std::nullopt;
   return fmt::format(
-      "energy: up to t = {1:.6g} impacts gave the bar {0:.3g}, though nothing works there; it had {2:.3g} at the "
-      "start. "
-      "With contact.restitution = {3} an impact of this scheme may gain what a force of the bar does over one step; "
-      "what helps: a smaller method.step, or method.impact = \"moreau\", which never gives any",
+      "energy: up to t = {1:.6g} impacts gave the bar {0:.3g}, although an obstacle at rest does no work; "
+      "the bar had {2:.3g} at the start. With contact.restitution = {3} an impact of this scheme may give energy; "
+      "remedies: a smaller method.step, or method.impact = \"moreau\", which never gives energy",
       energy.growth, energy.growth_time, energy.initial, run.restitution.value_or(0.0));
 }
 

@@ -10,7 +10,7 @@ namespace viscobar {
 namespace {
 
 Table differences(const TrialResult& result) {
-  Table table{{"referee", "u, L2", "u, H1", "v, L2", "end trace", "changes matched", "largest shift"}, 1, {}};
+  Table table{{"reference", "u, L2", "u, H1", "v, L2", "end trace", "changes matched", "largest shift"}, 1, {}};
   const auto known = [](const std::optional<double>& value) { return value ? plain_number(*value) : std::string("-"); };
   for (std::size_t i = 0; i + 1 < result.check.runs.size(); ++i) {
     const Difference* d = result.to(i);
@@ -27,7 +27,7 @@ Table differences(const TrialResult& result) {
 
 std::string trial_text(const TrialResult& result) {
   std::string out =
-      fmt::format("{}: {} against its referees, largest over time\n", result.name, result.scheme().label) +
+      fmt::format("{}: {} against its references, largest over time\n", result.name, result.scheme().label) +
       text(differences(result));
   if (const Table contacts = contact_table(result.check, plain_number); !contacts.rows.empty())
     out += "\nContact periods, bounces within a hundredth of the run counted as one\n" + text(contacts);

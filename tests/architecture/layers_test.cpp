@@ -1,5 +1,5 @@
 // The folders are layers: what a file may include follows from the folder it is in. The table is the one of
-// docs/design.md, read off the #include lines of the sources themselves.
+// docs/internals/design.md, read off the #include lines of the sources themselves.
 #include <gtest/gtest.h>
 
 #include <filesystem>

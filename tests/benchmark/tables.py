@@ -1,4 +1,4 @@
-"""Markdown tables of docs/speed.md and docs/design.md from the results of scripts/benchmark.
+"""Markdown tables of docs/speed.md, docs/internals/scheme-speed.md and docs/internals/design.md from the results of scripts/benchmark.
 
 Usage: tables.py DIRECTORY, which holds benchmark.json, process.json and, where SciPy is installed, scipy.json.
 """

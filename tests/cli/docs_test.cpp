@@ -1,5 +1,6 @@
 // Every command of the pages is run as it stands there.
 #include <algorithm>
+#include <cctype>
 #include <regex>
 
 #include "cli/command.hpp"
@@ -67,8 +68,8 @@ constexpr Page pages[] = {{"README.md", "readme", 6},
                           {"docs/report.md", "report", 2},
                           {"docs/scene-file.md", "scene_file", 1},
                           {"docs/penalty-limit.md", "limit", 1},
-                          {"docs/stability.md", "stability", 1},
-                          {"docs/storms.md", "storms", 1},
+                          {"docs/internals/stability.md", "stability", 1},
+                          {"docs/internals/storms.md", "storms", 1},
                           {"docs/sweep.md", "sweep", 1}};
 
 INSTANTIATE_TEST_SUITE_P(OfEachPage, Docs, testing::ValuesIn(pages),
@@ -99,14 +100,20 @@ constexpr struct {
     {"mpirun ", "tests/cli/sweep_test.cpp, on fewer ranks"},
 };
 
+/// The pages of docs/ and its folders, the README and CONTRIBUTING, relative to the source directory.
+std::vector<testing_cli::fs::path> all_pages() {
+  namespace fs = testing_cli::fs;
+  std::vector<fs::path> all = {"README.md", "CONTRIBUTING.md"};
+  for (const auto& entry : fs::recursive_directory_iterator(VISCOBAR_SOURCE_DIR "/docs"))
+    if (entry.path().extension() == ".md") all.push_back(fs::relative(entry.path(), VISCOBAR_SOURCE_DIR));
+  return all;
+}
+
 TEST(Pages, HaveNoCommandThatNothingRuns) {
   namespace fs = testing_cli::fs;
-  std::vector<fs::path> files = {"README.md", "CONTRIBUTING.md"};
-  for (const auto& entry : fs::directory_iterator(VISCOBAR_SOURCE_DIR "/docs"))
-    if (entry.path().extension() == ".md") files.push_back("docs" / entry.path().filename());
   const std::regex command("^(viscobar|cmake|scripts/|build/|mpirun|export|g\\+\\+|time|make|ctest|python3|octave) ?");
   std::size_t seen = 0;
-  for (const fs::path& file : files)
+  for (const fs::path& file : all_pages())
     for (const std::string& line : commands_of(read_text(fs::path(VISCOBAR_SOURCE_DIR) / file), command)) {
       ++seen;
       const bool here =
@@ -143,17 +150,66 @@ TEST(Pages, MeasuredSentencesNameTestsAndCommandsThatExist) {
     if (entry.path().extension() == ".cpp") tests += read_text(entry.path());
   const std::regex mark("\\[measured:\\s+([^\\]]*)\\]"), quoted("`([^`]*)`");
   std::size_t seen = 0;
-  for (const auto& entry : fs::directory_iterator(root / "docs")) {
-    if (entry.path().extension() != ".md" || entry.path().filename() == "README.md") continue;
-    const std::string page = read_text(entry.path());
+  for (const fs::path& file : all_pages()) {
+    if (file == "docs/README.md") continue;  // explains the marks
+    const std::string page = read_text(root / file);
     for (std::sregex_iterator found(page.begin(), page.end(), mark), end; found != end; ++found) {
       const std::string inside = (*found)[1], what = inside.substr(0, inside.find(';'));
-      EXPECT_TRUE(what.find('`') != what.npos) << entry.path() << " names no test: " << inside;
+      EXPECT_TRUE(what.find('`') != what.npos) << file << " names no test: " << inside;
       for (std::sregex_iterator name(what.begin(), what.end(), quoted); name != end; ++name, ++seen)
-        EXPECT_TRUE(exists((*name)[1], tests)) << entry.path() << ": " << (*name)[1];
+        EXPECT_TRUE(exists((*name)[1], tests)) << file << ": " << (*name)[1];
     }
   }
   EXPECT_GT(seen, 30u);
+}
+
+/// The names by which the headings of a page are linked to: lower case, blanks as hyphens, no other punctuation.
+std::vector<std::string> anchors_of(const std::string& page) {
+  std::vector<std::string> anchors;
+  std::istringstream lines(page);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t text = line.find_first_not_of('#');
+    if (text == 0 || text == line.npos || line[text] != ' ') continue;
+    std::string anchor;
+    for (const unsigned char c : line.substr(text + 1))
+      if (std::isalnum(c) || c == '-' || c == '_' || c == ' ')
+        anchor += c == ' ' ? '-' : static_cast<char>(std::tolower(c));
+    anchors.push_back(anchor);
+  }
+  return anchors;
+}
+
+TEST(Pages, HaveNoLinkThatLeadsNowhere) {
+  namespace fs = testing_cli::fs;
+  const fs::path root = VISCOBAR_SOURCE_DIR;
+  const std::regex link("\\]\\(([^)#]*)#?([^)]*)\\)"), code("```[^`]*```|`[^`]*`");
+  std::size_t seen = 0;
+  for (const fs::path& file : all_pages()) {
+    const std::string page = std::regex_replace(read_text(root / file), code, "");
+    for (std::sregex_iterator found(page.begin(), page.end(), link), end; found != end; ++found) {
+      const std::string target = (*found)[1], anchor = (*found)[2];
+      if (target.starts_with("http")) continue;
+      ++seen;
+      const fs::path leads_to = target.empty() ? root / file : (root / file).parent_path() / target;
+      EXPECT_TRUE(fs::exists(leads_to)) << file << ": " << target;
+      if (anchor.empty() || !fs::exists(leads_to)) continue;
+      const std::vector<std::string> anchors = anchors_of(read_text(leads_to));
+      EXPECT_NE(std::find(anchors.begin(), anchors.end(), anchor), anchors.end()) << file << ": " << found->str();
+    }
+  }
+  EXPECT_GT(seen, 100u);
+}
+
+/// Words of the code, which the manual says in plain English; quotations of code and links are left out.
+TEST(Pages, OfTheManualUseNoWordsThatOnlyTheCodeKnows) {
+  const std::regex of_the_code("\\b(storm|lane|triad|referee)s?\\b", std::regex::icase);
+  const std::regex quoted("`[^`]*`|\\[[^\\]]*\\]\\([^)]*\\)");
+  for (const auto& file : all_pages()) {
+    if (file.string().starts_with("docs/internals/") || file == "CONTRIBUTING.md") continue;
+    std::istringstream lines(read_text(testing_cli::fs::path(VISCOBAR_SOURCE_DIR) / file));
+    for (std::string line; std::getline(lines, line);)
+      EXPECT_FALSE(std::regex_search(std::regex_replace(line, quoted, ""), of_the_code)) << file << ": " << line;
+  }
 }
 
 }  // namespace

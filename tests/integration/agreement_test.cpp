@@ -177,7 +177,7 @@ TEST(AgreementOfChatter, HoldsToTheLastBounce) {
     EXPECT_EQ(reference.events.size(), changes) << epsilon;
     for (const MethodName method : {MethodName::cvode, MethodName::ida, MethodName::arkode, MethodName::odeint}) {
       for (const double tolerance : {1e-6, 1e-8, 1e-10}) {
-        // Between the ends of odeint's steps a velocity is known to the rounding of u over a step (docs/methods.md).
+        // Between the ends of odeint's steps a velocity is known to the rounding of u over a step.
         if (method == MethodName::odeint && epsilon < 1e-7 && tolerance < 1e-8) continue;
         const Recording other = run_by(run, method, tolerance);
         const std::string what = std::string(name(method)) + ", epsilon 1e" + std::to_string(std::log10(epsilon)) +

@@ -1,6 +1,6 @@
 // Prints what scenes with many contact changes cost the adaptive methods, and how far they are from a reference: the
-// tables of docs/storms.md. Run: build/release/tests/measure_storms [SCENE [METHOD [TOLERANCE [quick]]]], with parts of
-// names; quick leaves the reference out. Seconds are of the processor, the best of five.
+// tables of docs/internals/storms.md. Run: build/release/tests/measure_storms [SCENE [METHOD [TOLERANCE [quick]]]],
+// with parts of names; quick leaves the reference out. Seconds are of the processor, the best of five.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-// The tables of docs/sweep.md: how well costs of cases are foreseen, what the manager needs for a row, and, by
-// simulation with the measured costs, how a sweep spreads over up to 10,000 workers. Run in the project's folder:
-// build/release/tests/measure_sweep examples/sweeps/cost.toml
+// The tables of docs/internals/sweep-balance.md: how well costs of cases are foreseen, what the manager needs for a
+// row, and, by simulation with the measured costs, how a sweep spreads over up to 10,000 workers. Run in the project's
+// folder: build/release/tests/measure_sweep examples/sweeps/cost.toml
 #include "viscobar/sweep/sweep.hpp"
 
 #include <fmt/format.h>

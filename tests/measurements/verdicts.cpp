@@ -43,26 +43,26 @@ std::string load(const VerdictScene& scene) {
 
 constexpr const char* page_head = R"(# Verdicts beside the truth
 
-How far can a verdict of `viscobar limit` be trusted? Here are sixty scenes whose truth is known without it: those of
-[examples/scenes](../examples/scenes) as they are shipped, and random ones from a seeded generator, with every mass, restitution,
+How far can a verdict of `viscobar limit` be trusted? This page compares sixty verdicts with the truth, known by other means. The scenes are those of
+[examples/scenes](../examples/scenes), and random ones from a seeded generator, with every mass, restitution,
 viscosity, load and kind of end. The penalties are 1e-2 to 1e-8, the budget is the default. This page is printed by
 
     cmake --build --preset release --target measure_verdicts && build/release/tests/measure_verdicts >docs/limit-verdicts.md
 
-Truth by theory ([penalty-limit.md](penalty-limit.md)):
+"Truth by theory" follows from these rules ([penalty-limit.md](penalty-limit.md)):
 
 - Massless contact nodes (`redistributed`) have one limit, the rigid one: `converges`.
-- Nodes with mass and one restitution on both sides: `converges`. This is measured, not proved.
-- Nodes with mass, without a restitution: the penalty throws them back, the scheme stops them: `plateau`.
-- Such nodes that lie on the obstacle from the start and are pressed on it meet nothing: `converges`.
+- Nodes with mass and the same restitution on both sides: `converges`. This is measured, not proved.
+- Nodes with mass, without a restitution: the penalty throws them back and the scheme stops them: `plateau`.
+- Nodes with mass that are pressed on the obstacle from the start have no impact: `converges`.
 
-Distance by other runs: |P(0) - S(0)| of the end traces, with its change from a step of the scheme to one three times smaller. S(0) is the scheme
-at 200,000 steps of the run (140,000 for 702 elements). P(0) is the rigid limit of massless nodes; the scheme of restitution 1 for the
-undamped penalty on end nodes; else the penalised bar at epsilon = 1e-10 by matrix exponentials, or on 702 elements at 1e-9 by cvode. A dash: no such run is affordable.
-Where the change is as large as the distance of a plateau, and at a dash, theory alone is the truth: the four scenes of the paper with a left end or a span.
+"Distance by other runs" is |P(0) - S(0)| of the end displacements, P the penalised bar and S the scheme, with its change when the step of the scheme becomes three times
+smaller. S(0) is the scheme at 200,000 steps of the run (140,000 for 702 elements). P(0) is the rigid limit of massless nodes, or the scheme of restitution 1 for the
+undamped penalty on end nodes, or else the penalised bar at epsilon = 1e-10 by matrix exponentials (on 702 elements at 1e-9 by cvode). A dash: no such run is affordable.
+At a dash, and where the change is as large as the distance of a plateau, the truth rests on theory alone: the four scenes of the paper with a left end or a span.
 
-Apart, at least and at most: the bounds of |P(0) - S(0)| by the study. The smallest step and the processor seconds are those of the scheme in the study.
-A slice of this table is a test.
+"Apart, at least" and "at most" are the bounds of |P(0) - S(0)| found by `limit`. The smallest step and the processor seconds are those of the scheme in `limit`.
+A test repeats a part of this table.
 
 | scene | elements | mass, restitution | viscosity | ends | load | truth by theory | distance by other runs | verdict | apart, at least | at most | smallest step | seconds |
 |---|---|---|---|---|---|---|---|---|---|---|---|---|

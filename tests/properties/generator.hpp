@@ -126,7 +126,7 @@ void expect_always(Property&& property) {
     std::cout << words.str() << "\n";
     return;
   }
-  FAIL() << words.str() << "\nSeed " << parameters.seed << "; docs/testing.md says how to run it again.";
+  FAIL() << words.str() << "\nSeed " << parameters.seed << "; docs/internals/testing.md says how to run it again.";
 }
 
 }  // namespace viscobar::properties

@@ -20,14 +20,14 @@ bool is_penalised(MethodName method);      ///< needs epsilon where the scene ha
 bool is_adaptive(MethodName method);       ///< uses the tolerances
 bool is_scheme(MethodName method);         ///< uses the step
 
-/// A scene together with everything that a run of it needs. Values that the chosen method does not use may be there:
-/// another method can be chosen without editing the scene.
+/// A scene together with everything that a run of it needs. Values that the chosen method does not use may be set:
+/// another method can then be chosen without editing the scene.
 struct Case {
   Scene scene;  ///< the physical problem
 
   std::size_t elements = 1;      ///< J
   double grading = 1.0;          ///< of the mesh towards the ends with an obstacle; 1: uniform
-  Mass mass = Mass::consistent;  ///< asked for; `rigid` and `finite_difference` have their own, see make_system()
+  Mass mass = Mass::consistent;  ///< requested; `rigid` and `finite_difference` have their own, see make_system()
 
   std::optional<double> epsilon;      ///< reaction = penetration / epsilon
   std::optional<double> restitution;  ///< absent: an undamped spring in the penalty, the implicit constraint in (2.8)
@@ -53,11 +53,11 @@ struct Case {
   std::vector<double> output_times() const;
 };
 
-/// Everything wrong with a case, in one go: the scene's findings and those that need the mesh, the contact parameters,
-/// the method or the memory of the machine. Empty when simulate() can start.
+/// All faults of a case at once: those of the scene, and those of the mesh, the contact parameters, the method or the
+/// memory of the machine. Empty when simulate() can start.
 ///
-/// `faulty` are keys known to be wrong already: neither they nor what could only be judged by them is reported. Their
-/// values need not make sense, but those of bar.length and mesh.elements must be ones of a mesh.
+/// `faulty` are keys already known to be wrong. Neither they nor faults that depend on them are reported. Their values
+/// are arbitrary, except that bar.length and mesh.elements must make a mesh.
 std::vector<Finding> validate(const Case& run, const std::vector<std::string>& faulty = {});
 
 /// The word of a scene file for it.

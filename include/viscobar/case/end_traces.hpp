@@ -25,9 +25,9 @@ std::vector<Event> contact_changes(const Case& run);
 /// max over time and both ends of |u - u'|; the traces share their times.
 double largest_difference(const EndTraces& a, const EndTraces& b);
 
-/// Times on [0, end] at which the largest difference of two runs shows: `uniform` intervals, and after each contact
-/// change times in geometric progression from a millionth of an interval on, since a bounce on the penalty lasts
-/// O(sqrt(epsilon)) and leaves its largest difference then.
+/// Times on [0, end] that resolve the largest difference of two runs: `uniform` intervals, and after each contact
+/// change times in geometric progression from a millionth of an interval on. A bounce on the penalty lasts
+/// O(sqrt(epsilon)), and the difference is largest just after it.
 std::vector<double> comparison_times(double end, std::size_t uniform, std::span<const Event> changes);
 
 }  // namespace viscobar

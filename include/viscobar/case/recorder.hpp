@@ -28,13 +28,13 @@ class Recorder {
   void step(double t, std::span<const double> u, std::span<const double> v, double reaction_left = 0.0,
             double reaction_right = 0.0);
 
-  /// A contact change, in order of time. A scheme that tells none is compared without contact times.
+  /// A contact change, in order of time. A scheme that reports none is compared without contact times.
   void change(const Event& event);
 
-  /// The next output time that a step has to reach; absent when all are there.
+  /// The next output time that a step has to reach; absent when all have been reached.
   std::optional<double> next() const;
 
-  /// What was recorded. @throws std::logic_error when the steps did not reach the end
+  /// The recording. @throws std::logic_error when the steps did not reach the end
   Recording recording();
 
  private:
@@ -51,8 +51,7 @@ class Recorder {
   Recording recording_;
 };
 
-/// What keeps a recording from being compared on a case, in words; absent when nothing does. Velocities, reactions and
-/// events may be missing.
+/// Why a recording cannot be compared on a case; absent when it can. Velocities, reactions and events may be missing.
 std::optional<std::string> fault(const Recording& recording, const Case& run);
 
 }  // namespace viscobar

@@ -19,12 +19,12 @@ struct Diagnostic {
   std::size_t line = 1;    ///< from 1
   std::size_t column = 1;  ///< from 1, in characters
   std::string key;         ///< "table.key"
-  std::string message;     ///< what is wrong, with the nearest known key where one is meant
+  std::string message;     ///< the problem, with the nearest known key if one was probably meant
 
   std::string text() const;  ///< file:line:column: key: message
 };
 
-/// The user's scene cannot be run; all that is wrong with it.
+/// The user's scene cannot be run; has all its errors.
 class SceneError : public std::runtime_error {
  public:
   explicit SceneError(std::vector<Diagnostic> found);  ///< what() has a line for each
@@ -37,11 +37,11 @@ struct SceneFile {
   std::string description;  ///< the JSON object
 };
 
-/// What a study makes of a case before it is validated, such as another method.
+/// A change that a study makes to a case before it is validated, such as another method.
 using Adaptation = std::function<void(Case&)>;
 
 /// Reads a scene (TOML, see docs/scene-file.md), applies overrides "table.key=value" in order, validates.
-/// @throws SceneError with every error of the file in one go
+/// @throws SceneError with all errors of the file
 SceneFile read_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {},
                      const Adaptation& adapt = {});
 

@@ -21,10 +21,10 @@ inline constexpr MethodName all_methods[] = {
     MethodName::cvode, MethodName::ida,         MethodName::arkode,         MethodName::odeint,
     MethodName::rigid, MethodName::exponential, MethodName::fully_discrete, MethodName::finite_difference};
 
-/// What an error bound is about.
+/// What the tolerances bound.
 enum class ErrorControl {
-  global,  ///< the solution: the bound on a step's error is tightened so that what adds up stays in proportion
-  local    ///< each step's error by itself, as SUNDIALS would
+  global,  ///< the error of the solution: the bound on each step's error is tightened in proportion
+  local    ///< the error of each step, as in SUNDIALS
 };
 
 /// Tolerances of an adaptive method: the error of the displacement field is measured against
@@ -32,7 +32,7 @@ enum class ErrorControl {
 /// the maxima over the nodes and over the time passed.
 struct Tolerance {
   double relative = 1e-6;                       ///< of the largest displacement, and of the largest velocity
-  double absolute = 1e-9;                       ///< always allowed; one number serves both fields
+  double absolute = 1e-9;                       ///< allowed in addition; the same number for both fields
   ErrorControl control = ErrorControl::global;  ///< what the two bound
 };
 
@@ -61,7 +61,7 @@ struct Arkode {
   Tolerance tolerance;  ///< of the solution
 };
 
-/// Steppers of Boost.Odeint; `automatic` is rosenbrock4 or dopri5, by what the steps of either cost (docs/methods.md).
+/// Steppers of Boost.Odeint; `automatic` is the cheaper of rosenbrock4 and dopri5 (docs/methods.md).
 enum class Stepper {
   automatic,
   rosenbrock4,  ///< linearly implicit, order 4, dense matrices: few nodes
@@ -79,10 +79,10 @@ struct Odeint {
   std::optional<double> step;            ///< of symplectic, which needs it and has no use for the tolerance
 };
 
-/// What Odeint would do with a system for a given time.
+/// The stepper and the number of steps that Odeint would take for a system and a given time.
 struct OdeintPlan {
   Stepper stepper = Stepper::dopri5;  ///< never automatic
-  double least_steps = 0.0;           ///< that stability, or the fixed step, asks for
+  double least_steps = 0.0;           ///< that stability, or the fixed step, requires
   std::optional<Finding> refusal;     ///< why the method does not fit
 };
 /// Chooses the stepper and counts its steps. O(n).
@@ -96,17 +96,17 @@ struct Exponential {
   Penalty penalty;  ///< of the contacts
 };
 
-/// The limit epsilon = 0 on massless contact nodes: a closed contact holds its node at -gap, its reaction is what the
-/// node's row lacks, and it opens when that reaches zero. By CVODE with viscosity, by IDA without, where the row of an
-/// open contact is algebraic (index 1).
+/// The limit epsilon = 0 on massless contact nodes: a closed contact holds its node at -gap, its reaction is the
+/// residual of the node's row, and it opens when the reaction reaches zero. By CVODE with viscosity, by IDA without,
+/// where the row of an open contact is algebraic (index 1).
 struct Rigid {
   Tolerance tolerance;  ///< of the solution
 };
 
-/// Integrates the penalised system from `start` at times.front() to times.back(), telling the observers.
+/// Integrates the penalised system from `start` at times.front() to times.back(), and calls the observers.
 ///
 /// `times` are the output times: finite, strictly increasing, at least two. They never change the trajectory.
-/// @throws IntegrationError, with what was reached
+/// @throws IntegrationError, which has the statistics up to the failure
 /// @throws std::invalid_argument when the method does not fit the system (the message says why)
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Cvode& method, const Observers& observers);

@@ -14,13 +14,13 @@
 
 namespace viscobar {
 
-/// Thrown from a progress observer to end a run early; what was reached is kept.
+/// Thrown from a progress observer to end a run early; the part that was computed is kept.
 class Interrupted : public std::runtime_error {
  public:
   Interrupted() : std::runtime_error("interrupted") {}
 };
 
-/// What the caller of record_run() wants to hear, and since when it counts.
+/// Observers and options of record_run().
 struct RecordOptions {
   /// After each step; may throw Interrupted, which leaves no checkpoint.
   std::function<void(double time, std::size_t steps)> progress;
@@ -31,7 +31,7 @@ struct RecordOptions {
   std::optional<CheckpointEvery> checkpoint;
   /// After each contact change.
   std::function<void(const Event& event)> event;
-  /// As soon as there is something to warn of, once each.
+  /// For each warning, once, as soon as it arises.
   std::function<void(const std::string& warning)> warning;
   /// Each picture of the report also as figures/NAME.svg.
   bool figures = false;
@@ -39,7 +39,7 @@ struct RecordOptions {
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
 };
 
-/// What record_run() leaves besides the files.
+/// The result of record_run(), besides the files.
 struct RunRecord {
   Outcome outcome;                  ///< how far it came
   std::string summary;              ///< summary.json as written
@@ -48,8 +48,8 @@ struct RunRecord {
 
 /// Runs a sound case and writes ends.csv, events.csv, field.h5, field.xdmf, summary.json and report.html to
 /// `directory`, which is created where needed. The files grow with the run and are readable at any time; memory does
-/// not grow with the number of output times. Where the directory holds a whole result, that stays until the new one is
-/// whole: the files grow in `unfinished` in it, and stay there when the run stops early.
+/// not grow with the number of output times. If the directory holds a complete result, that stays until the new one
+/// is complete: the files grow in its folder `unfinished`, and stay there when the run stops early.
 /// @throws std::invalid_argument when the directory holds anything but an earlier result; nothing was changed
 /// @throws IoError when the directory is in use, or files cannot be created; later failures are in the outcome
 RunRecord record_run(const SceneFile& scene, const std::filesystem::path& directory, const RecordOptions& options = {});
@@ -59,10 +59,10 @@ RunRecord record_run(const SceneFile& scene, const std::filesystem::path& direct
 /// @throws IoError when no checkpoint there can be read
 SceneFile scene_of_checkpoint(const std::filesystem::path& directory);
 
-/// Goes on with an unfinished run of a scene from its newest sound checkpoint, as if it had not been stopped: what the
-/// files have beyond that is cut off, and they end as those of a run that made the same checkpoints and was never
-/// stopped, bit for bit. Sound is a checkpoint of this build of the program whose own checksum fits, and those of what
-/// the files held then. What is wrong with a newer one goes to `complain`, where there is one.
+/// Continues an unfinished run of a scene from its newest sound checkpoint. Anything beyond it is cut off the files,
+/// which end, bit for bit, as those of a run that made the same checkpoints and was never stopped. A checkpoint is
+/// sound if this build of the program made it, and its checksum and those of the files at its time are right. Faults of
+/// a newer checkpoint are passed to `complain`, if given.
 /// @throws std::invalid_argument when there is no checkpoint, or one of another scene
 /// @throws IoError when none there is sound; nothing is changed
 RunRecord resume_run(const SceneFile& scene, const std::filesystem::path& directory, const RecordOptions& options = {},

@@ -25,14 +25,14 @@ struct PicturedPage {
   std::vector<FigureFile> figures;  ///< in the order of the page
 };
 
-/// What `viscobar compare` tells, as JSON.
+/// The output of `viscobar compare` as JSON.
 std::string compare_json(const SceneFile& scene, const MethodChoice& choice, const Comparison& check);
 /// The same for the terminal.
 std::string compare_text(const MethodChoice& choice, const Comparison& check);
 /// The same as a page with pictures.
 PicturedPage compare_page(const Scene& scene, const MethodChoice& choice, const Comparison& check);
 
-/// What `viscobar limit` tells, as JSON.
+/// The output of `viscobar limit` as JSON.
 std::string limit_json(const SceneFile& scene, const LimitStudy& study, const LimitResult& result,
                        const CouplingResult& coupling);
 /// The same for the terminal.
@@ -40,15 +40,15 @@ std::string limit_text(const LimitStudy& study, const LimitResult& result, const
 /// The same as a page with pictures.
 PicturedPage limit_page(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling);
 
-/// What `viscobar precision` tells, as JSON.
+/// The output of `viscobar precision` as JSON.
 std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, const PrecisionResult& result);
 /// The same for the terminal.
 std::string precision_text(const PrecisionStudy& study, const PrecisionResult& result);
 /// The same as a page with pictures.
 PicturedPage precision_page(const PrecisionStudy& study, const PrecisionResult& result);
 
-/// Tables for the terminal. A trial: each referee and how far the scheme is from it, its contacts beside theirs, and
-/// what exceeds the bounds.
+/// Tables for the terminal. A trial: each reference, the difference of the scheme to it, the contacts of both, and the
+/// bounds that are exceeded.
 std::string trial_text(const TrialResult& result);
 
 /// Errors level by level with the order between two of them, and the fitted orders with their standard errors.

@@ -21,21 +21,21 @@ enum class Ending {
 struct Outcome {
   Ending ending = Ending::completed;  ///< how the run ended
   std::string error;                  ///< empty when completed
-  double reached_time = 0.0;          ///< these three are counted by listening, so they are known however the run ended
+  double reached_time = 0.0;          ///< this and the next two are known however the run ended
   std::size_t steps = 0;              ///< of the method
   std::size_t events = 0;             ///< contact changes
   std::vector<double> checkpoints;    ///< times at which checkpoints were made, in all parts of a run that was stopped
   std::optional<Statistics> statistics;  ///< absent when the run was ended from outside
   double wall_seconds = 0.0;             ///< of all, reading and writing included
-  std::vector<std::string> warnings;     ///< of what the run met: chatter
+  std::vector<std::string> warnings;     ///< such as chatter
 };
 
 /// How often a recorded run makes a checkpoint.
 struct CheckpointEvery {
   /// What the interval counts.
   enum class Clock {
-    simulated,  ///< `interval` in the time of the scene: a run that was stopped and goes on ends as if it had not been
-    wall        ///< `interval` in seconds: bounds what is lost
+    simulated,  ///< `interval` in simulated time: a resumed run gives the same bits as one never stopped
+    wall        ///< `interval` in seconds: bounds the time lost
   };
   Clock clock = Clock::simulated;  ///< what the interval counts
   double interval = 0.0;           ///< positive

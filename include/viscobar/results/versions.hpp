@@ -4,7 +4,7 @@
 
 namespace viscobar {
 
-/// What a result was computed with.
+/// Versions of the program, libraries and machine that computed a result.
 struct Versions {
   std::string viscobar;  ///< this library
   std::string build;     ///< of this library or the program it is linked into: differs where their code does

@@ -50,9 +50,9 @@ struct EnergyAccount {
   double balance_error() const { return final + dissipated - initial - work; }
 };
 
-/// How far an opening was from the equilibrium of its row. A contact that opens on a spring which the step passed over
-/// opens where its row, with the node at rest, asks for no reaction: the pull that the row has left there, in multiples
-/// of what the tolerance, the delay of the spring and, over the step, the tolerance of the velocity explain.
+/// The largest pull at an opening. Where a step passes over the spring of a contact, the contact opens when its row,
+/// with the node at rest, needs no reaction. The pull that is left then is given in multiples of the pull that the
+/// tolerance, the delay of the spring and, over the step, the tolerance of the velocity explain.
 struct LateOpening {
   double ratio = 0.0;  ///< the largest of the run; some 0.4 where it opens in time
   double time = 0.0;   ///< of that opening
@@ -76,9 +76,8 @@ struct Statistics {
   std::optional<EnergyAccount> energy;    ///< where Observers asked for it
 };
 
-/// All that the rest of a run depends on, between two of its steps. A run that begins from it goes on as the one did
-/// that it was taken from, bit for bit; system, output times, method and whether an energy account is kept must be the
-/// same, and so must the build of the library.
+/// The complete state of a run between two of its steps. A run that begins from it continues like the original, bit for
+/// bit, if system, output times, method, the choice of an energy account and the build of the library are the same.
 struct Checkpoint {
   double time = 0.0;        ///< where it was taken
   std::size_t outputs = 0;  ///< output times told so far
@@ -100,7 +99,7 @@ struct Checkpoints {
   std::function<void(const Checkpoint&)> take;  ///< gets each, before the run goes on
 };
 
-/// What listens to a run. Every member may be empty; a run computes only what somebody listens to.
+/// The receivers of a run's results. Every member may be empty; a run computes nothing for empty ones.
 struct Observers {
   std::function<void(const Snapshot&)> snapshot;  ///< at each output time, in order
   std::function<void(const Event&)> event;        ///< at each contact change, in order
@@ -109,8 +108,7 @@ struct Observers {
   std::optional<Checkpoints> checkpoints;         ///< to go on from
 };
 
-/// A run that could not go on: which method, which call, what it said and what to change. `statistics` says how far
-/// it came; what the observers were told stays theirs.
+/// A run that failed: the method, the call, its message and the key to change. `statistics` says how far the run came.
 class IntegrationError : public std::runtime_error {
  public:
   /// With the message and how far the run came.

@@ -29,7 +29,7 @@ struct Obstacle {
   double gap = 0.0;  ///< >= 0
 };
 
-/// What holds an end of the bar; src/scene/end_kinds.hpp has a row for each alternative.
+/// The condition at an end of the bar; src/scene/end_kinds.hpp has a row for each alternative.
 using EndCondition = std::variant<Free, Fixed, Obstacle>;
 
 /// Of 0 <= x <= L.
@@ -82,13 +82,13 @@ struct Scene {
   std::optional<Load> load;      ///< f; absent: none
 };
 
-/// One thing wrong with the user's input: the key it is about (as in the scene file) and what is wrong with it.
+/// A fault of the user's input: the key (as in the scene file) and the problem.
 struct Finding {
   std::string key;      ///< "table.key"
   std::string problem;  ///< a sentence about its value
 };
 
-/// Everything wrong with a scene: values that are not finite or out of range, initial data that penetrate an
+/// All faults of a scene: values that are not finite or out of range, initial data that penetrate an
 /// obstacle at an end. Empty when the scene is sound.
 std::vector<Finding> validate(const Scene& scene);
 

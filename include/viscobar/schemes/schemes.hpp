@@ -13,15 +13,14 @@ enum class Start {
   second_order  ///< with the Taylor term dt^2/2 u'' of the semi-discrete system
 };
 
-/// What a contact bounds with a restitution e, the reaction lambda^n >= 0 acting where the bound holds with equality.
-/// g = u + gap at the contact's node, p^{n+1/2} = (u^{n+1} - u^n) / dt.
+/// The law of impact: the bound that a contact with restitution e keeps. The reaction lambda^n >= 0 acts where the
+/// bound holds with equality. g = u + gap at the contact's node, p^{n+1/2} = (u^{n+1} - u^n) / dt.
 enum class Impact {
   /// g^{n+1} >= -e g^{n-1}: at e = 0 the paper's constraint. With e > 0 an impact may give energy, see
   /// EnergyAccount::growth.
   paoli_schatzman,
-  /// Where g^n <= 0: p^{n+1/2} >= -e p^{n-1/2} for a node that came in, >= -p^{n-1/2} for one on its way out. Never
-  /// gives
-  /// energy. A node is stopped in the step after the one that passed the obstacle.
+  /// Where g^n <= 0: p^{n+1/2} >= -e p^{n-1/2} for a node that moves in, >= -p^{n-1/2} for one that moves out.
+  /// Never gives energy. A node is stopped in the step after the one that passed the obstacle.
   moreau
 };
 
@@ -31,7 +30,7 @@ struct FullyDiscrete {
   double step = 0.0;                        ///< dt > 0
   Start start = Start::first_order;         ///< how u^1 is found
   double restitution = 0.0;                 ///< e, 0 to 1
-  Impact impact = Impact::paoli_schatzman;  ///< what e means
+  Impact impact = Impact::paoli_schatzman;  ///< the law of impact
 };
 
 /// Runs the scheme from `start` at times.front() to times.back(); between steps the output is interpolated linearly,

@@ -24,7 +24,7 @@ constexpr std::size_t most_dense_nodes = 100;
 constexpr double most_steps = 1e9;
 
 // Steps of dopri5 per n^2 from which on rosenbrock4 is cheaper: a dense step costs as much as n^2 / 17 explicit ones,
-// and a run makes some 900 (docs/methods.md).
+// and a run makes some 900 (docs/internals/integrators.md).
 constexpr double dense_worth = 50.0;
 
 // |R(z)| of dopri5 stays below 1 on the negative real axis up to here.

@@ -129,7 +129,8 @@ Picture error_picture(const PrecisionResult& result) {
   if (!figure) return {};
   std::string caption =
       "Largest |<i>u</i> − <i>u</i><sub>∗</sub>| over times and nodes, over the median time of the integration: "
-      "the lower left is better. Where a line is flat, a smaller tolerance or step is paid for in vain. ";
+      "the lower left is better. Where a line is flat, a smaller tolerance or step costs time without reducing the "
+      "error. ";
   if (meshes.size() > 1) caption += "Numbers: elements. ";
   return {"Speed against error", caption + "Schemes are dashed.", {{"error", "Error over seconds", *figure}}};
 }

@@ -20,10 +20,11 @@ std::vector<Contender> contenders(const std::string& label, const Solver& scheme
   return list;
 }
 
-void judge(const Bounds& bounds, const Difference& found, const std::string& referee, std::vector<Finding>& findings) {
+void judge(const Bounds& bounds, const Difference& found, const std::string& reference,
+           std::vector<Finding>& findings) {
   const auto hold = [&](const char* quantity, std::optional<double> value, std::optional<double> bound) {
     if (!bound) return;
-    const std::string key = fmt::format("{}: {}", referee, quantity);
+    const std::string key = fmt::format("{}: {}", reference, quantity);
     if (!value)
       findings.push_back({key, fmt::format("is not known, {:.3g} is the bound", *bound)});
     else if (!(*value <= *bound))
@@ -38,8 +39,8 @@ void judge(const Bounds& bounds, const Difference& found, const std::string& ref
   if (!bounds.event_shift) return;
   if (found.events_matched != found.events || found.events_matched != found.events_other)
     findings.push_back(
-        {referee + ": contact changes", fmt::format("{} of the referee's {} and the scheme's {} match",
-                                                    found.events_matched, found.events, found.events_other)});
+        {reference + ": contact changes", fmt::format("{} of the reference's {} and the scheme's {} match",
+                                                      found.events_matched, found.events, found.events_other)});
   hold("time of a contact change", found.largest_event_shift.value_or(0.0), bounds.event_shift);
 }
 
@@ -64,9 +65,9 @@ TrialResult one(const std::string& label, const Solver& scheme, const Trial& tri
 
 }  // namespace
 
-const Difference* TrialResult::to(std::size_t referee) const {
+const Difference* TrialResult::to(std::size_t reference) const {
   for (const Comparison::Pair& pair : check.pairs)
-    if (pair.first == referee && pair.other + 1 == check.runs.size()) return &pair.difference;
+    if (pair.first == reference && pair.other + 1 == check.runs.size()) return &pair.difference;
   return nullptr;
 }
 

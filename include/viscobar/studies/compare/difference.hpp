@@ -37,7 +37,7 @@ struct Difference {
   std::size_t events = 0;                 ///< contact changes of the one recording
   std::size_t events_other = 0;           ///< and of the other
   /// Closings with closings and openings with openings, place by place and in order of time, so that the shifts are
-  /// small: a change that one of the two lacks stays alone.
+  /// small: a change that one of the two lacks stays unmatched.
   std::size_t events_matched = 0;
   std::optional<double> largest_event_shift;  ///< over the matched events
   std::optional<double> energy_final;         ///< difference of the final energies
