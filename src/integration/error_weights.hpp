@@ -51,6 +51,7 @@ class ErrorWeights {
     largest_w_ = std::max(largest_w_, other.largest_w_);
   }
   double largest_displacement() const { return largest_u_; }
+  double largest_velocity() const { return largest_w_; }
   double displacement_tolerance() const;
   double velocity_tolerance() const;
   /// What is promised of u and w.

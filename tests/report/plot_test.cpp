@@ -9,7 +9,7 @@
 #include "report/plot/figure.hpp"
 #include "report/plot/png.hpp"
 #include "report/run/thinned_field.hpp"
-#include "results/thinning.hpp"
+#include "report/plot/thinning.hpp"
 #include "text/number.hpp"
 
 namespace viscobar::plot {
