@@ -8,7 +8,7 @@ Recording record(const Case& run) {
   recording.label = name(run.method);
   recording.mesh = run.mesh();
   Observers observers;
-  observers.energy = true;
+  observers.energy = observers.account = true;
   observers.snapshot = [&](const Snapshot& s) {
     recording.times.push_back(s.time);
     recording.u.insert(recording.u.end(), s.u.begin(), s.u.end());

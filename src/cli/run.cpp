@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "case/peak_remark.hpp"
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
@@ -43,6 +44,18 @@ std::string table(const Case& run, const Outcome& outcome, const fs::path& direc
       text += row("energy",
                   fmt::format("{:.6g} to {:.6g}, dissipated {:.6g}, work {:.6g}, balance error {:.2g}", energy->initial,
                               energy->final, energy->dissipated, energy->work, energy->balance_error()));
+    if (const auto& account = statistics->account) {
+      const auto contact = [&](const char* where, const EndCondition& kind, const EndAccount& end) {
+        if (is_obstacle(kind))
+          text += row(where, fmt::format("{} closings, in contact for {:.6g}, impulse {:.6g}, peak reaction {:.6g}",
+                                         end.closings, end.time_in_contact(outcome.reached_time), end.impulse,
+                                         end.peak_reaction));
+      };
+      contact("left obstacle", run.scene.left, account->left);
+      contact("right obstacle", run.scene.right, account->right);
+      const auto remark = peak_remark(run, make_system(run));
+      if (remark && account->left.closings + account->right.closings > 0) text += row("peak reaction", *remark);
+    }
     text += row("integration", fmt::format("{:.3g} s", statistics->integration_seconds));
   }
   text += row("whole run", fmt::format("{:.3g} s", outcome.wall_seconds));

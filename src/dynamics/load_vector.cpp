@@ -27,6 +27,16 @@ double finite(double t, Load&& load, auto&& place) {
   return value;
 }
 
+double history_at(const TimeFunction& history, double t) {
+  return finite(
+      t, [&] { return history(t); }, [&] { return fmt::format("the history of the load at t = {}", t); });
+}
+
+double density_at(const SpaceTimeFunction& density, double x, double t) {
+  return finite(
+      t, [&] { return density(x, t); }, [&] { return fmt::format("the load at x = {}, t = {}", x, t); });
+}
+
 }  // namespace
 
 LoadVector::LoadVector(const BarSystem& system) : system_(system) {
@@ -79,25 +89,35 @@ std::span<const double> LoadVector::at(double t) {
   if (time_ == t) return weighted_;
   ++evaluations_;
   if (const auto* separable = std::get_if<BarSystem::SeparableVector>(&*system_.load_)) {
-    const double history = finite(
-        t, [&] { return separable->history(t); }, [&] { return fmt::format("the history of the load at t = {}", t); });
+    const double history = history_at(separable->history, t);
     std::transform(separable->weighted.begin(), separable->weighted.end(), weighted_.begin(),
                    [history](double profile) { return history * profile; });
   } else {
     const auto& general = std::get<BarSystem::GeneralVector>(*system_.load_);
     const Mesh& mesh = system_.mesh();
     const std::span<double> values(nodal_.data(), mesh.nodes()), product(nodal_.data() + mesh.nodes(), mesh.nodes());
-    for (std::size_t j = 0; j < values.size(); ++j) {
-      const double x = mesh.node(j);
-      values[j] = finite(
-          t, [&] { return general.density(x, t); }, [&] { return fmt::format("the load at x = {}, t = {}", x, t); });
-    }
+    for (std::size_t j = 0; j < values.size(); ++j) values[j] = density_at(general.density, mesh.node(j), t);
     general.mass.multiply(values, product);
     std::copy_n(product.begin() + static_cast<std::ptrdiff_t>(system_.first_node()), weighted_.size(),
                 weighted_.begin());
   }
   time_ = t;
   return weighted_;
+}
+
+double LoadVector::at(double t, std::size_t unknown) const {
+  if (const auto* steady = std::get_if<BarSystem::SteadyVector>(&*system_.load_)) return steady->weighted[unknown];
+  t = inside(t);
+  if (const auto* separable = std::get_if<BarSystem::SeparableVector>(&*system_.load_))
+    return history_at(separable->history, t) * separable->weighted[unknown];
+  const auto& general = std::get<BarSystem::GeneralVector>(*system_.load_);
+  const std::size_t node = unknown + system_.first_node();
+  const auto density = [&](std::size_t j) { return density_at(general.density, system_.mesh().node(j), t); };
+  const auto& beside = general.mass.off_diagonal;
+  double sum = general.mass.diagonal[node] * density(node);
+  if (!beside.empty() && node > 0) sum += beside[node - 1] * density(node - 1);
+  if (!beside.empty() && node < beside.size()) sum += beside[node] * density(node + 1);
+  return sum;
 }
 
 }  // namespace viscobar

@@ -137,6 +137,8 @@ class PenalisedSystem {
   RelaxingRow resting_row(std::size_t i) const;
   /// (M f)_i at t, 0 without a load.
   double load(std::size_t unknown, double t) { return load_ ? load_->at(t)[unknown] : 0.0; }
+  /// The same, evaluated at that node alone: for times at which nobody asks for the whole load.
+  double load_alone(std::size_t unknown, double t) const { return load_ ? load_->at(t, unknown) : 0.0; }
   /// Two times of the leg, 1e-4 element transit times or less to either side of t: the difference of the loads there
   /// gives the load's rate at t. The same time twice in a leg that is too short to have a rate.
   std::pair<double, double> beside(double t) const;

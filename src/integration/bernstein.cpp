@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 namespace viscobar {
@@ -60,27 +61,85 @@ double Bernstein::smallest_coefficient() const {
   return *std::min_element(c_.begin(), c_.begin() + static_cast<std::ptrdiff_t>(degree_) + 1);
 }
 
+double Bernstein::mean(std::span<const double> samples) {
+  static const std::array<std::array<double, max_degree + 1>, max_degree + 1> weights = [] {
+    std::array<std::array<double, max_degree + 1>, max_degree + 1> all{};
+    for (std::size_t q = 0; q <= max_degree; ++q)
+      for (std::size_t j = 0; j <= q; ++j)
+        all[q][j] = samples_to_coefficients(q).col(static_cast<Eigen::Index>(j)).mean();
+    return all;
+  }();
+  return std::inner_product(samples.begin(), samples.end(), weights[samples.size() - 1].begin(), 0.0);
+}
+
+double Bernstein::excess(std::size_t degree) {
+  // Lebesgue's constants of equidistant points, rounded up.
+  constexpr std::array<double, max_degree + 1> lebesgue = {1.0,  1.0,   1.26,  1.64,  2.21,  3.11, 4.55,
+                                                           6.93, 10.95, 17.85, 29.91, 51.22, 89.33};
+  return 0.5 * (lebesgue[degree] - 1.0);
+}
+
+namespace {
+
+struct Interval {
+  std::array<double, Bernstein::max_degree + 1> c;
+  double begin, length;
+
+  // The left half; this becomes the right one.
+  Interval split(std::size_t degree) {
+    length /= 2;
+    Interval left{{}, begin, length};
+    begin += length;
+    for (std::size_t r = 0; r <= degree; ++r) {
+      left.c[r] = c[0];
+      for (std::size_t j = 0; j + r < degree; ++j) c[j] = 0.5 * (c[j] + c[j + 1]);
+    }
+    return left;
+  }
+};
+
+// Raises `known` to the largest value on the interval, unless its hull stays below.
+void raise(Interval on, std::size_t degree, double rounding, double& known) {
+  // The hull of a part is as near to it as its length squared.
+  if (*std::max_element(on.c.begin(), on.c.begin() + static_cast<std::ptrdiff_t>(degree) + 1) <= known + rounding ||
+      on.length < 1e-9)
+    return;
+  const Interval left = on.split(degree);
+  known = std::max(known, on.c[0]);
+  raise(on, degree, rounding, known);
+  raise(left, degree, rounding, known);
+}
+
+}  // namespace
+
+double Bernstein::largest(double known) const {
+  const auto [least, most] = std::minmax_element(c_.begin(), c_.begin() + static_cast<std::ptrdiff_t>(degree_) + 1);
+  if (*most <= known) return known;
+  known = std::max({known, c_[0], c_[degree_]});
+  const double rounding = std::numeric_limits<double>::epsilon() * std::max(std::abs(*most), std::abs(*least));
+  raise({c_, 0.0, 1.0}, degree_, rounding, known);
+  return known;
+}
+
+double Bernstein::smallest(double known) const {
+  Bernstein negative = *this;
+  for (double& c : negative.c_) c = -c;
+  return -negative.largest(-known);
+}
+
 std::optional<double> Bernstein::first_descent(double threshold) const {
   if (smallest_coefficient() >= threshold) return std::nullopt;
   // Depth-first from the left; an interval is given up once its hull stays above, and halved until it is a number.
-  struct Interval {
-    std::array<double, max_degree + 1> c;
-    double begin, length;
-  };
   std::vector<Interval> pending{{c_, 0.0, 1.0}};
   while (!pending.empty()) {
-    const Interval now = pending.back();
+    Interval now = pending.back();
     pending.pop_back();
     const auto last = now.c.begin() + static_cast<std::ptrdiff_t>(degree_) + 1;
     if (*std::min_element(now.c.begin(), last) >= threshold) continue;
     if (now.c[0] < threshold) return now.begin;
     if (now.length <= std::numeric_limits<double>::epsilon()) return now.begin;
-    Interval left{{}, now.begin, now.length / 2}, right{now.c, now.begin + now.length / 2, now.length / 2};
-    for (std::size_t r = 0; r <= degree_; ++r) {
-      left.c[r] = right.c[0];
-      for (std::size_t j = 0; j + r < degree_; ++j) right.c[j] = 0.5 * (right.c[j] + right.c[j + 1]);
-    }
-    pending.push_back(right);
+    const Interval left = now.split(degree_);
+    pending.push_back(now);
     pending.push_back(left);
   }
   return std::nullopt;

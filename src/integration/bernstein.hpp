@@ -19,6 +19,14 @@ class Bernstein {
   std::size_t degree() const { return degree_; }
   double operator()(double s) const;
   double smallest_coefficient() const;
+  /// Integral over [0, 1] of the polynomial through samples.
+  static double mean(std::span<const double> samples);
+  /// How far it may leave the samples' range to either side, in lengths of that range: (Lebesgue's constant - 1) / 2.
+  static double excess(std::size_t degree);
+  /// max(known, p) over [0, 1], to rounding: nothing is searched where the hull stays below what is known.
+  double largest(double known) const;
+  /// Likewise min(known, p).
+  double smallest(double known) const;
 
   /// The first s at which p passes below `threshold`: p(s) = threshold, and p is below behind it. 0 when p starts
   /// below. Absent when p stays at or above it throughout.

@@ -48,6 +48,7 @@ class ErrorWeights {
   /// Errors of w of that size, an oscillation that is passed over, do not count; 0 for none.
   void pass_over(double oscillation) { passed_over_ = oscillation; }
   double largest_displacement() const { return largest_u_; }
+  double largest_velocity() const { return largest_w_; }
   double displacement_tolerance() const;
   double velocity_tolerance() const;
   /// What is promised of u and w.

@@ -36,23 +36,31 @@ class EventSearch {
     std::iota(all_.begin(), all_.end(), std::size_t{0});
     looked_at_ = all_;
     first_.push_back(entries_.size());
-    lowest_.resize(entries_.size());
-    highest_.resize(entries_.size());
   }
 
   /// Entries of (u, w) that the search samples.
   const std::vector<std::size_t>& sampled_entries() const { return entries_; }
+  /// The stepper samples so many entries, those of the search the first of them.
+  void share(std::size_t sampled) {
+    lowest_.resize(sampled);
+    highest_.resize(sampled);
+  }
+  /// Whether the search selects what the stepper samples.
+  bool selects() const { return count_ > few; }
 
   /// Time of the first change in [begin, end], the step that the stepper (see StepwiseRun) has made last.
-  /// `uncertainty(i)` is what the indicator of contact i may be wrong by. Absent: no contact changes.
-  template <class Stepper, class Uncertainty>
-  std::optional<double> first_change(double begin, double end, Stepper& stepper, Uncertainty&& uncertainty) {
-    if (count_ > few && !look_at_the_near(stepper)) return std::nullopt;
+  /// `uncertainty(i)` is what the indicator of contact i may be wrong by; `sampled(j, t, y)` is told each sample.
+  /// Absent: no contact changes.
+  template <class Stepper, class Uncertainty, class Sampled>
+  std::optional<double> first_change(double begin, double end, Stepper& stepper, Uncertainty&& uncertainty,
+                                     Sampled&& sampled) {
+    if (selects() && !look_at_the_near(stepper)) return std::nullopt;
     const std::size_t order = stepper.order();
     for (std::size_t j = 0; j <= order; ++j) {
       const double t = j == order ? end : begin + (end - begin) * static_cast<double>(j) / static_cast<double>(order);
       const std::span<const double> y = stepper.sample(t, 0);
       for (const std::size_t i : looked_at_) samples_[i * (order + 1) + j] = oriented(i, t, part(i, y));
+      sampled(j, t, y);
     }
     double first = 2.0;
     for (const std::size_t i : looked_at_) {
@@ -75,7 +83,7 @@ class EventSearch {
   /// To be called before changes(): the rates of all contacts at the event, within the step made last.
   template <class Stepper>
   void look_at(double t, Stepper& stepper) {
-    if (count_ > few) stepper.select(all_);
+    if (selects()) stepper.select(all_);
     rates_ = stepper.sample(t, 1);
   }
 

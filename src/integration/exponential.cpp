@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "dynamics/penalised_system.hpp"
+#include "integration/end_watch.hpp"
 #include "integration/exponential/contact_distance.hpp"
 #include "integration/exponential/energy_integral.hpp"
 #include "integration/exponential/passage.hpp"
@@ -30,6 +31,59 @@ constexpr int patience = 8;  // steps before a length that failed is tried again
 constexpr int max_instant_changes = 20;
 constexpr int max_load_jumps = 1000;
 constexpr double rounding = std::numeric_limits<double>::epsilon();
+
+// What EndWatch samples of a step: a stepper (see StepwiseRun) by the entries of (u, u') in its series, or at its equal
+// parts.
+class SeriesSampler {
+ public:
+  SeriesSampler(const Series& series, double from, double tau, std::span<const std::size_t> entries,
+                std::vector<double>& sampled)
+      : series_(series), from_(from), tau_(tau), entries_(entries), sampled_(sampled) {}
+  // Below rounding, since (rate bound) * step <= 1.
+  std::size_t order() const { return Bernstein::max_degree; }
+  std::span<const double> sample(double t, int) const {
+    const double sigma = (t - from_) / tau_;
+    const auto n = static_cast<std::size_t>(series_.rows());
+    for (std::size_t k = 0; k < entries_.size(); ++k) {
+      const bool rate = entries_[k] >= n;
+      const auto row = series_.row(static_cast<Index>(rate ? entries_[k] - n : entries_[k]));
+      double sum = 0.0;
+      for (Index j = row.size(); j-- > (rate ? 1 : 0);) sum = sum * sigma + (rate ? static_cast<double>(j) : 1.0) * row[j];
+      sampled_[k] = rate ? sum / tau_ : sum;
+    }
+    return sampled_;
+  }
+
+ private:
+  const Series& series_;
+  double from_, tau_;
+  std::span<const std::size_t> entries_;
+  std::vector<double>& sampled_;
+};
+
+class PartsSampler {
+ public:
+  PartsSampler(const std::vector<Series>& motion, double tau, std::span<const std::size_t> entries,
+               std::vector<double>& sampled)
+      : motion_(motion), tau_(tau), entries_(entries), sampled_(sampled) {}
+  std::size_t order() const { return motion_.size() - 1; }
+  // In their order.
+  std::span<const double> sample(double, int) {
+    const Series& at = motion_[next_++];
+    const auto n = static_cast<std::size_t>(at.rows());
+    for (std::size_t k = 0; k < entries_.size(); ++k)
+      sampled_[k] = entries_[k] < n ? at(static_cast<Index>(entries_[k]), 0)
+                                    : at(static_cast<Index>(entries_[k] - n), 1) / tau_;
+    return sampled_;
+  }
+
+ private:
+  const std::vector<Series>& motion_;
+  double tau_;
+  std::span<const std::size_t> entries_;
+  std::vector<double>& sampled_;
+  std::size_t next_ = 0;
+};
 
 std::span<const double> entries(const VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
@@ -80,6 +134,7 @@ class Run {
     each(std::span(run.y_.data(), static_cast<std::size_t>(run.y_.size())), ContactStates{run.penalised_},
          std::span(run.measured_), std::span(run.changes_), run.load_, run.load_jumps_, run.largest_displacement_,
          run.energy_scale_);
+    if (run.ends_) each(*run.ends_);
   }
 
  private:
@@ -118,6 +173,13 @@ class Run {
     begin_leg();
     y_ = leg().pack(u, v);
     std::ranges::fill(changes_, InstantChanges{t_, 0});
+    if (observers_.account) {
+      statistics_.account.emplace();
+      watch_ends();
+      std::vector<double> both = state.u;
+      both.insert(both.end(), state.v.begin(), state.v.end());
+      ends_->begin(t_, both);
+    }
     for (std::size_t c = 0; c < contacts(); ++c) {
       if (!penalised_.closed(c)) continue;
       statistics_.max_penetration = std::max(statistics_.max_penetration, -penalised_.clearance(c, state.u));
@@ -133,11 +195,18 @@ class Run {
     enter_piece();
     begin_leg();
     y_.resize(leg().size());
+    if (observers_.account && statistics_.account) watch_ends();
     restore(*this, checkpoint, times_, observers_);
     next_output_ = checkpoint.outputs;
     for (std::size_t c = 0; c < contacts(); ++c)
       if (measured_[c]) propagators_.measure_from_obstacle(c);
     begin_leg();
+  }
+
+  void watch_ends() {
+    ends_.emplace(penalised_, *statistics_.account);
+    ends_->ask_for(end_entries_);
+    sampled_.resize(end_entries_.size());
   }
 
   // Measures the displacement of a node from the obstacle that it has come to: the penetration keeps all its digits.
@@ -154,6 +223,7 @@ class Run {
 
   void begin_leg() {
     propagator_ = &propagators_.present();
+    if (ends_) ends_->measure_from(entries(propagators_.origin()));
     level_ = wait_ = 0;
   }
 
@@ -204,9 +274,9 @@ class Run {
   }
 
   // A step by matrix exponentials, unless it may hide something: in quarters where there are contacts, in eighths where
-  // energy flows that somebody wants to know.
+  // energy flows or ends move that somebody wants to know.
   bool take_long_step(double tau) {
-    const int halvings = energy_flows() ? 3 : contacts() > 0 ? 2 : 0, pieces = 1 << halvings;
+    const int halvings = energy_flows() || ends_ ? 3 : contacts() > 0 ? 2 : 0, pieces = 1 << halvings;
     const bool sampled = pieces > 1;
     std::vector<LoadPolynomial> p;
     std::vector<Series> motion;
@@ -223,7 +293,13 @@ class Run {
     double penetration = statistics_.max_penetration;
     for (std::size_t c = 0; c < contacts(); ++c)
       if (!distance_.keeps_state(c, motion, p, tau, largest(), penetration)) return false;
+    if (ends_) {
+      PartsSampler parts(motion, tau, end_entries_, sampled_);
+      ends_->look_at(t_, t_ + tau, parts);
+      if (!ends_->resolved()) return false;
+    }
     if (energy_flows() && !add_sampled_flow(motion, p, tau, penetration)) return false;
+    if (ends_) ends_->add();
     output_until(t_ + tau, tau);
     statistics_.max_penetration = penetration;
     y_ = std::move(y);
@@ -278,6 +354,11 @@ class Run {
         statistics_.max_penetration =
             std::max(statistics_.max_penetration, distance_.penetration_share(c) * largest_value(distances[c], sigma));
     if (energy_flows()) add(gauss_flow(leg(), series, load_.total(p_), tau, sigma));
+    if (ends_) {
+      SeriesSampler step(series, t_, tau, end_entries_, sampled_);
+      ends_->look_at(t_, t, step);
+      ends_->add();
+    }
     const VectorXd u = leg().displacement(series, sigma), v = leg().velocity(series, sigma, tau);
     y_ = leg().pack(u, v);
     t_ = t;
@@ -313,10 +394,10 @@ class Run {
           fmt::format("the contact at node {} opens and closes without end: its clearance is below the rounding of "
                       "the displacement; choose a larger epsilon",
                       mesh_node));
-    ++statistics_.events;
+    Event event{t_, contact.where, mesh_node, penalised_.closed(c) ? Change::closing : Change::opening, velocity};
+    count_change(statistics_, event);
     if (!observers_.event) return;
-    const Change change = penalised_.closed(c) ? Change::closing : Change::opening;
-    watch_.outside([&] { observers_.event({t_, contact.where, mesh_node, change, velocity}); });
+    watch_.outside([&] { observers_.event(event); });
   }
 
   // Solution at the output times up to t of the current step, of length tau, by bisection of the step: that of the run
@@ -390,6 +471,9 @@ class Run {
   LoadInterpolation load_;
   PropagatorCache propagators_;
   ContactDistance distance_;
+  std::optional<EndWatch> ends_;
+  std::vector<std::size_t> end_entries_;  // that it samples
+  std::vector<double> sampled_;
   Propagator* propagator_ = nullptr;
   PaceGuard pace_;
 

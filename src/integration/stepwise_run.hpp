@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "dynamics/penalised_system.hpp"
+#include "integration/end_watch.hpp"
 #include "integration/energy_flow.hpp"
 #include "integration/event_search.hpp"
 #include "integration/layout.hpp"
@@ -72,9 +73,15 @@ class StepwiseRun {
       stall_check(t, reached);
       if (reached <= t) continue;  // nothing can be interpolated
       std::optional<double> change;
+      const bool looking = ends_ && system_.contact_count() > 0 && !search_.selects();
       if (system_.contact_count() > 0) {
         ++statistics_.event_evaluations;
-        change = search_.first_change(t, reached, stepper_, [&](std::size_t i) { return uncertainty(i); });
+        if (looking) ends_->begin_look(t, reached, stepper_.order());
+        change = search_.first_change(
+            t, reached, stepper_, [&](std::size_t i) { return uncertainty(i); },
+            [&](std::size_t j, double at, std::span<const double> y) {
+              if (looking) ends_->look_at(j, at, y);
+            });
         statistics_.max_penetration = std::max(statistics_.max_penetration, search_.max_penetration());
       }
       double limit = change.value_or(reached);
@@ -82,6 +89,7 @@ class StepwiseRun {
         limit = *schedule_.next();
         change.reset();
       }
+      if (ends_) watch_ends(t, limit, looking && limit == reached);
       if constexpr (requires { stepper_.account_correction(); })
         if (layout_.account() > 0 && account_doubtful(t, reached)) correct_account(t, limit);
       outputs_until(limit);
@@ -134,9 +142,17 @@ class StepwiseRun {
   std::span<double> w() { return layout_.w(y_); }
 
   double begin_at(const StartingPoint& start) {
-    stepper_.begin_run(system_.contact_count() > 0 ? search_.sampled_entries() : std::vector<std::size_t>{});
-    if (const auto* checkpoint = std::get_if<Checkpoint>(&start)) {
-      restore(*this, *checkpoint, times_, observers_);
+    const auto* checkpoint = std::get_if<Checkpoint>(&start);
+    if (checkpoint) restore(*this, *checkpoint, times_, observers_);
+    std::vector<std::size_t> entries = search_.sampled_entries();
+    if (observers_.account) {
+      if (!checkpoint) statistics_.account.emplace();
+      ends_.emplace(system_, *statistics_.account);
+      ends_->ask_for(entries);
+    }
+    search_.share(entries.size());
+    stepper_.begin_run(std::move(entries));
+    if (checkpoint) {
       next_output_ = checkpoint->outputs;
       restart(checkpoint->time);
       return checkpoint->time;
@@ -187,6 +203,17 @@ class StepwiseRun {
     for (std::size_t k = 0; k < layout_.account(); ++k) y_[2 * layout_.nodes + k] += account_shift_[k];
   }
 
+  // Over a step; `looked` says that the search has sampled what they need.
+  void watch_ends(double from, double to, bool looked) {
+    // A step is short against the time in which a velocity doubles.
+    if (!looked && !ends_->concerned(to, 2.0 * stepper_.weights().largest_velocity())) return;
+    if (!looked) {
+      if (search_.selects()) stepper_.select(ends_->selected());
+      ends_->look_at(from, to, stepper_);
+    }
+    ends_->add();
+  }
+
   // Whether the step may spoil the account by more than its share of what the motion's own error does. The correction
   // is several times the error, which is a fraction of it that falls with the order.
   bool account_doubtful(double from, double to) {
@@ -214,6 +241,10 @@ class StepwiseRun {
     leg_end_ = system_.begin_leg(t, times_.back());
     system_.complete_displacement(t, u());
     system_.complete_velocity(t, u(), w());
+    if (ends_) {
+      ends_->measure_from(system_.origin());
+      ends_->begin(t, y_);
+    }
     stepper_.restart(t, leg_end_, y_);
   }
 
@@ -230,6 +261,7 @@ class StepwiseRun {
     // A change within rounding of the end leaves the last output to be told.
     for (; next_output_ < times_.size(); ++next_output_) tell_snapshot(times_[next_output_]);
     system_.complete_velocity(end, u(), w());
+    if (ends_) ends_->begin(end, y_);
     if (statistics_.energy) {
       statistics_.energy->final = system_.energy(u(), w());
       if (layout_.dissipated) statistics_.energy->dissipated = y_[*layout_.dissipated];
@@ -322,10 +354,10 @@ class StepwiseRun {
   }
 
   void tell_event(double t, std::size_t i, Change change, double velocity) {
-    ++statistics_.events;
-    if (!observers_.event) return;
     const Contact& contact = system_.contact(i);
-    const Event event{t, contact.where, contact.unknown + system_.bar().first_node(), change, velocity};
+    Event event{t, contact.where, contact.unknown + system_.bar().first_node(), change, velocity};
+    count_change(statistics_, event);
+    if (!observers_.event) return;
     stopwatch_.outside([&] { observers_.event(event); });
   }
 
@@ -343,6 +375,7 @@ class StepwiseRun {
   const Observers& observers_;
   CheckpointSchedule schedule_;
   EventSearch search_;
+  std::optional<EndWatch> ends_;
   PaceGuard pace_;
   SnapshotBuilder snapshot_;
   Stopwatch stopwatch_;

@@ -95,7 +95,6 @@ class RecordedRun {
         options_(options),
         last_(std::move(last)),
         system_(make_system(scene.run)),
-        contact_(scene.run.scene),
         data_(scene.run, system_),
         chatter_(system_),
         pace_(0.0, scene.run.end) {
@@ -109,6 +108,7 @@ class RecordedRun {
       if (const auto warning = growth_warning(scene_.run, *done)) warn(*warning);
       for (const Alarm& alarm : alarms(scene_.run, system_, *done)) sound(alarm);
     }
+    if (stopped_at_) outcome().statistics = std::move(stopped_at_);
     // Each for itself: what one cannot write, another may.
     attempt(outcome(), [&] { files_->ends.close(), written_["ends.csv"] = files_->ends.checksum(); });
     attempt(outcome(), [&] { files_->events.close(), written_["events.csv"] = files_->events.checksum(); });
@@ -128,7 +128,7 @@ class RecordedRun {
   double wall_seconds() const { return last_.wall_seconds + seconds_since(options_.started); }
 
   void write_summary(const char* name = "summary.json") {
-    record_.summary = summary_json(scene_, system_, outcome(), contact_, written_);
+    record_.summary = summary_json(scene_, system_, outcome(), written_);
     write_atomically(place_ / name, record_.summary);
   }
 
@@ -148,7 +148,7 @@ class RecordedRun {
       return;
     }
     ArchiveReader archive(last_.collected);
-    archive(contact_, data_, chatter_, pace_, outcome().warnings);
+    archive(data_, chatter_, pace_, outcome().warnings);
     outcome().reached_time = last_.motion->time;
     outcome().steps = last_.motion->statistics.steps;
     outcome().events = last_.motion->statistics.events;
@@ -157,17 +157,15 @@ class RecordedRun {
 
   Observers observers() {
     Observers observers;
-    observers.energy = true;
+    observers.energy = observers.account = true;
     observers.snapshot = [this](const Snapshot& snapshot) {
       files_->ends.append(snapshot);
       files_->field.append(snapshot);
-      contact_.add(snapshot);
       data_.add(snapshot);
     };
     observers.event = [this](const Event& event) {
       ++outcome().events;
       files_->events.append(event);
-      contact_.add(event);
       data_.add(event);
       if (options_.event) options_.event(event);
       if (const auto first = chatter_.heard(event)) warn(chatter_warning(scene_.run, system_, *first));
@@ -214,19 +212,22 @@ class RecordedRun {
       std::vector<double> times = outcome().checkpoints;
       times.push_back(motion.time);
       ArchiveWriter archive;
-      archive(contact_, data_, chatter_, pace_, outcome().warnings);
+      archive(data_, chatter_, pace_, outcome().warnings);
       write_checkpoint(
           place_, {scene_.description, last_.schedule, motion, files_->mark(), archive.take(), times, wall_seconds()});
       outcome().checkpoints = std::move(times);
     };
     clock_ ? clock_->make(write) : write();
-    if (stopping_) throw Interrupted();
+    if (!stopping_) return;
+    stopped_at_ = motion.statistics;
+    stopped_at_->energy.reset();  // whose final one is not known
+    throw Interrupted();
   }
 
   void write_report() {
     outcome().wall_seconds = wall_seconds();
     attempt(outcome(), [&] {
-      const Page page = report_page(scene_.run, system_, outcome(), contact_, data_);
+      const Page page = report_page(scene_.run, system_, outcome(), data_);
       written_.merge(write_page(place_, "report.html",
                                 {page.html(), options_.figures ? page.figure_files() : std::vector<FigureFile>{}}));
     });
@@ -247,7 +248,7 @@ class RecordedRun {
       });
     if (outcome().ending == Ending::completed) return;
     // The text says what happened also where the file cannot.
-    record_.summary = summary_json(scene_, system_, outcome(), contact_, written_);
+    record_.summary = summary_json(scene_, system_, outcome(), written_);
     attempt(outcome(), [&] {
       if (fs::exists(place_)) write_summary();
     });
@@ -259,7 +260,6 @@ class RecordedRun {
   const RecordOptions& options_;
   const RunCheckpoint last_;  // from which it goes on
   const BarSystem system_;
-  ContactSummary contact_;
   ReportData data_;
   ChatterWatch chatter_;
   PaceWatch pace_;
@@ -267,6 +267,7 @@ class RecordedRun {
   FileChecksums written_;  // what is whole
   std::optional<CheckpointClock> clock_;
   bool stopping_ = false;
+  std::optional<Statistics> stopped_at_;  // at the checkpoint that a run was interrupted at
   RunRecord record_;
 };
 

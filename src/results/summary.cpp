@@ -8,32 +8,28 @@ namespace viscobar {
 
 using Json = nlohmann::ordered_json;
 
-ContactSummary::ContactSummary(const Scene& scene) {
-  if (is_obstacle(scene.left)) left.emplace();
-  if (is_obstacle(scene.right)) right.emplace();
-  if (scene.span) span.emplace();
-}
-
-void ContactSummary::add(const Snapshot& snapshot) {
-  if (left) left->add(snapshot.time, snapshot.reaction_left);
-  if (right) right->add(snapshot.time, snapshot.reaction_right);
-}
-
-void ContactSummary::add(const Event& event) {
-  switch (event.where) {
-    case Where::left: left->add(event); break;
-    case Where::right: right->add(event); break;
-    case Where::span: ++(event.change == Change::closing ? span->closings : span->openings); break;
-  }
-}
-
 namespace {
 
-Json to_json(const ContactAccount& account, double reached) {
-  return {{"closings", account.closings()},
-          {"time_in_contact", account.duration(reached)},
-          {"impulse", account.impulse()},
-          {"max_reaction", account.max_reaction()}};
+Json to_json(const EndAccount& end, double reached) {
+  return {{"closings", end.closings},
+          {"time_in_contact", end.time_in_contact(reached)},
+          {"impulse", end.impulse},
+          {"max_reaction", end.peak_reaction}};
+}
+
+// Of the obstacles that there are.
+Json contact_json(const Scene& scene, const Outcome& outcome) {
+  const RunAccount* account = outcome.statistics && outcome.statistics->account ? &*outcome.statistics->account : nullptr;
+  Json contacts = Json::object();
+  const auto add = [&](const char* where, bool there, auto json) {
+    if (there) contacts[where] = account ? json() : Json(nullptr);
+  };
+  add("left", is_obstacle(scene.left), [&] { return to_json(account->left, outcome.reached_time); });
+  add("right", is_obstacle(scene.right), [&] { return to_json(account->right, outcome.reached_time); });
+  add("span", scene.span.has_value(), [&] {
+    return Json{{"closings", account->span_closings}, {"openings", account->span_openings}};
+  });
+  return contacts;
 }
 
 Json to_json(const EnergyAccount& energy) {
@@ -57,7 +53,7 @@ std::string_view name(Ending ending) {
 }  // namespace
 
 std::string summary_json(const SceneFile& scene, const BarSystem& system, const Outcome& outcome,
-                         const ContactSummary& contact, const FileChecksums& files) {
+                         const FileChecksums& files) {
   const auto known = [&](auto member) {
     return outcome.statistics ? Json((*outcome.statistics).*member) : Json(nullptr);
   };
@@ -84,10 +80,7 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
   json["max_penetration"] = known(&Statistics::max_penetration);
   json["energy"] =
       outcome.statistics && outcome.statistics->energy ? to_json(*outcome.statistics->energy) : Json(nullptr);
-  Json& contacts = json["contact"] = Json::object();
-  if (contact.left) contacts["left"] = to_json(*contact.left, outcome.reached_time);
-  if (contact.right) contacts["right"] = to_json(*contact.right, outcome.reached_time);
-  if (contact.span) contacts["span"] = {{"closings", contact.span->closings}, {"openings", contact.span->openings}};
+  json["contact"] = contact_json(scene.run.scene, outcome);
   json["scene"] = Json::parse(scene.description);
   json["mass"] = name(system.mass());
   const Versions used = versions();

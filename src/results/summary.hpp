@@ -1,10 +1,7 @@
 #pragma once
 
-#include <cstddef>
-#include <optional>
 #include <string>
 
-#include "results/contact_account.hpp"
 #include "results/sealed_summary.hpp"
 #include "viscobar/case/case.hpp"
 #include "viscobar/input/scene_file.hpp"
@@ -12,25 +9,9 @@
 
 namespace viscobar {
 
-/// Contact over a run: an account of each end with an obstacle, counts for a span obstacle.
-struct ContactSummary {
-  struct Span {
-    std::size_t closings = 0, openings = 0;
-    static void members(auto& span, auto&& each) { each(span.closings, span.openings); }
-  };
-  std::optional<ContactAccount> left, right;
-  std::optional<Span> span;
-
-  explicit ContactSummary(const Scene& scene);
-  void add(const Snapshot& snapshot);
-  void add(const Event& event);
-
-  static void members(auto& contact, auto&& each) { each(contact.left, contact.right, contact.span); }
-};
-
 /// summary.json: what was run, what it cost, what came out, and the checksums of the other files. Numbers that a run
-/// could not tell are null.
+/// could not tell are null. `max_reaction` of an impact may have no limit under refinement: see peak_remark().
 std::string summary_json(const SceneFile& scene, const BarSystem& system, const Outcome& outcome,
-                         const ContactSummary& contact, const FileChecksums& files);
+                         const FileChecksums& files);
 
 }  // namespace viscobar

@@ -37,14 +37,21 @@ concept Like = std::is_same_v<std::remove_const_t<T>, Value>;
 void members(Like<EnergyAccount> auto& energy, auto&& each) {
   each(energy.initial, energy.final, energy.dissipated, energy.work, energy.growth, energy.growth_time);
 }
+void members(Like<EndAccount> auto& end, auto&& each) {
+  each(end.displacement, end.lowest, end.highest, end.closings, end.impulse, end.peak_reaction, end.time_until_opening,
+       end.closed_since);
+}
+void members(Like<RunAccount> auto& account, auto&& each) {
+  each(account.left, account.right, account.span_closings, account.span_openings);
+}
 void members(Like<Statistics> auto& statistics, auto&& each) {
   each(statistics.unknowns, statistics.steps, statistics.rhs_evaluations, statistics.linear_solves,
        statistics.matrix_factorisations, statistics.event_evaluations, statistics.load_evaluations, statistics.events,
        statistics.integration_seconds, statistics.reached_time, statistics.completed, statistics.max_penetration,
-       statistics.late_opening.ratio, statistics.late_opening.time, statistics.energy);
+       statistics.late_opening.ratio, statistics.late_opening.time, statistics.energy, statistics.account);
 }
 void members(Like<Event> auto& event, auto&& each) {
-  each(event.time, event.where, event.node, event.change, event.velocity);
+  each(event.time, event.where, event.node, event.change, event.velocity, event.impulse);
 }
 void members(Like<Checkpoint> auto& checkpoint, auto&& each) {
   each(checkpoint.time, checkpoint.outputs, checkpoint.statistics, checkpoint.state);

@@ -40,6 +40,15 @@ inline double begin_of(const StartingPoint& start, std::span<const double> times
   return checkpoint ? checkpoint->time : times.front();
 }
 
+/// Counts a contact change, and gives it the impulse so far where an account is kept.
+inline void count_change(Statistics& statistics, Event& event) {
+  ++statistics.events;
+  if (!statistics.account) return;
+  statistics.account->count(event);
+  if (event.where == Where::left) event.impulse = statistics.account->left.impulse;
+  if (event.where == Where::right) event.impulse = statistics.account->right.impulse;
+}
+
 /// The state of a method, archived by its members(), put into a checkpoint or taken from one.
 template <class Method>
 std::string archived(const Method& method) {
@@ -62,7 +71,9 @@ void restore(Method& method, const Checkpoint& checkpoint, std::span<const doubl
     refuse();
   }
   const bool within = checkpoint.time >= times.front() && checkpoint.time < times.back();
-  if (observers.energy != checkpoint.statistics.energy.has_value() || !within || checkpoint.outputs == 0 ||
+  const bool accounts = observers.energy == checkpoint.statistics.energy.has_value() &&
+                        observers.account == checkpoint.statistics.account.has_value();
+  if (!accounts || !within || checkpoint.outputs == 0 ||
       checkpoint.outputs >= times.size())
     refuse();
 }

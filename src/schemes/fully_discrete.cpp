@@ -61,8 +61,8 @@ class Run {
       was_active_.assign(step_->contacts().size(), 0);
       if (checkpoint)
         go_on(*checkpoint);
-      else if (observers_.energy)
-        statistics_.energy = EnergyAccount{.initial = step_->energy()};
+      else
+        begin_accounts(std::get<State>(start_));
       advance_to_end();
     } catch (const LoadError& error) {
       fail(error.time, error.what());
@@ -99,6 +99,7 @@ class Run {
       const double reached = n < steps_ ? time(n) : times_.back();
       statistics_.steps = statistics_.rhs_evaluations = n;
       statistics_.reached_time = reached;
+      if (statistics_.account) account_ends(n);
       if (observers_.snapshot) write_until(n);
       if (observers_.progress) stopwatch_.outside([&] { observers_.progress(reached); });
       if (n == steps_) return;
@@ -113,6 +114,50 @@ class Run {
       }
       step.balance(time(n + 1));
     }
+  }
+
+  void begin_accounts(const State& start) {
+    if (observers_.energy) statistics_.energy = EnergyAccount{.initial = step_->energy()};
+    if (!observers_.account) return;
+    RunAccount& account = statistics_.account.emplace();
+    const auto begin = [&](EndAccount& end, std::optional<double> fixed, std::size_t i) {
+      const bool massive = i >= system_.massive_begin() && i < system_.massive_end();
+      const double u = fixed ? *fixed : massive ? start.u[i] : step_->u()[i] - scheme_.step * step_->p()[i];
+      end.displacement = end.lowest = end.highest = u;
+      const std::optional<std::size_t> k = contact_at(fixed, i);
+      if (!k) return;
+      end.impulse = step_->start_impulse()[*k];
+      end.peak_reaction = step_->reaction_before()[*k];
+      if (end.peak_reaction > 0.0) end.closed_since = times_.front();
+    };
+    begin(account.left, system_.left_displacement(), 0);
+    begin(account.right, system_.right_displacement(), system_.size() - 1);
+  }
+
+  // Of an end that is not fixed.
+  std::optional<std::size_t> contact_at(std::optional<double> fixed, std::size_t unknown) const {
+    const auto& contacts = step_->contacts();
+    if (fixed || contacts.empty()) return std::nullopt;
+    if (unknown == 0) return contacts.front().unknown == 0 ? std::optional<std::size_t>(0) : std::nullopt;
+    return contacts.back().unknown == unknown ? std::optional(contacts.size() - 1) : std::nullopt;
+  }
+
+  // Over (t_{n-1}, t_n], where u and lambda are linear; before t_1 lambda^0 has its part in what the start took.
+  void account_ends(std::size_t n) {
+    const double dt = scheme_.step, theta = n < steps_ ? 1.0 : std::min((times_.back() - time(n - 1)) / dt, 1.0);
+    const auto add = [&](EndAccount& end, std::optional<double> fixed, std::size_t i) {
+      if (fixed) return;
+      end.displacement = step_->u()[i] - (1.0 - theta) * dt * step_->p()[i];
+      end.lowest = std::min(end.lowest, end.displacement);
+      end.highest = std::max(end.highest, end.displacement);
+      const std::optional<std::size_t> k = contact_at(fixed, i);
+      if (!k) return;
+      const double before = n > 1 ? (1.0 - theta / 2) * step_->reaction_before()[*k] : 0.0;
+      end.impulse += dt * theta * (before + theta / 2 * step_->reaction()[*k]);
+      end.peak_reaction = std::max(end.peak_reaction, reaction(*k, theta));
+    };
+    add(statistics_.account->left, system_.left_displacement(), 0);
+    add(statistics_.account->right, system_.right_displacement(), system_.size() - 1);
   }
 
   // Output times in (t_{n-1}, t_n]: u and v = (u^{n+1} - u^{n-1}) / (2 dt) and lambda at t_{n-1} and t_n, interpolated.
@@ -192,9 +237,16 @@ class Run {
 
   void tell(double t, const Contact& contact, Change change, double velocity) {
     if (t > times_.back()) return;
-    ++statistics_.events;
+    Event event{t, contact.where, contact.unknown + system_.first_node(), change, velocity};
+    count_change(statistics_, event);
     if (!observers_.event) return;
-    const Event event{t, contact.where, contact.unknown + system_.first_node(), change, velocity};
+    // lambda^n, which leads to the contact at t_{n+1}, is of it, and what the start takes at once is of the first one.
+    if (event.impulse && change == Change::closing) {
+      const bool left = contact.where == Where::left;
+      const std::size_t k = left ? 0 : step_->contacts().size() - 1;
+      const EndAccount& end = left ? statistics_.account->left : statistics_.account->right;
+      *event.impulse = end.closings == 1 ? 0.0 : *event.impulse - scheme_.step / 2 * step_->reaction()[k];
+    }
     stopwatch_.outside([&] { observers_.event(event); });
   }
 

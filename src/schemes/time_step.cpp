@@ -65,7 +65,7 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
     }
   }
   if (system.loaded()) load_.emplace(system);
-  for (std::vector<double>* values : {&lower_, &bound_, &reaction_, &reaction_before_})
+  for (std::vector<double>* values : {&lower_, &bound_, &reaction_, &reaction_before_, &start_impulse_})
     values->resize(contacts_.size());
 
   start_from(start, begin, scheme.start);
@@ -86,6 +86,7 @@ void TimeStep::start_from(const State& start, double begin, Start order) {
     solve(dt_ / 2);
     const auto a = acceleration();
     for (std::size_t i = 0; i < p_.size(); ++i) p_[i] += dt_ / 2 * a[i];
+    for (std::size_t k = 0; k < contacts_.size(); ++k) start_impulse_[k] = dt_ / 2 * reaction_[k];
   }
   if (system_.massive_begin() > 0) settle_massless(contacts_.front().gap, 0, 1, begin);
   if (system_.massive_end() < system_.size()) {
@@ -117,8 +118,12 @@ void TimeStep::project_start() {
   if (!held) return;
   const SymmetricTridiagonal& inertia = system_.inertia();
   if (inertia.off_diagonal.empty() || system_.has_massless()) {
-    for (std::size_t k = 0; k < contacts_.size(); ++k)
-      p_[contacts_[k].unknown] = std::max(p_[contacts_[k].unknown], bound[k]);
+    for (std::size_t k = 0; k < contacts_.size(); ++k) {
+      const std::size_t i = contacts_[k].unknown;
+      const double taken = std::max(bound[k] - p_[i], 0.0);
+      start_impulse_[k] += inertia.diagonal[i] * taken;
+      p_[i] += taken;
+    }
     return;
   }
   std::vector<double> p(p_.size()), momentum(p_.size()), impulse(contacts_.size());
@@ -133,6 +138,7 @@ void TimeStep::project_start() {
     p.swap(momentum);
   }
   order_.from_nodes(p, p_);
+  for (std::size_t k = 0; k < contacts_.size(); ++k) start_impulse_[k] += impulse[k];
 }
 
 void TimeStep::settle_massless(double gap, std::size_t end, std::size_t next, double begin) {

@@ -55,6 +55,9 @@ class TimeStep {
 
   /// Nodes with an obstacle in the order of the unknowns, each with the obstacle that bounds it most.
   const std::vector<Contact>& contacts() const { return contacts_; }
+  /// int lambda dt over the first half step, which leads to p^{1/2}: of the balance at t_0, and what an impact at t_0
+  /// takes at once; one a contact.
+  std::span<const double> start_impulse() const { return start_impulse_; }
   std::span<const double> reaction() const { return reaction_; }                ///< lambda^n, one a contact
   std::span<const double> reaction_before() const { return reaction_before_; }  ///< lambda^{n-1}
   std::span<const unsigned char> active() const;  ///< whether u^{n+1} is held by its bound
@@ -100,7 +103,7 @@ class TimeStep {
   std::span<double> u_ = fields_[0], p_ = fields_[1], a_ = fields_[2], before_ = fields_[3];
   std::vector<double> interface_;                                   // a^n there; under a span obstacle the force
   bool eliminated_ = false;                                         // a_ waits for the second sweep
-  std::vector<double> lower_, bound_, reaction_, reaction_before_;  // one a contact
+  std::vector<double> lower_, bound_, reaction_, reaction_before_, start_impulse_;  // one a contact
   std::size_t solves_ = 0, load_evaluations_ = 0;
 };
 

@@ -1,13 +1,9 @@
 #include <algorithm>
 #include <chrono>
-#include <limits>
-#include <optional>
 #include <string_view>
 
 #include "case/alarm.hpp"
-#include "case/impulse.hpp"
 #include "input/text_check.hpp"
-#include "results/summary.hpp"
 #include "text/printable_text.hpp"
 #include "text/utf8.hpp"
 #include "viscobar/record/record_run.hpp"
@@ -16,25 +12,6 @@
 namespace viscobar {
 
 namespace {
-
-/// Displacement of an end over a run.
-struct EndRange {
-  double last = 0.0, smallest = std::numeric_limits<double>::infinity(), largest = -smallest;
-  bool seen = false;
-  void add(double u) {
-    last = u;
-    smallest = std::min(smallest, u);
-    largest = std::max(largest, u);
-    seen = true;
-  }
-};
-
-void tell(SweepRow& row, const EndRange& end, Quantity final, Quantity smallest, Quantity largest) {
-  if (!end.seen) return;
-  row[final] = end.last;
-  row[smallest] = end.smallest;
-  row[largest] = end.largest;
-}
 
 void tell(SweepRow& row, const Statistics& done) {
   row[Quantity::unknowns] = static_cast<double>(done.unknowns);
@@ -52,34 +29,37 @@ void tell(SweepRow& row, const Statistics& done) {
   row[Quantity::energy_balance_error] = done.energy->balance_error();
 }
 
-void tell(SweepRow& row, const ContactAccount& contact, double reached, double impulse, Quantity first) {
-  const auto at = [&](std::size_t k) -> double& { return row.values[static_cast<std::size_t>(first) + k]; };
-  at(0) = static_cast<double>(contact.closings());
-  at(1) = contact.duration(reached);
-  at(2) = impulse;
-  at(3) = contact.max_reaction();
+void tell(SweepRow& row, const EndAccount& end, bool obstacle, double reached, Quantity final, Quantity closings) {
+  const auto at = [&row](Quantity first, std::size_t k) -> double& {
+    return row.values[static_cast<std::size_t>(first) + k];
+  };
+  at(final, 0) = end.displacement;
+  at(final, 1) = end.lowest;
+  at(final, 2) = end.highest;
+  if (!obstacle) return;
+  at(closings, 0) = static_cast<double>(end.closings);
+  at(closings, 1) = end.time_in_contact(reached);
+  at(closings, 2) = end.impulse;
+  at(closings, 3) = end.peak_reaction;
+}
+
+void tell(SweepRow& row, const Scene& scene, const Statistics& done) {
+  tell(row, done);
+  if (!done.account) return;
+  const RunAccount& account = *done.account;
+  tell(row, account.left, is_obstacle(scene.left), done.reached_time, Quantity::u_left_final, Quantity::closings_left);
+  tell(row, account.right, is_obstacle(scene.right), done.reached_time, Quantity::u_right_final,
+       Quantity::closings_right);
+  if (scene.span) row[Quantity::closings_span] = static_cast<double>(account.span_closings);
 }
 
 void simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& interrupted) {
   const BarSystem system = make_system(run);
-  ContactSummary contact(run.scene);
-  EndRange left, right;
-  std::optional<EndImpulse> impulse;
-  if (contact.left || contact.right) impulse.emplace(system);
   std::size_t steps = 0, events = 0;
   double reached = 0.0;
   Observers observers;
-  observers.energy = true;
-  observers.snapshot = [&](const Snapshot& snapshot) {
-    left.add(snapshot.u.front());
-    right.add(snapshot.u.back());
-    contact.add(snapshot);
-    if (impulse) impulse->add(snapshot);
-  };
-  observers.event = [&](const Event& event) {
-    ++events;
-    contact.add(event);
-  };
+  observers.energy = observers.account = true;
+  observers.event = [&](const Event&) { ++events; };
   observers.progress = [&](double time) {
     reached = time;
     ++steps;
@@ -87,7 +67,7 @@ void simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
   };
   try {
     const Statistics done = simulate(run, system, observers);
-    tell(row, done);
+    tell(row, run.scene, done);
     row.completed = true;
     for (const Alarm& alarm : alarms(run, system, done)) {
       if (!alarm.ruinous) continue;
@@ -97,7 +77,7 @@ void simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
   } catch (const Interrupted&) {
     throw;
   } catch (const IntegrationError& error) {
-    tell(row, error.statistics);
+    tell(row, run.scene, error.statistics);
     row.error = error.what();
   } catch (const std::exception& error) {
     row[Quantity::steps] = static_cast<double>(steps);
@@ -105,12 +85,6 @@ void simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
     row.error = error.what();
   }
   row[Quantity::events] = static_cast<double>(events);
-  tell(row, left, Quantity::u_left_final, Quantity::u_left_min, Quantity::u_left_max);
-  tell(row, right, Quantity::u_right_final, Quantity::u_right_min, Quantity::u_right_max);
-  const double until = row[Quantity::reached_time];
-  if (contact.left) tell(row, *contact.left, until, impulse->left(), Quantity::closings_left);
-  if (contact.right) tell(row, *contact.right, until, impulse->right(), Quantity::closings_right);
-  if (contact.span) row[Quantity::closings_span] = static_cast<double>(contact.span->closings);
 }
 
 std::string fitting(std::string text) {

@@ -146,7 +146,6 @@ TEST(Report, OfAVeryLongRunStaysBelowTwoMegabytesAndSaysWhatItThinned) {
   scene.run.elements = 60;
   const BarSystem system = make_system(scene.run);
   ReportData data(scene.run, system);
-  ContactSummary contact(scene.run.scene);
   Outcome outcome;
   std::vector<double> u(system.mesh().nodes()), v(u.size(), 1.0);
   constexpr int count = 1'000'000;
@@ -158,11 +157,10 @@ TEST(Report, OfAVeryLongRunStaysBelowTwoMegabytesAndSaysWhatItThinned) {
       const Event event{1e-6 * k, k % 40 < 20 ? Where::left : Where::right, 0,
                         k % 20 ? Change::opening : Change::closing, k == 700'000 ? -9.0 : -1.0};
       data.add(event);
-      contact.add(event);
       ++outcome.events;
     }
   }
-  const Html report{report_page(scene.run, system, outcome, contact, data).html()};
+  const Html report{report_page(scene.run, system, outcome, data).html()};
   EXPECT_LT(report.html.size(), 2'000'000u);
   const nlohmann::json events = data_of(report)["events"];
   EXPECT_EQ(events["happened"], count / 10);
@@ -184,7 +182,7 @@ TEST(Report, OfAVeryFineMeshStaysBelowTwoMegabytesAndSaysWhatItThinned) {
     for (std::size_t j = 0; j < u.size(); ++j) u[j] = 1e-3 * k * static_cast<double>(j % 1000);
     data.add(Snapshot{.time = 1e-2 * k, .u = u, .v = v});
   }
-  const Html report{report_page(scene.run, system, {}, ContactSummary(scene.run.scene), data).html()};
+  const Html report{report_page(scene.run, system, {}, data).html()};
   EXPECT_LT(report.html.size(), 2'000'000u);
   EXPECT_TRUE(report.has("every 2nd output time and every 250th node"));
 }
@@ -193,13 +191,12 @@ TEST(Report, ListsTheFirstFiftyChangesAndCountsTheRest) {
   const SceneFile scene = bouncing_bar();
   const BarSystem system = make_system(scene.run);
   ReportData data(scene.run, system);
-  ContactSummary contact(scene.run.scene);
   Outcome outcome;
   for (int i = 0; i < 1000; ++i) {
     data.add({0.001 * i, Where::left, 0, i % 2 ? Change::opening : Change::closing, 0.0});
     ++outcome.events;
   }
-  const std::string html = report_page(scene.run, system, outcome, contact, data).html();
+  const std::string html = report_page(scene.run, system, outcome, data).html();
   EXPECT_NE(html.find("and 950 more"), std::string::npos);
 }
 
@@ -210,7 +207,7 @@ TEST(Report, ARunThatNeverBeganHasAPageWithoutPictures) {
   outcome.ending = Ending::failed;
   outcome.error = "no step";
   const std::string html =
-      report_page(scene.run, system, outcome, ContactSummary(scene.run.scene), ReportData(scene.run, system)).html();
+      report_page(scene.run, system, outcome, ReportData(scene.run, system)).html();
   EXPECT_NE(html.find("no step"), std::string::npos);
   EXPECT_EQ(html.find("<svg"), std::string::npos);
   EXPECT_EQ(html.find("<script"), std::string::npos);

@@ -4,36 +4,22 @@
 #include <numeric>
 
 #include "support/scratch.hpp"
-#include "results/contact_account.hpp"
 #include "viscobar/record/record_run.hpp"
+#include "viscobar/run/run.hpp"
 
 namespace viscobar {
 namespace {
 
 using Json = nlohmann::json;
 
-TEST(ContactAccount, AddsUpTimesFromEventsAndImpulseFromOutputTimes) {
-  ContactAccount account;
-  account.add(0.0, 0.0);
-  account.add({0.5, Where::left, 0, Change::closing, -1.0});
-  account.add(1.0, 4.0);
-  account.add({1.25, Where::left, 0, Change::opening, 1.0});
-  account.add(2.0, 0.0);
-  account.add({2.5, Where::left, 0, Change::closing, -1.0});
-  EXPECT_EQ(account.closings(), 2u);
-  EXPECT_EQ(account.duration(3.0), 0.75 + 0.5);
-  EXPECT_EQ(account.impulse(), 2.0 + 2.0);
-  EXPECT_EQ(account.max_reaction(), 4.0);
-  ASSERT_EQ(account.intervals(3.0).size(), 2u);
-  EXPECT_EQ(account.intervals(3.0)[1].end, 3.0);
-}
-
-TEST(ContactAccount, AnEndThatPressesFromTheStartIsInContactFromThere) {
-  ContactAccount account;
-  account.add(1.0, 2.0);
-  account.add({3.0, Where::left, 0, Change::opening, 1.0});
-  EXPECT_EQ(account.closings(), 0u);
-  EXPECT_EQ(account.duration(5.0), 2.0);
+TEST(RunAccount, AddsUpTimesFromContactChanges) {
+  RunAccount account;
+  account.count({0.5, Where::left, 0, Change::closing, -1.0});
+  account.count({1.25, Where::left, 0, Change::opening, 1.0});
+  account.count({2.5, Where::left, 0, Change::closing, -1.0});
+  EXPECT_EQ(account.left.closings, 2u);
+  EXPECT_EQ(account.left.time_in_contact(3.0), 0.75 + 0.5);
+  EXPECT_EQ(account.right.closings, 0u);
 }
 
 TEST(Summary, HasEveryPromisedKeyAndTheBooksBalance) {
@@ -78,7 +64,7 @@ TEST(Summary, HasEveryPromisedKeyAndTheBooksBalance) {
 
 TEST(Summary, TheImpulseOfTheReactionIsTheGainOfMomentum) {
   const Scratch scratch;
-  SceneFile scene = bouncing_bar();
+  const SceneFile scene = bouncing_bar();
   double momentum = 0.0;
   const BarSystem system = make_system(scene.run);
   Observers last;
@@ -88,12 +74,10 @@ TEST(Summary, TheImpulseOfTheReactionIsTheGainOfMomentum) {
     momentum = std::accumulate(weighted.begin(), weighted.end(), 0.0);
   };
   simulate(scene.run, system, last);
-  scene.run.output_every = 1e-4;
   const Json summary = Json::parse(record_run(scene, scratch.path()).summary);
-  const double impulse = summary["contact"]["left"]["impulse"], largest = summary["contact"]["left"]["max_reaction"];
-  // Trapezoidal rule: its error is that of the intervals in which the reaction jumps, one a contact change.
-  const double changes = summary["events"];
-  EXPECT_NEAR(impulse, momentum - (-0.3), changes * largest * scene.run.output_every);
+  const double impulse = summary["contact"]["left"]["impulse"];
+  // Both are within a hundred tolerances of the velocity, of size 0.3.
+  EXPECT_NEAR(impulse, momentum - (-0.3), 100.0 * (scene.run.tolerance.relative * 0.3 + scene.run.tolerance.absolute));
   EXPECT_GT(impulse, 0.3);
 }
 

@@ -162,6 +162,9 @@ class LoadVector {
   /// M f(t) over the unknowns (n entries), valid until the next call.
   /// @throws LoadError when the load is not finite at t.
   std::span<const double> at(double t);
+  /// Its entry of one unknown, of the same value: the load is evaluated beside its node only. Not counted.
+  /// @throws LoadError
+  double at(double t, std::size_t unknown) const;
 
   /// Time of the first break of the load after t, at any node, or `end` where there is none before: until then the load
   /// is smooth. From here on at() evaluates it at the nearest time that is 64 roundings of the time away from that

@@ -25,7 +25,7 @@ struct Outcome {
   std::size_t steps = 0;              ///< of the method
   std::size_t events = 0;             ///< contact changes
   std::vector<double> checkpoints;    ///< times at which checkpoints were made, in all parts of a run that was stopped
-  std::optional<Statistics> statistics;  ///< absent when the run was ended from outside
+  std::optional<Statistics> statistics;  ///< absent when the run was ended from outside, but at a checkpoint
   double wall_seconds = 0.0;             ///< of all, reading and writing included
   std::vector<std::string> warnings;     ///< such as chatter
 };

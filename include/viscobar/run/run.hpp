@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -34,6 +35,9 @@ struct Event {
   std::size_t node = 0;             ///< mesh node
   Change change = Change::closing;  ///< what happens
   double velocity = 0.0;            ///< u_t of the node: negative when it closes, the impact velocity
+  /// int R dt of the end's reaction from the start to here; absent under a span obstacle, and where nobody asked for the
+  /// account of the run.
+  std::optional<double> impulse = std::nullopt;
 };
 
 /// initial + work = final + dissipated + balance_error, the error being that of the time integration.
@@ -48,6 +52,36 @@ struct EnergyAccount {
   double growth_time = 0.0;  ///< that t
   /// What the integration lost or gained.
   double balance_error() const { return final + dissipated - initial - work; }
+};
+
+/// Contact of one end and the range of its displacement, as exact between the output times as the method is: the
+/// reaction R and u are those of its steps (a polynomial each; of a scheme, values at its steps and linear between).
+/// R is the force of all obstacles on the end node.
+struct EndAccount {
+  double displacement = 0.0;  ///< u where the run is
+  double lowest = std::numeric_limits<double>::infinity();  ///< min u over time, infinite before a run
+  double highest = -lowest;                                 ///< max u
+  std::size_t closings = 0;                                 ///< of the end's own obstacle
+  double impulse = 0.0;                                     ///< int R dt, a force times a time
+  /// max R. Of an impact it may have no limit for finer meshes, stiffer springs or shorter steps: see
+  /// viscobar::peak_remark().
+  double peak_reaction = 0.0;
+  double time_until_opening = 0.0;     ///< in contact up to the last opening
+  std::optional<double> closed_since;  ///< when the contact that lasts began
+
+  /// Time in contact up to `now`, where the run is.
+  double time_in_contact(double now) const { return time_until_opening + (closed_since ? now - *closed_since : 0.0); }
+};
+
+/// What happened at the ends of the bar and at its obstacles. Nothing in it depends on the output times.
+struct RunAccount {
+  EndAccount left;                 ///< at x = 0
+  EndAccount right;                ///< at x = L
+  std::size_t span_closings = 0;   ///< of nodes under a span obstacle
+  std::size_t span_openings = 0;   ///< likewise
+
+  /// Counts a contact change.
+  void count(const Event& event);
 };
 
 /// The largest pull at an opening. Where a step passes over the spring of a contact, the contact opens when its row,
@@ -74,6 +108,7 @@ struct Statistics {
   double max_penetration = 0.0;           ///< max over time and contacts, >= 0
   LateOpening late_opening;               ///< of adaptive penalised methods
   std::optional<EnergyAccount> energy;    ///< where Observers asked for it
+  std::optional<RunAccount> account;      ///< likewise
 };
 
 /// The complete state of a run between two of its steps. A run that begins from it continues like the original, bit for
@@ -105,6 +140,7 @@ struct Observers {
   std::function<void(const Event&)> event;        ///< at each contact change, in order
   std::function<void(double time)> progress;      ///< after each step
   bool energy = false;                            ///< keep the energy account
+  bool account = false;                           ///< keep the account of ends and contacts
   std::optional<Checkpoints> checkpoints;         ///< to go on from
 };
 

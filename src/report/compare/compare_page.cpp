@@ -282,8 +282,7 @@ PicturedPage compare_page(const Scene& scene, const MethodChoice& choice, const 
     page.add(section_html("Contact periods",
                           html(contacts) +
                               "<p class=\"note\">Bounces within a hundredth of the run count as one contact. "
-                              "The impulse is that of the reaction, by the balance of the end node's "
-                              "momentum.</p>\n"));
+                              "The impulse is that of the reaction.</p>\n"));
   return page.with_figures();
 }
 

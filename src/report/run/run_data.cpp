@@ -15,8 +15,18 @@ double ReportData::spring_energy(std::span<const double> u) const {
   return sum;
 }
 
+std::vector<plot::Interval> ReportData::End::in_contact(double now) const {
+  std::vector<plot::Interval> all = contacts.intervals();
+  if (closed_since) all.push_back({*closed_since, now});
+  return all;
+}
+
 void ReportData::add(const Snapshot& at) {
-  ++snapshots;
+  if (snapshots++ == 0) {
+    // An end that presses at the start has been closed from there.
+    if (at.reaction_left > 0.0) left.closed_since = at.time;
+    if (at.reaction_right > 0.0) right.closed_since = at.time;
+  }
   field.add(at.time, at.u);
   left.displacement.add({at.time, at.u.front()});
   right.displacement.add({at.time, at.u.back()});
@@ -36,6 +46,14 @@ void ReportData::add(const Snapshot& at) {
 void ReportData::add(const Event& event) {
   if (first_events.size() < most_events) first_events.push_back(event);
   marked_events.add(event);
+  if (event.where == Where::span) return;
+  End& end = event.where == Where::left ? left : right;
+  if (event.change == Change::closing) {
+    if (!end.closed_since) end.closed_since = event.time;
+  } else if (end.closed_since) {
+    end.contacts.add({*end.closed_since, event.time});
+    end.closed_since.reset();
+  }
 }
 
 }  // namespace viscobar

@@ -23,7 +23,14 @@ class ReportData {
   static constexpr std::size_t buckets = 800;
   struct End {
     plot::ThinnedLine displacement{buckets}, reaction{buckets};
-    static void members(auto& end, auto&& each) { each(end.displacement, end.reaction); }
+    plot::ThinnedIntervals contacts;     // that are over
+    std::optional<double> closed_since;  // of the one that is not
+
+    /// Times in contact up to `now`, as far as a picture shows them.
+    std::vector<plot::Interval> in_contact(double now) const;
+    static void members(auto& end, auto&& each) {
+      each(end.displacement, end.reaction, end.contacts, end.closed_since);
+    }
   };
   /// Of the bar, and stored in the contacts' penalty springs.
   struct Energy {

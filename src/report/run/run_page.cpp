@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "case/peak_remark.hpp"
 #include "report/page.hpp"
 #include "report/plot/figure.hpp"
 #include "results/csv.hpp"
@@ -54,25 +55,30 @@ std::string numbers(const Case& run, const BarSystem& system, const Outcome& out
   return all.html("The run in numbers");
 }
 
-std::string contact_table(const Outcome& outcome, const ContactSummary& contact) {
+std::string contact_table(const Case& run, const BarSystem& system, const Outcome& outcome) {
+  if (!outcome.statistics || !outcome.statistics->account) return {};
+  const RunAccount& account = *outcome.statistics->account;
   std::string rows;
-  const auto add = [&](const char* where, const std::optional<ContactAccount>& account) {
-    if (account)
-      rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", where,
-                          account->closings(), readable(account->duration(outcome.reached_time)),
-                          readable(account->impulse()), readable(account->max_reaction()));
+  const auto add = [&](const char* where, const EndCondition& kind, const EndAccount& end) {
+    if (is_obstacle(kind))
+      rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", where, end.closings,
+                          readable(end.time_in_contact(outcome.reached_time)), readable(end.impulse),
+                          readable(end.peak_reaction));
   };
-  add("left end", contact.left);
-  add("right end", contact.right);
+  add("left end", run.scene.left, account.left);
+  add("right end", run.scene.right, account.right);
   std::string html;
   if (!rows.empty())
     html =
         "<table><thead><tr><th>Obstacle</th><th>closings</th><th>time in contact</th><th>impulse of the reaction</th>"
         "<th>greatest reaction</th></tr></thead><tbody>\n" +
         rows + "</tbody></table>\n";
-  if (contact.span)
+  const auto remark = peak_remark(run, system);
+  if (remark && account.left.closings + account.right.closings > 0)
+    html += fmt::format("<p class=\"note\">Greatest reaction: {}.</p>\n", escaped(*remark));
+  if (run.scene.span)
     html += fmt::format("<p class=\"note\">Under the span: nodes closed {} times and opened {} times.</p>\n",
-                        contact.span->closings, contact.span->openings);
+                        account.span_closings, account.span_openings);
   return html.empty() ? html : "<section><h2>Contact</h2>\n<div class=\"tables\">" + html + "</div></section>\n";
 }
 
@@ -95,8 +101,7 @@ std::string event_table(const Outcome& outcome, const ReportData& data) {
 
 }  // namespace
 
-Page report_page(const Case& run, const BarSystem& system, const Outcome& outcome, const ContactSummary& contact,
-                 const ReportData& data) {
+Page report_page(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data) {
   Page page(run.scene.title.empty() ? "A run of viscobar" : run.scene.title, run.scene);
   if (!outcome.error.empty())
     page.add_head(fmt::format("<p class=\"failed\"><b>The run did not complete.</b> It reached t = {}: {}</p>\n",
@@ -107,15 +112,15 @@ Page report_page(const Case& run, const BarSystem& system, const Outcome& outcom
     const FieldColours colours = field_colours(run, data);
     page.add(profiles(run, data));
     page.add(displacement_map(run, data, colours));
-    page.add(end_traces(run, outcome, contact, data));
-    page.add(reactions(run, contact, data));
+    page.add(end_traces(run, outcome, data));
+    page.add(reactions(run, data));
     page.add(energies(data));
     page.add_data("field", field_json(data, colours));
     page.add_data("events", events_json(data, outcome.events));
-    page.add_data("supports", supports_json(run.scene, outcome, contact));
+    page.add_data("supports", supports_json(run.scene, outcome, data));
   }
   page.add(numbers(run, system, outcome, data));
-  page.add(contact_table(outcome, contact));
+  page.add(contact_table(run, system, outcome));
   page.add(event_table(outcome, data));
   return page;
 }

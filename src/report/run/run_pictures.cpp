@@ -184,10 +184,10 @@ Picture profiles(const Case& run, const ReportData& data) {
           {{"bar", "Displacement over space at a few times", figure, live}}};
 }
 
-Picture end_traces(const Case& run, const Outcome& outcome, const ContactSummary& contact, const ReportData& data) {
+Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& data) {
   std::vector<Panel> panels;
   const auto panel = [&](const char* name, const EndCondition& end, const ReportData::End& trace,
-                         const std::optional<ContactAccount>& account, std::size_t colour, const char* label) {
+                         std::size_t colour, const char* label) {
     if (is_fixed(end)) return;
     const std::vector<Point> points = trace.displacement.points();
     Range range;
@@ -196,7 +196,7 @@ Picture end_traces(const Case& run, const Outcome& outcome, const ContactSummary
     const bool shown = body && range.reach(-body->gap);
     const bool span_shown = run.scene.span && range.reach(-run.scene.span->gap);
     Figure figure(time_axis(data), range.axis(label), 220.0);
-    if (account) figure.shade(account->intervals(outcome.reached_time), plot::series_colour(colour), "in contact");
+    if (body) figure.shade(trace.in_contact(outcome.reached_time), plot::series_colour(colour), "in contact");
     if (shown) figure.level(-body->gap, {"var(--ink)", true, 1.2}, obstacle_text(body->gap));
     if (body && !shown) figure.legend_note(obstacle_text(body->gap) + " (outside)");
     if (span_shown)
@@ -205,19 +205,19 @@ Picture end_traces(const Case& run, const Outcome& outcome, const ContactSummary
     figure.line(points, {plot::series_colour(colour)}, label);
     panels.push_back({name, std::string("Displacement over time: ") + label, figure});
   };
-  panel("left-end", run.scene.left, data.left, contact.left, 0, "u(0, t)");
-  panel("right-end", run.scene.right, data.right, contact.right, 1, "u(L, t)");
+  panel("left-end", run.scene.left, data.left, 0, "u(0, t)");
+  panel("right-end", run.scene.right, data.right, 1, "u(L, t)");
   return {"Ends",
           std::string(is_fixed(run.scene.left) || is_fixed(run.scene.right) ? "Displacement of the end that moves."
                                                                             : "Displacement of the two ends.") +
-              (contact.left || contact.right ? " Dashed: obstacle; shaded: times in contact." : ""),
+              (is_obstacle(run.scene.left) || is_obstacle(run.scene.right) ? " Dashed: obstacle; shaded: times in contact." : ""),
           panels};
 }
 
-Picture reactions(const Case& run, const ContactSummary& contact, const ReportData& data) {
+Picture reactions(const Case& run, const ReportData& data) {
   const bool span = run.scene.span.has_value();
   const std::vector<Point> left = data.left.reaction.points(), right = data.right.reaction.points();
-  const bool with_left = span || contact.left, with_right = span || contact.right;
+  const bool with_left = span || is_obstacle(run.scene.left), with_right = span || is_obstacle(run.scene.right);
   if (!with_left && !with_right) return {};
   Range range;
   range.add(0.0);

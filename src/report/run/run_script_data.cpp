@@ -27,12 +27,12 @@ const char* kind(const EndCondition& end) {
   return is_fixed(end) ? "fixed" : "free";
 }
 
-std::string support_json(const EndCondition& end, const std::optional<ContactAccount>& contact, double reached) {
+std::string support_json(const EndCondition& end, const ReportData::End& trace, double reached) {
   std::string text = fmt::format(R"({{"kind":"{}")", kind(end));
   if (const auto* body = std::get_if<Obstacle>(&end)) text += fmt::format(R"(,"gap":{:.9g})", body->gap);
-  if (contact) {
+  if (is_obstacle(end)) {
     std::vector<double> ends;
-    for (const plot::Interval& part : contact->intervals(reached)) ends.insert(ends.end(), {part.begin, part.end});
+    for (const plot::Interval& part : trace.in_contact(reached)) ends.insert(ends.end(), {part.begin, part.end});
     text += R"(,"contact":)" + json_numbers(ends, itself, digits_of_time);
   }
   return text + '}';
@@ -88,10 +88,10 @@ std::string events_json(const ReportData& data, std::size_t happened) {
                      column([](const Event& e) { return e.velocity; }, 6));
 }
 
-std::string supports_json(const Scene& scene, const Outcome& outcome, const ContactSummary& contact) {
+std::string supports_json(const Scene& scene, const Outcome& outcome, const ReportData& data) {
   std::string text =
-      fmt::format(R"({{"left":{},"right":{})", support_json(scene.left, contact.left, outcome.reached_time),
-                  support_json(scene.right, contact.right, outcome.reached_time));
+      fmt::format(R"({{"left":{},"right":{})", support_json(scene.left, data.left, outcome.reached_time),
+                  support_json(scene.right, data.right, outcome.reached_time));
   if (scene.span) text += fmt::format(R"(,"span":{{"gap":{:.9g}}})", scene.span->gap);
   return text + '}';
 }

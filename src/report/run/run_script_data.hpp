@@ -25,6 +25,6 @@ std::string field_json(const ReportData& data, const FieldColours& colours);
 std::string events_json(const ReportData& data, std::size_t happened);
 
 /// What holds the ends and the span: kind, gap, and the times in contact.
-std::string supports_json(const Scene& scene, const Outcome& outcome, const ContactSummary& contact);
+std::string supports_json(const Scene& scene, const Outcome& outcome, const ReportData& data);
 
 }  // namespace viscobar

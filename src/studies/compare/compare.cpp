@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "studies/compare/end_impulses.hpp"
 #include "viscobar/case/recorder.hpp"
 #include "studies/parallel.hpp"
 #include "viscobar/integration/integrate.hpp"
@@ -55,22 +54,11 @@ MethodRun attempt(const Contender& contender) {
     if (const auto problem = fault(recording, run)) throw std::invalid_argument(*problem);
     const std::vector<double>& times = recording.times;
     result.contacts = contact_periods(recording, 0.01 * (times.back() - times.front()));
-    if (result.built_in) {
-      const EndImpulses impulses(run, recording);
-      for (ContactPeriod& period : result.contacts) period.impulse = impulses.over(period);
-    }
     result.recording = std::move(recording);
   } catch (const std::exception& error) {
     result.error = error.what();
   }
   return result;
-}
-
-/// The same period as found in a run, with its impulse.
-const ContactPeriod& with_impulse(const ContactPeriod& period, const MethodRun& run) {
-  for (const ContactPeriod& known : run.contacts)
-    if (known.where == period.where && known.node == period.node && known.begin == period.begin) return known;
-  return period;
 }
 
 }  // namespace
@@ -131,12 +119,7 @@ Comparison compare(std::span<const Contender> contenders, std::size_t threads) {
     for (std::size_t j = i + 1; j < count; ++j) {
       const MethodRun &first = result.runs[i], &other = result.runs[j];
       if (!other.recording) continue;
-      Difference difference = compare(*first.recording, *other.recording);
-      for (auto& [a, b] : difference.contacts) {
-        a = with_impulse(a, first);
-        b = with_impulse(b, other);
-      }
-      result.pairs.push_back({i, j, std::move(difference)});
+      result.pairs.push_back({i, j, compare(*first.recording, *other.recording)});
     }
   }
   return result;

@@ -64,16 +64,21 @@ const std::vector<double>* end_reaction(const Recording& recording, Where where)
 
 }  // namespace
 
+// Where the run kept no account, by the trapezoidal rule over the recording's times.
 std::vector<ContactPeriod> contact_periods(const Recording& recording, double merge) {
   std::vector<ContactPeriod> periods;
+  std::vector<std::optional<double>> before;  // impulse of the reaction until a period begins
   std::map<Place, std::size_t> latest;  // period of a place that may go on
   std::map<Place, bool> open;
   for (const Event& event : recording.events) {
     const Place place{event.where, event.node};
     const auto found = latest.find(place);
     if (event.change == Change::opening) {
-      if (found != latest.end()) periods[found->second].end = event.time;
       open[place] = true;
+      if (found == latest.end()) continue;
+      ContactPeriod& period = periods[found->second];
+      period.end = event.time;
+      if (event.impulse) period.impulse = *event.impulse - before[found->second].value_or(0.0);
       continue;
     }
     open[place] = false;
@@ -82,14 +87,22 @@ std::vector<ContactPeriod> contact_periods(const Recording& recording, double me
     } else {
       latest[place] = periods.size();
       periods.push_back({event.where, event.node, event.time, event.time, 0.0, 1});
+      before.push_back(event.impulse);
     }
   }
   if (!recording.times.empty())
-    for (const auto& [place, index] : latest)
-      if (!open[place]) periods[index].end = recording.times.back();
-  for (ContactPeriod& period : periods)
-    if (const auto* reaction = end_reaction(recording, period.where))
-      period.impulse = integral(recording.times, *reaction, period.begin, period.end);
+    for (const auto& [place, index] : latest) {
+      if (open[place]) continue;
+      ContactPeriod& period = periods[index];
+      period.end = recording.times.back();
+      const auto& account = recording.statistics.account;
+      if (account && before[index])
+        period.impulse = (period.where == Where::left ? account->left : account->right).impulse - *before[index];
+    }
+  for (std::size_t k = 0; k < periods.size(); ++k) {
+    const auto* reaction = before[k] ? nullptr : end_reaction(recording, periods[k].where);
+    if (reaction) periods[k].impulse = integral(recording.times, *reaction, periods[k].begin, periods[k].end);
+  }
   return periods;
 }
 

@@ -44,7 +44,7 @@ struct MethodRun {
   Case run;                             ///< what it was given
   Mass mass = Mass::consistent;         ///< that the method ran on, which may differ from the scene's
   std::optional<Recording> recording;   ///< absent when the run failed
-  std::vector<ContactPeriod> contacts;  ///< bounces within a hundredth of the run merged; impulses see below
+  std::vector<ContactPeriod> contacts;  ///< bounces within a hundredth of the run merged
   std::string error;                    ///< why it failed; empty when it did not
 };
 
@@ -67,7 +67,7 @@ struct Comparison {
 
 /// Runs the contenders, which share mesh and output times, on all cores (or on `threads`; solvers are then called at
 /// the same time). A run that fails, or a recording that does not fit its case, is reported and leaves the others
-/// standing. Impulses are those of EndImpulses for built-in methods and integrals of the reactions for others.
+/// standing.
 Comparison compare(std::span<const Contender> contenders, std::size_t threads = 0);
 /// Likewise of built-in methods.
 Comparison compare(std::span<const Case> cases, std::size_t threads = 0);

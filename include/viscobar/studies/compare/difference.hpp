@@ -20,7 +20,7 @@ struct ContactPeriod {
   std::size_t node = 0;       ///< mesh node
   double begin = 0.0;         ///< time of the first closing
   double end = 0.0;           ///< time of the last opening
-  double impulse = 0.0;  ///< integral of the reaction, by the trapezoidal rule on the recording's time grid; ends only
+  double impulse = 0.0;  ///< integral of the end's reaction: of the run's account, without one by the trapezoidal rule
   std::size_t bounces = 1;  ///< closings
 };
 
