@@ -103,6 +103,10 @@ void refuse_finite_difference(const Case& run, Findings& findings) {
     findings.report("mesh.mass",
                     "\"redistributed\" does not fit finite_difference, whose mass is diagonal; use "
                     "\"lumped\" or \"paper\", or fully_discrete");
+  if (run.mass == Mass::fourth_order)
+    findings.report("mesh.mass",
+                    "\"fourth_order\" does not fit finite_difference, whose mass is diagonal; use \"lumped\" or "
+                    "\"paper\", or fully_discrete");
   if (run.grading != 1.0)
     findings.report("mesh.grading",
                     "does not fit finite_difference, whose elements are of equal length; leave it out, or use "

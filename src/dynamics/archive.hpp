@@ -35,7 +35,8 @@ template <class T, class Value>
 concept Like = std::is_same_v<std::remove_const_t<T>, Value>;
 
 void members(Like<EnergyAccount> auto& energy, auto&& each) {
-  each(energy.initial, energy.final, energy.dissipated, energy.work, energy.growth, energy.growth_time);
+  each(energy.initial, energy.final, energy.dissipated, energy.work, energy.end_inertia, energy.growth,
+       energy.growth_time);
 }
 void members(Like<Statistics> auto& statistics, auto&& each) {
   each(statistics.unknowns, statistics.steps, statistics.rhs_evaluations, statistics.linear_solves,

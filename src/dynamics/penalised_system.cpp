@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -20,7 +21,7 @@ PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
     laws_.push_back(penalty_law(penalty, contact.weight, penalty.restitution < 1.0 ? bar.contact_mass(contact) : 0.0));
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     const std::size_t node = contact(i).unknown;
-    rates_.push_back(massless(node) ? 0.0 : std::sqrt(laws_[i].stiffness / bar.inertia().diagonal[node]));
+    rates_.push_back(massless(node) ? 0.0 : std::sqrt(laws_[i].stiffness / bar.inertia().diagonal_entry(node)));
   }
   for (std::size_t i = 0; i < laws_.size(); ++i) holds_.push_back(rigid_ || gives_way_by_rounding(i));
   dashpots_ = std::any_of(laws_.begin(), laws_.end(), [](const PenaltyLaw& law) { return law.damping > 0.0; });
@@ -267,12 +268,17 @@ PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_in
     beside(mesh.element(node), i + 1, {});
   else if (bar_.right_fixed())
     beside(mesh.element(node), {}, bar_.right_displacement());
+  if (const auto& rows = bar_.inertia().end_rows; rows && row.count == 1) {
+    const std::array<double, 3>& shares = i == 0 ? rows->first : rows->last;
+    row.neighbours[0].a_share += shares[1];
+    row.neighbours[row.count++] = {i == 0 ? 2 : i - 2, 0.0, 0.0, shares[2]};
+  }
   for (std::size_t c = 0; c < laws_.size(); ++c) {
     if (!closed(c) || contact(c).unknown != i) continue;
     row.rate += laws_[c].stiffness, damping += laws_[c].damping;
     row.constant -= laws_[c].stiffness * offsets_[c];
   }
-  row.inertia = bar_.inertia().diagonal[i] / row.rate;
+  row.inertia = bar_.inertia().diagonal_entry(i) / row.rate;
   const double scale = 1.0 / std::max(damping, row.rate / (1e3 * rates_[contact_index]));
   for (RelaxingRow::Neighbour& n : row.neighbours) n.u_share *= scale, n.w_share *= scale, n.a_share *= scale;
   row.rate *= scale, row.load_share *= scale, row.constant *= scale;
@@ -334,6 +340,13 @@ double PenalisedSystem::dissipated_power(std::span<const double> w) const {
     for (std::size_t i = 0; i < laws_.size(); ++i)
       if (closed(i)) power += laws_[i].damping * w[contact(i).unknown] * w[contact(i).unknown];
   return power;
+}
+
+double PenalisedSystem::end_power(double t, std::span<const double> u, std::span<const double> w) {
+  acceleration_.resize(size());
+  force(t, u, w, acceleration_);
+  bar_.accelerate(acceleration_);
+  return bar_.end_power(w, acceleration_);
 }
 
 double PenalisedSystem::load_power(double t, std::span<const double> w) {

@@ -150,7 +150,7 @@ class CvodeStepper {
       leg.system.complete_velocity(t, layout.u(state), w);
       leg.system.force(t, layout.u(state), w, layout.w(out));
       leg.system.bar().accelerate(layout.w(out));
-      leg.account_rates(t, w, out);
+      leg.account_rates(t, w, layout.w(out), out);
       ++leg.statistics.rhs_evaluations;
     });
   }

@@ -215,7 +215,7 @@ class Run {
       const double at = static_cast<double>(k) / pieces;
       if (sampled) {
         p.push_back(rescaled(p_, at, 1.0));
-        motion.push_back(propagator_->expand(y, p[k], tau, 1));
+        motion.push_back(propagator_->expand(y, p[k], tau, leg().has_end_rows() ? 2 : 1));
       }
       if (k < pieces) propagator_->advance(level_ - halvings, y, rescaled(p_, at, 1.0 / pieces));
     }
@@ -234,18 +234,19 @@ class Run {
 
   bool add_sampled_flow(const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p, double tau,
                         double penetration) {
-    std::vector<VectorXd> velocities, loads;
+    std::vector<VectorXd> velocities, loads, accelerations;
     for (std::size_t k = 0; k < motion.size(); ++k) {
       velocities.push_back(motion[k].col(1) / tau);
       if (system_.loaded()) loads.push_back(load_.total(p[k]).col(0));
+      if (leg().has_end_rows()) accelerations.push_back(motion[k].col(2) * (2.0 / (tau * tau)));
     }
-    const auto [flow, error] = sampled_flow(leg(), velocities, loads, tau);
+    const auto [flow, error] = sampled_flow(leg(), velocities, loads, accelerations, tau);
     // As a bar at rest sets in motion, its energy is so small that a share of it would be below the flow's own
     // rounding.
     const double share = 1e-12 * energy_scale_ * tau / (times_.back() - times_.front());
     const double known =
         64.0 * rounding *
-        (std::abs(flow.dissipated) + std::abs(flow.work) + distance_.cancelled_power(penetration) * tau);
+        (std::abs(flow.dissipated) + std::abs(flow.work) + std::abs(flow.end_inertia) + distance_.cancelled_power(penetration) * tau);
     if (error > std::max({share, known, std::numeric_limits<double>::min()})) return false;
     add(flow);
     return true;
@@ -365,11 +366,14 @@ class Run {
   }
 
   // Whether energy flows that somebody wants to know.
-  bool energy_flows() const { return statistics_.energy && (penalised_.dissipates() || system_.loaded()); }
+  bool energy_flows() const {
+    return statistics_.energy && (penalised_.dissipates() || system_.loaded() || system_.has_end_rows());
+  }
 
   void add(const EnergyFlow& flow) {
     statistics_.energy->dissipated += flow.dissipated;
     statistics_.energy->work += flow.work;
+    statistics_.energy->end_inertia += flow.end_inertia;
     energy_scale_ = std::max(energy_scale_, statistics_.energy->initial + std::abs(statistics_.energy->work));
   }
 

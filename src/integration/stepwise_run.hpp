@@ -234,6 +234,7 @@ class StepwiseRun {
       statistics_.energy->final = system_.energy(u(), w());
       if (layout_.dissipated) statistics_.energy->dissipated = y_[*layout_.dissipated];
       if (layout_.work) statistics_.energy->work = y_[*layout_.work];
+      if (layout_.end_inertia) statistics_.energy->end_inertia = y_[*layout_.end_inertia];
     }
     statistics_.completed = true;
   }
@@ -270,7 +271,7 @@ class StepwiseRun {
       force_.resize(layout_.nodes);
       system_.force(at, layout_.u(inner_), rate, force_);
       system_.bar().accelerate(force_);
-      return system_.bar().inertia().diagonal[node] * force_[node];
+      return system_.bar().inertia().diagonal_entry(node) * force_[node];
     };
     const double apart = 0.125 * (end - begin), other = t - apart >= begin ? t - apart : t + apart;
     const double now = pull(t), change = std::abs(now - pull(other)) / apart;
@@ -280,7 +281,7 @@ class StepwiseRun {
                              system_.bar().spacing_at(node);
     // Late by no more than the step, it changes the node's velocity by pull * step / m.
     const double brief =
-        system_.bar().inertia().diagonal[node] * stepper_.weights().promised_velocity() / (end - begin);
+        system_.bar().inertia().diagonal_entry(node) * stepper_.weights().promised_velocity() / (end - begin);
     const double ratio = now / (5.0 / system_.contact_rate(i) * change + tolerated + brief);
     if (ratio > statistics_.late_opening.ratio) statistics_.late_opening = {ratio, t};
   }
@@ -344,7 +345,7 @@ class StepwiseRun {
   SnapshotBuilder snapshot_;
   Stopwatch stopwatch_;
   std::vector<double> y_, inner_, force_;  // the state where the run is, and within a step
-  std::array<double, 2> account_shift_{};  // of the account of this leg
+  std::array<double, 3> account_shift_{};  // of the account of this leg
   double leg_end_ = 0.0;
   std::size_t next_output_ = 0;
   std::size_t last_contact_ = 0, toggles_ = 0, stalled_ = 0;

@@ -151,6 +151,8 @@ class PenalisedSystem {
   double dissipated_power(std::span<const double> w) const;
   /// w.M f(t)
   double load_power(double t, std::span<const double> w);
+  /// Power of the end rows of the mass (see BarSystem::end_power), the acceleration being that of F(t, u, w).
+  double end_power(double t, std::span<const double> u, std::span<const double> w);
   bool dissipates() const { return bar_.damped() || dashpots_; }  ///< by viscosity or a dashpot
   bool loaded() const { return load_.has_value(); }               ///< f is not zero
   bool load_varies() const { return load_ && !load_->steady(); }  ///< f depends on time
@@ -177,6 +179,7 @@ class PenalisedSystem {
   std::vector<PenaltyLaw> laws_;
   std::vector<double> rates_;  // omega of each contact
   std::vector<unsigned char> closed_, measured_, holds_;
+  std::vector<double> acceleration_;  // scratch
   std::vector<double> origin_, origin_force_, offsets_;  // the force -E K origin; clearance minus u of each contact
   bool dashpots_ = false, rigid_ = false;
   std::uint64_t revision_ = 0;
