@@ -131,7 +131,7 @@ class IdaStepper {
     const std::span<double> state = values(state_), rate = values(rate_);
     std::ranges::copy(layout.w(state), layout.u(rate).begin());
     leg_.system.force(t, layout.u(state), layout.w(state), layout.w(rate));
-    leg_.system.bar().accelerate(layout.w(rate));
+    leg_.system.accelerate(layout.w(rate));
     leg_.account_rates(t, layout.w(state), layout.w(rate), rate);
     ++leg_.statistics.rhs_evaluations;
   }

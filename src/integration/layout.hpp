@@ -13,7 +13,7 @@ namespace viscobar {
 /// each of dissipation, work and power of the mass's end rows that the scene has and the user wants.
 struct Layout {
   Layout(const PenalisedSystem& system, bool energy) : nodes(system.size()), size(2 * nodes) {
-    if (energy && system.dissipates()) dissipated = size++;
+    if (energy && system.takes_energy()) dissipated = size++;
     if (energy && system.loaded()) work = size++;
     if (energy && system.bar().has_end_rows()) end_inertia = size++;
   }

@@ -138,8 +138,11 @@ class RelievedStepper {
     return static_cast<double>(std::accumulate(lengths_.begin(), lengths_.end(), std::size_t{0})) / legs;
   }
 
-  // A rigid contact has massless nodes, which do not bounce.
-  bool recognised() const { return !system_.rigid() && worthwhile() && leg_ > legs && mean_length() < most_steps; }
+  // A massless node does not bounce off a rigid obstacle.
+  bool recognised() const {
+    const bool bounces = !system_.rigid() || system_.collides();
+    return bounces && worthwhile() && leg_ > legs && mean_length() < most_steps;
+  }
 
   // What a leg took, and what it would have taken at the price of those before the storm.
   void account() {

@@ -69,10 +69,10 @@ double contact_frequency(const Case& run) {
 }
 
 void expect_agreement(const Case& run, const Recording& reference, const Recording& other, double tolerance,
-                      const std::string& what) {
+                      const std::string& what, double multiple = constant) {
   const double u = largest(reference.u), v = largest(reference.v);
-  EXPECT_LE(distance(other.u, reference.u), constant * tolerance * u) << what;
-  EXPECT_LE(distance(other.v, reference.v), constant * tolerance * (v + contact_frequency(run) * u)) << what;
+  EXPECT_LE(distance(other.u, reference.u), multiple * tolerance * u) << what;
+  EXPECT_LE(distance(other.v, reference.v), multiple * tolerance * (v + contact_frequency(run) * u)) << what;
 }
 
 // The k-th change of each contact, whatever happens at the other end meanwhile.
@@ -83,7 +83,8 @@ std::map<std::pair<Where, std::size_t>, std::vector<Event>> by_contact(const Rec
 }
 
 // A crossing is as late as the displacement is wrong: |v| dt <= C tol U; at a graze, v = 0, dt <= sqrt(C tol U / a).
-void expect_same_events(const Recording& reference, const Recording& run, double tolerance, const std::string& what) {
+void expect_same_events(const Recording& reference, const Recording& run, double tolerance, const std::string& what,
+                        double multiple = constant) {
   const double u = largest(reference.u), v = largest(reference.v);
   const auto expected = by_contact(reference), found = by_contact(run);
   ASSERT_EQ(found.size(), expected.size()) << what;
@@ -96,10 +97,21 @@ void expect_same_events(const Recording& reference, const Recording& run, double
     for (std::size_t k = 0; k < events.size(); ++k) {
       EXPECT_EQ(others[k].change, events[k].change) << what;
       const double speed = std::abs(events[k].velocity) + std::sqrt(tolerance) * v;
-      EXPECT_LE(speed * std::abs(others[k].time - events[k].time), constant * tolerance * u)
+      EXPECT_LE(speed * std::abs(others[k].time - events[k].time), multiple * tolerance * u)
           << what << ", event " << k << " at " << events[k].time;
     }
   }
+}
+
+// No tolerance promises more than the scene does: node against spring, undamped, one of them magnifies a shift of its
+// initial data by 6000 (the others by 40).
+double promise(const Case& run, const Recording& reference) {
+  if (run.mass != Mass::fourth_order || run.scene.bar.viscosity > 0.0) return constant;
+  constexpr double shift = 1e-9;
+  Case shifted = run;
+  shifted.scene.displacement = [u = run.scene.displacement](double x) { return u(x) + shift; };
+  const double magnified = distance(run_by(shifted, MethodName::exponential, 1.0).u, reference.u) / shift;
+  return constant * std::max(1.0, magnified / 1000);
 }
 
 using Parameters = std::tuple<std::string, Mass>;
@@ -113,6 +125,7 @@ TEST_P(Agreement, ErrorsAndEventsFollowTheTolerance) {
       for (const double epsilon : obstacle ? std::vector{1e-2, 1e-4, 1e-6} : std::vector{1e-2}) {
         const Case run = scene(ends, mass, loaded, viscosity, epsilon);
         const Recording reference = run_by(run, MethodName::exponential, 1.0);
+        const double multiple = promise(run, reference);
         for (const MethodName method : {MethodName::cvode, MethodName::ida, MethodName::arkode, MethodName::odeint}) {
           const bool differential = method == MethodName::cvode || method == MethodName::odeint;
           if (differential && mass == Mass::redistributed && viscosity == 0.0 && obstacle) continue;
@@ -122,15 +135,15 @@ TEST_P(Agreement, ErrorsAndEventsFollowTheTolerance) {
             const std::string what = std::string(name(method)) + (loaded ? ", loaded" : "") + ", viscosity " +
                                      std::to_string(viscosity) + ", epsilon " + std::to_string(epsilon) +
                                      ", tolerance " + std::to_string(std::log10(tolerance));
-            expect_agreement(run, reference, other, tolerance, what);
+            expect_agreement(run, reference, other, tolerance, what, multiple);
             // The reference itself is good to 1e-12 or so.
             const double error = distance(other.u, reference.u) / largest(reference.u);
             // Within a quarter of the promise chance decides.
             if (tolerance < 1e-6) {
-              EXPECT_LE(error, std::max(previous, constant / 4 * tolerance) + 1e-11) << what;
+              EXPECT_LE(error, std::max(previous, multiple / 4 * tolerance) + 1e-11) << what;
             }
             previous = error;
-            expect_same_events(reference, other, tolerance, what);
+            expect_same_events(reference, other, tolerance, what, multiple);
           }
         }
       }
@@ -146,7 +159,7 @@ std::string parameter_name(const testing::TestParamInfo<Parameters>& info) {
 INSTANTIATE_TEST_SUITE_P(EveryScene, Agreement,
                          testing::Combine(testing::Values("oo", "of", "ox", "fo", "xo", "ff", "fx", "xf", "xx"),
                                           testing::Values(Mass::consistent, Mass::lumped, Mass::paper,
-                                                          Mass::redistributed)),
+                                                          Mass::redistributed, Mass::fourth_order)),
                          parameter_name);
 
 // Hundreds of bounces multiply errors, and a missed one would shift all that follow.
