@@ -29,6 +29,7 @@ PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
     rates_.push_back(massless(node) || rigid_ ? 0.0
                                               : std::sqrt(laws_[i].stiffness / bar.inertia().diagonal_entry(node)));
   }
+  if (collides_ || bar.has_end_rows()) acceleration_.resize(size());
   for (std::size_t i = 0; i < laws_.size(); ++i) holds_.push_back(rigid_ || gives_way_by_rounding(i));
   dashpots_ = std::any_of(laws_.begin(), laws_.end(), [](const PenaltyLaw& law) { return law.damping > 0.0; });
   if (bar.loaded()) load_.emplace(bar);
@@ -384,7 +385,6 @@ double PenalisedSystem::reaction(std::size_t i, double t, std::span<const double
   const std::size_t node = contact(i).unknown;
   if (!holds(i)) return laws_[i].reaction(-clearance(i, u), -w[node]);
   if (collides(i)) {
-    acceleration_.resize(size());
     force(t, u, w, acceleration_);
     const double lacking = -acceleration_[node];
     accelerate(acceleration_);
@@ -418,7 +418,6 @@ double PenalisedSystem::dissipated_power(std::span<const double> w) const {
 }
 
 double PenalisedSystem::end_power(double t, std::span<const double> u, std::span<const double> w) {
-  acceleration_.resize(size());
   force(t, u, w, acceleration_);
   accelerate(acceleration_);
   return bar_.end_power(w, acceleration_);
