@@ -47,7 +47,7 @@ std::vector<Alarm> alarms(const Case& run, const BarSystem& system, const Statis
                      energy.dissipated < -0.01 * largest});
     if (energy.work == 0.0 && run.epsilon && is_penalised(run.method) && !system.contacts().empty()) {
       const double softest = std::ranges::min(system.contacts(), {}, &Contact::weight).weight / *run.epsilon;
-      const double deepest = std::sqrt(2.0 * (energy.initial + sound) / softest);
+      const double deepest = std::sqrt(2.0 * (energy.initial + std::abs(energy.end_inertia) + sound) / softest);
       if (statistics.max_penetration > deepest)
         all.push_back(
             {fmt::format("a penetration of {:.3g} is deeper than the energy of the bar can press the spring, {:.3g}",

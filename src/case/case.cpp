@@ -27,7 +27,7 @@ std::vector<double> Case::output_times() const {
 
 Mass effective_mass(const Case& run) {
   const auto mass = method_row(run.method).mass;
-  return mass ? mass(run) : run.mass;
+  return mass ? mass(run) : run.mass.value_or(Mass::consistent);
 }
 
 Penalty penalty(const Case& run) { return {run.epsilon.value_or(1.0), run.restitution.value_or(1.0)}; }

@@ -64,6 +64,15 @@ void check_massless(const Case& run, Findings& findings) {
     findings.report("mesh.elements", fmt::format("mass \"redistributed\" needs at least {} elements here", needed));
 }
 
+void check_end_rows(const Case& run, Findings& findings) {
+  if (run.elements < 3)
+    findings.report("mesh.elements", "mass \"fourth_order\" needs at least 3 elements: its end rows reach three nodes");
+  if (run.grading != 1.0)
+    findings.report("mesh.grading",
+                    "does not fit the mass \"fourth_order\", whose weights are those of elements of equal length; leave "
+                    "it out, or use the mass \"consistent\" or \"lumped\"");
+}
+
 void check_grading(const Case& run, Findings& findings) {
   if (run.grading == 1.0 || !findings.sound({"left.kind", "right.kind"})) return;
   if (!is_obstacle(run.scene.left) && !is_obstacle(run.scene.right))
@@ -121,6 +130,8 @@ std::vector<Finding> validate(const Case& run, const std::vector<std::string>& f
     findings.report("mesh.elements", "both ends are fixed: 2 elements are needed for one unknown node");
   if (effective_mass(run) == Mass::redistributed && findings.sound({"mesh.mass", "method.name"}))
     check_massless(run, findings);
+  if (effective_mass(run) == Mass::fourth_order && findings.sound({"mesh.mass", "method.name"}))
+    check_end_rows(run, findings);
   check_grading(run, findings);
   check_memory(run, findings);
   check_initial_nodes(run, findings);

@@ -10,10 +10,13 @@ namespace viscobar {
 
 namespace {
 
-Mass redistributed(const Case&) { return Mass::redistributed; }
+Mass redistributed(const Case& run) { return run.mass.value_or(Mass::redistributed); }
 
 // (3.22) is (2.8) with a diagonal product.
-Mass diagonal(const Case& run) { return run.mass == Mass::consistent ? Mass::lumped : run.mass; }
+Mass diagonal(const Case& run) {
+  const Mass mass = run.mass.value_or(Mass::consistent);
+  return mass == Mass::consistent ? Mass::lumped : mass;
+}
 
 Statistics run_cvode(const Case& run, const BarSystem& system, const StartingPoint& start,
                      std::span<const double> times, const Observers& observers) {
@@ -37,7 +40,7 @@ Statistics run_odeint(const Case& run, const BarSystem& system, const StartingPo
 
 Statistics run_rigid(const Case& run, const BarSystem& system, const StartingPoint& start,
                      std::span<const double> times, const Observers& observers) {
-  return integrate(system, start, times, Rigid{run.tolerance}, observers);
+  return integrate(system, start, times, Rigid{run.tolerance, run.restitution.value_or(0.0)}, observers);
 }
 
 Statistics run_exponential(const Case& run, const BarSystem& system, const StartingPoint& start,
@@ -95,7 +98,11 @@ void refuse_exponential(const Case& run, Findings& findings) {
 
 void refuse_rigid(const Case& run, Findings& findings) {
   if (run.scene.span)
-    findings.report("method.name", "rigid needs massless contact nodes, and under a span obstacle every node is one");
+    findings.report("method.name", "rigid stops one node at a time, and under a span obstacle several meet it at once");
+  const std::size_t fixed = std::size_t{is_fixed(run.scene.left)} + std::size_t{is_fixed(run.scene.right)};
+  const bool obstacle = is_obstacle(run.scene.left) || is_obstacle(run.scene.right);
+  if (obstacle && run.elements < 1 + fixed)
+    findings.report("mesh.elements", "rigid needs an unknown node beside that of a contact: one more element");
 }
 
 void refuse_finite_difference(const Case& run, Findings& findings) {
@@ -103,6 +110,10 @@ void refuse_finite_difference(const Case& run, Findings& findings) {
     findings.report("mesh.mass",
                     "\"redistributed\" does not fit finite_difference, whose mass is diagonal; use "
                     "\"lumped\" or \"paper\", or fully_discrete");
+  if (run.mass == Mass::fourth_order)
+    findings.report("mesh.mass",
+                    "\"fourth_order\" does not fit finite_difference, whose mass is diagonal; use \"lumped\" or "
+                    "\"paper\", or fully_discrete");
   if (run.grading != 1.0)
     findings.report("mesh.grading",
                     "does not fit finite_difference, whose elements are of equal length; leave it out, or use "
@@ -131,7 +142,7 @@ constexpr MethodRow rows[] = {
      .penalised = true, .accuracy = Accuracy::tolerances, .seconds = multistep,
      .run = run_odeint, .vectors = odeint_vectors, .refuse = refuse_odeint},
     {.method = MethodName::rigid, .name = "rigid",
-     .meaning = "the limit epsilon = 0 itself, on the redistributed mass; no span obstacle",
+     .meaning = "the limit epsilon = 0 itself, on the redistributed mass where none is named; no span obstacle",
      .penalised = false, .accuracy = Accuracy::tolerances, .seconds = multistep,
      .run = run_rigid, .vectors = bdf_vectors, .mass = redistributed, .refuse = refuse_rigid},
     {.method = MethodName::exponential, .name = "exponential",

@@ -1,5 +1,6 @@
 #include "viscobar/discretisation/mass.hpp"
 
+#include <array>
 #include <stdexcept>
 
 namespace viscobar {
@@ -20,6 +21,10 @@ constexpr Words words(Mass mass) {
       return {"redistributed",
               "consistent, but nodes at an obstacle have no mass and cannot bounce; no span obstacle, not "
               "finite_difference, neither cvode nor odeint without viscosity"};
+    case Mass::fourth_order:
+      return {"fourth_order",
+              "inertia and load of each row exact to fourth order, inside h (1, 10, 1)/12, at the ends h (7, 6, -1)/24; "
+              "elements of equal length, three at least"};
   }
   return {};
 }
@@ -35,6 +40,9 @@ namespace {
 SymmetricTridiagonal graded_mass_matrix(const Mesh& mesh, Mass mass) {
   if (mass == Mass::paper)
     throw std::invalid_argument("mass \"paper\" has one weight h for all nodes: it needs elements of equal length");
+  if (mass == Mass::fourth_order)
+    throw std::invalid_argument(
+        "mass \"fourth_order\" has weights for elements of equal length; use \"consistent\" on a graded mesh");
   const bool lumped = mass == Mass::lumped;
   SymmetricTridiagonal matrix;
   matrix.diagonal.assign(mesh.nodes(), 0.0);
@@ -57,6 +65,14 @@ SymmetricTridiagonal mass_matrix(const Mesh& mesh, Mass mass) {
   if (mass == Mass::lumped || mass == Mass::paper) {
     matrix.diagonal.assign(n, h);
     if (mass == Mass::lumped) matrix.diagonal.front() = matrix.diagonal.back() = h / 2;
+  } else if (mass == Mass::fourth_order) {
+    if (mesh.elements < 3)
+      throw std::invalid_argument("mass \"fourth_order\" needs at least 3 elements: its end rows reach three nodes");
+    matrix.diagonal.assign(n, 5 * h / 6);
+    matrix.diagonal.front() = matrix.diagonal.back() = 5 * h / 12;
+    matrix.off_diagonal.assign(n - 1, h / 12);
+    const std::array<double, 3> slope = {-h / 8, h / 6, -h / 24};
+    matrix.end_rows = EndRows{slope, slope};
   } else {
     matrix.diagonal.assign(n, 2 * h / 3);
     matrix.diagonal.front() = matrix.diagonal.back() = h / 3;

@@ -19,6 +19,12 @@ SymmetricTridiagonal restrict_to(const SymmetricTridiagonal& matrix, std::size_t
   part.diagonal.assign(matrix.diagonal.begin() + begin, matrix.diagonal.begin() + begin + n);
   if (!matrix.off_diagonal.empty() && count > 1)
     part.off_diagonal.assign(matrix.off_diagonal.begin() + begin, matrix.off_diagonal.begin() + begin + n - 1);
+  const bool with_first = first == 0, with_last = first + count == matrix.size();
+  if (matrix.end_rows && (with_first || with_last)) {
+    part.end_rows.emplace();
+    if (with_first) part.end_rows->first = matrix.end_rows->first;
+    if (with_last) part.end_rows->last = matrix.end_rows->last;
+  }
   return part;
 }
 
@@ -89,6 +95,7 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(me
   inertia_ = restrict_to(inertia_matrix(mesh, mass, massless_left_, massless_right_), first, n);
   for (double& entry : inertia_.diagonal) entry *= bar_.density;
   for (double& entry : inertia_.off_diagonal) entry *= bar_.density;
+  inertia_.end_rows = scaled_end_rows(bar_.density);
   massive_factor_.factorise(restrict_to(inertia_, massive_begin(), massive_end() - massive_begin()));
 
   if (left.gap) contacts_.push_back({0, *left.gap, 1.0, Where::left});
@@ -167,6 +174,19 @@ double BarSystem::stiffness_diagonal(std::size_t i) const {
   return (node > 0 ? inverse_spacing_[node - 1] : 0.0) + (node < mesh_.elements ? inverse_spacing_[node] : 0.0);
 }
 
+std::optional<EndRows> BarSystem::scaled_end_rows(double factor) const {
+  std::optional<EndRows> rows = inertia_.end_rows;
+  if (rows)
+    for (auto* row : {&rows->first, &rows->last})
+      for (double& entry : *row) entry *= factor;
+  return rows;
+}
+
+double BarSystem::end_power(std::span<const double> w, std::span<const double> a) const {
+  const EndRows& rows = *inertia_.end_rows;
+  return w.front() * rows.first_times(a) + w.back() * rows.last_times(a);
+}
+
 void BarSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const {
   if (!inverse_spacing_.empty()) return graded_stiffness(m, c * bar_.viscosity + k * bar_.modulus, out);
   const std::size_t n = size();
@@ -182,6 +202,7 @@ void BarSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiag
     std::fill(out.off_diagonal.begin(), out.off_diagonal.end(), off);
   else
     for (std::size_t i = 0; i + 1 < n; ++i) out.off_diagonal[i] = m * inertia_.off_diagonal[i] + off;
+  out.end_rows = scaled_end_rows(m);
 }
 
 void BarSystem::graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const {

@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <ranges>
 #include <stdexcept>
 
 namespace viscobar {
@@ -16,18 +18,24 @@ constexpr double stiff = 1e4;  // kappa = k h / E
 }  // namespace
 
 PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
-    : bar_(bar), closed_(bar.contacts().size(), 0), measured_(closed_) {
+    : bar_(bar), closed_(bar.contacts().size(), 0), measured_(closed_), restitution_(penalty.restitution) {
   rigid_ = penalty.epsilon == 0.0;
-  if (rigid_)
-    for (const Contact& contact : bar.contacts())
-      if (!massless(contact.unknown))
-        throw std::invalid_argument("a rigid obstacle needs massless contact nodes: mass \"redistributed\"");
-  for (const Contact& contact : bar.contacts())
-    laws_.push_back(penalty_law(penalty, contact.weight, penalty.restitution < 1.0 ? bar.contact_mass(contact) : 0.0));
+  for (const Contact& contact : bar.contacts()) {
+    if (rigid_ && contact.where == Where::span)
+      throw std::invalid_argument("a rigid obstacle under the whole span stops several nodes at once: not for rigid");
+    if (rigid_ && size() < 2)
+      throw std::invalid_argument("a rigid obstacle needs an unknown node beside that of the contact");
+    const bool dashpot = !rigid_ && penalty.restitution < 1.0;
+    laws_.push_back(rigid_ ? PenaltyLaw{std::numeric_limits<double>::infinity(), 0.0}
+                           : penalty_law(penalty, contact.weight, dashpot ? bar.contact_mass(contact) : 0.0));
+  }
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     const std::size_t node = contact(i).unknown;
-    rates_.push_back(massless(node) ? 0.0 : std::sqrt(laws_[i].stiffness / bar.inertia().diagonal[node]));
+    collides_ |= collides(i);
+    rates_.push_back(massless(node) || rigid_ ? 0.0
+                                              : std::sqrt(laws_[i].stiffness / bar.inertia().diagonal_entry(node)));
   }
+  if (collides_ || bar.has_end_rows()) acceleration_.resize(size());
   for (std::size_t i = 0; i < laws_.size(); ++i) holds_.push_back(rigid_ || gives_way_by_rounding(i));
   dashpots_ = std::any_of(laws_.begin(), laws_.end(), [](const PenaltyLaw& law) { return law.damping > 0.0; });
   if (bar.loaded()) load_.emplace(bar);
@@ -105,15 +113,35 @@ bool PenalisedSystem::held(std::size_t unknown) const {
 
 std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const {
   const std::size_t node = contact(i).unknown;
+  if (collides(i) && bar_.has_end_rows())
+    return {node, neighbour(node), size() + neighbour(node), size() + (node == 0 ? 2 : node - 2)};
+  if (collides(i)) return {node, neighbour(node), size() + neighbour(node)};
   if (!massless(node)) return {node};
   if (!bar_.damped()) return {neighbour(node)};
   if (holds(i)) return {node, neighbour(node), size() + neighbour(node)};
   return {node};
 }
 
-double PenalisedSystem::indicator_linear(std::size_t i, std::span<const double> entries) const {
+double PenalisedSystem::indicator_linear(std::size_t i, std::span<const double> entries,
+                                         std::span<const double> rates) const {
   if (entries.size() == 1 || !closed(i)) return entries[0];
-  return entries[1] + bar_.bar().viscosity / bar_.bar().modulus * entries[2];  // of a contact that holds
+  double p = entries[1] + bar_.bar().viscosity / bar_.bar().modulus * entries[2];  // of a contact that holds
+  if (!collides(i)) return p;
+  const std::size_t node = contact(i).unknown;
+  const auto inertia = inertia_beside(node);
+  for (std::size_t k = 2; k < entries.size(); ++k)
+    p -= bar_.spacing_at(node) / bar_.bar().modulus * inertia[k - 2] * rates[k];
+  return p;
+}
+
+// Off the diagonal of rho M in the row of an end: at its neighbour, and at the next one.
+std::array<double, 2> PenalisedSystem::inertia_beside(std::size_t end) const {
+  const SymmetricTridiagonal& inertia = bar_.inertia();
+  if (inertia.off_diagonal.empty()) return {0.0, 0.0};
+  const double beside = inertia.off_diagonal[std::min(end, neighbour(end))];
+  if (!inertia.end_rows) return {beside, 0.0};
+  const std::array<double, 3>& row = end == 0 ? inertia.end_rows->first : inertia.end_rows->last;
+  return {beside + row[1], row[2]};
 }
 
 double PenalisedSystem::indicator_offset(std::size_t i, double t) {
@@ -158,11 +186,50 @@ void PenalisedSystem::force(double t, std::span<const double> u, std::span<const
 void PenalisedSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const {
   bar_.dynamic_stiffness(m, c, k, out);
   for (std::size_t i = 0; i < laws_.size(); ++i)
-    if (closed(i)) out.diagonal[contact(i).unknown] += k * acting_stiffness(i) + c * laws_[i].damping;
+    if (closed(i))
+      out.diagonal[contact(i).unknown] +=
+          holds(i) ? std::numeric_limits<double>::infinity() : k * laws_[i].stiffness + c * laws_[i].damping;
 }
 
-double PenalisedSystem::acting_stiffness(std::size_t i) const {
-  return holds(i) ? std::numeric_limits<double>::infinity() : laws_[i].stiffness;
+void PenalisedSystem::accelerate(std::span<double> force) {
+  const auto held_with_mass = [this](std::size_t i) { return indicator_needs_rates(i); };
+  const auto contacts = std::views::iota(std::size_t{0}, collides_ ? laws_.size() : 0);
+  if (std::ranges::none_of(contacts, held_with_mass)) return bar_.accelerate(force);
+  if (held_from_ != revision_) {
+    SymmetricTridiagonal inertia = bar_.inertia();
+    for (const std::size_t i : contacts)
+      if (held_with_mass(i)) inertia.diagonal[contact(i).unknown] = std::numeric_limits<double>::infinity();
+    held_factor_.factorise(inertia);
+    held_from_ = revision_;
+  }
+  held_factor_.solve(force);
+}
+
+PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std::span<const double> u,
+                                                    std::span<double> w, const Negligible& negligible) {
+  const std::size_t node = contact(i).unknown;
+  std::vector<double> answer(size(), 0.0), acceleration(size());
+  answer[node] = 1.0;
+  accelerate(answer);
+  const double mass = 1.0 / answer[node], speed = -w[node], kinetic = 0.5 * bar_.inertia().quadratic_form(w);
+  const auto leave_with = [&](double velocity) {
+    const double impulse = mass * (velocity - w[node]);
+    for (std::size_t j = 0; j < size(); ++j) w[j] += impulse * answer[j];
+    w[node] = velocity;
+  };
+  leave_with(0.0);
+  force(t, u, w, acceleration);
+  accelerate(acceleration);
+  const double pressed = -acceleration[node], rebound = restitution_ * speed;
+  bool rests = true;
+  if (rebound == 0.0) {
+    rests = mass * pressed * bar_.spacing_at(node) / bar_.bar().modulus > -negligible.reaction;
+  } else {
+    rests = pressed > 0.0 && rebound * rebound <= 2.0 * pressed * negligible.displacement;
+    if (!rests) leave_with(rebound);
+  }
+  const double dissipated = 0.5 * mass * (speed - w[node]) * (speed + w[node]);
+  return {rests, dissipated, kinetic - 0.5 * bar_.inertia().quadratic_form(w) - dissipated};
 }
 
 double PenalisedSystem::stiffness_of_closed(std::size_t unknown) const {
@@ -277,12 +344,17 @@ PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_in
     beside(mesh.element(node), i + 1, {});
   else if (bar_.right_fixed())
     beside(mesh.element(node), {}, bar_.right_displacement());
+  if (const auto& rows = bar_.inertia().end_rows; rows && row.count == 1) {
+    const std::array<double, 3>& shares = i == 0 ? rows->first : rows->last;
+    row.neighbours[0].a_share += shares[1];
+    row.neighbours[row.count++] = {i == 0 ? 2 : i - 2, 0.0, 0.0, shares[2]};
+  }
   for (std::size_t c = 0; c < laws_.size(); ++c) {
     if (!closed(c) || contact(c).unknown != i) continue;
     row.rate += laws_[c].stiffness, damping += laws_[c].damping;
     row.constant -= laws_[c].stiffness * offsets_[c];
   }
-  row.inertia = bar_.inertia().diagonal[i] / row.rate;
+  row.inertia = bar_.inertia().diagonal_entry(i) / row.rate;
   const double scale = 1.0 / std::max(damping, row.rate / (1e3 * rates_[contact_index]));
   for (RelaxingRow::Neighbour& n : row.neighbours) n.u_share *= scale, n.w_share *= scale, n.a_share *= scale;
   row.rate *= scale, row.load_share *= scale, row.constant *= scale;
@@ -307,7 +379,7 @@ void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w)
       if (acceleration.empty()) {
         acceleration.resize(size());
         force(t, u, w, acceleration);
-        bar_.accelerate(acceleration);
+        accelerate(acceleration);
       }
       press[i] = acceleration[node] < 0.0 ? 1 : 0;
     }
@@ -322,6 +394,15 @@ double PenalisedSystem::reaction(std::size_t i, double t, std::span<const double
   if (!closed(i)) return 0.0;
   const std::size_t node = contact(i).unknown;
   if (!holds(i)) return laws_[i].reaction(-clearance(i, u), -w[node]);
+  if (collides(i)) {
+    force(t, u, w, acceleration_);
+    const double lacking = -acceleration_[node];
+    accelerate(acceleration_);
+    const auto inertia = inertia_beside(node);
+    double sum = lacking + inertia[0] * acceleration_[neighbour(node)];
+    if (inertia[1] != 0.0) sum += inertia[1] * acceleration_[node == 0 ? 2 : node - 2];
+    return std::max(0.0, sum);
+  }
   const std::size_t next = neighbour(node);
   const double load = load_ ? load_->at(t)[node] : 0.0;
   const double stress =
@@ -344,6 +425,12 @@ double PenalisedSystem::dissipated_power(std::span<const double> w) const {
     for (std::size_t i = 0; i < laws_.size(); ++i)
       if (closed(i)) power += laws_[i].damping * w[contact(i).unknown] * w[contact(i).unknown];
   return power;
+}
+
+double PenalisedSystem::end_power(double t, std::span<const double> u, std::span<const double> w) {
+  force(t, u, w, acceleration_);
+  accelerate(acceleration_);
+  return bar_.end_power(w, acceleration_);
 }
 
 double PenalisedSystem::load_power(double t, std::span<const double> w) {

@@ -21,13 +21,14 @@ namespace viscobar {
 /// steps: between two changes the system is linear with constant coefficients, so a method sees a smooth problem
 /// and a change is a located event [Petrov 2010, section 1].
 ///
-/// At epsilon = 0, on massless contact nodes, this is the rigid obstacle: k is infinite, a closed node is held at -gap,
-/// its reaction is what its row lacks, and it opens when that reaches zero.
+/// At epsilon = 0 this is the rigid obstacle: k is infinite, a closed node is held at -gap, its reaction is what its
+/// row lacks, and it opens when that reaches zero. A node with mass has an impact as it closes, see collide().
 ///
 /// Refers to a BarSystem that must outlive it; one object per integration (it owns the load's buffers).
 class PenalisedSystem {
  public:
-  /// @throws std::invalid_argument for epsilon = 0 where a contact node has mass
+  /// @throws std::invalid_argument for epsilon = 0 under a span obstacle, whose nodes collide together, or where a
+  /// contact node has no unknown node beside it
   PenalisedSystem(const BarSystem& bar, const Penalty& penalty);
 
   const BarSystem& bar() const { return bar_; }     ///< without its contacts
@@ -62,12 +63,15 @@ class PenalisedSystem {
   ///
   ///     a node with inertia or viscosity    its clearance
   ///     a contact that holds(), while it is closed
-  ///                                         (h/E) times minus its reaction, u_1 + gap + (eta/E) w_1 + (h/E) (M f)_i
+  ///                                         (h/E) times minus its reaction, u_1 + gap + (eta/E) w_1 + (h/E) (M f)_i -
+  ///                                         (h/E) (rho M a)_i
   ///     an undamped massless node           the same in either state, its clearance while it is open: its own
   ///                                         displacement shrinks by 1 + k h/E as it closes, this one passes smoothly
   std::vector<std::size_t> indicator_entries(std::size_t i) const;
-  /// What the values of those entries, in their order, give of p.
-  double indicator_linear(std::size_t i, std::span<const double> entries) const;
+  /// What the values of those entries, in their order, give of p; their rates do where it needs_rates().
+  double indicator_linear(std::size_t i, std::span<const double> entries, std::span<const double> rates) const;
+  /// Whether p has accelerations: of a rigid contact with mass, while it is closed.
+  bool indicator_needs_rates(std::size_t i) const { return collides(i) && closed(i); }
   double indicator_offset(std::size_t i, double t);  ///< the rest: gap, and load where the row asks for it
   /// Penetration of a closed contact per -p.
   double penetration_share(std::size_t i) const;
@@ -80,6 +84,32 @@ class PenalisedSystem {
   /// the dashpot has left of the oscillation less than exp(-40), which is below rounding, zeta omega = b / (2 m).
   bool has_come_to_rest(std::size_t i, double time) const;
   bool rigid() const { return rigid_; }  ///< epsilon = 0
+  /// Whether contact i is rigid on a node with mass.
+  bool collides(std::size_t i) const { return rigid_ && !massless(contact(i).unknown); }
+  bool collides() const { return collides_; }  ///< whether any does
+
+  /// What an impact did.
+  struct Collision {
+    bool rests;          ///< the contact stays closed
+    double dissipated;   ///< of the energy
+    double end_inertia;  ///< what the end rows of the mass took
+  };
+  /// What may be neglected of a displacement, and of (h/E) times a reaction.
+  struct Negligible {
+    double displacement, reaction;
+  };
+  /// The impact of open contact i, which collides(), its node being at the obstacle with velocity w_i <= 0:
+  ///
+  ///     rho M (w+ - w) = P e_i,    w+_i = -e w_i,    P = -(1 + e) w_i / (e_i . (rho M)^{-1} e_i),
+  ///
+  /// closed contacts elsewhere holding their nodes. It takes (1 - e^2) m w_i^2 / 2, m the mass in that quotient. With e
+  /// = 0 the node stays where the bar presses it on, a_i < 0 at w+. With e > 0 it leaves, unless the bounces to come
+  /// are negligible: pressed with m A it rises by H = (e w_i)^2 / (2 A), returns after 2 e |w_i| / A, and so on until
+  /// it rests after 2 e |w_i| / (A (1 - e)). It rests at once then, w+_i = 0. The bar has the same impulse from that
+  /// but for what momentum the node would have had meanwhile, m u_i'; the integral of that over time is m u_i <= m H,
+  /// so that nothing is displaced by more than H.
+  Collision collide(std::size_t i, double t, std::span<const double> u, std::span<double> w,
+                    const Negligible& negligible);
   /// Whether contact i, while closed, holds its node at -gap: a rigid one does, and a spring on a massless node that
   /// gives way by less than the rounding of the strain, kappa = k h / E > (1 + eta / (h sqrt(E rho))) / rounding.
   bool holds(std::size_t i) const { return holds_[i] != 0; }
@@ -93,6 +123,10 @@ class PenalisedSystem {
   /// What p may be wrong by through rounding alone: the same; of the clearance of a closed contact measured from its
   /// obstacle, that of the strain beside it, which gives way by 1 / (1 + kappa) of it.
   double indicator_rounding(std::size_t i, double largest) const;
+
+  /// Acceleration from a force: force <- (rho M)^{-1} force, zero at massless nodes and where a rigid contact holds a
+  /// node with mass.
+  void accelerate(std::span<double> force);
 
   /// out = M f(t) - E K u - eta K w + reactions; w is the velocity of all unknowns.
   void force(double t, std::span<const double> u, std::span<const double> w, std::span<double> out);
@@ -156,9 +190,12 @@ class PenalisedSystem {
   double dissipated_power(std::span<const double> w) const;
   /// w.M f(t)
   double load_power(double t, std::span<const double> w);
-  bool dissipates() const { return bar_.damped() || dashpots_; }  ///< by viscosity or a dashpot
-  bool loaded() const { return load_.has_value(); }               ///< f is not zero
-  bool load_varies() const { return load_ && !load_->steady(); }  ///< f depends on time
+  /// Power of the end rows of the mass (see BarSystem::end_power), the acceleration being that of F(t, u, w).
+  double end_power(double t, std::span<const double> u, std::span<const double> w);
+  bool dissipates() const { return bar_.damped() || dashpots_; }   ///< by viscosity or a dashpot
+  bool takes_energy() const { return dissipates() || collides_; }  ///< by those, or by impacts
+  bool loaded() const { return load_.has_value(); }                ///< f is not zero
+  bool load_varies() const { return load_ && !load_->steady(); }   ///< f depends on time
 
   /// Of the load's functions of time so far.
   std::size_t load_evaluations() const { return load_ ? load_->evaluations() : 0; }
@@ -166,12 +203,12 @@ class PenalisedSystem {
  private:
   bool massless(std::size_t unknown) const;
   static std::size_t neighbour(std::size_t end) { return end == 0 ? 1 : end - 1; }
+  std::array<double, 2> inertia_beside(std::size_t end) const;
   bool gives_way_by_rounding(std::size_t i) const;
   bool held(std::size_t unknown) const;
   void complete_velocity_of(std::size_t end, double t, std::span<const double> u, std::span<double> w);
   void complete_displacement_of(std::size_t end, double t, std::span<double> u);
   double stiffness_of_closed(std::size_t unknown) const;
-  double acting_stiffness(std::size_t i) const;  // k, infinite where it holds
   bool follows(std::size_t i) const {
     return massless(contact(i).unknown) && !bar_.damped();
   }  // its neighbour, at once
@@ -182,8 +219,12 @@ class PenalisedSystem {
   std::vector<PenaltyLaw> laws_;
   std::vector<double> rates_;  // omega of each contact
   std::vector<unsigned char> closed_, measured_, holds_;
+  std::vector<double> acceleration_;                     // scratch
   std::vector<double> origin_, origin_force_, offsets_;  // the force -E K origin; clearance minus u of each contact
-  bool dashpots_ = false, rigid_ = false;
+  TridiagonalFactor held_factor_;           // of rho M, nodes with mass that are held having an infinite one
+  std::optional<std::uint64_t> held_from_;  // revision that it is of
+  double restitution_;
+  bool dashpots_ = false, rigid_ = false, collides_ = false;
   std::uint64_t revision_ = 0;
   std::optional<LoadVector> load_;
 };

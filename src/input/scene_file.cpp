@@ -70,7 +70,7 @@ Case case_of(const SceneEntries& entries) {
 
   run.elements = static_cast<std::size_t>(number("mesh.elements", 1.0));
   run.grading = number("mesh.grading", 1.0);
-  run.mass = chosen("mesh.mass", all_masses, Mass::consistent);
+  if (entries.present("mesh.mass")) run.mass = chosen("mesh.mass", all_masses, Mass::consistent);
   run.epsilon = entries.number("contact.epsilon");
   run.restitution = entries.number("contact.restitution");
   run.automatic = entries.text("method.name").value_or(std::string(automatic)) == automatic;

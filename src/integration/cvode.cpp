@@ -170,8 +170,8 @@ class CvodeStepper {
       std::ranges::copy(layout.w(state), w.begin());
       leg.system.complete_velocity(t, layout.u(state), w);
       leg.system.force(t, layout.u(state), w, layout.w(out));
-      leg.system.bar().accelerate(layout.w(out));
-      leg.account_rates(t, w, out);
+      leg.system.accelerate(layout.w(out));
+      leg.account_rates(t, w, layout.w(out), out);
       ++leg.statistics.rhs_evaluations;
     });
   }

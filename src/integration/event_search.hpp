@@ -44,6 +44,7 @@ class EventSearch {
   void share(std::size_t sampled) {
     lowest_.resize(sampled);
     highest_.resize(sampled);
+    if (system_.collides()) values_.resize(sampled);
   }
   /// Whether the search selects what the stepper samples.
   bool selects() const { return count_ > few; }
@@ -58,9 +59,9 @@ class EventSearch {
     const std::size_t order = stepper.order();
     for (std::size_t j = 0; j <= order; ++j) {
       const double t = j == order ? end : begin + (end - begin) * static_cast<double>(j) / static_cast<double>(order);
-      const std::span<const double> y = stepper.sample(t, 0);
-      for (const std::size_t i : looked_at_) samples_[i * (order + 1) + j] = oriented(i, t, part(i, y));
-      sampled(j, t, y);
+      const Sample sample = at(t, stepper);
+      for (const std::size_t i : looked_at_) samples_[i * (order + 1) + j] = oriented(i, t, sample);
+      sampled(j, t, sample.values);
     }
     double first = 2.0;
     for (const std::size_t i : looked_at_) {
@@ -82,19 +83,29 @@ class EventSearch {
 
   /// To be called before changes(): the rates of all contacts at the event, within the step made last.
   template <class Stepper>
-  void look_at(double t, Stepper& stepper) {
+  void look_at(double begin, double t, Stepper& stepper) {
     if (selects()) stepper.select(all_);
-    rates_ = stepper.sample(t, 1);
+    rates_.resize(count_), present_.resize(count_);
+    if (!system_.collides()) {
+      const std::span<const double> rates = stepper.sample(t, 1);
+      for (std::size_t i = 0; i < count_; ++i) rates_[i] = sign(i) * system_.indicator_linear(i, part(i, rates), {});
+      return;
+    }
+    for (std::size_t i = 0; i < count_; ++i) rates_[i] = rate(i, begin, t, stepper);
+    const Sample sample = at(t, stepper);
+    for (std::size_t i = 0; i < count_; ++i) present_[i] = oriented(i, t, sample);
   }
 
   /// Whether contact i changes at the event too: its oriented indicator is used up and falls.
   bool changes(std::size_t i, double t, std::span<const double> y, double uncertainty) {
-    std::array<double, 3> values{};
+    std::array<double, 4> values{};
     for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) values[k - first_[i]] = y[entries_[k]];
-    const double p = oriented(i, t, std::span(values).first(first_[i + 1] - first_[i]));
-    const double rate = sign(i) * system_.indicator_linear(i, part(i, rates_));
+    const std::span<const double> entries = std::span(values).first(first_[i + 1] - first_[i]);
+    const double p = system_.indicator_needs_rates(i)
+                         ? present_[i]
+                         : sign(i) * (system_.indicator_linear(i, entries, {}) + system_.indicator_offset(i, t));
     // Half of it: what is switched here must not be found on the wrong side of the whole a rounding later.
-    return rate < 0.0 && p <= 0.5 * (uncertainty + time_rounding(t, -rate));
+    return rates_[i] < 0.0 && p <= 0.5 * (uncertainty + time_rounding(t, -rates_[i]));
   }
 
   double max_penetration() const { return max_penetration_; }
@@ -131,18 +142,43 @@ class EventSearch {
     return 2.0 * std::numeric_limits<double>::epsilon() * std::abs(t) * speed;
   }
   double sign(std::size_t i) const { return system_.closed(i) ? -1.0 : 1.0; }
-  double oriented(std::size_t i, double t, std::span<const double> entries) {
-    return sign(i) * (system_.indicator_linear(i, entries) + system_.indicator_offset(i, t));
+
+  // Of all sampled entries: their values, and their rates where an indicator asks for them.
+  struct Sample {
+    std::span<const double> values, rates;
+  };
+  template <class Stepper>
+  Sample at(double t, Stepper& stepper) {
+    const std::span<const double> values = stepper.sample(t, 0);
+    if (values_.empty()) return {values, {}};
+    std::ranges::copy(values, values_.begin());
+    return {values_, stepper.sample(t, 1)};
+  }
+  double oriented(std::size_t i, double t, const Sample& sample) {
+    const auto rates = sample.rates.empty() ? sample.rates : part(i, sample.rates);
+    return sign(i) * (system_.indicator_linear(i, part(i, sample.values), rates) + system_.indicator_offset(i, t));
+  }
+
+  // Of the oriented indicator. Where that has accelerations their rate is a difference over a part of the step.
+  template <class Stepper>
+  double rate(std::size_t i, double begin, double t, Stepper& stepper) {
+    if (!system_.indicator_needs_rates(i)) {
+      const std::span<const double> rates = stepper.sample(t, 1);
+      return sign(i) * system_.indicator_linear(i, part(i, rates), {});
+    }
+    const double before = t - 1e-3 * (t - begin);
+    if (before >= t) return 0.0;
+    const double now = oriented(i, t, at(t, stepper));
+    return (now - oriented(i, before, at(before, stepper))) / (t - before);
   }
 
   // The descent through the uncertainty is late; Newton's method leads back to the zero.
   template <class Stepper>
   double polished(double begin, double end, double t, std::size_t i, Stepper& stepper) {
     for (int iteration = 0; iteration < 4; ++iteration) {
-      const double value = oriented(i, t, part(i, stepper.sample(t, 0)));
-      const double rate = sign(i) * system_.indicator_linear(i, part(i, stepper.sample(t, 1)));
-      if (!(rate < 0.0)) break;
-      const double next = std::clamp(t - value / rate, begin, end);
+      const double value = oriented(i, t, at(t, stepper)), slope = rate(i, begin, t, stepper);
+      if (!(slope < 0.0)) break;
+      const double next = std::clamp(t - value / slope, begin, end);
       if (std::abs(next - t) > 1e-3 * (end - begin) || next == t) break;  // a graze: the descent itself is the event
       t = next;
     }
@@ -155,7 +191,8 @@ class EventSearch {
   std::vector<std::size_t> all_, looked_at_;  // contacts, and those that are sampled in this step
   std::vector<double> lowest_, highest_;      // bounds of the entries over the step
   std::vector<double> samples_;
-  std::span<const double> rates_;  // of all entries, at an event
+  std::vector<double> rates_, present_;  // of the oriented indicators, and those that have accelerations, at an event
+  std::vector<double> values_;           // of a sample with rates
   std::size_t which_ = 0;
   double max_penetration_ = 0.0;
 };

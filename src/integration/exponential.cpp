@@ -285,7 +285,7 @@ class Run {
       const double at = static_cast<double>(k) / pieces;
       if (sampled) {
         p.push_back(rescaled(p_, at, 1.0));
-        motion.push_back(propagator_->expand(y, p[k], tau, 1));
+        motion.push_back(propagator_->expand(y, p[k], tau, leg().has_end_rows() ? 2 : 1));
       }
       if (k < pieces) propagator_->advance(level_ - halvings, y, rescaled(p_, at, 1.0 / pieces));
     }
@@ -310,21 +310,37 @@ class Run {
 
   bool add_sampled_flow(const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p, double tau,
                         double penetration) {
-    std::vector<VectorXd> velocities, loads;
+    std::vector<VectorXd> velocities, loads, accelerations;
     for (std::size_t k = 0; k < motion.size(); ++k) {
       velocities.push_back(motion[k].col(1) / tau);
       if (system_.loaded()) loads.push_back(load_.total(p[k]).col(0));
+      if (leg().has_end_rows()) accelerations.push_back(motion[k].col(2) * (2.0 / (tau * tau)));
     }
-    const auto [flow, error] = sampled_flow(leg(), velocities, loads, tau);
+    auto [flow, error] = sampled_flow(leg(), velocities, loads, accelerations, tau);
     // As a bar at rest sets in motion, its energy is so small that a share of it would be below the flow's own
     // rounding.
     const double share = 1e-12 * energy_scale_ * tau / (times_.back() - times_.front());
-    const double known =
-        64.0 * rounding *
-        (std::abs(flow.dissipated) + std::abs(flow.work) + distance_.cancelled_power(penetration) * tau);
+    // What may be rounding alone would add up in a long flight.
+    const double ends = end_power_rounding(velocities) * tau;
+    if (std::abs(flow.end_inertia) <= ends) flow.end_inertia = 0.0;
+    const double known = 64.0 * rounding *
+                             (std::abs(flow.dissipated) + std::abs(flow.work) + std::abs(flow.end_inertia) +
+                              distance_.cancelled_power(penetration) * tau) +
+                         ends;
     if (error > std::max({share, known, std::numeric_limits<double>::min()})) return false;
     add(flow);
     return true;
+  }
+
+  // In a long flight: of the row (rho h / 24) (3, 4, 1) times accelerations, which are forces, differences of rounded
+  // displacements and velocities, by the inverse of the mass.
+  double end_power_rounding(const std::vector<VectorXd>& velocities) const {
+    if (!system_.has_end_rows()) return 0.0;
+    double fastest = 0.0;
+    for (const VectorXd& v : velocities) fastest = std::max(fastest, v.cwiseAbs().maxCoeff());
+    const Bar& bar = system_.bar();
+    return 4.0 / 3.0 * fastest * bar.density * propagators_.inverse_inertia() * rounding *
+           (bar.modulus * largest_displacement_ + bar.viscosity * fastest);
   }
 
   // A step that one Taylor series covers, cut at the first contact change.
@@ -446,11 +462,14 @@ class Run {
   }
 
   // Whether energy flows that somebody wants to know.
-  bool energy_flows() const { return statistics_.energy && (penalised_.dissipates() || system_.loaded()); }
+  bool energy_flows() const {
+    return statistics_.energy && (penalised_.dissipates() || system_.loaded() || system_.has_end_rows());
+  }
 
   void add(const EnergyFlow& flow) {
     statistics_.energy->dissipated += flow.dissipated;
     statistics_.energy->work += flow.work;
+    statistics_.energy->end_inertia += flow.end_inertia;
     energy_scale_ = std::max(energy_scale_, statistics_.energy->initial + std::abs(statistics_.energy->work));
   }
 

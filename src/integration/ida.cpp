@@ -48,7 +48,8 @@ void solve_step(Leg& leg, std::span<double> correction) {
   for (std::size_t i = 0; i < n; ++i) x_w[i] = cj * x_u[i] - (w[i] - u_rate[i]);
   if (layout.size == 2 * n) return;
   for (std::size_t i = 0; i < n; ++i) leg.field[i] = w[i] + x_w[i];
-  leg.account_rates(t, leg.field, correction);
+  for (std::size_t i = 0; i < leg.acceleration.size(); ++i) leg.acceleration[i] = w_rate[i] + cj * x_w[i];
+  leg.account_rates(t, leg.field, leg.acceleration, correction);
   leg.account_correction = 0.0;
   for (std::size_t k = 2 * n; k < layout.size; ++k) {
     correction[k] = (correction[k] - u_rate[k]) / cj;
@@ -152,8 +153,8 @@ class IdaStepper {
     const std::span<double> state = values(state_), rate = values(rate_);
     std::ranges::copy(layout.w(state), layout.u(rate).begin());
     leg_.system.force(t, layout.u(state), layout.w(state), layout.w(rate));
-    leg_.system.bar().accelerate(layout.w(rate));
-    leg_.account_rates(t, layout.w(state), rate);
+    leg_.system.accelerate(layout.w(rate));
+    leg_.account_rates(t, layout.w(state), layout.w(rate), rate);
     ++leg_.statistics.rhs_evaluations;
   }
 

@@ -137,6 +137,8 @@ void StepPolynomial::rest_unresolved(std::span<double> a) {
       if (i > 0) beside.off_diagonal[i - 1] = 0.0;
       if (i + 1 < n) beside.off_diagonal[i] = 0.0;
     }
+    const auto rests = [&](std::size_t i) { return std::ranges::find(unresolved_, i) != unresolved_.end(); };
+    if (beside.end_rows) beside.end_rows = beside.end_rows->uncoupled(n, rests);
     beside_.factorise(beside);
     replaced_ = unresolved_;
   }
@@ -144,6 +146,9 @@ void StepPolynomial::rest_unresolved(std::span<double> a) {
   for (const std::size_t i : unresolved_) {
     if (i > 0) change_[i - 1] += inertia.off_diagonal[i - 1] * a[i];
     if (i + 1 < n) change_[i + 1] += inertia.off_diagonal[i] * a[i];
+    if (!inertia.end_rows) continue;
+    if (i < 3) change_[0] += inertia.end_rows->first[i] * a[i];
+    if (n - 1 - i < 3) change_[n - 1] += inertia.end_rows->last[n - 1 - i] * a[i];
   }
   for (const std::size_t i : unresolved_) change_[i] = 0.0;
   beside_.solve(change_);

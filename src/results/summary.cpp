@@ -33,11 +33,13 @@ Json contact_json(const Scene& scene, const Outcome& outcome) {
 }
 
 Json to_json(const EnergyAccount& energy) {
-  return {{"initial", energy.initial},
-          {"final", energy.final},
-          {"dissipated", energy.dissipated},
-          {"work", energy.work},
-          {"balance_error", energy.balance_error()}};
+  Json json = {{"initial", energy.initial},
+               {"final", energy.final},
+               {"dissipated", energy.dissipated},
+               {"work", energy.work},
+               {"balance_error", energy.balance_error()}};
+  if (energy.end_inertia != 0.0) json["end_inertia"] = energy.end_inertia;
+  return json;
 }
 
 std::string_view name(Ending ending) {

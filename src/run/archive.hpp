@@ -35,7 +35,8 @@ template <class T, class Value>
 concept Like = std::is_same_v<std::remove_const_t<T>, Value>;
 
 void members(Like<EnergyAccount> auto& energy, auto&& each) {
-  each(energy.initial, energy.final, energy.dissipated, energy.work, energy.growth, energy.growth_time);
+  each(energy.initial, energy.final, energy.dissipated, energy.work, energy.end_inertia, energy.growth,
+       energy.growth_time);
 }
 void members(Like<EndAccount> auto& end, auto&& each) {
   each(end.displacement, end.lowest, end.highest, end.closings, end.impulse, end.peak_reaction, end.time_until_opening,

@@ -31,10 +31,10 @@ void EndConstraint::solve(std::span<double> x, std::span<const double> bound, st
     }
   } else if (excess[0] < 0.0 || excess[1] < 0.0) {
     const double g00 = columns_[0].values[columns_[0].entry], g11 = columns_[1].values[columns_[1].entry];
-    const double g01 = columns_[0].values[columns_[1].entry];
+    const double g01 = columns_[1].values[columns_[0].entry], g10 = columns_[0].values[columns_[1].entry];
     // The excess of either end, times the other's compliance, while the other alone is held at its bound.
     const double excess_0 = g11 * excess[0] - g01 * excess[1];
-    const double excess_1 = g00 * excess[1] - g01 * excess[0];
+    const double excess_1 = g00 * excess[1] - g10 * excess[0];
     if (excess[0] < 0.0 && excess_1 >= 0.0) {
       active_ = {1, 0};
       lambda[0] = -excess[0] / g00;
@@ -42,7 +42,7 @@ void EndConstraint::solve(std::span<double> x, std::span<const double> bound, st
       active_ = {0, 1};
       lambda[1] = -excess[1] / g11;
     } else {
-      const double determinant = g00 * g11 - g01 * g01;
+      const double determinant = g00 * g11 - g01 * g10;
       active_ = {1, 1};
       lambda = {std::max(-excess_0 / determinant, 0.0), std::max(-excess_1 / determinant, 0.0)};
     }

@@ -9,7 +9,8 @@ namespace viscobar {
 SpanConstraint::SpanConstraint(const SymmetricTridiagonal& matrix)
     : matrix_(matrix),
       split_(matrix),
-      monotone_(std::all_of(matrix.off_diagonal.begin(), matrix.off_diagonal.end(), [](double o) { return o <= 0.0; })),
+      monotone_(!matrix.end_rows && std::all_of(matrix.off_diagonal.begin(), matrix.off_diagonal.end(),
+                                                [](double o) { return o <= 0.0; })),
       active_(matrix.size(), 0),
       wrong_(matrix.size(), 0) {
   split();
@@ -18,6 +19,8 @@ SpanConstraint::SpanConstraint(const SymmetricTridiagonal& matrix)
 void SpanConstraint::split() {
   for (std::size_t i = 0; i < split_.off_diagonal.size(); ++i)
     split_.off_diagonal[i] = active_[i] | active_[i + 1] ? 0.0 : matrix_.off_diagonal[i];
+  if (matrix_.end_rows)
+    split_.end_rows = matrix_.end_rows->uncoupled(active_.size(), [this](std::size_t i) { return active_[i] != 0; });
   factor_.factorise(split_);
   ++factorisations_;
 }
@@ -71,6 +74,11 @@ void SpanConstraint::pivot(std::span<const double> b, std::span<const double> bo
     if (i > 0 && active_[i - 1]) x[i] -= off[i - 1] * bound[i - 1];
     if (i + 1 < n && active_[i + 1]) x[i] -= off[i] * bound[i + 1];
   }
+  for (std::size_t k = 1; matrix_.end_rows && k < 3; ++k) {
+    const std::size_t last = n - 1;
+    if (!active_[0] && active_[k]) x[0] -= matrix_.end_rows->first[k] * bound[k];
+    if (!active_[last] && active_[last - k]) x[last] -= matrix_.end_rows->last[k] * bound[last - k];
+  }
   factor_.solve(x);
   ++solves_;
   for (std::size_t i = 0; i < n; ++i)
@@ -81,6 +89,8 @@ void SpanConstraint::pivot(std::span<const double> b, std::span<const double> bo
     multiplier[i] = matrix_.diagonal[i] * x[i] - b[i];
     if (i > 0) multiplier[i] += off[i - 1] * x[i - 1];
     if (i + 1 < n) multiplier[i] += off[i] * x[i + 1];
+    if (i == 0 && matrix_.end_rows) multiplier[i] += matrix_.end_rows->first_times(x);
+    if (i + 1 == n && matrix_.end_rows) multiplier[i] += matrix_.end_rows->last_times(x);
   }
 }
 
@@ -94,6 +104,10 @@ std::size_t SpanConstraint::mark_wrong(std::span<const double> b, std::span<cons
     double scale = matrix_.diagonal[i] * std::abs(x[i]) + std::abs(b[i]);
     if (i > 0) scale += std::abs(matrix_.off_diagonal[i - 1] * x[i - 1]);
     if (i + 1 < n) scale += std::abs(matrix_.off_diagonal[i] * x[i + 1]);
+    for (std::size_t k = 0; matrix_.end_rows && k < 3; ++k) {
+      if (i == 0) scale += std::abs(matrix_.end_rows->first[k] * x[k]);
+      if (i + 1 == n) scale += std::abs(matrix_.end_rows->last[k] * x[i - k]);
+    }
     const double violation = active_[i] ? -multiplier[i] : matrix_.diagonal[i] * (bound[i] - x[i]);
     wrong_[i] = violation > tolerance * scale;
     count += wrong_[i];

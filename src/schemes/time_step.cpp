@@ -271,6 +271,13 @@ bool TimeStep::finite() const {
   return std::isfinite(interface_.front()) && std::isfinite(interface_.back());
 }
 
+double TimeStep::end_power() const {
+  const EndRows& rows = *system_.inertia().end_rows;
+  const std::size_t last = a_.size() - 1;
+  const auto v = [&](std::size_t i) { return p_[i] - dt_ / 2 * a_[i]; };
+  return v(0) * rows.first_times(a_) + v(last) * rows.last_times(a_);
+}
+
 double TimeStep::energy() const {
   std::vector<double> u(u_.size()), u_before(u_.size()), p(u_.size());
   order_.to_nodes([&](std::size_t i) { return u_[i]; }, u);

@@ -42,7 +42,7 @@ constexpr QuantityColumn columns[] = {
     {"energy_final", "energy", "energy at the end"},
     {"energy_dissipated", "energy", "dissipated by viscosity, dashpots and impacts"},
     {"energy_work", "energy", "work of the load"},
-    {"energy_balance_error", "energy", "final + dissipated - initial - work"},
+    {"energy_balance_error", "energy", "final + dissipated + end_inertia - initial - work"},
     {"u_left_final", "length", "u(0,T)"},
     {"u_left_min", "length", "smallest u(0,t)"},
     {"u_left_max", "length", "largest u(0,t)"},

@@ -32,7 +32,7 @@ TEST_F(List, NamesEveryMethodAndMassInTheirOrder) {
     EXPECT_EQ(json["methods"][i]["method"], name(all_methods[i]));
     EXPECT_EQ(json["methods"][i]["needs_step"], is_scheme(all_methods[i]));
   }
-  EXPECT_EQ(json["masses"].size(), 4u);
+  EXPECT_EQ(json["masses"].size(), std::size(all_masses));
   EXPECT_EQ(json["keys"].size(), vocabulary_table(Vocabulary::keys).rows.size());
 }
 

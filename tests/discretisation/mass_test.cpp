@@ -10,7 +10,7 @@ namespace viscobar {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr Mass all_masses[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::redistributed};
+constexpr Mass all_masses[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::redistributed, Mass::fourth_order};
 
 std::vector<double> power_of_x(const Mesh& mesh, int power) {
   std::vector<double> values(mesh.nodes(), 1.0);

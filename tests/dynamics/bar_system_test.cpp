@@ -11,7 +11,7 @@ namespace viscobar {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr Mass all_masses[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::redistributed};
+constexpr Mass all_masses[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::redistributed, Mass::fourth_order};
 
 Scene scene_with(EndCondition left, EndCondition right, double viscosity = 0.5) {
   Scene scene;

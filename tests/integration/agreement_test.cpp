@@ -60,10 +60,10 @@ double contact_frequency(const Case& run) {
 }
 
 void expect_agreement(const Case& run, const Recording& reference, const Recording& other, double tolerance,
-                      const std::string& what) {
+                      const std::string& what, double multiple = constant) {
   const double u = largest(reference.u), v = largest(reference.v);
-  EXPECT_LE(distance(other.u, reference.u), constant * tolerance * u) << what;
-  EXPECT_LE(distance(other.v, reference.v), constant * tolerance * (v + contact_frequency(run) * u)) << what;
+  EXPECT_LE(distance(other.u, reference.u), multiple * tolerance * u) << what;
+  EXPECT_LE(distance(other.v, reference.v), multiple * tolerance * (v + contact_frequency(run) * u)) << what;
 }
 
 // The k-th change of each contact, whatever happens at the other end meanwhile.
@@ -83,8 +83,9 @@ bool is_missable(const std::vector<Event>& events, std::size_t k, double error) 
 
 // Each contact's changes are those of the reference, but for missable pairs in either. A crossing is as late as the
 // displacement is wrong: |v| dt <= C tol U; at a graze, v = 0, dt <= sqrt(C tol U / a).
-void expect_same_events(const Recording& reference, const Recording& run, double tolerance, const std::string& what) {
-  const double error = constant * tolerance * largest(reference.u);
+void expect_same_events(const Recording& reference, const Recording& run, double tolerance, const std::string& what,
+                        double multiple) {
+  const double error = multiple * tolerance * largest(reference.u);
   const double graze = std::sqrt(tolerance) * largest(reference.v);
   const auto is_same = [&](const Event& one, const Event& other) {
     return one.change == other.change && (std::abs(one.velocity) + graze) * std::abs(one.time - other.time) <= error;
@@ -108,6 +109,17 @@ void expect_same_events(const Recording& reference, const Recording& run, double
   }
 }
 
+// No tolerance promises more than the scene does: node against spring, undamped, one of them magnifies a shift of its
+// initial data by 6000 (the others by 40).
+double promise(const Case& run, const Recording& reference) {
+  if (run.mass != Mass::fourth_order || run.scene.bar.viscosity > 0.0) return constant;
+  constexpr double shift = 1e-9;
+  Case shifted = run;
+  shifted.scene.displacement = [u = run.scene.displacement](double x) { return u(x) + shift; };
+  const double magnified = distance(run_by(shifted, MethodName::exponential, 1.0).u, reference.u) / shift;
+  return constant * std::max(1.0, magnified / 1000);
+}
+
 // In theory error ~ tolerance^rate. The one-step methods advance the better of the two solutions whose difference they
 // keep at the tolerance, h^p, so that the rate is 1, and p / (p + 1) = 4/5 where the last order is lost (p >= 4, at
 // contact changes say). Formulas of several steps keep h^(q+1) at the tolerance and sum up errors to h^q: q / (q + 1),
@@ -128,6 +140,7 @@ TEST_P(Agreement, ErrorsAndEventsFollowTheTolerance) {
       for (const double epsilon : obstacle ? std::vector{1e-2, 1e-4, 1e-6} : std::vector{1e-2}) {
         const Case run = scene(ends, mass, loaded, viscosity, epsilon);
         const Recording reference = run_by(run, MethodName::exponential, 1.0);
+        const double multiple = promise(run, reference);
         for (const MethodName method : {MethodName::cvode, MethodName::ida, MethodName::arkode, MethodName::odeint}) {
           const bool differential = method == MethodName::cvode || method == MethodName::odeint;
           if (differential && mass == Mass::redistributed && viscosity == 0.0 && obstacle) continue;
@@ -137,9 +150,9 @@ TEST_P(Agreement, ErrorsAndEventsFollowTheTolerance) {
             const std::string what = std::string(name(method)) + (loaded ? ", loaded" : "") + ", viscosity " +
                                      std::to_string(viscosity) + ", epsilon " + std::to_string(epsilon) +
                                      ", tolerance " + std::to_string(std::log10(tolerance));
-            expect_agreement(run, reference, other, tolerance, what);
+            expect_agreement(run, reference, other, tolerance, what, multiple);
             errors.push_back(relative_error(other.u, reference.u));
-            expect_same_events(reference, other, tolerance, what);
+            expect_same_events(reference, other, tolerance, what, multiple);
           }
           // The reference itself is good to 1e-12 or so.
           rates[method].push_back(std::log10(errors.front() / std::max(errors.back(), 1e-12)) / 4);
@@ -162,7 +175,7 @@ std::string parameter_name(const testing::TestParamInfo<Parameters>& info) {
 INSTANTIATE_TEST_SUITE_P(EveryScene, Agreement,
                          testing::Combine(testing::Values("oo", "of", "ox", "fo", "xo", "ff", "fx", "xf", "xx"),
                                           testing::Values(Mass::consistent, Mass::lumped, Mass::paper,
-                                                          Mass::redistributed)),
+                                                          Mass::redistributed, Mass::fourth_order)),
                          parameter_name);
 
 // Hundreds of bounces multiply errors, and a missed one would shift all that follow.

@@ -189,12 +189,5 @@ TEST(Rigid, AnElasticImpactLastsTheTransitThereAndBackAndGivesTheSpeedBack) {
   }
 }
 
-TEST(Rigid, NeedsContactNodesWithoutMass) {
-  for (const Mass mass : {Mass::consistent, Mass::lumped, Mass::paper}) {
-    const BarSystem system(thrown(0.1), {1.0, 8}, mass);
-    EXPECT_THROW(record(system, uniform_times(0.1, 2), Rigid{}), std::invalid_argument);
-  }
-}
-
 }  // namespace
 }  // namespace viscobar

@@ -95,7 +95,7 @@ inline rc::Gen<RandomScene> scenes(Asked asked = {}) {
     }
     scene.epsilon = *power_of_two(-2, -20);
     if (asked.restitution && *rc::gen::inRange(0, 3) == 2) scene.restitution = *sixteenths(0, 16);
-    scene.mass = *word({"consistent", "lumped", "paper", "redistributed"});
+    scene.mass = *word({"consistent", "lumped", "paper", "redistributed", "fourth_order"});
     std::vector<std::string> methods = fitting_methods(scene, asked.methods);
     if (methods.empty()) {  // a span obstacle on the redistributed mass
       scene.mass = "consistent";

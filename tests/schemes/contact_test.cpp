@@ -14,7 +14,7 @@ namespace viscobar {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr Mass all_masses[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::redistributed};
+constexpr Mass all_masses[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::redistributed, Mass::fourth_order};
 
 RunTrace run_steps(const BarSystem& system, double dt, double end, FullyDiscrete scheme = {}) {
   scheme.step = dt;

@@ -169,7 +169,7 @@ TEST(GradedMeshes, OfRatioOneAreTheUniformOnes) {
     Case run = thrown(Mass::consistent, 0.1, {1.0, true, true});
     run.method = method;
     run.step = 1e-3;
-    const BarSystem marked = make_system(run), plain(run.scene, {1.0, run.elements}, run.mass);
+    const BarSystem marked = make_system(run), plain(run.scene, {1.0, run.elements}, effective_mass(run));
     std::vector<double> u, other;
     const auto keep = [](std::vector<double>& all) {
       Observers observers;

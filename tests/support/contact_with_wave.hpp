@@ -12,17 +12,22 @@ namespace viscobar::exact {
 ///     u + b cos(omega t) psi,    f + b ((E cos(omega t) - eta omega sin(omega t)) (-psi'') - rho omega^2 cos(omega t)
 ///     psi),
 ///
-/// psi = sin^2(pi x / L): it vanishes at both ends with its slope, so gaps, reactions and contact times stay. The
-/// manufactured contact alone is a polynomial of degree 2 (one end) or 3 in x, for which three-point differences are
-/// exact: measured with it, a mesh error would be missing.
+/// psi = e^{skew x / L} sin^2(pi x / L): it vanishes at both ends with its slope, so gaps, reactions and contact times
+/// stay. With a skew its third derivative does not vanish at the ends. The manufactured contact alone is a polynomial
+/// of degree 2 (one end) or 3 in x, for which three-point differences are exact: measured with it, a mesh error would
+/// be missing.
 ///
 /// It begins at t0: at t0 = 0 the ends touch at rest and the wave alone accelerates, at 0.1 they are on their way.
-inline Solution contact_with_wave(const ManufacturedContact& contact, double t0) {
+inline Solution contact_with_wave(const ManufacturedContact& contact, double t0, double skew = 0.0) {
   constexpr double b = 0.1, omega = 3.0;
   const Bar bar = contact.bar;
   const double k = 2 * std::numbers::pi / bar.length;
-  const auto psi = [k](double x) { return 0.5 * (1 - std::cos(k * x)); };
-  const auto psi_xx = [k](double x) { return 0.5 * k * k * std::cos(k * x); };
+  const double a = skew / bar.length;
+  const auto psi = [k, a](double x) { return 0.5 * std::exp(a * x) * (1 - std::cos(k * x)); };
+  const auto psi_xx = [k, a](double x) {
+    return 0.5 * std::exp(a * x) *
+           (a * a * (1 - std::cos(k * x)) + 2 * a * k * std::sin(k * x) + k * k * std::cos(k * x));
+  };
   Solution sum = solution(contact);
   sum.u = [=](double x, double t) { return contact.u(x, t) + b * std::cos(omega * t) * psi(x); };
   sum.v = [=](double x, double t) { return contact.v(x, t) - b * omega * std::sin(omega * t) * psi(x); };

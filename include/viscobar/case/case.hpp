@@ -25,9 +25,9 @@ bool is_scheme(MethodName method);         ///< uses the step
 struct Case {
   Scene scene;  ///< the physical problem
 
-  std::size_t elements = 1;      ///< J
-  double grading = 1.0;          ///< of the mesh towards the ends with an obstacle; 1: uniform
-  Mass mass = Mass::consistent;  ///< requested; `rigid` and `finite_difference` have their own, see make_system()
+  std::size_t elements = 1;  ///< J
+  double grading = 1.0;      ///< of the mesh towards the ends with an obstacle; 1: uniform
+  std::optional<Mass> mass;  ///< asked for; see effective_mass()
 
   std::optional<double> epsilon;      ///< reaction = penetration / epsilon
   std::optional<double> restitution;  ///< absent: an undamped spring in the penalty, the implicit constraint in (2.8)
@@ -80,8 +80,9 @@ std::string method_words(const Case& run);
 /// where that one cannot take the scene (massless contact nodes without viscosity).
 MethodName penalised_method(const Case& run);
 
-/// The mass of a run: `finite_difference` takes the lumped one when the case says "consistent", since (3.22) is (2.8)
-/// with a diagonal product, and `rigid` always the redistributed one.
+/// The mass of a run: the one asked for, else the consistent one, but for two methods. `finite_difference` takes the
+/// lumped one when the case says "consistent" or nothing, since (3.22) is (2.8) with a diagonal product, and `rigid`
+/// the redistributed one when the case says nothing.
 Mass effective_mass(const Case& run);
 
 /// The penalty of a penalised method: a spring without dashpot where the case has no restitution.

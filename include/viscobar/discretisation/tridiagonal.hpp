@@ -1,27 +1,61 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace viscobar {
 
-/// Symmetric tridiagonal matrix A: A(i,i) = diagonal[i], A(i,i+1) = A(i+1,i) = off_diagonal[i].
-/// A diagonal matrix has an empty off_diagonal: nothing is stored or multiplied for what is not there.
+/// What the end rows of a matrix have beside their symmetric part: `first` at columns 0, 1, 2 of row 0, `last` at columns
+/// n-1, n-2, n-3 of row n-1.
+struct EndRows {
+  std::array<double, 3> first{};
+  std::array<double, 3> last{};
+
+  /// first . (x_0, x_1, x_2) and last . (x_{n-1}, x_{n-2}, x_{n-3}), n >= 3
+  double first_times(std::span<const double> x) const { return first[0] * x[0] + first[1] * x[1] + first[2] * x[2]; }
+  double last_times(std::span<const double> x) const {
+    const std::size_t n = x.size();
+    return last[0] * x[n - 1] + last[1] * x[n - 2] + last[2] * x[n - 3];
+  }
+
+  /// The same, of n rows, without what couples those for which out(i) holds to others.
+  template <class Out>
+  EndRows uncoupled(std::size_t n, Out&& out) const {
+    EndRows rows = *this;
+    for (std::size_t k = 1; k < 3; ++k) {
+      if (out(0) || out(k)) rows.first[k] = 0.0;
+      if (out(n - 1) || out(n - 1 - k)) rows.last[k] = 0.0;
+    }
+    return rows;
+  }
+};
+
+/// Tridiagonal matrix A, symmetric but for its end rows: A = T + (end rows), T(i,i) = diagonal[i], T(i,i+1) = T(i+1,i) =
+/// off_diagonal[i]. A diagonal matrix has an empty off_diagonal, a symmetric one no end rows: nothing is stored or
+/// multiplied for what is not there.
 struct SymmetricTridiagonal {
-  std::vector<double> diagonal;      ///< n
-  std::vector<double> off_diagonal;  ///< n - 1, or empty
+  std::vector<double> diagonal;       ///< n
+  std::vector<double> off_diagonal;   ///< n - 1, or empty
+  std::optional<EndRows> end_rows{};  ///< of n >= 3 rows with an off_diagonal
 
   std::size_t size() const { return diagonal.size(); }  ///< n
+
+  /// A(i,i)
+  double diagonal_entry(std::size_t i) const;
 
   /// out = A x. `out` and `x` have n entries and do not overlap.
   void multiply(std::span<const double> x, std::span<double> out) const;
 
-  /// x . A x
+  /// x . T x, of the symmetric part
   double quadratic_form(std::span<const double> x) const;
 };
 
-/// A = L D L^T of a symmetric positive definite tridiagonal matrix; O(n) to build, O(n) to solve.
+/// A = L D L^T of a symmetric positive definite tridiagonal matrix; O(n) to build, O(n) to solve. With end rows A = L D U
+/// without pivoting: L has one entry beside its bidiagonal, (n-1, n-3), and U one, (0, 2); but for those and four more
+/// L = U^T.
 class TridiagonalFactor {
  public:
   TridiagonalFactor() = default;
@@ -29,7 +63,7 @@ class TridiagonalFactor {
   explicit TridiagonalFactor(const SymmetricTridiagonal& matrix) { factorise(matrix); }
 
   /// Rebuilds the factor in place; allocates only when the size grows.
-  /// @throws std::domain_error when a pivot is not positive: the matrix is not positive definite.
+  /// @throws std::domain_error when a pivot is not positive: a symmetric matrix is not positive definite then.
   void factorise(const SymmetricTridiagonal& matrix);
 
   /// x <- A^{-1} x
@@ -38,11 +72,23 @@ class TridiagonalFactor {
   std::size_t size() const { return inverse_pivot_.size(); }  ///< n
 
  private:
+  // Where L and U are no transposes of each other.
+  struct Ends {
+    double upper_01, upper_02, upper_12;  // U(0,1), U(0,2), U(1,2)
+    double upper_last;                    // U(n-2, n-1)
+    double lower_last;                    // L(n-1, n-3)
+  };
+
+  void factorise_ends(const SymmetricTridiagonal& matrix);
+  void substitute_ends(std::span<double> x) const;
+
   std::vector<double> lower_;          // L(i+1,i); empty for a diagonal matrix
   std::vector<double> inverse_pivot_;  // 1 / D(i,i)
+  std::optional<Ends> ends_;
 };
 
-/// Diagonal of A^{-1} in O(n), from the pivots of the eliminations that start at either end.
+/// Diagonal of A^{-1} in O(n): from the pivots of the eliminations that start at either end, and for what end rows add to
+/// that by Woodbury's formula.
 std::vector<double> inverse_diagonal(const SymmetricTridiagonal& matrix);
 
 }  // namespace viscobar

@@ -71,7 +71,7 @@ class BarSystem {
   std::optional<double> left_displacement() const { return left_fixed_; }
   std::optional<double> right_displacement() const { return right_fixed_; }  ///< likewise of the right one
 
-  /// rho M; the row of a massless node is zero.
+  /// rho M; the row of a massless node is zero. Its symmetric part, rho Q, makes the kinetic energy.
   const SymmetricTridiagonal& inertia() const { return inertia_; }
   /// Nodes that an obstacle bounds, in the order left, right, span.
   const std::vector<Contact>& contacts() const { return contacts_; }
@@ -97,8 +97,14 @@ class BarSystem {
   double squared_strain(std::span<const double> u) const;
   double squared_strain_rate(std::span<const double> w) const;  ///< likewise
 
-  /// Energy 1/2 w.rho M w + 1/2 E int u_x^2, the contacts' apart.
+  /// Energy 1/2 w.rho Q w + 1/2 E int u_x^2, the contacts' apart.
   double energy(std::span<const double> u, std::span<const double> w) const;
+
+  /// Whether M is not symmetric, so that forces do not do all that changes the energy.
+  bool has_end_rows() const { return inertia_.end_rows.has_value(); }
+  /// w . rho (M - Q) a, the power that the end rows of the mass take at velocity w and acceleration a; of either only the
+  /// three entries at each end count. Of a mass with end rows.
+  double end_power(std::span<const double> w, std::span<const double> a) const;
 
   /// Initial data at the unknown nodes.
   State initial_state() const { return initial_; }
@@ -137,6 +143,7 @@ class BarSystem {
     SymmetricTridiagonal mass;  // over all nodes
   };
 
+  std::optional<EndRows> scaled_end_rows(double factor) const;
   void graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
   void graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const;  // scale K + m rho M
 

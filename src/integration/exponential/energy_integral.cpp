@@ -19,12 +19,13 @@ EnergyFlow gauss_flow(const Leg& leg, const Leg::Series& series, const MatrixXd&
     const VectorXd v = Leg::velocity(series, at, tau);
     flow.dissipated += share * leg.dissipation(v);
     if (load.cols() > 0) flow.work += share * v.dot(Leg::displacement(load, at));
+    if (leg.has_end_rows()) flow.end_inertia += share * leg.end_power(v, Leg::acceleration(series, at, tau));
   }
   return flow;
 }
 
 SampledFlow sampled_flow(const Leg& leg, std::span<const VectorXd> velocities, std::span<const VectorXd> loads,
-                         double tau) {
+                         std::span<const VectorXd> accelerations, double tau) {
   constexpr std::array<double, 5> fine = {989.0 / 28350, 5888.0 / 28350, -928.0 / 28350, 10496.0 / 28350,
                                           -4540.0 / 28350};
   constexpr std::array<double, 5> coarse = {217.0 / 5670, 1024.0 / 5670, 352.0 / 5670, 1024.0 / 5670, 436.0 / 5670};
@@ -33,12 +34,16 @@ SampledFlow sampled_flow(const Leg& leg, std::span<const VectorXd> velocities, s
     const std::size_t weight = std::min(k, 8 - k);
     const double loss = tau * leg.dissipation(velocities[k]);
     const double power = loads.empty() ? 0.0 : tau * velocities[k].dot(loads[k]);
+    const double end = accelerations.empty() ? 0.0 : tau * leg.end_power(velocities[k], accelerations[k]);
+    flow.end_inertia += fine[weight] * end;
+    other.end_inertia += coarse[weight] * end;
     flow.dissipated += fine[weight] * loss;
     flow.work += fine[weight] * power;
     other.dissipated += coarse[weight] * loss;
     other.work += coarse[weight] * power;
   }
-  return {flow, std::max(std::abs(flow.dissipated - other.dissipated), std::abs(flow.work - other.work))};
+  return {flow, std::max({std::abs(flow.dissipated - other.dissipated), std::abs(flow.work - other.work),
+                          std::abs(flow.end_inertia - other.end_inertia)})};
 }
 
 }  // namespace viscobar::exponential

@@ -6,9 +6,9 @@
 
 namespace viscobar::exponential {
 
-/// Energy that viscosity and dashpots take and that the load gives.
+/// Energy that viscosity and dashpots take, that the load gives, and that the end rows of the mass take.
 struct EnergyFlow {
-  double dissipated = 0.0, work = 0.0;
+  double dissipated = 0.0, work = 0.0, end_inertia = 0.0;
 };
 
 /// The flow over the part [0, sigma] of a step that one Taylor series covers, by Gauss' rule with eight points.
@@ -16,13 +16,14 @@ struct EnergyFlow {
 EnergyFlow gauss_flow(const LinearLeg<double>& leg, const LinearLeg<double>::Series& series,
                       const Eigen::MatrixXd& load, double tau, double sigma);
 
-/// The flow over a whole step from velocities and loads (n entries each; no loads without a load) at its eighths, by
-/// the rule of Newton and Cotes, of degree 9. `error` is how far Romberg's rule on these points, of degree 7, is off.
+/// The flow over a whole step from velocities, loads and accelerations (n entries each; no loads without a load, no
+/// accelerations for a mass without end rows) at its eighths, by the rule of Newton and Cotes, of degree 9. `error` is how far Romberg's rule on these points, of degree 7, is off.
 struct SampledFlow {
   EnergyFlow flow;
   double error = 0.0;
 };
 SampledFlow sampled_flow(const LinearLeg<double>& leg, std::span<const Eigen::VectorXd> velocities,
-                         std::span<const Eigen::VectorXd> loads, double tau);
+                         std::span<const Eigen::VectorXd> loads, std::span<const Eigen::VectorXd> accelerations,
+                         double tau);
 
 }  // namespace viscobar::exponential

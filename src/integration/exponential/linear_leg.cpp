@@ -33,6 +33,11 @@ LinearLeg<Real>::LinearLeg(const BarSystem& system, const Eigen::VectorXd& origi
   right_displacement_ = nodal.back() - origin[n_ - 1];
 
   const SymmetricTridiagonal& inertia = system.inertia();
+  end_rows_ = inertia.end_rows;
+  if (end_rows_) {
+    factorise_with_end_rows(inertia);
+    return;
+  }
   for (Index i = massive_begin_; i < massive_end_; ++i) {
     Real pivot = inertia.diagonal[i];
     if (i > massive_begin_ && !inertia.off_diagonal.empty()) {
@@ -43,6 +48,32 @@ LinearLeg<Real>::LinearLeg(const BarSystem& system, const Eigen::VectorXd& origi
   }
 }
 
+// As TridiagonalFactor does.
+template <class Real>
+void LinearLeg<Real>::factorise_with_end_rows(const SymmetricTridiagonal& inertia) {
+  const std::size_t n = inertia.size();
+  const auto& [first, last] = *end_rows_;
+  Real right = Real(inertia.off_diagonal[0]) + first[1];  // D(i,i) U(i,i+1)
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    const Real off = inertia.off_diagonal[i];
+    Real pivot = Real(inertia.diagonal[i]) + (i == 0 ? first[0] : 0.0);
+    if (i > 0) {
+      const Real before = inertia.off_diagonal[i - 1];
+      lower_.push_back(before * inverse_pivot_[i - 1]);
+      pivot -= before * upper_[i - 1];
+      right = i == 1 ? off - before * upper_02_ : off;
+    }
+    inverse_pivot_.push_back(1 / pivot);
+    upper_.push_back(right * inverse_pivot_[i]);
+    if (i == 0) upper_02_ = first[2] * inverse_pivot_[0];
+  }
+  lower_last_ = last[2] * inverse_pivot_[n - 3];
+  const Real beside = Real(inertia.off_diagonal[n - 2]) + last[1] - last[2] * upper_[n - 3];
+  lower_.push_back(beside * inverse_pivot_[n - 2]);
+  inverse_pivot_.push_back(1 / (Real(inertia.diagonal[n - 1]) + last[0] - beside * upper_[n - 2] -
+                                (n == 3 ? last[2] * upper_02_ : Real(0))));
+}
+
 template <class Real>
 void LinearLeg<Real>::solve_inertia(Vector& force) const {
   const Index n = force.size();
@@ -51,6 +82,12 @@ void LinearLeg<Real>::solve_inertia(Vector& force) const {
     return;
   }
   for (Index i = 1; i < n; ++i) force[i] -= lower_[i - 1] * force[i - 1];
+  if (end_rows_) {
+    force[n - 1] = (force[n - 1] - lower_last_ * force[n - 3]) * inverse_pivot_[n - 1];
+    for (Index i = n - 1; i-- > 0;) force[i] = force[i] * inverse_pivot_[i] - upper_[i] * force[i + 1];
+    force[0] -= upper_02_ * force[2];
+    return;
+  }
   force[n - 1] *= inverse_pivot_[n - 1];
   for (Index i = n - 1; i-- > 0;) force[i] = force[i] * inverse_pivot_[i] - lower_[i] * force[i + 1];
 }
@@ -136,6 +173,25 @@ typename LinearLeg<Real>::Vector LinearLeg<Real>::velocity(const Series& series,
   Vector v = series.col(order) * Real(order);
   for (Index k = order - 1; k > 0; --k) v = v * sigma + series.col(k) * Real(k);
   return v / tau;
+}
+
+template <class Real>
+typename LinearLeg<Real>::Vector LinearLeg<Real>::acceleration(const Series& series, Real sigma, Real tau) {
+  const Index order = series.cols() - 1;
+  Vector a = series.col(order) * Real(order * (order - 1));
+  for (Index k = order - 1; k > 1; --k) a = a * sigma + series.col(k) * Real(k * (k - 1));
+  return a / (tau * tau);
+}
+
+template <class Real>
+Real LinearLeg<Real>::end_power(const Vector& v, const Vector& a) const {
+  if (!end_rows_) return 0;
+  Real first = 0, last = 0;
+  for (Index k = 0; k < 3; ++k) {
+    first += Real(end_rows_->first[static_cast<std::size_t>(k)]) * a[k];
+    last += Real(end_rows_->last[static_cast<std::size_t>(k)]) * a[n_ - 1 - k];
+  }
+  return v[0] * first + v[n_ - 1] * last;
 }
 
 template <class Real>

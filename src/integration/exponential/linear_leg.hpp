@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -49,13 +50,18 @@ class LinearLeg {
   /// u and u' of all unknowns at s = sigma tau.
   static Vector displacement(const Series& series, Real sigma);
   static Vector velocity(const Series& series, Real sigma, Real tau);
+  static Vector acceleration(const Series& series, Real sigma, Real tau);  ///< likewise
 
   Vector pack(const Vector& u, const Vector& v) const;
 
   /// v . (eta K + dashpots) v, the power lost.
   Real dissipation(const Vector& v) const;
+  /// v . rho (M - Q) a, the power of the end rows of the mass; 0 for a mass without.
+  Real end_power(const Vector& v, const Vector& a) const;
+  bool has_end_rows() const { return end_rows_.has_value(); }
 
  private:
+  void factorise_with_end_rows(const SymmetricTridiagonal& inertia);
   void solve_inertia(Vector& force) const;
 
   Index n_, moving_begin_, moving_, massive_begin_, massive_end_;
@@ -63,6 +69,9 @@ class LinearLeg {
   Real left_displacement_, right_displacement_;  // of fixed ends
   std::vector<Real> stiffness_, damping_;    // E / h, eta / h of the elements left and right of unknown i: [i], [i+1]
   std::vector<Real> lower_, inverse_pivot_;  // L D L^T of the massive block of rho M
+  std::vector<Real> upper_;                  // U(i, i+1) of L D U, where the mass has end rows
+  Real upper_02_ = 0, lower_last_ = 0;       // U(0, 2), L(n-1, n-3)
+  std::optional<EndRows> end_rows_;
   Eigen::VectorXd origin_;
   std::vector<double> steady_load_;  // empty, or n entries
   std::vector<ClosedContact> closed_;

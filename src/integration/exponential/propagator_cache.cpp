@@ -9,11 +9,26 @@ using Eigen::VectorXd;
 
 namespace {
 
+// The largest sum of a row's magnitudes, of (rho M)^{-1} with end rows.
+double largest_row_of_inverse(const SymmetricTridiagonal& inertia) {
+  const TridiagonalFactor factor(inertia);
+  VectorXd sums = VectorXd::Zero(static_cast<Index>(inertia.size()));
+  std::vector<double> column(inertia.size());
+  for (std::size_t j = 0; j < column.size(); ++j) {
+    std::ranges::fill(column, 0.0);
+    column[j] = 1.0;
+    factor.solve(column);
+    sums += Eigen::Map<const VectorXd>(column.data(), sums.size()).cwiseAbs();
+  }
+  return sums.maxCoeff();
+}
+
 // Norm of (rho M)^{-1} on the massive nodes.
 double norm_of_inverse_inertia(const BarSystem& bar) {
   const auto begin = static_cast<Index>(bar.massive_begin());
   const Index count = static_cast<Index>(bar.massive_end()) - begin;
   const SymmetricTridiagonal& inertia = bar.inertia();
+  if (inertia.end_rows) return largest_row_of_inverse(inertia);
   const VectorXd diagonal = Eigen::Map<const VectorXd>(inertia.diagonal.data() + begin, count);
   if (inertia.off_diagonal.empty() || count == 1) return 1.0 / diagonal.minCoeff();
   const VectorXd off = Eigen::Map<const VectorXd>(inertia.off_diagonal.data() + begin, count - 1);

@@ -141,7 +141,7 @@ class ArkodeStepper {
     std::ranges::copy(y.subspan(layout.nodes, layout.nodes), w.begin());
     leg_.system.complete_velocity(t, y.first(layout.nodes), w);
     leg_.system.force(t, y.first(layout.nodes), w, layout.w(rate));
-    leg_.system.bar().accelerate(layout.w(rate));
+    leg_.system.accelerate(layout.w(rate));
     ++leg_.statistics.rhs_evaluations;
   }
 

@@ -48,7 +48,8 @@ void Leg::solve_first_order(double t, double gamma, std::span<const double> y, d
   for (std::size_t i = 0; i < n; ++i) x_u[i] += gamma * x_w[i];
   if (layout.size == 2 * n) return;
   for (std::size_t i = 0; i < n; ++i) field[i] = w[i] + x_w[i];
-  account_rates(t, field, x);
+  for (std::size_t i = 0; i < acceleration.size(); ++i) acceleration[i] = (x_w[i] - factor * z[n + i]) / gamma;
+  account_rates(t, field, acceleration, x);
   account_correction = 0.0;
   for (std::size_t k = 2 * n; k < layout.size; ++k) {
     x[k] = gamma * x[k] + factor * z[k];
@@ -67,9 +68,10 @@ void Leg::subtract_inertia(double factor, std::span<const double> x, std::span<d
   for (std::size_t i = 0; i < n; ++i) out[i] -= factor * field[i];
 }
 
-void Leg::account_rates(double t, std::span<const double> w, std::span<double> y_rate) {
+void Leg::account_rates(double t, std::span<const double> w, std::span<const double> a, std::span<double> y_rate) {
   if (layout.dissipated) y_rate[*layout.dissipated] = system.dissipated_power(w);
   if (layout.work) y_rate[*layout.work] = system.load_power(t, w);
+  if (layout.end_inertia) y_rate[*layout.end_inertia] = system.bar().end_power(w, a);
 }
 
 namespace {

@@ -20,7 +20,9 @@ namespace viscobar::sundials {
 class Leg {
  public:
   Leg(PenalisedSystem& of, const Layout& placed, Statistics& counted)
-      : system(of), layout(placed), statistics(counted), field(placed.nodes) {}
+      : system(of), layout(placed), statistics(counted), field(placed.nodes) {
+    if (placed.end_inertia) acceleration.resize(placed.nodes);
+  }
 
   /// x <- D(m,c,k)^{-1} x; factorises only when a coefficient or a contact has changed.
   void solve(double m, double c, double k, std::span<double> x);
@@ -38,13 +40,14 @@ class Leg {
   /// out -= factor * rho M x
   void subtract_inertia(double factor, std::span<const double> x, std::span<double> out);
 
-  /// Rates of the energy account for the velocity w.
-  void account_rates(double t, std::span<const double> w, std::span<double> y_rate);
+  /// Rates of the energy account for the velocity w and the acceleration a.
+  void account_rates(double t, std::span<const double> w, std::span<const double> a, std::span<double> y_rate);
 
   PenalisedSystem& system;
   Layout layout;
   Statistics& statistics;
   std::vector<double> field;           // scratch, one entry a node
+  std::vector<double> acceleration;    // likewise, where the account needs it
   std::span<const double> correction;  // of the step or stage solved for last, until the next
   double account_correction = 0.0;     // largest of the energy account, at the step solved for last
   std::exception_ptr error;            // thrown inside a callback, to be rethrown outside the C frames

@@ -128,11 +128,13 @@ std::vector<std::string> remarks(const MethodChoice& choice, const Comparison& c
   const bool penalty = std::any_of(check.runs.begin(), check.runs.end(), [](const MethodRun& run) {
     return run.built_in && is_penalised(run.run.method) && !make_system(run.run).contacts().empty();
   });
-  const bool exact = std::any_of(check.runs.begin(), check.runs.end(),
-                                 [](const MethodRun& run) { return run.built_in && is_scheme(run.run.method); });
+  const bool exact = std::any_of(check.runs.begin(), check.runs.end(), [](const MethodRun& run) {
+    return run.built_in &&
+           (is_scheme(run.run.method) || (run.run.method == MethodName::rigid && run.mass != Mass::redistributed));
+  });
   if (penalty && exact && !check.runs.front().run.restitution && check.runs.front().run.mass != Mass::redistributed)
     found.push_back(
-        "contact nodes with mass rebound from an undamped penalty and do not from the schemes' constraint; "
+        "contact nodes with mass rebound from an undamped penalty and do not from an exact constraint; "
         "contact.restitution gives both the same law, mesh.mass = \"redistributed\" takes the mass away");
   return found;
 }

@@ -113,7 +113,7 @@ std::string head(const LimitStudy& study, const LimitResult& result) {
 std::string numbers(const LimitStudy& study, const LimitResult& result) {
   Numbers all;
   const LimitOrders& orders = result.orders[finest(result)];
-  all.add("Mass", std::string(name(study.scene.mass)));
+  all.add("Mass", std::string(name(effective_mass(study.scene))));
   all.add("Restitution", study.scene.restitution ? readable(*study.scene.restitution) : "not given",
           study.scene.restitution ? "in penalty and scheme" : "undamped penalty, implicit constraint in the scheme");
   all.add("Penalty ε", readable(study.epsilons.front()) + " to " + readable(study.epsilons.back()),
@@ -144,7 +144,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   json["order_to_rigid"] = order_or_null(orders.to_rigid);
   json["order_to_scheme"] = order_or_null(orders.to_scheme);
   json["budget"] = study.budget;
-  json["mass"] = name(study.scene.mass);
+  json["mass"] = name(effective_mass(study.scene));
   json["restitution"] = value_or_null(study.scene.restitution);
   json["rows"] = Json::array();
   for (const LimitRow& row : result.rows) json["rows"].push_back(to_json(row));

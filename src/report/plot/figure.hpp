@@ -10,7 +10,7 @@
 #include "report/plot/axis.hpp"
 #include "report/plot/colour_map.hpp"
 #include "report/plot/palette.hpp"
-#include "results/thinning.hpp"
+#include "report/plot/thinning.hpp"
 
 namespace viscobar::plot {
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "report/plot/axis.hpp"
-#include "results/thinning.hpp"
+#include "report/plot/thinning.hpp"
 
 namespace viscobar::plot {
 

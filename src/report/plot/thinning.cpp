@@ -1,4 +1,4 @@
-#include "results/thinning.hpp"
+#include "report/plot/thinning.hpp"
 
 #include <algorithm>
 #include <cmath>

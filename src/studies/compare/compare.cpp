@@ -47,7 +47,7 @@ MethodRun attempt(const Contender& contender) {
   result.label = contender.label;
   result.built_in = !contender.solver;
   result.run = run;
-  result.mass = run.mass;
+  result.mass = effective_mass(run);
   try {
     if (result.built_in) result.mass = make_system(run).mass();
     Recording recording = result.built_in ? record(run) : contender.solver(run);

@@ -17,9 +17,11 @@ Case on_mesh(const Case& scene, std::size_t elements) {
   Case run = scene;
   run.elements = elements;
   run.method = MethodName::rigid;
+  run.mass = Mass::redistributed;
   run.tolerance.absolute *= tolerance / run.tolerance.relative;
   run.tolerance.relative = tolerance;
   if (validate(run).empty()) return run;
+  run.mass = scene.mass;
   run.method = MethodName::fully_discrete;
   run.start = Start::second_order;
   run.step = run.mesh().spacing() / (16.0 * std::sqrt(run.scene.bar.modulus / run.scene.bar.density));

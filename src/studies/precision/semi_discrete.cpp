@@ -70,7 +70,7 @@ System system_of(const Case& run) {
   const BarSystem system = make_system(run);
   System::Law law = System::Law::penalised;
   if (!system.contacts().empty() && !is_penalised(run.method))
-    law = system.has_massless() ? System::Law::rigid : System::Law::impact;
+    law = system.has_massless() || run.method == MethodName::rigid ? System::Law::rigid : System::Law::impact;
   const bool penalised = !system.contacts().empty() && law == System::Law::penalised;
   return {run.elements, system.mass(), law, penalised ? run.epsilon.value_or(0.0) : 0.0};
 }

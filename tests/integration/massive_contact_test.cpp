@@ -1,0 +1,143 @@
+// Contact nodes with mass: `rigid` with restitution, and its two neighbours, the penalty as epsilon -> 0 and scheme
+// (2.8) as dt -> 0. docs/fourth-order.md derives what is claimed.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "dynamics/penalised_system.hpp"
+#include "support/run_trace.hpp"
+#include "viscobar/integration/integrate.hpp"
+#include "viscobar/schemes/schemes.hpp"
+
+namespace viscobar {
+namespace {
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr Mass massive[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::fourth_order};
+
+Scene thrown(double viscosity) {
+  Scene scene;
+  scene.bar.viscosity = viscosity;
+  scene.left = scene.right = Obstacle{0.1};
+  scene.displacement = [](double x) { return x * (1.0 - x); };
+  scene.velocity = [](double x) { return -x * (1.0 - x); };
+  return scene;
+}
+
+double largest_difference(const RunTrace& a, const RunTrace& b) {
+  double largest = 0.0;
+  for (std::size_t k = 0; k < a.times.size(); ++k)
+    for (const std::size_t i : {std::size_t{0}, a.u[k].size() - 1})
+      largest = std::max(largest, std::abs(a.u[k][i] - b.u[k][i]));
+  return largest;
+}
+
+class MassiveContact : public testing::TestWithParam<Mass> {};
+
+// On the scene of docs/model.md, to T = 2.4: e = 0 meets twice at each end, e = 0.5 bounces and comes to rest.
+TEST_P(MassiveContact, ThePenaltyTendsToRigidLikeTheRootOfEpsilonAndTheSchemeWithItsStep) {
+  const BarSystem system(thrown(0.1), {1.0, 27}, GetParam());
+  const auto times = uniform_times(0.02, 120);
+  for (const double e : {0.0, 0.5}) {
+    const RunTrace rigid = record(system, times, Rigid{{1e-9, 1e-12}, e});
+    const auto penalised = [&](double epsilon) {
+      return largest_difference(record(system, times, Arkode{{epsilon, e}, {1e-9, 1e-12}}), rigid);
+    };
+    const double coarse = penalised(1e-6), fine = penalised(1e-8);
+    // The root of 100, and half as much again where one bounce more of e = 0.5 is passed over.
+    EXPECT_GT(coarse / fine, 10.0 / 1.5) << name(GetParam()) << " " << e << " " << coarse << " " << fine;
+    const auto scheme = [&](double dt) {
+      return largest_difference(record(system, times, FullyDiscrete{dt, Start::second_order, e}), rigid);
+    };
+    const double long_step = scheme(8e-4), short_step = scheme(1e-4);
+    // Order one at least: 8; bounces of e = 0.5 fall differently into the steps.
+    EXPECT_GT(long_step / short_step, e == 0.0 ? 6.0 : 3.0) << name(GetParam()) << " " << e << " " << long_step;
+    EXPECT_LT(short_step, 2e-4);
+  }
+}
+
+TEST_P(MassiveContact, HoldsItsNodeAtRestWithAReactionThatNeverPulls) {
+  const BarSystem system(thrown(0.01), {1.0, 27}, GetParam());
+  const RunTrace trace = record(system, uniform_times(0.01, 400), Rigid{{1e-9, 1e-12}});
+  bool touched = false;
+  for (std::size_t k = 0; k < trace.times.size(); ++k) {
+    EXPECT_GE(trace.reaction_left[k], 0.0);
+    EXPECT_GE(trace.u[k].front(), -0.1 - 100 * 0.25e-9) << "what a run promises";
+    if (trace.reaction_left[k] == 0.0) continue;
+    touched = true;
+    EXPECT_EQ(trace.u[k].front(), -0.1);
+    EXPECT_EQ(trace.v[k].front(), 0.0);
+  }
+  EXPECT_TRUE(touched);
+}
+
+// An impact takes (1 - e^2) m w^2 / 2, m the effective mass; nothing else does here, but for what the end rows take.
+TEST_P(MassiveContact, AnImpactTakesItsShareOfTheEnergyAndTheAccountCloses) {
+  for (const double e : {0.0, 0.4, 1.0}) {
+    Scene scene;
+    scene.left = Obstacle{0.2};
+    scene.displacement = [](double) { return 0.0; };
+    scene.velocity = [](double) { return -0.7; };
+    const BarSystem system(scene, {1.0, 12}, GetParam());
+    const double mass = system.effective_masses().front();
+    const RunTrace first = record(system, std::vector<double>{0.0, 0.2 / 0.7 + 1e-4}, Rigid{{1e-10, 1e-13}, e});
+    ASSERT_GE(first.events.size(), 1u);
+    EXPECT_NEAR(first.events.front().velocity, -0.7, 1e-8);
+    EXPECT_NEAR(first.statistics.energy->dissipated, 0.5 * mass * (1 - e * e) * 0.49, 100 * 1e-10)
+        << name(GetParam()) << e;
+    const RunTrace all = record(system, uniform_times(0.1, 20), Rigid{{1e-10, 1e-13}, e});
+    // 100 times the tolerance, of an energy of a quarter.
+    EXPECT_LE(std::abs(all.statistics.energy->balance_error()), 100 * 1e-10) << name(GetParam()) << e;
+  }
+}
+
+// Rows other than the contact's keep their momentum.
+TEST_P(MassiveContact, AnImpactLeavesTheMomentumOfTheOtherRowsAlone) {
+  const BarSystem system(thrown(0.0), {1.0, 9}, GetParam());
+  PenalisedSystem rigid(system, {0.0, 0.3});
+  State state = system.initial_state();
+  state.u.front() = -0.1;
+  state.v.front() = -0.8;
+  std::vector<double> before(system.size()), after(system.size());
+  system.inertia().multiply(state.v, before);
+  const auto collision = rigid.collide(0, 0.0, state.u, state.v, {1e-12, 1e-12});
+  EXPECT_FALSE(collision.rests);
+  EXPECT_NEAR(state.v.front(), 0.3 * 0.8, 4 * eps);
+  system.inertia().multiply(state.v, after);
+  for (std::size_t i = 1; i < system.size(); ++i) EXPECT_NEAR(after[i], before[i], 10 * eps);
+}
+
+// A bar that falls on its end and stays there: its bounces accumulate, and are not counted out.
+TEST_P(MassiveContact, BouncesThatAccumulateEndInRest) {
+  Scene scene;
+  scene.bar.viscosity = 0.5;
+  scene.left = Obstacle{0.1};
+  scene.displacement = [](double) { return 0.0; };
+  scene.velocity = [](double) { return -0.3; };
+  scene.load = SteadyLoad{[](double) { return -2.0; }};
+  const BarSystem system(scene, {1.0, 12}, GetParam());
+  for (const double e : {0.3, 0.8}) {
+    const RunTrace trace = record(system, std::vector<double>{0.0, 30.0}, Rigid{{1e-8, 1e-11}, e});
+    ASSERT_FALSE(trace.events.empty());
+    EXPECT_EQ(trace.events.back().change, Change::closing);
+    EXPECT_LT(trace.events.size(), 600u) << name(GetParam()) << " " << e;
+    // It stands on its load, once its slowest mode has died out: e^(-0.6 t).
+    const double weight = GetParam() == Mass::paper ? 2.0 * (1.0 + 1.0 / 12) : 2.0;
+    EXPECT_NEAR(trace.reaction_left.back(), weight, 1e-5) << name(GetParam()) << " " << e;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Masses, MassiveContact, testing::ValuesIn(massive),
+                         [](const auto& test) { return std::string(name(test.param)); });
+
+TEST(RigidWithMass, RefusesASpanObstacle) {
+  Scene scene = thrown(0.0);
+  scene.span = Obstacle{0.2};
+  const BarSystem system(scene, {1.0, 9}, Mass::consistent);
+  EXPECT_THROW(record(system, uniform_times(0.1, 2), Rigid{}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace viscobar

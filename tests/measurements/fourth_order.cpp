@@ -1,0 +1,299 @@
+// Prints the tables of docs/fourth-order.md. Run:
+// cmake --build --preset release --target measure_fourth_order && build/release/tests/measure_fourth_order [TABLE]...
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "studies/parallel.hpp"
+#include "viscobar/case/case.hpp"
+#include "viscobar/case/end_traces.hpp"
+
+namespace {
+
+using namespace viscobar;
+
+Case bar_over_an_obstacle(double viscosity, double gap, double load, double end) {
+  Case run;
+  run.scene.bar.viscosity = viscosity;
+  run.scene.left = Obstacle{gap};
+  run.scene.displacement = [](double) { return 0.0; };
+  run.scene.velocity = [](double) { return -1.0; };
+  if (load != 0.0) run.scene.load = SteadyLoad{[load](double) { return load; }};
+  run.method = MethodName::rigid;
+  run.restitution = 0.0;
+  run.tolerance = {1e-11, 1e-14};
+  run.end = end;
+  run.output_every = 0.05;
+  return run;
+}
+
+Case thrown_onto_an_obstacle(double viscosity) {
+  Case run = bar_over_an_obstacle(viscosity, 0.1, 0.0, 2.5);
+  run.scene.displacement = [](double x) { return 0.4 * x * (1 - x); };
+  run.scene.velocity = [](double x) { return -0.5 - x; };
+  run.scene.load = SteadyLoad{[](double x) { return -1 - x * x; }};
+  return run;
+}
+
+EndTraces traces_on(Case run, std::size_t elements, Mass mass) {
+  run.elements = elements;
+  run.mass = mass;
+  return trace_ends(run, run.output_times());
+}
+
+double latest_change(const EndTraces& a, const EndTraces& b) {
+  double largest = 0.0;
+  for (std::size_t k = 0; k < a.events.size(); ++k)
+    largest = std::max(largest, std::abs(a.events[k].time - b.events[k].time));
+  return largest;
+}
+
+void contact_table() {
+  struct Row {
+    const char* words;
+    Case run;
+    std::size_t coarsest;
+  };
+  const std::vector<Row> rows = {{"thrown under -1 - x^2, viscosity 1", thrown_onto_an_obstacle(1.0), 30},
+                                 {"the same, 0.1", thrown_onto_an_obstacle(0.1), 30},
+                                 {"the same, 0.03", thrown_onto_an_obstacle(0.03), 30},
+                                 {"pressed by -4, 0.05", bar_over_an_obstacle(0.05, 0.1, -4.0, 6.0), 25},
+                                 {"pressed by -1, 0.003", bar_over_an_obstacle(0.003, 0.1, -1.0, 6.0), 25},
+                                 {"the same, 0.001", bar_over_an_obstacle(0.001, 0.1, -1.0, 6.0), 25}};
+  fmt::print(
+      "\nEnd traces: error at J, 2 J, 4 J, 8 J (consistent mass), against fourth_order on 32 J; rigid, restitution "
+      "0\n\n"
+      "| scene | J | first | second | third | fourth | orders | changes (consistent) | times of changes |\n"
+      "|---|---|---|---|---|---|---|---|---|\n");
+  for (const Row& row : rows) {
+    std::vector<EndTraces> fourth(5), consistent(4);
+    parallel_for(9, [&](std::size_t k) {
+      const std::size_t elements = row.coarsest << (k < 4 ? k : k == 4 ? 5 : k - 5);
+      (k < 5 ? fourth[k] : consistent[k - 5]) =
+          traces_on(row.run, elements, k < 5 ? Mass::fourth_order : Mass::consistent);
+    });
+    std::string cells, orders, changes, times;
+    double before = 0.0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const double error = largest_difference(fourth[k], fourth[4]);
+      cells += fmt::format(" {:.1e} ({:.1e}) |", error, largest_difference(consistent[k], fourth[4]));
+      if (k > 0) orders += fmt::format("{}{:.2f}", k > 1 ? ", " : "", std::log2(before / error));
+      before = error;
+      changes += fmt::format("{}{} ({})", k > 0 ? ", " : "", fourth[k].events.size(), consistent[k].events.size());
+      times += fourth[k].events.size() == fourth[4].events.size()
+                   ? fmt::format("{}{:.0e}", k > 0 ? ", " : "", latest_change(fourth[k], fourth[4]))
+                   : "-";
+    }
+    fmt::print("| {} | {} |{} {} | {}; {} | {} |\n", row.words, row.coarsest, cells, orders, changes,
+               fourth[4].events.size(), times);
+  }
+}
+
+// Momentum of all rows: what a free bar keeps.
+double momentum_at_the_end(const Case& run, double& opening) {
+  const BarSystem system = make_system(run);
+  double momentum = 0.0;
+  Observers observers;
+  observers.event = [&](const Event& event) {
+    if (event.change == Change::opening) opening = event.time;
+  };
+  observers.snapshot = [&](const Snapshot& now) {
+    std::vector<double> product(system.size());
+    system.inertia().multiply(now.v, product);
+    momentum = 0.0;
+    for (const double entry : product) momentum += entry;
+  };
+  simulate(run, system, observers);
+  return momentum;
+}
+
+void rebound_table() {
+  struct Exact {
+    double viscosity, opening, speed;
+  };
+  fmt::print(
+      "\nRebound of a Kelvin-Voigt bar: error of the contact time / of the speed of rebound\n\n"
+      "| viscosity | mass | 30 | 60 | 120 | 240 |\n|---|---|---|---|---|---|\n");
+  for (const auto& [viscosity, exact_opening, speed] :
+       {Exact{1.0, 1.3692116746, 0.1503140958}, Exact{0.1, 1.9124710098, 0.6507936369},
+        Exact{0.01, 1.9912495450, 0.8874003786}})
+    for (const Mass mass : {Mass::fourth_order, Mass::consistent}) {
+      std::string cells;
+      for (const std::size_t elements : {30u, 60u, 120u, 240u}) {
+        Case run = bar_over_an_obstacle(viscosity, 0.0, 0.0, 2.5);
+        run.elements = elements;
+        run.mass = mass;
+        run.output_every = 2.5;
+        double opening = 0.0;
+        const double momentum = momentum_at_the_end(run, opening);
+        cells += fmt::format(" {:.1e} / {:.1e} |", std::abs(opening - exact_opening), std::abs(momentum - speed));
+      }
+      fmt::print("| {} | {} |{}\n", viscosity, name(mass), cells);
+    }
+}
+
+Case thrown_at_both(double viscosity, Mass mass) {
+  Case run;
+  run.scene.bar.viscosity = viscosity;
+  run.scene.left = run.scene.right = Obstacle{0.1};
+  run.scene.displacement = [](double x) { return x * (1 - x); };
+  run.scene.velocity = [](double x) { return -x * (1 - x); };
+  run.elements = 27;
+  run.mass = mass;
+  run.tolerance = {1e-10, 1e-13};
+  run.end = 2.4;
+  run.output_every = 0.01;
+  return run;
+}
+
+// The penalty as epsilon -> 0 and (2.8) as dt -> 0, each against `rigid` with the same restitution.
+void three_roads() {
+  constexpr Mass masses[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::fourth_order};
+  fmt::print(
+      "\nThree roads to one system: largest end difference to rigid, 27 elements\n\n"
+      "| mass | viscosity | e | penalty, epsilon = 1e-5 / 1e-6 / 1e-7 / 1e-8 | (2.8), dt = 4e-4 / 2e-4 / 1e-4 / 5e-5 | "
+      "changes of "
+      "rigid |\n|---|---|---|---|---|---|\n");
+  for (const Mass mass : masses)
+    for (const double viscosity : {0.01, 0.1})
+      for (const double e : {0.0, 0.5}) {
+        Case run = thrown_at_both(viscosity, mass);
+        run.restitution = e;
+        run.method = MethodName::rigid;
+        const auto times = run.output_times();
+        const EndTraces rigid = trace_ends(run, times);
+        std::string penalty, scheme;
+        run.method = MethodName::cvode;
+        for (const double epsilon : {1e-5, 1e-6, 1e-7, 1e-8}) {
+          run.epsilon = epsilon;
+          penalty +=
+              fmt::format("{}{:.1e}", penalty.empty() ? "" : " / ", largest_difference(trace_ends(run, times), rigid));
+        }
+        run.method = MethodName::fully_discrete;
+        run.start = Start::second_order;
+        for (const double dt : {4e-4, 2e-4, 1e-4, 5e-5}) {
+          run.step = dt;
+          scheme +=
+              fmt::format("{}{:.1e}", scheme.empty() ? "" : " / ", largest_difference(trace_ends(run, times), rigid));
+        }
+        fmt::print("| {} | {} | {} | {} | {} | {} |\n", name(mass), viscosity, e, penalty, scheme, rigid.events.size());
+      }
+}
+
+// Scheme (2.8) for 200 units of time between two obstacles: contact changes and how the energy ends.
+void stability() {
+  fmt::print(
+      "\nScheme (2.8), two obstacles, T = 200: contact changes on fourth_order (consistent); largest end "
+      "displacement\n\n"
+      "| viscosity | dt/h | 20 elements | 80 elements |\n|---|---|---|---|\n");
+  for (const double viscosity : {0.0, 1e-4, 0.01, 1.0})
+    for (const double ratio : {0.1, 1.0, 10.0}) {
+      std::string cells;
+      for (const std::size_t elements : {20u, 80u}) {
+        std::map<Mass, EndTraces> of;
+        for (const Mass mass : {Mass::fourth_order, Mass::consistent}) {
+          Case run = thrown_at_both(viscosity, mass);
+          run.scene.load = SteadyLoad{[](double) { return -0.5; }};
+          run.method = MethodName::fully_discrete;
+          run.elements = elements;
+          run.step = ratio / static_cast<double>(elements);
+          run.end = 200.0;
+          run.output_every = 1.0;
+          of[mass] = trace_ends(run, run.output_times());
+        }
+        double largest = 0.0;
+        for (const auto* side : {&of[Mass::fourth_order].left, &of[Mass::fourth_order].right})
+          for (const double u : *side) largest = std::max(largest, std::abs(u));
+        cells += fmt::format(" {} ({}); {:.2f} |", of[Mass::fourth_order].events.size(),
+                             of[Mass::consistent].events.size(), largest);
+      }
+      fmt::print("| {} | {} |{}\n", viscosity, ratio, cells);
+    }
+}
+
+// Seconds of the method alone for an error in space and time together: the fastest of the meshes, methods, tolerances
+// and steps tried that keeps it. (2.8) has dt for a tolerance.
+void speed() {
+  constexpr Mass masses[] = {Mass::consistent, Mass::lumped, Mass::redistributed, Mass::fourth_order};
+  constexpr double targets[] = {1e-4, 1e-6, 1e-8};
+  fmt::print(
+      "\nSpeed, two obstacles, rigid or (2.8), restitution 0, T = 2.4: seconds and setting for an error of the end "
+      "traces, as a part "
+      "of max|u|\n\n| viscosity | mass | 1e-4 | 1e-6 | 1e-8 |\n|---|---|---|---|---|\n");
+  for (const double viscosity : {0.1, 0.01}) {
+    Case run = thrown_at_both(viscosity, Mass::fourth_order);
+    run.output_every = 0.02;
+    run.method = MethodName::rigid;
+    run.restitution = 0.0;
+    const auto times = run.output_times();
+    run.elements = 1400;
+    run.tolerance = {1e-12, 1e-15};
+    const EndTraces reference = trace_ends(run, times);
+    constexpr double largest = 0.25;  // in the middle, at the start
+    std::map<Mass, std::array<double, 3>> best;
+    for (const Mass mass : masses) {
+      std::array<std::string, 3> words;
+      best[mass].fill(1e9);
+      run.mass = mass;
+      const auto attempt = [&](const std::string& setting) {
+        EndTraces traces = trace_ends(run, times);
+        const double error = largest_difference(traces, reference) / largest;
+        double seconds = traces.statistics.integration_seconds;
+        bool useful = false;
+        for (std::size_t k = 0; k < 3; ++k) useful |= error <= targets[k] && seconds < 1.5 * best[mass][k];
+        for (int again = 0; useful && again < 4 && seconds < 0.5; ++again)
+          seconds = std::min(seconds, trace_ends(run, times).statistics.integration_seconds);
+        for (std::size_t k = 0; k < 3; ++k)
+          if (error <= targets[k] && seconds < best[mass][k]) best[mass][k] = seconds, words[k] = setting;
+        return seconds;
+      };
+      for (double j = 10.0; j < 20000.0; j *= std::numbers::sqrt2) {
+        run.elements = static_cast<std::size_t>(std::lround(j));
+        if (mass == Mass::fourth_order && run.elements > 1100) break;
+        run.method = MethodName::rigid;
+        for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9}) {
+          run.tolerance = {tolerance, tolerance * 1e-3};
+          attempt(fmt::format("rigid, {} elements, {:.0e}", run.elements, tolerance));
+        }
+        run.method = MethodName::fully_discrete;
+        run.start = Start::second_order;
+        for (double dt = 0.04; dt > 1e-5; dt /= 2.0) {
+          if (2.4 / dt * j > 3e8) break;
+          run.step = dt;
+          attempt(fmt::format("(2.8), {} elements, dt {:.1e}", run.elements, dt));
+        }
+      }
+      std::string cells;
+      for (std::size_t k = 0; k < 3; ++k)
+        cells += words[k].empty() ? " not reached |" : fmt::format(" {:.2g} s ({}) |", best[mass][k], words[k]);
+      fmt::print("| {} | {} |{}\n", viscosity, name(mass), cells);
+    }
+    std::string cells;
+    for (std::size_t k = 0; k < 3; ++k) {
+      double others = 1e9;
+      for (const Mass mass : masses)
+        if (mass != Mass::fourth_order) others = std::min(others, best[mass][k]);
+      cells += fmt::format(" {:.3g} |", others / best[Mass::fourth_order][k]);
+    }
+    fmt::print("| {} | best of the others over fourth_order |{}\n", viscosity, cells);
+  }
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  const std::vector<std::pair<std::string, std::function<void()>>> tables = {{"contact", contact_table},
+                                                                             {"rebound", rebound_table},
+                                                                             {"roads", three_roads},
+                                                                             {"stability", stability},
+                                                                             {"speed", speed}};
+  for (const auto& [word, print] : tables)
+    if (count == 1 || std::find(arguments + 1, arguments + count, word) != arguments + count) print();
+}
