@@ -25,6 +25,7 @@
 #include "viscobar/analysis/regime.hpp"
 #include "viscobar/analysis/sweep.hpp"
 #include "viscobar/analysis/work_precision.hpp"
+#include "viscobar/characteristics/characteristics.hpp"
 #include "viscobar/discretisation/mass.hpp"
 #include "viscobar/discretisation/mesh.hpp"
 #include "viscobar/discretisation/tridiagonal.hpp"

@@ -37,11 +37,16 @@ concept Like = std::is_same_v<std::remove_const_t<T>, Value>;
 void members(Like<EnergyAccount> auto& energy, auto&& each) {
   each(energy.initial, energy.final, energy.dissipated, energy.work, energy.growth, energy.growth_time);
 }
+void members(Like<EndTotals> auto& totals, auto&& each) { each(totals.impulse, totals.max_reaction); }
+void members(Like<Representation> auto& representation, auto&& each) {
+  each(representation.error, representation.rounding);
+}
 void members(Like<Statistics> auto& statistics, auto&& each) {
   each(statistics.unknowns, statistics.steps, statistics.rhs_evaluations, statistics.linear_solves,
        statistics.matrix_factorisations, statistics.event_evaluations, statistics.load_evaluations, statistics.events,
        statistics.integration_seconds, statistics.reached_time, statistics.completed, statistics.max_penetration,
-       statistics.late_opening.ratio, statistics.late_opening.time, statistics.energy);
+       statistics.late_opening.ratio, statistics.late_opening.time, statistics.energy, statistics.left,
+       statistics.right, statistics.representation);
 }
 void members(Like<Event> auto& event, auto&& each) {
   each(event.time, event.where, event.node, event.change, event.velocity);

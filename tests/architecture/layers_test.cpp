@@ -19,9 +19,10 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"dynamics", {"scene", "discretisation"}},
     {"integration", {"scene", "discretisation", "dynamics"}},
     {"schemes", {"scene", "discretisation", "dynamics"}},
-    {"analysis", {"scene", "discretisation", "dynamics", "integration", "schemes"}},
-    {"io", {"scene", "discretisation", "dynamics", "integration", "schemes", "analysis"}},
-    {"cli", {"scene", "discretisation", "dynamics", "integration", "schemes", "analysis", "io"}},
+    {"characteristics", {"scene", "discretisation", "dynamics"}},
+    {"analysis", {"scene", "discretisation", "dynamics", "integration", "schemes", "characteristics"}},
+    {"io", {"scene", "discretisation", "dynamics", "integration", "schemes", "characteristics", "analysis"}},
+    {"cli", {"scene", "discretisation", "dynamics", "integration", "schemes", "characteristics", "analysis", "io"}},
 };
 
 template <class Visit>

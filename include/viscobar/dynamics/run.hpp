@@ -58,22 +58,37 @@ struct LateOpening {
   double time = 0.0;   ///< of that opening
 };
 
+/// What an end's obstacle did to the bar, by a method that knows it without output times.
+struct EndTotals {
+  double impulse = 0.0;       ///< int R dt
+  double max_reaction = 0.0;  ///< max R
+};
+
+/// What a method that takes the data as polynomial pieces changes the motion by, as a displacement at the end of the
+/// run if it all added up, contact changes apart.
+struct Representation {
+  double error = 0.0;     ///< of the pieces, and of putting them together
+  double rounding = 0.0;  ///< what roundings of the motion add up to likewise
+};
+
 /// What a run did.
 struct Statistics {
   std::size_t unknowns = 0;         ///< scalars that the method advances
   std::size_t steps = 0;            ///< in time
   std::size_t rhs_evaluations = 0;  ///< of the right-hand side, of the residual for ida, of the step's for schemes
   std::size_t linear_solves = 0;    ///< tridiagonal
-  std::size_t matrix_factorisations = 0;  ///< tridiagonal
-  std::size_t event_evaluations = 0;      ///< steps searched for contact changes; 0 without an obstacle
-  std::size_t load_evaluations = 0;       ///< 0 without a load
-  std::size_t events = 0;                 ///< contact changes
-  double integration_seconds = 0.0;       ///< the method alone, observers' time not counted
-  double reached_time = 0.0;              ///< how far it came
-  bool completed = false;                 ///< whether to the last output time
-  double max_penetration = 0.0;           ///< max over time and contacts, >= 0
-  LateOpening late_opening;               ///< of adaptive penalised methods
-  std::optional<EnergyAccount> energy;    ///< where Observers asked for it
+  std::size_t matrix_factorisations = 0;         ///< tridiagonal
+  std::size_t event_evaluations = 0;             ///< steps searched for contact changes; 0 without an obstacle
+  std::size_t load_evaluations = 0;              ///< 0 without a load
+  std::size_t events = 0;                        ///< contact changes
+  double integration_seconds = 0.0;              ///< the method alone, observers' time not counted
+  double reached_time = 0.0;                     ///< how far it came
+  bool completed = false;                        ///< whether to the last output time
+  double max_penetration = 0.0;                  ///< max over time and contacts, >= 0
+  LateOpening late_opening;                      ///< of adaptive penalised methods
+  std::optional<EnergyAccount> energy;           ///< where Observers asked for it
+  std::optional<EndTotals> left, right;          ///< of ends with an obstacle, by methods that know them
+  std::optional<Representation> representation;  ///< of `characteristics`
 };
 
 /// All that the rest of a run depends on, between two of its steps. A run that begins from it goes on as the one did

@@ -1,0 +1,117 @@
+#include "characteristics/end.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace viscobar::characteristics {
+
+namespace {
+
+constexpr double rounding = std::numeric_limits<double>::epsilon();
+constexpr double roundings = 64.0 * rounding;
+
+}  // namespace
+
+void End::answer(const Piecewise& arriving, double until, const Scale& scale, Piecewise& sent) {
+  sent.clear();
+  marks_.clear();
+  turns_.clear();
+  marks_.push_back({0.0, place_, 0.0, closed_});
+  for (std::size_t i = 0; i < arriving.size() && sent.end() < until; ++i) {
+    const double end = std::min(until, arriving[i].end);
+    if (kind_ == Kind::obstacle)
+      meet(arriving, i, end, scale, sent);
+    else
+      send(arriving[i], arriving.polynomial(i), end, sent);
+  }
+  const Mark& last = marks_.back();
+  if (kind_ != Kind::fixed && !last.closed) place_ = last.place + passage_ * (sent.integral() - last.sent);
+}
+
+void End::send(const Piecewise::Piece& piece, const Chebyshev& arriving, double until, Piecewise& sent) {
+  Chebyshev p = arriving;
+  if (kind_ == Kind::fixed || closed_) p *= -1.0;
+  const double from = piece.middle - piece.half, to = piece.middle + piece.half;
+  const double before = sent.integral(), begin = sent.end();
+  if (until <= begin) return;
+  sent.append(until, from, to, p);
+  if (!closed_) return;
+  borne_.impulse += sent.integral() - before;
+  const double z_begin = piece.z(begin), z_end = piece.z(until);
+  if (p.upper() > borne_.max_reaction)
+    borne_.max_reaction = maximum(p.restricted(z_begin, z_end), borne_.max_reaction, rounding * p.bound());
+}
+
+void End::turn(double s, double velocity, const Piecewise& sent) {
+  closed_ = !closed_;
+  turns_.push_back({s, closed_ ? Change::closing : Change::opening, velocity});
+  marks_.push_back({s, 0.0, sent.integral(), closed_});
+}
+
+// Piece i of what arrives, from where `sent` ends up to `end`.
+void End::meet(const Piecewise& arriving, std::size_t i, double end, const Scale& scale, Piecewise& sent) {
+  const Piecewise::Piece& piece = arriving[i];
+  const Chebyshev whole = arriving.polynomial(i);
+  const double band = roundings * scale.velocity, touch = roundings * scale.place;
+  while (sent.end() < end) {
+    const double begin = sent.end(), half = 0.5 * (end - begin);
+    if (half < 0.5 * Piecewise::shortest) return send(piece, whole, end, sent);
+    const auto place = [&](double z) { return z >= 1.0 ? end : std::min(end, begin + half * (z + 1.0)); };
+    if (closed_) {
+      if (whole.upper() <= band) return send(piece, whole, end, sent);
+      ++searched_;
+      const Chebyshev p = whole.restricted(piece.z(begin), piece.z(end));
+      Chebyshev pressed = p;
+      pressed *= -1.0;
+      const auto z = first_descent(pressed, band);
+      if (!z) return send(piece, whole, end, sent);
+      send(piece, whole, place(*z), sent);
+      turn(place(*z), p(*z), sent);
+      continue;
+    }
+    const Mark& last = marks_.back();
+    const double clearance = last.place + passage_ * (sent.integral() - last.sent);
+    if (clearance + 2.0 * half * passage_ * std::min(0.0, whole.lower()) >= -touch && clearance > touch)
+      return send(piece, whole, end, sent);
+    ++searched_;
+    const Chebyshev p = whole.restricted(piece.z(begin), piece.z(end));
+    Chebyshev path = p.antiderivative();
+    path *= half * passage_;
+    path += clearance;
+    std::optional<double> z;
+    // What touches and is pressed closes where the pressure begins: the path tells no more than that it falls.
+    if (clearance <= touch)
+      if (const auto pressed = first_descent(p, band); pressed && path(*pressed) <= touch) z = pressed;
+    if (!z) z = first_descent(path, touch);
+    if (!z) return send(piece, whole, end, sent);
+    send(piece, whole, place(*z), sent);
+    turn(place(*z), p(*z), sent);
+  }
+}
+
+const End::Mark& End::mark_at(double s) const {
+  auto next = std::ranges::lower_bound(marks_, s, {}, &Mark::s);           // a change tells the side before it,
+  if (s <= 0.0) next = std::ranges::upper_bound(marks_, s, {}, &Mark::s);  // but at the beginning there is none
+  return next == marks_.begin() ? *next : *(next - 1);
+}
+
+bool End::closed_at(double s) const { return mark_at(s).closed; }
+
+double End::place_at(double s, Cursor& sent) const {
+  const Mark& mark = mark_at(s);
+  if (kind_ == Kind::fixed || mark.closed) return mark.place;
+  return mark.place + passage_ * (sent.integral(s) - mark.sent);
+}
+
+double End::velocity_at(double s, Cursor& sent) const {
+  return kind_ == Kind::fixed || mark_at(s).closed ? 0.0 : sent.value(s);
+}
+
+double End::force_at(double s, Cursor& sent) const {
+  if (kind_ == Kind::fixed) return sent.value(s);
+  return mark_at(s).closed ? std::max(0.0, sent.value(s)) : 0.0;
+}
+
+}  // namespace viscobar::characteristics
