@@ -219,8 +219,8 @@ std::optional<double> first_descent(const Chebyshev& p, double band) {
     const bool small = width <= 4.0 * rounding || count + 2 > waiting.size();
     if (falls || rises || small) {
       if ((falls || small) && now.p(1.0) < -band) {
-        if (p(-1.0) < 0.0) return -1.0;
-        return zero(p, p(now.begin) < 0.0 ? -1.0 : now.begin, now.end);
+        // Where the interval begins within the band, that is as near to a zero as anybody knows.
+        return p(now.begin) < 0.0 ? now.begin : zero(p, now.begin, now.end);
       }
       continue;
     }
@@ -241,7 +241,7 @@ double maximum(const Chebyshev& p, double known, double tolerance) {
     known = std::max({known, now.p(-1.0), now.p(1.0)});
     if (now.p.upper() <= known + tolerance || now.p.terms() <= 2 || count + 2 > waiting.size()) continue;
     const double middle = 0.5 * (now.begin + now.end);
-    if (!(now.begin < middle && middle < now.end)) continue;
+    if (now.end - now.begin < 1e-8) continue;  // a maximum inside is a rounding above its ends
     waiting[count++] = {now.p.restricted(0.0, 1.0), middle, now.end};
     waiting[count++] = {now.p.restricted(-1.0, 0.0), now.begin, middle};
   }

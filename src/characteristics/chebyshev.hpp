@@ -51,8 +51,9 @@ class Chebyshev {
   std::size_t terms_ = 0;
 };
 
-/// The first zero through which p passes to below -band; -1 where it begins below. Absent: p >= -band throughout. No
-/// pair of zeros is missed: an interval is given up only once its coefficients prove it.
+/// The first zero through which p passes to below -band, or a place within the band just before; -1 where it begins
+/// below. Absent: p >= -band throughout. No pair of zeros is missed: an interval is given up only once its coefficients
+/// prove it.
 std::optional<double> first_descent(const Chebyshev& p, double band);
 
 /// max p to within `tolerance`, if it exceeds `known`; else `known`.

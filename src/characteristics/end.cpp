@@ -19,7 +19,7 @@ void End::answer(const Piecewise& arriving, double until, const Scale& scale, Pi
   marks_.clear();
   turns_.clear();
   marks_.push_back({0.0, place_, 0.0, closed_});
-  for (std::size_t i = 0; i < arriving.size() && sent.end() < until; ++i) {
+  for (std::size_t i = 0; i < arriving.size() && arriving[i].begin < until; ++i) {
     const double end = std::min(until, arriving[i].end);
     if (kind_ == Kind::obstacle)
       meet(arriving, i, end, scale, sent);
@@ -27,7 +27,8 @@ void End::answer(const Piecewise& arriving, double until, const Scale& scale, Pi
       send(arriving[i], arriving.polynomial(i), end, sent);
   }
   const Mark& last = marks_.back();
-  if (kind_ != Kind::fixed && !last.closed) place_ = last.place + passage_ * (sent.integral() - last.sent);
+  place_ = last.place;
+  if (kind_ != Kind::fixed && !last.closed) place_ += passage_ * (sent.integral() - last.sent);
 }
 
 void End::send(const Piecewise::Piece& piece, const Chebyshev& arriving, double until, Piecewise& sent) {
@@ -41,7 +42,7 @@ void End::send(const Piecewise::Piece& piece, const Chebyshev& arriving, double 
   borne_.impulse += sent.integral() - before;
   const double z_begin = piece.z(begin), z_end = piece.z(until);
   if (p.upper() > borne_.max_reaction)
-    borne_.max_reaction = maximum(p.restricted(z_begin, z_end), borne_.max_reaction, rounding * p.bound());
+    borne_.max_reaction = maximum(p.restricted(z_begin, z_end), borne_.max_reaction, roundings * p.bound());
 }
 
 void End::turn(double s, double velocity, const Piecewise& sent) {
@@ -55,8 +56,9 @@ void End::meet(const Piecewise& arriving, std::size_t i, double end, const Scale
   const Piecewise::Piece& piece = arriving[i];
   const Chebyshev whole = arriving.polynomial(i);
   const double band = roundings * scale.velocity, touch = roundings * scale.place;
-  while (sent.end() < end) {
-    const double begin = sent.end(), half = 0.5 * (end - begin);
+  // What is sent lags behind by less than the shortest piece, where it begins with one that is shorter.
+  for (double begin = sent.end(); begin < end;) {
+    const double half = 0.5 * (end - begin);
     if (half < 0.5 * Piecewise::shortest) return send(piece, whole, end, sent);
     const auto place = [&](double z) { return z >= 1.0 ? end : std::min(end, begin + half * (z + 1.0)); };
     if (closed_) {
@@ -67,8 +69,9 @@ void End::meet(const Piecewise& arriving, std::size_t i, double end, const Scale
       pressed *= -1.0;
       const auto z = first_descent(pressed, band);
       if (!z) return send(piece, whole, end, sent);
-      send(piece, whole, place(*z), sent);
-      turn(place(*z), p(*z), sent);
+      begin = place(*z);
+      send(piece, whole, begin, sent);
+      turn(begin, p(*z), sent);
       continue;
     }
     const Mark& last = marks_.back();
@@ -86,8 +89,9 @@ void End::meet(const Piecewise& arriving, std::size_t i, double end, const Scale
       if (const auto pressed = first_descent(p, band); pressed && path(*pressed) <= touch) z = pressed;
     if (!z) z = first_descent(path, touch);
     if (!z) return send(piece, whole, end, sent);
-    send(piece, whole, place(*z), sent);
-    turn(place(*z), p(*z), sent);
+    begin = place(*z);
+    send(piece, whole, begin, sent);
+    turn(begin, p(*z), sent);
   }
 }
 

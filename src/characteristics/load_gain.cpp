@@ -136,15 +136,16 @@ class SeparableGain final : public LoadGain {
           return finite(
               t, [&] { return history_(t); }, [&] { return fmt::format("the history of the load at t = {}", t); });
         },
-        cuts_);
-    errors_.arrivals +=
-        frame_.factor * (profile_error_ * now_.bound() + profile_bound_ * history_fit_.error());
+        {.breaks = cuts_, .apart = 64.0 * rounding * (begin + 2.0 + std::abs(frame_.start) / frame_.passage)});
+    errors_.arrivals += frame_.factor * (profile_error_ * now_.bound() + profile_bound_ * history_fit_.error());
     evaluations_ = profile_evaluations_ + history_fit_.evaluations();
     times_.clear();
     if (passage > 0)
       for (std::size_t i = 0; i < before_.size(); ++i) times_.push_back(begin - 1.0 + before_[i].begin);
     for (std::size_t i = 0; i < now_.size(); ++i) times_.push_back(begin + now_[i].begin);
   }
+
+  double size() const override { return frame_.factor * profile_bound_ * std::max(now_.bound(), before_.bound()); }
 
   double gain(const Way& way) override {
     const auto begin = static_cast<double>(passage_);
@@ -216,9 +217,12 @@ class GeneralGain final : public LoadGain {
     ++evaluations_;
     const double x = frame_.x(std::clamp(way.rightward ? way.place - r : way.place + r, 0.0, 1.0));
     const double t = frame_.t(std::max(0.0, way.time - r));
-    return finite(
+    const double value = finite(
         t, [&] { return density_(x, t); }, [&] { return fmt::format("the load at x = {}, t = {}", x, t); });
+    largest_ = std::max(largest_, std::abs(value));
+    return value;
   }
+  double size() const override { return frame_.factor * largest_; }
 
   struct Sum {
     double value, size;
@@ -239,7 +243,8 @@ class GeneralGain final : public LoadGain {
     const Sum left = formula(way, from, middle), right = formula(way, middle, to);
     size = std::max(size, left.size + right.size);
     const double off = std::abs(left.value + right.value - whole.value);
-    if (off <= 8.0 * rounding * size || depth >= 48 || !(from < middle && middle < to)) return left.value + right.value;
+    if (off <= 32.0 * rounding * size || depth >= 48 || !(from < middle && middle < to))
+      return left.value + right.value;
     return halved(way, from, middle, left, size, depth + 1) + halved(way, middle, to, right, size, depth + 1);
   }
 
@@ -265,6 +270,7 @@ class GeneralGain final : public LoadGain {
   SpaceTimeFunction density_;
   Frame frame_;
   Breaks breaks_of_density_;
+  double largest_ = 0.0;  // of what has been seen
 };
 
 }  // namespace
@@ -292,7 +298,7 @@ const Piecewise& LoadGain::represented(const std::function<double(double)>& f) {
   std::ranges::sort(breaks_);
   breaks_.erase(std::unique(breaks_.begin(), breaks_.end(), [](double a, double b) { return b - a < 1e-14; }),
                 breaks_.end());
-  return fit_.of(f, breaks_, PiecewiseFit::Nature::smooth_between_breaks);
+  return fit_.of(f, {.breaks = breaks_, .smooth = true, .size = size()});
 }
 
 // Kinks come from a break in time that meets one in x, the ends being such, or is met by the way's own beginning.

@@ -55,6 +55,7 @@ class LoadGain {
   LoadGain() = default;
   virtual void prepare(std::size_t) {}  // what depends on the passage only
   virtual double gain(const Way& way) = 0;
+  virtual double size() const { return 0.0; }                    // of what gains are sums of
   virtual std::span<const double> places() const { return {}; }  // where the load breaks in x,
   virtual std::span<const double> times() const { return {}; }   // and in time, in passages
   virtual void arrivals();

@@ -146,13 +146,12 @@ std::optional<Merged> merged(const Chebyshev& p, const Piecewise::Piece& left, c
   return std::nullopt;
 }
 
-// The larger of the two mean changes where the piece i is left to one of its neighbours.
-double absence(const Piecewise& f, std::size_t i, std::size_t neighbour) {
-  const Piecewise::Piece &piece = f[i], &other = f[neighbour];
-  const Chebyshev p = f.polynomial(i), q = f.polynomial(neighbour);
+// int |change| where a piece p is left to its neighbour q.
+double absence(const Chebyshev& p, const Piecewise::Piece& piece, const Chebyshev& q,
+               const Piecewise::Piece& neighbour) {
   double most = 0.0;
   for (const double s : {piece.begin, 0.5 * (piece.begin + piece.end), piece.end})
-    most = std::max(most, std::abs(p(piece.z(s)) - q(other.z(s))));
+    most = std::max(most, std::abs(p(piece.z(s)) - q(neighbour.z(s))));
   return most * (piece.end - piece.begin);
 }
 
@@ -172,15 +171,15 @@ double simplify(Piecewise& f, double tolerance, double negligible, Piecewise& sc
   };
   for (std::size_t i = 0; i < f.size(); ++i) {
     const Piecewise::Piece& next = f[i];
-    if (next.end - next.begin < brief && f.size() > 1) {
-      const std::size_t neighbour = i > 0 ? i - 1 : i + 1;
-      if (const double lost = absence(f, i, neighbour); lost <= negligible) {
+    const Chebyshev q = f.polynomial(i);
+    if (next.end - next.begin < brief && (any || i + 1 < f.size())) {
+      const double lost = any ? absence(q, next, p, now) : absence(q, next, f.polynomial(i + 1), f[i + 1]);
+      if (lost <= negligible) {
         change += lost;
         if (any) now.end = next.end;
         continue;
       }
     }
-    const Chebyshev q = f.polynomial(i);
     if (any) {
       if (auto one = merged(p, now, q, next, tolerance)) {
         change += one->change;

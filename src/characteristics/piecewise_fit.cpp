@@ -12,16 +12,17 @@ namespace {
 
 constexpr double rounding = std::numeric_limits<double>::epsilon();
 constexpr std::size_t guards = 61, few_guards = 5;
+constexpr double brief = 1e-9;             // of a piece that is there for a break only
 constexpr std::size_t most_pieces = 4000;  // beyond that a looser tolerance is tried
 
 }  // namespace
 
-const Piecewise& PiecewiseFit::of(const std::function<double(double)>& f, std::span<const double> breaks,
-                                    Nature nature) {
+const Piecewise& PiecewiseFit::of(const std::function<double(double)>& f, const Options& options) {
   f_ = &f;
+  apart_ = options.apart;
   guards_.clear();
-  scale_ = 0.0;
-  for (std::size_t k = 0; k < (nature == Nature::unknown ? guards : few_guards); ++k) {
+  scale_ = options.size;
+  for (std::size_t k = 0; k < (options.smooth ? few_guards : guards); ++k) {
     // Multiples of the golden section: no formula has its period.
     const double s = std::fmod(0.5 + 0.6180339887498949 * static_cast<double>(k), 1.0);
     guards_.push_back({s, at(s)});
@@ -30,19 +31,19 @@ const Piecewise& PiecewiseFit::of(const std::function<double(double)>& f, std::s
   std::ranges::sort(guards_, {}, &Sample::s);
   for (double tolerance = 4.0 * rounding;; tolerance *= 16.0) {
     pieces_.clear();
-    error_ = 0.0;
+    error_ = lost_ = 0.0;
     bool done = true;
     double begin = 0.0;
-    for (std::size_t k = 0; k <= breaks.size() && done; ++k) {
-      const double end = k < breaks.size() ? breaks[k] : 1.0;
+    for (std::size_t k = 0; k <= options.breaks.size() && done; ++k) {
+      const double end = k < options.breaks.size() ? options.breaks[k] : 1.0;
       done = halve(begin, end, tolerance);
       begin = end;
     }
     if (done) break;
   }
-  error_ += pieces_.left_out();
+  lost_ += pieces_.left_out();
   if (pieces_.size() > 1) {
-    error_ += simplify(pieces_, 4.0 * rounding * scale_, 0.0, scratch_);
+    lost_ += simplify(pieces_, 16.0 * rounding * scale_ + 2.0 * error_, 0.0, scratch_);
     locate_breaks();
   }
   return pieces_;
@@ -60,7 +61,11 @@ bool PiecewiseFit::halve(double begin, double end, double tolerance) {
       waiting_.push_back({now.begin, middle});
       continue;
     }
-    error_ = std::max(error_, fit_error_);
+    // Around a jump the largest difference says nothing: what the piece adds to an integral does.
+    if (now.end - now.begin < brief)
+      lost_ += fit_error_ * (now.end - now.begin);
+    else
+      error_ = std::max(error_, fit_error_);
     pieces_.append(now.end, now.begin, now.end, fit_);
     if (pieces_.size() > most_pieces && tolerance < 1e-6) return false;
   }
@@ -84,7 +89,7 @@ bool PiecewiseFit::fits(const Interval& interval, double tolerance) {
     if (width <= 4.0 * rounding) {
       fit_ = Chebyshev::constant(fit_.coefficients()[0]);
       fit_error_ = 0.0;
-      error_ += width * slope * width;
+      lost_ += width * slope * width;
       return true;
     }
     const std::span<const double> c = fit_.coefficients();
@@ -97,6 +102,10 @@ bool PiecewiseFit::fits(const Interval& interval, double tolerance) {
       const double s = interval.begin + part * width;
       check(s, at(s));
     }
+    // What breaks beyond the last of the points shows at the ends.
+    const double inside = std::min(apart_, 0.01 * width);
+    check(interval.begin + inside, at(interval.begin + inside));
+    check(interval.end - inside, at(interval.end - inside));
     const auto first = std::ranges::lower_bound(guards_, interval.begin, {}, &Sample::s);
     for (auto guard = first; guard != guards_.end() && guard->s < interval.end; ++guard) check(guard->s, guard->value);
     if (fit_error_ <= 2.0 * allowed) return true;
@@ -107,7 +116,6 @@ bool PiecewiseFit::fits(const Interval& interval, double tolerance) {
 // Between two pieces that are left and right of a break lie some that are as short as roundings of the place. Where the
 // function is the one or the other there, the break is where it changes.
 void PiecewiseFit::locate_breaks() {
-  constexpr double brief = 1e-9;
   scratch_.clear();
   for (std::size_t i = 0; i < pieces_.size();) {
     const Piecewise::Piece left = pieces_[i];
@@ -134,7 +142,7 @@ void PiecewiseFit::locate_breaks() {
       const bool both = worst <= 64.0 * rounding * scale_ + 1e-3 * std::abs(p(left.z(low)) - q(right.z(high)));
       if (both) {
         end = low;
-        error_ += worst * (right.begin - left.end);
+        lost_ += worst * (right.begin - left.end);
         i = j - 1;  // the next piece begins where this one ends
       }
     }

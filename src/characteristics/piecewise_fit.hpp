@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -18,14 +19,23 @@ namespace viscobar::characteristics {
 /// then the pieces are put together again. A feature that shows at none of 61 places spread over [0, 1] is missed.
 class PiecewiseFit {
  public:
-  /// Of what is smooth by its making, no place is looked at for features that the halving may have missed.
-  enum class Nature { unknown, smooth_between_breaks };
-  /// `breaks` are places in (0, 1), increasing, where f is known not to be smooth; f is not evaluated there, nor at 0
-  /// and 1. The result is valid until the next call.
-  const Piecewise& of(const std::function<double(double)>& f, std::span<const double> breaks = {},
-                      Nature nature = Nature::unknown);
+  struct Options {
+    /// Places in (0, 1), increasing, where f is known not to be smooth.
+    std::span<const double> breaks = {};
+    /// f is evaluated at least so far away from them, from 0 and 1, but in pieces of a hundred times that or less.
+    double apart = 64.0 * std::numeric_limits<double>::epsilon();
+    /// Of what is smooth by its making, no place is looked at for features that the halving may have missed.
+    bool smooth = false;
+    /// What f is a sum of: its roundings are those of that.
+    double size = 0.0;
+  };
+  /// Valid until the next call.
+  const Piecewise& of(const std::function<double(double)>& f, const Options& options);
+  const Piecewise& of(const std::function<double(double)>& f) { return of(f, Options()); }
 
-  double error() const { return error_; }  ///< of the last: the largest difference seen, and int of what was left out
+  double error() const {
+    return error_ + lost_;
+  }  ///< of the last: the largest difference seen, and an integral around breaks
   std::size_t evaluations() const { return evaluations_; }  ///< of all
 
  private:
@@ -49,7 +59,7 @@ class PiecewiseFit {
   double fit_error_ = 0.0;
   std::vector<Sample> guards_;
   std::vector<Interval> waiting_;
-  double scale_ = 0.0, error_ = 0.0;
+  double apart_ = 0.0, scale_ = 0.0, error_ = 0.0, lost_ = 0.0;
   std::size_t evaluations_ = 0;
 };
 
