@@ -31,6 +31,11 @@ void EndImpulse::add(const Snapshot& at) {
 // A scheme's velocity is a difference over two steps and shows an impact that much earlier and later.
 EndImpulses::EndImpulses(const Case& run, const Recording& recording)
     : times_(recording.times), blur_(is_scheme(run.method) ? 2.0 * *run.step : 0.0) {
+  if (run.method == MethodName::characteristics) {
+    left_ = recording.impulse_left;
+    right_ = recording.impulse_right;
+    return;
+  }
   const BarSystem system = make_system(run);
   EndImpulse impulse(system);
   for (std::size_t k = 0; k < times_.size(); ++k) {

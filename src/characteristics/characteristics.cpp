@@ -139,7 +139,7 @@ class Run {
     const double velocity_error =
         data_.velocity_error + error_ + (load_ ? load_->errors().arrivals + load_->errors().looked_at : 0.0);
     statistics_.representation = {data_.displacement_error + duration * velocity_error,
-                                  rounding * passages * (place_scale_ + duration * velocity_scale_)};
+                                  rounding * passages * (place_scale_ + duration * velocity_scale_), velocity_scale_};
     return statistics_;
   }
 
@@ -342,7 +342,9 @@ class Run {
     v_.front() = left_.velocity_at(s, left);
     v_.back() = right_.velocity_at(s, right);
     for (const double u : {u_.front(), u_.back()}) place_scale_ = std::max(place_scale_, std::abs(u));
-    const Snapshot snapshot{t, u_, v_, impedance_ * left_.force_at(s, left), impedance_ * right_.force_at(s, right)};
+    Snapshot snapshot{t, u_, v_, impedance_ * left_.force_at(s, left), impedance_ * right_.force_at(s, right)};
+    if (is_obstacle(scene_.left)) snapshot.impulse_left = impedance_ * passage_ * left_.impulse_at(s, left);
+    if (is_obstacle(scene_.right)) snapshot.impulse_right = impedance_ * passage_ * right_.impulse_at(s, right);
     watch_.outside([&] { observers_.snapshot(snapshot); });
   }
 

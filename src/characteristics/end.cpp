@@ -18,7 +18,7 @@ void End::answer(const Piecewise& arriving, double until, const Scale& scale, Pi
   sent.clear();
   marks_.clear();
   turns_.clear();
-  marks_.push_back({0.0, place_, 0.0, closed_});
+  marks_.push_back({0.0, place_, 0.0, borne_.impulse, closed_});
   for (std::size_t i = 0; i < arriving.size() && arriving[i].begin < until; ++i) {
     const double end = std::min(until, arriving[i].end);
     if (kind_ == Kind::obstacle)
@@ -48,7 +48,7 @@ void End::send(const Piecewise::Piece& piece, const Chebyshev& arriving, double 
 void End::turn(double s, double velocity, const Piecewise& sent) {
   closed_ = !closed_;
   turns_.push_back({s, closed_ ? Change::closing : Change::opening, velocity});
-  marks_.push_back({s, 0.0, sent.integral(), closed_});
+  marks_.push_back({s, 0.0, sent.integral(), borne_.impulse, closed_});
 }
 
 // Piece i of what arrives, from where `sent` ends up to `end`.
@@ -101,7 +101,10 @@ const End::Mark& End::mark_at(double s) const {
   return next == marks_.begin() ? *next : *(next - 1);
 }
 
-bool End::closed_at(double s) const { return mark_at(s).closed; }
+double End::impulse_at(double s, Cursor& sent) const {
+  const Mark& mark = mark_at(s);
+  return mark.impulse + (mark.closed ? sent.integral(s) - mark.sent : 0.0);
+}
 
 double End::place_at(double s, Cursor& sent) const {
   const Mark& mark = mark_at(s);

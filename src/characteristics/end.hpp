@@ -48,8 +48,8 @@ class End {
   /// Within the passage answered last, of which `sent` was sent.
   double place_at(double s, Cursor& sent) const;  ///< displacement or clearance
   double velocity_at(double s, Cursor& sent) const;
-  double force_at(double s, Cursor& sent) const;  ///< of what holds it, / (rho c); along the bar's inward normal: R
-  bool closed_at(double s) const;
+  double force_at(double s, Cursor& sent) const;    ///< of what holds it, / (rho c); along the bar's inward normal: R
+  double impulse_at(double s, Cursor& sent) const;  ///< from the beginning on, as of Borne
 
   const std::vector<Turn>& turns() const { return turns_; }  ///< of that passage, in order
   const Borne& borne() const { return borne_; }              ///< from the beginning on
@@ -61,7 +61,7 @@ class End {
  private:
   // From here on, until the next.
   struct Mark {
-    double s, place, sent;  // sent: its integral so far
+    double s, place, sent, impulse;  // sent: its integral; both so far
     bool closed;
   };
   const Mark& mark_at(double s) const;

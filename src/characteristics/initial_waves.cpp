@@ -28,15 +28,18 @@ std::function<double(double)> checked(const SpaceFunction& f, double length, con
   };
 }
 
-// A jump is an infinite strain.
-void refuse_jumps(const Piecewise& u, double length) {
-  constexpr double visible = 1e-9;
+// A jump is an infinite strain. Roots of zero change that much within a rounding of the place. Returns what jumps, all
+// together.
+double refuse_jumps(const Piecewise& u, double length) {
+  constexpr double visible = 1e-6;
+  double sum = 0.0;
   const double scale = u.bound();
   for (std::size_t i = 0; i + 1 < u.size(); ++i) {
     const double at = u[i].end;
     const double before = u.polynomial(i)(u[i].z(at)), after = u.polynomial(i + 1)(u[i + 1].z(at));
     // Pieces as short as roundings of the place are a jump that has been halved to its end.
     const double within = u[i].end - u[i].begin < 1e-12 ? u.polynomial(i).upper() - u.polynomial(i).lower() : 0.0;
+    sum += std::abs(after - before);
     if (std::abs(after - before) > visible * scale || within > visible * scale)
       throw std::invalid_argument(
           fmt::format("initial.displacement jumps from {:.6g} to {:.6g} at x = {:.6g}: the strain is infinite there; "
@@ -44,6 +47,7 @@ void refuse_jumps(const Piecewise& u, double length) {
                       "needs a continuous displacement",
                       before, after, length * at));
   }
+  return sum;
 }
 
 }  // namespace
@@ -53,8 +57,7 @@ InitialData initial_data(const Scene& scene) {
   InitialData data;
   PiecewiseFit fit;
   data.displacement = fit.of(checked(scene.displacement, bar.length, "initial.displacement"));
-  data.displacement_error = fit.error();
-  refuse_jumps(data.displacement, bar.length);
+  data.displacement_error = fit.error() + refuse_jumps(data.displacement, bar.length);
   data.velocity = fit.of(checked(scene.velocity, bar.length, "initial.velocity"));
   data.velocity_error = fit.error();
   const double factor = std::sqrt(bar.modulus / bar.density) / bar.length;

@@ -21,6 +21,8 @@ namespace {
 constexpr double rounding = std::numeric_limits<double>::epsilon();
 constexpr std::size_t most_breaks = 10'000;  // of a load, in one passage
 constexpr std::size_t most_pairs = 400;      // of a break in x and one in t
+constexpr double sums = 8.0;                 // roundings that a sum of some dozens of terms adds up
+constexpr std::size_t most_evaluations = 50'000'000;
 
 // Of a load at `place`, which says where and when.
 double finite(double t, auto&& load, auto&& place) {
@@ -136,7 +138,9 @@ class SeparableGain final : public LoadGain {
           return finite(
               t, [&] { return history_(t); }, [&] { return fmt::format("the history of the load at t = {}", t); });
         },
-        {.breaks = cuts_, .apart = 64.0 * rounding * (begin + 2.0 + std::abs(frame_.start) / frame_.passage)});
+        {.breaks = cuts_,
+         .apart = 64.0 * rounding * (begin + 2.0 + std::abs(frame_.start) / frame_.passage),
+         .argument = begin + 1.0 + std::abs(frame_.start) / frame_.passage});
     errors_.arrivals += frame_.factor * (profile_error_ * now_.bound() + profile_bound_ * history_fit_.error());
     evaluations_ = profile_evaluations_ + history_fit_.evaluations();
     times_.clear();
@@ -145,7 +149,9 @@ class SeparableGain final : public LoadGain {
     for (std::size_t i = 0; i < now_.size(); ++i) times_.push_back(begin + now_[i].begin);
   }
 
-  double size() const override { return frame_.factor * profile_bound_ * std::max(now_.bound(), before_.bound()); }
+  double size() const override {
+    return sums * frame_.factor * profile_bound_ * std::max(now_.bound(), before_.bound());
+  }
 
   double gain(const Way& way) override {
     const auto begin = static_cast<double>(passage_);
@@ -211,10 +217,21 @@ class GeneralGain final : public LoadGain {
       : density_(load.density), frame_(frame), breaks_of_density_(load.breaks, frame) {}
 
  private:
-  void prepare(std::size_t passage) override { breaks_of_density_.enter(passage); }
+  void prepare(std::size_t passage) override {
+    evaluations_before_ = evaluations_;
+    breaks_of_density_.enter(passage);
+  }
+  void look(double s) override {
+    evaluations_before_ = evaluations_;
+    LoadGain::look(s);
+  }
 
   double at(const Way& way, double r) {
-    ++evaluations_;
+    if (++evaluations_ - evaluations_before_ > most_evaluations)
+      throw LoadError(frame_.t(way.time),
+                      fmt::format("the load was evaluated {} times for one output or passage: it is too rough to be "
+                                  "followed to rounding; tell where it breaks, or use rigid",
+                                  most_evaluations));
     const double x = frame_.x(std::clamp(way.rightward ? way.place - r : way.place + r, 0.0, 1.0));
     const double t = frame_.t(std::max(0.0, way.time - r));
     const double value = finite(
@@ -222,7 +239,9 @@ class GeneralGain final : public LoadGain {
     largest_ = std::max(largest_, std::abs(value));
     return value;
   }
-  double size() const override { return frame_.factor * largest_; }
+  // What roundings of the time do to it counts like its own.
+  double argument() const { return static_cast<double>(passage_) + 1.0 + std::abs(frame_.start) / frame_.passage; }
+  double size() const override { return sums * frame_.factor * (largest_ + argument() * steepest_); }
 
   struct Sum {
     double value, size;
@@ -230,10 +249,14 @@ class GeneralGain final : public LoadGain {
   Sum formula(const Way& way, double from, double to) {
     Sum sum{0.0, 0.0};
     const double half = 0.5 * (to - from), middle = 0.5 * (to + from);
+    double last = 0.0, place = 2.0;
     for (const auto [node, weight] : gauss_legendre(12)) {
-      const double value = half * weight * at(way, middle + half * node);
+      const double f = at(way, middle + half * node), value = half * weight * f;
       sum.value += value;
       sum.size += std::abs(value);
+      if (place < 2.0 && half > 0.01) steepest_ = std::max(steepest_, std::abs(f - last) / (half * (place - node)));
+      last = f;
+      place = node;
     }
     return sum;
   }
@@ -242,10 +265,31 @@ class GeneralGain final : public LoadGain {
     const double middle = 0.5 * (from + to);
     const Sum left = formula(way, from, middle), right = formula(way, middle, to);
     size = std::max(size, left.size + right.size);
-    const double off = std::abs(left.value + right.value - whole.value);
-    if (off <= 32.0 * rounding * size || depth >= 48 || !(from < middle && middle < to))
+    const double tolerance = 32.0 * rounding * (size + argument() * steepest_ * way.length);
+    if (std::abs(left.value + right.value - whole.value) <= tolerance || depth >= 48 || !(from < middle && middle < to))
       return left.value + right.value;
+    if (depth >= shallow)
+      if (const auto sum = across_a_jump(way, from, to, tolerance)) return *sum;
     return halved(way, from, middle, left, size, depth + 1) + halved(way, middle, to, right, size, depth + 1);
+  }
+
+  // On so short a way a load that jumps once is, but for that, as good as constant: where it jumps is found by halving
+  // the way, a value each.
+  std::optional<double> across_a_jump(const Way& way, double from, double to, double tolerance) {
+    const double before = at(way, from), after = at(way, to);
+    double low = from, high = to;
+    while (low < 0.5 * (low + high) && 0.5 * (low + high) < high) {
+      const double r = 0.5 * (low + high), value = at(way, r);
+      (std::abs(value - before) <= std::abs(value - after) ? low : high) = r;
+    }
+    double sum = 0.0;
+    for (const auto& [begin, end] : {std::pair{from, low}, std::pair{high, to}}) {
+      const double middle = 0.5 * (begin + end),
+                   halves = formula(way, begin, middle).value + formula(way, middle, end).value;
+      if (std::abs(halves - formula(way, begin, end).value) > tolerance) return std::nullopt;
+      sum += halves;
+    }
+    return sum;
   }
 
   double gain(const Way& way) override {
@@ -269,8 +313,10 @@ class GeneralGain final : public LoadGain {
 
   SpaceTimeFunction density_;
   Frame frame_;
+  static constexpr int shallow = 6;  // halvings
   Breaks breaks_of_density_;
-  double largest_ = 0.0;  // of what has been seen
+  std::size_t evaluations_before_ = 0;     // the present look or passage
+  double largest_ = 0.0, steepest_ = 0.0;  // of what has been seen
 };
 
 }  // namespace

@@ -20,6 +20,7 @@ constexpr std::size_t most_pieces = 4000;  // beyond that a looser tolerance is 
 const Piecewise& PiecewiseFit::of(const std::function<double(double)>& f, const Options& options) {
   f_ = &f;
   apart_ = options.apart;
+  argument_ = options.argument;
   guards_.clear();
   scale_ = options.size;
   for (std::size_t k = 0; k < (options.smooth ? few_guards : guards); ++k) {
@@ -84,7 +85,7 @@ bool PiecewiseFit::fits(const Interval& interval, double tolerance) {
       if (j > 0)
         slope = std::max(slope, std::abs(values[j] - values[j - 1]) / (0.5 * width * (points[j - 1] - points[j])));
     }
-    const double allowed = tolerance * (scale_ + interval.end * slope);
+    const double allowed = tolerance * (scale_ + argument_ * slope);
     fit_ = Chebyshev::through({values.data(), terms});
     if (width <= 4.0 * rounding) {
       fit_ = Chebyshev::constant(fit_.coefficients()[0]);

@@ -13,10 +13,11 @@ namespace viscobar::characteristics {
 /// Makes polynomial pieces of functions on [0, 1], to rounding: halves an interval until a polynomial of degree 32 or
 /// less has, at points where it was not made, the values of the function up to
 ///
-///     4 eps (max |f| + s |f'|),
+///     4 eps (max |f| + |f'|),
 ///
-/// what roundings of f and of its argument do. Halving goes on around a jump or a kink until it is known to rounding;
-/// then the pieces are put together again. A feature that shows at none of 61 places spread over [0, 1] is missed.
+/// what roundings of f and of its argument do, where that is of size 1. Halving goes on around a jump or a kink until
+/// it is known to rounding; then the pieces are put together again. A feature that shows at none of 61 places spread
+/// over [0, 1] is missed.
 class PiecewiseFit {
  public:
   struct Options {
@@ -28,6 +29,8 @@ class PiecewiseFit {
     bool smooth = false;
     /// What f is a sum of: its roundings are those of that.
     double size = 0.0;
+    /// How large its argument is where it is evaluated, in units of s: its roundings are those of that.
+    double argument = 1.0;
   };
   /// Valid until the next call.
   const Piecewise& of(const std::function<double(double)>& f, const Options& options);
@@ -59,7 +62,7 @@ class PiecewiseFit {
   double fit_error_ = 0.0;
   std::vector<Sample> guards_;
   std::vector<Interval> waiting_;
-  double apart_ = 0.0, scale_ = 0.0, error_ = 0.0, lost_ = 0.0;
+  double apart_ = 0.0, argument_ = 1.0, scale_ = 0.0, error_ = 0.0, lost_ = 0.0;
   std::size_t evaluations_ = 0;
 };
 

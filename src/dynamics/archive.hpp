@@ -39,7 +39,7 @@ void members(Like<EnergyAccount> auto& energy, auto&& each) {
 }
 void members(Like<EndTotals> auto& totals, auto&& each) { each(totals.impulse, totals.max_reaction); }
 void members(Like<Representation> auto& representation, auto&& each) {
-  each(representation.error, representation.rounding);
+  each(representation.error, representation.rounding, representation.velocity);
 }
 void members(Like<Statistics> auto& statistics, auto&& each) {
   each(statistics.unknowns, statistics.steps, statistics.rhs_evaluations, statistics.linear_solves,

@@ -18,6 +18,8 @@ class ContactAccount {
  public:
   void add(double time, double reaction);
   void add(const Event& event);
+  /// Impulse and greatest reaction from a method that knows them.
+  void know(const EndTotals& totals) { impulse_ = totals.impulse, max_reaction_ = totals.max_reaction; }
 
   std::size_t closings() const { return closings_; }
   /// Time in contact up to `now`.

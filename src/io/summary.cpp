@@ -27,6 +27,11 @@ void ContactSummary::add(const Event& event) {
   }
 }
 
+void ContactSummary::know(const Statistics& done) {
+  if (left && done.left) left->know(*done.left);
+  if (right && done.right) right->know(*done.right);
+}
+
 namespace {
 
 Json to_json(const ContactAccount& account, double reached) {
@@ -83,6 +88,9 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
   json["max_penetration"] = known(&Statistics::max_penetration);
   json["energy"] =
       outcome.statistics && outcome.statistics->energy ? to_json(*outcome.statistics->energy) : Json(nullptr);
+  if (outcome.statistics && outcome.statistics->representation)
+    json["representation"] = {{"error", outcome.statistics->representation->error},
+                              {"rounding", outcome.statistics->representation->rounding}};
   Json& contacts = json["contact"] = Json::object();
   if (contact.left) contacts["left"] = to_json(*contact.left, outcome.reached_time);
   if (contact.right) contacts["right"] = to_json(*contact.right, outcome.reached_time);

@@ -23,6 +23,8 @@ struct ContactSummary {
   explicit ContactSummary(const Scene& scene);
   void add(const Snapshot& snapshot);
   void add(const Event& event);
+  /// At the end of a run, what its method knows without output times.
+  void know(const Statistics& done);
 
   static void members(auto& contact, auto&& each) { each(contact.left, contact.right, contact.span); }
 };

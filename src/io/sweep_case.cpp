@@ -65,6 +65,7 @@ void simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
   EndRange left, right;
   std::optional<EndImpulse> impulse;
   if (contact.left || contact.right) impulse.emplace(system);
+  bool exact = false;  // whether the method knows impulses without output times
   std::size_t steps = 0, events = 0;
   double reached = 0.0;
   Observers observers;
@@ -87,6 +88,8 @@ void simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
   try {
     const Statistics done = simulate(run, system, observers);
     tell(row, done);
+    contact.know(done);
+    exact = done.left.has_value() || done.right.has_value();
     row.completed = true;
     for (const Alarm& alarm : alarms(run, system, done)) {
       if (!alarm.ruinous) continue;
@@ -107,8 +110,10 @@ void simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
   tell(row, left, Quantity::u_left_final, Quantity::u_left_min, Quantity::u_left_max);
   tell(row, right, Quantity::u_right_final, Quantity::u_right_min, Quantity::u_right_max);
   const double until = row[Quantity::reached_time];
-  if (contact.left) tell(row, *contact.left, until, impulse->left(), Quantity::closings_left);
-  if (contact.right) tell(row, *contact.right, until, impulse->right(), Quantity::closings_right);
+  if (contact.left)
+    tell(row, *contact.left, until, exact ? contact.left->impulse() : impulse->left(), Quantity::closings_left);
+  if (contact.right)
+    tell(row, *contact.right, until, exact ? contact.right->impulse() : impulse->right(), Quantity::closings_right);
   if (contact.span) row[Quantity::closings_span] = static_cast<double>(contact.span->closings);
 }
 

@@ -22,6 +22,8 @@ struct Snapshot {
   /// the end element, -s and s; 0 at a free end.
   double reaction_left = 0.0;
   double reaction_right = 0.0;  ///< likewise
+  /// int R dt of the obstacles so far, where the method knows it without output times.
+  std::optional<double> impulse_left{}, impulse_right{};
 };
 
 /// What a contact does: closing, the node reaches the obstacle; opening, it leaves.
@@ -69,6 +71,7 @@ struct EndTotals {
 struct Representation {
   double error = 0.0;     ///< of the pieces, and of putting them together
   double rounding = 0.0;  ///< what roundings of the motion add up to likewise
+  double velocity = 0.0;  ///< that no wave exceeded
 };
 
 /// What a run did.
