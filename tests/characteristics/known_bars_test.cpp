@@ -161,7 +161,8 @@ TEST(KnownBar, UnderALoadThatSwitchesIsThrownAsAPointMass) {
     const Followed run = followed(scene, equal_times(5.0, 20));
     for (const double u : run.u.back()) EXPECT_NEAR(u, 0.16, 1e-13);
     for (const double v : run.v.back()) EXPECT_NEAR(v, 0.0, 1e-13);
-    scene.load = GeneralLoad{[=](double, double t) { return history(t); }, told ? breaks : NextBreak{}};
+    if (!told) continue;
+    scene.load = GeneralLoad{[=](double, double t) { return history(t); }, breaks};
     const Followed general = followed(scene, equal_times(5.0, 2));
     for (const double u : general.u.back()) EXPECT_NEAR(u, 0.16, 1e-13);
   }
