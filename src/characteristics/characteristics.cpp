@@ -26,8 +26,8 @@ namespace {
 using namespace characteristics;
 
 constexpr double rounding = std::numeric_limits<double>::epsilon();
-constexpr std::size_t most_pieces = 2'000'000;  // of one wave
-constexpr double least_passage = 1e-12;         // of the last passage, in passages
+constexpr std::size_t most_pieces = 50'000;  // of one wave
+constexpr double least_passage = 1e-12;      // of the last passage, in passages
 
 double gap_of(const EndCondition& end) {
   const auto* obstacle = std::get_if<Obstacle>(&end);
@@ -349,14 +349,19 @@ class Run {
   }
 
   void leave() {
+    constexpr double of_time = 1e-8;  // what lasts longer is no rounding of a time
     const double tolerance = 8.0 * rounding * velocity_scale_, negligible = 64.0 * rounding * velocity_scale_;
     for (auto [sent, count] :
          {std::pair{&sent_left_, &simplified_left_}, std::pair{&sent_right_, &simplified_right_}}) {
       if (sent->size() <= 2 * *count + 8) continue;
-      error_ += simplify(*sent, tolerance, negligible, arriving_) + sent->left_out();
+      error_ += simplify(*sent, tolerance, negligible, of_time, arriving_) + sent->left_out();
       *count = sent->size();
       if (*count > most_pieces)
-        fail(fmt::format("contact changes have broken the wave into {} pieces; choose an earlier time.end", *count));
+        fail(fmt::format(
+            "{} contact changes have broken the waves into more than {} pieces, and each passage breaks them "
+            "further: there is no end of the detail that the exact motion has; choose an earlier time.end, "
+            "a positive bar.viscosity with another method.name, or rigid",
+            statistics_.events, most_pieces));
     }
     std::swap(sent_left_, sent_left_before_);
     std::swap(sent_right_, sent_right_before_);

@@ -212,7 +212,9 @@ std::optional<double> first_descent(const Chebyshev& p, double band) {
   waiting[count++] = {p, -1.0, 1.0};
   while (count > 0) {
     const Part now = waiting[--count];
-    if (now.p.lower() >= -band) continue;
+    // A sixteenth of the band is given away, so that what stays at its border is not halved for ever.
+    if (now.p.lower() >= -1.0625 * band) continue;
+    if (now.p(-1.0) < -band) return now.begin;
     const double width = now.end - now.begin;
     const Chebyshev slope = now.p.derivative();
     const bool falls = slope.upper() <= 0.0, rises = slope.lower() >= 0.0;

@@ -60,7 +60,11 @@ void End::meet(const Piecewise& arriving, std::size_t i, double end, const Scale
   for (double begin = sent.end(); begin < end;) {
     const double half = 0.5 * (end - begin);
     if (half < 0.5 * Piecewise::shortest) return send(piece, whole, end, sent);
-    const auto place = [&](double z) { return z >= 1.0 ? end : std::min(end, begin + half * (z + 1.0)); };
+    // A zero after the beginning that rounds to it would be met again and again.
+    const auto place = [&](double z) {
+      if (z <= -1.0) return begin;
+      return z >= 1.0 ? end : std::min(end, begin + std::max(half * (z + 1.0), Piecewise::shortest));
+    };
     if (closed_) {
       if (whole.upper() <= band) return send(piece, whole, end, sent);
       ++searched_;

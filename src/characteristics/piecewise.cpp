@@ -157,8 +157,7 @@ double absence(const Chebyshev& p, const Piecewise::Piece& piece, const Chebyshe
 
 }  // namespace
 
-double simplify(Piecewise& f, double tolerance, double negligible, Piecewise& scratch) {
-  constexpr double brief = 1e-8;  // what is longer than that, nobody takes for a rounding of a time
+double simplify(Piecewise& f, double tolerance, double negligible, double brief, Piecewise& scratch) {
   double change = 0.0;
   scratch.clear();
   const auto end = f.end();

@@ -90,9 +90,9 @@ void combine(const Piecewise& f, double factor_f, const Piecewise& g, double fac
 /// f(1 - s)
 Piecewise mirrored(const Piecewise& f);
 
-/// Neighbours that one polynomial represents to `tolerance` become one piece, and pieces whose absence changes the
-/// integral of |f| by no more than `negligible` are left to their neighbours. Returns int |change|. `scratch` is for
-/// its memory.
-double simplify(Piecewise& f, double tolerance, double negligible, Piecewise& scratch);
+/// Neighbours that one polynomial represents to `tolerance` become one piece, and pieces shorter than `brief` whose
+/// absence changes the integral of |f| by no more than `negligible` are left to their neighbours. Returns int |change|.
+/// `scratch` is for its memory.
+double simplify(Piecewise& f, double tolerance, double negligible, double brief, Piecewise& scratch);
 
 }  // namespace viscobar::characteristics

@@ -44,7 +44,7 @@ const Piecewise& PiecewiseFit::of(const std::function<double(double)>& f, const 
   }
   lost_ += pieces_.left_out();
   if (pieces_.size() > 1) {
-    lost_ += simplify(pieces_, 16.0 * rounding * scale_ + 2.0 * error_, 0.0, scratch_);
+    lost_ += simplify(pieces_, 16.0 * rounding * scale_ + 2.0 * error_, 0.0, brief, scratch_);
     locate_breaks();
   }
   return pieces_;

@@ -87,7 +87,8 @@ std::optional<std::string> representation_warning(const Statistics& done) {
     return std::nullopt;
   return fmt::format(
       "initial data or load are represented to {:.2g} only, as a displacement at the end, where roundings make {:.2g}: "
-      "no polynomial pieces follow them closer; what helps: formulas without roots of zero or endless wiggles",
+      "no "
+      "polynomial pieces follow them closer; what helps: formulas without roots of zero or endless wiggles",
       done.representation->error, done.representation->rounding);
 }
 

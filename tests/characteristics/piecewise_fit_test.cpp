@@ -34,7 +34,10 @@ TEST(PiecewiseFit, FindsAKinkAndAJumpToTheNumberNextToThem) {
     EXPECT_NEAR(fit.of(kink)[0].end, at, 1e-14);
     const auto jump = [at](double s) { return s < at ? std::cos(s) : -std::sin(3.0 * s); };
     ASSERT_LE(fit.of(jump).size(), 3u) << at;
-    EXPECT_NEAR(fit.of(jump)[0].end, at, 2.3e-16);
+    const Piecewise& f = fit.of(jump);
+    double nearest = 1.0;
+    for (std::size_t i = 0; i + 1 < f.size(); ++i) nearest = std::min(nearest, std::abs(f[i].end - at));
+    EXPECT_LE(nearest, 2.3e-16) << at;
     EXPECT_LT(fit.error(), 1e-13);
   }
 }

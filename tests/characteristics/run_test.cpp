@@ -101,6 +101,27 @@ TEST(CharacteristicsRun, KeepsItsPiecesFewThroughThousandsOfPassages) {
   EXPECT_LT(run.statistics.integration_seconds, 5.0);
 }
 
+// Each flight of an end leaves two breaks in what it sends, so that the waves of a bar that is pressed between two
+// obstacles grow rough for ever. Pieces as steep as that had the search for changes go round in circles.
+TEST(CharacteristicsRun, StopsWhereContactsHaveBrokenTheWavesTooFar) {
+  Scene scene;
+  scene.left = scene.right = Obstacle{0.5};
+  scene.displacement = [](double x) { return 0.3 * x; };
+  scene.velocity = [](double x) { return std::cos(3.0 * x); };
+  scene.load = SteadyLoad{[](double) { return -1.0; }};
+  const Statistics exact = followed(scene, {0.0, 60.0}).statistics;
+  EXPECT_LT(exact.representation->error, exact.representation->rounding);
+  EXPECT_LT(std::abs(exact.energy->balance_error()), 1e-12 * largest_energy(*exact.energy));
+  try {
+    followed(scene, {0.0, 300.0});
+    FAIL() << "ends?";
+  } catch (const IntegrationError& error) {
+    EXPECT_GT(error.statistics.reached_time, 100.0);
+    EXPECT_GT(error.statistics.events, 20'000u);
+    EXPECT_NE(std::string(error.what()).find("broken the waves"), std::string::npos) << error.what();
+  }
+}
+
 TEST(CharacteristicsRun, AsksForNoMemoryFromPassageToPassage) {
   Scene scene;
   scene.left = scene.right = Obstacle{0.5};
