@@ -113,6 +113,21 @@ double Chebyshev::operator()(double z) const {
   return c_[0] + z * next - after;
 }
 
+// Clenshaw's recurrence, place beside place.
+void Chebyshev::at(std::span<const double> z, std::span<double> values) const {
+  assert(z.size() <= most_places && values.size() == z.size());
+  std::array<double, most_places> next{}, after{};
+  const std::size_t count = z.size();
+  for (std::size_t k = terms_; k-- > 1;)
+    for (std::size_t j = 0; j < count; ++j) {
+      const double now = c_[k] + 2.0 * z[j] * next[j] - after[j];
+      after[j] = next[j];
+      next[j] = now;
+    }
+  const double constant = terms_ == 0 ? 0.0 : c_[0];
+  for (std::size_t j = 0; j < count; ++j) values[j] = constant + z[j] * next[j] - after[j];
+}
+
 double Chebyshev::integral() const {
   double sum = 0.0;
   for (std::size_t k = 0; k < terms_; k += 2) sum -= 2.0 * c_[k] / (static_cast<double>(k * k) - 1.0);
@@ -153,16 +168,9 @@ Chebyshev Chebyshev::restricted(double from, double to) const {
     return p;
   }
   const std::span<const double> places = points(terms_);
-  // Clenshaw's recurrence for all places at once.
-  std::array<double, most_terms> z, next{}, after{}, values;
+  std::array<double, most_terms> z, values;
   for (std::size_t j = 0; j < terms_; ++j) z[j] = middle + half * places[j];
-  for (std::size_t k = terms_ - 1; k > 0; --k)
-    for (std::size_t j = 0; j < terms_; ++j) {
-      const double now = c_[k] + 2.0 * z[j] * next[j] - after[j];
-      after[j] = next[j];
-      next[j] = now;
-    }
-  for (std::size_t j = 0; j < terms_; ++j) values[j] = c_[0] + z[j] * next[j] - after[j];
+  at({z.data(), terms_}, {values.data(), terms_});
   return through({values.data(), terms_});
 }
 

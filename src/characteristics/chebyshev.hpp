@@ -27,6 +27,9 @@ class Chebyshev {
   std::span<const double> coefficients() const { return {c_.data(), terms_}; }
 
   double operator()(double z) const;
+  /// At up to `most_places` places at once, which takes little more than one.
+  static constexpr std::size_t most_places = 40;
+  void at(std::span<const double> z, std::span<double> values) const;
   double integral() const;           ///< over [-1, 1]
   Chebyshev antiderivative() const;  ///< zero at -1
   Chebyshev derivative() const;

@@ -200,11 +200,18 @@ class SeparableGain final : public LoadGain {
       const double half = 0.5 * (to - r), middle = 0.5 * (to + r);
       if (half > 0.0) {
         const Chebyshev p = profile_.polynomial(i), h = history.polynomial(j);
-        double cell = 0.0;
-        for (const auto [node, weight] : gauss_legendre((p.terms() + h.terms()) / 2 + 1)) {
-          const double way = middle + half * node;
-          cell += weight * p(profile_[i].z(rightward ? place - way : place + way)) * h(history[j].z(s - way));
+        const std::span<const GaussNode> formula = gauss_legendre((p.terms() + h.terms()) / 2 + 1);
+        std::array<double, Chebyshev::most_places> of_p, of_h, values_p, values_h;
+        const std::size_t count = formula.size();
+        for (std::size_t k = 0; k < count; ++k) {
+          const double way = middle + half * formula[k].node;
+          of_p[k] = profile_[i].z(rightward ? place - way : place + way);
+          of_h[k] = history[j].z(s - way);
         }
+        p.at({of_p.data(), count}, {values_p.data(), count});
+        h.at({of_h.data(), count}, {values_h.data(), count});
+        double cell = 0.0;
+        for (std::size_t k = 0; k < count; ++k) cell += formula[k].weight * values_p[k] * values_h[k];
         sum += half * cell;
       }
       r = to;
