@@ -6,6 +6,7 @@
 #include "viscobar/case/end_traces.hpp"
 #include "viscobar/case/recorder.hpp"
 #include "viscobar/case/recording.hpp"
+#include "viscobar/characteristics/characteristics.hpp"
 #include "viscobar/discretisation/mass.hpp"
 #include "viscobar/discretisation/mesh.hpp"
 #include "viscobar/discretisation/tridiagonal.hpp"

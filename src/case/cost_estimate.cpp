@@ -69,6 +69,10 @@ double estimated_seconds(const Case& run) {
     const double searches = run.scene.span ? 3.0 : 1.0;
     return start_seconds + run.end / *run.step * (seconds.step + searches * seconds.node * nodes);
   }
+  if (run.method == MethodName::characteristics) {
+    const double passages = run.end * std::sqrt(run.scene.bar.modulus / run.scene.bar.density) / run.scene.bar.length;
+    return start_seconds + passages * seconds.step + run.end / run.output_every * nodes * seconds.node;
+  }
   if (run.method == MethodName::exponential) {
     const double matrices = 1e-8 * nodes * nodes * nodes, sub_steps = 10.0 * wave_phase(run);
     return start_seconds + matrices + sub_steps * 4e-9 * nodes * nodes;

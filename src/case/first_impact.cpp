@@ -19,7 +19,10 @@ std::optional<std::vector<FirstImpact>> first_impacts(const Case& run) {
   trial.method = MethodName::fully_discrete;
   trial.step = std::min(run.mesh().spacing() / std::sqrt(bar.modulus / bar.density), run.end / 500.0);
   trial.output_every = run.end;
-  if (run.end / *trial.step * static_cast<double>(run.elements) > most_nodal_steps) return std::nullopt;
+  // Waves tell it exactly, where they are what is asked for.
+  const bool exact = run.method == MethodName::characteristics;
+  if (exact) trial.method = run.method;
+  if (!exact && run.end / *trial.step * static_cast<double>(run.elements) > most_nodal_steps) return std::nullopt;
 
   const std::size_t places = static_cast<std::size_t>(is_obstacle(run.scene.left)) +
                              static_cast<std::size_t>(is_obstacle(run.scene.right)) +

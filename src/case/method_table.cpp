@@ -4,13 +4,19 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <iterator>
+
+#include "viscobar/characteristics/characteristics.hpp"
 
 namespace viscobar {
 
 namespace {
 
 Mass redistributed(const Case& run) { return run.mass.value_or(Mass::redistributed); }
+
+// There is none in the solution; of this one nothing is refused.
+Mass consistent(const Case&) { return Mass::consistent; }
 
 // (3.22) is (2.8) with a diagonal product.
 Mass diagonal(const Case& run) {
@@ -46,6 +52,13 @@ Statistics run_rigid(const Case& run, const BarSystem& system, const StartingPoi
 Statistics run_exponential(const Case& run, const BarSystem& system, const StartingPoint& start,
                            std::span<const double> times, const Observers& observers) {
   return integrate(system, start, times, Exponential{penalty(run)}, observers);
+}
+
+Statistics run_characteristics(const Case& run, const BarSystem&, const StartingPoint& start,
+                               std::span<const double> times, const Observers& observers) {
+  const auto* checkpoint = std::get_if<Checkpoint>(&start);
+  return integrate(run.scene, run.mesh(), checkpoint ? std::optional(*checkpoint) : std::nullopt, times,
+                   Characteristics{}, observers);
 }
 
 Statistics run_scheme(const Case& run, const BarSystem& system, const StartingPoint& start,
@@ -94,6 +107,19 @@ void refuse_exponential(const Case& run, Findings& findings) {
     findings.report("mesh.elements", fmt::format("exponential works with dense matrices and takes up to {} unknown "
                                                  "nodes; take fewer elements, or another method",
                                                  Exponential::most_unknowns));
+}
+
+void refuse_characteristics(const Case& run, Findings& findings) {
+  if (!findings.sound({"bar.length", "bar.density", "bar.modulus", "bar.viscosity", "time.end"})) return;
+  const Bar& bar = run.scene.bar;
+  if (const auto problem = misfit(run.scene, Characteristics{})) findings.report("method.name", *problem);
+  if (const double passages = run.end * std::sqrt(bar.modulus / bar.density) / bar.length;
+      !(passages <= Characteristics::most_passages))
+    findings.report(
+        "time.end",
+        fmt::format("characteristics follows a wave from passage to passage through the bar, here {:.2g} of "
+                    "them, at most {:.0g}; choose an earlier end",
+                    passages, Characteristics::most_passages));
 }
 
 void refuse_rigid(const Case& run, Findings& findings) {
@@ -149,6 +175,10 @@ constexpr MethodRow rows[] = {
      .meaning = "penalised bar by matrix exponentials, a reference on small meshes",
      .penalised = true, .accuracy = Accuracy::rounding, .seconds = {},
      .run = run_exponential, .vectors = exponential_vectors, .refuse = refuse_exponential},
+    {.method = MethodName::characteristics, .name = "characteristics",
+     .meaning = "exact waves of an undamped bar, whatever the mesh; obstacles at its ends only",
+     .penalised = false, .accuracy = Accuracy::rounding, .seconds = {0.5e-6, 60e-9},
+     .run = run_characteristics, .mass = consistent, .refuse = refuse_characteristics},
     {.method = MethodName::fully_discrete, .name = "fully_discrete",
      .meaning = "the paper's scheme (2.8), implicit in the constraint",
      .penalised = false, .accuracy = Accuracy::step, .seconds = scheme,

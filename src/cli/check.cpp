@@ -43,6 +43,7 @@ std::string_view load_kind(const Scene& scene) {
 
 std::string contact_kind(const Case& run) {
   if (is_penalised(run.method)) return fmt::format("penalty, epsilon = {}", *run.epsilon);
+  if (run.method == MethodName::characteristics) return "exact: an end answers what arrives";
   return run.method == MethodName::rigid ? "rigid: closed nodes are held" : "exact constraint in every step";
 }
 
@@ -163,10 +164,15 @@ int CheckCommand::operator()() const {
   for (ContactRegime& regime : regimes) predict(regime, hits, run, system);
   const MemoryNeed memory = memory_need(run);
 
+  const bool waves = run.method == MethodName::characteristics;
+  const double passage = run.scene.bar.length * std::sqrt(run.scene.bar.density / run.scene.bar.modulus);
+  const double passages = run.end / passage;
+
   Json json;
   json["title"] = run.scene.title;
   json["method"] = viscobar::name(run.method);
   json["method_requested"] = run.automatic ? automatic : viscobar::name(run.method);
+  if (waves) json["passages"] = passages;
   if (run.method == MethodName::odeint) json["stepper"] = viscobar::name(plan(system, run.end, odeint(run)).stepper);
   json["nodes"] = system.mesh().nodes();
   json["unknown_nodes"] = system.size();
@@ -196,10 +202,16 @@ int CheckCommand::operator()() const {
 
   std::string text = fmt::format("{}: sound\n", heading(run.scene.title, scene_.file));
   text += row("method", method_text(run, system));
-  text +=
-      row("unknowns", fmt::format("{} nodes of {}, displacement and velocity", system.size(), system.mesh().nodes()));
-  text += row("inertia", fmt::format("{} mass{}", viscobar::name(system.mass()),
-                                     system.has_massless() ? ", massless contact nodes" : ""));
+  if (waves) {
+    text += row("unknowns",
+                fmt::format("polynomial pieces of two waves; the {} nodes are for output only", system.mesh().nodes()));
+    text += row("passages", fmt::format("{:.4g} of a wave through the bar, each L/c = {:.4g}", passages, passage));
+  } else {
+    text +=
+        row("unknowns", fmt::format("{} nodes of {}, displacement and velocity", system.size(), system.mesh().nodes()));
+    text += row("inertia", fmt::format("{} mass{}", viscobar::name(system.mass()),
+                                       system.has_massless() ? ", massless contact nodes" : ""));
+  }
   text += row("elasticity", fmt::format("E = {}, h = {:.4g}{}", run.scene.bar.modulus, system.mesh().spacing(),
                                         system.mesh().uniform() ? ""
                                                                 : fmt::format(" on average, {:.4g} at the contacts",

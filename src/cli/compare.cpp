@@ -35,8 +35,8 @@ CompareCommand::CompareCommand(CLI::App& app)
       output_(command_) {
   command_
       .add_option("--methods", methods_,
-                  "The methods, the first one the reference (default: all that fit the scene, exponential the "
-                  "reference where it does)")
+                  "The methods, the first one the reference (default: all that fit the scene, characteristics or else "
+                  "exponential the reference where it does)")
       ->type_name("NAME,NAME...")
       ->delimiter(',')
       ->allow_extra_args(false);

@@ -79,6 +79,18 @@ std::optional<std::string> growth_warning(const Case& run, const Statistics& don
       energy.growth, energy.growth_time, energy.initial, run.restitution.value_or(0.0));
 }
 
+/// That the data of a scene are no polynomial pieces: how far from it, and what helps.
+std::optional<std::string> representation_warning(const Statistics& done) {
+  constexpr double roundings = 1e4;
+  if (!done.representation || done.representation->error <= roundings * done.representation->rounding)
+    return std::nullopt;
+  return fmt::format(
+      "initial data or load are represented to {:.2g} only, as a displacement at the end, where roundings make {:.2g}: "
+      "no "
+      "polynomial pieces follow them closer; what helps: formulas without roots of zero or endless wiggles",
+      done.representation->error, done.representation->rounding);
+}
+
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -106,6 +118,7 @@ class RecordedRun {
     simulate_into(outcome(), scene_.run, system_, last_.motion, observers());
     if (const auto& done = outcome().statistics; done && done->energy) {
       if (const auto warning = growth_warning(scene_.run, *done)) warn(*warning);
+      if (const auto warning = representation_warning(*done)) warn(*warning);
       for (const Alarm& alarm : alarms(scene_.run, system_, *done)) sound(alarm);
     }
     if (stopped_at_) outcome().statistics = std::move(stopped_at_);

@@ -82,6 +82,9 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
   json["max_penetration"] = known(&Statistics::max_penetration);
   json["energy"] =
       outcome.statistics && outcome.statistics->energy ? to_json(*outcome.statistics->energy) : Json(nullptr);
+  if (outcome.statistics && outcome.statistics->representation)
+    json["representation"] = {{"error", outcome.statistics->representation->error},
+                              {"rounding", outcome.statistics->representation->rounding}};
   json["contact"] = contact_json(scene.run.scene, outcome);
   json["scene"] = Json::parse(scene.description);
   json["mass"] = name(system.mass());

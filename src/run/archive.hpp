@@ -45,11 +45,15 @@ void members(Like<EndAccount> auto& end, auto&& each) {
 void members(Like<RunAccount> auto& account, auto&& each) {
   each(account.left, account.right, account.span_closings, account.span_openings);
 }
+void members(Like<Representation> auto& representation, auto&& each) {
+  each(representation.error, representation.rounding, representation.velocity);
+}
 void members(Like<Statistics> auto& statistics, auto&& each) {
   each(statistics.unknowns, statistics.steps, statistics.rhs_evaluations, statistics.linear_solves,
        statistics.matrix_factorisations, statistics.event_evaluations, statistics.load_evaluations, statistics.events,
        statistics.integration_seconds, statistics.reached_time, statistics.completed, statistics.max_penetration,
-       statistics.late_opening.ratio, statistics.late_opening.time, statistics.energy, statistics.account);
+       statistics.late_opening.ratio, statistics.late_opening.time, statistics.energy, statistics.account,
+       statistics.representation);
 }
 void members(Like<Event> auto& event, auto&& each) {
   each(event.time, event.where, event.node, event.change, event.velocity, event.impulse);

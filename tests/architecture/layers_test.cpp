@@ -24,7 +24,7 @@ const std::vector<Room> rooms = {
     {"text", {}},           {"scene", {}},
     {"discretisation", {}}, {"dynamics", {"scene", "discretisation"}},
     {"run", {"dynamics"}},  {"integration", {"run"}},
-    {"schemes", {"run"}},   {"case", {"integration", "schemes", "text"}},
+    {"schemes", {"run"}}, {"characteristics", {"run"}}, {"case", {"integration", "schemes", "characteristics", "text"}},
     {"studies", {"case"}},  {"input", {"case"}},
     {"results", {"input"}}, {"report", {"studies", "results"}},
     {"record", {"report"}}, {"sweep", {"record"}},

@@ -12,14 +12,31 @@
 
 namespace viscobar {
 
-/// The methods that a scene can ask for by name: those of this header, and the fully discrete schemes (schemes.hpp).
+/// The methods that a scene can ask for by name: those of this header, the exact solution of an undamped bar
+/// (characteristics.hpp), and the fully discrete schemes (schemes.hpp).
 /// src/case/method_table.cpp has a row for each.
-enum class MethodName { cvode, ida, arkode, odeint, rigid, exponential, fully_discrete, finite_difference };
+enum class MethodName {
+  cvode,
+  ida,
+  arkode,
+  odeint,
+  rigid,
+  exponential,
+  characteristics,
+  fully_discrete,
+  finite_difference
+};
 
 /// In the order of the enumeration.
-inline constexpr MethodName all_methods[] = {
-    MethodName::cvode, MethodName::ida,         MethodName::arkode,         MethodName::odeint,
-    MethodName::rigid, MethodName::exponential, MethodName::fully_discrete, MethodName::finite_difference};
+inline constexpr MethodName all_methods[] = {MethodName::cvode,
+                                             MethodName::ida,
+                                             MethodName::arkode,
+                                             MethodName::odeint,
+                                             MethodName::rigid,
+                                             MethodName::exponential,
+                                             MethodName::characteristics,
+                                             MethodName::fully_discrete,
+                                             MethodName::finite_difference};
 
 /// What the tolerances bound.
 enum class ErrorControl {

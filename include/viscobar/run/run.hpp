@@ -23,6 +23,8 @@ struct Snapshot {
   /// the end element, -s and s; 0 at a free end.
   double reaction_left = 0.0;
   double reaction_right = 0.0;  ///< likewise
+  /// int R dt of the obstacles so far, where the method knows it without output times.
+  std::optional<double> impulse_left{}, impulse_right{};
 };
 
 /// What a contact does: closing, the node reaches the obstacle; opening, it leaves.
@@ -95,6 +97,14 @@ struct LateOpening {
   double time = 0.0;   ///< of that opening
 };
 
+/// What a method that takes the data as polynomial pieces changes the motion by, as a displacement at the end of the
+/// run if it all added up, contact changes apart.
+struct Representation {
+  double error = 0.0;     ///< of the pieces, and of putting them together
+  double rounding = 0.0;  ///< what roundings of the motion add up to likewise
+  double velocity = 0.0;  ///< that no wave exceeded
+};
+
 /// What a run did.
 struct Statistics {
   std::size_t unknowns = 0;         ///< scalars that the method advances
@@ -112,6 +122,7 @@ struct Statistics {
   LateOpening late_opening;               ///< of adaptive penalised methods
   std::optional<EnergyAccount> energy;    ///< where Observers asked for it
   std::optional<RunAccount> account;      ///< likewise
+  std::optional<Representation> representation;  ///< of `characteristics`
 };
 
 /// The complete state of a run between two of its steps. A run that begins from it continues like the original, bit for

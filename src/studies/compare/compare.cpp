@@ -77,6 +77,9 @@ MethodChoice fitting_methods(const Case& scene) {
     else if (auto reason = try_method(choice, scene, method))
       choice.skipped.push_back({method, std::move(*reason)});
   }
+  // The reference is the first: the exact solution of the bar, else of its penalised mesh.
+  std::stable_partition(choice.cases.begin(), choice.cases.end(),
+                        [](const Case& run) { return run.method == MethodName::characteristics; });
   return choice;
 }
 

@@ -92,4 +92,20 @@ Continuous closed_form(const KnownSolution& known, const Case& scene, std::span<
   return result;
 }
 
+Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, double seconds) {
+  Continuous result;
+  for (const Mesh& mesh : meshes) {
+    Case run = scene;
+    run.method = MethodName::characteristics;
+    run.elements = mesh.elements;
+    result.fields.push_back(std::move(fields_of(run, std::span(&mesh, 1), seconds).front()));
+  }
+  PrecisionReference reference;
+  reference.what = "characteristics, which solve the bar itself to rounding";
+  reference.closed_form = true;
+  reference.largest_displacement = largest(result.fields);
+  result.reference = std::move(reference);
+  return result;
+}
+
 }  // namespace viscobar::precision

@@ -91,7 +91,14 @@ References::References(const PrecisionStudy& study, const Case& scene, std::span
           return;
         }
         const auto known = study.exact ? study.exact : known_solution(scene.scene, scene.end);
-        continuous_ = known ? closed_form(*known, scene, meshes) : refine(scene, meshes, seconds);
+        Case exact = scene;
+        exact.method = MethodName::characteristics;
+        if (known)
+          continuous_ = closed_form(*known, scene, meshes);
+        else if (validate(exact).empty())
+          continuous_ = by_characteristics(scene, meshes, seconds);
+        else
+          continuous_ = refine(scene, meshes, seconds);
       },
       study.threads);
   for (std::size_t i = 0; i < jobs.size(); ++i) solved_.emplace(jobs[i].first, std::move(found[i]));

@@ -43,6 +43,7 @@ std::vector<Case> routes(const Case& scene, const System& system, const Fineness
     case System::Law::rigid:
       for (const double coarser : {1.0, 10.0}) add(MethodName::rigid, coarser);
       break;
+    case System::Law::continuous: break;
     case System::Law::impact:
       for (const double coarser : {1.0, 2.0, 4.0}) add(MethodName::fully_discrete, coarser);
       break;
@@ -67,6 +68,8 @@ SemiDiscrete limit_of_steps(const std::vector<Case>& runs, std::span<const Mesh>
 }  // namespace
 
 System system_of(const Case& run) {
+  if (run.method == MethodName::characteristics)
+    return {run.elements, effective_mass(run), System::Law::continuous, 0.0};
   const BarSystem system = make_system(run);
   System::Law law = System::Law::penalised;
   if (!system.contacts().empty() && !is_penalised(run.method))
@@ -77,6 +80,10 @@ System system_of(const Case& run) {
 
 SemiDiscrete solve_in_time(const Case& scene, const System& system, const Fineness& fineness, double seconds) {
   SemiDiscrete result;
+  if (system.law == System::Law::continuous) {
+    result.problem = "the method has no mesh";
+    return result;
+  }
   std::string problems;
   Mesh mesh = scene.mesh();
   mesh.elements = system.elements;

@@ -16,7 +16,8 @@ struct System {
   enum class Law {
     penalised,  ///< at `epsilon`; 0 where there is nothing to penalise
     rigid,      ///< epsilon = 0 on massless contact nodes
-    impact      ///< the constraint of the schemes on nodes with mass
+    impact,     ///< the constraint of the schemes on nodes with mass
+    continuous  ///< none: the bar itself
   };
   std::size_t elements = 0;
   Mass mass = Mass::consistent;
@@ -53,5 +54,7 @@ struct Continuous {
 /// obstacle, the scheme, whose step is refined with the mesh.
 Continuous refine(const Case& scene, std::span<const Mesh> meshes, double seconds);
 Continuous closed_form(const KnownSolution& known, const Case& scene, std::span<const Mesh> meshes);
+/// By characteristics, of a scene that they fit. @throws what the run does
+Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, double seconds);
 
 }  // namespace viscobar::precision

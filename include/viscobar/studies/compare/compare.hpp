@@ -24,7 +24,8 @@ struct MethodChoice {
   std::vector<MethodName> default_step;  ///< schemes that took scheme_step(), the scene having none
 };
 
-/// Every method that fits the scene, exponential first on a mesh of at most 100 elements and left out on a finer one.
+/// Every method that fits the scene, characteristics first, else exponential, which is left out on a mesh of more than
+/// 100 elements.
 MethodChoice fitting_methods(const Case& scene);
 
 /// These methods in this order. @throws std::invalid_argument when one does not fit the scene, or comes twice

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "viscobar/discretisation/mesh.hpp"
+#include "viscobar/run/run.hpp"
+#include "viscobar/scene/scene.hpp"
+
+namespace viscobar {
+
+/// The exact solution of an undamped bar, without mesh, penalty or time step. With c = sqrt(E / rho) the waves
+///
+///     v - c u_x = v - s / (rho c)  to the right,     v + c u_x = v + s / (rho c)  to the left
+///
+/// are carried at the speed c and changed by the load alone, and an end sends back what arrives: unchanged from a free
+/// end or an open contact, with its sign turned from a fixed end or a closed contact, whose reaction is -rho c times
+/// what arrives. The waves are kept as polynomial pieces that represent the data to rounding (docs/characteristics.md).
+struct Characteristics {
+  /// Passages L / c of a wave through the bar that a run may take.
+  static constexpr double most_passages = 1e9;
+};
+
+/// Why the method does not fit the scene, in words that name what would; absent where it does.
+std::optional<std::string> misfit(const Scene& scene, const Characteristics& method);
+
+/// Follows the waves from the scene's own data, or a checkpoint, at times.front() to times.back(), telling the
+/// observers. Snapshots are of the nodes of `mesh`, which has no other part in it; `times` are as of the other methods.
+/// Of the statistics, `steps` are the stretches between output times and ends of passages, `unknowns` the most
+/// coefficients that the waves had at a time.
+/// @throws IntegrationError, with what was reached
+/// @throws std::invalid_argument when the method does not fit the scene, or data are no data of a bar
+Statistics integrate(const Scene& scene, const Mesh& mesh, const std::optional<Checkpoint>& from,
+                     std::span<const double> times, const Characteristics& method, const Observers& observers);
+
+}  // namespace viscobar

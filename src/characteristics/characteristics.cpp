@@ -1,0 +1,486 @@
+#include "viscobar/characteristics/characteristics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "characteristics/end.hpp"
+#include "characteristics/field.hpp"
+#include "characteristics/initial_waves.hpp"
+#include "characteristics/load_gain.hpp"
+#include "run/parts.hpp"
+#include "run/stopwatch.hpp"
+#include "viscobar/dynamics/bar_system.hpp"
+
+namespace viscobar {
+
+namespace {
+
+using namespace characteristics;
+
+constexpr double rounding = std::numeric_limits<double>::epsilon();
+constexpr std::size_t most_pieces = 50'000;  // of one wave
+constexpr double least_passage = 1e-12;      // of the last passage, in passages
+
+double gap_of(const EndCondition& end) {
+  const auto* obstacle = std::get_if<Obstacle>(&end);
+  return obstacle ? obstacle->gap : 0.0;
+}
+
+End end_of(const EndCondition& end, double displacement, double passage) {
+  if (is_fixed(end)) return {End::Kind::fixed, displacement, passage};
+  if (!is_obstacle(end)) return {End::Kind::free, displacement, passage};
+  // Data that touch up to their rounding touch.
+  const double clearance = displacement + gap_of(end);
+  const double touch = 4.0 * rounding * (std::abs(displacement) + gap_of(end));
+  return {End::Kind::obstacle, clearance <= touch ? 0.0 : clearance, passage};
+}
+
+// Integral of f of a place over [0, 1], polynomial of degree 2 * 36 - 1 between the breaks.
+template <class Function>
+double integral(std::vector<double>& breaks, Function&& f) {
+  breaks.push_back(0.0);
+  breaks.push_back(1.0);
+  std::ranges::sort(breaks);
+  double sum = 0.0;
+  for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
+    const double half = 0.5 * (breaks[k + 1] - breaks[k]), middle = 0.5 * (breaks[k + 1] + breaks[k]);
+    if (!(half > 0.0)) continue;
+    for (const auto [node, weight] : gauss_legendre(36)) sum += half * weight * f(middle + half * node);
+  }
+  return sum;
+}
+
+void add_breaks(const Piecewise& f, std::vector<double>& breaks) {
+  for (std::size_t i = 0; i + 1 < f.size(); ++i) breaks.push_back(f[i].end);
+}
+
+// Goes from passage to passage. In one, all that arrives at an end was sent by the other end in the passage before, so
+// each end answers for itself; output and events are told from what both have sent.
+class Run {
+ public:
+  Run(const Scene& scene, const Mesh& mesh, const std::optional<Checkpoint>& from, std::span<const double> times,
+      const Observers& observers)
+      : scene_(scene),
+        mesh_(mesh),
+        times_(times),
+        observers_(observers),
+        passage_(scene.bar.length / std::sqrt(scene.bar.modulus / scene.bar.density)),
+        impedance_(std::sqrt(scene.bar.modulus * scene.bar.density)),
+        before_(from ? from->statistics : Statistics{}),
+        statistics_(before_),
+        t_(from ? from->time : times.front()),
+        schedule_(observers, times, t_),
+        data_(initial_data(scene_)),
+        left_(end_of(scene.left, data_.displacement.polynomial(0)(data_.displacement[0].z(0.0)), passage_)),
+        right_(end_of(scene.right, last_value(data_.displacement), passage_)) {
+    if (scene.load) load_ = LoadGain::of(*scene_.load, scene.bar, passage_, times.front());
+    if (observers_.snapshot) u_.resize(mesh.nodes()), v_.resize(mesh.nodes());
+    const double until = (times.back() - times.front()) / passage_;
+    last_passage_ = static_cast<std::size_t>(std::max(0.0, std::ceil(until) - 1.0));
+    if (last_passage_ > 0 && until - static_cast<double>(last_passage_) < least_passage) --last_passage_;
+  }
+
+  PartEnd operator()(const std::optional<Checkpoint>& from) {
+    try {
+      if (from)
+        go_on(*from);
+      else
+        begin();
+      for (;; ++k_) {
+        enter();
+        if (auto checkpoint = tell_passage()) return std::move(*checkpoint);
+        if (k_ == last_passage_) break;
+        leave();
+      }
+    } catch (const LoadError& error) {
+      fail(error.what());
+    }
+    finish();
+    return reached();
+  }
+
+  /// What a checkpoint holds: the state at the beginning of its passage, and how much of the passage has been told.
+  static void members(auto& run, auto&& each) {
+    each(run.k_, run.sent_left_before_, run.sent_right_before_, run.left_begin_, run.right_begin_, run.work_begin_,
+         run.error_begin_, run.gain_errors_begin_, run.velocity_scale_begin_, run.place_scale_begin_,
+         run.simplified_left_, run.simplified_right_, run.initial_moment_, run.told_, run.largest_);
+  }
+
+ private:
+  static double last_value(const Piecewise& f) {
+    const std::size_t last = f.size() - 1;
+    return f.polynomial(last)(f[last].z(1.0));
+  }
+
+  double time_at(double s) const { return times_.front() + passage_ * (static_cast<double>(k_) + s); }
+  // Of a time in the present passage.
+  double part_at(double t) const { return std::fma(-static_cast<double>(k_), passage_, t - times_.front()) / passage_; }
+  bool last() const { return k_ == last_passage_; }
+
+  Statistics reached() {
+    statistics_.reached_time = t_;
+    statistics_.load_evaluations = load_ ? before_.load_evaluations + load_->evaluations() : 0;
+    statistics_.event_evaluations = left_.searched() + right_.searched();
+    statistics_.unknowns = largest_;
+    statistics_.integration_seconds = before_.integration_seconds + watch_.seconds();
+    if (statistics_.account) {
+      account(statistics_.account->left, left_, scene_.left);
+      account(statistics_.account->right, right_, scene_.right);
+    }
+    const double duration = t_ - times_.front();
+    const double passages = static_cast<double>(k_) + 1.0;
+    const double velocity_error =
+        data_.velocity_error + error_ + (load_ ? load_->errors().arrivals + load_->errors().looked_at : 0.0);
+    statistics_.representation = {data_.displacement_error + duration * velocity_error,
+                                  rounding * passages * (place_scale_ + duration * velocity_scale_), velocity_scale_};
+    return statistics_;
+  }
+
+  // Of R = impedance * (what arrives), over the passages so far.
+  void account(EndAccount& account, const End& end, const EndCondition& condition) const {
+    const Borne& borne = end.borne();
+    account.displacement = end.place() - gap_of(condition);
+    account.lowest = borne.lowest - gap_of(condition);
+    account.highest = borne.highest - gap_of(condition);
+    account.impulse = impedance_ * passage_ * borne.impulse;
+    account.peak_reaction = impedance_ * borne.max_reaction;
+  }
+
+  [[noreturn]] void fail(const std::string& what) {
+    throw IntegrationError(fmt::format("characteristics stopped at t = {}: {}", t_, what), reached());
+  }
+
+  void begin() {
+    // The waves on their way at the start, as if the ends had sent them in the passage before.
+    Piecewise rightward, leftward;
+    combine(data_.velocity, 1.0, data_.strain_velocity, -1.0, rightward);
+    combine(data_.velocity, 1.0, data_.strain_velocity, 1.0, leftward);
+    if (load_ && load_->steady()) {
+      Piecewise without;
+      combine(rightward, 1.0, load_->rightward(), -1.0, without);
+      rightward = without;
+      combine(leftward, 1.0, load_->leftward(), -1.0, without);
+      leftward = without;
+    }
+    sent_left_before_ = mirrored(rightward);
+    sent_right_before_ = leftward;
+    place_scale_ = data_.displacement.bound();
+    velocity_scale_ = std::max(data_.velocity.bound(), data_.strain_velocity.bound());
+    if (observers_.account) statistics_.account.emplace();
+    if (observers_.energy) {
+      std::vector<double> breaks;
+      add_breaks(rightward, breaks);
+      add_breaks(leftward, breaks);
+      add_breaks(data_.velocity, breaks);
+      add_breaks(data_.strain_velocity, breaks);
+      Cursor v(data_.velocity), e(data_.strain_velocity);
+      statistics_.energy.emplace().initial =
+          0.5 * scene_.bar.density * scene_.bar.length * integral(breaks, [&](double place) {
+            const double of_velocity = v.value(place), of_strain = e.value(place);
+            return of_velocity * of_velocity + of_strain * of_strain;
+          });
+      if (load_ && load_->steady())
+        initial_moment_ =
+            moment([&] { return [u = Cursor(data_.displacement)](double place) mutable { return u.value(place); }; });
+    }
+  }
+
+  // int f u dx of a steady load: f = (rho c) d(gain)/dx, so by parts no derivative is needed but that of the load's own
+  // pieces.
+  template <class Make>
+  double moment(Make&& make) {
+    const Piecewise& gain = load_->rightward();
+    auto displacement = make();
+    std::vector<double> breaks = moment_breaks_;
+    add_breaks(gain, breaks);
+    add_breaks(data_.displacement, breaks);
+    std::size_t i = 0;
+    double sum = 0.0;
+    sum = integral(breaks, [&](double place) {
+      while (i + 1 < gain.size() && gain[i].end <= place) ++i;
+      while (i > 0 && gain[i].begin > place) --i;
+      return gain.polynomial(i).derivative()(gain[i].z(place)) / gain[i].half * displacement(place);
+    });
+    return impedance_ * sum;
+  }
+
+  void go_on(const Checkpoint& checkpoint) {
+    restore(*this, checkpoint, times_, observers_);
+    if (load_ && k_ > 0 && !load_->steady()) load_->enter(k_ - 1);
+    if (load_) load_->restore(gain_errors_begin_);
+    left_ = left_begin_;
+    right_ = right_begin_;
+    work_ = work_begin_;
+    error_ = error_begin_;
+    velocity_scale_ = velocity_scale_begin_;
+    place_scale_ = place_scale_begin_;
+    next_output_ = checkpoint.outputs;
+    skip_ = told_;
+  }
+
+  // What both ends send in passage k.
+  void enter() {
+    left_begin_ = left_;
+    right_begin_ = right_;
+    work_begin_ = work_;
+    error_begin_ = error_;
+    if (load_) gain_errors_begin_ = load_->errors();
+    velocity_scale_begin_ = velocity_scale_;
+    place_scale_begin_ = place_scale_;
+    const double until = last() ? std::clamp(part_at(times_.back()), least_passage, 1.0) : 1.0;
+    if (load_) load_->enter(k_);
+    answer(left_, sent_right_before_, load_ ? &load_->arriving_left() : nullptr, until, sent_left_);
+    answer(right_, sent_left_before_, load_ ? &load_->arriving_right() : nullptr, until, sent_right_);
+    error_ += sent_left_.left_out() + sent_right_.left_out();
+    largest_ = std::max(largest_, sent_left_.coefficients() + sent_right_.coefficients());
+    merge_turns();
+  }
+
+  void answer(End& end, const Piecewise& sent, const Piecewise* gain, double until, Piecewise& answer) {
+    const Piecewise* arriving = &sent;
+    if (gain) {
+      combine(sent, 1.0, *gain, 1.0, arriving_);
+      arriving = &arriving_;
+      if (observers_.energy && !load_->steady()) add_work(sent, *gain, until);
+    }
+    if (gain || k_ == 0) velocity_scale_ = std::max(velocity_scale_, arriving->bound());
+    place_scale_ = std::max(place_scale_, std::abs(end.place()));
+    end.answer(*arriving, until, {place_scale_ + passage_ * velocity_scale_, velocity_scale_}, answer);
+  }
+
+  // (w + g)^2 - w^2 of what has arrived.
+  void add_work(const Piecewise& sent, const Piecewise& gain, double until) {
+    double sum = 0.0;
+    for_common_pieces(sent, gain, until, [&](double from, double to, std::size_t i, std::size_t j) {
+      const Chebyshev w = sent.polynomial(i), g = gain.polynomial(j);
+      const double half = 0.5 * (to - from), middle = 0.5 * (to + from);
+      for (const auto [node, weight] : gauss_legendre(Chebyshev::most_terms)) {
+        const double s = middle + half * node, gained = g(gain[j].z(s));
+        sum += half * weight * gained * (2.0 * w(sent[i].z(s)) + gained);
+      }
+    });
+    work_ += 0.25 * scene_.bar.density * scene_.bar.length * sum;
+  }
+
+  struct Told {
+    double s;
+    Where where;
+    Change change;
+    double velocity;
+  };
+
+  void merge_turns() {
+    events_.clear();
+    for (const Turn& turn : left_.turns()) events_.push_back({turn.s, Where::left, turn.change, turn.velocity});
+    for (const Turn& turn : right_.turns()) events_.push_back({turn.s, Where::right, turn.change, turn.velocity});
+    std::ranges::stable_sort(events_, {}, &Told::s);
+    told_ = 0;
+  }
+
+  // Outputs, events and checkpoints of the present passage.
+  std::optional<Checkpoint> tell_passage() {
+    told_ = std::exchange(skip_, 0);
+    const double end = last() ? times_.back() : std::min(time_at(1.0), times_.back());
+    if (k_ == 0 && next_output_ == 0) tell_events(times_.front());
+    for (;;) {
+      const bool output = next_output_ < times_.size() && times_[next_output_] <= end;
+      double stop = output ? times_[next_output_] : end;
+      if (const auto due = schedule_.next(); due && *due > t_ && *due < stop) stop = *due;
+      const bool at_output = output && stop == times_[next_output_];
+      tell_events_before(stop);
+      if (at_output) tell_output();
+      const bool advanced = stop > t_;
+      t_ = stop;
+      if (stop == end && !output) tell_events(std::numeric_limits<double>::infinity());
+      if (advanced) {
+        ++statistics_.steps;
+        if (observers_.progress) watch_.outside([&] { observers_.progress(t_); });
+        if (t_ < times_.back() && schedule_.due(t_)) return Checkpoint{t_, next_output_, reached(), archived(*this)};
+      }
+      if (!at_output && stop == end) return std::nullopt;
+    }
+  }
+
+  // An output tells the side before an event.
+  void tell_events_before(double t) {
+    while (told_ < events_.size() && time_of(events_[told_]) < t) tell(events_[told_++]);
+  }
+  void tell_events(double t) {
+    while (told_ < events_.size() && time_of(events_[told_]) <= t) tell(events_[told_++]);
+  }
+  double time_of(const Told& event) const { return std::clamp(time_at(event.s), t_, times_.back()); }
+
+  void tell(const Told& event) {
+    ++statistics_.events;
+    if (!observers_.event && !statistics_.account) return;
+    const bool left = event.where == Where::left;
+    Event told{time_of(event), event.where, left ? 0 : mesh_.elements, event.change, event.velocity};
+    if (statistics_.account) {
+      Cursor sent(left ? sent_left_ : sent_right_);
+      told.impulse = impedance_ * passage_ * (left ? left_ : right_).impulse_at(event.s, sent);
+      statistics_.account->count(told);
+    }
+    if (observers_.event) watch_.outside([&] { observers_.event(told); });
+  }
+
+  Field field(double s) {
+    Cursor left(sent_left_), right(sent_right_);
+    if (load_) load_->look(s);
+    return Field({sent_left_, sent_left_before_, sent_right_, sent_right_before_, load_ ? &load_->rightward() : nullptr,
+                  load_ ? &load_->leftward() : nullptr},
+                 s, left_.place_at(s, left) - gap_of(scene_.left), right_.place_at(s, right) - gap_of(scene_.right),
+                 passage_);
+  }
+
+  void tell_output() {
+    const double t = times_[next_output_++];
+    if (!observers_.snapshot) return;
+    const double s = std::clamp(part_at(t), 0.0, sent_left_.end());
+    Field now = field(s);
+    for (std::size_t j = 0; j < u_.size(); ++j) {
+      const double place = mesh_.node(j) / mesh_.length;
+      u_[j] = now.displacement(place);
+      v_[j] = now.velocity(place);
+    }
+    Cursor left(sent_left_), right(sent_right_);
+    u_.front() = left_.place_at(s, left) - gap_of(scene_.left);
+    u_.back() = right_.place_at(s, right) - gap_of(scene_.right);
+    v_.front() = left_.velocity_at(s, left);
+    v_.back() = right_.velocity_at(s, right);
+    for (const double u : {u_.front(), u_.back()}) place_scale_ = std::max(place_scale_, std::abs(u));
+    const Snapshot snapshot{t, u_, v_, impedance_ * left_.force_at(s, left), impedance_ * right_.force_at(s, right)};
+    watch_.outside([&] { observers_.snapshot(snapshot); });
+  }
+
+  void leave() {
+    constexpr double of_time = 1e-8;  // what lasts longer is no rounding of a time
+    const double tolerance = 8.0 * rounding * velocity_scale_, negligible = 64.0 * rounding * velocity_scale_;
+    for (auto [sent, count] :
+         {std::pair{&sent_left_, &simplified_left_}, std::pair{&sent_right_, &simplified_right_}}) {
+      if (sent->size() <= 2 * *count + 8) continue;
+      error_ += simplify(*sent, tolerance, negligible, of_time, arriving_) + sent->left_out();
+      *count = sent->size();
+      if (*count > most_pieces)
+        fail(fmt::format(
+            "{} contact changes have broken the waves into more than {} pieces, and each passage breaks them "
+            "further: there is no end of the detail that the exact motion has; choose an earlier time.end, "
+            "a positive bar.viscosity with another method.name, or rigid",
+            statistics_.events, most_pieces));
+    }
+    std::swap(sent_left_, sent_left_before_);
+    std::swap(sent_right_, sent_right_before_);
+  }
+
+  void finish() {
+    t_ = times_.back();
+    statistics_.completed = true;
+    if (!statistics_.energy) return;
+    const double s = sent_left_.end();
+    Field now = field(s);
+    std::vector<double> breaks{s, 1.0 - s};
+    for (std::size_t i = 0; i < sent_left_.size(); ++i) breaks.push_back(s - sent_left_[i].begin);
+    for (std::size_t i = 0; i < sent_right_.size(); ++i) breaks.push_back(1.0 - (s - sent_right_[i].begin));
+    for (std::size_t i = 0; i < sent_left_before_.size(); ++i) breaks.push_back(1.0 + s - sent_left_before_[i].begin);
+    for (std::size_t i = 0; i < sent_right_before_.size(); ++i) breaks.push_back(sent_right_before_[i].begin - s);
+    if (load_) {
+      add_breaks(load_->rightward(), breaks);
+      add_breaks(load_->leftward(), breaks);
+    }
+    std::erase_if(breaks, [](double place) { return !(place > 0.0 && place < 1.0); });
+    moment_breaks_ = breaks;
+    const double share = 0.25 * scene_.bar.density * scene_.bar.length;
+    EnergyAccount& energy = *statistics_.energy;
+    energy.final = share * integral(breaks, [&](double place) {
+                     const double a = now.rightward(place), b = now.leftward(place);
+                     return a * a + b * b;
+                   });
+    if (!load_) return;
+    if (load_->steady()) {
+      energy.work = moment([&] { return [&](double place) { return now.displacement(place); }; }) - initial_moment_;
+      return;
+    }
+    Cursor right_gain(load_->rightward()), left_gain(load_->leftward());
+    energy.work = work_ + share * integral(moment_breaks_, [&](double place) {
+                            const double g = right_gain.value(place), h = left_gain.value(place);
+                            return g * (2.0 * now.rightward(place) - g) + h * (2.0 * now.leftward(place) - h);
+                          });
+  }
+
+  const Scene scene_;  // formulas are called by one run at a time
+  const Mesh mesh_;
+  std::span<const double> times_;
+  const Observers& observers_;
+  Stopwatch watch_;
+  double passage_, impedance_;  // L / c, rho c
+  Statistics before_, statistics_;
+  double t_;
+  CheckpointSchedule schedule_;
+  InitialData data_;
+  std::unique_ptr<LoadGain> load_;  // absent without a load
+
+  std::size_t k_ = 0, last_passage_ = 0;
+  End left_, right_;
+  Piecewise sent_left_, sent_left_before_, sent_right_, sent_right_before_, arriving_;
+  std::size_t simplified_left_ = 0, simplified_right_ = 0;  // pieces after the last time
+  double velocity_scale_ = 0.0, place_scale_ = 0.0;
+  double work_ = 0.0, error_ = 0.0;  // of a varying load; what was simplified
+  double initial_moment_ = 0.0;      // int f u dx
+  std::size_t largest_ = 0;
+  // At the beginning of the passage.
+  End left_begin_ = left_, right_begin_ = right_;
+  double velocity_scale_begin_ = 0.0, place_scale_begin_ = 0.0, work_begin_ = 0.0, error_begin_ = 0.0;
+  LoadGain::Errors gain_errors_begin_;
+
+  std::vector<Told> events_;
+  std::size_t told_ = 0, skip_ = 0, next_output_ = 0;
+  std::vector<double> u_, v_, moment_breaks_;
+};
+
+void check(const Scene& scene, std::span<const double> times, const Characteristics& method) {
+  if (times.size() < 2 || !std::is_sorted(times.begin(), times.end(), std::less_equal<>()) ||
+      !std::isfinite(times.front()) || !std::isfinite(times.back()))
+    throw std::invalid_argument("two output times at least, finite and strictly increasing, are needed");
+  if (const auto problem = misfit(scene, method)) throw std::invalid_argument(*problem);
+  const double passages =
+      (times.back() - times.front()) * std::sqrt(scene.bar.modulus / scene.bar.density) / scene.bar.length;
+  if (!(passages <= Characteristics::most_passages))
+    throw std::invalid_argument(fmt::format(
+        "characteristics follows a wave from passage to passage through the bar, here {:.2g} of them, at most {:.0g}; "
+        "choose an earlier time.end",
+        passages, Characteristics::most_passages));
+}
+
+}  // namespace
+
+std::optional<std::string> misfit(const Scene& scene, const Characteristics&) {
+  if (scene.bar.viscosity > 0.0)
+    return fmt::format(
+        "characteristics carries waves unchanged, and bar.viscosity = {} changes them; use rigid, or one of the "
+        "penalised methods",
+        scene.bar.viscosity);
+  if (scene.span)
+    return "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; use "
+           "fully_discrete, or one of the penalised methods";
+  return std::nullopt;
+}
+
+Statistics integrate(const Scene& scene, const Mesh& mesh, const std::optional<Checkpoint>& from,
+                     std::span<const double> times, const Characteristics& method, const Observers& observers) {
+  check(scene, times, method);
+  const StartingPoint start = from ? StartingPoint(*from) : StartingPoint(State{});
+  return run_in_parts(start, observers, [&](const StartingPoint& part) {
+    const auto* checkpoint = std::get_if<Checkpoint>(&part);
+    const auto begin = checkpoint ? std::optional(*checkpoint) : std::nullopt;
+    return Run(scene, mesh, begin, times, observers)(begin);
+  });
+}
+
+}  // namespace viscobar

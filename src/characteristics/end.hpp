@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "characteristics/piecewise.hpp"
+#include "viscobar/run/run.hpp"
+
+namespace viscobar::characteristics {
+
+/// What a contact change is in a passage: s is its part of it.
+struct Turn {
+  double s;
+  Change change;
+  double velocity;  ///< of the end beside it: before a closing, after an opening
+};
+
+/// What an end has borne, in the units of a passage: multiply impulses by rho c L / c and reactions by rho c. Its
+/// places are those of End::place().
+struct Borne {
+  double impulse = 0.0, max_reaction = 0.0;
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  static void members(auto& borne, auto&& each) {
+    each(borne.impulse, borne.max_reaction, borne.lowest, borne.highest);
+  }
+};
+
+/// One end of the bar. A passage is the time that a wave takes through the bar, s = 0 ... 1; within it what arrives, w
+/// = v -+ s/(rho c), is known, and the end answers with what it sends back:
+///
+///     free       v = w, sends  w
+///     fixed      v = 0, sends -w
+///     obstacle   0 <= g  _|_  R >= 0:   open g' = w, sends w;   closed g = 0, R = -rho c w, sends -w,
+///
+/// so that the clearance g is the running integral G of w, lifted by what it has fallen below 0 so far: g = G + max(0,
+/// max -G). Two w whose integrals differ by at most d give clearances that differ by at most 2 d.
+class End {
+ public:
+  enum class Kind { free, fixed, obstacle };
+
+  /// `place` is the displacement, of an obstacle's end its clearance. `passage` is L / c.
+  End(Kind kind, double place, double passage) : kind_(kind), passage_(passage), place_(place) {}
+
+  /// How large displacements and velocities are: what is smaller by 64 roundings is nothing.
+  struct Scale {
+    double place, velocity;
+  };
+  /// What it sends while `arriving` arrives, up to s = until.
+  void answer(const Piecewise& arriving, double until, const Scale& scale, Piecewise& sent);
+
+  double place() const { return place_; }  ///< displacement or clearance, as between two passages
+  /// Within the passage answered last, of which `sent` was sent.
+  double place_at(double s, Cursor& sent) const;  ///< displacement or clearance
+  double velocity_at(double s, Cursor& sent) const;
+  double force_at(double s, Cursor& sent) const;    ///< of what holds it, / (rho c); along the bar's inward normal: R
+  double impulse_at(double s, Cursor& sent) const;  ///< from the beginning on, as of Borne
+
+  const std::vector<Turn>& turns() const { return turns_; }  ///< of that passage, in order
+  const Borne& borne() const { return borne_; }              ///< from the beginning on
+  std::size_t searched() const { return searched_; }         ///< pieces, for turns
+
+  /// As between two passages.
+  static void members(auto& end, auto&& each) { each(end.place_, end.closed_, end.borne_, end.searched_); }
+
+ private:
+  // From here on, until the next.
+  struct Mark {
+    double s, place, sent, impulse;  // sent: its integral; both so far
+    bool closed;
+  };
+  const Mark& mark_at(double s) const;
+  void meet(const Piecewise& arriving, std::size_t i, double end, const Scale& scale, Piecewise& sent);
+  void turn(double s, double velocity, const Piecewise& sent);
+  void send(const Piecewise::Piece& piece, const Chebyshev& arriving, double until, Piecewise& sent);
+  void widen(const Chebyshev& velocity, double duration, double from, double to);
+
+  Kind kind_;
+  double passage_;
+  double place_;
+  bool closed_ = false;
+  Borne borne_;
+  std::size_t searched_ = 0;
+  std::vector<Mark> marks_;
+  std::vector<Turn> turns_;
+};
+
+}  // namespace viscobar::characteristics

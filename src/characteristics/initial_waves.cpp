@@ -1,0 +1,73 @@
+#include "characteristics/initial_waves.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <exception>
+#include <stdexcept>
+
+#include "characteristics/piecewise_fit.hpp"
+
+namespace viscobar::characteristics {
+
+namespace {
+
+std::function<double(double)> checked(const SpaceFunction& f, double length, const char* key) {
+  return [&f, length, key](double place) {
+    const double x = length * place;
+    double value = 0.0;
+    try {
+      value = f(x);
+    } catch (const std::exception& error) {
+      throw std::invalid_argument(fmt::format("{} cannot be evaluated at x = {}: {}", key, x, error.what()));
+    }
+    if (!std::isfinite(value))
+      throw std::invalid_argument(
+          fmt::format("{} is {} at x = {}", key, std::isnan(value) ? "not a number" : "infinite", x));
+    return value;
+  };
+}
+
+// A jump is an infinite strain. Roots of zero change that much within a rounding of the place. Returns what jumps, all
+// together.
+double refuse_jumps(const Piecewise& u, double length) {
+  constexpr double visible = 1e-6;
+  double sum = 0.0;
+  const double scale = u.bound();
+  for (std::size_t i = 0; i + 1 < u.size(); ++i) {
+    const double at = u[i].end;
+    const double before = u.polynomial(i)(u[i].z(at)), after = u.polynomial(i + 1)(u[i + 1].z(at));
+    // Pieces as short as roundings of the place are a jump that has been halved to its end.
+    const double within = u[i].end - u[i].begin < 1e-12 ? u.polynomial(i).upper() - u.polynomial(i).lower() : 0.0;
+    sum += std::abs(after - before);
+    if (std::abs(after - before) > visible * scale || within > visible * scale)
+      throw std::invalid_argument(
+          fmt::format("initial.displacement jumps from {:.6g} to {:.6g} at x = {:.6g}: the strain is infinite there; "
+                      "characteristics "
+                      "needs a continuous displacement",
+                      before, after, length * at));
+  }
+  return sum;
+}
+
+}  // namespace
+
+InitialData initial_data(const Scene& scene) {
+  const Bar& bar = scene.bar;
+  InitialData data;
+  PiecewiseFit fit;
+  data.displacement = fit.of(checked(scene.displacement, bar.length, "initial.displacement"));
+  data.displacement_error = fit.error() + refuse_jumps(data.displacement, bar.length);
+  data.velocity = fit.of(checked(scene.velocity, bar.length, "initial.velocity"));
+  data.velocity_error = fit.error();
+  const double factor = std::sqrt(bar.modulus / bar.density) / bar.length;
+  for (std::size_t i = 0; i < data.displacement.size(); ++i) {
+    const Piecewise::Piece& piece = data.displacement[i];
+    Chebyshev slope = data.displacement.polynomial(i).derivative();
+    slope *= factor / piece.half;
+    data.strain_velocity.append(piece.end, piece.middle - piece.half, piece.middle + piece.half, slope);
+  }
+  return data;
+}
+
+}  // namespace viscobar::characteristics

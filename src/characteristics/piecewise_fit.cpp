@@ -1,0 +1,156 @@
+#include "characteristics/piecewise_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace viscobar::characteristics {
+
+namespace {
+
+constexpr double rounding = std::numeric_limits<double>::epsilon();
+constexpr std::size_t guards = 61, few_guards = 5;
+constexpr double brief = 1e-9;             // of a piece that is there for a break only
+constexpr std::size_t most_pieces = 4000;  // beyond that a looser tolerance is tried
+
+}  // namespace
+
+const Piecewise& PiecewiseFit::of(const std::function<double(double)>& f, const Options& options) {
+  f_ = &f;
+  apart_ = options.apart;
+  argument_ = options.argument;
+  guards_.clear();
+  scale_ = options.size;
+  for (std::size_t k = 0; k < (options.smooth ? few_guards : guards); ++k) {
+    // Multiples of the golden section: no formula has its period.
+    const double s = std::fmod(0.5 + 0.6180339887498949 * static_cast<double>(k), 1.0);
+    guards_.push_back({s, at(s)});
+    scale_ = std::max(scale_, std::abs(guards_.back().value));
+  }
+  std::ranges::sort(guards_, {}, &Sample::s);
+  for (double tolerance = 4.0 * rounding;; tolerance *= 16.0) {
+    pieces_.clear();
+    error_ = lost_ = 0.0;
+    bool done = true;
+    double begin = 0.0;
+    for (std::size_t k = 0; k <= options.breaks.size() && done; ++k) {
+      const double end = k < options.breaks.size() ? options.breaks[k] : 1.0;
+      done = halve(begin, end, tolerance);
+      begin = end;
+    }
+    if (done) break;
+  }
+  lost_ += pieces_.left_out();
+  if (pieces_.size() > 1) {
+    lost_ += simplify(pieces_, 16.0 * rounding * scale_ + 2.0 * error_, 0.0, brief, scratch_);
+    locate_breaks();
+  }
+  return pieces_;
+}
+
+// False: it would take too many pieces.
+bool PiecewiseFit::halve(double begin, double end, double tolerance) {
+  waiting_.assign(1, {begin, end});
+  while (!waiting_.empty()) {
+    const Interval now = waiting_.back();
+    waiting_.pop_back();
+    if (!fits(now, tolerance)) {
+      const double middle = 0.5 * (now.begin + now.end);
+      waiting_.push_back({middle, now.end});
+      waiting_.push_back({now.begin, middle});
+      continue;
+    }
+    // Around a jump the largest difference says nothing: what the piece adds to an integral does.
+    if (now.end - now.begin < brief)
+      lost_ += fit_error_ * (now.end - now.begin);
+    else
+      error_ = std::max(error_, fit_error_);
+    pieces_.append(now.end, now.begin, now.end, fit_);
+    if (pieces_.size() > most_pieces && tolerance < 1e-6) return false;
+  }
+  return true;
+}
+
+bool PiecewiseFit::fits(const Interval& interval, double tolerance) {
+  const double width = interval.end - interval.begin, middle = 0.5 * (interval.begin + interval.end);
+  std::array<double, Chebyshev::fitted_terms> values;
+  for (const std::size_t terms : {std::size_t{9}, std::size_t{17}, Chebyshev::fitted_terms}) {
+    const std::span<const double> points = Chebyshev::points(terms);
+    double slope = 0.0;
+    for (std::size_t j = 0; j < terms; ++j) {
+      values[j] = at(middle + 0.5 * width * points[j]);
+      scale_ = std::max(scale_, std::abs(values[j]));
+      if (j > 0)
+        slope = std::max(slope, std::abs(values[j] - values[j - 1]) / (0.5 * width * (points[j - 1] - points[j])));
+    }
+    const double allowed = tolerance * (scale_ + argument_ * slope);
+    fit_ = Chebyshev::through({values.data(), terms});
+    if (width <= 4.0 * rounding) {
+      fit_ = Chebyshev::constant(fit_.coefficients()[0]);
+      fit_error_ = 0.0;
+      lost_ += width * slope * width;
+      return true;
+    }
+    const std::span<const double> c = fit_.coefficients();
+    if (std::abs(c[terms - 1]) + std::abs(c[terms - 2]) > allowed) continue;
+    fit_error_ = fit_.chop(0.25 * allowed);
+    const auto check = [&](double s, double value) {
+      fit_error_ = std::max(fit_error_, std::abs(fit_((s - middle) / (0.5 * width)) - value));
+    };
+    for (const double part : {0.0214, 0.3141, 0.7071, 0.9732}) {
+      const double s = interval.begin + part * width;
+      check(s, at(s));
+    }
+    // What breaks beyond the last of the points shows at the ends.
+    const double inside = std::min(apart_, 0.01 * width);
+    check(interval.begin + inside, at(interval.begin + inside));
+    check(interval.end - inside, at(interval.end - inside));
+    const auto first = std::ranges::lower_bound(guards_, interval.begin, {}, &Sample::s);
+    for (auto guard = first; guard != guards_.end() && guard->s < interval.end; ++guard) check(guard->s, guard->value);
+    if (fit_error_ <= 2.0 * allowed) return true;
+  }
+  return false;
+}
+
+// Between two pieces that are left and right of a break lie some that are as short as roundings of the place. Where the
+// function is the one or the other there, the break is where it changes.
+void PiecewiseFit::locate_breaks() {
+  scratch_.clear();
+  for (std::size_t i = 0; i < pieces_.size();) {
+    const Piecewise::Piece left = pieces_[i];
+    const Chebyshev p = pieces_.polynomial(i);
+    double end = left.end;
+    std::size_t j = i + 1;
+    while (j < pieces_.size() && pieces_[j].end - pieces_[j].begin < brief) ++j;
+    if (j > i + 1 && j < pieces_.size() && left.end - left.begin >= brief) {
+      const Piecewise::Piece& right = pieces_[j];
+      const Chebyshev q = pieces_.polynomial(j);
+      const auto off = [&](double s, bool of_left) {
+        return std::abs((of_left ? p(left.z(s)) : q(right.z(s))) - at(s));
+      };
+      double low = left.end, high = right.begin;
+      while (low < 0.5 * (low + high) && 0.5 * (low + high) < high) {
+        const double s = 0.5 * (low + high);
+        (off(s, true) <= off(s, false) ? low : high) = s;
+      }
+      double worst = 0.0;
+      for (const double part : {0.11, 0.52, 0.93}) {
+        worst = std::max(worst, off(left.end + part * (low - left.end), true));
+        worst = std::max(worst, off(high + part * (right.begin - high), false));
+      }
+      const bool both = worst <= 64.0 * rounding * scale_ + 1e-3 * std::abs(p(left.z(low)) - q(right.z(high)));
+      if (both) {
+        end = low;
+        lost_ += worst * (right.begin - left.end);
+        i = j - 1;  // the next piece begins where this one ends
+      }
+    }
+    scratch_.append(end, left.middle - left.half, left.middle + left.half, p);
+    ++i;
+  }
+  std::swap(pieces_, scratch_);
+}
+
+}  // namespace viscobar::characteristics

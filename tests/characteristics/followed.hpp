@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "viscobar/characteristics/characteristics.hpp"
+
+namespace viscobar {
+
+/// What a run by characteristics told.
+struct Followed {
+  std::vector<double> times;
+  std::vector<std::vector<double>> u, v;
+  std::vector<double> reaction_left, reaction_right;
+  std::vector<Event> events;
+  Statistics statistics;
+};
+
+inline std::vector<double> equal_times(double end, std::size_t count) {
+  std::vector<double> times;
+  for (std::size_t k = 0; k <= count; ++k) times.push_back(end * static_cast<double>(k) / static_cast<double>(count));
+  return times;
+}
+
+inline Followed followed(const Scene& scene, const std::vector<double>& times, std::size_t elements = 10,
+                         Observers observers = {}, const std::optional<Checkpoint>& from = std::nullopt) {
+  Followed run;
+  observers.energy = true;
+  observers.snapshot = [&](const Snapshot& now) {
+    run.times.push_back(now.time);
+    run.u.emplace_back(now.u.begin(), now.u.end());
+    run.v.emplace_back(now.v.begin(), now.v.end());
+    run.reaction_left.push_back(now.reaction_left);
+    run.reaction_right.push_back(now.reaction_right);
+  };
+  observers.event = [&](const Event& event) { run.events.push_back(event); };
+  run.statistics = integrate(scene, Mesh{scene.bar.length, elements}, from, times, Characteristics{}, observers);
+  return run;
+}
+
+inline double wave_speed(const Bar& bar) { return std::sqrt(bar.modulus / bar.density); }
+
+inline double largest_energy(const EnergyAccount& energy) {
+  return std::max({energy.initial, energy.final, std::abs(energy.work)});
+}
+
+}  // namespace viscobar
