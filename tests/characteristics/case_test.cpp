@@ -58,7 +58,7 @@ TEST(CharacteristicsCase, IsTheReferenceOfACrossCheckOfWhatItFits) {
 
 TEST(CharacteristicsCase, GivesContactPeriodsTheirExactImpulses) {
   Case run = example("bouncing.toml", {"time.end=5", "output.every=0.7"});
-  const CrossCheck check = cross_check(std::vector{run});
+  const Comparison check = compare(std::vector{run});
   ASSERT_EQ(check.runs[0].contacts.size(), 2u);
   for (const ContactPeriod& period : check.runs[0].contacts) EXPECT_NEAR(period.impulse, 800.0 / 3.0, 1e-10);
 }
@@ -68,7 +68,7 @@ TEST(CharacteristicsCase, IsTheReferenceOfPrecision) {
   study.scene = example("bouncing.toml", {"time.end=2", "mesh.elements=10", "output.every=0.5"});
   study.methods = {MethodName::characteristics, MethodName::rigid};
   study.tolerances = {1e-4};
-  const PrecisionResult result = work_precision(study);
+  const PrecisionResult result = precision_of(study);
   ASSERT_TRUE(result.reference);
   EXPECT_TRUE(result.reference->closed_form);
   EXPECT_NE(result.reference->what.find("characteristics"), std::string::npos);

@@ -46,7 +46,7 @@ TEST(KnownBar, BouncesForTenPeriodsAsInClosedForm) {
     }
   }
   EXPECT_NEAR(run.statistics.account->left.impulse, 20.0 * 800.0 / 3.0, 1e-9);
-  EXPECT_NEAR(run.statistics.left->max_reaction, 500.0, 1e-10);
+  EXPECT_NEAR(run.statistics.account->left.peak_reaction, 500.0, 1e-10);
 }
 
 TEST(KnownBar, VibratesInANonsmoothMode) {
@@ -97,7 +97,7 @@ TEST(KnownBar, OfSteelHitsForTwoPassages) {
     EXPECT_NEAR(run.events[1].time - run.events[0].time, contact, 1e-12 * contact);
     EXPECT_NEAR(run.statistics.account->left.impulse, 2.0 * bar.density * bar.length * speed,
                 1e-9 * bar.density * bar.length * speed);
-    EXPECT_NEAR(run.statistics.left->max_reaction, bar.density * c * speed, 1e-12 * bar.density * c * speed);
+    EXPECT_NEAR(run.statistics.account->left.peak_reaction, bar.density * c * speed, 1e-12 * bar.density * c * speed);
     for (const double v : run.v.back()) EXPECT_NEAR(v, speed, 1e-12 * speed);
     EXPECT_NEAR(run.events[0].velocity, -speed, 1e-12 * speed);
     EXPECT_NEAR(run.events[1].velocity, speed, 1e-12 * speed);

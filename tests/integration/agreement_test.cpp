@@ -84,7 +84,7 @@ bool is_missable(const std::vector<Event>& events, std::size_t k, double error) 
 // Each contact's changes are those of the reference, but for missable pairs in either. A crossing is as late as the
 // displacement is wrong: |v| dt <= C tol U; at a graze, v = 0, dt <= sqrt(C tol U / a).
 void expect_same_events(const Recording& reference, const Recording& run, double tolerance, const std::string& what,
-                        double multiple) {
+                        double multiple = constant) {
   const double error = multiple * tolerance * largest(reference.u);
   const double graze = std::sqrt(tolerance) * largest(reference.v);
   const auto is_same = [&](const Event& one, const Event& other) {
