@@ -8,8 +8,8 @@
 #include "report/plot/colour_map.hpp"
 #include "report/plot/figure.hpp"
 #include "report/plot/png.hpp"
-#include "report/run/thinned_field.hpp"
 #include "report/plot/thinning.hpp"
+#include "report/run/thinned_field.hpp"
 #include "text/number.hpp"
 
 namespace viscobar::plot {

@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
+#include "report/plot/thinning.hpp"
 #include "report/run/thinned_events.hpp"
 #include "report/run/thinned_field.hpp"
-#include "report/plot/thinning.hpp"
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {
