@@ -48,7 +48,7 @@ std::string table(const Case& run, const Outcome& outcome, const fs::path& direc
       const auto contact = [&](const char* where, const EndCondition& kind, const EndAccount& end) {
         if (is_obstacle(kind))
           text += row(where, fmt::format("{} closings, in contact for {:.6g}, impulse {:.6g}, peak reaction {:.6g}",
-                                         end.closings, end.time_in_contact(outcome.reached_time), end.impulse,
+                                         end.closings, end.contact.total(outcome.reached_time), end.impulse,
                                          end.peak_reaction));
       };
       contact("left obstacle", run.scene.left, account->left);

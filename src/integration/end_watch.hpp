@@ -15,8 +15,9 @@
 
 namespace viscobar {
 
-/// Keeps the account of the ends (see RunAccount) over the steps of a stepwise run, on the polynomials that each step is
-/// interpolated by: range of u and peak of R are theirs. The impulse of a closed contact follows from its node's row,
+/// Keeps the account of the ends (see RunAccount) over the steps of a stepwise run, on the polynomials that each step
+/// is interpolated by: range of u and peak of R are theirs. The impulse of a closed contact follows from its node's
+/// row,
 ///
 ///     int R dt = [rho M v + eta K u] + int (E K u - M f) dt,
 ///
@@ -236,8 +237,8 @@ class EndWatch {
       else if (system_.holds(i))
         sum -= (1.0 - system_.penetration_share(i)) * pull(end, t, y[1], y[3], i);
       else
-        sum -= system_.law(i).stiffness * (y[0] + (end.origin + system_.contact(i).gap)) +
-               system_.law(i).damping * y[2];
+        sum -=
+            system_.law(i).stiffness * (y[0] + (end.origin + system_.contact(i).gap)) + system_.law(i).damping * y[2];
     }
     return sum;
   }

@@ -48,7 +48,8 @@ class SeriesSampler {
       const bool rate = entries_[k] >= n;
       const auto row = series_.row(static_cast<Index>(rate ? entries_[k] - n : entries_[k]));
       double sum = 0.0;
-      for (Index j = row.size(); j-- > (rate ? 1 : 0);) sum = sum * sigma + (rate ? static_cast<double>(j) : 1.0) * row[j];
+      for (Index j = row.size(); j-- > (rate ? 1 : 0);)
+        sum = sum * sigma + (rate ? static_cast<double>(j) : 1.0) * row[j];
       sampled_[k] = rate ? sum / tau_ : sum;
     }
     return sampled_;
@@ -72,8 +73,8 @@ class PartsSampler {
     const Series& at = motion_[next_++];
     const auto n = static_cast<std::size_t>(at.rows());
     for (std::size_t k = 0; k < entries_.size(); ++k)
-      sampled_[k] = entries_[k] < n ? at(static_cast<Index>(entries_[k]), 0)
-                                    : at(static_cast<Index>(entries_[k] - n), 1) / tau_;
+      sampled_[k] =
+          entries_[k] < n ? at(static_cast<Index>(entries_[k]), 0) : at(static_cast<Index>(entries_[k] - n), 1) / tau_;
     return sampled_;
   }
 

@@ -12,14 +12,15 @@ namespace {
 
 Json to_json(const EndAccount& end, double reached) {
   return {{"closings", end.closings},
-          {"time_in_contact", end.time_in_contact(reached)},
+          {"time_in_contact", end.contact.total(reached)},
           {"impulse", end.impulse},
           {"max_reaction", end.peak_reaction}};
 }
 
 // Of the obstacles that there are.
 Json contact_json(const Scene& scene, const Outcome& outcome) {
-  const RunAccount* account = outcome.statistics && outcome.statistics->account ? &*outcome.statistics->account : nullptr;
+  const RunAccount* account =
+      outcome.statistics && outcome.statistics->account ? &*outcome.statistics->account : nullptr;
   Json contacts = Json::object();
   const auto add = [&](const char* where, bool there, auto json) {
     if (there) contacts[where] = account ? json() : Json(nullptr);
@@ -27,7 +28,9 @@ Json contact_json(const Scene& scene, const Outcome& outcome) {
   add("left", is_obstacle(scene.left), [&] { return to_json(account->left, outcome.reached_time); });
   add("right", is_obstacle(scene.right), [&] { return to_json(account->right, outcome.reached_time); });
   add("span", scene.span.has_value(), [&] {
-    return Json{{"closings", account->span_closings}, {"openings", account->span_openings}};
+    return Json{{"closings", account->span.closings},
+                {"openings", account->span.openings},
+                {"time_in_contact", account->span.contact.total(outcome.reached_time)}};
   });
   return contacts;
 }

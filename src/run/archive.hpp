@@ -38,16 +38,15 @@ void members(Like<EnergyAccount> auto& energy, auto&& each) {
   each(energy.initial, energy.final, energy.dissipated, energy.work, energy.end_inertia, energy.growth,
        energy.growth_time);
 }
+void members(Like<TimeInContact> auto& contact, auto&& each) { each(contact.until_opening, contact.closed_since); }
 void members(Like<EndAccount> auto& end, auto&& each) {
-  each(end.displacement, end.lowest, end.highest, end.closings, end.impulse, end.peak_reaction, end.time_until_opening,
-       end.closed_since);
-}
-void members(Like<RunAccount> auto& account, auto&& each) {
-  each(account.left, account.right, account.span_closings, account.span_openings);
+  each(end.displacement, end.lowest, end.highest, end.closings, end.impulse, end.peak_reaction, end.contact);
 }
 void members(Like<Representation> auto& representation, auto&& each) {
   each(representation.error, representation.rounding, representation.velocity);
 }
+void members(Like<SpanAccount> auto& span, auto&& each) { each(span.closings, span.openings, span.contact); }
+void members(Like<RunAccount> auto& account, auto&& each) { each(account.left, account.right, account.span); }
 void members(Like<Statistics> auto& statistics, auto&& each) {
   each(statistics.unknowns, statistics.steps, statistics.rhs_evaluations, statistics.linear_solves,
        statistics.matrix_factorisations, statistics.event_evaluations, statistics.load_evaluations, statistics.events,

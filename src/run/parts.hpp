@@ -73,9 +73,7 @@ void restore(Method& method, const Checkpoint& checkpoint, std::span<const doubl
   const bool within = checkpoint.time >= times.front() && checkpoint.time < times.back();
   const bool accounts = observers.energy == checkpoint.statistics.energy.has_value() &&
                         observers.account == checkpoint.statistics.account.has_value();
-  if (!accounts || !within || checkpoint.outputs == 0 ||
-      checkpoint.outputs >= times.size())
-    refuse();
+  if (!accounts || !within || checkpoint.outputs == 0 || checkpoint.outputs >= times.size()) refuse();
 }
 
 /// When the next checkpoint is due in a part of a run that begins at `now`.

@@ -5,16 +5,17 @@ namespace viscobar {
 void RunAccount::count(const Event& event) {
   const bool closing = event.change == Change::closing;
   if (event.where == Where::span) {
-    ++(closing ? span_closings : span_openings);
+    ++(closing ? span.closings : span.openings);
+    if (closing) span.contact.close(event.time);
+    if (span.closed() == 0) span.contact.open(event.time);
     return;
   }
   EndAccount& end = event.where == Where::left ? left : right;
   if (closing) {
     ++end.closings;
-    if (!end.closed_since) end.closed_since = event.time;
-  } else if (end.closed_since) {
-    end.time_until_opening += event.time - *end.closed_since;
-    end.closed_since.reset();
+    end.contact.close(event.time);
+  } else {
+    end.contact.open(event.time);
   }
 }
 

@@ -128,7 +128,7 @@ class Run {
       if (!k) return;
       end.impulse = step_->start_impulse()[*k];
       end.peak_reaction = step_->reaction_before()[*k];
-      if (end.peak_reaction > 0.0) end.closed_since = times_.front();
+      if (end.peak_reaction > 0.0) end.contact.close(times_.front());
     };
     begin(account.left, system_.left_displacement(), 0);
     begin(account.right, system_.right_displacement(), system_.size() - 1);

@@ -105,8 +105,8 @@ class TimeStep {
   std::variant<TridiagonalFactor, EndConstraint, SpanConstraint> solver_;
   LaneFields fields_;
   std::span<double> u_ = fields_[0], p_ = fields_[1], a_ = fields_[2], before_ = fields_[3];
-  std::vector<double> interface_;                                   // a^n there; under a span obstacle the force
-  bool eliminated_ = false;                                         // a_ waits for the second sweep
+  std::vector<double> interface_;  // a^n there; under a span obstacle the force
+  bool eliminated_ = false;        // a_ waits for the second sweep
   std::vector<double> lower_, bound_, reaction_, reaction_before_, start_impulse_;  // one a contact
   std::size_t solves_ = 0, load_evaluations_ = 0;
 };

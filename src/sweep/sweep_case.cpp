@@ -38,7 +38,7 @@ void tell(SweepRow& row, const EndAccount& end, bool obstacle, double reached, Q
   at(final, 2) = end.highest;
   if (!obstacle) return;
   at(closings, 0) = static_cast<double>(end.closings);
-  at(closings, 1) = end.time_in_contact(reached);
+  at(closings, 1) = end.contact.total(reached);
   at(closings, 2) = end.impulse;
   at(closings, 3) = end.peak_reaction;
 }
@@ -50,7 +50,7 @@ void tell(SweepRow& row, const Scene& scene, const Statistics& done) {
   tell(row, account.left, is_obstacle(scene.left), done.reached_time, Quantity::u_left_final, Quantity::closings_left);
   tell(row, account.right, is_obstacle(scene.right), done.reached_time, Quantity::u_right_final,
        Quantity::closings_right);
-  if (scene.span) row[Quantity::closings_span] = static_cast<double>(account.span_closings);
+  if (scene.span) row[Quantity::closings_span] = static_cast<double>(account.span.closings);
 }
 
 void simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& interrupted) {

@@ -160,6 +160,25 @@ TEST(LoadVector, IsTheSameForASteadyASeparableAndAGeneralFormOfOneLoad) {
   }
 }
 
+TEST(LoadVector, HasTheEntryOfOneNodeWithoutTheOthers) {
+  const auto profile = [](double x) { return std::sin(x) + 2.0; };
+  const auto history = [](double t) { return std::exp(-t); };
+  for (const Mass mass : all_masses)
+    for (const EndCondition& left : all_ends)
+      for (int form = 0; form < 3; ++form) {
+        Scene scene = scene_with(left, Obstacle{10.0});
+        if (form == 0) scene.load = SteadyLoad{profile};
+        if (form == 1) scene.load = SeparableLoad{profile, history};
+        if (form == 2) scene.load = GeneralLoad{[=](double x, double t) { return profile(x) * history(t); }};
+        const BarSystem system(scene, {2.0, 9}, mass);
+        LoadVector load(system);
+        const std::span<const double> all = load.at(0.7);
+        const std::size_t evaluations = load.evaluations();
+        for (std::size_t i = 0; i < system.size(); ++i) EXPECT_NEAR(load.at(0.7, i), all[i], 8 * eps) << form;
+        EXPECT_EQ(load.evaluations(), evaluations);
+      }
+}
+
 TEST(LoadVector, EvaluatesAProfileOncePerNodeAndAHistoryOncePerTime) {
   int profiles = 0, histories = 0;
   Scene scene = scene_with(Free{}, Free{});

@@ -27,7 +27,7 @@ Count counted(const Method& method, double viscosity, Mass mass = Mass::consiste
   const State start = system.initial_state();
   double seen = 0.0;
   Observers observers;
-  observers.energy = true;
+  observers.energy = observers.account = true;
   observers.progress = [&](double time) { seen += time; };
   const double times[] = {0.0, 1.0};
   const std::size_t before = allocations;

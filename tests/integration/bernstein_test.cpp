@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -23,6 +24,55 @@ TEST(Bernstein, ReproducesPolynomialsOfItsDegree) {
     // The inverse of the sampling matrix grows like 4^degree / degree at most.
     const double tolerance = 2.3e-16 * std::pow(4.0, static_cast<double>(degree));
     for (const double s : {0.0, 0.123, 0.5, 0.777, 1.0}) EXPECT_NEAR(b(s), p(s), tolerance) << degree;
+  }
+}
+
+TEST(Bernstein, FindsItsExtremesBetweenSamplesAndItsMean) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> coefficient(-1.0, 1.0);
+  for (std::size_t degree = 1; degree <= Bernstein::max_degree; ++degree) {
+    std::vector<double> c(degree + 1), samples;
+    for (double& value : c) value = coefficient(random);
+    const auto p = [&](double s) {
+      double sum = 0.0;
+      for (std::size_t k = c.size(); k-- > 0;) sum = sum * s + c[k];
+      return sum;
+    };
+    double mean = 0.0, most = p(0.0), least = most;
+    for (std::size_t k = 0; k < c.size(); ++k) mean += c[k] / static_cast<double>(k + 1);
+    for (int k = 0; k <= 100'000; ++k) most = std::max(most, p(1e-5 * k)), least = std::min(least, p(1e-5 * k));
+    for (std::size_t j = 0; j <= degree; ++j)
+      samples.push_back(p(static_cast<double>(j) / static_cast<double>(degree)));
+    const Bernstein b = Bernstein::through(samples);
+    // Rounding as above, of values up to 13; between two of the points a maximum is p'' / 8 (1e-5)^2 higher.
+    const double tolerance = 13 * 2.3e-16 * std::pow(4.0, static_cast<double>(degree)) + 13 * 144 * 1e-10;
+    EXPECT_NEAR(b.largest(-100.0), most, tolerance) << degree;
+    EXPECT_NEAR(b.smallest(100.0), least, tolerance) << degree;
+    EXPECT_EQ(b.largest(100.0), 100.0);
+    EXPECT_NEAR(Bernstein::mean(samples), mean, tolerance) << degree;
+    const auto [low, high] = std::ranges::minmax(samples);
+    EXPECT_LE(most, high + Bernstein::excess(degree) * (high - low) + tolerance);
+    EXPECT_GE(least, low - Bernstein::excess(degree) * (high - low) - tolerance);
+  }
+}
+
+// The function that takes the values 1 and -1 in turn at the samples, with signs that add up at a point, attains it.
+TEST(Bernstein, ExcessIsThatOfTheWorstSamples) {
+  for (std::size_t degree = 1; degree <= Bernstein::max_degree; ++degree) {
+    double lebesgue = 0.0;
+    for (int k = 0; k <= 20'000; ++k) {
+      const double s = static_cast<double>(degree) * k / 20'000.0;
+      double sum = 0.0;
+      for (std::size_t i = 0; i <= degree; ++i) {
+        double product = 1.0;
+        for (std::size_t j = 0; j <= degree; ++j)
+          if (j != i) product *= (s - static_cast<double>(j)) / (static_cast<double>(i) - static_cast<double>(j));
+        sum += std::abs(product);
+      }
+      lebesgue = std::max(lebesgue, sum);
+    }
+    EXPECT_GE(Bernstein::excess(degree), 0.5 * (lebesgue - 1.0) - 1e-12) << degree;
+    EXPECT_LE(Bernstein::excess(degree), 0.5 * (lebesgue - 1.0) + 0.01) << degree;
   }
 }
 

@@ -113,6 +113,18 @@ TEST(Report, ShowsWhatTheSceneHas) {
   EXPECT_TRUE(report.has("A &lt;bounce&gt; &amp; back"));
 }
 
+// The spring of epsilon = 1e-3 stops the mass of a node; a massless one on an undamped bar answers with E V / c.
+TEST(Report, SaysWhereThePeakOfAnImpactHasNoLimit) {
+  SceneFile scene = bouncing_bar();
+  const char* words = "Greatest reaction: the peak of an impact has no limit";
+  EXPECT_TRUE(page(scene).has(words));
+  scene.run.scene.bar.viscosity = 0.0;
+  scene.run.mass = Mass::redistributed;
+  scene.run.method = MethodName::ida;
+  EXPECT_FALSE(page(scene).has(words));
+  EXPECT_TRUE(page(scene).has("greatest reaction"));
+}
+
 TEST(Report, LeavesOutWhatTheSceneDoesNotHave) {
   const Html report = page(free_bar());
   EXPECT_TRUE(report.has("<h2>Ends"));
@@ -206,8 +218,7 @@ TEST(Report, ARunThatNeverBeganHasAPageWithoutPictures) {
   Outcome outcome;
   outcome.ending = Ending::failed;
   outcome.error = "no step";
-  const std::string html =
-      report_page(scene.run, system, outcome, ReportData(scene.run, system)).html();
+  const std::string html = report_page(scene.run, system, outcome, ReportData(scene.run, system)).html();
   EXPECT_NE(html.find("no step"), std::string::npos);
   EXPECT_EQ(html.find("<svg"), std::string::npos);
   EXPECT_EQ(html.find("<script"), std::string::npos);

@@ -18,8 +18,19 @@ TEST(RunAccount, AddsUpTimesFromContactChanges) {
   account.count({1.25, Where::left, 0, Change::opening, 1.0});
   account.count({2.5, Where::left, 0, Change::closing, -1.0});
   EXPECT_EQ(account.left.closings, 2u);
-  EXPECT_EQ(account.left.time_in_contact(3.0), 0.75 + 0.5);
+  EXPECT_EQ(account.left.contact.total(3.0), 0.75 + 0.5);
   EXPECT_EQ(account.right.closings, 0u);
+}
+
+TEST(RunAccount, ASpanIsInContactWhileAnyOfItsNodesIs) {
+  RunAccount account;
+  account.count({0.5, Where::span, 3, Change::closing, -1.0});
+  account.count({1.0, Where::span, 4, Change::closing, -1.0});
+  account.count({1.5, Where::span, 3, Change::opening, 1.0});
+  account.count({2.0, Where::span, 4, Change::opening, 1.0});
+  account.count({4.0, Where::span, 3, Change::closing, -1.0});
+  EXPECT_EQ(account.span.contact.total(4.25), 1.5 + 0.25);
+  EXPECT_EQ(account.span.closed(), 1u);
 }
 
 TEST(Summary, HasEveryPromisedKeyAndTheBooksBalance) {

@@ -21,7 +21,7 @@ std::size_t allocations_of(const BarSystem& system, double step, double end, dou
   observers.snapshot = [&](const Snapshot& now) { seen += now.u.front(); };
   observers.event = [&](const Event& event) { seen += event.time; };
   observers.progress = [&](double time) { seen += time; };
-  observers.energy = true;
+  observers.energy = observers.account = true;
   const std::size_t before = allocations;
   integrate(system, start, times, FullyDiscrete{.step = step, .restitution = restitution, .impact = impact}, observers);
   return allocations - before;

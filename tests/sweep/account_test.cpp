@@ -120,8 +120,8 @@ TEST(Account, TheImpulseIsWhatTheBarsMomentumGainsByEveryMethod) {
 
 TEST(Account, ARigidFlightHasNoImpulseAndTheRangeOfItsPath) {
   const exact::RigidFlight flight{.bar = {.viscosity = 0.1}, .speed = 0.5, .gap = 0.25};
-  for (const MethodName method : {MethodName::cvode, MethodName::arkode, MethodName::exponential,
-                                  MethodName::fully_discrete}) {
+  for (const MethodName method :
+       {MethodName::cvode, MethodName::arkode, MethodName::exponential, MethodName::fully_discrete}) {
     SCOPED_TRACE(name(method));
     Case run;
     run.scene = flight.scene();
@@ -133,7 +133,7 @@ TEST(Account, ARigidFlightHasNoImpulseAndTheRangeOfItsPath) {
     const RunAccount account = *record(run).statistics.account;
     EXPECT_EQ(account.left.impulse, 0.0);
     EXPECT_EQ(account.left.peak_reaction, 0.0);
-    EXPECT_EQ(account.left.time_in_contact(run.end), 0.0);
+    EXPECT_EQ(account.left.contact.total(run.end), 0.0);
     EXPECT_EQ(account.left.highest, 0.0);
     // Of the displacement -0.125, by the rounding of some hundred steps.
     for (const EndAccount* end : {&account.left, &account.right}) {
@@ -159,7 +159,7 @@ TEST(Account, AnElasticImpactIsReversedByItsImpulse) {
   const double front = std::pow(1.0 / 50.0, 2.0 / 3.0), force = impact.reaction(impact.closing() + 1.0);
   const EndAccount& left = done.account->left;
   EXPECT_NEAR(left.impulse, 2.0 * force, 2.0 * force * front);
-  EXPECT_NEAR(left.time_in_contact(run.end), 2.0, front);
+  EXPECT_NEAR(left.contact.total(run.end), 2.0, front);
   // Nothing is faster than omega = sqrt(12) c / h, so that a maximum is half an interval from an output at most.
   const double omega = std::sqrt(12.0) * 50.0, missed = std::pow(omega * run.output_every / 2.0, 2.0) / 2.0;
   EXPECT_NEAR(left.peak_reaction, std::ranges::max(recording.reaction_left), missed * left.peak_reaction);

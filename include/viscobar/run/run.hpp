@@ -37,8 +37,8 @@ struct Event {
   std::size_t node = 0;             ///< mesh node
   Change change = Change::closing;  ///< what happens
   double velocity = 0.0;            ///< u_t of the node: negative when it closes, the impact velocity
-  /// int R dt of the end's reaction from the start to here; absent under a span obstacle, and where nobody asked for the
-  /// account of the run.
+  /// int R dt of the end's reaction from the start to here; absent under a span obstacle, and where nobody asked for
+  /// the account of the run.
   std::optional<double> impulse = std::nullopt;
 };
 
@@ -59,11 +59,27 @@ struct EnergyAccount {
   double balance_error() const { return final + dissipated + end_inertia - initial - work; }
 };
 
+/// How long something has been in contact, from contact changes.
+struct TimeInContact {
+  double until_opening = 0.0;          ///< up to the last opening
+  std::optional<double> closed_since;  ///< when the contact that lasts began
+
+  /// It begins or ends at t; a contact that lasts does not begin again.
+  void close(double t) { closed_since = closed_since.value_or(t); }
+  /// Likewise of its end.
+  void open(double t) {
+    until_opening = total(t);
+    closed_since.reset();
+  }
+  /// Up to `now`, where the run is.
+  double total(double now) const { return until_opening + (closed_since ? now - *closed_since : 0.0); }
+};
+
 /// Contact of one end and the range of its displacement, as exact between the output times as the method is: the
 /// reaction R and u are those of its steps (a polynomial each; of a scheme, values at its steps and linear between).
 /// R is the force of all obstacles on the end node.
 struct EndAccount {
-  double displacement = 0.0;  ///< u where the run is
+  double displacement = 0.0;                                ///< u where the run is
   double lowest = std::numeric_limits<double>::infinity();  ///< min u over time, infinite before a run
   double highest = -lowest;                                 ///< max u
   std::size_t closings = 0;                                 ///< of the end's own obstacle
@@ -71,19 +87,24 @@ struct EndAccount {
   /// max R. Of an impact it may have no limit for finer meshes, stiffer springs or shorter steps: see
   /// viscobar::peak_remark().
   double peak_reaction = 0.0;
-  double time_until_opening = 0.0;     ///< in contact up to the last opening
-  std::optional<double> closed_since;  ///< when the contact that lasts began
+  TimeInContact contact;  ///< with any obstacle of its own
+};
 
-  /// Time in contact up to `now`, where the run is.
-  double time_in_contact(double now) const { return time_until_opening + (closed_since ? now - *closed_since : 0.0); }
+/// The nodes under a span obstacle.
+struct SpanAccount {
+  std::size_t closings = 0;  ///< of nodes
+  std::size_t openings = 0;  ///< likewise
+  TimeInContact contact;     ///< of any node
+
+  /// Nodes in contact.
+  std::size_t closed() const { return closings - openings; }
 };
 
 /// What happened at the ends of the bar and at its obstacles. Nothing in it depends on the output times.
 struct RunAccount {
-  EndAccount left;                 ///< at x = 0
-  EndAccount right;                ///< at x = L
-  std::size_t span_closings = 0;   ///< of nodes under a span obstacle
-  std::size_t span_openings = 0;   ///< likewise
+  EndAccount left;   ///< at x = 0
+  EndAccount right;  ///< at x = L
+  SpanAccount span;  ///< of a span obstacle
 
   /// Counts a contact change.
   void count(const Event& event);

@@ -63,7 +63,7 @@ std::string contact_table(const Case& run, const BarSystem& system, const Outcom
   const auto add = [&](const char* where, const EndCondition& kind, const EndAccount& end) {
     if (is_obstacle(kind))
       rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", where, end.closings,
-                          readable(end.time_in_contact(outcome.reached_time)), readable(end.impulse),
+                          readable(end.contact.total(outcome.reached_time)), readable(end.impulse),
                           readable(end.peak_reaction));
   };
   add("left end", run.scene.left, account.left);
@@ -78,8 +78,9 @@ std::string contact_table(const Case& run, const BarSystem& system, const Outcom
   if (remark && account.left.closings + account.right.closings > 0)
     html += fmt::format("<p class=\"note\">Greatest reaction: {}.</p>\n", escaped(*remark));
   if (run.scene.span)
-    html += fmt::format("<p class=\"note\">Under the span: nodes closed {} times and opened {} times.</p>\n",
-                        account.span_closings, account.span_openings);
+    html += fmt::format(
+        "<p class=\"note\">Under the span: nodes closed {} times and opened {} times; time in contact {}.</p>\n",
+        account.span.closings, account.span.openings, readable(account.span.contact.total(outcome.reached_time)));
   return html.empty() ? html : "<section><h2>Contact</h2>\n<div class=\"tables\">" + html + "</div></section>\n";
 }
 

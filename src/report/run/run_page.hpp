@@ -8,8 +8,7 @@
 namespace viscobar {
 
 /// The page report.html, with the pictures that the scene gives rise to.
-Page report_page(const Case& run, const BarSystem& system, const Outcome& outcome,
-                 const ReportData& data);
+Page report_page(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data);
 
 FieldColours field_colours(const Case& run, const ReportData& data);
 

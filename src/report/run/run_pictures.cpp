@@ -186,8 +186,8 @@ Picture profiles(const Case& run, const ReportData& data) {
 
 Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& data) {
   std::vector<Panel> panels;
-  const auto panel = [&](const char* name, const EndCondition& end, const ReportData::End& trace,
-                         std::size_t colour, const char* label) {
+  const auto panel = [&](const char* name, const EndCondition& end, const ReportData::End& trace, std::size_t colour,
+                         const char* label) {
     if (is_fixed(end)) return;
     const std::vector<Point> points = trace.displacement.points();
     Range range;
@@ -207,11 +207,13 @@ Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& da
   };
   panel("left-end", run.scene.left, data.left, 0, "u(0, t)");
   panel("right-end", run.scene.right, data.right, 1, "u(L, t)");
-  return {"Ends",
-          std::string(is_fixed(run.scene.left) || is_fixed(run.scene.right) ? "Displacement of the end that moves."
-                                                                            : "Displacement of the two ends.") +
-              (is_obstacle(run.scene.left) || is_obstacle(run.scene.right) ? " Dashed: obstacle; shaded: times in contact." : ""),
-          panels};
+  return {
+      "Ends",
+      std::string(is_fixed(run.scene.left) || is_fixed(run.scene.right) ? "Displacement of the end that moves."
+                                                                        : "Displacement of the two ends.") +
+          (is_obstacle(run.scene.left) || is_obstacle(run.scene.right) ? " Dashed: obstacle; shaded: times in contact."
+                                                                       : ""),
+      panels};
 }
 
 Picture reactions(const Case& run, const ReportData& data) {

@@ -89,9 +89,8 @@ std::string events_json(const ReportData& data, std::size_t happened) {
 }
 
 std::string supports_json(const Scene& scene, const Outcome& outcome, const ReportData& data) {
-  std::string text =
-      fmt::format(R"({{"left":{},"right":{})", support_json(scene.left, data.left, outcome.reached_time),
-                  support_json(scene.right, data.right, outcome.reached_time));
+  std::string text = fmt::format(R"({{"left":{},"right":{})", support_json(scene.left, data.left, outcome.reached_time),
+                                 support_json(scene.right, data.right, outcome.reached_time));
   if (scene.span) text += fmt::format(R"(,"span":{{"gap":{:.9g}}})", scene.span->gap);
   return text + '}';
 }

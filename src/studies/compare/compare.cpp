@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "viscobar/case/recorder.hpp"
 #include "studies/parallel.hpp"
+#include "viscobar/case/recorder.hpp"
 #include "viscobar/integration/integrate.hpp"
 #include "viscobar/studies/limit/limit.hpp"
 

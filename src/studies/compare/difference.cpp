@@ -68,7 +68,7 @@ const std::vector<double>* end_reaction(const Recording& recording, Where where)
 std::vector<ContactPeriod> contact_periods(const Recording& recording, double merge) {
   std::vector<ContactPeriod> periods;
   std::vector<std::optional<double>> before;  // impulse of the reaction until a period begins
-  std::map<Place, std::size_t> latest;  // period of a place that may go on
+  std::map<Place, std::size_t> latest;        // period of a place that may go on
   std::map<Place, bool> open;
   for (const Event& event : recording.events) {
     const Place place{event.where, event.node};
