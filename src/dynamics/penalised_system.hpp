@@ -96,7 +96,8 @@ class PenalisedSystem {
   };
   /// What may be neglected of a displacement, and of (h/E) times a reaction.
   struct Negligible {
-    double displacement, reaction;
+    double displacement;  ///< of the node
+    double reaction;      ///< times h/E, a displacement
   };
   /// The impact of open contact i, which collides(), its node being at the obstacle with velocity w_i <= 0:
   ///

@@ -95,7 +95,7 @@ int main(int argc, char** argv) {
     for (const SchemeRun& run : orders.scheme) seconds += run.seconds;
     fmt::print(
         "| {} | {} | {}, {} | {:.2g} | {} | {} | {} | {} | {}{} | {} | {} | {:.1e} | {:.1f} |\n", scene.name,
-        scene.run.elements, name(scene.run.mass),
+        scene.run.elements, name(effective_mass(scene.run)),
         scene.run.restitution ? fmt::format("e = {}", *scene.run.restitution) : "none", scene.run.scene.bar.viscosity,
         ends(scene.run.scene), load(scene), known.touches ? std::string(name(known.verdict)) : "nothing touches",
         known.distance ? fmt::format("{:.1e} +- {:.0e}", *known.distance, known.error) : "-", name(orders.verdict),

@@ -13,8 +13,8 @@
 namespace viscobar {
 
 /// A penalty-limit study: the penalised system at each epsilon against the fully discrete scheme on the same mass and
-/// restitution, and, against the rigid limit on the same mass, but under a span obstacle. The scheme runs at three
-/// steps first, and then at smaller ones until the verdict is known or the budget spent.
+/// restitution, and, where there is no span obstacle, against the rigid limit on both. The scheme runs at three steps
+/// first, and then at smaller ones until the verdict is known or the budget spent.
 struct LimitStudy {
   Case scene;                         ///< studied by its penalised_method()
   std::vector<double> epsilons;       ///< decreasing
