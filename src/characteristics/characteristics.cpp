@@ -81,7 +81,7 @@ class Run {
         data_(initial_data(scene_)),
         left_(end_of(scene.left, data_.displacement.polynomial(0)(data_.displacement[0].z(0.0)), passage_)),
         right_(end_of(scene.right, last_value(data_.displacement), passage_)) {
-    if (scene.load) load_ = LoadGain::of(*scene_.load, scene.bar, passage_, times.front());
+    if (scene.load) load_ = LoadGain::of(*scene_.load, scene.bar, passage_, times.front(), times.back());
     if (observers_.snapshot) u_.resize(mesh.nodes()), v_.resize(mesh.nodes());
     const double until = (times.back() - times.front()) / passage_;
     last_passage_ = static_cast<std::size_t>(std::max(0.0, std::ceil(until) - 1.0));
