@@ -109,8 +109,8 @@ class Run {
 
   /// What a checkpoint holds: the state at the beginning of its passage, and how much of the passage has been told.
   static void members(auto& run, auto&& each) {
-    each(run.k_, run.sent_left_before_, run.sent_right_before_, run.left_begin_, run.right_begin_, run.work_begin_,
-         run.error_begin_, run.gain_errors_begin_, run.velocity_scale_begin_, run.place_scale_begin_,
+    each(run.nodes_, run.k_, run.sent_left_before_, run.sent_right_before_, run.left_begin_, run.right_begin_,
+         run.work_begin_, run.error_begin_, run.gain_errors_begin_, run.velocity_scale_begin_, run.place_scale_begin_,
          run.simplified_left_, run.simplified_right_, run.initial_moment_, run.told_, run.largest_);
   }
 
@@ -206,6 +206,8 @@ class Run {
 
   void go_on(const Checkpoint& checkpoint) {
     restore(*this, checkpoint, times_, observers_);
+    if (nodes_ != mesh_.nodes())
+      throw std::invalid_argument("the checkpoint is of another run than the one to go on with");
     if (load_ && k_ > 0 && !load_->steady()) load_->enter(k_ - 1);
     if (load_) load_->restore(gain_errors_begin_);
     left_ = left_begin_;
@@ -404,6 +406,7 @@ class Run {
 
   const Scene scene_;  // formulas are called by one run at a time
   const Mesh mesh_;
+  std::size_t nodes_ = mesh_.nodes();  // of the run that a checkpoint is of
   std::span<const double> times_;
   const Observers& observers_;
   Stopwatch watch_;
