@@ -295,11 +295,13 @@ class Run {
       t_ = stop;
       if (stop == end && !output) tell_events(std::numeric_limits<double>::infinity());
       if (advanced) {
-        ++statistics_.steps;
         if (observers_.progress) watch_.outside([&] { observers_.progress(t_); });
         if (t_ < times_.back() && schedule_.due(t_)) return Checkpoint{t_, next_output_, reached(), archived(*this)};
       }
-      if (!at_output && stop == end) return std::nullopt;
+      if (!at_output && stop == end) {
+        ++statistics_.steps;
+        return std::nullopt;
+      }
     }
   }
 
