@@ -81,7 +81,7 @@ class Run {
         data_(initial_data(scene_)),
         left_(end_of(scene.left, data_.displacement.polynomial(0)(data_.displacement[0].z(0.0)), passage_)),
         right_(end_of(scene.right, last_value(data_.displacement), passage_)) {
-    if (scene.load) load_ = LoadGain::of(*scene_.load, scene.bar, passage_, times.front());
+    if (scene.load) load_ = LoadGain::of(*scene_.load, scene.bar, passage_, times.front(), times.back());
     if (observers_.snapshot) u_.resize(mesh.nodes()), v_.resize(mesh.nodes());
     const double until = (times.back() - times.front()) / passage_;
     last_passage_ = static_cast<std::size_t>(std::max(0.0, std::ceil(until) - 1.0));
@@ -109,8 +109,8 @@ class Run {
 
   /// What a checkpoint holds: the state at the beginning of its passage, and how much of the passage has been told.
   static void members(auto& run, auto&& each) {
-    each(run.k_, run.sent_left_before_, run.sent_right_before_, run.left_begin_, run.right_begin_, run.work_begin_,
-         run.error_begin_, run.gain_errors_begin_, run.velocity_scale_begin_, run.place_scale_begin_,
+    each(run.nodes_, run.k_, run.sent_left_before_, run.sent_right_before_, run.left_begin_, run.right_begin_,
+         run.work_begin_, run.error_begin_, run.gain_errors_begin_, run.velocity_scale_begin_, run.place_scale_begin_,
          run.simplified_left_, run.simplified_right_, run.initial_moment_, run.told_, run.largest_);
   }
 
@@ -214,6 +214,8 @@ class Run {
 
   void go_on(const Checkpoint& checkpoint) {
     restore(*this, checkpoint, times_, observers_);
+    if (nodes_ != mesh_.nodes())
+      throw std::invalid_argument("the checkpoint is of another run than the one to go on with");
     if (load_ && k_ > 0 && !load_->steady()) load_->enter(k_ - 1);
     if (load_) load_->restore(gain_errors_begin_);
     left_ = left_begin_;
@@ -301,11 +303,13 @@ class Run {
       t_ = stop;
       if (stop == end && !output) tell_events(std::numeric_limits<double>::infinity());
       if (advanced) {
-        ++statistics_.steps;
         if (observers_.progress) watch_.outside([&] { observers_.progress(t_); });
         if (t_ < times_.back() && schedule_.due(t_)) return Checkpoint{t_, next_output_, reached(), archived(*this)};
       }
-      if (!at_output && stop == end) return std::nullopt;
+      if (!at_output && stop == end) {
+        ++statistics_.steps;
+        return std::nullopt;
+      }
     }
   }
 
@@ -416,6 +420,7 @@ class Run {
 
   const Scene scene_;  // formulas are called by one run at a time
   const Mesh mesh_;
+  std::size_t nodes_ = mesh_.nodes();  // of the run that a checkpoint is of
   std::span<const double> times_;
   const Observers& observers_;
   Stopwatch watch_;

@@ -19,13 +19,13 @@ class Field {
   };
   /// `left` and `right` are the displacements of the ends, `passage` is L / c.
   Field(const Sent& sent, double s, double left, double right, double passage)
-      : s_(s),
-        left_(left),
+      : left_(left),
         passage_(passage),
         right_going_(sent.left_now, sent.left_before, s),
         left_going_(sent.right_now, sent.right_before, s) {
     if (sent.rightward_gain) rightward_.emplace(*sent.rightward_gain);
     if (sent.leftward_gain) leftward_.emplace(*sent.leftward_gain);
+    whole_left_going_ = left_going_.integral(1.0);
     correction_ = right - displacement(1.0);
   }
 
@@ -34,7 +34,7 @@ class Field {
   double velocity(double place) { return 0.5 * (rightward(place) + leftward(place)); }
   /// From the left end by the strain; what it misses the right end by, a rounding, is spread over the bar.
   double displacement(double place) {
-    double sum = left_going_.integral(1.0) - left_going_.integral(1.0 - place) - right_going_.integral(place);
+    double sum = whole_left_going_ - left_going_.integral(1.0 - place) - right_going_.integral(place);
     if (rightward_) sum -= rightward_->integral(place);
     if (leftward_) sum += leftward_->integral(place);
     return left_ + 0.5 * passage_ * sum + place * correction_;
@@ -58,10 +58,10 @@ class Field {
     double s_, now_integral_, before_integral_;
   };
 
-  double s_, left_, passage_;
+  double left_, passage_;
   Train right_going_, left_going_;
   std::optional<Cursor> rightward_, leftward_;
-  double correction_ = 0.0;
+  double whole_left_going_ = 0.0, correction_ = 0.0;
 };
 
 }  // namespace viscobar::characteristics

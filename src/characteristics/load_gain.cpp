@@ -240,8 +240,22 @@ class SeparableGain final : public LoadGain {
 
 class GeneralGain final : public LoadGain {
  public:
-  GeneralGain(const GeneralLoad& load, const Frame& frame)
-      : density_(load.density), frame_(frame), breaks_of_density_(load.breaks, frame) {}
+  GeneralGain(const GeneralLoad& load, const Frame& frame, double passages)
+      : density_(load.density), frame_(frame), breaks_of_density_(load.breaks, frame) {
+    // What is nothing beside the load at other times need not be known to its own rounding.
+    constexpr int samples = 300;
+    double largest = 0.0;
+    for (int k = 0; k < samples; ++k) {
+      const double place = std::fmod(0.5 + 0.6180339887498949 * k, 1.0), time = passages * (k + 0.5) / samples;
+      try {
+        if (const double f = density_(frame_.x(place), frame_.t(time)); std::isfinite(f))
+          largest = std::max(largest, std::abs(f));
+      } catch (const std::exception&) {  // the run may end before
+      }
+    }
+    evaluations_ = samples;
+    small_ = 0.01 * largest;
+  }
 
  private:
   void prepare(std::size_t passage) override {
@@ -269,7 +283,7 @@ class GeneralGain final : public LoadGain {
   }
   // What roundings of the time do to it counts like its own.
   double argument() const { return static_cast<double>(passage_) + 1.0 + std::abs(frame_.start) / frame_.passage; }
-  double size() const override { return sums * frame_.factor * (largest_ + argument() * steepest_); }
+  double size() const override { return sums * frame_.factor * std::max(small_, largest_ + argument() * steepest_); }
 
   struct Sum {
     double value, size;
@@ -294,7 +308,9 @@ class GeneralGain final : public LoadGain {
     const double middle = 0.5 * (from + to);
     const Sum left = formula(way, from, middle), right = formula(way, middle, to);
     size = std::max(size, left.size + right.size);
-    const double tolerance = 32.0 * rounding * size;
+    // To roundings of the load, and of the time at which it is evaluated.
+    const double of_time = argument() * steepest_ * (to - from);
+    const double tolerance = rounding * (32.0 * std::max(size, small_ * way.length) + 8.0 * of_time);
     if (std::abs(left.value + right.value - whole.value) <= tolerance || depth >= 48 || !(from < middle && middle < to))
       return left.value + right.value;
     if (depth >= shallow)
@@ -349,17 +365,18 @@ class GeneralGain final : public LoadGain {
   Breaks breaks_of_density_;
   std::size_t evaluations_before_ = 0;     // the present look or passage
   std::pair<double, double> inside_{};     // where the load is evaluated
+  double small_ = 0.0;                     // beside the load at other times
   double largest_ = 0.0, steepest_ = 0.0;  // of what has been seen
 };
 
 }  // namespace
 
-std::unique_ptr<LoadGain> LoadGain::of(const Load& load, const Bar& bar, double passage, double start) {
+std::unique_ptr<LoadGain> LoadGain::of(const Load& load, const Bar& bar, double passage, double start, double end) {
   const Frame frame{bar.length, passage, start, passage / bar.density};
   if (const auto* steady = std::get_if<SteadyLoad>(&load)) return std::make_unique<SteadyGain>(*steady, frame);
   if (const auto* separable = std::get_if<SeparableLoad>(&load))
     return std::make_unique<SeparableGain>(*separable, frame);
-  return std::make_unique<GeneralGain>(std::get<GeneralLoad>(load), frame);
+  return std::make_unique<GeneralGain>(std::get<GeneralLoad>(load), frame, (end - start) / passage);
 }
 
 void LoadGain::enter(std::size_t passage) {

@@ -23,8 +23,8 @@ class LoadGain {
     bool rightward;
   };
 
-  /// Of waves that began at passage 0, at `start`, or before it without a load.
-  static std::unique_ptr<LoadGain> of(const Load& load, const Bar& bar, double passage, double start);
+  /// Of waves that began at passage 0, at `start`, or before it without a load, in a run up to `end`.
+  static std::unique_ptr<LoadGain> of(const Load& load, const Bar& bar, double passage, double start, double end);
   virtual ~LoadGain() = default;
   LoadGain(const LoadGain&) = delete;
   LoadGain& operator=(const LoadGain&) = delete;

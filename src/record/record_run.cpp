@@ -181,6 +181,8 @@ class RecordedRun {
       files_->events.append(event);
       data_.add(event);
       if (options_.event) options_.event(event);
+      // Changes of the bar itself are no chatter of a mesh.
+      if (scene_.run.method == MethodName::characteristics) return;
       if (const auto first = chatter_.heard(event)) warn(chatter_warning(scene_.run, system_, *first));
     };
     observers.progress = [this](double time) {

@@ -1,6 +1,8 @@
 // Random bars against a difference scheme and against their own symmetries; measure_characteristics has thousands.
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "characteristics/cell_waves.hpp"
 #include "characteristics/followed.hpp"
 #include "characteristics/random_bar.hpp"
@@ -105,6 +107,54 @@ TEST_P(RandomBars, DoNotKnowTheirUnits) {
     ASSERT_EQ(one.events.size(), scaled.events.size());
     for (std::size_t k = 0; k < one.u.size(); ++k)
       for (std::size_t j = 0; j < one.u[k].size(); ++j) ASSERT_EQ(length * one.u[k][j], scaled.u[k][j]) << seed;
+  }
+}
+
+// int rho v dx from the nodes, which see a jump to half an element.
+TEST(RandomBars, GainTheMomentumOfTheirImpulses) {
+  constexpr std::size_t elements = 4000;
+  for (std::uint32_t seed = 700; seed < 760; ++seed) {
+    RandomBar random(seed);
+    const Scene scene = random.scene(RandomBar::Loads::none);
+    if (is_fixed(scene.left) || is_fixed(scene.right)) continue;
+    const Followed run = followed(scene, {0.0, random.uniform(1.0, 20.0)}, elements);
+    std::array<double, 2> momentum{};
+    double speed = 0.0;
+    for (std::size_t k = 0; k < 2; ++k)
+      for (std::size_t j = 0; j <= elements; ++j) {
+        momentum[k] += run.v[k][j] * (j % elements == 0 ? 0.5 : 1.0);
+        speed = std::max(speed, std::abs(run.v[k][j]));
+      }
+    const double mass = scene.bar.density * scene.bar.length / elements;
+    double impulse = 0.0;
+    for (const auto& end : {run.statistics.left, run.statistics.right}) impulse += end ? end->impulse : 0.0;
+    // Some twenty jumps of 2 max|v| each.
+    EXPECT_NEAR(mass * (momentum[1] - momentum[0]), impulse, 40.0 * mass * speed) << seed;
+  }
+}
+
+// Nothing dissipates, so the film may be shown backwards. The last field is known at the nodes, between which it is
+// taken as straight: kinks and jumps are wrong by an element.
+TEST(RandomBars, RunBackwards) {
+  constexpr std::size_t elements = 400;
+  for (std::uint32_t seed = 800; seed < 830; ++seed) {
+    RandomBar random(seed);
+    const Scene scene = random.scene(RandomBar::Loads::none);
+    const std::vector<double> times = equal_times(random.uniform(1.0, 6.0), 30);
+    const Followed run = followed(scene, times, elements);
+    const auto straight = [&](const std::vector<double>& nodes, double sign) {
+      return [=, length = scene.bar.length](double x) {
+        const double place = x / length * elements;
+        const std::size_t j = std::min(elements - 1, static_cast<std::size_t>(place));
+        return sign * (nodes[j] + (place - static_cast<double>(j)) * (nodes[j + 1] - nodes[j]));
+      };
+    };
+    Scene back = scene;
+    back.displacement = straight(run.u.back(), 1.0);
+    back.velocity = straight(run.v.back(), -1.0);
+    const Followed film = followed(back, times, elements);
+    for (std::size_t k = 0; k < times.size(); ++k)
+      EXPECT_NEAR(film.u[times.size() - 1 - k][0], run.u[k][0], 100.0 / elements * largest(run)) << seed;
   }
 }
 

@@ -36,6 +36,8 @@ TEST(Energy, WithoutLoadNeverGrowsButByWhatASchemeSays) {
   expect_always([] {
     Asked asked;
     asked.loads = false;
+    // The energy of the nodes is not that of the bar, where what lies between them is no straight line.
+    std::erase(asked.methods, MethodName::characteristics);
     const RandomScene scene = *scenes(asked);
     const Case run = scene.read().run;
     if (run.mass == Mass::fourth_order) return;  // its symmetric part makes no energy that only falls

@@ -27,8 +27,8 @@ std::optional<std::string> misfit(const Scene& scene, const Characteristics& met
 
 /// Follows the waves from the scene's own data, or a checkpoint, at times.front() to times.back(), telling the
 /// observers. Snapshots are of the nodes of `mesh`, which has no other part in it; `times` are as of the other methods.
-/// Of the statistics, `steps` are the stretches between output times and ends of passages, `unknowns` the most
-/// coefficients that the waves had at a time.
+/// Of the statistics, `steps` are the passages, `unknowns` the most coefficients that the waves had at a time.
+/// Observers are told of progress at output times, too.
 /// @throws IntegrationError, with what was reached
 /// @throws std::invalid_argument when the method does not fit the scene, or data are no data of a bar
 Statistics integrate(const Scene& scene, const Mesh& mesh, const std::optional<Checkpoint>& from,
