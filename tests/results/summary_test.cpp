@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "support/scratch.hpp"
 #include "results/contact_account.hpp"
+#include "support/scratch.hpp"
 #include "viscobar/record/record_run.hpp"
 
 namespace viscobar {

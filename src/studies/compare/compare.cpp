@@ -6,8 +6,8 @@
 #include <stdexcept>
 
 #include "studies/compare/end_impulses.hpp"
-#include "viscobar/case/recorder.hpp"
 #include "studies/parallel.hpp"
+#include "viscobar/case/recorder.hpp"
 #include "viscobar/integration/integrate.hpp"
 #include "viscobar/studies/limit/limit.hpp"
 
