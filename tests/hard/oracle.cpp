@@ -8,8 +8,8 @@
 #include <map>
 #include <numbers>
 
-#include "viscobar/case/recorder.hpp"
 #include "hard/reference.hpp"
+#include "viscobar/case/recorder.hpp"
 #include "viscobar/studies/exact/exact_solutions.hpp"
 
 namespace viscobar::hard {

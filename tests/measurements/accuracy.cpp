@@ -9,7 +9,6 @@
 
 #include "support/maximum_norm.hpp"
 #include "support/paper_throw.hpp"
-#include "support/relative_error.hpp"
 #include "viscobar/case/recording.hpp"
 
 namespace {

@@ -1,5 +1,7 @@
 // Prints the tables of docs/penalty-limit.md but that of the redistributions. Run:
 // build/release/tests/measure_limit
+#include "viscobar/studies/limit/limit.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,11 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "viscobar/case/end_traces.hpp"
 #include "support/paper_throw.hpp"
+#include "viscobar/case/end_traces.hpp"
 #include "viscobar/dynamics/penalty_law.hpp"
 #include "viscobar/studies/exact/exact_solutions.hpp"
-#include "viscobar/studies/limit/limit.hpp"
 
 namespace {
 

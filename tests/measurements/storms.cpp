@@ -12,7 +12,6 @@
 #include "support/bouncing_bar.hpp"
 #include "support/maximum_norm.hpp"
 #include "support/paper_throw.hpp"
-#include "support/relative_error.hpp"
 #include "viscobar/case/recording.hpp"
 
 namespace {

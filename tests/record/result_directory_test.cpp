@@ -10,9 +10,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "results/checkpoint_file.hpp"
 #include "support/file_size_limit.hpp"
 #include "support/scratch.hpp"
-#include "results/checkpoint_file.hpp"
 #include "viscobar/record/record_run.hpp"
 #include "viscobar/results/io_error.hpp"
 

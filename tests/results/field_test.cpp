@@ -8,8 +8,8 @@
 #include <regex>
 #include <tuple>
 
-#include "support/scratch.hpp"
 #include "results/field/field_file.hpp"
+#include "support/scratch.hpp"
 #include "viscobar/results/io_error.hpp"
 
 namespace viscobar {

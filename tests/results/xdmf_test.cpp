@@ -12,8 +12,8 @@
 
 #include <cmath>
 
-#include "support/scratch.hpp"
 #include "results/field/field_file.hpp"
+#include "support/scratch.hpp"
 
 namespace viscobar {
 namespace {

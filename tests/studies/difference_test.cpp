@@ -1,9 +1,10 @@
+#include "viscobar/studies/compare/difference.hpp"
+
 #include <gtest/gtest.h>
 
 #include <limits>
 
 #include "studies/compare/matching.hpp"
-#include "viscobar/studies/compare/difference.hpp"
 
 namespace viscobar {
 namespace {

@@ -1,6 +1,7 @@
+#include "viscobar/studies/compare/examine.hpp"
+
 #include <gtest/gtest.h>
 
-#include "viscobar/studies/compare/examine.hpp"
 #include "viscobar/testing/examine.hpp"
 
 namespace viscobar {

@@ -1,13 +1,14 @@
+#include "viscobar/studies/limit/limit.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <tuple>
 
-#include "viscobar/case/end_traces.hpp"
 #include "studies/limit/verdict.hpp"
 #include "support/paper_throw.hpp"
 #include "support/verdict_truth.hpp"
-#include "viscobar/studies/limit/limit.hpp"
+#include "viscobar/case/end_traces.hpp"
 
 namespace viscobar {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "results/field/field_mark.hpp"
 #include "results/field/hdf5_handle.hpp"
-#include "results/output_file.hpp"
 #include "results/field/xdmf_file.hpp"
+#include "results/output_file.hpp"
 #include "viscobar/discretisation/mesh.hpp"
 #include "viscobar/run/run.hpp"
 

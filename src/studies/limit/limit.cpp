@@ -13,9 +13,9 @@
 #include <span>
 #include <stdexcept>
 
-#include "viscobar/case/end_traces.hpp"
 #include "studies/limit/verdict.hpp"
 #include "studies/parallel.hpp"
+#include "viscobar/case/end_traces.hpp"
 
 namespace viscobar {
 

@@ -4,8 +4,8 @@
 
 #include <stdexcept>
 
-#include "viscobar/case/recorder.hpp"
 #include "studies/parallel.hpp"
+#include "viscobar/case/recorder.hpp"
 #include "viscobar/studies/compare/difference.hpp"
 
 namespace viscobar {
