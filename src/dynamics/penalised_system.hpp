@@ -170,9 +170,8 @@ class PenalisedSystem {
   void complete_displacement_of(std::size_t end, double t, std::span<double> u);
   double stiffness_of_closed(std::size_t unknown) const;
   double acting_stiffness(std::size_t i) const;  // k, infinite where it holds
-  bool follows(std::size_t i) const {
-    return massless(contact(i).unknown) && !bar_.damped();
-  }  // its neighbour, at once
+  // Whether the node of contact i follows its neighbour at once.
+  bool follows(std::size_t i) const { return massless(contact(i).unknown) && !bar_.damped(); }
   double origin_at(std::size_t unknown) const { return origin_.empty() ? 0.0 : origin_[unknown]; }
   void find_offsets();
 

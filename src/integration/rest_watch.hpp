@@ -19,7 +19,7 @@ namespace viscobar {
 /// promised, it need not be followed. But Adams' formulas have to resolve the spring for stability, and backward
 /// differentiation of order 5 amplifies an oscillation of omega h < 9.4. Of order 1 and 2 it is L-stable: so the leg
 /// goes on with these, and errors of the size of the oscillation, for as many steps as it may take to leave the region
-/// of instability behind, and then with all orders again (docs/internals/storms.md).
+/// of instability behind, and then with all orders again (docs/storms.md).
 class RestWatch {
  public:
   enum class Advice {

@@ -74,8 +74,7 @@ std::optional<std::string> growth_warning(const Case& run, const Statistics& don
   if (energy.growth <= rounding) return std::nullopt;
   return fmt::format(
       "energy: up to t = {1:.6g} impacts gave the bar {0:.3g}, though nothing works there; it had {2:.3g} at the "
-      "start. "
-      "With contact.restitution = {3} an impact of this scheme may gain what a force of the bar does over one step; "
+      "start. With contact.restitution = {3} an impact of this scheme may gain what a force of the bar does over one step; "
       "what helps: a smaller method.step, or method.impact = \"moreau\", which never gives any",
       energy.growth, energy.growth_time, energy.initial, run.restitution.value_or(0.0));
 }
@@ -195,8 +194,7 @@ class RecordedRun {
   // The result is kept: it tells what happened.
   void sound(const Alarm& alarm) {
     const std::string what = fmt::format(
-        "{}; the result is further from the solution than the tolerances promise: take another method.name or a "
-        "smaller "
+        "{}; the result is further from the solution than the tolerances promise: take another method.name or a smaller "
         "method.relative_tolerance, and report it as an error of viscobar, with the scene",
         alarm.what);
     if (alarm.ruinous)
