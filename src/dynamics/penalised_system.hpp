@@ -210,9 +210,8 @@ class PenalisedSystem {
   void complete_velocity_of(std::size_t end, double t, std::span<const double> u, std::span<double> w);
   void complete_displacement_of(std::size_t end, double t, std::span<double> u);
   double stiffness_of_closed(std::size_t unknown) const;
-  bool follows(std::size_t i) const {
-    return massless(contact(i).unknown) && !bar_.damped();
-  }  // its neighbour, at once
+  // Whether the node of contact i follows its neighbour at once.
+  bool follows(std::size_t i) const { return massless(contact(i).unknown) && !bar_.damped(); }
   double origin_at(std::size_t unknown) const { return origin_.empty() ? 0.0 : origin_[unknown]; }
   void find_offsets();
 

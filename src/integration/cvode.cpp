@@ -54,7 +54,7 @@ class CvodeStepper {
     weights_.tighten(leg_.statistics.events);
     std::ranges::copy(y, values(state_).begin());
     rest_.begin_leg(leg_.system, t);
-    stiff() ? begin(bdf_, CV_BDF, highest_bdf, t) : begin(adams_, CV_ADAMS, highest_adams, t);
+    begin(t);
   }
 
   double advance() {

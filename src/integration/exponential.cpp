@@ -14,7 +14,7 @@
 #include "run/contact_states.hpp"
 #include "run/parts.hpp"
 #include "run/stopwatch.hpp"
-#include "run/watchdog.hpp"
+#include "run/pace_guard.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/integration/integrate.hpp"
 

@@ -22,7 +22,7 @@
 #include "run/parts.hpp"
 #include "run/step_failure.hpp"
 #include "run/stopwatch.hpp"
-#include "run/watchdog.hpp"
+#include "run/pace_guard.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/run/run.hpp"
 

@@ -1,7 +1,7 @@
 // Scenes with many contact changes: every one is counted, and none costs what starting anew would.
 #include <gtest/gtest.h>
 
-#include "run/watchdog.hpp"
+#include "run/pace_guard.hpp"
 #include "support/bouncing_bar.hpp"
 #include "support/paper_throw.hpp"
 #include "support/run_trace.hpp"
