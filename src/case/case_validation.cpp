@@ -68,9 +68,10 @@ void check_end_rows(const Case& run, Findings& findings) {
   if (run.elements < 3)
     findings.report("mesh.elements", "mass \"fourth_order\" needs at least 3 elements: its end rows reach three nodes");
   if (run.grading != 1.0)
-    findings.report("mesh.grading",
-                    "does not fit the mass \"fourth_order\", whose weights are those of elements of equal length; leave "
-                    "it out, or use the mass \"consistent\" or \"lumped\"");
+    findings.report(
+        "mesh.grading",
+        "does not fit the mass \"fourth_order\", whose weights are those of elements of equal length; leave "
+        "it out, or use the mass \"consistent\" or \"lumped\"");
 }
 
 void check_grading(const Case& run, Findings& findings) {

@@ -29,8 +29,7 @@ std::string chatter_remedies(const Case& run, const std::optional<ContactRegime>
       is_penalised(run.method) ? !(run.restitution && *run.restitution == 0.0) : run.restitution.value_or(0.0) > 0.0;
   std::string remedies;
   const auto add = [&](std::string remedy) { remedies += (remedies.empty() ? "" : ", ") + std::move(remedy); };
-  if (where != Where::span && effective_mass(run) != Mass::redistributed)
-    add("mesh.mass = \"redistributed\"");
+  if (where != Where::span && effective_mass(run) != Mass::redistributed) add("mesh.mass = \"redistributed\"");
   if (elastic) add("contact.restitution = 0");
   if (regime && regime->quiet_epsilon > 0.0)
     add(fmt::format("contact.epsilon of at least {:.2g}", regime->quiet_epsilon));

@@ -18,8 +18,8 @@ namespace viscobar {
 ///     x_k = w_k y_k + g_k x_left - l_{k+1} x_{k+1},    k = m - 1, ..., 0,    x_m = x_right.
 ///
 /// So each sweep is one recurrence for 16 stretches, its coefficients are three numbers a row, and an end that is bound
-/// by an obstacle stays in the small condensed system. So do the end rows of a matrix that has them. All arrays are in the
-/// order of order().
+/// by an obstacle stays in the small condensed system. So do the end rows of a matrix that has them. All arrays are in
+/// the order of order().
 class LaneFactor {
  public:
   LaneFactor() = default;

@@ -21,8 +21,8 @@ inline void store_lanes(const Lanes& lanes, double* x) { lanes.copy_to(x, std::e
 ///
 /// so that what is done to a stretch node by node is done to all of them at once. Node first + l rows + k is stored at
 /// first + 16 k + l. Without rows, as on a short bar, it is the order of the nodes itself. The nodes next to the border
-/// of the stretches are stored next to it, so the first two and the last two nodes of a bar are where they always are, three
-/// where a matrix has end rows.
+/// of the stretches are stored next to it, so the first two and the last two nodes of a bar are where they always are,
+/// three where a matrix has end rows.
 struct LaneOrder {
   std::size_t first = 0, rows = 0, last = 0;
 

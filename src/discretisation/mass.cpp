@@ -22,9 +22,10 @@ constexpr Words words(Mass mass) {
               "consistent, but nodes at an obstacle have no mass and cannot bounce; no span obstacle, not "
               "finite_difference, neither cvode nor odeint without viscosity"};
     case Mass::fourth_order:
-      return {"fourth_order",
-              "inertia and load of each row exact to fourth order, inside h (1, 10, 1)/12, at the ends h (7, 6, -1)/24; "
-              "elements of equal length, three at least"};
+      return {
+          "fourth_order",
+          "inertia and load of each row exact to fourth order, inside h (1, 10, 1)/12, at the ends h (7, 6, -1)/24; "
+          "elements of equal length, three at least"};
   }
   return {};
 }

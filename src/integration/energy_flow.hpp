@@ -9,8 +9,8 @@
 
 namespace viscobar {
 
-/// Adds the integrals of dissipated power, load power and power of the mass's end rows over [from, to], by Gauss' formula with n points, to the
-/// entries of the energy account.
+/// Adds the integrals of dissipated power, load power and power of the mass's end rows over [from, to], by Gauss'
+/// formula with n points, to the entries of the energy account.
 ///
 /// @param motion_at fills displacements and velocities: motion_at(t, y)
 /// @param y scratch of layout.size entries
@@ -27,8 +27,7 @@ void add_energy_flow(PenalisedSystem& system, const Layout& layout, double from,
     system.complete_velocity(t, layout.u(y), w);
     if (layout.dissipated) account[*layout.dissipated - first] += half * weight * system.dissipated_power(w);
     if (layout.work) account[*layout.work - first] += half * weight * system.load_power(t, w);
-    if (layout.end_inertia)
-      account[*layout.end_inertia - first] += half * weight * system.end_power(t, layout.u(y), w);
+    if (layout.end_inertia) account[*layout.end_inertia - first] += half * weight * system.end_power(t, layout.u(y), w);
   }
 }
 

@@ -12,9 +12,9 @@
 #include "integration/exponential/propagator_cache.hpp"
 #include "integration/snapshot.hpp"
 #include "run/contact_states.hpp"
+#include "run/pace_guard.hpp"
 #include "run/parts.hpp"
 #include "run/stopwatch.hpp"
-#include "run/pace_guard.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/integration/integrate.hpp"
 

@@ -19,10 +19,10 @@
 #include "integration/layout.hpp"
 #include "integration/snapshot.hpp"
 #include "run/contact_states.hpp"
+#include "run/pace_guard.hpp"
 #include "run/parts.hpp"
 #include "run/step_failure.hpp"
 #include "run/stopwatch.hpp"
-#include "run/pace_guard.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/run/run.hpp"
 
@@ -344,7 +344,8 @@ class StepwiseRun {
     // lateness / m.
     const double lateness = std::clamp(std::abs(now) / change, std::max(end - begin, 10.0 / omega),
                                        std::max(end - begin, t - last_change_));
-    const double brief = system_.bar().inertia().diagonal_entry(node) * stepper_.weights().promised_velocity() / lateness;
+    const double brief =
+        system_.bar().inertia().diagonal_entry(node) * stepper_.weights().promised_velocity() / lateness;
     const double ratio = now / (5.0 / omega * change + tolerated + brief);
     if (ratio > statistics_.late_opening.ratio) statistics_.late_opening = {ratio, t};
   }

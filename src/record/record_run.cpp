@@ -207,7 +207,8 @@ class RecordedRun {
   // The result is kept: it tells what happened.
   void sound(const Alarm& alarm) {
     const std::string what = fmt::format(
-        "{}; the result is further from the solution than the tolerances promise: take another method.name or a smaller "
+        "{}; the result is further from the solution than the tolerances promise: take another method.name or a "
+        "smaller "
         "method.relative_tolerance, and report it as an error of viscobar, with the scene",
         alarm.what);
     if (alarm.ruinous)

@@ -13,8 +13,8 @@ namespace viscobar {
 ///
 ///     A x = b + sum_X lambda_X e_X,    0 <= x_X - bound_X  _|_  lambda_X >= 0.
 ///
-/// The columns A^{-1} e_X are computed once. Their rows X are positive definite, or for a mass with end rows have positive
-/// diagonal and determinant, so exactly one of the two or four contact states fits.
+/// The columns A^{-1} e_X are computed once. Their rows X are positive definite, or for a mass with end rows have
+/// positive diagonal and determinant, so exactly one of the two or four contact states fits.
 class EndConstraint {
  public:
   EndConstraint(const SymmetricTridiagonal& matrix, const std::vector<std::size_t>& entries);

@@ -250,7 +250,8 @@ class Run {
     stopwatch_.outside([&] { observers_.event(event); });
   }
 
-  // dE = dt (f, v) - eta dt a(v, v) - dt v.rho (M - Q) a + dt lambda v,  v = (u^{n+1} - u^{n-1}) / (2 dt), the step being made
+  // dE = dt (f, v) - eta dt a(v, v) - dt v.rho (M - Q) a + dt lambda v,  v = (u^{n+1} - u^{n-1}) / (2 dt), the step
+  // being made
   void account() {
     const double dt = scheme_.step;
     const auto p = step_->p(), a = step_->acceleration();

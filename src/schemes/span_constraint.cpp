@@ -9,8 +9,8 @@ namespace viscobar {
 SpanConstraint::SpanConstraint(const SymmetricTridiagonal& matrix)
     : matrix_(matrix),
       split_(matrix),
-      monotone_(!matrix.end_rows && std::all_of(matrix.off_diagonal.begin(), matrix.off_diagonal.end(),
-                                                [](double o) { return o <= 0.0; })),
+      monotone_(!matrix.end_rows &&
+                std::all_of(matrix.off_diagonal.begin(), matrix.off_diagonal.end(), [](double o) { return o <= 0.0; })),
       active_(matrix.size(), 0),
       wrong_(matrix.size(), 0) {
   split();

@@ -69,8 +69,8 @@ class TimeStep {
   double squared_strain_rate() const { return bar_.squared_strain_rate(p_, -dt_ / 2, a_); }
   double load_power() const { return power(load_now_, p_, -dt_ / 2, a_); }
 
-  /// After advance(): v^n . rho (M - Q) a^n, of a mass with end rows. Three nodes at either end, in any order stored first
-  /// and last, make it.
+  /// After advance(): v^n . rho (M - Q) a^n, of a mass with end rows. Three nodes at either end, in any order stored
+  /// first and last, make it.
   double end_power() const;
 
   /// Whether a^n is; what is not spreads over the nodes that are solved for together.

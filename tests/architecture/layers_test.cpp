@@ -21,14 +21,23 @@ struct Room {
 };
 
 const std::vector<Room> rooms = {
-    {"text", {}},           {"scene", {}},
-    {"discretisation", {}}, {"dynamics", {"scene", "discretisation"}},
-    {"run", {"dynamics"}},  {"integration", {"run"}},
-    {"schemes", {"run"}}, {"characteristics", {"run"}}, {"case", {"integration", "schemes", "characteristics", "text"}},
-    {"studies", {"case"}},  {"input", {"case"}},
-    {"results", {"input"}}, {"report", {"studies", "results"}},
-    {"record", {"report"}}, {"sweep", {"record"}},
-    {"cli", {"sweep"}},     {"testing", {"report"}},
+    {"text", {}},
+    {"scene", {}},
+    {"discretisation", {}},
+    {"dynamics", {"scene", "discretisation"}},
+    {"run", {"dynamics"}},
+    {"integration", {"run"}},
+    {"schemes", {"run"}},
+    {"characteristics", {"run"}},
+    {"case", {"integration", "schemes", "characteristics", "text"}},
+    {"studies", {"case"}},
+    {"input", {"case"}},
+    {"results", {"input"}},
+    {"report", {"studies", "results"}},
+    {"record", {"report"}},
+    {"sweep", {"record"}},
+    {"cli", {"sweep"}},
+    {"testing", {"report"}},
 };
 
 std::map<std::string, std::set<std::string>> allowed_includes() {

@@ -26,7 +26,7 @@ inline std::vector<double> equal_times(double end, std::size_t count) {
 inline Followed followed(const Scene& scene, const std::vector<double>& times, std::size_t elements = 10,
                          Observers observers = {}, const std::optional<Checkpoint>& from = std::nullopt) {
   Followed run;
-  observers.energy = true;
+  observers.energy = observers.account = true;
   observers.snapshot = [&](const Snapshot& now) {
     run.times.push_back(now.time);
     run.u.emplace_back(now.u.begin(), now.u.end());

@@ -126,8 +126,7 @@ TEST(RandomBars, GainTheMomentumOfTheirImpulses) {
         speed = std::max(speed, std::abs(run.v[k][j]));
       }
     const double mass = scene.bar.density * scene.bar.length / elements;
-    double impulse = 0.0;
-    for (const auto& end : {run.statistics.left, run.statistics.right}) impulse += end ? end->impulse : 0.0;
+    const double impulse = run.statistics.account->left.impulse + run.statistics.account->right.impulse;
     // Some twenty jumps of 2 max|v| each.
     EXPECT_NEAR(mass * (momentum[1] - momentum[0]), impulse, 40.0 * mass * speed) << seed;
   }

@@ -9,9 +9,9 @@ namespace viscobar {
 
 /// How the inertia of the P1 functions is integrated.
 enum class Mass {
-  consistent,    ///< exact, (h/6) [2 1; 1 2] per element: scheme (2.8)
-  lumped,        ///< trapezoidal, weight h, and h/2 at the ends: scheme (3.22) with its end weights corrected
-  paper,         ///< weight h at every node, ends too: the product (3.23) as printed
+  consistent,     ///< exact, (h/6) [2 1; 1 2] per element: scheme (2.8)
+  lumped,         ///< trapezoidal, weight h, and h/2 at the ends: scheme (3.22) with its end weights corrected
+  paper,          ///< weight h at every node, ends too: the product (3.23) as printed
   redistributed,  ///< consistent, but contact nodes are massless; see mass_matrix()
   fourth_order    ///< inner rows h (1, 10, 1) / 12, end rows h (7, 6, -1) / 24: see docs/fourth-order.md
 };
@@ -24,10 +24,10 @@ std::string_view name(Mass mass);     ///< in a scene file
 std::string_view meaning(Mass mass);  ///< in half a sentence
 
 /// P1 mass matrix of unit density over all nodes of the mesh, contact nodes treated alike: the matrix that weighs the
-/// load. `redistributed` gives the consistent matrix here. That of `fourth_order` has end rows: what they are beside the
-/// symmetric (5, 1) / 12 is (h / 24) (-3, 4, -1), the difference that tells h^2 / 12 times the slope at the end.
-/// @throws std::invalid_argument for `paper` and `fourth_order` on a mesh that is not uniform, and for `fourth_order` on
-/// less than three elements.
+/// load. `redistributed` gives the consistent matrix here. That of `fourth_order` has end rows: what they are beside
+/// the symmetric (5, 1) / 12 is (h / 24) (-3, 4, -1), the difference that tells h^2 / 12 times the slope at the end.
+/// @throws std::invalid_argument for `paper` and `fourth_order` on a mesh that is not uniform, and for `fourth_order`
+/// on less than three elements.
 SymmetricTridiagonal mass_matrix(const Mesh& mesh, Mass mass);
 
 /// Inertia of unit density over all nodes when the ends marked are contact nodes. Differs from mass_matrix() only for

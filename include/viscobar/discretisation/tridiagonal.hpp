@@ -8,8 +8,8 @@
 
 namespace viscobar {
 
-/// What the end rows of a matrix have beside their symmetric part: `first` at columns 0, 1, 2 of row 0, `last` at columns
-/// n-1, n-2, n-3 of row n-1.
+/// What the end rows of a matrix have beside their symmetric part: `first` at columns 0, 1, 2 of row 0, `last` at
+/// columns n-1, n-2, n-3 of row n-1.
 struct EndRows {
   std::array<double, 3> first{};
   std::array<double, 3> last{};
@@ -33,8 +33,8 @@ struct EndRows {
   }
 };
 
-/// Tridiagonal matrix A, symmetric but for its end rows: A = T + (end rows), T(i,i) = diagonal[i], T(i,i+1) = T(i+1,i) =
-/// off_diagonal[i]. A diagonal matrix has an empty off_diagonal, a symmetric one no end rows: nothing is stored or
+/// Tridiagonal matrix A, symmetric but for its end rows: A = T + (end rows), T(i,i) = diagonal[i], T(i,i+1) = T(i+1,i)
+/// = off_diagonal[i]. A diagonal matrix has an empty off_diagonal, a symmetric one no end rows: nothing is stored or
 /// multiplied for what is not there.
 struct SymmetricTridiagonal {
   std::vector<double> diagonal;       ///< n
@@ -53,9 +53,9 @@ struct SymmetricTridiagonal {
   double quadratic_form(std::span<const double> x) const;
 };
 
-/// A = L D L^T of a symmetric positive definite tridiagonal matrix; O(n) to build, O(n) to solve. With end rows A = L D U
-/// without pivoting: L has one entry beside its bidiagonal, (n-1, n-3), and U one, (0, 2); but for those and four more
-/// L = U^T.
+/// A = L D L^T of a symmetric positive definite tridiagonal matrix; O(n) to build, O(n) to solve. With end rows A = L D
+/// U without pivoting: L has one entry beside its bidiagonal, (n-1, n-3), and U one, (0, 2); but for those and four
+/// more L = U^T.
 class TridiagonalFactor {
  public:
   TridiagonalFactor() = default;
@@ -87,8 +87,8 @@ class TridiagonalFactor {
   std::optional<Ends> ends_;
 };
 
-/// Diagonal of A^{-1} in O(n): from the pivots of the eliminations that start at either end, and for what end rows add to
-/// that by Woodbury's formula.
+/// Diagonal of A^{-1} in O(n): from the pivots of the eliminations that start at either end, and for what end rows add
+/// to that by Woodbury's formula.
 std::vector<double> inverse_diagonal(const SymmetricTridiagonal& matrix);
 
 }  // namespace viscobar

@@ -102,8 +102,8 @@ class BarSystem {
 
   /// Whether M is not symmetric, so that forces do not do all that changes the energy.
   bool has_end_rows() const { return inertia_.end_rows.has_value(); }
-  /// w . rho (M - Q) a, the power that the end rows of the mass take at velocity w and acceleration a; of either only the
-  /// three entries at each end count. Of a mass with end rows.
+  /// w . rho (M - Q) a, the power that the end rows of the mass take at velocity w and acceleration a; of either only
+  /// the three entries at each end count. Of a mass with end rows.
   double end_power(std::span<const double> w, std::span<const double> a) const;
 
   /// Initial data at the unknown nodes.

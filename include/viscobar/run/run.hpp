@@ -48,8 +48,8 @@ struct EnergyAccount {
   double final = 0.0;       ///< the same at the end
   double dissipated = 0.0;  ///< by viscosity, by the dashpots of contacts, and by impacts in a scheme
   double work = 0.0;        ///< of the load
-  /// Taken by the end rows of the mass `fourth_order`, whose inertia has no energy of its own: int v.(M - Q) v' dt, Q the
-  /// symmetric part that the kinetic energy is made of. O(h^2); 0 for other masses.
+  /// Taken by the end rows of the mass `fourth_order`, whose inertia has no energy of its own: int v.(M - Q) v' dt, Q
+  /// the symmetric part that the kinetic energy is made of. O(h^2); 0 for other masses.
   double end_inertia = 0.0;
   /// Of a scheme: the most that its impacts have given the bar, which an obstacle that stands still cannot. With A(t)
   /// what impacts took up to t, max A(s) - A(t) over s <= t, nothing touching at s, and 0 at the start.
@@ -132,17 +132,17 @@ struct Statistics {
   std::size_t steps = 0;            ///< in time
   std::size_t rhs_evaluations = 0;  ///< of the right-hand side, of the residual for ida, of the step's for schemes
   std::size_t linear_solves = 0;    ///< tridiagonal
-  std::size_t matrix_factorisations = 0;  ///< tridiagonal
-  std::size_t event_evaluations = 0;      ///< steps searched for contact changes; 0 without an obstacle
-  std::size_t load_evaluations = 0;       ///< 0 without a load
-  std::size_t events = 0;                 ///< contact changes
-  double integration_seconds = 0.0;       ///< the method alone, observers' time not counted
-  double reached_time = 0.0;              ///< how far it came
-  bool completed = false;                 ///< whether to the last output time
-  double max_penetration = 0.0;           ///< max over time and contacts, >= 0
-  LateOpening late_opening;               ///< of adaptive penalised methods
-  std::optional<EnergyAccount> energy;    ///< where Observers asked for it
-  std::optional<RunAccount> account;      ///< likewise
+  std::size_t matrix_factorisations = 0;         ///< tridiagonal
+  std::size_t event_evaluations = 0;             ///< steps searched for contact changes; 0 without an obstacle
+  std::size_t load_evaluations = 0;              ///< 0 without a load
+  std::size_t events = 0;                        ///< contact changes
+  double integration_seconds = 0.0;              ///< the method alone, observers' time not counted
+  double reached_time = 0.0;                     ///< how far it came
+  bool completed = false;                        ///< whether to the last output time
+  double max_penetration = 0.0;                  ///< max over time and contacts, >= 0
+  LateOpening late_opening;                      ///< of adaptive penalised methods
+  std::optional<EnergyAccount> energy;           ///< where Observers asked for it
+  std::optional<RunAccount> account;             ///< likewise
   std::optional<Representation> representation;  ///< of `characteristics`
 };
 

@@ -17,7 +17,8 @@ EnergyFlow gauss_flow(const LinearLeg<double>& leg, const LinearLeg<double>::Ser
                       const Eigen::MatrixXd& load, double tau, double sigma);
 
 /// The flow over a whole step from velocities, loads and accelerations (n entries each; no loads without a load, no
-/// accelerations for a mass without end rows) at its eighths, by the rule of Newton and Cotes, of degree 9. `error` is how far Romberg's rule on these points, of degree 7, is off.
+/// accelerations for a mass without end rows) at its eighths, by the rule of Newton and Cotes, of degree 9. `error` is
+/// how far Romberg's rule on these points, of degree 7, is off.
 struct SampledFlow {
   EnergyFlow flow;
   double error = 0.0;
