@@ -1,7 +1,10 @@
 #include "viscobar/case/case.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "case/method_table.hpp"
 
@@ -30,9 +33,11 @@ Mass effective_mass(const Case& run) {
   return mass ? mass(run) : run.mass.value_or(Mass::consistent);
 }
 
-Penalty penalty(const Case& run) { return {run.epsilon.value_or(1.0), run.restitution.value_or(1.0)}; }
+Method method_of(const Case& run) { return method_row(run.method).options(run); }
 
-Odeint odeint(const Case& run) { return {penalty(run), run.tolerance, run.stepper, run.step}; }
+Odeint odeint(const Case& run) {
+  return {{run.epsilon, run.restitution.value_or(1.0)}, run.tolerance, run.stepper, run.step};
+}
 
 MethodName automatic_method(const Case& run) {
   const bool ends = is_obstacle(run.scene.left) || is_obstacle(run.scene.right);
@@ -46,27 +51,46 @@ std::string method_words(const Case& run) {
 }
 
 MethodName penalised_method(const Case& run) {
-  Case study = run;
-  if (!is_penalised(study.method)) study.method = MethodName::cvode;
-  const std::vector<Finding> findings = validate(study);
-  const bool refused = std::any_of(findings.begin(), findings.end(),
-                                   [](const Finding& finding) { return finding.key == "method.name"; });
-  return refused ? MethodName::ida : study.method;
+  const MethodName method = is_penalised(run.method) ? run.method : MethodName::cvode;
+  return has_algebraic_rows(run) && !method_row(method).takes_algebraic_rows ? MethodName::ida : method;
 }
 
 BarSystem make_system(const Case& run) { return BarSystem(run.scene, run.mesh(), effective_mass(run)); }
 
+namespace {
+
+Statistics simulate_from(const StartingPoint& start, const Case& run, const BarSystem& system,
+                         std::span<const double> times, const Observers& observers) {
+  try {
+    const auto integrated = [&](const auto& method) {
+      if constexpr (std::is_same_v<decltype(method), const Characteristics&>) {
+        const auto* checkpoint = std::get_if<Checkpoint>(&start);
+        const auto from = checkpoint ? std::optional(*checkpoint) : std::nullopt;
+        return integrate(run.scene, run.mesh(), from, times, method, observers);
+      } else {
+        return integrate(system, start, times, method, observers);
+      }
+    };
+    return std::visit(integrated, method_of(run));
+  } catch (const IntegrationError& error) {
+    throw IntegrationError(error.failure, fmt::format("{}; {}", error.what(), remedy(run, error.failure)),
+                           error.statistics);
+  }
+}
+
+}  // namespace
+
 Statistics simulate(const Case& run, const BarSystem& system, const Observers& observers) {
-  return simulate(run, system, run.output_times(), observers);
+  return simulate_from(system.initial_state(), run, system, run.output_times(), observers);
 }
 
 Statistics simulate(const Case& run, const BarSystem& system, std::span<const double> times,
                     const Observers& observers) {
-  return method_row(run.method).run(run, system, system.initial_state(), times, observers);
+  return simulate_from(system.initial_state(), run, system, times, observers);
 }
 
 Statistics simulate(const Case& run, const BarSystem& system, const Checkpoint& from, const Observers& observers) {
-  return method_row(run.method).run(run, system, from, run.output_times(), observers);
+  return simulate_from(from, run, system, run.output_times(), observers);
 }
 
 }  // namespace viscobar

@@ -136,8 +136,15 @@ std::vector<Finding> validate(const Case& run, const std::vector<std::string>& f
   check_grading(run, findings);
   check_memory(run, findings);
   check_initial_nodes(run, findings);
-  if (const auto refuse = method_row(run.method).refuse; refuse && findings.sound({"method.name"}))
-    refuse(run, findings);
+  if (!findings.sound({"method.name"})) return findings.take();
+  const MethodRow& method = method_row(run.method);
+  if (!method.takes_algebraic_rows && has_algebraic_rows(run) && findings.sound({"mesh.mass", "bar.viscosity"}))
+    findings.report("method.name",
+                    fmt::format("{} cannot take massless contact nodes without viscosity: their equations are "
+                                "algebraic; use arkode or ida, or a positive bar.viscosity",
+                                method.name));
+  else if (method.refuse)
+    method.refuse(run, findings);
   return findings.take();
 }
 

@@ -9,8 +9,6 @@ namespace {
 
 constexpr double most_nodal_steps = 1e8;
 
-struct AllHaveHit {};
-
 }  // namespace
 
 std::optional<std::vector<FirstImpact>> first_impacts(const Case& run) {
@@ -33,8 +31,8 @@ std::optional<std::vector<FirstImpact>> first_impacts(const Case& run) {
     if (event.change != Change::closing) return;
     if (std::any_of(found.begin(), found.end(), [&](const FirstImpact& f) { return f.where == event.where; })) return;
     found.push_back({event.where, event.time, std::max(0.0, -event.velocity)});
-    if (found.size() == places) throw AllHaveHit();
   };
+  observers.progress = [&](double) { return found.size() == places ? RunControl::stop : RunControl::go_on; };
   if (places == 0) return found;
   const BarSystem system = make_system(trial);
   const State start = system.initial_state();
@@ -50,10 +48,7 @@ std::optional<std::vector<FirstImpact>> first_impacts(const Case& run) {
       known->speed = std::max(known->speed, -v);
   }
   if (found.size() == places) return found;
-  try {
-    simulate(trial, system, observers);
-  } catch (const AllHaveHit&) {
-  }
+  simulate(trial, system, observers);
   return found;
 }
 

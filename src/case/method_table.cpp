@@ -7,8 +7,6 @@
 #include <cmath>
 #include <iterator>
 
-#include "viscobar/characteristics/characteristics.hpp"
-
 namespace viscobar {
 
 namespace {
@@ -24,47 +22,10 @@ Mass diagonal(const Case& run) {
   return mass == Mass::consistent ? Mass::lumped : mass;
 }
 
-Statistics run_cvode(const Case& run, const BarSystem& system, const StartingPoint& start,
-                     std::span<const double> times, const Observers& observers) {
-  return integrate(system, start, times, Cvode{penalty(run), run.tolerance, run.formulas}, observers);
-}
+Penalty penalty(const Case& run) { return {run.epsilon, run.restitution.value_or(1.0)}; }
 
-Statistics run_ida(const Case& run, const BarSystem& system, const StartingPoint& start, std::span<const double> times,
-                   const Observers& observers) {
-  return integrate(system, start, times, Ida{penalty(run), run.tolerance}, observers);
-}
-
-Statistics run_arkode(const Case& run, const BarSystem& system, const StartingPoint& start,
-                      std::span<const double> times, const Observers& observers) {
-  return integrate(system, start, times, Arkode{penalty(run), run.tolerance}, observers);
-}
-
-Statistics run_odeint(const Case& run, const BarSystem& system, const StartingPoint& start,
-                      std::span<const double> times, const Observers& observers) {
-  return integrate(system, start, times, odeint(run), observers);
-}
-
-Statistics run_rigid(const Case& run, const BarSystem& system, const StartingPoint& start,
-                     std::span<const double> times, const Observers& observers) {
-  return integrate(system, start, times, Rigid{run.tolerance, run.restitution.value_or(0.0)}, observers);
-}
-
-Statistics run_exponential(const Case& run, const BarSystem& system, const StartingPoint& start,
-                           std::span<const double> times, const Observers& observers) {
-  return integrate(system, start, times, Exponential{penalty(run)}, observers);
-}
-
-Statistics run_characteristics(const Case& run, const BarSystem&, const StartingPoint& start,
-                               std::span<const double> times, const Observers& observers) {
-  const auto* checkpoint = std::get_if<Checkpoint>(&start);
-  return integrate(run.scene, run.mesh(), checkpoint ? std::optional(*checkpoint) : std::nullopt, times,
-                   Characteristics{}, observers);
-}
-
-Statistics run_scheme(const Case& run, const BarSystem& system, const StartingPoint& start,
-                      std::span<const double> times, const Observers& observers) {
-  return integrate(system, start, times, FullyDiscrete{*run.step, run.start, run.restitution.value_or(0.0), run.impact},
-                   observers);
+Method scheme(const Case& run) {
+  return FullyDiscrete{*run.step, run.start, run.restitution.value_or(0.0), run.impact};
 }
 
 // A vector of a multistep method has displacement and velocity: its history and some eight more.
@@ -83,14 +44,6 @@ double odeint_vectors(const Case&, double) { return 2 * 14 + 2 * 3; }
 // Propagators of several sub-steps, dense over displacement and velocity.
 double exponential_vectors(const Case&, double nodes) { return 4.0 * 4.0 * nodes; }
 
-void refuse_cvode(const Case& run, Findings& findings) {
-  if (run.mass == Mass::redistributed && (is_obstacle(run.scene.left) || is_obstacle(run.scene.right)) &&
-      run.scene.bar.viscosity == 0.0 && findings.sound({"mesh.mass", "bar.viscosity"}))
-    findings.report("method.name",
-                    "cvode cannot take massless contact nodes without viscosity: their equations "
-                    "are algebraic; use ida, or a positive bar.viscosity");
-}
-
 // What its steppers cannot take follows from the whole system.
 void refuse_odeint(const Case& run, Findings& findings) {
   if (!findings.sound({"bar.length", "bar.density", "bar.modulus", "bar.viscosity", "left.kind", "left.gap",
@@ -98,7 +51,38 @@ void refuse_odeint(const Case& run, Findings& findings) {
                        "mesh.elements", "mesh.grading", "mesh.mass", "contact.epsilon", "contact.restitution",
                        "method.stepper", "method.step"}))
     return;
-  if (const OdeintPlan what = plan(make_system(run), run.end, odeint(run)); what.refusal) findings.add({*what.refusal});
+  const BarSystem system = make_system(run);
+  const OdeintPlan what = plan(system, run.end, odeint(run));
+  if (!what.refusal) return;
+  switch (*what.refusal) {
+    case Refusal::viscosity:
+      return findings.report("method.stepper",
+                             fmt::format("symplectic conserves what bar.viscosity = {} dissipates; use dopri5 or "
+                                         "rosenbrock4",
+                                         run.scene.bar.viscosity));
+    case Refusal::restitution:
+      return findings.report("method.stepper",
+                             fmt::format("symplectic conserves what contact.restitution = {} dissipates; use dopri5 or "
+                                         "rosenbrock4",
+                                         *run.restitution));
+    case Refusal::no_step:
+      return findings.report("method.step", "is missing: the symplectic stepper of odeint has a fixed time step");
+    case Refusal::unstable_step:
+      return findings.report("method.step", fmt::format("is {}: the symplectic stepper is unstable here above {:.3g}",
+                                                        *run.step, what.longest_step));
+    case Refusal::many_unknowns:
+      return findings.report("method.stepper",
+                             fmt::format("rosenbrock4 works with dense matrices, up to {} unknown nodes, here are {}; "
+                                         "use arkode, or dopri5",
+                                         Odeint::most_dense_unknowns, system.size()));
+    case Refusal::many_steps: {
+      const bool fixed = what.stepper == Stepper::symplectic;
+      return findings.report(fixed ? "method.step" : "method.name",
+                             fmt::format("{} would make at least {:.1e} steps{}", name(what.stepper), what.least_steps,
+                                         fixed ? "" : ": it is explicit, and the scene is stiff; use cvode or arkode"));
+    }
+    default: return;  // algebraic rows are reported of every method that does not take them
+  }
 }
 
 void refuse_exponential(const Case& run, Findings& findings) {
@@ -112,14 +96,22 @@ void refuse_exponential(const Case& run, Findings& findings) {
 void refuse_characteristics(const Case& run, Findings& findings) {
   if (!findings.sound({"bar.length", "bar.density", "bar.modulus", "bar.viscosity", "time.end"})) return;
   const Bar& bar = run.scene.bar;
-  if (const auto problem = misfit(run.scene, Characteristics{})) findings.report("method.name", *problem);
-  if (const double passages = run.end * std::sqrt(bar.modulus / bar.density) / bar.length;
-      !(passages <= Characteristics::most_passages))
+  const auto why = refusal(run.scene, run.end, Characteristics{});
+  if (why == Refusal::viscosity)
+    findings.report("method.name",
+                    fmt::format("characteristics carries waves unchanged, and bar.viscosity = {} changes them; use "
+                                "rigid, or one of the penalised methods",
+                                bar.viscosity));
+  if (why == Refusal::span)
+    findings.report("method.name",
+                    "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; "
+                    "use fully_discrete, or one of the penalised methods");
+  if (why == Refusal::many_steps)
     findings.report(
         "time.end",
         fmt::format("characteristics follows a wave from passage to passage through the bar, here {:.2g} of "
                     "them, at most {:.0g}; choose an earlier end",
-                    passages, Characteristics::most_passages));
+                    run.end * std::sqrt(bar.modulus / bar.density) / bar.length, Characteristics::most_passages));
 }
 
 void refuse_rigid(const Case& run, Findings& findings) {
@@ -147,51 +139,63 @@ void refuse_finite_difference(const Case& run, Findings& findings) {
 }
 
 // The seconds are fits to tests/measurements/sweep.cpp; the table in docs/internals/sweep-balance.md has their errors.
-constexpr StepSeconds multistep{1.6e-6, 12e-9}, scheme{0.18e-6, 1.3e-9};
+constexpr StepSeconds multistep{1.6e-6, 12e-9}, step_of_scheme{0.18e-6, 1.3e-9};
 
 // clang-format off
 constexpr MethodRow rows[] = {
     {.method = MethodName::cvode, .name = "cvode",
      .meaning = "penalised bar, multistep formulas of SUNDIALS' CVODE",
      .penalised = true, .accuracy = Accuracy::tolerances, .seconds = multistep,
-     .run = run_cvode, .vectors = cvode_vectors, .refuse = refuse_cvode},
+     .options = [](const Case& run) -> Method { return Cvode{penalty(run), run.tolerance, run.formulas}; },
+     .vectors = cvode_vectors, .takes_algebraic_rows = false},
     {.method = MethodName::ida, .name = "ida",
      .meaning = "penalised bar as a differential-algebraic system, SUNDIALS' IDA: also massless nodes without viscosity",
      .penalised = true, .accuracy = Accuracy::tolerances, .seconds = {1.3e-6, 14e-9},
-     .run = run_ida, .vectors = bdf_vectors},
+     .options = [](const Case& run) -> Method { return Ida{penalty(run), run.tolerance}; },
+     .vectors = bdf_vectors},
     {.method = MethodName::arkode, .name = "arkode",
      .meaning = "penalised bar, implicit Runge-Kutta formulas of order 5 of SUNDIALS' ARKODE: also massless nodes without viscosity",
      .penalised = true, .accuracy = Accuracy::tolerances, .seconds = multistep,
-     .run = run_arkode, .vectors = arkode_vectors},
+     .options = [](const Case& run) -> Method { return Arkode{penalty(run), run.tolerance}; },
+     .vectors = arkode_vectors},
     {.method = MethodName::odeint, .name = "odeint",
      .meaning = "penalised bar by Boost.Odeint's steppers, an independent integrator",
      .penalised = true, .accuracy = Accuracy::tolerances, .seconds = multistep,
-     .run = run_odeint, .vectors = odeint_vectors, .refuse = refuse_odeint},
+     .options = [](const Case& run) -> Method { return odeint(run); },
+     .vectors = odeint_vectors, .takes_algebraic_rows = false, .refuse = refuse_odeint},
     {.method = MethodName::rigid, .name = "rigid",
      .meaning = "the limit epsilon = 0 itself, on the redistributed mass where none is named; no span obstacle",
      .penalised = false, .accuracy = Accuracy::tolerances, .seconds = multistep,
-     .run = run_rigid, .vectors = bdf_vectors, .mass = redistributed, .refuse = refuse_rigid},
+     .options = [](const Case& run) -> Method { return Rigid{run.tolerance, run.restitution.value_or(0.0)}; },
+     .vectors = bdf_vectors, .mass = redistributed, .refuse = refuse_rigid},
     {.method = MethodName::exponential, .name = "exponential",
      .meaning = "penalised bar by matrix exponentials, a reference on small meshes",
      .penalised = true, .accuracy = Accuracy::rounding, .seconds = {},
-     .run = run_exponential, .vectors = exponential_vectors, .refuse = refuse_exponential},
+     .options = [](const Case& run) -> Method { return Exponential{penalty(run)}; },
+     .vectors = exponential_vectors, .refuse = refuse_exponential},
     {.method = MethodName::characteristics, .name = "characteristics",
      .meaning = "exact waves of an undamped bar, whatever the mesh; obstacles at its ends only",
      .penalised = false, .accuracy = Accuracy::rounding, .seconds = {0.5e-6, 60e-9},
-     .run = run_characteristics, .mass = consistent, .refuse = refuse_characteristics},
+     .options = [](const Case&) -> Method { return Characteristics{}; },
+     .mass = consistent, .refuse = refuse_characteristics},
     {.method = MethodName::fully_discrete, .name = "fully_discrete",
      .meaning = "the paper's scheme (2.8), implicit in the constraint",
-     .penalised = false, .accuracy = Accuracy::step, .seconds = scheme,
-     .run = run_scheme},
+     .penalised = false, .accuracy = Accuracy::step, .seconds = step_of_scheme,
+     .options = scheme},
     {.method = MethodName::finite_difference, .name = "finite_difference",
      .meaning = "the paper's scheme (3.22): (2.8) with a diagonal mass",
-     .penalised = false, .accuracy = Accuracy::step, .seconds = scheme,
-     .run = run_scheme, .mass = diagonal, .refuse = refuse_finite_difference},
+     .penalised = false, .accuracy = Accuracy::step, .seconds = step_of_scheme,
+     .options = scheme, .mass = diagonal, .refuse = refuse_finite_difference},
 };
 // clang-format on
 static_assert(std::ranges::equal(rows, all_methods, {}, &MethodRow::method), "a row for each method, in their order");
 
 }  // namespace
+
+bool has_algebraic_rows(const Case& run) {
+  return run.mass == Mass::redistributed && (is_obstacle(run.scene.left) || is_obstacle(run.scene.right)) &&
+         run.scene.bar.viscosity == 0.0;
+}
 
 std::span<const MethodRow> method_table() { return rows; }
 

@@ -28,13 +28,16 @@ struct MethodRow {
   bool penalised;
   Accuracy accuracy;
   StepSeconds seconds;
-  Statistics (*run)(const Case&, const BarSystem&, const StartingPoint& start, std::span<const double> times,
-                    const Observers&);
+  Method (*options)(const Case&);
   double (*vectors)(const Case&, double nodes) = nullptr;  ///< own memory, in vectors with an entry a node
   Mass (*mass)(const Case&) = nullptr;                     ///< that it runs on, where not the case's
-  /// Adds what the method, known to be meant, cannot take.
+  bool takes_algebraic_rows = true;                        ///< massless contact nodes without viscosity
+  /// Adds what else the method, known to be meant, cannot take.
   void (*refuse)(const Case&, Findings&) = nullptr;
 };
+
+/// Whether the case has massless contact nodes without viscosity, whose equations are algebraic.
+bool has_algebraic_rows(const Case& run);
 
 /// In the order of all_methods.
 std::span<const MethodRow> method_table();

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -16,7 +15,7 @@
 #include "characteristics/initial_waves.hpp"
 #include "characteristics/load_gain.hpp"
 #include "run/parts.hpp"
-#include "run/stopwatch.hpp"
+#include "run/telling.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 
 namespace viscobar {
@@ -74,8 +73,9 @@ class Run {
         observers_(observers),
         passage_(scene.bar.length / std::sqrt(scene.bar.modulus / scene.bar.density)),
         impedance_(std::sqrt(scene.bar.modulus * scene.bar.density)),
-        before_(from ? from->statistics : Statistics{}),
-        statistics_(before_),
+        statistics_(from ? from->statistics : Statistics{}),
+        load_evaluations_before_(statistics_.load_evaluations),
+        telling_(observers, statistics_),
         t_(from ? from->time : times.front()),
         schedule_(observers, times, t_),
         data_(initial_data(scene_)),
@@ -96,12 +96,12 @@ class Run {
         begin();
       for (;; ++k_) {
         enter();
-        if (auto checkpoint = tell_passage()) return std::move(*checkpoint);
+        if (auto end = tell_passage()) return std::move(*end);
         if (k_ == last_passage_) break;
         leave();
       }
     } catch (const LoadError& error) {
-      fail(error.what());
+      fail(Failure::load, error.what());
     }
     finish();
     return reached();
@@ -127,10 +127,10 @@ class Run {
 
   Statistics reached() {
     statistics_.reached_time = t_;
-    statistics_.load_evaluations = load_ ? before_.load_evaluations + load_->evaluations() : 0;
+    statistics_.load_evaluations = load_ ? load_evaluations_before_ + load_->evaluations() : 0;
     statistics_.event_evaluations = left_.searched() + right_.searched();
     statistics_.unknowns = largest_;
-    statistics_.integration_seconds = before_.integration_seconds + watch_.seconds();
+    telling_.count_seconds();
     if (statistics_.account) {
       account(statistics_.account->left, left_, scene_.left);
       account(statistics_.account->right, right_, scene_.right);
@@ -154,8 +154,8 @@ class Run {
     account.peak_reaction = impedance_ * borne.max_reaction;
   }
 
-  [[noreturn]] void fail(const std::string& what) {
-    throw IntegrationError(fmt::format("characteristics stopped at t = {}: {}", t_, what), reached());
+  [[noreturn]] void fail(Failure why, const std::string& what) {
+    throw IntegrationError(why, fmt::format("characteristics stopped at t = {}: {}", t_, what), reached());
   }
 
   void begin() {
@@ -287,8 +287,8 @@ class Run {
     told_ = 0;
   }
 
-  // Outputs, events and checkpoints of the present passage.
-  std::optional<Checkpoint> tell_passage() {
+  // Outputs, events and checkpoints of the present passage; the end of this part of the run, where it is there.
+  std::optional<PartEnd> tell_passage() {
     told_ = std::exchange(skip_, 0);
     const double end = last() ? times_.back() : std::min(time_at(1.0), times_.back());
     if (k_ == 0 && next_output_ == 0) tell_events(times_.front());
@@ -303,7 +303,7 @@ class Run {
       t_ = stop;
       if (stop == end && !output) tell_events(std::numeric_limits<double>::infinity());
       if (advanced) {
-        if (observers_.progress) watch_.outside([&] { observers_.progress(t_); });
+        if (!telling_.progress(t_)) return reached();
         if (t_ < times_.back() && schedule_.due(t_)) return Checkpoint{t_, next_output_, reached(), archived(*this)};
       }
       if (!at_output && stop == end) {
@@ -332,7 +332,7 @@ class Run {
       told.impulse = impedance_ * passage_ * (left ? left_ : right_).impulse_at(event.s, sent);
       statistics_.account->count(told);
     }
-    if (observers_.event) watch_.outside([&] { observers_.event(told); });
+    telling_.told(told);
   }
 
   Field field(double s) {
@@ -361,7 +361,7 @@ class Run {
     v_.back() = right_.velocity_at(s, right);
     for (const double u : {u_.front(), u_.back()}) place_scale_ = std::max(place_scale_, std::abs(u));
     const Snapshot snapshot{t, u_, v_, impedance_ * left_.force_at(s, left), impedance_ * right_.force_at(s, right)};
-    watch_.outside([&] { observers_.snapshot(snapshot); });
+    telling_.snapshot(snapshot);
   }
 
   void leave() {
@@ -373,11 +373,11 @@ class Run {
       error_ += simplify(*sent, tolerance, negligible, of_time, arriving_) + sent->left_out();
       *count = sent->size();
       if (*count > most_pieces)
-        fail(fmt::format(
-            "{} contact changes have broken the waves into more than {} pieces, and each passage breaks them "
-            "further: there is no end of the detail that the exact motion has; choose an earlier time.end, "
-            "a positive bar.viscosity with another method.name, or rigid",
-            statistics_.events, most_pieces));
+        fail(Failure::detail,
+             fmt::format(
+                 "{} contact changes have broken the waves into more than {} pieces, and each passage breaks them "
+                 "further: there is no end of the detail that the exact motion has",
+                 statistics_.events, most_pieces));
     }
     std::swap(sent_left_, sent_left_before_);
     std::swap(sent_right_, sent_right_before_);
@@ -423,9 +423,10 @@ class Run {
   std::size_t nodes_ = mesh_.nodes();  // of the run that a checkpoint is of
   std::span<const double> times_;
   const Observers& observers_;
-  Stopwatch watch_;
   double passage_, impedance_;  // L / c, rho c
-  Statistics before_, statistics_;
+  Statistics statistics_;
+  std::size_t load_evaluations_before_;
+  Telling telling_;
   double t_;
   CheckpointSchedule schedule_;
   InitialData data_;
@@ -449,39 +450,22 @@ class Run {
   std::vector<double> u_, v_, moment_breaks_;
 };
 
-void check(const Scene& scene, std::span<const double> times, const Characteristics& method) {
-  if (times.size() < 2 || !std::is_sorted(times.begin(), times.end(), std::less_equal<>()) ||
-      !std::isfinite(times.front()) || !std::isfinite(times.back()))
-    throw std::invalid_argument("two output times at least, finite and strictly increasing, are needed");
-  if (const auto problem = misfit(scene, method)) throw std::invalid_argument(*problem);
-  const double passages =
-      (times.back() - times.front()) * std::sqrt(scene.bar.modulus / scene.bar.density) / scene.bar.length;
-  if (!(passages <= Characteristics::most_passages))
-    throw std::invalid_argument(fmt::format(
-        "characteristics follows a wave from passage to passage through the bar, here {:.2g} of them, at most {:.0g}; "
-        "choose an earlier time.end",
-        passages, Characteristics::most_passages));
-}
-
 }  // namespace
 
-std::optional<std::string> misfit(const Scene& scene, const Characteristics&) {
-  if (scene.bar.viscosity > 0.0)
-    return fmt::format(
-        "characteristics carries waves unchanged, and bar.viscosity = {} changes them; use rigid, or one of the "
-        "penalised methods",
-        scene.bar.viscosity);
-  if (scene.span)
-    return "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; use "
-           "fully_discrete, or one of the penalised methods";
+std::optional<Refusal> refusal(const Scene& scene, double end, const Characteristics&) {
+  if (scene.bar.viscosity > 0.0) return Refusal::viscosity;
+  if (scene.span) return Refusal::span;
+  const double passages = end * std::sqrt(scene.bar.modulus / scene.bar.density) / scene.bar.length;
+  if (!(passages <= Characteristics::most_passages)) return Refusal::many_steps;
   return std::nullopt;
 }
 
 Statistics integrate(const Scene& scene, const Mesh& mesh, const std::optional<Checkpoint>& from,
                      std::span<const double> times, const Characteristics& method, const Observers& observers) {
-  check(scene, times, method);
+  require_times(times);
+  if (const auto why = refusal(scene, times.back() - times.front(), method)) throw Unfit("characteristics", *why);
   const StartingPoint start = from ? StartingPoint(*from) : StartingPoint(State{});
-  return run_in_parts(start, observers, [&](const StartingPoint& part) {
+  return run_in_parts(start, times, observers, [&](const StartingPoint& part) {
     const auto* checkpoint = std::get_if<Checkpoint>(&part);
     const auto begin = checkpoint ? std::optional(*checkpoint) : std::nullopt;
     return Run(scene, mesh, begin, times, observers)(begin);

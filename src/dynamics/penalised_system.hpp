@@ -27,8 +27,8 @@ namespace viscobar {
 /// Refers to a BarSystem that must outlive it; one object per integration (it owns the load's buffers).
 class PenalisedSystem {
  public:
-  /// @throws std::invalid_argument for epsilon = 0 under a span obstacle, whose nodes collide together, or where a
-  /// contact node has no unknown node beside it
+  /// @throws std::invalid_argument for contacts without epsilon, and for epsilon = 0 under a span obstacle, whose nodes
+  /// collide together, or where a contact node has no unknown node beside it
   PenalisedSystem(const BarSystem& bar, const Penalty& penalty);
 
   const BarSystem& bar() const { return bar_; }     ///< without its contacts

@@ -1,6 +1,7 @@
 #include "viscobar/dynamics/penalty_law.hpp"
 
 #include <numbers>
+#include <stdexcept>
 
 namespace viscobar {
 
@@ -11,7 +12,8 @@ double damping_ratio(double restitution) {
 }
 
 PenaltyLaw penalty_law(const Penalty& penalty, double weight, double effective_mass) {
-  const double stiffness = weight / penalty.epsilon;
+  if (!penalty.epsilon) throw std::invalid_argument("the penalty of a contact has no epsilon");
+  const double stiffness = weight / *penalty.epsilon;
   const double ratio = damping_ratio(penalty.restitution);
   if (ratio == 0.0 || effective_mass == 0.0) return {stiffness, 0.0};
   return {stiffness, 2.0 * ratio * std::sqrt(stiffness * effective_mass)};

@@ -76,7 +76,8 @@ Case case_of(const SceneEntries& entries) {
   run.automatic = entries.text("method.name").value_or(std::string(automatic)) == automatic;
   run.method = run.automatic ? automatic_method(run) : chosen("method.name", all_methods, MethodName::cvode);
   const bool local = entries.text("method.error_control") == "local";
-  run.tolerance = {number("method.relative_tolerance", 1e-6), number("method.absolute_tolerance", 1e-9),
+  run.tolerance = {number("method.relative_tolerance", Tolerance{}.relative),
+                   number("method.absolute_tolerance", Tolerance{}.absolute),
                    local ? ErrorControl::local : ErrorControl::global};
   const auto formulas = entries.text("method.formulas");
   run.formulas = formulas == "adams" ? Formulas::adams : formulas == "bdf" ? Formulas::bdf : Formulas::automatic;

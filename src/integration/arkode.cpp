@@ -1,17 +1,183 @@
+#include <arkode/arkode_arkstep.h>
+
+#include <memory>
+#include <span>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "integration/error_weights.hpp"
+#include "integration/step_polynomial.hpp"
 #include "integration/stepwise_run.hpp"
-#include "integration/sundials/arkode_stepper.hpp"
+#include "integration/sundials/leg.hpp"
 #include "viscobar/integration/integrate.hpp"
 
 namespace viscobar {
 
+namespace {
+
+using namespace sundials;
+
+struct ArkodeDeleter {
+  void operator()(void* memory) const noexcept { ARKStepFree(&memory); }
+};
+
+struct ArkodeStage {
+  double t = 0.0, gamma = 0.0;
+  N_Vector predicted = nullptr, current = nullptr, rate = nullptr, known = nullptr;
+};
+
+// The stage at work, or the last one of the step made.
+ArkodeStage stage(const Leg& leg) {
+  ArkodeStage now;
+  void* user = nullptr;
+  ARKStepGetNonlinearSystemData(leg.memory, &now.t, &now.predicted, &now.current, &now.rate, &now.gamma, &now.known,
+                                &user);
+  return now;
+}
+
+// A stage of ARKODE asks for x with  x = gamma f(t, y_pred + x) + z,  z what is known from the stages before.
+void solve_stage(Leg& leg, std::span<double> correction) {
+  const ArkodeStage now = stage(leg);
+  leg.solve_first_order(now.t, now.gamma, values(now.predicted), 1.0, values(now.known), correction);
+}
+
+// Steps of ARKODE's ESDIRK547L2SA2 on the legs of a run .
+//
+// The mass matrix is never given to the library, yet it is inverted once a leg only, for the rate at its beginning:
+// the rates of the stages follow from their own equations, f = (x - z) / gamma, and the last stage of a stiffly
+// accurate method is the new state.
+class ArkodeStepper final : public LegStepper {
+ public:
+  ArkodeStepper(const StepperParts& parts, const Tolerance& tolerance)
+      : leg_(parts.system, Layout(parts.system, false), parts.statistics),
+        weights_(parts.system, leg_.layout, tolerance, one_step_accumulation),
+        end_(parts.times.back()),
+        step_(parts.system, parts.layout),
+        state_(make_vector(leg_.layout.size, context_)),
+        rate_(make_vector(leg_.layout.size, context_)),
+        solver_(make_step_solver(leg_, solve_stage, context_)) {}
+
+  void begin_run(std::vector<std::size_t> sampled_entries) override { step_.begin_run(std::move(sampled_entries)); }
+
+  void restart(double t, double stop, std::span<const double> y) override {
+    stop_ = stop;
+    weights_.tighten(leg_.statistics.events);
+    std::ranges::copy(y.first(leg_.layout.size), values(state_).begin());
+    StepPolynomial::End& start = step_.end();
+    start.t = t;
+    std::ranges::copy(y, start.y.begin());
+    evaluate(t, start.y, values(rate_));
+    std::ranges::copy(leg_.layout.w(values(rate_)), start.a.begin());
+    step_.restart();
+    // A reset keeps the step of the leg before, which chatter makes right more often than a first step found anew.
+    if (memory_)
+      check("ARKStepReset", ARKStepReset(memory_.get(), t, state_.get()));
+    else
+      create(t);
+    check("ARKStepSetStopTime", ARKStepSetStopTime(memory_.get(), stop_));
+  }
+
+  double advance() override {
+    double t = 0.0;
+    const int flag = ARKStepEvolve(memory_.get(), stop_, state_.get(), &t, ARK_ONE_STEP);
+    // It has freed what interpolates then, and ARKStepFree would do so again.
+    if (flag == ARK_MEM_FAIL) std::ignore = memory_.release(), throw std::bad_alloc();
+    require_memory();
+    if (flag < 0) fail(leg_, "ARKStepEvolve", flag, flag_name(ARKStepGetReturnFlagName(flag)), arkode_flags());
+    step_.advance();
+    StepPolynomial::End& reached = step_.end();
+    reached.t = t;
+    std::ranges::copy(values(state_), reached.y.begin());
+    std::ranges::copy(values(stage(leg_).rate), values(rate_).begin());
+    std::ranges::copy(leg_.layout.w(values(rate_)), reached.a.begin());
+    double length = 0.0;
+    check("ARKStepGetLastStep", ARKStepGetLastStep(memory_.get(), &length));
+    step_.tolerate(weights_.displacement_tolerance());
+    // The last stage is the new state, and its correction leads there from the old one.
+    step_.finish(length, leg_.correction.first(leg_.layout.nodes));
+    return t;
+  }
+
+  std::size_t order() const override { return StepPolynomial::degree; }
+  void interpolate(double t, std::span<double> y) override { step_.at(t, y); }
+  std::span<const double> sample(double t, int derivative) override { return step_.sample(t, derivative); }
+  void select(std::span<const std::size_t> sampled) override { step_.select(sampled); }
+  void hull(std::span<double> lowest, std::span<double> highest) override { step_.hull(lowest, highest); }
+  ErrorWeights& weights() override { return weights_; }
+
+ private:
+  void create(double t) {
+    memory_.reset(ARKStepCreate(nullptr, right_hand_side, t, state_.get(), context_.get()));
+    require_memory();
+    if (!memory_) throw std::bad_alloc();
+    void* memory = leg_.memory = memory_.get();
+    VISCOBAR_KEEP_MESSAGES(ARKStep, memory, context_, leg_.library_message);
+    check("ARKStepSetUserData", ARKStepSetUserData(memory, this));
+    check("ARKStepWFtolerances", ARKStepWFtolerances(memory, error_weights));
+    check("ARKStepSetTableNum", ARKStepSetTableNum(memory, ARKODE_ESDIRK547L2SA2_7_4_5, ARKODE_ERK_NONE));
+    check("ARKStepSetNonlinearSolver", ARKStepSetNonlinearSolver(memory, solver_.get()));
+    check("ARKStepSetPredictorMethod", ARKStepSetPredictorMethod(memory, 0));  // the state that the step begins with
+    check("ARKStepSetDeduceImplicitRhs", ARKStepSetDeduceImplicitRhs(memory, SUNTRUE));
+    if (leg_.system.load_varies())
+      check("ARKStepSetMaxStep", ARKStepSetMaxStep(memory, longest_step(leg_.system, end_ - t)));
+    // The step is interpolated by StepPolynomial; the least that the library can be asked to keep for its own.
+    check("ARKStepSetInterpolantType", ARKStepSetInterpolantType(memory, ARK_INTERP_LAGRANGE));
+    check("ARKStepSetInterpolantDegree", ARKStepSetInterpolantDegree(memory, 0));
+    // Between two changes the steps are of one size; a controller that looks at the last error alone makes fewer.
+    check("ARKStepSetAdaptivityMethod", ARKStepSetAdaptivityMethod(memory, ARK_ADAPT_I, 1, 0, nullptr));
+    // The step of the leg before may be far too long for a stiff contact.
+    check("ARKStepSetMaxErrTestFails", ARKStepSetMaxErrTestFails(memory, 50));
+  }
+
+  void check(const char* call, int flag) {
+    require_memory();
+    if (flag != ARK_SUCCESS) fail(leg_, call, flag, flag_name(ARKStepGetReturnFlagName(flag)), arkode_flags());
+  }
+
+  void evaluate(double t, std::span<const double> y, std::span<double> rate) {
+    const Layout& layout = leg_.layout;
+    const std::span<double> w = layout.u(rate);
+    std::ranges::copy(y.subspan(layout.nodes, layout.nodes), w.begin());
+    leg_.system.complete_velocity(t, y.first(layout.nodes), w);
+    leg_.system.force(t, y.first(layout.nodes), w, layout.w(rate));
+    leg_.system.accelerate(layout.w(rate));
+    ++leg_.statistics.rhs_evaluations;
+  }
+
+  // Asked for at the beginning of each step, where it is known, and once to find the first step.
+  static int right_hand_side(double t, N_Vector y, N_Vector rate, void* user) noexcept {
+    ArkodeStepper& self = *static_cast<ArkodeStepper*>(user);
+    return guarded(self.leg_, [&] {
+      if (t == self.step_.end().t)
+        std::ranges::copy(values(self.rate_), values(rate).begin());
+      else
+        self.evaluate(t, values(y), values(rate));
+    });
+  }
+
+  static int error_weights(N_Vector y, N_Vector weights, void* user) noexcept {
+    auto* stepper = static_cast<ArkodeStepper*>(user);
+    stepper->weights_.fill(values(y), values(weights));
+    return 0;
+  }
+
+  Context context_;
+  Leg leg_;
+  ErrorWeights weights_;
+  double end_, stop_ = 0.0;  // of the run, and of the leg
+  StepPolynomial step_;
+  Vector state_, rate_;  // at the end of the last step
+  NonlinearSolver solver_;
+  std::unique_ptr<void, ArkodeDeleter> memory_;
+};
+
+}  // namespace
+
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Arkode& method, const Observers& observers) {
-  return run_in_parts(start, observers, [&](const StartingPoint& from) {
-    PenalisedSystem penalised(system, method.penalty);
-    const Layout layout(penalised, observers.energy);
-    Statistics statistics = statistics_before(from);
-    sundials::ArkodeStepper stepper(penalised, layout, method.tolerance, times.back(), statistics);
-    return run_stepwise("arkode", penalised, layout, stepper, statistics, from, times, observers);
+  return run_stepwise("arkode", system, method.penalty, start, times, observers, [&](const StepperParts& parts) {
+    return std::make_unique<ArkodeStepper>(parts, method.tolerance);
   });
 }
 

@@ -50,15 +50,26 @@ Bernstein Bernstein::through(std::span<const double> samples) {
   return p;
 }
 
+Bernstein Bernstein::of_powers(std::span<const double> coefficients) {
+  assert(!coefficients.empty() && coefficients.size() <= max_power + 1);
+  Bernstein p;
+  p.degree_ = coefficients.size() - 1;
+  std::ranges::copy(coefficients, p.c_.begin());
+  double binomial = 1.0;
+  for (std::size_t k = 1; k <= p.degree_; ++k) {
+    binomial *= static_cast<double>(p.degree_ - k + 1) / static_cast<double>(k);
+    p.c_[k] /= binomial;
+  }
+  for (std::size_t first = 1; first <= p.degree_; ++first)
+    for (std::size_t k = p.degree_; k >= first; --k) p.c_[k] += p.c_[k - 1];
+  return p;
+}
+
 double Bernstein::operator()(double s) const {
-  std::array<double, max_degree + 1> b = c_;
+  auto b = c_;
   for (std::size_t r = degree_; r > 0; --r)
     for (std::size_t j = 0; j < r; ++j) b[j] += s * (b[j + 1] - b[j]);
   return b[0];
-}
-
-double Bernstein::smallest_coefficient() const {
-  return *std::min_element(c_.begin(), c_.begin() + static_cast<std::ptrdiff_t>(degree_) + 1);
 }
 
 double Bernstein::mean(std::span<const double> samples) {
@@ -82,7 +93,7 @@ double Bernstein::excess(std::size_t degree) {
 namespace {
 
 struct Interval {
-  std::array<double, Bernstein::max_degree + 1> c;
+  std::array<double, Bernstein::max_power + 1> c;
   double begin, length;
 
   // The left half; this becomes the right one.
@@ -97,6 +108,16 @@ struct Interval {
     return left;
   }
 };
+
+// The first descent below the threshold: an interval is given up once its hull stays above.
+std::optional<double> descend(Interval on, std::size_t degree, double threshold, double finest) {
+  if (*std::min_element(on.c.begin(), on.c.begin() + static_cast<std::ptrdiff_t>(degree) + 1) >= threshold)
+    return std::nullopt;
+  if (on.c[0] < threshold || on.length <= finest) return on.begin;
+  const Interval left = on.split(degree);
+  if (const auto found = descend(left, degree, threshold, finest)) return found;
+  return descend(on, degree, threshold, finest);
+}
 
 // Raises `known` to the largest value on the interval, unless its hull stays below.
 void raise(Interval on, std::size_t degree, double rounding, double& known) {
@@ -127,22 +148,8 @@ double Bernstein::smallest(double known) const {
   return -negative.largest(-known);
 }
 
-std::optional<double> Bernstein::first_descent(double threshold) const {
-  if (smallest_coefficient() >= threshold) return std::nullopt;
-  // Depth-first from the left; an interval is given up once its hull stays above, and halved until it is a number.
-  std::vector<Interval> pending{{c_, 0.0, 1.0}};
-  while (!pending.empty()) {
-    Interval now = pending.back();
-    pending.pop_back();
-    const auto last = now.c.begin() + static_cast<std::ptrdiff_t>(degree_) + 1;
-    if (*std::min_element(now.c.begin(), last) >= threshold) continue;
-    if (now.c[0] < threshold) return now.begin;
-    if (now.length <= std::numeric_limits<double>::epsilon()) return now.begin;
-    const Interval left = now.split(degree_);
-    pending.push_back(now);
-    pending.push_back(left);
-  }
-  return std::nullopt;
+std::optional<double> Bernstein::first_descent(double threshold, double finest) const {
+  return descend({c_, 0.0, 1.0}, degree_, threshold, finest);
 }
 
 }  // namespace viscobar

@@ -11,14 +11,16 @@ namespace viscobar {
 /// of its coefficients, so that a sign of all of them is a proof of its sign: no crossing can hide between samples.
 class Bernstein {
  public:
-  static constexpr std::size_t max_degree = 12;
+  static constexpr std::size_t max_degree = 12;  ///< of one through samples
+  static constexpr std::size_t max_power = 22;   ///< of one of powers
 
   /// Interpolates samples at s = j / degree, j = 0 .. degree.
   static Bernstein through(std::span<const double> samples);
+  /// sum_k coefficients[k] s^k
+  static Bernstein of_powers(std::span<const double> coefficients);
 
   std::size_t degree() const { return degree_; }
   double operator()(double s) const;
-  double smallest_coefficient() const;
   /// Integral over [0, 1] of the polynomial through samples.
   static double mean(std::span<const double> samples);
   /// How far it may leave the samples' range to either side, in lengths of that range: (Lebesgue's constant - 1) / 2.
@@ -29,12 +31,12 @@ class Bernstein {
   double smallest(double known) const;
 
   /// The first s at which p passes below `threshold`: p(s) = threshold, and p is below behind it. 0 when p starts
-  /// below. Absent when p stays at or above it throughout.
-  std::optional<double> first_descent(double threshold) const;
+  /// below. Absent when p stays at or above it throughout. No interval shorter than `finest` is halved.
+  std::optional<double> first_descent(double threshold, double finest = 0x1p-52) const;
 
  private:
   std::size_t degree_ = 0;
-  std::array<double, max_degree + 1> c_{};
+  std::array<double, max_power + 1> c_{};
 };
 
 }  // namespace viscobar

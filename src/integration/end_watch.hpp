@@ -1,8 +1,6 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -26,17 +24,7 @@ namespace viscobar {
 class EndWatch {
  public:
   /// Both outlive it.
-  EndWatch(PenalisedSystem& system, RunAccount& account) : system_(system), bar_(system.bar()) {
-    const std::size_t last = system.size() - 1;
-    if (bar_.left_fixed())
-      stand(account.left, *bar_.left_displacement());
-    else
-      watch(account.left, 0, last > 0 ? std::optional<std::size_t>(1) : std::nullopt, bar_.right_displacement());
-    if (bar_.right_fixed())
-      stand(account.right, *bar_.right_displacement());
-    else
-      watch(account.right, last, last > 0 ? std::optional(last - 1) : std::nullopt, bar_.left_displacement());
-  }
+  EndWatch(PenalisedSystem& system, RunAccount& account);
 
   /// Appends the entries of (u, w) that it samples.
   void ask_for(std::vector<std::size_t>& entries) {
@@ -64,90 +52,34 @@ class EndWatch {
   }
 
   /// The run is at t in the state (u, w).
-  void begin(double t, std::span<const double> y) {
-    seen_ = t;
-    std::array<double, 4> values{};
-    for (End& end : ends_) {
-      for (std::size_t k = 0; k < end.entries.size(); ++k) values[k] = y[end.entries[k]];
-      const double u = displacement(end, t, values);
-      end.account->displacement = u;
-      end.account->lowest = std::min(end.account->lowest, u);
-      end.account->highest = std::max(end.account->highest, u);
-      end.stored = stored(end, values);
-    }
-  }
+  void begin(double t, std::span<const double> y);
 
   /// Whether the step up to `to` counts, velocities being below `fastest` in it: not where an end is open and cannot
   /// have got beyond the range that it has been in.
-  bool concerned(double to, double fastest) const {
-    return std::ranges::any_of(ends_, [&](const End& end) {
-      const EndAccount& account = *end.account;
-      const double room = std::min(account.highest - account.displacement, account.displacement - account.lowest);
-      return fastest * (to - seen_) >= room || closed(end);
-    });
-  }
+  bool concerned(double to, double fastest) const;
 
-  /// Looks at the step that the stepper has made last, from `from` up to `to`.
-  template <class Stepper>
-  void look_at(double from, double to, Stepper& stepper) {
-    begin_look(from, to, stepper.order());
-    for (std::size_t j = 0; j <= order_; ++j) {
-      const double t = j == order_ ? to : from + length_ * static_cast<double>(j) / static_cast<double>(order_);
-      look_at(j, t, stepper.sample(t, 0));
+  /// Looks at the step from `from` up to `to`, `sample(j, t)` giving the entries at t = from + j (to - from) / order.
+  template <class Sample>
+  void look_at(double from, double to, std::size_t order, Sample&& sample) {
+    begin_look(from, to, order);
+    for (std::size_t j = 0; j <= order; ++j) {
+      const double t = j == order ? to : from + length_ * static_cast<double>(j) / static_cast<double>(order);
+      look_at(j, t, sample(j, t));
     }
   }
-  /// The same with samples y of all entries at t = from + j (to - from) / order that somebody has anyway: after
-  /// begin_look(), for each j in order.
+  /// The same in parts, by who has such samples of all entries anyway: after begin_look(), for each j in order.
   void begin_look(double from, double to, std::size_t order) {
     length_ = to - from;
     seen_ = to;
     order_ = order;
   }
-  void look_at(std::size_t j, double t, std::span<const double> y) {
-    std::size_t k = 0;
-    for (End& end : ends_) {
-      std::array<double, 4> values{};
-      for (std::size_t e = 0; e < end.entries.size(); ++e) values[e] = y[selected_[k++]];
-      look_at(end, j, t, values);
-    }
-  }
+  void look_at(std::size_t j, double t, std::span<const double> y);
 
   /// Whether the samples are those of polynomials, to about 1e-10: the last difference is far below the values.
-  bool resolved() const {
-    return std::ranges::all_of(ends_, [this](const End& end) {
-      const auto smooth = [this](const Samples& values, double scale) {
-        Samples rest = values;
-        double largest = 0.0;
-        for (std::size_t j = 0; j <= order_; ++j) largest = std::max(largest, std::abs(values[j]));
-        for (std::size_t r = order_; r > 0; --r)
-          for (std::size_t j = 0; j < r; ++j) rest[j] = rest[j + 1] - rest[j];
-        return std::abs(rest[0]) <= std::max(1e-8 * largest, 1e-12 * scale);
-      };
-      const double range = std::max(std::abs(end.account->lowest), std::abs(end.account->highest));
-      if (!smooth(end.u, range)) return false;
-      const double force = std::max(end.account->peak_reaction, end.modulus * range);
-      return !closed(end) || (smooth(end.force, force) && smooth(end.rate, force));
-    });
-  }
+  bool resolved() const;
 
   /// Adds the step that it has looked at.
-  void add() {
-    if (!(length_ > 0.0)) return;
-    for (End& end : ends_) {
-      EndAccount& account = *end.account;
-      account.displacement = end.u[order_];
-      const auto [most, least] = beyond(end.u);
-      if (most > account.highest) account.highest = through(end.u).largest(account.highest);
-      if (least < account.lowest) account.lowest = through(end.u).smallest(account.lowest);
-      if (closed(end)) {
-        if (beyond(end.force).first > account.peak_reaction)
-          account.peak_reaction = through(end.force).largest(account.peak_reaction);
-        account.impulse +=
-            end.stored_now - end.stored + length_ * Bernstein::mean(std::span(end.rate).first(order_ + 1));
-      }
-      end.stored = end.stored_now;
-    }
-  }
+  void add();
 
  private:
   using Samples = std::array<double, Bernstein::max_degree + 1>;
@@ -164,99 +96,20 @@ class EndWatch {
     std::vector<std::size_t> entries;   // u_n alone where it follows, u_e, or u_e, u_n, w_e, w_n
     double origin = 0.0, origin_next = 0.0, stored = 0.0, stored_now = 0.0;
     Samples u{}, force{}, rate{};  // over the step looked at; the last two of a closed contact
+
+    double stretch(std::span<const double> y) const {
+      return next ? y[0] - y[1] + (origin - origin_next) : y[0] + (origin - wall);
+    }
   };
 
-  static void stand(EndAccount& account, double u) { account.displacement = account.lowest = account.highest = u; }
-
-  void watch(EndAccount& account, std::size_t unknown, std::optional<std::size_t> next, std::optional<double> wall) {
-    const std::size_t n = system_.size();
-    const double h = bar_.spacing_at(unknown);
-    const SymmetricTridiagonal& inertia = bar_.inertia();
-    const bool massless = unknown < bar_.massive_begin() || unknown >= bar_.massive_end();
-    const bool coupled = next && !inertia.off_diagonal.empty();
-    End end{&account,
-            unknown,
-            next,
-            wall.value_or(0.0),
-            {},
-            massless && !bar_.damped(),
-            bar_.bar().modulus / h,
-            bar_.bar().viscosity / h,
-            inertia.diagonal[unknown],
-            coupled ? inertia.off_diagonal[std::min(unknown, *next)] : 0.0,
-            {}};
-    for (std::size_t i = 0; i < system_.contact_count(); ++i)
-      if (system_.contact(i).unknown == unknown) end.contacts.push_back(i);
-    end.entries = {unknown};
-    if (end.follows)
-      end.entries = {*next};
-    else if (!end.contacts.empty() && next)
-      end.entries = {unknown, *next, n + unknown, n + *next};
-    else if (!end.contacts.empty())
-      end.entries = {unknown, unknown, n + unknown};
-    // Without inertia, dashpot and rigidity no velocity counts.
-    if (end.entries.size() > 2 && massless && std::ranges::none_of(end.contacts, [&](std::size_t i) {
-          return system_.law(i).damping > 0.0 || system_.holds(i);
-        }))
-      end.entries.resize(2);
-    ends_.push_back(std::move(end));
-  }
-
-  bool closed(const End& end) const {
-    return std::ranges::any_of(end.contacts, [this](std::size_t i) { return system_.closed(i); });
-  }
-
-  static double stretch(const End& end, std::span<const double> y) {
-    return end.next ? y[0] - y[1] + (end.origin - end.origin_next) : y[0] + (end.origin - end.wall);
-  }
-  double stored(const End& end, std::span<const double> y) const {
-    if (end.follows || end.contacts.empty()) return 0.0;
-    const double momentum = end.mass * y[2] + end.coupling * y[3];
-    return bar_.damped() ? momentum + end.viscosity * stretch(end, y) : momentum;
-  }
-
-  // (E / h) p of a contact that the neighbour decides on, from its u and w.
-  double pull(const End& end, double t, double u, double w, std::size_t i) const {
-    return end.modulus * (u + (end.origin_next + system_.contact(i).gap)) + end.viscosity * w +
-           system_.load_alone(end.unknown, t);
-  }
-
-  double displacement(const End& end, double t, std::span<const double> y) const {
-    if (!end.follows) return y[0] + end.origin;
-    const std::size_t i = end.contacts.front();
-    const double share = system_.closed(i) ? system_.penetration_share(i) : 1.0;
-    return share * pull(end, t, y[0], 0.0, i) / end.modulus - system_.contact(i).gap;
-  }
-
-  double reaction(const End& end, double t, std::span<const double> y) const {
-    double sum = 0.0;
-    for (const std::size_t i : end.contacts) {
-      if (!system_.closed(i)) continue;
-      if (end.follows)
-        sum -= (1.0 - system_.penetration_share(i)) * pull(end, t, y[0], 0.0, i);
-      else if (system_.holds(i))
-        sum -= (1.0 - system_.penetration_share(i)) * pull(end, t, y[1], y[3], i);
-      else
-        sum -=
-            system_.law(i).stiffness * (y[0] + (end.origin + system_.contact(i).gap)) + system_.law(i).damping * y[2];
-    }
-    return sum;
-  }
-
-  void look_at(End& end, std::size_t j, double t, std::span<const double> y) {
-    end.u[j] = displacement(end, t, y);
-    end.stored_now = stored(end, y);
-    if (!closed(end)) return;
-    end.force[j] = reaction(end, t, y);
-    end.rate[j] = end.follows ? end.force[j] : end.modulus * stretch(end, y) - system_.load_alone(end.unknown, t);
-  }
-
-  // What the polynomial cannot pass, above and below.
-  std::pair<double, double> beyond(const Samples& values) const {
-    const auto [least, most] = std::ranges::minmax(std::span(values).first(order_ + 1));
-    const double excess = Bernstein::excess(order_) * (most - least);
-    return {most + excess, least - excess};
-  }
+  void watch(EndAccount& account, std::size_t unknown, std::optional<std::size_t> next, std::optional<double> wall);
+  bool closed(const End& end) const;
+  double stored(const End& end, std::span<const double> y) const;
+  double pull(const End& end, double t, double u, double w, std::size_t i) const;
+  double displacement(const End& end, double t, std::span<const double> y) const;
+  double reaction(const End& end, double t, std::span<const double> y) const;
+  void look_at(End& end, std::size_t j, double t, std::span<const double> y);
+  std::pair<double, double> beyond(const Samples& values) const;
   Bernstein through(const Samples& values) const { return Bernstein::through(std::span(values).first(order_ + 1)); }
 
   PenalisedSystem& system_;

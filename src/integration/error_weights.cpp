@@ -22,6 +22,11 @@ double ErrorWeights::velocity_tolerance() const {
   return (tolerance_.relative * largest_w_ + tolerance_.absolute) / tightening_;
 }
 
+double ErrorWeights::reaction_tolerance() const {
+  const Bar& bar = system_.bar().bar();
+  return displacement_tolerance() + bar.viscosity / bar.modulus * velocity_tolerance();
+}
+
 double ErrorWeights::promised_energy() const { return inertia_ * largest_w_ * promised_velocity(); }
 
 void ErrorWeights::fill(std::span<const double> y, std::span<double> weights) {

@@ -51,6 +51,11 @@ class ErrorWeights {
   double largest_velocity() const { return largest_w_; }
   double displacement_tolerance() const;
   double velocity_tolerance() const;
+  /// Of (h/E) times a reaction, u + gap + (eta/E) w + ...
+  double reaction_tolerance() const;
+  /// An error of (u, w) that the stress of an element shows once has in (rho M a)_i, a = -(rho M)^{-1} (E K u + eta K
+  /// w), the largest h^2 omega^2 of the mass, 12, times what its row has beside the diagonal, 1/4 at most.
+  static constexpr double inertial_share = 1.0 + 12.0 / 4.0;
   /// What is promised of u and w.
   double promised_displacement() const { return promised_multiple * displacement_tolerance() * tightening_; }
   double promised_velocity() const { return promised_multiple * velocity_tolerance() * tightening_; }

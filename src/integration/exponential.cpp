@@ -12,9 +12,10 @@
 #include "integration/exponential/propagator_cache.hpp"
 #include "integration/snapshot.hpp"
 #include "run/contact_states.hpp"
-#include "run/pace_guard.hpp"
 #include "run/parts.hpp"
-#include "run/stopwatch.hpp"
+#include "run/step_failure.hpp"
+#include "run/telling.hpp"
+#include "run/watchdog.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -28,63 +29,8 @@ using Leg = LinearLeg<double>;
 using Series = Leg::Series;
 
 constexpr int patience = 8;  // steps before a length that failed is tried again
-constexpr int max_instant_changes = 20;
 constexpr int max_load_jumps = 1000;
 constexpr double rounding = std::numeric_limits<double>::epsilon();
-
-// What EndWatch samples of a step: a stepper (see StepwiseRun) by the entries of (u, u') in its series, or at its equal
-// parts.
-class SeriesSampler {
- public:
-  SeriesSampler(const Series& series, double from, double tau, std::span<const std::size_t> entries,
-                std::vector<double>& sampled)
-      : series_(series), from_(from), tau_(tau), entries_(entries), sampled_(sampled) {}
-  // Below rounding, since (rate bound) * step <= 1.
-  std::size_t order() const { return Bernstein::max_degree; }
-  std::span<const double> sample(double t, int) const {
-    const double sigma = (t - from_) / tau_;
-    const auto n = static_cast<std::size_t>(series_.rows());
-    for (std::size_t k = 0; k < entries_.size(); ++k) {
-      const bool rate = entries_[k] >= n;
-      const auto row = series_.row(static_cast<Index>(rate ? entries_[k] - n : entries_[k]));
-      double sum = 0.0;
-      for (Index j = row.size(); j-- > (rate ? 1 : 0);)
-        sum = sum * sigma + (rate ? static_cast<double>(j) : 1.0) * row[j];
-      sampled_[k] = rate ? sum / tau_ : sum;
-    }
-    return sampled_;
-  }
-
- private:
-  const Series& series_;
-  double from_, tau_;
-  std::span<const std::size_t> entries_;
-  std::vector<double>& sampled_;
-};
-
-class PartsSampler {
- public:
-  PartsSampler(const std::vector<Series>& motion, double tau, std::span<const std::size_t> entries,
-               std::vector<double>& sampled)
-      : motion_(motion), tau_(tau), entries_(entries), sampled_(sampled) {}
-  std::size_t order() const { return motion_.size() - 1; }
-  // In their order.
-  std::span<const double> sample(double, int) {
-    const Series& at = motion_[next_++];
-    const auto n = static_cast<std::size_t>(at.rows());
-    for (std::size_t k = 0; k < entries_.size(); ++k)
-      sampled_[k] =
-          entries_[k] < n ? at(static_cast<Index>(entries_[k]), 0) : at(static_cast<Index>(entries_[k] - n), 1) / tau_;
-    return sampled_;
-  }
-
- private:
-  const std::vector<Series>& motion_;
-  double tau_;
-  std::span<const std::size_t> entries_;
-  std::vector<double>& sampled_;
-  std::size_t next_ = 0;
-};
 
 std::span<const double> entries(const VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
@@ -100,16 +46,16 @@ class Run {
         times_(times),
         observers_(observers),
         snapshot_(penalised_),
-        before_(statistics_before(start)),
-        statistics_(before_),
+        statistics_(statistics_before(start)),
+        load_evaluations_before_(statistics_.load_evaluations),
+        telling_(observers, statistics_),
         load_(system),
         propagators_(penalised_, load_, statistics_.matrix_factorisations),
         distance_(system_, penalised_, propagators_, load_),
-        pace_(times.front(), times.back(), 10'000, 1e9),
+        watchdog_(times.front(), times.back(), 10'000, 1e9),
         t_(begin_of(start, times)),
         schedule_(observers, times, t_),
-        measured_(contacts(), 0),
-        changes_(contacts()) {}
+        measured_(contacts(), 0) {}
 
   PartEnd operator()(const StartingPoint& start) {
     try {
@@ -118,13 +64,14 @@ class Run {
       else
         begin(std::get<State>(start));
       while (t_ < times_.back()) {
-        advance();
+        if (!advance()) continue;
+        if (!telling_.progress(t_)) return reached();
         if (t_ < times_.back() && schedule_.due(t_)) return Checkpoint{t_, next_output_, reached(), archived(*this)};
       }
     } catch (const LoadError& error) {
-      fail(error.what());
+      fail(Failure::load, error);
     } catch (const StepFailure& failure) {
-      fail(failure.what());
+      fail(failure.why, failure);
     }
     statistics_.completed = true;
     return reached();
@@ -133,7 +80,7 @@ class Run {
   /// What a checkpoint holds of it.
   static void members(auto& run, auto&& each) {
     each(std::span(run.y_.data(), static_cast<std::size_t>(run.y_.size())), ContactStates{run.penalised_},
-         std::span(run.measured_), std::span(run.changes_), run.load_, run.load_jumps_, run.largest_displacement_,
+         std::span(run.measured_), run.watchdog_, run.load_, run.load_jumps_, run.largest_displacement_,
          run.energy_scale_);
     if (run.ends_) each(*run.ends_);
   }
@@ -147,13 +94,13 @@ class Run {
 
   Statistics reached() {
     statistics_.reached_time = t_;
-    statistics_.load_evaluations = before_.load_evaluations + load_.evaluations() + penalised_.load_evaluations();
-    statistics_.integration_seconds = before_.integration_seconds + watch_.seconds();
+    statistics_.load_evaluations = load_evaluations_before_ + load_.evaluations() + penalised_.load_evaluations();
+    telling_.count_seconds();
     return statistics_;
   }
 
-  [[noreturn]] void fail(const std::string& what) {
-    throw IntegrationError(fmt::format("exponential stopped at t = {}: {}", t_, what), reached());
+  [[noreturn]] void fail(Failure why, const std::exception& cause) {
+    throw IntegrationError(why, fmt::format("exponential stopped at t = {}: {}", t_, cause.what()), reached());
   }
 
   // The piece of time from here on in which the load is smooth.
@@ -173,7 +120,6 @@ class Run {
     const VectorXd v = Eigen::Map<const VectorXd>(state.v.data(), static_cast<Index>(system_.size()));
     begin_leg();
     y_ = leg().pack(u, v);
-    std::ranges::fill(changes_, InstantChanges{t_, 0});
     if (observers_.account) {
       statistics_.account.emplace();
       watch_ends();
@@ -210,6 +156,20 @@ class Run {
     sampled_.resize(end_entries_.size());
   }
 
+  // The entries of (u, u') that EndWatch samples.
+  std::span<const double> end_sample(const Series& series, double sigma, double tau) {
+    const auto n = static_cast<std::size_t>(series.rows());
+    for (std::size_t k = 0; k < end_entries_.size(); ++k) {
+      const bool rate = end_entries_[k] >= n;
+      const auto row = series.row(static_cast<Index>(rate ? end_entries_[k] - n : end_entries_[k]));
+      double sum = 0.0;
+      for (Index j = row.size(); j-- > (rate ? 1 : 0);)
+        sum = sum * sigma + (rate ? static_cast<double>(j) : 1.0) * row[j];
+      sampled_[k] = rate ? sum / tau : sum;
+    }
+    return sampled_;
+  }
+
   // Measures the displacement of a node from the obstacle that it has come to: the penetration keeps all its digits.
   // The nodes of a span obstacle go together.
   void measure_from_obstacle(std::size_t closing) {
@@ -228,7 +188,8 @@ class Run {
     level_ = wait_ = 0;
   }
 
-  void advance() {
+  // Whether it made a step; else the next one is to be shorter.
+  bool advance() {
     if (t_ >= piece_end_) enter_piece();
     largest_displacement_ = std::max(
         largest_displacement_,
@@ -238,20 +199,20 @@ class Run {
     const double longest = load_.varies() ? std::min(remaining, (times_.back() - times_.front()) / 64) : remaining;
     while (level_ > 0 && propagator_->step(level_) > longest) --level_;
     const double tau = std::min(propagator_->step(level_), remaining);
-    if (t_ + tau == t_) fail("the step vanishes against the time; choose a larger epsilon");
+    if (t_ + tau == t_) throw StepFailure(Failure::stiffness, "the step vanishes against the time");
     const bool resolved = load_.fit(t_, tau, negligible_load(), p_);
-    if (!resolved && tau > shortest_step()) return shorten();
+    if (!resolved && tau > shortest_step()) return shorten(), false;
     // A step of a few roundings of t carries nothing: that is how a jump of the load is crossed.
     if (!resolved && ++load_jumps_ > max_load_jumps)
-      fail("the load is too rough there: no polynomial in time follows it to rounding");
+      throw StepFailure(Failure::load, "the load is too rough there: no polynomial in time follows it to rounding");
     if (level_ <= 0)
       take_short_step(tau);
     else if (!take_long_step(tau))
-      return shorten();
+      return shorten(), false;
     ++statistics_.steps;
-    pace_.step(t_, statistics_.events);
-    if (!y_.allFinite()) fail("the solution is not finite");
-    if (observers_.progress) watch_.outside([&] { observers_.progress(t_); });
+    watchdog_.step(t_, statistics_.events);
+    if (!y_.allFinite()) throw not_finite();
+    return true;
   }
 
   // A force that displaces the bar by less than the rounding of its displacement: over the run by T^2 / mass, and a
@@ -295,8 +256,7 @@ class Run {
     for (std::size_t c = 0; c < contacts(); ++c)
       if (!distance_.keeps_state(c, motion, p, tau, largest(), penetration)) return false;
     if (ends_) {
-      PartsSampler parts(motion, tau, end_entries_, sampled_);
-      ends_->look_at(t_, t_ + tau, parts);
+      ends_->look_at(t_, t_ + tau, pieces, [&](std::size_t k, double) { return end_sample(motion[k], 0.0, tau); });
       if (!ends_->resolved()) return false;
     }
     if (energy_flows() && !add_sampled_flow(motion, p, tau, penetration)) return false;
@@ -372,8 +332,9 @@ class Run {
             std::max(statistics_.max_penetration, distance_.penetration_share(c) * largest_value(distances[c], sigma));
     if (energy_flows()) add(gauss_flow(leg(), series, load_.total(p_), tau, sigma));
     if (ends_) {
-      SeriesSampler step(series, t_, tau, end_entries_, sampled_);
-      ends_->look_at(t_, t, step);
+      // Of that degree the series is the motion to rounding, since (rate bound) * step <= 1.
+      ends_->look_at(t_, t, Bernstein::max_degree,
+                     [&](std::size_t, double at) { return end_sample(series, (at - t_) / tau, tau); });
       ends_->add();
     }
     const VectorXd u = leg().displacement(series, sigma), v = leg().velocity(series, sigma, tau);
@@ -403,18 +364,9 @@ class Run {
   }
 
   void tell_change(std::size_t c, double velocity) {
-    const Contact& contact = penalised_.contact(c);
-    const std::size_t mesh_node = contact.unknown + system_.first_node();
-    if (t_ - changes_[c].time > shortest_step()) changes_[c] = {t_, 0};
-    if (++changes_[c].count > max_instant_changes)
-      fail(
-          fmt::format("the contact at node {} opens and closes without end: its clearance is below the rounding of "
-                      "the displacement; choose a larger epsilon",
-                      mesh_node));
-    Event event{t_, contact.where, mesh_node, penalised_.closed(c) ? Change::closing : Change::opening, velocity};
-    count_change(statistics_, event);
-    if (!observers_.event) return;
-    watch_.outside([&] { observers_.event(event); });
+    watchdog_.change(t_, c);
+    telling_.event(t_, system_, penalised_.contact(c), penalised_.closed(c) ? Change::closing : Change::opening,
+                   velocity);
   }
 
   // Solution at the output times up to t of the current step, of length tau, by bisection of the step: that of the run
@@ -459,7 +411,7 @@ class Run {
     };
     if (!system_.left_fixed()) snapshot.reaction_left = reaction(0);
     if (!system_.right_fixed()) snapshot.reaction_right = reaction(v.size() - 1);
-    watch_.outside([&] { observers_.snapshot(snapshot); });
+    telling_.snapshot(snapshot);
   }
 
   // Whether energy flows that somebody wants to know.
@@ -474,19 +426,14 @@ class Run {
     energy_scale_ = std::max(energy_scale_, statistics_.energy->initial + std::abs(statistics_.energy->work));
   }
 
-  struct InstantChanges {
-    double time = 0.0;
-    int count = 0;
-    static void members(auto& changes, auto&& each) { each(changes.time, changes.count); }
-  };
-
   const BarSystem& system_;
   PenalisedSystem penalised_;
   std::span<const double> times_;
   const Observers& observers_;
   SnapshotBuilder snapshot_;
-  Stopwatch watch_;
-  Statistics before_, statistics_;  // of the parts before this one, and with it
+  Statistics statistics_;
+  std::size_t load_evaluations_before_;
+  Telling telling_;
 
   LoadInterpolation load_;
   PropagatorCache propagators_;
@@ -495,7 +442,7 @@ class Run {
   std::vector<std::size_t> end_entries_;  // that it samples
   std::vector<double> sampled_;
   Propagator* propagator_ = nullptr;
-  PaceGuard pace_;
+  Watchdog watchdog_;
 
   double t_;
   double piece_end_ = 0.0;  // of the piece in which the load is smooth
@@ -507,7 +454,6 @@ class Run {
   int load_jumps_ = 0;
   std::size_t next_output_ = 0;
   std::vector<unsigned char> measured_;  // whose node is measured from its obstacle
-  std::vector<InstantChanges> changes_;  // of each contact at about one time
   double largest_displacement_ = 0.0;
   double energy_scale_ = 0.0;
 };
@@ -516,14 +462,10 @@ class Run {
 
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Exponential& method, const Observers& observers) {
-  if (system.size() > Exponential::most_unknowns)
-    throw std::invalid_argument(
-        fmt::format("exponential works with dense matrices and takes up to {} unknown nodes; "
-                    "the mesh has {}",
-                    Exponential::most_unknowns, system.size()));
+  if (system.size() > Exponential::most_unknowns) throw Unfit("exponential", Refusal::many_unknowns);
   if (!system.contacts().empty() && !(method.penalty.epsilon > 0.0))
-    throw std::invalid_argument("exponential needs a positive epsilon; the rigid obstacle is the method rigid");
-  return run_in_parts(start, observers, [&](const StartingPoint& from) {
+    throw Unfit("exponential", Refusal::rigid_contacts);
+  return run_in_parts(start, times, observers, [&](const StartingPoint& from) {
     return Run(system, from, times, method.penalty, observers)(from);
   });
 }

@@ -1,12 +1,14 @@
+#include <fmt/format.h>
+
 #include <numeric>
 #include <stdexcept>
 
 #include "integration/error_weights.hpp"
-#include "integration/longest_step.hpp"
 #include "integration/odeint/dopri5.hpp"
 #include "integration/odeint/rosenbrock4.hpp"
 #include "integration/odeint/symplectic.hpp"
 #include "integration/stepwise_run.hpp"
+#include "run/step_failure.hpp"
 #include "viscobar/integration/integrate.hpp"
 
 namespace viscobar {
@@ -17,24 +19,23 @@ namespace {
 /// maximum norm, because Odeint's own controllers know other norms; and they are interpolated by the quintic, whose
 /// order is above that of Odeint's own (four for dopri5, three for rosenbrock4).
 template <class Formulas>
-class OdeintStepper {
+class OdeintStepper final : public LegStepper {
  public:
-  OdeintStepper(PenalisedSystem& system, const Layout& layout, const Odeint& method, std::span<const double> times,
-                Statistics& statistics)
-      : system_(system),
-        statistics_(statistics),
-        motion_(system, false),
-        weights_(system, motion_, method.tolerance, one_step_accumulation),
-        formulas_(system, statistics),
-        step_(system, layout),
-        end_(times.back()),
-        longest_(longest_step(system, times.back() - times.front())),
-        size_(adaptive ? 1e-3 * (times.back() - times.front()) : *method.step),
+  OdeintStepper(const StepperParts& parts, const Odeint& method)
+      : system_(parts.system),
+        statistics_(parts.statistics),
+        motion_(system_, false),
+        weights_(system_, motion_, method.tolerance, one_step_accumulation),
+        formulas_(system_, statistics_),
+        step_(system_, parts.layout),
+        end_(parts.times.back()),
+        longest_(longest_step(system_, end_ - parts.times.front())),
+        size_(adaptive ? 1e-3 * (end_ - parts.times.front()) : *method.step),
         scales_(motion_.size) {}
 
-  void begin_run(std::vector<std::size_t> sampled_entries) { step_.begin_run(std::move(sampled_entries)); }
+  void begin_run(std::vector<std::size_t> sampled_entries) override { step_.begin_run(std::move(sampled_entries)); }
 
-  void restart(double t, double stop, std::span<const double> y) {
+  void restart(double t, double stop, std::span<const double> y) override {
     stop_ = stop;
     weights_.tighten(statistics_.events);
     StepPolynomial::End& start = step_.end();
@@ -49,7 +50,7 @@ class OdeintStepper {
         if (system_.closed(i) && system_.contact_rate(i) > 0.0) size_ = std::min(size_, 1.0 / system_.contact_rate(i));
   }
 
-  double advance() {
+  double advance() override {
     step_.advance();
     const StepPolynomial::End& from = step_.begin();
     weights_.fill(motion(from.y), scales_);
@@ -62,14 +63,12 @@ class OdeintStepper {
     return step_.end().t;
   }
 
-  std::size_t order() const { return StepPolynomial::degree; }
-  void interpolate(double t, std::span<double> y) { step_.at(t, y); }
-  std::span<const double> sample(double t, int derivative) { return step_.sample(t, derivative); }
-  void select(std::span<const std::size_t> sampled) { step_.select(sampled); }
-  void hull(std::span<double> lowest, std::span<double> highest) const { step_.hull(lowest, highest); }
-  double largest() const { return weights_.largest_displacement(); }
-  double displacement_tolerance() const { return weights_.displacement_tolerance(); }
-  ErrorWeights& weights() { return weights_; }
+  std::size_t order() const override { return StepPolynomial::degree; }
+  void interpolate(double t, std::span<double> y) override { step_.at(t, y); }
+  std::span<const double> sample(double t, int derivative) override { return step_.sample(t, derivative); }
+  void select(std::span<const std::size_t> sampled) override { step_.select(sampled); }
+  void hull(std::span<double> lowest, std::span<double> highest) override { step_.hull(lowest, highest); }
+  ErrorWeights& weights() override { return weights_; }
 
  private:
   static constexpr bool adaptive = requires { Formulas::error_order; };
@@ -89,7 +88,7 @@ class OdeintStepper {
     reached.t = target(t);
     formulas_.step(t, reached.t - t, motion(step_.begin().y), reached);
     if (!std::isfinite(std::reduce(reached.y.begin(), reached.y.begin() + static_cast<std::ptrdiff_t>(motion_.size))))
-      throw StepFailure(not_finite);
+      throw not_finite();
   }
 
   void make_controlled_step(double t) {
@@ -98,8 +97,7 @@ class OdeintStepper {
       reached.t = target(t);
       const double h = reached.t - t;
       if (h <= rounding(t) && reached.t < stop_)
-        throw StepFailure(
-            fmt::format("no step, however short, keeps the tolerance at t = {}; {}", t, remedy::accuracy));
+        throw StepFailure(Failure::accuracy, fmt::format("no step, however short, keeps the tolerance at t = {}", t));
       const double error = formulas_.attempt(t, h, scales_, reached);
       const double factor = std::clamp(0.9 * std::pow(error, -1.0 / Formulas::error_order), 0.2, growth);
       if (error > 1.0) {
@@ -122,29 +120,20 @@ class OdeintStepper {
   std::vector<double> scales_;
 };
 
-template <class Formulas>
-Statistics run_by(const BarSystem& bar, const StartingPoint& start, std::span<const double> times, const Odeint& method,
-                  const Observers& observers) {
-  return run_in_parts(start, observers, [&](const StartingPoint& from) {
-    PenalisedSystem system(bar, method.penalty);
-    const Layout layout(system, observers.energy);
-    Statistics statistics = statistics_before(from);
-    OdeintStepper<Formulas> stepper(system, layout, method, times, statistics);
-    return run_stepwise("odeint", system, layout, stepper, statistics, from, times, observers);
-  });
-}
-
 }  // namespace
 
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Odeint& method, const Observers& observers) {
   const OdeintPlan what = plan(system, times.back() - times.front(), method);
-  if (what.refusal) throw std::invalid_argument(what.refusal->key + ": " + what.refusal->problem);
-  switch (what.stepper) {
-    case Stepper::rosenbrock4: return run_by<Rosenbrock4>(system, start, times, method, observers);
-    case Stepper::symplectic: return run_by<Symplectic>(system, start, times, method, observers);
-    default: return run_by<Dopri5>(system, start, times, method, observers);
-  }
+  if (what.refusal) throw Unfit("odeint", *what.refusal);
+  return run_stepwise("odeint", system, method.penalty, start, times, observers,
+                      [&](const StepperParts& parts) -> std::unique_ptr<LegStepper> {
+                        switch (what.stepper) {
+                          case Stepper::rosenbrock4: return std::make_unique<OdeintStepper<Rosenbrock4>>(parts, method);
+                          case Stepper::symplectic: return std::make_unique<OdeintStepper<Symplectic>>(parts, method);
+                          default: return std::make_unique<OdeintStepper<Dopri5>>(parts, method);
+                        }
+                      });
 }
 
 }  // namespace viscobar

@@ -48,8 +48,10 @@ void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, c
                    const Observers& observers) {
   try {
     outcome.statistics = from ? simulate(run, system, *from, observers) : simulate(run, system, observers);
-  } catch (const Interrupted& error) {
-    fail(outcome, Ending::interrupted, error.what());
+    if (!outcome.statistics->completed) {
+      fail(outcome, Ending::interrupted, "interrupted");
+      outcome.statistics->energy.reset();  // whose final one is not known
+    }
   } catch (const IntegrationError& error) {
     outcome.statistics = error.statistics;
     fail(outcome, Ending::failed, error.what());
@@ -121,7 +123,6 @@ class RecordedRun {
       if (const auto warning = representation_warning(*done)) warn(*warning);
       for (const Alarm& alarm : alarms(scene_.run, system_, *done)) sound(alarm);
     }
-    if (stopped_at_) outcome().statistics = std::move(stopped_at_);
     // Each for itself: what one cannot write, another may.
     attempt(outcome(), [&] { files_->ends.close(), written_["ends.csv"] = files_->ends.checksum(); });
     attempt(outcome(), [&] { files_->events.close(), written_["events.csv"] = files_->events.checksum(); });
@@ -193,13 +194,16 @@ class RecordedRun {
         if (const auto slow = pace_.heard(time)) warn(*slow);
       if (options_.progress) options_.progress(time, outcome().steps);
       stopping_ = stopping_ || (options_.stop && options_.stop());
-      if (stopping_ && simulated()) throw Interrupted();
+      return stopping_ && simulated() ? RunControl::stop : RunControl::go_on;
     };
     if (last_.schedule || options_.stop) {
       Checkpoints& checkpoints = observers.checkpoints.emplace();
       if (simulated()) checkpoints.every = last_.schedule->interval;
       checkpoints.asked = [this] { return stopping_ || (clock_ && clock_->due()); };
-      checkpoints.take = [this](const Checkpoint& motion) { take(motion); };
+      checkpoints.take = [this](const Checkpoint& motion) {
+        take(motion);
+        return stopping_ ? RunControl::stop : RunControl::go_on;
+      };
     }
     return observers;
   }
@@ -233,10 +237,6 @@ class RecordedRun {
       outcome().checkpoints = std::move(times);
     };
     clock_ ? clock_->make(write) : write();
-    if (!stopping_) return;
-    stopped_at_ = motion.statistics;
-    stopped_at_->energy.reset();  // whose final one is not known
-    throw Interrupted();
   }
 
   void write_report() {
@@ -282,7 +282,6 @@ class RecordedRun {
   FileChecksums written_;  // what is whole
   std::optional<CheckpointClock> clock_;
   bool stopping_ = false;
-  std::optional<Statistics> stopped_at_;  // at the checkpoint that a run was interrupted at
   RunRecord record_;
 };
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -14,17 +16,27 @@
 
 namespace viscobar {
 
-/// How a part of a run ends: at a checkpoint, from which the next part begins, or at the end.
+/// How a part of a run ends: at a checkpoint, from which the next part begins, or for good.
 using PartEnd = std::variant<Statistics, Checkpoint>;
+
+/// @throws std::invalid_argument unless there are two at least, finite and strictly increasing
+inline void require_times(std::span<const double> times) {
+  if (times.size() < 2 || !std::ranges::is_sorted(times, std::less_equal<>()) || !std::isfinite(times.front()) ||
+      !std::isfinite(times.back()))
+    throw std::invalid_argument("two output times at least, finite and strictly increasing, are needed");
+}
 
 /// A run in parts, `part(start)` being one. Since nothing but the checkpoint passes from one part to the next, a run
 /// that begins from it later cannot differ from this one.
 template <class Part>
-Statistics run_in_parts(const StartingPoint& start, const Observers& observers, Part&& part) {
+Statistics run_in_parts(const StartingPoint& start, std::span<const double> times, const Observers& observers,
+                        Part&& part) {
+  require_times(times);
   PartEnd end = part(start);
   while (std::holds_alternative<Checkpoint>(end)) {
     const StartingPoint next = std::get<Checkpoint>(std::move(end));
-    observers.checkpoints->take(std::get<Checkpoint>(next));
+    const Checkpoint& reached = std::get<Checkpoint>(next);
+    if (observers.checkpoints->take(reached) == RunControl::stop) return reached.statistics;
     end = part(next);
   }
   return std::get<Statistics>(std::move(end));

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
 
 #include "dynamics/lost_inertia.hpp"
 #include "run/parts.hpp"
-#include "run/stopwatch.hpp"
+#include "run/telling.hpp"
 #include "schemes/time_step.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 
@@ -23,9 +22,7 @@ void check(const BarSystem& system, const StartingPoint& start, std::span<const 
     throw std::invalid_argument(fmt::format("the step of a scheme must be positive, is {}", scheme.step));
   if (!(scheme.restitution >= 0.0 && scheme.restitution <= 1.0))
     throw std::invalid_argument(fmt::format("the restitution must lie in [0, 1], is {}", scheme.restitution));
-  if (times.size() < 2 || !std::is_sorted(times.begin(), times.end(), std::less_equal<>()) ||
-      !std::isfinite(times.front()) || !std::isfinite(times.back()))
-    throw std::invalid_argument("two output times at least, finite and strictly increasing, are needed");
+  require_times(times);
   const auto* state = std::get_if<State>(&start);
   if (state && (state->u.size() != system.size() || state->v.size() != system.size()))
     throw std::invalid_argument("the initial state does not have the size of the system");
@@ -40,8 +37,8 @@ class Run {
         times_(times),
         scheme_(scheme),
         observers_(observers),
-        before_(statistics_before(start)),
-        statistics_(before_) {
+        statistics_(statistics_before(start)),
+        telling_(observers, statistics_) {
     const double steps = (times.back() - times.front()) / scheme.step;
     // An end that misses a step by rounding only is on it.
     steps_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(steps * (1.0 - 1e-12))));
@@ -63,14 +60,13 @@ class Run {
         go_on(*checkpoint);
       else
         begin_accounts(std::get<State>(start_));
-      advance_to_end();
+      statistics_.completed = advance_to_end();
     } catch (const LoadError& error) {
-      fail(error.time, error.what());
+      fail(Failure::load, error.time, error.what());
     } catch (const std::domain_error&) {
       const double dt = scheme_.step;
-      fail(times_.front(), lost_inertia(system_, 1.0, dt, dt * dt / 2, "take a shorter method.step"));
+      fail(Failure::inertia, times_.front(), lost_inertia(system_, 1.0, dt, dt * dt / 2));
     }
-    statistics_.completed = true;
     close_account();
     return statistics_;
   }
@@ -90,26 +86,27 @@ class Run {
     step_->balance(time(++n_));
   }
 
-  void advance_to_end() {
+  // Whether it comes there.
+  bool advance_to_end() {
     TimeStep& step = *step_;
     CheckpointSchedule schedule(observers_, times_, statistics_.reached_time);
     for (;; ++n_) {
       const std::size_t n = n_;
-      if (!step.finite()) fail(time(n), "the displacement is no longer finite");
+      if (!step.finite()) fail(Failure::overflow, time(n), "the displacement is no longer finite");
       const double reached = n < steps_ ? time(n) : times_.back();
       statistics_.steps = statistics_.rhs_evaluations = n;
       statistics_.reached_time = reached;
       if (statistics_.account) account_ends(n);
       if (observers_.snapshot) write_until(n);
-      if (observers_.progress) stopwatch_.outside([&] { observers_.progress(reached); });
-      if (n == steps_) return;
+      if (!telling_.progress(reached)) return false;
+      if (n == steps_) return true;
       const bool due = schedule.due(reached);
       if (!was_active_.empty()) find_events(n);
       step.advance();
       if (observers_.energy) account();
       measure_penetration();
       if (due) {
-        take_checkpoint(reached);
+        if (!take_checkpoint(reached)) return false;
         schedule = {observers_, times_, reached};
       }
       step.balance(time(n + 1));
@@ -190,7 +187,7 @@ class Run {
     system_.expand_displacement(u, u_nodal_);
     system_.expand_velocity(v, v_nodal_);
     const Snapshot snapshot{times_[written_++], u_nodal_, v_nodal_, left_reaction(theta), right_reaction(theta)};
-    stopwatch_.outside([&] { observers_.snapshot(snapshot); });
+    telling_.snapshot(snapshot);
   }
 
   double left_reaction(double theta) const {
@@ -247,7 +244,7 @@ class Run {
       const EndAccount& end = left ? statistics_.account->left : statistics_.account->right;
       *event.impulse = end.closings == 1 ? 0.0 : *event.impulse - scheme_.step / 2 * step_->reaction()[k];
     }
-    stopwatch_.outside([&] { observers_.event(event); });
+    telling_.told(event);
   }
 
   // dE = dt (f, v) - eta dt a(v, v) - dt v.rho (M - Q) a + dt lambda v,  v = (u^{n+1} - u^{n-1}) / (2 dt), the step
@@ -289,11 +286,10 @@ class Run {
       statistics_.max_penetration = std::max(statistics_.max_penetration, -(step_->u()[contact.unknown] + contact.gap));
   }
 
-  void take_checkpoint(double t) {
+  bool take_checkpoint(double t) {
     count();
     const auto outputs = static_cast<std::size_t>(std::ranges::upper_bound(times_, t) - times_.begin());
-    const Checkpoint checkpoint{t, outputs, statistics_, archived(*this)};
-    stopwatch_.outside([&] { observers_.checkpoints->take(checkpoint); });
+    return telling_.checkpoint({t, outputs, statistics_, archived(*this)});
   }
 
   void close_account() {
@@ -307,12 +303,12 @@ class Run {
       statistics_.matrix_factorisations = step_->factorisations();
       statistics_.load_evaluations = step_->load_evaluations();
     }
-    statistics_.integration_seconds = before_.integration_seconds + stopwatch_.seconds();
+    telling_.count_seconds();
   }
 
-  [[noreturn]] void fail(double t, const std::string& what) {
+  [[noreturn]] void fail(Failure why, double t, const std::string& what) {
     close_account();
-    throw IntegrationError(fmt::format("fully discrete scheme (2.8) at t = {}: {}", t, what), statistics_);
+    throw IntegrationError(why, fmt::format("fully discrete scheme (2.8) at t = {}: {}", t, what), statistics_);
   }
 
   const BarSystem& system_;
@@ -320,8 +316,8 @@ class Run {
   std::span<const double> times_;
   const FullyDiscrete& scheme_;
   const Observers& observers_;
-  Stopwatch stopwatch_;
-  Statistics before_, statistics_;  // of the run before it was begun from a checkpoint, and with it
+  Statistics statistics_;  // with those of the run before it was begun from a checkpoint
+  Telling telling_;
   std::size_t steps_ = 1, n_ = 1, written_ = 0;
   std::vector<unsigned char> was_active_;
   double taken_ = 0.0, taken_at_rest_ = 0.0;  // by impacts: up to now, and the most when nothing touched

@@ -257,11 +257,9 @@ void Ranks::serve() {
   for (;;) {
     const Message message = wait_for_message();
     if (message.tag == stop) break;
-    try {
-      send(0, row, pack(run_case(scene_text, unpack<SweepCase>(message.bytes), [&] { return stopped(); })));
-    } catch (const Interrupted&) {
-      break;
-    }
+    const auto done = run_case(scene_text, unpack<SweepCase>(message.bytes), [&] { return stopped(); });
+    if (!done) break;
+    send(0, row, pack(*done));
   }
   send(0, left);
 }

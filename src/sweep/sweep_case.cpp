@@ -53,7 +53,8 @@ void tell(SweepRow& row, const Scene& scene, const Statistics& done) {
   if (scene.span) row[Quantity::closings_span] = static_cast<double>(account.span.closings);
 }
 
-void simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& interrupted) {
+// Whether nothing interrupted it.
+bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& interrupted) {
   const BarSystem system = make_system(run);
   std::size_t steps = 0, events = 0;
   double reached = 0.0;
@@ -63,10 +64,11 @@ void simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
   observers.progress = [&](double time) {
     reached = time;
     ++steps;
-    if (interrupted && interrupted()) throw Interrupted();
+    return interrupted && interrupted() ? RunControl::stop : RunControl::go_on;
   };
   try {
     const Statistics done = simulate(run, system, observers);
+    if (!done.completed) return false;
     tell(row, run.scene, done);
     row.completed = true;
     for (const Alarm& alarm : alarms(run, system, done)) {
@@ -74,8 +76,6 @@ void simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
       row.completed = false;
       row.error += (row.error.empty() ? "" : "; ") + alarm.what;
     }
-  } catch (const Interrupted&) {
-    throw;
   } catch (const IntegrationError& error) {
     tell(row, run.scene, error.statistics);
     row.error = error.what();
@@ -85,6 +85,7 @@ void simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
     row.error = error.what();
   }
   row[Quantity::events] = static_cast<double>(events);
+  return true;
 }
 
 std::string fitting(std::string text) {
@@ -97,18 +98,17 @@ std::string fitting(std::string text) {
 
 }  // namespace
 
-SweepRow run_case(const std::string& scene_text, const SweepCase& one, const std::function<bool()>& interrupted) {
+std::optional<SweepRow> run_case(const std::string& scene_text, const SweepCase& one,
+                                 const std::function<bool()>& interrupted) {
   const auto started = std::chrono::steady_clock::now();
   SweepRow row;
   row.index = one.index;
   row[Quantity::steps] = row[Quantity::events] = row[Quantity::reached_time] = 0.0;
   try {
-    simulate_into(row, parse_scene(scene_text, "scene", one.overrides).run, interrupted);
+    if (!simulate_into(row, parse_scene(scene_text, "scene", one.overrides).run, interrupted)) return std::nullopt;
   } catch (const SceneError& error) {
     for (const Diagnostic& found : error.diagnostics)
       row.error += (row.error.empty() ? "" : "; ") + found.key + ": " + found.message;
-  } catch (const Interrupted&) {
-    throw;
   } catch (const std::exception& error) {
     row.error = error.what();
   }

@@ -54,8 +54,8 @@ bool run_on_threads(const SweepWork& work, std::size_t threads) {
   const auto serve = [&] {
     try {
       for (std::size_t i = next++; i < work.order.size() && !stopped(); i = next++)
-        inbox.add(run_case(work.sweep.scene_text, case_of(work.sweep, work.order[i]), stopped));
-    } catch (const Interrupted&) {
+        if (const auto row = run_case(work.sweep.scene_text, case_of(work.sweep, work.order[i]), stopped))
+          inbox.add(*row);
     } catch (...) {
       if (!stop.exchange(true)) error = std::current_exception();
     }

@@ -48,10 +48,9 @@ Run run_of(const Case& run) {
   observers.snapshot = [&](const Snapshot& snapshot) {
     result.u.insert(result.u.end(), snapshot.u.begin(), snapshot.u.end());
   };
-  observers.progress = [&](double) {
-    if (++steps > longest) throw TooLong();
-  };
+  observers.progress = [&](double) { return ++steps > longest ? RunControl::stop : RunControl::go_on; };
   result.statistics = simulate(run, make_system(run), observers);
+  if (!result.statistics.completed) throw TooLong();
   result.largest = largest(result.u);
   return result;
 }

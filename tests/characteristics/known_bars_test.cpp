@@ -235,7 +235,7 @@ TEST(KnownBar, FallsOnBothObstaclesAtOnce) {
 
 TEST(KnownBar, RefusesWhatItIsNotMadeFor) {
   Scene scene = at_rest(1.0);
-  EXPECT_FALSE(misfit(scene, Characteristics{}));
+  EXPECT_FALSE(refusal(scene, 1.0, Characteristics{}));
   scene.displacement = [](double x) { return x < 0.5 ? 0.0 : 1.0; };
   EXPECT_THROW(followed(scene, {0.0, 1.0}), std::invalid_argument);
   scene.displacement = [](double x) { return 1.0 / (x - 0.4); };
@@ -251,11 +251,11 @@ TEST(KnownBar, RefusesWhatItIsNotMadeFor) {
   }
   scene = at_rest(1.0);
   scene.bar.viscosity = 0.1;
-  EXPECT_NE(misfit(scene, Characteristics{})->find("viscosity"), std::string::npos);
+  EXPECT_EQ(refusal(scene, 1.0, Characteristics{}), Refusal::viscosity);
   EXPECT_THROW(followed(scene, {0.0, 1.0}), std::invalid_argument);
   scene = at_rest(1.0);
   scene.span = Obstacle{1.0};
-  EXPECT_NE(misfit(scene, Characteristics{})->find("span"), std::string::npos);
+  EXPECT_EQ(refusal(scene, 1.0, Characteristics{}), Refusal::span);
 }
 
 // An end that is sqrt(x) near 0 has no polynomial pieces; the run says by how much.

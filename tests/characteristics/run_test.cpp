@@ -56,11 +56,14 @@ TEST(CharacteristicsRun, GoesOnFromEachOfItsCheckpointsBitForBit) {
     std::vector<Checkpoint> checkpoints;
     Observers observers;
     observers.checkpoints.emplace().every = 0.9;
-    observers.checkpoints->take = [&](const Checkpoint& one) { checkpoints.push_back(one); };
+    observers.checkpoints->take = [&](const Checkpoint& one) {
+      checkpoints.push_back(one);
+      return RunControl::go_on;
+    };
     const Followed whole = followed(scene, times, 8, observers);
     ASSERT_EQ(checkpoints.size(), 7u);
     for (const Checkpoint& from : checkpoints) {
-      observers.checkpoints->take = [](const Checkpoint&) {};
+      observers.checkpoints->take = [](const Checkpoint&) { return RunControl::go_on; };
       const Followed rest = followed(scene, times, 8, observers, from);
       ASSERT_EQ(rest.u.size() + from.outputs, whole.u.size());
       for (std::size_t k = 0; k < rest.u.size(); ++k) {

@@ -47,6 +47,7 @@ Told run_with(const Case& run, Checkpoints checkpoints, std::vector<Taken>& take
   Observers observers = listening(told);
   checkpoints.take = [&](const Checkpoint& checkpoint) {
     taken.push_back({checkpoint, told.snapshots.size(), told.events.size()});
+    return RunControl::go_on;
   };
   observers.checkpoints = checkpoints;
   told.statistics = simulate(run, make_system(run), observers);
@@ -57,7 +58,7 @@ Told resumed(const Case& run, const Checkpoint& from, const Checkpoints& schedul
   Told told;
   Observers observers = listening(told);
   observers.checkpoints = schedule;
-  observers.checkpoints->take = [](const Checkpoint&) {};
+  observers.checkpoints->take = [](const Checkpoint&) { return RunControl::go_on; };
   told.statistics = simulate(run, make_system(run), from, observers);
   return told;
 }
@@ -137,12 +138,69 @@ TEST_P(EveryMethod, CountsOutputsThatNobodyListensTo) {
   std::vector<Checkpoint> silent;
   Observers observers;
   observers.energy = true;
-  observers.checkpoints =
-      Checkpoints{.every = 0.5, .asked = {}, .take = [&](const Checkpoint& made) { silent.push_back(made); }};
+  const auto keep = [&](const Checkpoint& made) {
+    silent.push_back(made);
+    return RunControl::go_on;
+  };
+  observers.checkpoints = Checkpoints{.every = 0.5, .asked = {}, .take = keep};
   simulate(run, make_system(run), observers);
   ASSERT_EQ(silent.size(), taken.size());
   const Told rest = resumed(run, silent[1], {.every = 0.5, .asked = {}, .take = {}});
   EXPECT_EQ(rest.snapshots, behind(whole.snapshots, taken[1].snapshots));
+}
+
+std::vector<double> before(const std::vector<double>& all, std::size_t count) {
+  return {all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count)};
+}
+
+TEST_P(EveryMethod, StopsAfterTheStepThatItsObserverSaysAndReturnsWhatItReached) {
+  for (const auto& [name, run] : scenes()) {
+    SCOPED_TRACE(name);
+    std::vector<Taken> taken;
+    const Told whole = run_with(run, {}, taken);
+    Told told;
+    Observers observers = listening(told);
+    double last = 0.0;
+    observers.progress = [&](double time) {
+      last = time;
+      return time < 1.0 ? RunControl::go_on : RunControl::stop;
+    };
+    told.statistics = simulate(run, make_system(run), observers);
+    EXPECT_FALSE(told.statistics.completed);
+    EXPECT_EQ(told.statistics.reached_time, last);
+    EXPECT_GE(last, 1.0);
+    EXPECT_LT(last, run.end);
+    EXPECT_LT(told.statistics.steps, whole.statistics.steps);
+    EXPECT_EQ(told.snapshots, before(whole.snapshots, told.snapshots.size()));
+    EXPECT_EQ(told.events, before(whole.events, told.events.size()));
+  }
+}
+
+TEST_P(EveryMethod, StopsAtACheckpointAndGoesOnFromItAsIfItNeverHad) {
+  for (const auto& [name, run] : scenes()) {
+    SCOPED_TRACE(name);
+    const Checkpoints schedule{.every = 0.5, .asked = {}, .take = {}};
+    std::vector<Taken> taken;
+    const Told whole = run_with(run, schedule, taken);
+    Told told;
+    Observers observers = listening(told);
+    observers.checkpoints = schedule;
+    std::vector<Checkpoint> made;
+    observers.checkpoints->take = [&](const Checkpoint& one) {
+      made.push_back(one);
+      return made.size() < 2 ? RunControl::go_on : RunControl::stop;
+    };
+    told.statistics = simulate(run, make_system(run), observers);
+    ASSERT_EQ(made.size(), 2u);
+    EXPECT_FALSE(told.statistics.completed);
+    EXPECT_EQ(told.statistics.reached_time, made.back().time);
+    const Told rest = resumed(run, made.back(), schedule);
+    told.snapshots.insert(told.snapshots.end(), rest.snapshots.begin(), rest.snapshots.end());
+    told.events.insert(told.events.end(), rest.events.begin(), rest.events.end());
+    EXPECT_EQ(told.snapshots, whole.snapshots);
+    EXPECT_EQ(told.events, whole.events);
+    expect_same(rest.statistics, whole.statistics);
+  }
 }
 
 TEST_P(EveryMethod, RefusesACheckpointOfAnotherRun) {

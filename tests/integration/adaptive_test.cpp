@@ -195,7 +195,7 @@ TYPED_TEST(Adaptive, ALoadThatIsNotFiniteStopsTheRunAndSaysWhen) {
   Scene scene = falling_bar(0.2, 1.0, 0.1);
   scene.load = SeparableLoad{[](double) { return 1.0; }, [](double t) { return std::sqrt(0.5 - t); }};
   try {
-    record(scene, Mesh{1.0, 6}, Mass::consistent, TypeParam{}, grid(1.0, 4));
+    record(scene, Mesh{1.0, 6}, Mass::consistent, TypeParam{Penalty{1e-4}, {}}, grid(1.0, 4));
     FAIL() << "ran through";
   } catch (const IntegrationError& error) {
     EXPECT_FALSE(error.statistics.completed);
@@ -211,7 +211,8 @@ TYPED_TEST(Adaptive, AnObserversExceptionComesThrough) {
   observers.snapshot = [](const Snapshot& s) {
     if (s.time > 0.4) throw std::runtime_error("disk full");
   };
-  EXPECT_THROW(integrate(system, system.initial_state(), grid(1.0, 10), TypeParam{}, observers), std::runtime_error);
+  EXPECT_THROW(integrate(system, system.initial_state(), grid(1.0, 10), TypeParam{Penalty{1e-4}, {}}, observers),
+               std::runtime_error);
 }
 
 TYPED_TEST(Adaptive, OneUnknownIsEnough) {

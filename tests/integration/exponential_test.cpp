@@ -24,7 +24,7 @@ using testing_support::ModalSolution;
 // A few hundred steps, each with a rounding or two of numbers of order one in sums over a hundred entries.
 constexpr double accuracy = 1e-12;
 
-RunTrace record(const BarSystem& system, const std::vector<double>& times, const Penalty& penalty = {},
+RunTrace record(const BarSystem& system, const std::vector<double>& times, const Penalty& penalty = {1e-4},
                 bool energy = false) {
   return record(system, times, Exponential{penalty}, energy);
 }

@@ -164,7 +164,7 @@ TYPED_TEST(RootFinding, ANanInsideTheBracketIsAnErrorThatNamesTheLoad) {
   // Where it appears the bar is about to close its contact: signs at the ends of that step differ.
   const BarSystem system = system_of(point(0.5, -1.0, [](double t) { return t > 0.499999 ? nan : 0.0; }));
   Statistics reached;
-  const std::string what = message(system, 1.0, TypeParam{}, reached);
+  const std::string what = message(system, 1.0, with<TypeParam>(1e-4, 1e-6), reached);
   EXPECT_NE(what.find("load"), std::string::npos) << what;
   EXPECT_NE(what.find("not a number"), std::string::npos) << what;
   EXPECT_FALSE(reached.completed);
@@ -174,9 +174,9 @@ TYPED_TEST(RootFinding, ANanInsideTheBracketIsAnErrorThatNamesTheLoad) {
 TYPED_TEST(RootFinding, ARightHandSideThatIsNanStopsAtOnceAndSaysWhere) {
   const BarSystem system = system_of(point(10.0, -1.0, [](double t) { return t > 0.5 ? nan : std::sin(40 * t); }));
   const BarSystem healthy = system_of(point(10.0, -1.0, [](double t) { return std::sin(40 * t); }));
-  const RunTrace until = record(healthy, std::vector{0.0, 0.5}, TypeParam{});
+  const RunTrace until = record(healthy, std::vector{0.0, 0.5}, with<TypeParam>(1e-4, 1e-6));
   Statistics reached;
-  const std::string what = message(system, 1.0, TypeParam{}, reached);
+  const std::string what = message(system, 1.0, with<TypeParam>(1e-4, 1e-6), reached);
   EXPECT_NE(what.find("load"), std::string::npos) << what;
   EXPECT_NE(what.find("not a number"), std::string::npos) << what;
   EXPECT_NE(what.find("t = 0.5"), std::string::npos) << what;
@@ -187,7 +187,7 @@ TYPED_TEST(RootFinding, ARightHandSideThatIsNanStopsAtOnceAndSaysWhere) {
 TYPED_TEST(RootFinding, ASolutionThatOverflowsIsAnError) {
   const BarSystem system = system_of(point(10.0, -1.0, [](double t) { return t > 0.5 ? 1.7e308 : 0.0; }));
   Statistics reached;
-  const std::string what = message(system, 10.0, TypeParam{}, reached);
+  const std::string what = message(system, 10.0, with<TypeParam>(1e-4, 1e-6), reached);
   EXPECT_NE(what, "no error");
   EXPECT_FALSE(reached.completed);
 }
@@ -216,7 +216,7 @@ TYPED_TEST(RootFinding, ALoadThatThrowsEndsTheRunWithWhatItSaid) {
     return std::sin(t);
   }));
   try {
-    record(system, std::vector{0.0, 1.0}, TypeParam{});
+    record(system, std::vector{0.0, 1.0}, with<TypeParam>(1e-4, 1e-6));
     FAIL() << "no error";
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("the table ends at 0.5"), std::string::npos) << error.what();
@@ -226,7 +226,7 @@ TYPED_TEST(RootFinding, ALoadThatThrowsEndsTheRunWithWhatItSaid) {
     if (t > 0.5) throw 1;
     return std::sin(t);
   }));
-  EXPECT_ANY_THROW(record(other, std::vector{0.0, 1.0}, TypeParam{}));
+  EXPECT_ANY_THROW(record(other, std::vector{0.0, 1.0}, with<TypeParam>(1e-4, 1e-6)));
 }
 
 TYPED_TEST(RootFinding, AnEventAtAnOutputTimeMayBeFollowedByAnotherOutputARoundingLater) {

@@ -93,7 +93,7 @@ Recording cut(const Case& run, const Steps& steps) {
       if (event.time > begin || !closed.contains(event.node)) whole.events.push_back(event);
       event.change == Change::closing ? (void)now_closed.insert(event.node) : (void)now_closed.erase(event.node);
     };
-    integrate(system, state.value_or(system.initial_state()), times, Exponential{penalty(piece)}, observers);
+    integrate(system, state.value_or(system.initial_state()), times, Exponential{{piece.epsilon}}, observers);
     for (const std::size_t node : closed)
       if (!still_closed.contains(node)) whole.events.push_back({begin, {}, node, Change::opening, 0.0});
     closed = now_closed;

@@ -26,7 +26,7 @@ using Matrix = std::vector<Vector>;
 class Simulation {
  public:
   explicit Simulation(const Case& run) : bar_(make_system(run)), n_(bar_.size()), m_(2 * n_ + 1) {
-    const Penalty law = penalty(run);
+    const Penalty law{run.epsilon, run.restitution.value_or(1.0)};
     Matrix inertia(n_, Vector(n_, 0));
     inverse_ = inertia;
     for (std::size_t i = 0; i < n_; ++i) {

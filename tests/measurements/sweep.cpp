@@ -172,7 +172,7 @@ int main(int argc, char** argv) {
     const SweepCase one = case_of(sweep, i);
     const MethodName method = parse_scene(sweep.scene_text, "scene", one.overrides).run.method;
     const double before = processor_seconds();
-    last = run_case(sweep.scene_text, one);
+    last = run_case(sweep.scene_text, one).value();
     measured.push_back(processor_seconds() - before);
     if (!last.completed) fmt::print(stderr, "case {}: {}\n", i, last.error);
     estimated.push_back(costs[i]);

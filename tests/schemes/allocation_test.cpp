@@ -20,7 +20,10 @@ std::size_t allocations_of(const BarSystem& system, double step, double end, dou
   Observers observers;
   observers.snapshot = [&](const Snapshot& now) { seen += now.u.front(); };
   observers.event = [&](const Event& event) { seen += event.time; };
-  observers.progress = [&](double time) { seen += time; };
+  observers.progress = [&](double time) {
+    seen += time;
+    return RunControl::go_on;
+  };
   observers.energy = observers.account = true;
   const std::size_t before = allocations;
   integrate(system, start, times, FullyDiscrete{.step = step, .restitution = restitution, .impact = impact}, observers);

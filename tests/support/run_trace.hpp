@@ -29,7 +29,10 @@ RunTrace record(const BarSystem& system, std::span<const double> times, const Me
     recording.reaction_right.push_back(now.reaction_right);
   };
   observers.event = [&](const Event& event) { recording.events.push_back(event); };
-  observers.progress = [&](double time) { recording.progress.push_back(time); };
+  observers.progress = [&](double time) {
+    recording.progress.push_back(time);
+    return RunControl::go_on;
+  };
   observers.energy = energy;
   recording.statistics = integrate(system, system.initial_state(), times, method, observers);
   return recording;

@@ -160,8 +160,8 @@ TEST_F(SweepFileTest, ACombinationThatDoesNotFitIsARowNotAnEnd) {
   const std::vector<double> costs = plan_cases(sweep);
   EXPECT_GT(costs[0], 0.0);
   EXPECT_EQ(costs[1], 0.0);
-  const SweepRow good = run_case(sweep.scene_text, case_of(sweep, 0)),
-                 bad = run_case(sweep.scene_text, case_of(sweep, 1));
+  const SweepRow good = run_case(sweep.scene_text, case_of(sweep, 0)).value(),
+                 bad = run_case(sweep.scene_text, case_of(sweep, 1)).value();
   EXPECT_TRUE(good.completed) << good.error;
   EXPECT_EQ(good.error, "");
   EXPECT_EQ(good[Quantity::reached_time], 1.0);
@@ -177,7 +177,7 @@ TEST_F(SweepFileTest, TheImpulseOfAnElasticImpactIsTwiceTheMomentum) {
       "scene = \"scene.toml\"\n[set]\nbar.viscosity = 0\nmesh.elements = 200\ntime.end = 4\nmesh.mass = "
       "\"redistributed\"\n"
       "[vary]\nmethod.name = [\"rigid\"]\n");
-  const SweepRow row = run_case(sweep.scene_text, case_of(sweep, 0));
+  const SweepRow row = run_case(sweep.scene_text, case_of(sweep, 0)).value();
   ASSERT_TRUE(row.completed) << row.error;
   // What is left is the strain that dispersion leaves in the bar, the momentum of O(h^(2/3)) of it.
   EXPECT_NEAR(row[Quantity::impulse_left], 2.0, 2.0 * std::pow(1.0 / 200.0, 2.0 / 3.0));
@@ -191,7 +191,7 @@ TEST_F(SweepFileTest, TheTableGivesBackEveryRowBitForBit) {
       read("scene = \"scene.toml\"\n[vary]\ninitial.displacement = [0, -1]\nbar.viscosity = [0.1, 0]\n");
   std::vector<SweepRow> rows;
   for (const std::size_t i : {3, 0, 1}) {
-    rows.push_back(run_case(sweep.scene_text, case_of(sweep, i)));
+    rows.push_back(run_case(sweep.scene_text, case_of(sweep, i)).value());
     SweepTable table(scratch_ / "sweep.h5", sweep.plan, sweep.identity());  // opened anew for each
     table.write(rows.back());
     table.commit();

@@ -5,8 +5,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
+#include "viscobar/characteristics/characteristics.hpp"
 #include "viscobar/discretisation/mass.hpp"
 #include "viscobar/integration/integrate.hpp"
 #include "viscobar/run/run.hpp"
@@ -14,6 +16,9 @@
 #include "viscobar/schemes/schemes.hpp"
 
 namespace viscobar {
+
+/// A method with its options.
+using Method = std::variant<Cvode, Ida, Arkode, Odeint, Rigid, Exponential, Characteristics, FullyDiscrete>;
 
 std::string_view name(MethodName method);  ///< in a scene file
 bool is_penalised(MethodName method);      ///< needs epsilon where the scene has an obstacle
@@ -85,8 +90,9 @@ MethodName penalised_method(const Case& run);
 /// the redistributed one when the case says nothing.
 Mass effective_mass(const Case& run);
 
-/// The penalty of a penalised method: a spring without dashpot where the case has no restitution.
-Penalty penalty(const Case& run);
+/// The method of a sound case with the options that the case has for it. The penalty is a spring without dashpot where
+/// the case has no restitution.
+Method method_of(const Case& run);
 
 /// The semi-discrete system of a sound case, on its effective mass.
 BarSystem make_system(const Case& run);
@@ -94,7 +100,11 @@ BarSystem make_system(const Case& run);
 /// The options of `odeint` that a case asks for.
 Odeint odeint(const Case& run);
 
-/// Runs a sound case by its method, on its own output times or on others. @throws IntegrationError
+/// What to change in the scene of a run that could not go on, in its keys.
+std::string remedy(const Case& run, Failure why);
+
+/// Runs a sound case by its method, on its own output times or on others.
+/// @throws IntegrationError, whose message ends with the remedy
 Statistics simulate(const Case& run, const BarSystem& system, const Observers& observers);
 /// Likewise.
 Statistics simulate(const Case& run, const BarSystem& system, std::span<const double> times,

@@ -2,7 +2,6 @@
 
 #include <optional>
 #include <span>
-#include <string>
 
 #include "viscobar/discretisation/mesh.hpp"
 #include "viscobar/run/run.hpp"
@@ -22,15 +21,15 @@ struct Characteristics {
   static constexpr double most_passages = 1e9;
 };
 
-/// Why the method does not fit the scene, in words that name what would; absent where it does.
-std::optional<std::string> misfit(const Scene& scene, const Characteristics& method);
+/// Why the method does not take the scene until `end`; absent where it does.
+std::optional<Refusal> refusal(const Scene& scene, double end, const Characteristics& method);
 
 /// Follows the waves from the scene's own data, or a checkpoint, at times.front() to times.back(), telling the
 /// observers. Snapshots are of the nodes of `mesh`, which has no other part in it; `times` are as of the other methods.
 /// Of the statistics, `steps` are the passages, `unknowns` the most coefficients that the waves had at a time.
 /// Observers are told of progress at output times, too.
 /// @throws IntegrationError, with what was reached
-/// @throws std::invalid_argument when the method does not fit the scene, or data are no data of a bar
+/// @throws Unfit when the method does not take the scene, std::invalid_argument when data are no data of a bar
 Statistics integrate(const Scene& scene, const Mesh& mesh, const std::optional<Checkpoint>& from,
                      std::span<const double> times, const Characteristics& method, const Observers& observers);
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 
 namespace viscobar {
 
@@ -32,7 +33,8 @@ struct PenaltyLaw {
 /// The paper's parameters of the response: reaction = penetration / epsilon, and the restitution e of a node in
 /// [0, 1] that the dashpot realises (1: no dashpot).
 struct Penalty {
-  double epsilon = 1e-4;     ///< displacement per stress, > 0; 0: rigid, see integrate(Rigid)
+  std::optional<double>
+      epsilon{};             ///< displacement per stress, > 0; 0: rigid, see integrate(Rigid); absent: no contact
   double restitution = 1.0;  ///< e
 };
 

@@ -90,6 +90,8 @@ std::string_view name(Stepper stepper);  ///< in a scene file
 /// Boost.Odeint on the explicit form u' = w, w' = (rho M)^{-1} F: shares no formula and no solver with the SUNDIALS
 /// methods. Refuses massless nodes without viscosity, whose rows are algebraic.
 struct Odeint {
+  static constexpr std::size_t most_dense_unknowns = 100;  ///< of rosenbrock4
+
   Penalty penalty;                       ///< of the contacts
   Tolerance tolerance;                   ///< of the solution
   Stepper stepper = Stepper::automatic;  ///< which
@@ -100,7 +102,8 @@ struct Odeint {
 struct OdeintPlan {
   Stepper stepper = Stepper::dopri5;  ///< never automatic
   double least_steps = 0.0;           ///< that stability, or the fixed step, requires
-  std::optional<Finding> refusal;     ///< why the method does not fit
+  double longest_step = 0.0;          ///< of symplectic, that is stable
+  std::optional<Refusal> refusal;     ///< why the method does not fit
 };
 /// Chooses the stepper and counts its steps. O(n).
 OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method);
@@ -126,7 +129,7 @@ struct Rigid {
 ///
 /// `times` are the output times: finite, strictly increasing, at least two. They never change the trajectory.
 /// @throws IntegrationError, which has the statistics up to the failure
-/// @throws std::invalid_argument when the method does not fit the system (the message says why)
+/// @throws Unfit when the method does not take the system, std::invalid_argument when the arguments make no run
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Cvode& method, const Observers& observers);
 /// Likewise.

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -14,15 +13,9 @@
 
 namespace viscobar {
 
-/// Thrown from a progress observer to end a run early; the part that was computed is kept.
-class Interrupted : public std::runtime_error {
- public:
-  Interrupted() : std::runtime_error("interrupted") {}
-};
-
 /// Observers and options of record_run().
 struct RecordOptions {
-  /// After each step; may throw Interrupted, which leaves no checkpoint.
+  /// After each step.
   std::function<void(double time, std::size_t steps)> progress;
   /// After each step: whether to end the run, as interrupted. It leaves a checkpoint where it is; with a schedule in
   /// simulated time the last one of that stays.

@@ -14,7 +14,7 @@ enum class Ending {
   completed,   ///< at the end of its time
   failed,      ///< the integrator or the disk gave up
   refused,     ///< the method does not fit the system: the user's input
-  interrupted  ///< by Interrupted
+  interrupted  ///< from outside
 };
 
 /// How far a run came.
@@ -25,7 +25,7 @@ struct Outcome {
   std::size_t steps = 0;              ///< of the method
   std::size_t events = 0;             ///< contact changes
   std::vector<double> checkpoints;    ///< times at which checkpoints were made, in all parts of a run that was stopped
-  std::optional<Statistics> statistics;  ///< absent when the run was ended from outside, but at a checkpoint
+  std::optional<Statistics> statistics;  ///< absent when the run could not begin
   double wall_seconds = 0.0;             ///< of all, reading and writing included
   std::vector<std::string> warnings;     ///< such as chatter
 };

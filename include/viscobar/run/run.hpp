@@ -7,6 +7,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 
@@ -158,6 +159,9 @@ struct Checkpoint {
 /// Where a run begins: with initial data, or where another run was.
 using StartingPoint = std::variant<State, Checkpoint>;
 
+/// What an observer says of a run: whether it goes on. One that is stopped returns what it reached, not completed.
+enum class RunControl { go_on, stop };
+
 /// When a run makes checkpoints, and who takes them.
 ///
 /// A method with a memory of its steps begins anew at each of them, as after a contact change, in the run that goes on
@@ -166,25 +170,64 @@ using StartingPoint = std::variant<State, Checkpoint>;
 struct Checkpoints {
   std::optional<double> every;  ///< of simulated time: at times.front() + k every, or the first step of a scheme there
   std::function<bool()> asked;  ///< after each step: whether to make one where it ended; may be empty
-  std::function<void(const Checkpoint&)> take;  ///< gets each, before the run goes on
+  std::function<RunControl(const Checkpoint&)> take;  ///< gets each, before the run goes on
 };
 
 /// The receivers of a run's results. Every member may be empty; a run computes nothing for empty ones.
 struct Observers {
-  std::function<void(const Snapshot&)> snapshot;  ///< at each output time, in order
-  std::function<void(const Event&)> event;        ///< at each contact change, in order
-  std::function<void(double time)> progress;      ///< after each step
-  bool energy = false;                            ///< keep the energy account
-  bool account = false;                           ///< keep the account of ends and contacts
-  std::optional<Checkpoints> checkpoints;         ///< to go on from
+  std::function<void(const Snapshot&)> snapshot;    ///< at each output time, in order
+  std::function<void(const Event&)> event;          ///< at each contact change, in order
+  std::function<RunControl(double time)> progress;  ///< after each step
+  bool energy = false;                              ///< keep the energy account
+  bool account = false;                             ///< keep the account of ends and contacts
+  std::optional<Checkpoints> checkpoints;           ///< to go on from
 };
 
-/// A run that failed: the method, the call, its message and the key to change. `statistics` says how far the run came.
+/// Why a method does not take a system.
+enum class Refusal {
+  algebraic_rows,  ///< massless contact nodes without viscosity have algebraic equations
+  viscosity,       ///< the method conserves energy
+  restitution,     ///< likewise, and a dashpot takes some
+  span,            ///< it takes contacts at the ends only
+  rigid_contacts,  ///< it penalises, and epsilon is not positive
+  many_unknowns,   ///< for its dense matrices
+  many_steps,      ///< that it would make
+  no_step,         ///< its steps are of a fixed size, which is not given
+  unstable_step    ///< that size is too large
+};
+
+/// A method that does not take a system.
+class Unfit : public std::invalid_argument {
+ public:
+  Unfit(std::string_view method, Refusal why);  ///< with the reason in words
+  Refusal refusal;                              ///< what it is
+};
+
+/// Why a run could not go on. What to change follows from it, in keys of a scene file: see remedy() of case.hpp.
+enum class Failure {
+  accuracy,       ///< no step, however short, keeps the tolerance
+  digits,         ///< the tolerances ask for more digits than a number has
+  stiffness,      ///< the equations of a step have no accurate solution
+  inertia,        ///< a step leaves no digit of it beside damping or elasticity
+  overflow,       ///< the solution is no longer finite
+  load,           ///< it cannot be evaluated, or is too rough
+  short_end,      ///< what is left to the end is lost in the rounding of the time
+  length,         ///< the end is too many steps away
+  chatter,        ///< it is, by contact changes
+  brief_contact,  ///< a contact lasts a few roundings of the time
+  toggling,       ///< a contact opens and closes for ever: its clearance is below the rounding of the displacement
+  detail,         ///< waves break into more pieces than can be followed
+  memory,         ///< it is exhausted
+  defect          ///< nothing in the system is known to cause it: an error of viscobar
+};
+
+/// A run that failed: the method, the time, what happened, and the library's words. `statistics` say how far it came.
 class IntegrationError : public std::runtime_error {
  public:
-  /// With the message and how far the run came.
-  IntegrationError(const std::string& what, Statistics reached)
-      : std::runtime_error(what), statistics(std::move(reached)) {}
+  /// Why, in words, too, and how far the run came.
+  IntegrationError(Failure why, const std::string& what, Statistics reached)
+      : std::runtime_error(what), failure(why), statistics(std::move(reached)) {}
+  Failure failure;        ///< for who wants to know what to change
   Statistics statistics;  ///< up to the failure
 };
 

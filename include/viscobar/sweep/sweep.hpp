@@ -159,7 +159,8 @@ double planned_seconds(const std::string& scene_text, const SweepCase& one);
 std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads = 0);
 
 /// Runs a case of the scene in `scene_text`. Whatever goes wrong with it is in the row: findings of the scene, the
-/// integrator's words. `interrupted` is asked after each step. @throws Interrupted when it says yes
-SweepRow run_case(const std::string& scene_text, const SweepCase& one, const std::function<bool()>& interrupted = {});
+/// integrator's words. `interrupted` is asked after each step: there is no row when it says yes.
+std::optional<SweepRow> run_case(const std::string& scene_text, const SweepCase& one,
+                                 const std::function<bool()>& interrupted = {});
 
 }  // namespace viscobar

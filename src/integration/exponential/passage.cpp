@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+
+#include "integration/bernstein.hpp"
 
 namespace viscobar::exponential {
 
@@ -60,32 +63,6 @@ bool SampledRange::monotone() const {
 
 namespace {
 
-VectorXd bernstein(const VectorXd& c) {
-  const Index n = c.size() - 1;
-  VectorXd b = c;
-  double binomial = 1.0;
-  for (Index k = 1; k <= n; ++k) {
-    binomial *= static_cast<double>(n - k + 1) / static_cast<double>(k);
-    b[k] /= binomial;
-  }
-  for (Index first = 1; first <= n; ++first)
-    for (Index k = n; k >= first; --k) b[k] += b[k - 1];
-  return b;
-}
-
-// First point of [from, from + width] where the polynomial with Bernstein coefficients b there is below `floor`.
-std::optional<double> descend(const VectorXd& b, double floor, double from, double width) {
-  if (b.minCoeff() >= floor) return std::nullopt;
-  if (b[0] < floor || width < 1e-17) return from;
-  VectorXd left = b, right = b;
-  for (Index k = 1; k < b.size(); ++k) {
-    for (Index i = 0; i + k < b.size(); ++i) right[i] = 0.5 * (right[i] + right[i + 1]);
-    left[k] = right[0];
-  }
-  if (const auto found = descend(left, floor, from, width / 2)) return found;
-  return descend(right, floor, from + width / 2, width / 2);
-}
-
 double slope(const VectorXd& c, double sigma) {
   double sum = 0.0;
   for (Index k = c.size(); k-- > 1;) sum = sum * sigma + static_cast<double>(k) * c[k];
@@ -112,7 +89,8 @@ double largest_value(const VectorXd& c, double sigma) {
 
 std::optional<double> first_passage(const VectorXd& c, double band) {
   if (c[0] - c.tail(c.size() - 1).cwiseAbs().sum() >= -band) return std::nullopt;
-  const std::optional<double> passage = descend(bernstein(c), -band, 0.0, 1.0);
+  const std::span<const double> powers(c.data(), static_cast<std::size_t>(c.size()));
+  const std::optional<double> passage = Bernstein::of_powers(powers).first_descent(-band, 0x1p-57);
   if (!passage) return std::nullopt;
   double sigma = *passage;
   for (int iteration = 0; iteration < 3 && slope(c, sigma) < 0.0; ++iteration)

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -20,7 +18,6 @@ std::string_view name(Stepper stepper) {
 
 namespace {
 
-constexpr std::size_t most_dense_nodes = 100;
 constexpr double most_steps = 1e9;
 
 // Steps of dopri5 per n^2 from which on rosenbrock4 is cheaper: a dense step costs as much as n^2 / 17 explicit ones,
@@ -82,60 +79,38 @@ double symplectic_stability() {
   return x;
 }
 
-Finding massless_undamped() {
-  return {"method.name",
-          "odeint cannot take massless contact nodes without viscosity: their equations are algebraic; use arkode or "
-          "ida, or a positive bar.viscosity"};
-}
-
-std::optional<Finding> symplectic_refusal(const BarSystem& system, const Odeint& method, const Spectrum& spectrum) {
-  if (system.damped())
-    return Finding{"method.stepper",
-                   fmt::format("symplectic conserves what bar.viscosity = {} dissipates; use dopri5 or rosenbrock4",
-                               system.bar().viscosity)};
-  if (!system.contacts().empty() && method.penalty.restitution < 1.0)
-    return Finding{"method.stepper",
-                   fmt::format("symplectic conserves what contact.restitution = {} dissipates; use dopri5 or "
-                               "rosenbrock4",
-                               method.penalty.restitution)};
-  if (!method.step) return Finding{"method.step", "is missing: the symplectic stepper of odeint has a fixed time step"};
-  const double largest = symplectic_stability() / spectrum.frequency;
-  if (*method.step > largest)
-    return Finding{"method.step",
-                   fmt::format("is {}: the symplectic stepper is unstable here above {:.3g}", *method.step, largest)};
+std::optional<Refusal> symplectic_refusal(const BarSystem& system, const Odeint& method, double longest_step) {
+  if (system.damped()) return Refusal::viscosity;
+  if (!system.contacts().empty() && method.penalty.restitution < 1.0) return Refusal::restitution;
+  if (!method.step) return Refusal::no_step;
+  if (*method.step > longest_step) return Refusal::unstable_step;
   return std::nullopt;
 }
 
 }  // namespace
 
 OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method) {
-  OdeintPlan plan{method.stepper, 0.0, std::nullopt};
+  OdeintPlan plan;
+  plan.stepper = method.stepper;
   const Spectrum bound = spectrum(system, method.penalty);
   const double explicit_steps = duration * bound.decay / real_stability;
+  const bool few = system.size() <= Odeint::most_dense_unknowns;
   if (plan.stepper == Stepper::automatic) {
     const auto n = static_cast<double>(system.size());
-    const bool dense = system.size() <= most_dense_nodes && explicit_steps > dense_worth * n * n;
-    plan.stepper = dense ? Stepper::rosenbrock4 : Stepper::dopri5;
+    plan.stepper = few && explicit_steps > dense_worth * n * n ? Stepper::rosenbrock4 : Stepper::dopri5;
   }
   if (system.has_massless() && !system.damped()) {
-    plan.refusal = massless_undamped();
+    plan.refusal = Refusal::algebraic_rows;
   } else if (plan.stepper == Stepper::symplectic) {
-    plan.refusal = symplectic_refusal(system, method, bound);
+    plan.longest_step = symplectic_stability() / bound.frequency;
+    plan.refusal = symplectic_refusal(system, method, plan.longest_step);
     if (method.step) plan.least_steps = duration / *method.step;
   } else if (plan.stepper == Stepper::dopri5) {
     plan.least_steps = explicit_steps;
-  } else if (system.size() > most_dense_nodes) {
-    plan.refusal = Finding{"method.stepper",
-                           fmt::format("rosenbrock4 works with dense matrices, up to {} unknown nodes, here are {}; "
-                                       "use arkode, or dopri5",
-                                       most_dense_nodes, system.size())};
+  } else if (!few) {
+    plan.refusal = Refusal::many_unknowns;
   }
-  if (!plan.refusal && plan.least_steps > most_steps)
-    plan.refusal = Finding{
-        plan.stepper == Stepper::symplectic ? "method.step" : "method.name",
-        fmt::format(
-            "{} would make at least {:.1e} steps{}", name(plan.stepper), plan.least_steps,
-            plan.stepper == Stepper::dopri5 ? ": it is explicit, and the scene is stiff; use cvode or arkode" : "")};
+  if (!plan.refusal && plan.least_steps > most_steps) plan.refusal = Refusal::many_steps;
   return plan;
 }
 

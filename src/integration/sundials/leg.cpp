@@ -18,7 +18,7 @@ void Leg::solve(double m, double c, double k, std::span<double> x) {
     try {
       factor_.factorise(matrix_);
     } catch (const std::domain_error&) {
-      throw StepFailure(lost_inertia(system.bar(), m, c, k, "choose an earlier time.end"));
+      throw StepFailure(Failure::inertia, lost_inertia(system.bar(), m, c, k));
     }
     m_ = m, c_ = c, k_ = k, revision_ = system.revision();
     factorised_ = true;
@@ -27,7 +27,7 @@ void Leg::solve(double m, double c, double k, std::span<double> x) {
   factor_.solve(x);
   ++statistics.linear_solves;
   // A sweep carries what is not finite to the ends.
-  if (!std::isfinite(x.front()) || !std::isfinite(x.back())) throw StepFailure(not_finite);
+  if (!std::isfinite(x.front()) || !std::isfinite(x.back())) throw not_finite();
 }
 
 void Leg::solve_first_order(double t, double gamma, std::span<const double> y, double factor, std::span<const double> z,
@@ -111,8 +111,9 @@ NonlinearSolver make_step_solver(Leg& leg, void (*solve)(Leg&, std::span<double>
 
 void fail(Leg& leg, const char* call, int flag, std::string name, std::span<const ReturnFlag> known) {
   if (leg.error) std::rethrow_exception(std::exchange(leg.error, nullptr));
-  throw StepFailure(fmt::format("{} ({} returned {}{}{})", explanation(known, flag), call, name,
-                                leg.library_message.empty() ? "" : ": ", leg.library_message));
+  const auto& [value, meaning, why] = return_flag(known, flag);
+  throw StepFailure(why, fmt::format("{} ({} returned {}{}{})", meaning, call, name,
+                                     leg.library_message.empty() ? "" : ": ", leg.library_message));
 }
 
 }  // namespace viscobar::sundials

@@ -77,8 +77,7 @@ int guarded(Leg& leg, Body&& body) noexcept {
   }
 }
 
-/// Throws what a callback kept, or a StepFailure that says what a flag of the library means, what to change, and what
-/// the library said.
+/// Throws what a callback kept, or a StepFailure that says what a flag of the library means, and what the library said.
 [[noreturn]] void fail(Leg& leg, const char* call, int flag, std::string name, std::span<const ReturnFlag> known);
 
 }  // namespace viscobar::sundials

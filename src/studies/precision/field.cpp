@@ -6,11 +6,15 @@
 
 namespace viscobar::precision {
 
-std::function<void(double)> deadline(double seconds) {
+Statistics simulate_within(double seconds, const Case& run, const BarSystem& system, Observers observers) {
   using Clock = std::chrono::steady_clock;
-  return [started = Clock::now(), seconds](double) {
-    if (std::chrono::duration<double>(Clock::now() - started).count() > seconds) throw TooLong();
+  observers.progress = [started = Clock::now(), seconds](double) {
+    const double passed = std::chrono::duration<double>(Clock::now() - started).count();
+    return passed > seconds ? RunControl::stop : RunControl::go_on;
   };
+  const Statistics statistics = simulate(run, system, observers);
+  if (!statistics.completed) throw TooLong();
+  return statistics;
 }
 
 void interpolate(const Mesh& from, std::span<const double> u, const Mesh& to, std::span<double> out) {
@@ -29,7 +33,6 @@ std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, doub
   std::vector<Field> fields;
   for (const Mesh& mesh : meshes) fields.push_back({mesh, {}});
   Observers observers;
-  observers.progress = deadline(seconds);
   observers.snapshot = [&](const Snapshot& now) {
     for (Field& field : fields) {
       const std::size_t begin = field.u.size();
@@ -37,7 +40,7 @@ std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, doub
       interpolate(run.mesh(), now.u, field.mesh, std::span(field.u).subspan(begin));
     }
   };
-  simulate(run, make_system(run), observers);
+  simulate_within(seconds, run, make_system(run), observers);
   return fields;
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <span>
 #include <stdexcept>
 #include <vector>
@@ -19,14 +18,14 @@ struct Field {
   std::span<const double> at(std::size_t k) const { return std::span(u).subspan(k * mesh.nodes(), mesh.nodes()); }
 };
 
-/// A run that was ended because its time was up.
+/// A run took longer than it may.
 class TooLong : public std::runtime_error {
  public:
   TooLong() : std::runtime_error("takes too long") {}
 };
 
-/// An observer of progress that ends a run by TooLong.
-std::function<void(double)> deadline(double seconds);
+/// Runs the case as long as the clock allows. @throws TooLong, IntegrationError, std::invalid_argument
+Statistics simulate_within(double seconds, const Case& run, const BarSystem& system, Observers observers);
 
 /// P1 interpolation between meshes of one grading; exact at nodes that they share.
 void interpolate(const Mesh& from, std::span<const double> u, const Mesh& to, std::span<double> out);

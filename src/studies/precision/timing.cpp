@@ -31,9 +31,7 @@ void time_row(const PrecisionStudy& study, Timed& timed, Spent& spent) {
   Case run = timed.run;
   run.output_every = run.end;  // output times do not change the trajectory
   const BarSystem system = make_system(run);
-  Observers watched;
-  watched.progress = deadline(1.5 * study.seconds);
-  const Statistics first = simulate(run, system, watched);
+  const Statistics first = simulate_within(1.5 * study.seconds, run, system, {});
   if (first.integration_seconds > study.seconds) throw TooLong();
   timed.row.steps = first.steps;
   timed.row.runs = runs_for(study, first.integration_seconds);

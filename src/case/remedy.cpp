@@ -1,0 +1,42 @@
+#include <fmt/format.h>
+
+#include "viscobar/case/case.hpp"
+
+namespace viscobar {
+
+std::string remedy(const Case& run, Failure why) {
+  switch (why) {
+    case Failure::accuracy:
+      return "loosen method.relative_tolerance and method.absolute_tolerance, take a larger contact.epsilon, or check "
+             "the load for jumps";
+    case Failure::digits: return "loosen method.relative_tolerance or raise method.absolute_tolerance";
+    case Failure::stiffness:
+      return "take a larger contact.epsilon, mesh.mass = \"redistributed\" or method.name = \"arkode\"; check initial "
+             "data and load for values that are far too large";
+    case Failure::inertia:
+      return fmt::format("{}, a smaller bar.viscosity or bar.modulus, or a larger bar.density",
+                         is_scheme(run.method) ? "take a shorter method.step" : "choose an earlier time.end");
+    case Failure::overflow:
+      return "the numbers of the scene are too large, or too far apart: bring initial data, load, bar.modulus, "
+             "bar.density and contact.epsilon nearer to one by a choice of units";
+    case Failure::load:
+      return "change load.density, or load.profile and load.history, so that the load is finite, and smooth between "
+             "jumps, until time.end";
+    case Failure::short_end: return "choose a later time.end, or a longer output.every";
+    case Failure::length:
+      return "choose an earlier time.end, loosen method.relative_tolerance, or take a larger contact.epsilon";
+    case Failure::chatter:
+      return "contact nodes bounce without end: take mesh.mass = \"redistributed\", contact.restitution = 0, or a "
+             "larger contact.epsilon";
+    case Failure::brief_contact: return "take a larger contact.epsilon, or mesh.mass = \"redistributed\"";
+    case Failure::toggling: return "take a larger contact.epsilon, or measure displacements from the obstacle";
+    case Failure::detail:
+      return "choose an earlier time.end, a positive bar.viscosity with another method.name, or rigid";
+    case Failure::memory: return "take fewer mesh.elements";
+    case Failure::defect: break;
+  }
+  return "nothing in the scene is known to cause it: please report it as an error of viscobar, with the scene; another "
+         "method.name may do";
+}
+
+}  // namespace viscobar

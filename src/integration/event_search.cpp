@@ -1,0 +1,160 @@
+#include "integration/event_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "integration/bernstein.hpp"
+
+namespace viscobar {
+
+namespace {
+
+double time_rounding(double t, double speed) {
+  return 2.0 * std::numeric_limits<double>::epsilon() * std::abs(t) * speed;
+}
+
+}  // namespace
+
+EventSearch::EventSearch(PenalisedSystem& system, LegStepper& stepper)
+    : system_(system),
+      stepper_(stepper),
+      count_(system.contact_count()),
+      samples_(count_ * (Bernstein::max_degree + 1)) {
+  for (std::size_t i = 0; i < count_; ++i) {
+    first_.push_back(entries_.size());
+    for (const std::size_t entry : system.indicator_entries(i)) entries_.push_back(entry);
+  }
+  first_.push_back(entries_.size());
+  all_.resize(count_);
+  std::iota(all_.begin(), all_.end(), std::size_t{0});
+  looked_at_ = all_;
+}
+
+void EventSearch::share(std::size_t sampled) {
+  lowest_.resize(sampled);
+  highest_.resize(sampled);
+  if (system_.collides()) values_.resize(sampled);
+}
+
+std::optional<double> EventSearch::first_change(double begin, double end, std::optional<EndWatch>& ends) {
+  if (selects() && !look_at_the_near()) return std::nullopt;
+  const std::size_t order = stepper_.order();
+  const bool looking = ends && !selects();
+  if (looking) ends->begin_look(begin, end, order);
+  for (std::size_t j = 0; j <= order; ++j) {
+    const double t = j == order ? end : begin + (end - begin) * static_cast<double>(j) / static_cast<double>(order);
+    const Sample sample = at(t);
+    for (const std::size_t i : looked_at_) samples_[i * (order + 1) + j] = oriented(i, t, sample);
+    if (looking) ends->look_at(j, t, sample.values);
+  }
+  double first = 2.0;
+  for (const std::size_t i : looked_at_) {
+    const std::span<const double> values(samples_.data() + i * (order + 1), order + 1);
+    if (system_.closed(i))
+      for (double value : values) max_penetration_ = std::max(max_penetration_, system_.penetration_share(i) * value);
+    const auto [lowest, highest] = std::ranges::minmax(values);
+    const double speed = end > begin ? (highest - lowest) / (end - begin) : 0.0;
+    const double of_time = time_rounding(std::max(std::abs(begin), std::abs(end)), speed);
+    const auto s = Bernstein::through(values).first_descent(-uncertainty(i) - of_time);
+    if (s && *s < first) first = *s, which_ = i;
+  }
+  if (first > 1.0) return std::nullopt;
+  return polished(begin, end, begin + first * (end - begin), which_);
+}
+
+void EventSearch::look_at(double begin, double t) {
+  if (selects()) stepper_.select(all_);
+  rates_.resize(count_), present_.resize(count_);
+  if (!system_.collides()) {
+    const std::span<const double> rates = stepper_.sample(t, 1);
+    for (std::size_t i = 0; i < count_; ++i) rates_[i] = sign(i) * system_.indicator_linear(i, part(i, rates), {});
+    return;
+  }
+  for (std::size_t i = 0; i < count_; ++i) rates_[i] = rate(i, begin, t);
+  const Sample sample = at(t);
+  for (std::size_t i = 0; i < count_; ++i) present_[i] = oriented(i, t, sample);
+}
+
+bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) const {
+  std::array<double, 4> values{};
+  for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) values[k - first_[i]] = y[entries_[k]];
+  const std::span<const double> entries = std::span(values).first(first_[i + 1] - first_[i]);
+  const double p = system_.indicator_needs_rates(i)
+                       ? present_[i]
+                       : sign(i) * (system_.indicator_linear(i, entries, {}) + system_.indicator_offset(i, t));
+  // Half the tolerance, so that a contact switched now is not found on the wrong side by the next check.
+  return rates_[i] < 0.0 && p <= 0.5 * (uncertainty(i) + time_rounding(t, -rates_[i]));
+}
+
+// A spring answers to its own clearance, which is known to rounding. The reaction of a rigid contact is known to the
+// tolerance only: less than that must not open it, or a bar that comes to rest would toggle for ever.
+double EventSearch::uncertainty(std::size_t i) const {
+  const ErrorWeights& weights = stepper_.weights();
+  if (system_.holds(i)) {
+    if (!system_.closed(i)) return weights.displacement_tolerance();
+    return (system_.collides(i) ? ErrorWeights::inertial_share : 1.0) * weights.reaction_tolerance();
+  }
+  double rounding = system_.indicator_rounding(i, weights.largest_displacement());
+  if (system_.relaxes(i)) rounding += weights.reaction_tolerance() / (1.0 + system_.relative_stiffness(i));
+  return i == distrusted_ ? rounding + weights.displacement_tolerance() * share_ : rounding;
+}
+
+// Under a span obstacle most nodes are far from a change: their hull over the step proves it, and only the others are
+// sampled. A closed contact is near, too, where it may be deeper than any before. False: none is near.
+bool EventSearch::look_at_the_near() {
+  stepper_.select(all_);
+  stepper_.hull(lowest_, highest_);
+  looked_at_.clear();
+  for (std::size_t i = 0; i < count_; ++i)
+    if (!far(i)) looked_at_.push_back(i);
+  if (looked_at_.empty()) return false;
+  stepper_.select(looked_at_);
+  return true;
+}
+
+bool EventSearch::far(std::size_t i) const {
+  const double offset = system_.indicator_offset(i, 0.0);  // a span contact's does not depend on t
+  const double low = lowest_[i] + offset, high = highest_[i] + offset;
+  return system_.closed(i) ? high < 0.0 && -low <= max_penetration_ : low > 0.0;
+}
+
+EventSearch::Sample EventSearch::at(double t) {
+  const std::span<const double> values = stepper_.sample(t, 0);
+  if (values_.empty()) return {values, {}};
+  std::ranges::copy(values, values_.begin());
+  return {values_, stepper_.sample(t, 1)};
+}
+
+double EventSearch::oriented(std::size_t i, double t, const Sample& sample) const {
+  const auto rates = sample.rates.empty() ? sample.rates : part(i, sample.rates);
+  return sign(i) * (system_.indicator_linear(i, part(i, sample.values), rates) + system_.indicator_offset(i, t));
+}
+
+// Of the oriented indicator. Where that has accelerations their rate is a difference over a part of the step.
+double EventSearch::rate(std::size_t i, double begin, double t) {
+  if (!system_.indicator_needs_rates(i)) {
+    const std::span<const double> rates = stepper_.sample(t, 1);
+    return sign(i) * system_.indicator_linear(i, part(i, rates), {});
+  }
+  const double before = t - 1e-3 * (t - begin);
+  if (before >= t) return 0.0;
+  const double now = oriented(i, t, at(t));
+  return (now - oriented(i, before, at(before))) / (t - before);
+}
+
+// The descent through the uncertainty is late; Newton's method leads back to the zero.
+double EventSearch::polished(double begin, double end, double t, std::size_t i) {
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    const double value = oriented(i, t, at(t)), slope = rate(i, begin, t);
+    if (!(slope < 0.0)) break;
+    const double next = std::clamp(t - value / slope, begin, end);
+    if (std::abs(next - t) > 1e-3 * (end - begin) || next == t) break;  // a graze: the descent itself is the event
+    t = next;
+  }
+  return t;
+}
+
+}  // namespace viscobar

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "dynamics/penalised_system.hpp"
+#include "integration/error_weights.hpp"
+#include "integration/layout.hpp"
+#include "viscobar/run/run.hpp"
+
+namespace viscobar {
+
+/// A method that makes steps on legs of constant contact states and a smooth load, and interpolates the last one by
+/// polynomials. What it samples are the entries of (u, w) that begin_run() names.
+class LegStepper {
+ public:
+  virtual ~LegStepper() = default;
+
+  /// Once, before all else.
+  virtual void begin_run(std::vector<std::size_t> sampled_entries) = 0;
+  /// Begins a leg that ends at `stop`, in the state y at t, its massless entries completed.
+  virtual void restart(double t, double stop, std::span<const double> y) = 0;
+  /// Before each step: to begin anew where the last one asks for it.
+  virtual void before_step() {}
+  /// Makes a step towards the end of the leg. Returns the time reached.
+  virtual double advance() = 0;
+
+  /// Degree of the polynomials.
+  virtual std::size_t order() const = 0;
+  /// The sampled entries' derivatives (0: the values) at t, valid until the next call.
+  virtual std::span<const double> sample(double t, int derivative) = 0;
+  /// The whole state at a time within the last step.
+  virtual void interpolate(double t, std::span<double> y) = 0;
+  /// Which of the entries sample() is to give from now on, by their positions.
+  virtual void select(std::span<const std::size_t> sampled) = 0;
+  /// Bounds of each entry over the last step.
+  virtual void hull(std::span<double> lowest, std::span<double> highest) = 0;
+  /// What the corrector of the last step changed the energy account by; 0 where the account is a quadrature.
+  virtual double account_correction() const { return 0.0; }
+  /// Of its error test, with the maxima so far: they are in a checkpoint.
+  virtual ErrorWeights& weights() = 0;
+};
+
+/// How long a step may be: a load that varies, and vanishes wherever a long step looks, could hide a pulse in between.
+/// What lasts for a 64th of the run or longer is seen.
+inline double longest_step(const PenalisedSystem& system, double duration) {
+  return system.load_varies() ? duration / 64.0 : std::numeric_limits<double>::infinity();
+}
+
+/// What a stepper works on and counts in; all outlive it.
+struct StepperParts {
+  PenalisedSystem& system;
+  const Layout& layout;
+  std::span<const double> times;
+  Statistics& statistics;
+};
+using MakeStepper = std::function<std::unique_ptr<LegStepper>(const StepperParts&)>;
+
+}  // namespace viscobar

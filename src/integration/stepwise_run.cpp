@@ -1,0 +1,391 @@
+#include "integration/stepwise_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "dynamics/penalised_system.hpp"
+#include "integration/end_watch.hpp"
+#include "integration/energy_flow.hpp"
+#include "integration/event_search.hpp"
+#include "integration/layout.hpp"
+#include "integration/snapshot.hpp"
+#include "run/contact_states.hpp"
+#include "run/parts.hpp"
+#include "run/step_failure.hpp"
+#include "run/telling.hpp"
+#include "run/watchdog.hpp"
+#include "viscobar/dynamics/bar_system.hpp"
+#include "viscobar/run/run.hpp"
+
+namespace viscobar {
+
+namespace {
+
+// A part of a run: steps on legs, a leg ending where a contact changes, where the load breaks, or at a checkpoint.
+class StepwiseRun {
+ public:
+  StepwiseRun(PenalisedSystem& system, const Layout& layout, LegStepper& stepper, Statistics& statistics,
+              std::span<const double> times, const Observers& observers, double begin)
+      : system_(system),
+        layout_(layout),
+        stepper_(stepper),
+        statistics_(statistics),
+        times_(times),
+        observers_(observers),
+        telling_(observers, statistics),
+        schedule_(observers, times, begin),
+        search_(system, stepper),
+        watchdog_(begin, times.back()),
+        snapshot_(system),
+        y_(layout.size),
+        inner_(layout.size) {}
+
+  /// Up to the next checkpoint, which is returned, to where an observer stops it, or to the end.
+  std::optional<Checkpoint> operator()(const StartingPoint& start) {
+    const double end = times_.back();
+    const double begin = begin_at(start);
+    double t = begin;
+    while (t < end) {
+      stepper_.before_step();
+      const double step_begin = t, reached = stepper_.advance();
+      ++statistics_.steps;
+      watchdog_.attempt(t, reached);
+      if (reached <= t) continue;  // nothing can be interpolated
+      std::optional<double> change;
+      if (system_.contact_count() > 0) {
+        ++statistics_.event_evaluations;
+        change = search_.first_change(t, reached, ends_);
+        statistics_.max_penetration = std::max(statistics_.max_penetration, search_.max_penetration());
+      }
+      double limit = change.value_or(reached);
+      if (schedule_.next() && *schedule_.next() < limit) {
+        limit = *schedule_.next();
+        change.reset();
+      }
+      if (ends_) watch_ends(t, limit, system_.contact_count() > 0 && !search_.selects() && limit == reached);
+      if (layout_.account() > 0 && account_doubtful(t, reached)) correct_account(t, limit);
+      outputs_until(limit);
+      t = limit;
+      statistics_.reached_time = t;
+      watchdog_.step(t, statistics_.events);
+      if (!telling_.progress(t)) return std::nullopt;
+      if (change) {
+        reach(t);
+        switch_contacts(t, step_begin, reached);
+        // What is left after a change at the very end is no leg.
+        if (end - t <= 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end))) break;
+      } else if (t >= leg_end_) {
+        reach(t);
+      }
+      if (t > begin && t < end && schedule_.due(t)) {
+        if (!change) reach(t);
+        return Checkpoint{t, next_output_, {}, archived(*this)};
+      }
+      if (change || (t >= leg_end_ && t < end)) restart(t);
+    }
+    statistics_.reached_time = end;
+    finish(end);
+    return std::nullopt;
+  }
+
+  /// What a checkpoint holds of it.
+  static void members(auto& run, auto&& each) {
+    each(std::span(run.y_), ContactStates{run.system_}, run.stepper_.weights(), run.watchdog_);
+  }
+
+  void count_seconds() { telling_.count_seconds(); }
+
+  /// Tells the state of a run that could not go on: one more snapshot, at the time reached, where none was told yet.
+  void tell_reached() {
+    const double t = statistics_.reached_time;
+    if (!observers_.snapshot || next_output_ == 0 || t <= times_[next_output_ - 1]) return;
+    try {
+      stepper_.interpolate(t, y_);
+      system_.complete_velocity(t, u(), w());
+    } catch (const std::exception&) {
+      return;  // what failed there may fail again
+    }
+    tell_snapshot(t);
+  }
+
+ private:
+  std::span<double> u() { return layout_.u(y_); }
+  std::span<double> w() { return layout_.w(y_); }
+
+  double begin_at(const StartingPoint& start) {
+    const auto* checkpoint = std::get_if<Checkpoint>(&start);
+    if (checkpoint) restore(*this, *checkpoint, times_, observers_);
+    std::vector<std::size_t> entries = search_.sampled_entries();
+    if (observers_.account) {
+      if (!checkpoint) statistics_.account.emplace();
+      ends_.emplace(system_, *statistics_.account);
+      ends_->ask_for(entries);
+    }
+    search_.share(entries.size());
+    stepper_.begin_run(std::move(entries));
+    if (checkpoint) {
+      next_output_ = checkpoint->outputs;
+      distrust_toggling();
+      restart(checkpoint->time);
+      return checkpoint->time;
+    }
+    begin(times_.front(), std::get<State>(start));
+    return times_.front();
+  }
+
+  void begin(double t, const State& start) {
+    system_.begin_leg(t, times_.back());
+    std::ranges::copy(start.u, u().begin());
+    std::ranges::copy(start.v, w().begin());
+    system_.complete_displacement(t, u());
+    system_.complete_velocity(t, u(), w());
+    const std::vector<double> approach(w().begin(), w().end());
+    system_.settle(t, u(), w());
+    if (observers_.energy) statistics_.energy = EnergyAccount{.initial = system_.energy(u(), w())};
+    for (std::size_t i = 0; i < system_.contact_count(); ++i)
+      if (system_.closed(i)) {
+        tell_event(t, i, Change::closing, approach[system_.contact(i).unknown]);
+        if (!system_.collides(i)) continue;
+        system_.set_closed(i, false);
+        close(t, i);
+      }
+    statistics_.reached_time = t;
+    tell_snapshot(t);
+    next_output_ = 1;
+    restart(t);
+  }
+
+  // The state where the run is.
+  void reach(double t) {
+    stepper_.interpolate(t, y_);
+    for (std::size_t k = 0; k < layout_.account(); ++k) y_[2 * layout_.nodes + k] += account_shift_[k];
+  }
+
+  // Over a step; `looked` says that the search has sampled what they need.
+  void watch_ends(double from, double to, bool looked) {
+    // A step is short against the time in which a velocity doubles.
+    if (!looked && !ends_->concerned(to, 2.0 * stepper_.weights().largest_velocity())) return;
+    if (!looked) {
+      if (search_.selects()) stepper_.select(ends_->selected());
+      ends_->look_at(from, to, stepper_.order(), [&](std::size_t, double t) { return stepper_.sample(t, 0); });
+    }
+    ends_->add();
+  }
+
+  // Whether the step may spoil the account by more than its share of what the motion's own error does. The correction
+  // is several times the error, which is a fraction of it that falls with the order.
+  bool account_doubtful(double from, double to) {
+    const double share = (to - from) / (times_.back() - times_.front());
+    return stepper_.account_correction() > share * stepper_.weights().promised_energy();
+  }
+
+  // The power of a motion of frequency omega has one of 2 omega: where the formulas just resolve omega at a high order,
+  // their account of the power may be a thousand times worse. Gauss' formula integrates it over the step instead.
+  void correct_account(double from, double to) {
+    const std::size_t first = 2 * layout_.nodes, count = layout_.account();
+    for (const auto& [at, sign] : {std::pair{to, -1.0}, {from, 1.0}}) {
+      stepper_.interpolate(at, inner_);
+      for (std::size_t k = 0; k < count; ++k) account_shift_[k] += sign * inner_[first + k];
+    }
+    add_energy_flow<5>(
+        system_, layout_, from, to, [&](double t, std::span<double> y) { stepper_.interpolate(t, y); }, inner_,
+        account_shift_);
+  }
+
+  void restart(double t) {
+    account_shift_ = {};
+    for (std::size_t i = 0; i < system_.contact_count(); ++i)
+      if (system_.closed(i)) system_.measure_from_obstacle(i, u());
+    leg_end_ = system_.begin_leg(t, times_.back());
+    system_.complete_displacement(t, u());
+    system_.complete_velocity(t, u(), w());
+    if (ends_) {
+      ends_->measure_from(system_.origin());
+      ends_->begin(t, y_);
+    }
+    stepper_.restart(t, leg_end_, y_);
+  }
+
+  void outputs_until(double limit) {
+    for (; next_output_ < times_.size() && times_[next_output_] <= limit; ++next_output_) {
+      if (!observers_.snapshot) continue;
+      stepper_.interpolate(times_[next_output_], y_);
+      system_.complete_velocity(times_[next_output_], u(), w());
+      tell_snapshot(times_[next_output_]);
+    }
+  }
+
+  void finish(double end) {
+    // A change within rounding of the end leaves the last output to be told.
+    for (; next_output_ < times_.size(); ++next_output_) tell_snapshot(times_[next_output_]);
+    system_.complete_velocity(end, u(), w());
+    if (ends_) ends_->begin(end, y_);
+    if (statistics_.energy) {
+      statistics_.energy->final = system_.energy(u(), w());
+      if (layout_.dissipated) statistics_.energy->dissipated = y_[*layout_.dissipated];
+      if (layout_.work) statistics_.energy->work = y_[*layout_.work];
+      if (layout_.end_inertia) statistics_.energy->end_inertia = y_[*layout_.end_inertia];
+    }
+    statistics_.completed = true;
+  }
+
+  // In the step from `begin` to `end`.
+  void switch_contacts(double t, double begin, double end) {
+    system_.complete_velocity(t, u(), w());
+    const std::span<const double> velocity = w();
+    const auto switch_one = [&](std::size_t i) {
+      const Change change = system_.closed(i) ? Change::opening : Change::closing;
+      tell_event(t, i, change, velocity[system_.contact(i).unknown]);
+      if (change == Change::opening) system_.set_closed(i, false);
+      if (change == Change::closing)
+        close(t, i);
+      else if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change()))
+        weigh_opening(t, i, begin, end);
+      system_.place_on_obstacle(i, u());
+    };
+    search_.look_at(begin, t);
+    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
+      if (i == search_.first_contact() || search_.changes(i, t, y_)) switch_one(i);
+    }
+    watchdog_.change(t, search_.first_contact());
+    distrust_toggling();
+  }
+
+  // Its node is at the obstacle, or there to rounding. Bounces lower than what a step may be wrong by are not resolved.
+  void close(double t, std::size_t i) {
+    if (!system_.collides(i)) {
+      system_.set_closed(i, true);
+      return watchdog_.close(t, system_.contact(i).unknown + system_.bar().first_node(), system_.contact_rate(i));
+    }
+    const PenalisedSystem::Collision collision =
+        system_.collide(i, t, u(), w(),
+                        {stepper_.weights().displacement_tolerance(),
+                         ErrorWeights::inertial_share * stepper_.weights().reaction_tolerance()});
+    if (layout_.dissipated) y_[*layout_.dissipated] += collision.dissipated;
+    if (layout_.end_inertia) y_[*layout_.end_inertia] += collision.end_inertia;
+    if (collision.rests)
+      system_.set_closed(i, true);
+    else
+      tell_event(t, i, Change::opening, w()[system_.contact(i).unknown]);
+  }
+
+  // By the row of the node at rest: rho M a = F with what holds it taken away gives it the acceleration pull / m. It
+  // opens a delay after its row asks for it, of 2 zeta / omega <= 2 / omega.
+  void weigh_opening(double t, std::size_t i, double begin, double end) {
+    const std::size_t node = system_.contact(i).unknown;
+    const auto pull = [&](double at) {
+      stepper_.interpolate(at, inner_);
+      const std::span<double> rate = layout_.w(inner_);
+      system_.complete_velocity(at, layout_.u(inner_), rate);
+      force_.resize(layout_.nodes);
+      system_.force(at, layout_.u(inner_), rate, force_);
+      system_.accelerate(force_);
+      return system_.bar().inertia().diagonal_entry(node) * force_[node];
+    };
+    const double apart = 0.125 * (end - begin), other = t - apart >= begin ? t - apart : t + apart;
+    const double now = pull(t), change = std::abs(now - pull(other)) / apart;
+    const Bar& bar = system_.bar().bar();
+    const double tolerated = (bar.modulus * stepper_.weights().promised_displacement() +
+                              bar.viscosity * stepper_.weights().promised_velocity()) /
+                             system_.bar().spacing_at(node);
+    const double omega = system_.contact_rate(i);
+    // Late by as long as the pull has grown, or by the step over the spring, it changes the node's velocity by pull *
+    // lateness / m.
+    const double lateness = std::clamp(std::abs(now) / change, std::max(end - begin, 10.0 / omega),
+                                       std::max(end - begin, t - watchdog_.last_change()));
+    const double brief =
+        system_.bar().inertia().diagonal_entry(node) * stepper_.weights().promised_velocity() / lateness;
+    const double ratio = now / (5.0 / omega * change + tolerated + brief);
+    if (ratio > statistics_.late_opening.ratio) statistics_.late_opening = {ratio, t};
+  }
+
+  // A step across a jump of the load may leave the surface by less than its error, to either side, and a bar that has
+  // stood at the origin has no rounding to speak of: what toggles is more and more of the tolerance uncertain.
+  void distrust_toggling() {
+    const std::size_t toggles = watchdog_.toggles();
+    const double share = std::pow(10.0, std::min(static_cast<double>(toggles) - 10.0, 0.0));
+    search_.distrust(watchdog_.last_contact(), toggles > 0 ? share : 0.0);
+  }
+
+  void tell_event(double t, std::size_t i, Change change, double velocity) {
+    telling_.event(t, system_.bar(), system_.contact(i), change, velocity);
+  }
+
+  void tell_snapshot(double t) {
+    if (observers_.snapshot) telling_.snapshot(snapshot_(t, u(), w()));
+  }
+
+  PenalisedSystem& system_;
+  Layout layout_;
+  LegStepper& stepper_;
+  Statistics& statistics_;
+  std::span<const double> times_;
+  const Observers& observers_;
+  Telling telling_;
+  CheckpointSchedule schedule_;
+  EventSearch search_;
+  std::optional<EndWatch> ends_;
+  Watchdog watchdog_;
+  SnapshotBuilder snapshot_;
+  std::vector<double> y_, inner_, force_;  // the state where the run is, and within a step
+  std::array<double, 3> account_shift_{};  // of the account of this leg
+  double leg_end_ = 0.0;
+  std::size_t next_output_ = 0;
+};
+
+// Makes a part of the run and turns whatever stops it into an IntegrationError that says how far it came. `statistics`
+// are those of the parts before, and become those of all.
+PartEnd run_part(const char* method, const BarSystem& bar, const Penalty& penalty, const StartingPoint& start,
+                 std::span<const double> times, const Observers& observers, const MakeStepper& make_stepper) {
+  PenalisedSystem system(bar, penalty);
+  const Layout layout(system, observers.energy);
+  Statistics statistics = statistics_before(start);
+  const std::size_t before = statistics.load_evaluations;
+  const std::unique_ptr<LegStepper> stepper = make_stepper({system, layout, times, statistics});
+  StepwiseRun run(system, layout, *stepper, statistics, times, observers, begin_of(start, times));
+  const auto conclude = [&] {
+    statistics.unknowns = bar.size() + (bar.massive_end() - bar.massive_begin());
+    statistics.load_evaluations = before + system.load_evaluations();
+    run.count_seconds();
+  };
+  const auto explain = [&](Failure why, const std::exception& cause) {
+    conclude();
+    run.tell_reached();
+    return IntegrationError(why, fmt::format("{} stopped at t = {}: {}", method, statistics.reached_time, cause.what()),
+                            statistics);
+  };
+  try {
+    if (auto checkpoint = run(start)) {
+      conclude();
+      checkpoint->statistics = statistics;
+      return std::move(*checkpoint);
+    }
+  } catch (const StepFailure& failure) {
+    throw explain(failure.why, failure);
+  } catch (const LoadError& error) {
+    throw explain(Failure::load, error);
+  } catch (const std::domain_error& error) {
+    throw explain(Failure::inertia, error);
+  }
+  conclude();
+  return statistics;
+}
+
+}  // namespace
+
+Statistics run_stepwise(const char* method, const BarSystem& system, const Penalty& penalty, const StartingPoint& start,
+                        std::span<const double> times, const Observers& observers, const MakeStepper& make_stepper) {
+  return run_in_parts(start, times, observers, [&](const StartingPoint& from) {
+    return run_part(method, system, penalty, from, times, observers, make_stepper);
+  });
+}
+
+}  // namespace viscobar

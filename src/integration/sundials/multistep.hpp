@@ -1,0 +1,93 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "integration/error_weights.hpp"
+#include "integration/rest_watch.hpp"
+#include "integration/stepper.hpp"
+#include "integration/sundials/leg.hpp"
+
+namespace viscobar::sundials {
+
+/// A function of a library and its name, for messages.
+template <class... Arguments>
+struct Call {
+  const char* name;
+  int (*function)(void* memory, Arguments...);
+};
+
+/// What CVODE and IDA have alike.
+struct MultistepLibrary {
+  Call<sunrealtype, int, N_Vector> dky;
+  Call<int*> last_order;
+  Call<sunrealtype*> current_time, last_step;
+  Call<int> set_max_order;
+  Call<sunrealtype> set_stop_time, set_max_step;
+  Call<void*> set_user_data;
+  Call<int (*)(N_Vector, N_Vector, void*)> set_weights;
+  Call<SUNNonlinearSolver> set_solver;
+  char* (*flag_name)(long);
+  std::span<const ReturnFlag> flags;
+};
+
+/// Steps of a multistep library, up to what the libraries have not alike: how a leg begins, and a step.
+class Multistep : public LegStepper {
+ public:
+  void begin_run(std::vector<std::size_t> sampled_entries) final;
+  void restart(double t, double stop, std::span<const double> y) final;
+  void before_step() final;
+  double advance() final;
+  std::size_t order() const final;
+  void interpolate(double t, std::span<double> y) final;
+  std::span<const double> sample(double t, int derivative) final;
+  void select(std::span<const std::size_t> sampled) final { probed_->selected.assign(sampled.begin(), sampled.end()); }
+  void hull(std::span<double> lowest, std::span<double> highest) final;
+  double account_correction() const final { return leg_.account_correction; }
+  ErrorWeights& weights() final { return weights_; }
+
+ protected:
+  /// `solve_step` see make_step_solver(). With `passes_over_rest` the contacts at rest are watched (see RestWatch).
+  Multistep(const MultistepLibrary& library, const StepperParts& parts, const Tolerance& tolerance,
+            void (*solve_step)(Leg&, std::span<double>), bool passes_over_rest);
+
+  static constexpr int highest_bdf = 5;
+
+  /// Begins at t with the formulas that the leg asks for.
+  virtual void begin_leg(double t) = 0;
+  /// Begins at t by backward differentiation up to that order.
+  virtual void begin_bdf(int order, double t) = 0;
+  /// A step of the library. Its flag, its name, and the time reached in t_.
+  virtual std::pair<const char*, int> step() = 0;
+
+  /// To be called once for each memory of the library, and ...
+  void configure(void* memory, double t);
+  /// ... as each stretch of steps begins.
+  void begin_stretch(void* memory, int max_order);
+
+  void check(const char* call, int flag);
+  template <class... Formal, class... Actual>
+  void call(const Call<Formal...>& one, Actual... arguments) {
+    check(one.name, one.function(leg_.memory, arguments...));
+  }
+
+  Context context_;
+  Leg leg_;
+  ErrorWeights weights_;
+  double end_, stop_ = 0.0, t_ = 0.0;  // of the run, of the leg, and now
+  Vector state_;
+
+ private:
+  const MultistepLibrary& library_;
+  bool passes_over_rest_;
+  RestWatch rest_;
+  RestWatch::Advice advice_ = RestWatch::Advice::go_on;
+  Vector interpolated_;
+  std::optional<Probed> probed_;
+  Vector probe_;
+  NonlinearSolver solver_;
+};
+
+}  // namespace viscobar::sundials
