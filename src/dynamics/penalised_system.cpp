@@ -220,7 +220,10 @@ PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std
   leave_with(0.0);
   force(t, u, w, acceleration);
   accelerate(acceleration);
-  const double pressed = -acceleration[node], rebound = restitution_ * speed;
+  const double pressed = -acceleration[node];
+  // A closing is found late, at a depth; what the node has gained by falling there is not thrown back.
+  const double gained = 2.0 * std::max(pressed, 0.0) * std::max(-clearance(i, u), 0.0);
+  const double rebound = restitution_ * std::sqrt(std::max(speed * speed - gained, 0.0));
   bool rests = true;
   if (rebound == 0.0) {
     rests = mass * pressed * bar_.spacing_at(node) / bar_.bar().modulus > -negligible.reaction;
