@@ -465,18 +465,6 @@ void check(const Scene& scene, std::span<const double> times, const Characterist
 
 }  // namespace
 
-std::optional<std::string> misfit(const Scene& scene, const Characteristics&) {
-  if (scene.bar.viscosity > 0.0)
-    return fmt::format(
-        "characteristics carries waves unchanged, and bar.viscosity = {} changes them; use rigid, or one of the "
-        "penalised methods",
-        scene.bar.viscosity);
-  if (scene.span)
-    return "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; use "
-           "fully_discrete, or one of the penalised methods";
-  return std::nullopt;
-}
-
 Statistics integrate(const Scene& scene, const Mesh& mesh, const std::optional<Checkpoint>& from,
                      std::span<const double> times, const Characteristics& method, const Observers& observers) {
   check(scene, times, method);
