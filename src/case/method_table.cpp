@@ -11,8 +11,6 @@ namespace viscobar {
 
 namespace {
 
-Mass redistributed(const Case& run) { return run.mass.value_or(Mass::redistributed); }
-
 // There is none in the solution; of this one nothing is refused.
 Mass consistent(const Case&) { return Mass::consistent; }
 
@@ -164,10 +162,10 @@ constexpr MethodRow rows[] = {
      .options = [](const Case& run) -> Method { return odeint(run); },
      .vectors = odeint_vectors, .takes_algebraic_rows = false, .refuse = refuse_odeint},
     {.method = MethodName::rigid, .name = "rigid",
-     .meaning = "the limit epsilon = 0 itself, on the redistributed mass where none is named; no span obstacle",
+     .meaning = "the limit epsilon = 0 itself; no span obstacle",
      .penalised = false, .accuracy = Accuracy::tolerances, .seconds = multistep,
      .options = [](const Case& run) -> Method { return Rigid{run.tolerance, run.restitution.value_or(0.0)}; },
-     .vectors = bdf_vectors, .mass = redistributed, .refuse = refuse_rigid},
+     .vectors = bdf_vectors, .refuse = refuse_rigid},
     {.method = MethodName::exponential, .name = "exponential",
      .meaning = "penalised bar by matrix exponentials, a reference on small meshes",
      .penalised = true, .accuracy = Accuracy::rounding, .seconds = {},

@@ -25,8 +25,12 @@ namespace {
 using namespace characteristics;
 
 constexpr double rounding = std::numeric_limits<double>::epsilon();
-constexpr std::size_t most_pieces = 50'000;  // of one wave
-constexpr double least_passage = 1e-12;      // of the last passage, in passages
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double least_passage = 1e-12;  // of the last passage, in passages
+
+// Of a look ahead: a few tenths of a second.
+constexpr std::size_t pieces_awaited = 10'000;
+constexpr double work_awaited = 1e6, work_of_evaluation = 0.1;  // in pieces that are carried through a passage
 
 double gap_of(const EndCondition& end) {
   const auto* obstacle = std::get_if<Obstacle>(&end);
@@ -66,11 +70,13 @@ void add_breaks(const Piecewise& f, std::vector<double>& breaks) {
 class Run {
  public:
   Run(const Scene& scene, const Mesh& mesh, const std::optional<Checkpoint>& from, std::span<const double> times,
-      const Observers& observers)
+      const Characteristics& method, const Observers& observers, double most_work = infinite)
       : scene_(scene),
         mesh_(mesh),
         times_(times),
         observers_(observers),
+        method_(method),
+        most_work_(most_work),
         passage_(scene.bar.length / std::sqrt(scene.bar.modulus / scene.bar.density)),
         impedance_(std::sqrt(scene.bar.modulus * scene.bar.density)),
         statistics_(from ? from->statistics : Statistics{}),
@@ -99,6 +105,7 @@ class Run {
         if (auto end = tell_passage()) return std::move(*end);
         if (k_ == last_passage_) break;
         leave();
+        if (worked() > most_work_) return reached();
       }
     } catch (const LoadError& error) {
       fail(Failure::load, error.what());
@@ -226,6 +233,10 @@ class Run {
     place_scale_ = place_scale_begin_;
     next_output_ = checkpoint.outputs;
     skip_ = told_;
+  }
+
+  double worked() const {
+    return carried_ + (load_ ? work_of_evaluation * static_cast<double>(load_->evaluations()) : 0.0);
   }
 
   // What both ends send in passage k.
@@ -372,13 +383,14 @@ class Run {
       if (sent->size() <= 2 * *count + 8) continue;
       error_ += simplify(*sent, tolerance, negligible, of_time, arriving_) + sent->left_out();
       *count = sent->size();
-      if (*count > most_pieces)
+      if (*count > method_.most_pieces)
         fail(Failure::detail,
              fmt::format(
                  "{} contact changes have broken the waves into more than {} pieces, and each passage breaks them "
                  "further: there is no end of the detail that the exact motion has",
-                 statistics_.events, most_pieces));
+                 statistics_.events, method_.most_pieces));
     }
+    carried_ += static_cast<double>(sent_left_.size() + sent_right_.size());
     std::swap(sent_left_, sent_left_before_);
     std::swap(sent_right_, sent_right_before_);
   }
@@ -423,6 +435,9 @@ class Run {
   std::size_t nodes_ = mesh_.nodes();  // of the run that a checkpoint is of
   std::span<const double> times_;
   const Observers& observers_;
+  const Characteristics method_;
+  const double most_work_;
+  double carried_ = 0.0;        // pieces, of all passages
   double passage_, impedance_;  // L / c, rho c
   Statistics statistics_;
   std::size_t load_evaluations_before_;
@@ -450,26 +465,36 @@ class Run {
   std::vector<double> u_, v_, moment_breaks_;
 };
 
-}  // namespace
-
-std::optional<Refusal> refusal(const Scene& scene, double end, const Characteristics&) {
-  if (scene.bar.viscosity > 0.0) return Refusal::viscosity;
-  if (scene.span) return Refusal::span;
-  const double passages = end * std::sqrt(scene.bar.modulus / scene.bar.density) / scene.bar.length;
-  if (!(passages <= Characteristics::most_passages)) return Refusal::many_steps;
-  return std::nullopt;
+void require(const Scene& scene, std::span<const double> times, const Characteristics& method) {
+  require_times(times);
+  if (const auto why = refusal(scene, times.back() - times.front(), method)) throw Unfit("characteristics", *why);
 }
+
+}  // namespace
 
 Statistics integrate(const Scene& scene, const Mesh& mesh, const std::optional<Checkpoint>& from,
                      std::span<const double> times, const Characteristics& method, const Observers& observers) {
-  require_times(times);
-  if (const auto why = refusal(scene, times.back() - times.front(), method)) throw Unfit("characteristics", *why);
+  require(scene, times, method);
   const StartingPoint start = from ? StartingPoint(*from) : StartingPoint(State{});
   return run_in_parts(start, times, observers, [&](const StartingPoint& part) {
     const auto* checkpoint = std::get_if<Checkpoint>(&part);
     const auto begin = checkpoint ? std::optional(*checkpoint) : std::nullopt;
-    return Run(scene, mesh, begin, times, observers)(begin);
+    return Run(scene, mesh, begin, times, method, observers)(begin);
   });
+}
+
+std::optional<double> roughens(const Scene& scene, double end) {
+  const double times[] = {0.0, end};
+  const Characteristics method{.most_pieces = pieces_awaited};
+  const Observers nobody;
+  require(scene, times, method);
+  try {
+    Run(scene, Mesh{scene.bar.length, 1}, std::nullopt, times, method, nobody, work_awaited)(std::nullopt);
+  } catch (const IntegrationError& error) {
+    if (error.failure != Failure::detail) throw;
+    return error.statistics.reached_time;
+  }
+  return std::nullopt;
 }
 
 }  // namespace viscobar

@@ -5,6 +5,8 @@
 
 namespace viscobar {
 
+// Private functions that a step calls for each sample are inline.
+
 namespace {
 
 void stand(EndAccount& account, double u) { account.displacement = account.lowest = account.highest = u; }
@@ -122,30 +124,30 @@ void EndWatch::watch(EndAccount& account, std::size_t unknown, std::optional<std
   ends_.push_back(std::move(end));
 }
 
-bool EndWatch::closed(const End& end) const {
+inline bool EndWatch::closed(const End& end) const {
   return std::ranges::any_of(end.contacts, [this](std::size_t i) { return system_.closed(i); });
 }
 
-double EndWatch::stored(const End& end, std::span<const double> y) const {
+inline double EndWatch::stored(const End& end, std::span<const double> y) const {
   if (end.follows || end.contacts.empty()) return 0.0;
   const double momentum = end.mass * y[2] + end.coupling * y[3];
   return bar_.damped() ? momentum + end.viscosity * end.stretch(y) : momentum;
 }
 
 // (E / h) p of a contact that the neighbour decides on, from its u and w.
-double EndWatch::pull(const End& end, double t, double u, double w, std::size_t i) const {
+inline double EndWatch::pull(const End& end, double t, double u, double w, std::size_t i) const {
   return end.modulus * (u + (end.origin_next + system_.contact(i).gap)) + end.viscosity * w +
          system_.load_alone(end.unknown, t);
 }
 
-double EndWatch::displacement(const End& end, double t, std::span<const double> y) const {
+inline double EndWatch::displacement(const End& end, double t, std::span<const double> y) const {
   if (!end.follows) return y[0] + end.origin;
   const std::size_t i = end.contacts.front();
   const double share = system_.closed(i) ? system_.penetration_share(i) : 1.0;
   return share * pull(end, t, y[0], 0.0, i) / end.modulus - system_.contact(i).gap;
 }
 
-double EndWatch::reaction(const End& end, double t, std::span<const double> y) const {
+inline double EndWatch::reaction(const End& end, double t, std::span<const double> y) const {
   double sum = 0.0;
   for (const std::size_t i : end.contacts) {
     if (!system_.closed(i)) continue;
@@ -159,7 +161,7 @@ double EndWatch::reaction(const End& end, double t, std::span<const double> y) c
   return sum;
 }
 
-void EndWatch::look_at(End& end, std::size_t j, double t, std::span<const double> y) {
+inline void EndWatch::look_at(End& end, std::size_t j, double t, std::span<const double> y) {
   end.u[j] = displacement(end, t, y);
   end.stored_now = stored(end, y);
   if (!closed(end)) return;
@@ -168,7 +170,7 @@ void EndWatch::look_at(End& end, std::size_t j, double t, std::span<const double
 }
 
 // What the polynomial cannot pass, above and below.
-std::pair<double, double> EndWatch::beyond(const Samples& values) const {
+inline std::pair<double, double> EndWatch::beyond(const Samples& values) const {
   const auto [least, most] = std::ranges::minmax(std::span(values).first(order_ + 1));
   const double excess = Bernstein::excess(order_) * (most - least);
   return {most + excess, least - excess};

@@ -91,7 +91,7 @@ bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) co
 
 // A spring answers to its own clearance, which is known to rounding. The reaction of a rigid contact is known to the
 // tolerance only: less than that must not open it, or a bar that comes to rest would toggle for ever.
-double EventSearch::uncertainty(std::size_t i) const {
+inline double EventSearch::uncertainty(std::size_t i) const {
   const ErrorWeights& weights = stepper_.weights();
   if (system_.holds(i)) {
     if (!system_.closed(i)) return weights.displacement_tolerance();
@@ -121,14 +121,14 @@ bool EventSearch::far(std::size_t i) const {
   return system_.closed(i) ? high < 0.0 && -low <= max_penetration_ : low > 0.0;
 }
 
-EventSearch::Sample EventSearch::at(double t) {
+inline EventSearch::Sample EventSearch::at(double t) {
   const std::span<const double> values = stepper_.sample(t, 0);
   if (values_.empty()) return {values, {}};
   std::ranges::copy(values, values_.begin());
   return {values_, stepper_.sample(t, 1)};
 }
 
-double EventSearch::oriented(std::size_t i, double t, const Sample& sample) const {
+inline double EventSearch::oriented(std::size_t i, double t, const Sample& sample) const {
   const auto rates = sample.rates.empty() ? sample.rates : part(i, sample.rates);
   return sign(i) * (system_.indicator_linear(i, part(i, sample.values), rates) + system_.indicator_offset(i, t));
 }
