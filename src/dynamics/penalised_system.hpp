@@ -93,6 +93,7 @@ class PenalisedSystem {
     bool rests;          ///< the contact stays closed
     double dissipated;   ///< of the energy
     double end_inertia;  ///< what the end rows of the mass took
+    double impulse;      ///< P, on the bar
   };
   /// What may be neglected of a displacement, and of (h/E) times a reaction.
   struct Negligible {

@@ -66,7 +66,7 @@ class EndWatch {
   /// The run is at t in the state (u, w).
   void begin(double t, std::span<const double> y) {
     seen_ = t;
-    std::array<double, 4> values{};
+    std::array<double, 5> values{};
     for (End& end : ends_) {
       for (std::size_t k = 0; k < end.entries.size(); ++k) values[k] = y[end.entries[k]];
       const double u = displacement(end, t, values);
@@ -106,7 +106,7 @@ class EndWatch {
   void look_at(std::size_t j, double t, std::span<const double> y) {
     std::size_t k = 0;
     for (End& end : ends_) {
-      std::array<double, 4> values{};
+      std::array<double, 5> values{};
       for (std::size_t e = 0; e < end.entries.size(); ++e) values[e] = y[selected_[k++]];
       look_at(end, j, t, values);
     }
@@ -128,6 +128,12 @@ class EndWatch {
       const double force = std::max(end.account->peak_reaction, end.modulus * range);
       return !closed(end) || (smooth(end.force, force) && smooth(end.rate, force));
     });
+  }
+
+  /// Adds the impulse of an impact of contact i.
+  void strike(std::size_t i, double impulse) {
+    for (End& end : ends_)
+      if (end.unknown == system_.contact(i).unknown) end.account->impulse += impulse;
   }
 
   /// Adds the step that it has looked at.
@@ -160,8 +166,8 @@ class EndWatch {
     std::vector<std::size_t> contacts;  // of its node
     bool follows;                       // its neighbour: massless and undamped
     double modulus, viscosity;          // of the element beside it, over its length
-    double mass, coupling;              // of its row of rho M
-    std::vector<std::size_t> entries;   // u_n alone where it follows, u_e, or u_e, u_n, w_e, w_n
+    double mass, coupling, beyond;      // of its row of rho M, which an end row takes one further
+    std::vector<std::size_t> entries;   // u_n alone where it follows, u_e, or u_e, u_n, w_e, w_n, and the w beyond
     double origin = 0.0, origin_next = 0.0, stored = 0.0, stored_now = 0.0;
     Samples u{}, force{}, rate{};  // over the step looked at; the last two of a closed contact
   };
@@ -174,6 +180,8 @@ class EndWatch {
     const SymmetricTridiagonal& inertia = bar_.inertia();
     const bool massless = unknown < bar_.massive_begin() || unknown >= bar_.massive_end();
     const bool coupled = next && !inertia.off_diagonal.empty();
+    std::array<double, 3> row{};
+    if (inertia.end_rows) row = unknown == 0 ? inertia.end_rows->first : inertia.end_rows->last;
     End end{&account,
             unknown,
             next,
@@ -182,8 +190,9 @@ class EndWatch {
             massless && !bar_.damped(),
             bar_.bar().modulus / h,
             bar_.bar().viscosity / h,
-            inertia.diagonal[unknown],
-            coupled ? inertia.off_diagonal[std::min(unknown, *next)] : 0.0,
+            inertia.diagonal[unknown] + row[0],
+            coupled ? inertia.off_diagonal[std::min(unknown, *next)] + row[1] : 0.0,
+            row[2],
             {}};
     for (std::size_t i = 0; i < system_.contact_count(); ++i)
       if (system_.contact(i).unknown == unknown) end.contacts.push_back(i);
@@ -199,6 +208,7 @@ class EndWatch {
           return system_.law(i).damping > 0.0 || system_.holds(i);
         }))
       end.entries.resize(2);
+    if (inertia.end_rows && end.entries.size() == 4) end.entries.push_back(n + (unknown == 0 ? 2 : unknown - 2));
     ends_.push_back(std::move(end));
   }
 
@@ -211,7 +221,7 @@ class EndWatch {
   }
   double stored(const End& end, std::span<const double> y) const {
     if (end.follows || end.contacts.empty()) return 0.0;
-    const double momentum = end.mass * y[2] + end.coupling * y[3];
+    const double momentum = end.mass * y[2] + end.coupling * y[3] + end.beyond * y[4];
     return bar_.damped() ? momentum + end.viscosity * stretch(end, y) : momentum;
   }
 

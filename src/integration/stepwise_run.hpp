@@ -314,6 +314,7 @@ class StepwiseRun {
         system_.collide(i, t, u(), w(), {stepper_.displacement_tolerance(), inertial_share * reaction_tolerance()});
     if (layout_.dissipated) y_[*layout_.dissipated] += collision.dissipated;
     if (layout_.end_inertia) y_[*layout_.end_inertia] += collision.end_inertia;
+    if (ends_) ends_->strike(i, collision.impulse);
     if (collision.rests)
       system_.set_closed(i, true);
     else
