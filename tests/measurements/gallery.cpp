@@ -155,8 +155,9 @@ void rebound() {
                                           {"fourth_order", 120},
                                           {"consistent", 120},
                                           {"redistributed", 120}}) {
-      const Case run = scene("rebound", {fmt::format("bar.viscosity={}", viscosity), fmt::format("mesh.mass={}", words),
-                                         fmt::format("mesh.elements={}", elements)});
+      const Case run =
+          scene("rebound", {automatically, fmt::format("bar.viscosity={}", viscosity),
+                            fmt::format("mesh.mass={}", words), fmt::format("mesh.elements={}", elements)});
       const Recording recording = record(run);
       const double off = recording.events.size() == 2 ? std::abs(recording.events[1].time - opening) : std::nan("");
       fmt::print("| {} | {:.10f} / {:.10f} | automatic: {}, {} | {} | {:.1e} / {:.1e} | {:.2g} |\n", viscosity, opening,
