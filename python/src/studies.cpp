@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <future>
 #include <map>
+#include <set>
 #include <thread>
 
 #include "kept.hpp"
 #include "report/scene_check.hpp"
 #include "sweep/sweep_workers.hpp"
+#include "viscobar/characteristics/characteristics.hpp"
 #include "viscobar/record/record_run.hpp"
 #include "viscobar/report/reports.hpp"
 #include "viscobar/sweep/sweep.hpp"
@@ -153,17 +155,28 @@ std::shared_ptr<Kept> record_case(const PythonCase& self) {
   return kept;
 }
 
-/// The known solution of the scene, or one of Python functions: u(x, t), v(x, t), reaction_left(t), reaction_right(t).
-std::optional<exact::Solution> solution_of(const PythonCase& self, const py::dict& functions) {
+/// u at the nodes of `finest` and at the times of the runs, by characteristics; empty where they do not fit the scene.
+SpaceTimeFunction exact_displacement(Case finest, const std::vector<std::shared_ptr<Kept>>& kept) {
+  finest.method = MethodName::characteristics;
+  if (!validate(finest).empty()) return {};
+  std::set<double> times;
+  for (const auto& one : kept) times.insert(one->recording.times.begin(), one->recording.times.end());
+  std::map<double, std::vector<double>> u;
+  Observers observers;
+  observers.snapshot = [&](const Snapshot& now) { u[now.time].assign(now.u.begin(), now.u.end()); };
+  integrate(finest.scene, finest.mesh(), std::nullopt, std::vector<double>(times.begin(), times.end()),
+            Characteristics{}, observers);
+  return [u = std::move(u), h = finest.mesh().spacing()](double x, double t) {
+    return u.at(t)[static_cast<std::size_t>(std::lround(x / h))];
+  };
+}
+
+/// The solution by Python functions u(x, t), v(x, t), reaction_left(t), reaction_right(t), or by `exact` for u.
+std::optional<exact::Solution> solution_of(const PythonCase& self, const SpaceTimeFunction& exact, const py::dict& functions) {
   exact::Solution solution{self.scene.run.scene, {}, {}, {}, {}};
   const auto function = [&](const char* key) { return Function(functions[key], key, self.faults); };
-  if (functions.contains("u")) {
-    solution.u = function("u");
-  } else if (auto known = known_solution(self.scene.run.scene, self.scene.run.end)) {
-    solution.u = std::move(known->u);
-  } else {
-    return std::nullopt;
-  }
+  solution.u = functions.contains("u") ? function("u") : exact;
+  if (!solution.u) return std::nullopt;
   if (functions.contains("v")) solution.v = function("v");
   if (functions.contains("reaction_left")) solution.reaction_left = function("reaction_left");
   if (functions.contains("reaction_right")) solution.reaction_right = function("reaction_right");
@@ -173,7 +186,8 @@ std::optional<exact::Solution> solution_of(const PythonCase& self, const py::dic
 /// Rows and orders of recordings of refined cases: to the exact solution, or else each to the next finer step.
 py::tuple observed_orders(const std::vector<PythonCase>& cases, const std::vector<std::shared_ptr<Kept>>& kept,
                           const std::string& what, const py::dict& functions) {
-  const auto solution = solution_of(cases.front(), functions);
+  const auto solution = solution_of(
+      cases.front(), functions.contains("u") ? nullptr : exact_displacement(cases.back().scene.run, kept), functions);
   if (!solution && what != "step")
     throw std::invalid_argument(
         "no exact solution of this scene is known; give one, or refine the step alone: each step is then compared with "

@@ -171,7 +171,7 @@ def orders(
     refine  "mesh" (h is halved), "step" (dt is halved), or "both"
     levels  number of runs, the scene's mesh and step first
     exact   the solution, a mapping of functions: "u" and "v" of (x, t), "reaction_left" and "reaction_right" of t; all but
-            "u" may be missing. Absent: a known solution of the scene, where it is recognised (docs/python.md); else, with
+            "u" may be missing. Absent: without viscosity and span obstacle by characteristics, which are exact; else, with
             refine="step", each run is compared with the next finer one.
 
     Rows: elements, step, displacement_l2 and velocity_l2 (largest over time of the norm over the bar), end_trace (largest over
