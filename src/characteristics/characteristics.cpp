@@ -25,7 +25,6 @@ namespace {
 
 using namespace characteristics;
 
-constexpr double rounding = std::numeric_limits<double>::epsilon();
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double least_passage = 1e-12;  // of the last passage, in passages
 
@@ -484,18 +483,6 @@ void check(const Scene& scene, std::span<const double> times, const Characterist
 }
 
 }  // namespace
-
-std::optional<std::string> misfit(const Scene& scene, const Characteristics&) {
-  if (scene.bar.viscosity > 0.0)
-    return fmt::format(
-        "characteristics carries waves unchanged, and bar.viscosity = {} changes them; use rigid, or one of the "
-        "penalised methods",
-        scene.bar.viscosity);
-  if (scene.span)
-    return "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; use "
-           "fully_discrete, or one of the penalised methods";
-  return std::nullopt;
-}
 
 Statistics integrate(const Scene& scene, const Mesh& mesh, const std::optional<Checkpoint>& from,
                      std::span<const double> times, const Characteristics& method, const Observers& observers) {
