@@ -1,9 +1,13 @@
 #include "viscobar/case/case.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "case/method_table.hpp"
+#include "viscobar/characteristics/characteristics.hpp"
 
 namespace viscobar {
 
@@ -25,20 +29,54 @@ std::vector<double> Case::output_times() const {
   return times;
 }
 
+namespace {
+
+// Of a case that names none.
+Mass default_mass(const Case& run) {
+  if (run.elements >= 3 && run.grading == 1.0) return Mass::fourth_order;
+  const Scene& scene = run.scene;
+  const std::size_t ends = std::size_t{is_obstacle(scene.left)} + std::size_t{is_obstacle(scene.right)};
+  const bool algebraic = run.method != MethodName::cvode && run.method != MethodName::odeint;
+  const bool massless = ends > 0 && !scene.span && run.elements >= 1 + ends && (scene.bar.viscosity > 0.0 || algebraic);
+  return massless ? Mass::redistributed : Mass::consistent;
+}
+
+}  // namespace
+
 Mass effective_mass(const Case& run) {
   const auto mass = method_row(run.method).mass;
-  return mass ? mass(run) : run.mass.value_or(Mass::consistent);
+  return mass ? mass(run) : run.mass.value_or(default_mass(run));
 }
 
 Penalty penalty(const Case& run) { return {run.epsilon.value_or(1.0), run.restitution.value_or(1.0)}; }
 
 Odeint odeint(const Case& run) { return {penalty(run), run.tolerance, run.stepper, run.step}; }
 
-MethodName automatic_method(const Case& run) {
-  const bool ends = is_obstacle(run.scene.left) || is_obstacle(run.scene.right);
-  if (ends && !run.scene.span && !run.epsilon) return MethodName::rigid;
-  const bool massless = ends && run.mass == Mass::redistributed;
-  return run.scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode;
+AutomaticMethod automatic_method(const Case& run) {
+  const Scene& scene = run.scene;
+  if (run.epsilon || scene.span) {
+    const bool massless = (is_obstacle(scene.left) || is_obstacle(scene.right)) && run.mass == Mass::redistributed;
+    return {scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode, ""};
+  }
+  if (scene.bar.viscosity > 0.0) return {MethodName::rigid, ""};
+  if (!validate(scene).empty()) return {MethodName::characteristics, ""};
+  const auto rigid_because = [](const std::string& why) {
+    return AutomaticMethod{
+        MethodName::rigid,
+        fmt::format("automatic chose rigid, which has the errors of a mesh, and not characteristics: {}", why)};
+  };
+  try {
+    if (const auto time = roughens(scene, run.end))
+      return rigid_because(fmt::format(
+          "contact changes break the waves without end, into more than 10,000 pieces at t = {:.4g}; no mesh "
+          "follows such a motion for long: a positive bar.viscosity has a smooth one",
+          *time));
+  } catch (const std::invalid_argument& misfit) {
+    return rigid_because(misfit.what());
+  } catch (const IntegrationError&) {
+    // Of the load: each method meets it.
+  }
+  return {MethodName::characteristics, ""};
 }
 
 std::string method_words(const Case& run) {

@@ -13,8 +13,6 @@ namespace viscobar {
 
 namespace {
 
-Mass redistributed(const Case& run) { return run.mass.value_or(Mass::redistributed); }
-
 // There is none in the solution; of this one nothing is refused.
 Mass consistent(const Case&) { return Mass::consistent; }
 
@@ -168,9 +166,9 @@ constexpr MethodRow rows[] = {
      .penalised = true, .accuracy = Accuracy::tolerances, .seconds = multistep,
      .run = run_odeint, .vectors = odeint_vectors, .refuse = refuse_odeint},
     {.method = MethodName::rigid, .name = "rigid",
-     .meaning = "the limit epsilon = 0 itself, on the redistributed mass where none is named; no span obstacle",
+     .meaning = "the limit epsilon = 0 itself; no span obstacle",
      .penalised = false, .accuracy = Accuracy::tolerances, .seconds = multistep,
-     .run = run_rigid, .vectors = bdf_vectors, .mass = redistributed, .refuse = refuse_rigid},
+     .run = run_rigid, .vectors = bdf_vectors, .refuse = refuse_rigid},
     {.method = MethodName::exponential, .name = "exponential",
      .meaning = "penalised bar by matrix exponentials, a reference on small meshes",
      .penalised = true, .accuracy = Accuracy::rounding, .seconds = {},

@@ -72,7 +72,7 @@ constexpr SceneKey rows[] = {
 
     {"mesh.elements", count, required, "", "1", "number of elements of equal length", {1.0, 1e8, "1 to 1e8"}},
     {"mesh.grading", number, optional, "1", "1", "ratio of the largest element to the smallest; elements shrink towards obstacles", {1.0, 1e6, "1 to 1e6"}},
-    {"mesh.mass", choice, optional, "", "", "mass matrix; absent: consistent, for rigid redistributed"},
+    {"mesh.mass", choice, optional, "", "", "mass matrix; absent: fourth_order where the method takes it, else redistributed, else consistent"},
 
     {"contact.epsilon", number, optional, "", "length / stress", "reaction = penetration / epsilon; penalised methods need it where there is an obstacle", positive},
     {"contact.restitution", number, optional, "", "1", "restitution of a contact node; absent: undamped spring in penalised methods, implicit constraint in the others", {0.0, 1.0, "0 to 1"}},

@@ -92,6 +92,7 @@ class RecordedRun {
     if (!last_.motion) {
       remove_checkpoints(place_);
       files_->take_places();
+      if (!scene_.run.reservation.empty()) warn(scene_.run.reservation);
       if (last_.schedule) write_checkpoint(place_, last_);
       return;
     }

@@ -66,6 +66,7 @@ std::string advice(const Case& run, const ContactRegime& regime) {
 
 std::vector<std::string> warnings_of(const Case& run, const std::vector<ContactRegime>& regimes) {
   std::vector<std::string> found;
+  if (!run.reservation.empty()) found.push_back(run.reservation);
   const auto held = [&](const EndCondition& end, double x, const char* where) {
     if (const double v = run.scene.velocity(x); is_fixed(end) && v != 0.0)
       found.push_back(fmt::format("the {} end is fixed, but its initial velocity is {}: it is held still", where, v));

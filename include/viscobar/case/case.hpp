@@ -33,7 +33,8 @@ struct Case {
   std::optional<double> restitution;  ///< absent: an undamped spring in the penalty, the implicit constraint in (2.8)
 
   MethodName method = MethodName::cvode;    ///< how it is integrated
-  bool automatic = false;                   ///< method was asked to be automatic_method(): for what tells of the run
+  bool automatic = false;                   ///< method was asked to be chosen, by automatic_method()
+  std::string reservation;                  ///< of that choice: what to warn of
   Tolerance tolerance;                      ///< of adaptive methods
   Formulas formulas = Formulas::automatic;  ///< of cvode
   Stepper stepper = Stepper::automatic;     ///< of odeint
@@ -63,15 +64,23 @@ std::vector<Finding> validate(const Case& run, const std::vector<std::string>& f
 /// The word of a scene file for it.
 inline constexpr std::string_view automatic = "automatic";
 
-/// The method for a case that names none, whatever its own is:
+/// The method for a case that names none, whatever its own is, and a sentence to warn with where it is not the first
+/// choice:
 ///
-///     obstacles and no epsilon                    rigid, where there is no span obstacle
-///     viscosity, or contact nodes without mass    arkode, which passes over what is stiff by L-stable formulas
-///     else                                        cvode, whose Adams formulas of order up to 12 follow oscillations
-///     best
+///     no epsilon, no span obstacle, no viscosity        characteristics, which is exact; rigid where it does not take
+///                                                       the data, or where the waves break without end, see roughens()
+///     no epsilon, no span obstacle, viscosity           rigid
+///     else, of the penalised methods:
+///       viscosity, or contact nodes without mass        arkode, which passes over what is stiff by L-stable formulas
+///       neither                                         cvode, whose Adams formulas of order up to 12 follow
+///                                                       oscillations best
 ///
-/// Measured in docs/speed.md.
-MethodName automatic_method(const Case& run);
+/// Measured in docs/methods.md.
+struct AutomaticMethod {
+  MethodName method;
+  std::string reservation;
+};
+AutomaticMethod automatic_method(const Case& run);
 
 /// What to call the method of a run: its name, with "automatic" where it was asked to be chosen.
 std::string method_words(const Case& run);
@@ -80,9 +89,10 @@ std::string method_words(const Case& run);
 /// where that one cannot take the scene (massless contact nodes without viscosity).
 MethodName penalised_method(const Case& run);
 
-/// The mass of a run: the one asked for, else the consistent one, but for two methods. `finite_difference` takes the
-/// lumped one when the case says "consistent" or nothing, since (3.22) is (2.8) with a diagonal product, and `rigid`
-/// the redistributed one when the case says nothing.
+/// The mass of a run: the one asked for, else the first that the method takes of fourth_order (three elements or more,
+/// of equal length), redistributed (an obstacle at an end, none along the bar, elements enough, viscosity for `cvode`
+/// and `odeint`) and consistent. Two methods have their own way: `finite_difference` takes the lumped one for
+/// "consistent" or nothing, since (3.22) is (2.8) with a diagonal product, and `characteristics` has none.
 Mass effective_mass(const Case& run);
 
 /// The penalty of a penalised method: a spring without dashpot where the case has no restitution.
