@@ -174,7 +174,7 @@ def orders(
     levels  number of runs, the scene's mesh and step first
     set     values in place of the scene's, as in viscobar.run()
     exact   the solution, a mapping of functions: "u" and "v" of (x, t), "reaction_left" and "reaction_right" of t; all but
-            "u" may be missing. Absent: a known solution of the scene, where it is recognised (docs/python.md); else, with
+            "u" may be missing. Absent: the method characteristics, exact where it fits the scene (no viscosity); else, with
             refine="step", each run is compared with the next finer one.
 
     Rows: elements, step, displacement_l2 and velocity_l2 (largest over time of the norm over the bar), end_trace (largest over
