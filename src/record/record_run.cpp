@@ -91,6 +91,20 @@ std::optional<std::string> representation_warning(const Statistics& done) {
       done.representation->error, done.representation->rounding);
 }
 
+/// That the bar has gone through an obstacle: how deep, and the epsilon to take.
+std::optional<std::string> penetration_warning(const Case& run, const Statistics& done) {
+  if (!is_penalised(run.method) || !done.account) return std::nullopt;
+  double largest = 0.0;
+  for (const EndAccount* end : {&done.account->left, &done.account->right})
+    largest = std::max({largest, std::abs(end->lowest), std::abs(end->highest)});
+  if (!is_no_obstacle(done.max_penetration, largest)) return std::nullopt;
+  return fmt::format(
+      "penetration: the bar went {:.3g} deep into an obstacle, its ends having displacements of up to {:.3g}: that is "
+      "no "
+      "obstacle; {}",
+      done.max_penetration, largest, stiffer_advice(run));
+}
+
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -119,6 +133,7 @@ class RecordedRun {
     if (const auto& done = outcome().statistics; done && done->energy) {
       if (const auto warning = growth_warning(scene_.run, *done)) warn(*warning);
       if (const auto warning = representation_warning(*done)) warn(*warning);
+      if (const auto warning = penetration_warning(scene_.run, *done)) warn(*warning);
       for (const Alarm& alarm : alarms(scene_.run, system_, *done)) sound(alarm);
     }
     if (stopped_at_) outcome().statistics = std::move(stopped_at_);

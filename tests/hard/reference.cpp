@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "support/absolute_tolerance.hpp"
+
 namespace viscobar::hard {
 
 namespace {
@@ -11,8 +13,7 @@ constexpr std::size_t most_dense_elements = 60;
 
 Case by(Case run, MethodName method, double tolerance) {
   run.method = method;
-  run.tolerance.absolute *= tolerance / run.tolerance.relative;
-  run.tolerance.relative = tolerance;
+  run.tolerance = run.tolerance.with_relative(tolerance);
   return run;
 }
 
@@ -33,7 +34,7 @@ Case trusted(Case run) {
 Reference of_scheme(const Trial& trial) {
   Case reference = trial.run;
   const bool massless = trial.run.mass == Mass::redistributed;
-  reference.tolerance = {1e-8, 1e-3 * trial.run.tolerance.absolute};
+  reference.tolerance = {1e-8, 1e-3 * absolute_tolerance(trial.run)};
   if (massless)
     reference.method = MethodName::rigid;
   else

@@ -30,13 +30,18 @@ bool is_free(const EndCondition& end) { return std::holds_alternative<Free>(end)
 
 /// When a bar that moves as a whole from u = a at velocity v first touches.
 double first_touch(const Scene& scene, double a, double v) {
-  if (!(v < 0.0)) return std::numeric_limits<double>::infinity();
-  double clearance = std::numeric_limits<double>::infinity();
+  double first = std::numeric_limits<double>::infinity();
+  const auto meet = [&](const Obstacle& obstacle) {
+    if (obstacle.bounds(Side::below) && v < 0.0) first = std::min(first, (a + obstacle.gap) / -v);
+    if (obstacle.bounds(Side::above) && v > 0.0) first = std::min(first, (obstacle.gap - a) / v);
+  };
   for (const EndCondition& end : {scene.left, scene.right})
-    if (const auto* obstacle = std::get_if<Obstacle>(&end)) clearance = std::min(clearance, a + obstacle->gap);
-  if (scene.span) clearance = std::min(clearance, a + scene.span->gap);
-  return clearance / -v;
+    if (const auto* obstacle = std::get_if<Obstacle>(&end)) meet(*obstacle);
+  if (scene.span) meet(*scene.span);
+  return first;
 }
+
+double sign_of(const Obstacle& obstacle) { return obstacle.side == Side::above ? -1.0 : 1.0; }
 
 std::optional<KnownSolution> translation(const Scene& scene, double end) {
   const double length = scene.bar.length;
@@ -50,10 +55,11 @@ std::optional<KnownSolution> translation(const Scene& scene, double end) {
   const bool left = is_obstacle(scene.left) && is_free(scene.right);
   const bool right = is_obstacle(scene.right) && is_free(scene.left);
   if (scene.bar.viscosity > 0.0 || scene.span || left == right) return std::nullopt;
-  const double gap = std::get<Obstacle>(left ? scene.left : scene.right).gap;
-  const exact::ElasticImpact impact{scene.bar, -v, a + gap};
+  const Obstacle& obstacle = std::get<Obstacle>(left ? scene.left : scene.right);
+  const double sign = sign_of(obstacle);
+  const exact::ElasticImpact impact{scene.bar, -sign * v, sign * a + obstacle.gap};
   return KnownSolution{"elastic impact of an unstrained bar",
-                       [=](double x, double t) { return a + impact.u(left ? x : length - x, t); }};
+                       [=](double x, double t) { return a + sign * impact.u(left ? x : length - x, t); }};
 }
 
 std::optional<KnownSolution> period_three(const Scene& scene) {
@@ -62,9 +68,10 @@ std::optional<KnownSolution> period_three(const Scene& scene) {
   const bool right = is_obstacle(scene.right) && is_fixed(scene.left);
   if (bar.viscosity > 0.0 || scene.span || left == right) return std::nullopt;
   if (!linear(scene.displacement, bar.length) || !constant(scene.velocity, bar.length)) return std::nullopt;
-  const double gap = std::get<Obstacle>(left ? scene.left : scene.right).gap;
-  const double contact = scene.displacement(left ? 0.0 : bar.length);
-  const double held = scene.displacement(left ? bar.length : 0.0);
+  const Obstacle& obstacle = std::get<Obstacle>(left ? scene.left : scene.right);
+  const double sign = sign_of(obstacle), gap = obstacle.gap;
+  const double contact = sign * scene.displacement(left ? 0.0 : bar.length);
+  const double held = sign * scene.displacement(left ? bar.length : 0.0);
   if (scene.velocity(0.0) != 0.0 || held != -gap || !(contact > held)) return std::nullopt;
   const double crossing = bar.length / std::sqrt(bar.modulus / bar.density);
   return KnownSolution{"period-3 bar", [=, length = bar.length, height = contact - held](double x, double t) {
@@ -72,7 +79,7 @@ std::optional<KnownSolution> period_three(const Scene& scene) {
                          const double tau = std::fmod(t / crossing, 3.0);
                          double shape = std::min(1.0 - y, tau < 1.0 ? 1.0 - tau : tau - 2.0);
                          if (tau >= 1.0 && tau < 2.0) shape = -std::min({tau - 1.0, y, 1.0 - y, 2.0 - tau});
-                         return height * shape - gap;
+                         return sign * (height * shape - gap);
                        }};
 }
 
