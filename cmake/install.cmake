@@ -11,8 +11,8 @@ install(DIRECTORY include/viscobar TYPE INCLUDE COMPONENT development FILES_MATC
 install(EXPORT viscobarTargets NAMESPACE viscobar:: DESTINATION ${package_dir} COMPONENT development)
 if(TARGET viscobar_cli)
   file(RELATIVE_PATH libraries_from_program ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
-  set_target_properties(viscobar_cli PROPERTIES INSTALL_RPATH "$ORIGIN/${libraries_from_program}")
-  install(TARGETS viscobar_cli COMPONENT program)
+  set_target_properties(${programs} PROPERTIES INSTALL_RPATH "$ORIGIN/${libraries_from_program}")
+  install(TARGETS ${programs} COMPONENT program)
   # The program writes them itself, from the definition of its command line. Debian's zsh looks in vendor-completions.
   set(shell_dir ${PROJECT_BINARY_DIR}/shell)
   add_custom_command(TARGET viscobar_cli POST_BUILD COMMAND ${CMAKE_COMMAND} -E make_directory ${shell_dir}

@@ -28,6 +28,10 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING ALL_COMPONENTS_IN_ONE)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+if(TARGET viscobar_python) # for one version of Python; the program works without it
+  execute_process(COMMAND ${VISCOBAR_PYTHON_EXECUTABLE} -c "import sys; a, b = sys.version_info[:2]; print(f'python3 (>= {a}.{b}), python3 (<< {a}.{b + 1}), python3-numpy')"
+                  OUTPUT_VARIABLE CPACK_DEBIAN_PACKAGE_RECOMMENDS OUTPUT_STRIP_TRAILING_WHITESPACE)
+endif()
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/viscobar RENAME copyright COMPONENT program)

@@ -26,7 +26,6 @@
 #include "viscobar/studies/compare/difference.hpp"
 #include "viscobar/studies/compare/examine.hpp"
 #include "viscobar/studies/exact/exact_solutions.hpp"
-#include "viscobar/studies/exact/known_solution.hpp"
 #include "viscobar/studies/limit/coupling.hpp"
 #include "viscobar/studies/limit/limit.hpp"
 #include "viscobar/studies/orders/observed_order.hpp"

@@ -1,7 +1,10 @@
 #include "viscobar/case/case.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "case/method_table.hpp"
 #include "case/regime.hpp"
@@ -88,17 +91,32 @@ Penalty penalty(const Case& run) { return {effective_epsilon(run), run.restituti
 
 Odeint odeint(const Case& run) { return {penalty(run), run.tolerance, run.stepper, run.step}; }
 
-MethodName automatic_method(const Case& run) {
-  const bool ends = ends_meet_obstacles(run.scene);
-  if (run.scene.span && !run.epsilon) return MethodName::fully_discrete;
-  if (ends && !run.epsilon) {
-    const Bar& bar = run.scene.bar;
-    const bool waves = bar.viscosity == 0.0 &&
-                       run.end * std::sqrt(bar.modulus / bar.density) / bar.length <= Characteristics::most_passages;
-    return waves ? MethodName::characteristics : MethodName::rigid;
+AutomaticMethod automatic_method(const Case& run) {
+  const Scene& scene = run.scene;
+  if (scene.span && !run.epsilon) return {MethodName::fully_discrete, ""};
+  if (run.epsilon) {
+    const bool massless = run.mass ? ends_meet_obstacles(scene) && run.mass == Mass::redistributed : redistributes(run);
+    return {scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode, ""};
   }
-  const bool massless = run.mass ? ends && run.mass == Mass::redistributed : redistributes(run);
-  return run.scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode;
+  if (scene.bar.viscosity > 0.0) return {MethodName::rigid, ""};
+  if (!validate(scene).empty()) return {MethodName::characteristics, ""};
+  const auto rigid_because = [](const std::string& why) {
+    return AutomaticMethod{
+        MethodName::rigid,
+        fmt::format("automatic chose rigid, which has the errors of a mesh, and not characteristics: {}", why)};
+  };
+  try {
+    if (const auto time = roughens(scene, run.end))
+      return rigid_because(fmt::format(
+          "contact changes break the waves without end, into more than 10,000 pieces at t = {:.4g}; no mesh "
+          "follows such a motion for long: a positive bar.viscosity has a smooth one",
+          *time));
+  } catch (const std::invalid_argument& misfit) {
+    return rigid_because(misfit.what());
+  } catch (const IntegrationError&) {
+    // Of the load: each method meets it.
+  }
+  return {MethodName::characteristics, ""};
 }
 
 std::string method_words(const Case& run) {

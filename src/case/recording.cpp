@@ -15,8 +15,6 @@ Recording record(const Case& run) {
     recording.v.insert(recording.v.end(), s.v.begin(), s.v.end());
     recording.reaction_left.push_back(s.reaction_left);
     recording.reaction_right.push_back(s.reaction_right);
-    if (s.impulse_left) recording.impulse_left.push_back(*s.impulse_left);
-    if (s.impulse_right) recording.impulse_right.push_back(*s.impulse_right);
   };
   observers.event = [&](const Event& event) { recording.events.push_back(event); };
   recording.statistics = simulate(run, system, observers);

@@ -25,9 +25,16 @@ namespace {
 
 using namespace characteristics;
 
-constexpr double rounding = std::numeric_limits<double>::epsilon();
-constexpr std::size_t most_pieces = 50'000;  // of one wave
-constexpr double least_passage = 1e-12;      // of the last passage, in passages
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double least_passage = 1e-12;  // of the last passage, in passages
+
+// Of a look ahead: a few tenths of a second.
+constexpr std::size_t pieces_awaited = 10'000;
+constexpr double work_awaited = 1e6, work_of_evaluation = 0.1;  // in pieces that are carried through a passage
+
+struct TooManyPieces : IntegrationError {
+  using IntegrationError::IntegrationError;
+};
 
 double sign_of(const EndCondition& end) {
   const auto* obstacle = std::get_if<Obstacle>(&end);
@@ -73,11 +80,13 @@ void add_breaks(const Piecewise& f, std::vector<double>& breaks) {
 class Run {
  public:
   Run(const Scene& scene, const Mesh& mesh, const std::optional<Checkpoint>& from, std::span<const double> times,
-      const Observers& observers)
+      const Characteristics& method, const Observers& observers, double most_work = infinite)
       : scene_(scene),
         mesh_(mesh),
         times_(times),
         observers_(observers),
+        method_(method),
+        most_work_(most_work),
         passage_(scene.bar.length / std::sqrt(scene.bar.modulus / scene.bar.density)),
         impedance_(std::sqrt(scene.bar.modulus * scene.bar.density)),
         before_(from ? from->statistics : Statistics{}),
@@ -105,6 +114,7 @@ class Run {
         if (auto checkpoint = tell_passage()) return std::move(*checkpoint);
         if (k_ == last_passage_) break;
         leave();
+        if (worked() > most_work_) return reached();
       }
     } catch (const LoadError& error) {
       fail(error.what());
@@ -161,8 +171,9 @@ class Run {
     account.peak_reaction = impedance_ * borne.max_reaction;
   }
 
+  template <class Error = IntegrationError>
   [[noreturn]] void fail(const std::string& what) {
-    throw IntegrationError(fmt::format("characteristics stopped at t = {}: {}", t_, what), reached());
+    throw Error(fmt::format("characteristics stopped at t = {}: {}", t_, what), reached());
   }
 
   void begin() {
@@ -233,6 +244,10 @@ class Run {
     place_scale_ = place_scale_begin_;
     next_output_ = checkpoint.outputs;
     skip_ = told_;
+  }
+
+  double worked() const {
+    return carried_ + (load_ ? work_of_evaluation * static_cast<double>(load_->evaluations()) : 0.0);
   }
 
   // What both ends send in passage k.
@@ -379,13 +394,14 @@ class Run {
       if (sent->size() <= 2 * *count + 8) continue;
       error_ += simplify(*sent, tolerance, negligible, of_time, arriving_) + sent->left_out();
       *count = sent->size();
-      if (*count > most_pieces)
-        fail(fmt::format(
+      if (*count > method_.most_pieces)
+        fail<TooManyPieces>(fmt::format(
             "{} contact changes have broken the waves into more than {} pieces, and each passage breaks them "
             "further: there is no end of the detail that the exact motion has; choose an earlier time.end, "
             "a positive bar.viscosity with another method.name, or rigid",
-            statistics_.events, most_pieces));
+            statistics_.events, method_.most_pieces));
     }
+    carried_ += static_cast<double>(sent_left_.size() + sent_right_.size());
     std::swap(sent_left_, sent_left_before_);
     std::swap(sent_right_, sent_right_before_);
   }
@@ -430,6 +446,9 @@ class Run {
   std::size_t nodes_ = mesh_.nodes();  // of the run that a checkpoint is of
   std::span<const double> times_;
   const Observers& observers_;
+  const Characteristics method_;
+  const double most_work_;
+  double carried_ = 0.0;  // pieces, of all passages
   Stopwatch watch_;
   double passage_, impedance_;  // L / c, rho c
   Statistics before_, statistics_;
@@ -472,18 +491,6 @@ void check(const Scene& scene, std::span<const double> times, const Characterist
 
 }  // namespace
 
-std::optional<std::string> misfit(const Scene& scene, const Characteristics&) {
-  if (scene.bar.viscosity > 0.0)
-    return fmt::format(
-        "characteristics carries waves unchanged, and bar.viscosity = {} changes them; use rigid, or one of the "
-        "penalised methods",
-        scene.bar.viscosity);
-  if (scene.span)
-    return "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; use "
-           "fully_discrete, or one of the penalised methods";
-  return std::nullopt;
-}
-
 Statistics integrate(const Scene& scene, const Mesh& mesh, const std::optional<Checkpoint>& from,
                      std::span<const double> times, const Characteristics& method, const Observers& observers) {
   check(scene, times, method);
@@ -491,8 +498,21 @@ Statistics integrate(const Scene& scene, const Mesh& mesh, const std::optional<C
   return run_in_parts(start, observers, [&](const StartingPoint& part) {
     const auto* checkpoint = std::get_if<Checkpoint>(&part);
     const auto begin = checkpoint ? std::optional(*checkpoint) : std::nullopt;
-    return Run(scene, mesh, begin, times, observers)(begin);
+    return Run(scene, mesh, begin, times, method, observers)(begin);
   });
+}
+
+std::optional<double> roughens(const Scene& scene, double end) {
+  const double times[] = {0.0, end};
+  const Characteristics method{.most_pieces = pieces_awaited};
+  const Observers nobody;
+  check(scene, times, method);
+  try {
+    Run(scene, Mesh{scene.bar.length, 1}, std::nullopt, times, method, nobody, work_awaited)(std::nullopt);
+  } catch (const TooManyPieces& end_of_it) {
+    return end_of_it.statistics.reached_time;
+  }
+  return std::nullopt;
 }
 
 }  // namespace viscobar

@@ -1,57 +1,15 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
-#include "case/chatter.hpp"
-#include "case/first_impact.hpp"
-#include "case/memory.hpp"
-#include "case/regime.hpp"
 #include "cli/commands.hpp"
 #include "cli/messages.hpp"
-#include "dynamics/natural_scales.hpp"
+#include "report/scene_check.hpp"
 #include "text/table.hpp"
 
 namespace viscobar::cli {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-std::string_view name(Where where) {
-  switch (where) {
-    case Where::left: return "left";
-    case Where::right: return "right";
-    case Where::span: return "span";
-  }
-  return {};
-}
-
-std::string_view name(ImpactPrediction::Layer layer) {
-  switch (layer) {
-    case ImpactPrediction::Layer::viscous: return "viscous layer";
-    case ImpactPrediction::Layer::elastic: return "elastic wave";
-    case ImpactPrediction::Layer::bar: return "the whole bar, the spring is softer than it";
-    case ImpactPrediction::Layer::node: return "end node alone, the mesh is too coarse for the layer";
-  }
-  return {};
-}
-
-std::string_view load_kind(const Scene& scene) {
-  if (!scene.load) return "none";
-  if (std::holds_alternative<SteadyLoad>(*scene.load)) return "steady";
-  return std::holds_alternative<SeparableLoad>(*scene.load) ? "profile times history" : "general";
-}
-
-std::string contact_kind(const Case& run) {
-  if (is_penalised(run.method))
-    return fmt::format("penalty, epsilon = {:.6g} = {:.3g} {}{}", effective_epsilon(run),
-                       effective_epsilon(run) / natural_epsilon(run.scene), natural_epsilon_words(run.scene),
-                       run.epsilon ? "" : ", chosen for the mesh");
-  if (run.method == MethodName::characteristics) return "exact: an end answers what arrives";
-  return run.method == MethodName::rigid ? "rigid: closed nodes are held" : "exact constraint in every step";
-}
 
 std::string method_text(const Case& run, const BarSystem& system) {
   if (run.method != MethodName::odeint) return method_words(run);
@@ -66,70 +24,6 @@ std::string events(const Case& run, const BarSystem& system) {
   return fmt::format("{}, one for each contact node", system.contacts().size());
 }
 
-/// What a contact that bounces means for the limit epsilon -> 0, and what to change.
-std::string advice(const Case& run, const ContactRegime& regime) {
-  const bool span = regime.where == Where::span;
-  const std::string bounce = fmt::format("{}: the {} (zeta = {:.3g} < 1)", name(regime.where),
-                                         span ? "nodes rebound" : "end node rebounds", *regime.damping_ratio);
-  if (run.restitution)
-    return fmt::format(
-        "{}, and so do those of the fully discrete scheme with the same contact.restitution = {}: the two share one "
-        "limit as epsilon goes to 0, but the nodes chatter; contact.restitution = 0 prevents the chatter",
-        bounce, *run.restitution);
-  if (span)
-    return bounce +
-           ", and those of the fully discrete scheme do not: as epsilon goes to 0 the difference has a plateau; "
-           "contact.restitution = 0 makes the two agree";
-  return fmt::format(
-      "{}: chatter is expected, and every bounce costs steps; as epsilon goes to 0 the difference to the fully "
-      "discrete "
-      "scheme has a plateau; remedies: {}",
-      bounce, chatter_remedies(run, regime, regime.where));
-}
-
-double gap_of(const Scene& scene, Where where) {
-  if (where == Where::span) return scene.span->gap;
-  return std::get<Obstacle>(where == Where::left ? scene.left : scene.right).gap;
-}
-
-std::vector<std::string> warnings(const Case& run, const BarSystem& system, const std::vector<ContactRegime>& regimes) {
-  std::vector<std::string> found;
-  const auto held = [&](const EndCondition& end, double x, const char* where) {
-    if (const double v = run.scene.velocity(x); is_fixed(end) && v != 0.0)
-      found.push_back(fmt::format("the {} end is fixed, but its initial velocity is {}: it is held still", where, v));
-  };
-  held(run.scene.left, 0.0, "left");
-  held(run.scene.right, run.scene.bar.length, "right");
-  for (const ContactRegime& regime : regimes)
-    if (regime.chatters) found.push_back(advice(run, regime));
-  const double displacement = natural_scales(system, run.end).displacement;
-  for (const ContactRegime& regime : regimes)
-    if (regime.impact &&
-        is_no_obstacle(regime.impact->penetration, std::max(displacement, gap_of(run.scene, regime.where))))
-      found.push_back(fmt::format(
-          "{}: a penetration of {:.2g} is predicted, beside a gap of {:.2g} and displacements of {:.2g}: that is no "
-          "obstacle; {}",
-          name(regime.where), regime.impact->penetration, gap_of(run.scene, regime.where), displacement,
-          stiffer_advice(run)));
-  return found;
-}
-
-const FirstImpact* hit(const std::optional<std::vector<FirstImpact>>& hits, Where where) {
-  if (hits)
-    for (const FirstImpact& candidate : *hits)
-      if (candidate.where == where) return &candidate;
-  return nullptr;
-}
-
-/// The speed that a first impact will have tells more than the initial velocity.
-void predict(ContactRegime& regime, const std::optional<std::vector<FirstImpact>>& hits, const Case& run,
-             const BarSystem& system) {
-  const FirstImpact* first = hit(hits, regime.where);
-  if (!first || first->speed == 0.0 || regime.where == Where::span) return;
-  const double h = system.spacing_at(regime.where == Where::left ? 0 : system.size() - 1);
-  regime.impact = predict_impact(system.bar(), h, regime.effective_mass, effective_epsilon(run), first->speed);
-}
-
 std::string impact_text(const Case& run, const std::optional<std::vector<FirstImpact>>& hits) {
   if (!hits) return "not predicted, the scene is large";
   if (hits->empty()) return fmt::format("none to t = {}", run.end);
@@ -138,23 +32,6 @@ std::string impact_text(const Case& run, const std::optional<std::vector<FirstIm
     text += fmt::format("{}{} at t = {:.4g}, speed {:.3g}", text.empty() ? "" : "; ", name(impact.where), impact.time,
                         impact.speed);
   return text;
-}
-
-Json to_json(const FirstImpact& impact) {
-  return {{"where", name(impact.where)}, {"time", impact.time}, {"speed", impact.speed}};
-}
-
-Json to_json(const ContactRegime& regime) {
-  Json json = {{"where", name(regime.where)},
-               {"effective_mass", regime.effective_mass},
-               {"damping_ratio", regime.damping_ratio ? Json(*regime.damping_ratio) : Json(nullptr)},
-               {"chatter_expected", regime.chatters},
-               {"quiet_epsilon", regime.where == Where::span ? Json(nullptr) : Json(regime.quiet_epsilon)}};
-  json["impact"] = regime.impact ? Json{{"speed", regime.impact->speed},
-                                        {"predicted_penetration", regime.impact->penetration},
-                                        {"by", name(regime.impact->layer)}}
-                                 : Json(nullptr);
-  return json;
 }
 
 std::string to_text(const ContactRegime& regime) {
@@ -178,46 +55,14 @@ CheckCommand::CheckCommand(CLI::App& app)
 int CheckCommand::operator()() const {
   const SceneFile scene = scene_.read();
   const Case& run = scene.run;
-  const BarSystem system = make_system(run);
-  const auto hits = first_impacts(run);
-  std::vector<ContactRegime> regimes = contact_regimes(run, system);
-  for (ContactRegime& regime : regimes) predict(regime, hits, run, system);
-  const MemoryNeed memory = memory_need(run);
-
+  const SceneCheck check = check_scene(run);
+  const BarSystem& system = check.system;
   const bool waves = run.method == MethodName::characteristics;
   const double passage = run.scene.bar.length * std::sqrt(run.scene.bar.density / run.scene.bar.modulus);
   const double passages = run.end / passage;
 
-  Json json;
-  json["title"] = run.scene.title;
-  json["method"] = viscobar::name(run.method);
-  json["method_requested"] = run.automatic ? automatic : viscobar::name(run.method);
-  if (waves) json["passages"] = passages;
-  if (run.method == MethodName::odeint) json["stepper"] = viscobar::name(plan(system, run.end, odeint(run)).stepper);
-  json["nodes"] = system.mesh().nodes();
-  json["unknown_nodes"] = system.size();
-  json["spacing"] = system.mesh().spacing();
-  if (!system.mesh().uniform()) json["smallest_element"] = system.mesh().smallest();
-  json["mass"] = viscobar::name(system.mass());
-  json["terms"] = {{"inertia", system.has_massless() ? "massless contact nodes" : "every node"},
-                   {"elasticity", true},
-                   {"damping", system.damped()},
-                   {"load", load_kind(run.scene)},
-                   {"contact", system.contacts().empty() ? Json(nullptr) : Json(contact_kind(run))}};
-  json["contact_nodes"] = system.contacts().size();
-  json["event_functions"] = is_scheme(run.method) ? 0 : system.contacts().size();
-  json["memory"] = {{"vectors", std::llround(memory.vectors)}, {"bytes", std::llround(memory.bytes)}};
-  json["contacts"] = Json::array();
-  for (const ContactRegime& regime : regimes) json["contacts"].push_back(to_json(regime));
-  json["first_impacts"] = hits ? Json::array() : Json(nullptr);
-  if (hits)
-    for (const FirstImpact& impact : *hits) json["first_impacts"].push_back(to_json(impact));
-  const std::vector<std::string> cautions = warnings(run, system, regimes);
-  json["warnings"] = cautions;
-  json["scene"] = Json::parse(scene.complete());
-  json["chosen"] = Json::parse(scene.chosen);
   if (scene_.json) {
-    print(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    print(check_json(scene, check));
     return success;
   }
 
@@ -241,13 +86,13 @@ int CheckCommand::operator()() const {
   text += row("load", load_kind(run.scene));
   text += row("contact", system.contacts().empty() ? "none" : contact_kind(run));
   text += row("event functions", events(run, system));
-  text += row("memory", fmt::format("about {} vectors of {} numbers, {}", memory.vectors, system.size(),
-                                    byte_number(memory.bytes)));
-  if (!system.contacts().empty()) text += row("first impacts", impact_text(run, hits));
-  for (const ContactRegime& regime : regimes)
+  text += row("memory", fmt::format("about {} vectors of {} numbers, {}", check.memory.vectors, system.size(),
+                                    byte_number(check.memory.bytes)));
+  if (!system.contacts().empty()) text += row("first impacts", impact_text(run, check.impacts));
+  for (const ContactRegime& regime : check.regimes)
     text += row(fmt::format("{} contact", name(regime.where)), to_text(regime));
   print(text);
-  for (const std::string& caution : cautions) warn(caution);
+  for (const std::string& caution : check.warnings) warn(caution);
   return success;
 }
 

@@ -117,6 +117,13 @@ double LoadVector::at(double t, std::size_t unknown) const {
   double sum = general.mass.diagonal[node] * density(node);
   if (!beside.empty() && node > 0) sum += beside[node - 1] * density(node - 1);
   if (!beside.empty() && node < beside.size()) sum += beside[node] * density(node + 1);
+  if (const auto& ends = general.mass.end_rows) {
+    const std::size_t last = general.mass.size() - 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (node == 0) sum += ends->first[k] * density(k);
+      if (node == last) sum += ends->last[k] * density(last - k);
+    }
+  }
   return sum;
 }
 

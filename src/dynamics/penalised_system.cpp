@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <ranges>
 #include <stdexcept>
 
 namespace viscobar {
@@ -198,13 +197,14 @@ void PenalisedSystem::dynamic_stiffness(double m, double c, double k, SymmetricT
 }
 
 void PenalisedSystem::accelerate(std::span<double> force) {
-  const auto held_with_mass = [this](std::size_t i) { return indicator_needs_rates(i); };
-  const auto contacts = std::views::iota(std::size_t{0}, collides_ ? laws_.size() : 0);
-  if (std::ranges::none_of(contacts, held_with_mass)) return bar_.accelerate(force);
+  std::size_t held_with_mass = 0;
+  if (collides_)
+    for (std::size_t i = 0; i < laws_.size(); ++i) held_with_mass += indicator_needs_rates(i) ? 1 : 0;
+  if (held_with_mass == 0) return bar_.accelerate(force);
   if (held_from_ != revision_) {
     SymmetricTridiagonal inertia = bar_.inertia();
-    for (const std::size_t i : contacts)
-      if (held_with_mass(i)) inertia.diagonal[contact(i).unknown] = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < laws_.size(); ++i)
+      if (indicator_needs_rates(i)) inertia.diagonal[contact(i).unknown] = std::numeric_limits<double>::infinity();
     held_factor_.factorise(inertia);
     held_from_ = revision_;
   }
@@ -227,7 +227,10 @@ PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std
   leave_with(0.0);
   force(t, u, w, acceleration);
   accelerate(acceleration);
-  const double pressed = -sign * acceleration[node], rebound = restitution_ * speed;
+  const double pressed = -sign * acceleration[node];
+  // A closing is found late, at a depth; what the node has gained by falling there is not thrown back.
+  const double gained = 2.0 * std::max(pressed, 0.0) * std::max(-clearance(i, u), 0.0);
+  const double rebound = restitution_ * std::sqrt(std::max(speed * speed - gained, 0.0));
   bool rests = true;
   if (rebound == 0.0) {
     rests = mass * pressed * bar_.spacing_at(node) / bar_.bar().modulus > -negligible.reaction;

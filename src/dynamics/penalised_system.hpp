@@ -109,12 +109,13 @@ class PenalisedSystem {
   ///
   ///     rho M (w+ - w) = P e_i,    w+_i = -e w_i,    P = -(1 + e) w_i / (e_i . (rho M)^{-1} e_i),
   ///
-  /// closed contacts elsewhere holding their nodes. It takes (1 - e^2) m w_i^2 / 2, m the mass in that quotient. With e
-  /// = 0 the node stays where the bar presses it on, a_i < 0 at w+. With e > 0 it leaves, unless the bounces to come
-  /// are negligible: pressed with m A it rises by H = (e w_i)^2 / (2 A), returns after 2 e |w_i| / A, and so on until
-  /// it rests after 2 e |w_i| / (A (1 - e)). It rests at once then, w+_i = 0. The bar has the same impulse from that
-  /// but for what momentum the node would have had meanwhile, m u_i'; the integral of that over time is m u_i <= m H,
-  /// so that nothing is displaced by more than H.
+  /// closed contacts elsewhere holding their nodes. A node that is already below the surface by d leaves with e (w_i^2
+  /// - 2 A d)^(1/2), A being what the bar presses it on with. It takes (1 - e^2) m w_i^2 / 2, m the mass in that
+  /// quotient. With e = 0 the node stays where the bar presses it on, a_i < 0 at w+. With e > 0 it leaves, unless the
+  /// bounces to come are negligible: pressed with m A it rises by H = (e w_i)^2 / (2 A), returns after 2 e |w_i| / A,
+  /// and so on until it rests after 2 e |w_i| / (A (1 - e)). It rests at once then, w+_i = 0. The bar has the same
+  /// impulse from that but for what momentum the node would have had meanwhile, m u_i'; the integral of that over time
+  /// is m u_i <= m H, so that nothing is displaced by more than H.
   Collision collide(std::size_t i, double t, std::span<const double> u, std::span<double> w,
                     const Negligible& negligible);
   /// Whether contact i, while closed, holds its node at -s gap: a rigid one does, and a spring on a massless node that

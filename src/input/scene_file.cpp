@@ -14,6 +14,8 @@ namespace viscobar {
 
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr Stepper all_steppers[] = {Stepper::automatic, Stepper::rosenbrock4, Stepper::dopri5, Stepper::symplectic};
 
 Side side_of(const SceneEntries& entries, const std::string& table) {
@@ -83,7 +85,7 @@ Case case_of(const SceneEntries& entries) {
   run.epsilon = entries.number("contact.epsilon");
   run.restitution = entries.number("contact.restitution");
   run.automatic = entries.text("method.name").value_or(std::string(automatic)) == automatic;
-  run.method = run.automatic ? automatic_method(run) : chosen("method.name", all_methods, MethodName::cvode);
+  run.method = chosen("method.name", all_methods, MethodName::cvode);
   const bool local = entries.text("method.error_control") == "local";
   run.tolerance = {number("method.relative_tolerance", 1e-6), entries.number("method.absolute_tolerance"),
                    local ? ErrorControl::local : ErrorControl::global};
@@ -94,6 +96,11 @@ Case case_of(const SceneEntries& entries) {
   run.start = entries.text("method.start") == "second_order" ? Start::second_order : Start::first_order;
 
   run.end = number("time.end", 1.0);
+  if (run.automatic) {
+    AutomaticMethod choice = automatic_method(run);
+    run.method = choice.method;
+    run.reservation = std::move(choice.reservation);
+  }
   run.output_every = number("output.every", run.end / 100.0);
   run.step = entries.number("method.step");
   return run;
@@ -171,6 +178,7 @@ Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
     const MethodName before = run.method;
     adapt(run);
     run.automatic = run.automatic && run.method == before;
+    if (!run.automatic) run.reservation.clear();
   }
   for (const Finding& finding : validate(run, entries.faulty_keys())) entries.report(finding.key, finding.problem);
   for (const Finding& finding : check_load_values(entries, run.mesh())) entries.report(finding.key, finding.problem);
@@ -178,7 +186,6 @@ Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
 }
 
 std::string describe(const SceneEntries& entries, const Case& run) {
-  using Json = nlohmann::ordered_json;
   // Made as objects: where memory ends while null becomes one, the library would destroy what is not there.
   Json json = Json::object();
   const auto table = [&](std::string_view name) -> Json& {

@@ -38,7 +38,7 @@ constexpr Example examples[] = {
     {"load.history", "\"sin(t*sqrt(2))\"", not_set},
     {"time.end", "6.0"},
     {"mesh.elements", "27"},
-    {"mesh.mass", "\"redistributed\"", not_set},
+    {"mesh.mass", "\"fourth_order\"", not_set},
     {"contact.epsilon", "1e-6", not_set},
     {"contact.restitution", "0.0", not_set},
     {"method.name", "\"automatic\""},

@@ -1,16 +1,10 @@
 #include "viscobar/record/record_run.hpp"
 
-#include <fmt/format.h>
-
-#include <cmath>
-#include <limits>
-#include <new>
-
-#include "case/alarm.hpp"
 #include "case/chatter.hpp"
 #include "input/described_scene.hpp"
 #include "record/checkpoint_clock.hpp"
 #include "record/pace_watch.hpp"
+#include "record/run_outcome.hpp"
 #include "report/run/run_page.hpp"
 #include "report/write_page.hpp"
 #include "results/checkpoint_file.hpp"
@@ -27,14 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The first failure is what the user needs to know; those that follow from it are not.
-void fail(Outcome& outcome, Ending ending, const std::string& error) {
-  if (outcome.ending == Ending::completed) {
-    outcome.ending = ending;
-    outcome.error = error;
-  }
-}
-
 template <class Action>
 void attempt(Outcome& outcome, Action&& action) {
   try {
@@ -42,67 +28,6 @@ void attempt(Outcome& outcome, Action&& action) {
   } catch (const IoError& error) {
     fail(outcome, Ending::failed, error.what());
   }
-}
-
-void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, const std::optional<Checkpoint>& from,
-                   const Observers& observers) {
-  try {
-    outcome.statistics = from ? simulate(run, system, *from, observers) : simulate(run, system, observers);
-  } catch (const Interrupted& error) {
-    fail(outcome, Ending::interrupted, error.what());
-  } catch (const IntegrationError& error) {
-    outcome.statistics = error.statistics;
-    fail(outcome, Ending::failed, error.what());
-  } catch (const std::invalid_argument& error) {
-    fail(outcome, Ending::refused, error.what());
-  } catch (const std::bad_alloc&) {
-    fail(outcome, Ending::failed, "there is not enough memory");
-  } catch (const std::exception& error) {
-    fail(outcome, Ending::failed, error.what());
-  }
-  if (!outcome.statistics) return;
-  outcome.reached_time = outcome.statistics->reached_time;
-  outcome.steps = outcome.statistics->steps;
-  outcome.events = outcome.statistics->events;
-}
-
-/// Warns that the impacts of a scheme gave energy: how much, when, and the remedies; none if it can be rounding.
-std::optional<std::string> growth_warning(const Case& run, const Statistics& done) {
-  const EnergyAccount& energy = *done.energy;
-  const double scale = energy.initial + energy.final + std::abs(energy.work) + std::abs(energy.dissipated);
-  const double rounding = 100.0 * std::numeric_limits<double>::epsilon() * static_cast<double>(done.steps) * scale;
-  if (energy.growth <= rounding) return std::nullopt;
-  return fmt::format(
-      "energy: up to t = {1:.6g} impacts gave the bar {0:.3g}, although an obstacle at rest does no work; "
-      "the bar had {2:.3g} at the start. With contact.restitution = {3} an impact of this scheme may give energy; "
-      "remedies: a smaller method.step, or method.impact = \"moreau\", which never gives energy",
-      energy.growth, energy.growth_time, energy.initial, run.restitution.value_or(0.0));
-}
-
-/// That the data of a scene are no polynomial pieces: how far from it, and what helps.
-std::optional<std::string> representation_warning(const Statistics& done) {
-  constexpr double roundings = 1e4;
-  if (!done.representation || done.representation->error <= roundings * done.representation->rounding)
-    return std::nullopt;
-  return fmt::format(
-      "initial data or load are represented to {:.2g} only, as a displacement at the end, where roundings make {:.2g}: "
-      "no "
-      "polynomial pieces follow them closer; what helps: formulas without roots of zero or endless wiggles",
-      done.representation->error, done.representation->rounding);
-}
-
-/// That the bar has gone through an obstacle: how deep, and the epsilon to take.
-std::optional<std::string> penetration_warning(const Case& run, const Statistics& done) {
-  if (!is_penalised(run.method) || !done.account) return std::nullopt;
-  double largest = 0.0;
-  for (const EndAccount* end : {&done.account->left, &done.account->right})
-    largest = std::max({largest, std::abs(end->lowest), std::abs(end->highest)});
-  if (!is_no_obstacle(done.max_penetration, largest)) return std::nullopt;
-  return fmt::format(
-      "penetration: the bar went {:.3g} deep into an obstacle, its ends having displacements of up to {:.3g}: that is "
-      "no "
-      "obstacle; {}",
-      done.max_penetration, largest, stiffer_advice(run));
 }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -130,12 +55,7 @@ class RecordedRun {
   RunRecord operator()() {
     begin();
     simulate_into(outcome(), scene_.run, system_, last_.motion, observers());
-    if (const auto& done = outcome().statistics; done && done->energy) {
-      if (const auto warning = growth_warning(scene_.run, *done)) warn(*warning);
-      if (const auto warning = representation_warning(*done)) warn(*warning);
-      if (const auto warning = penetration_warning(scene_.run, *done)) warn(*warning);
-      for (const Alarm& alarm : alarms(scene_.run, system_, *done)) sound(alarm);
-    }
+    judge(outcome(), scene_.run, system_, [this](const std::string& warning) { warn(warning); });
     if (stopped_at_) outcome().statistics = std::move(stopped_at_);
     // Each for itself: what one cannot write, another may.
     attempt(outcome(), [&] { files_->ends.close(), written_["ends.csv"] = files_->ends.checksum(); });
@@ -172,6 +92,7 @@ class RecordedRun {
     if (!last_.motion) {
       remove_checkpoints(place_);
       files_->take_places();
+      if (!scene_.run.reservation.empty()) warn(scene_.run.reservation);
       if (last_.schedule) write_checkpoint(place_, last_);
       return;
     }
@@ -217,19 +138,6 @@ class RecordedRun {
       checkpoints.take = [this](const Checkpoint& motion) { take(motion); };
     }
     return observers;
-  }
-
-  // The result is kept: it tells what happened.
-  void sound(const Alarm& alarm) {
-    const std::string what = fmt::format(
-        "{}; the result is further from the solution than the tolerances promise: take another method.name or a "
-        "smaller "
-        "method.relative_tolerance, and report it as an error of viscobar, with the scene",
-        alarm.what);
-    if (alarm.ruinous)
-      fail(outcome(), Ending::failed, what);
-    else
-      warn(what);
   }
 
   void warn(const std::string& warning) {

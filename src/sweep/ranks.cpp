@@ -1,274 +1,42 @@
 #include "sweep/ranks.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <stdexcept>
-
-#ifdef VISCOBAR_MPI
-
-#define OMPI_SKIP_MPICXX 1  // the C interface alone
-#define MPICH_SKIP_MPICXX 1
-#include <mpi.h>
-
-#include <chrono>
-#include <exception>
-#include <optional>
-#include <span>
 #include <string>
-#include <string_view>
-#include <thread>
 #include <vector>
 
-#include "run/archive.hpp"
-#include "viscobar/record/record_run.hpp"
-
 namespace viscobar {
-
-void members(Like<SweepRow> auto& row, auto&& each) {
-  each(row.index, row.completed, row.error, std::span(row.values.data(), row.values.size()), row.seconds,
-       row.integration_seconds);
-}
-void members(Like<SweepCase> auto& one, auto&& each) { each(one.index, one.overrides); }
-
-}  // namespace viscobar
-
-#endif
-
-namespace viscobar {
-
-bool started_by_mpi() {
-  const char* const variables[] = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK"};
-  return std::any_of(std::begin(variables), std::end(variables), [](const char* name) { return std::getenv(name); });
-}
-
-#ifdef VISCOBAR_MPI
 
 namespace {
 
-using namespace std::chrono_literals;
-
-enum Tag {
-  plan,   // manager: cases whose costs it wants; worker: these
-  ready,  // worker: has nothing to tell, wants a case
-  row,    // worker: a finished case, wants another
-  left,   // worker: is gone
-  begin,  // manager: all is planned
-  job,    // manager: a case
-  stop    // manager: leave, also in the middle of a case
-};
-
-struct PlannedCost {
-  std::size_t index = 0;
-  double seconds = 0.0;
-  static void members(auto& self, auto&& each) { each(self.index, self.seconds); }
-};
-
-/// All ranks run the same program, as an archive asks.
-template <class Value>
-std::string pack(const Value& value) {
-  ArchiveWriter archive;
-  archive(value);
-  return archive.take();
+std::vector<std::string> own_arguments() {
+  std::ifstream file("/proc/self/cmdline", std::ios::binary);
+  std::vector<std::string> arguments;
+  for (std::string one; std::getline(file, one, '\0');) arguments.push_back(one);
+  return arguments;
 }
 
-/// @throws ArchiveError
-template <class Value>
-Value unpack(std::string_view bytes) {
-  Value value;
-  ArchiveReader{bytes}(value);
-  return value;
+/// This process becomes the program that is linked to MPI, beside this one; returns where there is none.
+void become_rank() {
+  const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "viscobar-mpi";
+  std::vector<std::string> arguments = own_arguments();
+  std::vector<char*> pointers;
+  for (std::string& one : arguments) pointers.push_back(one.data());
+  pointers.push_back(nullptr);
+  ::execv(program.c_str(), pointers.data());
 }
-
-struct Message {
-  int rank;
-  Tag tag;
-  std::string bytes;
-};
-
-void send(int rank, Tag tag, const std::string& bytes = {}) {
-  MPI_Send(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, rank, tag, MPI_COMM_WORLD);
-}
-
-Message receive(const MPI_Status& status) {
-  int size = 0;
-  MPI_Get_count(&status, MPI_BYTE, &size);
-  Message message{status.MPI_SOURCE, static_cast<Tag>(status.MPI_TAG),
-                  std::string(static_cast<std::size_t>(size), '\0')};
-  MPI_Recv(message.bytes.data(), size, MPI_BYTE, message.rank, message.tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-  return message;
-}
-
-std::optional<Message> poll() {
-  int there = 0;
-  MPI_Status status;
-  MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &there, &status);
-  return there ? std::optional(receive(status)) : std::nullopt;
-}
-
-/// The next message. Asks and sleeps in turn: waiting in MPI itself would keep a core busy that a worker may need.
-Message wait_for_message() {
-  for (auto pause = 10us;; pause = std::min<std::chrono::microseconds>(2 * pause, 500us)) {
-    if (auto message = poll()) return *std::move(message);
-    std::this_thread::sleep_for(pause);
-  }
-}
-
-void broadcast(std::string& text) {
-  unsigned long long size = text.size();
-  MPI_Bcast(&size, 1, MPI_UNSIGNED_LONG_LONG, 0, MPI_COMM_WORLD);
-  text.resize(size);
-  MPI_Bcast(text.data(), static_cast<int>(size), MPI_BYTE, 0, MPI_COMM_WORLD);
-}
-
-/// Whether a worker should give up its case; looks for messages twenty times a second.
-class StopWatch {
- public:
-  explicit StopWatch(const std::function<bool()>& interrupted) : interrupted_(interrupted) {}
-
-  bool operator()() {
-    if (stopped_ || interrupted_()) return true;
-    if (++calls_ % 64 != 0) return false;
-    const auto now = std::chrono::steady_clock::now();
-    if (now < next_) return false;
-    next_ = now + 50ms;
-    int there = 0;
-    MPI_Iprobe(0, stop, MPI_COMM_WORLD, &there, MPI_STATUS_IGNORE);
-    return stopped_ = there != 0;
-  }
-
- private:
-  const std::function<bool()>& interrupted_;
-  bool stopped_ = false;
-  std::size_t calls_ = 0;
-  std::chrono::steady_clock::time_point next_ = std::chrono::steady_clock::now();
-};
 
 }  // namespace
 
 Ranks::Ranks(std::function<bool()> interrupted) : interrupted_(std::move(interrupted)) {
-  int given = 0;
-  MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &given);
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
-  MPI_Comm_size(MPI_COMM_WORLD, &size_);
-}
-
-Ranks::~Ranks() {
-  // Nothing to run, or an error before: the workers go home.
-  std::string none;
-  if (is_manager() && !scene_sent_) broadcast(none);
-  if (is_manager() && scene_sent_ && !ran_) run({SweepFile(), {}, [](const SweepRow&) {}, [] {}, interrupted_});
-  MPI_Finalize();
-}
-
-std::vector<double> Ranks::plan(const SweepFile& sweep) {
-  constexpr std::size_t at_a_time = 64;
-  std::string text = sweep.scene_text;
-  broadcast(text);
-  scene_sent_ = true;
-  std::vector<double> costs(sweep.plan.size());
-  std::size_t next = 0;
-  const auto send_some = [&](int rank) {
-    std::vector<SweepCase> cases;
-    while (next < costs.size() && cases.size() < at_a_time) cases.push_back(case_of(sweep, next++));
-    if (!cases.empty()) send(rank, Tag::plan, pack(cases));
-    return !cases.empty();
-  };
-  int busy = 0;
-  for (int rank = 1; rank < size_; ++rank) busy += send_some(rank) ? 1 : 0;
-  while (busy > 0) {
-    const Message message = wait_for_message();
-    for (const PlannedCost& one : unpack<std::vector<PlannedCost>>(message.bytes)) costs.at(one.index) = one.seconds;
-    if (!send_some(message.rank)) --busy;
-  }
-  for (int rank = 1; rank < size_; ++rank) send(rank, begin);
-  return costs;
-}
-
-bool Ranks::run(const SweepWork& work) {
-  ran_ = true;
-  std::vector<bool> told_to_stop(static_cast<std::size_t>(size_));
-  const auto tell_to_stop = [&](int rank) {
-    if (!told_to_stop[static_cast<std::size_t>(rank)]) send(rank, stop);
-    told_to_stop[static_cast<std::size_t>(rank)] = true;
-  };
-  std::size_t next = 0;
-  bool given_up = false;
-  std::exception_ptr error;
-  const auto give_up = [&] {
-    given_up = true;
-    for (int rank = 1; rank < size_; ++rank) tell_to_stop(rank);
-  };
-  const auto guarded = [&](const auto& action) {
-    if (error) return;
-    try {
-      action();
-    } catch (...) {
-      error = std::current_exception();
-      give_up();
-    }
-  };
-  auto next_tick = std::chrono::steady_clock::now();
-  auto pause = 10us;
-  for (int present = size_ - 1; present > 0;) {
-    if (const auto now = std::chrono::steady_clock::now(); now >= next_tick) {
-      next_tick = now + 100ms;
-      guarded(work.tick);
-    }
-    if (interrupted_() && !given_up) give_up();
-    const auto message = poll();
-    if (!message) {
-      std::this_thread::sleep_for(pause);
-      pause = std::min<std::chrono::microseconds>(2 * pause, 500us);
-      continue;
-    }
-    pause = 10us;
-    if (message->tag == left) {
-      --present;
-      const bool by_itself = !told_to_stop[static_cast<std::size_t>(message->rank)];
-      told_to_stop[static_cast<std::size_t>(message->rank)] = true;
-      if (by_itself && !given_up) give_up();
-      continue;
-    }
-    // The worker first, so that it does not wait for the disk.
-    if (!given_up && next < work.order.size())
-      send(message->rank, job, pack(case_of(work.sweep, work.order[next++])));
-    else
-      tell_to_stop(message->rank);
-    if (message->tag == row) guarded([&] { work.take(unpack<SweepRow>(message->bytes)); });
-  }
-  guarded(work.tick);
-  if (error) std::rethrow_exception(error);
-  return !given_up;
-}
-
-void Ranks::serve() {
-  std::string scene_text;
-  broadcast(scene_text);
-  if (scene_text.empty()) return;
-  for (Message message = wait_for_message(); message.tag == Tag::plan; message = wait_for_message()) {
-    std::vector<PlannedCost> costs;
-    for (const SweepCase& one : unpack<std::vector<SweepCase>>(message.bytes))
-      costs.push_back({one.index, planned_seconds(scene_text, one)});
-    send(0, Tag::plan, pack(costs));
-  }
-  send(0, ready);
-  StopWatch stopped(interrupted_);
-  for (;;) {
-    const Message message = wait_for_message();
-    if (message.tag == stop) break;
-    try {
-      send(0, row, pack(run_case(scene_text, unpack<SweepCase>(message.bytes), [&] { return stopped(); })));
-    } catch (const Interrupted&) {
-      break;
-    }
-  }
-  send(0, left);
-}
-
-#else
-
-Ranks::Ranks(std::function<bool()> interrupted) : interrupted_(std::move(interrupted)) {
+  become_rank();
   const char* const sizes[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_NTASKS"};
   const auto more_than_one = [](const char* name) {
     const char* size = std::getenv(name);
@@ -283,7 +51,5 @@ Ranks::~Ranks() = default;
 std::vector<double> Ranks::plan(const SweepFile&) { return {}; }
 bool Ranks::run(const SweepWork&) { return false; }
 void Ranks::serve() {}
-
-#endif
 
 }  // namespace viscobar

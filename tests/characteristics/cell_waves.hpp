@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -11,7 +12,8 @@
 
 namespace viscobar::oracle {
 
-/// Displacements of the ends of an undamped bar at t = k L / (N c), and of its N + 1 nodes at the last: a difference
+/// Displacements of the ends of an undamped bar at t = k L / (N c), and of its N + 1 nodes at the last of them and at
+/// those of `kept`, which ascend: a difference
 /// scheme at Courant number 1, which shares with the method `characteristics` that waves are carried unchanged, and
 /// nothing else. The bar is N cells with the mean of v -+ c u_x; a step moves them by a cell, adds the load in its
 /// middle, and puts an end that would pass its obstacle on it. Exact up to 1 / N: where a contact changes within a
@@ -19,9 +21,10 @@ namespace viscobar::oracle {
 struct CellWaves {
   std::vector<double> left, right;  // a step each
   std::vector<double> nodes;
+  std::vector<std::vector<double>> fields;  // of the steps kept
   double step = 0.0;
 
-  CellWaves(const Scene& scene, std::size_t cells, std::size_t steps) {
+  CellWaves(const Scene& scene, std::size_t cells, std::size_t steps, std::span<const std::size_t> kept = {}) {
     const Bar& bar = scene.bar;
     const double c = std::sqrt(bar.modulus / bar.density), dx = bar.length / static_cast<double>(cells);
     step = dx / c;
@@ -46,7 +49,14 @@ struct CellWaves {
         return separable->profile(place) * separable->history(t);
       return std::get<GeneralLoad>(*scene.load).density(place, t);
     };
+    const auto at_nodes = [&] {
+      std::vector<double> u = {u_left};
+      for (std::size_t j = 0; j < cells; ++j)
+        u.push_back(u.back() + 0.5 * step * (b[(first_b + j) % cells] - a[(first_a + j) % cells]));
+      return u;
+    };
     for (std::size_t n = 0; n < steps; ++n) {
+      if (fields.size() < kept.size() && kept[fields.size()] == n) fields.push_back(at_nodes());
       const double t = step * (static_cast<double>(n) + 0.5);
       const std::size_t last_a = (first_a + cells - 1) % cells;
       double arriving_left = b[first_b], arriving_right = a[last_a];
@@ -73,9 +83,8 @@ struct CellWaves {
       left.push_back(u_left);
       right.push_back(u_right);
     }
-    nodes = {u_left};
-    for (std::size_t j = 0; j < cells; ++j)
-      nodes.push_back(nodes.back() + 0.5 * step * (b[(first_b + j) % cells] - a[(first_a + j) % cells]));
+    nodes = at_nodes();
+    if (fields.size() < kept.size()) fields.push_back(nodes);
   }
 
  private:

@@ -41,7 +41,7 @@ static int for_library(void) {
   for (int i = 0, count = backtrace(frames, 64); i < count; ++i) {
     if (!dladdr(frames[i], &info) || !info.dli_fname) continue;
     const char* function = info.dli_sname ? info.dli_sname : "";
-    if (strstr(info.dli_fname, "hdf5") || !strcmp(function, "SUNContext_Create") ||
+    if (strstr(info.dli_fname, "hdf5") || !strncmp(function, "H5", 2) || !strcmp(function, "SUNContext_Create") ||
         !strcmp(function, "ARKStepSetTableNum"))
       return 1;
   }

@@ -67,9 +67,9 @@ TEST_F(Info, TellsOfEveryStudyInTheDirectory) {
 }
 
 TEST_F(Info, TellsOfASweepHowManyRowsItHasAndWhatTheySpan) {
-  std::ofstream(directory_ / "sweep.toml")
-      << "scene = \"scene.toml\"\n[set]\ntime.end = 1.0\n[vary]\nmesh.mass = [\"consistent\", \"redistributed\"]\n"
-         "mesh.elements = [8, 16]\nbar.viscosity = [0.0, 0.1]\n";
+  std::ofstream(directory_ / "sweep.toml") << "scene = \"scene.toml\"\n[set]\nmethod.name = \"cvode\"\ntime.end = "
+                                              "1.0\n[vary]\nmesh.mass = [\"consistent\", \"redistributed\"]\n"
+                                              "mesh.elements = [8, 16]\nbar.viscosity = [0.0, 0.1]\n";
   EXPECT_EQ(viscobar("sweep sweep.toml --quiet -o out").code, 1);  // cvode refuses massless nodes without viscosity
   const auto sweep = viscobar("info out --json").json()["results"][0];
   EXPECT_EQ(sweep["kind"], "sweep");

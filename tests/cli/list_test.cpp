@@ -27,10 +27,11 @@ TEST_F(List, IsWhatThePageOfTheSceneFileHolds) {
 
 TEST_F(List, NamesEveryMethodAndMassInTheirOrder) {
   const auto json = viscobar("list --json").json();
-  ASSERT_EQ(json["methods"].size(), std::size(all_methods));
+  ASSERT_EQ(json["methods"].size(), 1 + std::size(all_methods));
+  EXPECT_EQ(json["methods"][0]["method"], automatic);
   for (std::size_t i = 0; i < std::size(all_methods); ++i) {
-    EXPECT_EQ(json["methods"][i]["method"], name(all_methods[i]));
-    EXPECT_EQ(json["methods"][i]["needs_step"], is_scheme(all_methods[i]));
+    EXPECT_EQ(json["methods"][i + 1]["method"], name(all_methods[i]));
+    EXPECT_EQ(json["methods"][i + 1]["needs_step"], is_scheme(all_methods[i]));
   }
   EXPECT_EQ(json["masses"].size(), std::size(all_masses));
   EXPECT_EQ(json["keys"].size(), vocabulary_table(Vocabulary::keys).rows.size());
@@ -45,7 +46,7 @@ TEST_F(List, GivesTheLimitsAndDefaultsOfAKey) {
   };
   EXPECT_EQ(find("contact.restitution")["limits"], nlohmann::json({{"low", 0.0}, {"high", 1.0}}));
   EXPECT_EQ(find("bar.density")["default"], 1.0);
-  EXPECT_EQ(find("method.name")["default"], "cvode");
+  EXPECT_EQ(find("method.name")["default"], automatic);
   EXPECT_EQ(find("bar.length")["required"], "always");
   EXPECT_EQ(find("bar.length")["unit"], "length");
 }

@@ -12,7 +12,7 @@ class ReadSweep : public testing_cli::Command {
   ReadSweep() {
     viscobar("new scene.toml");
     std::ofstream(directory_ / "sweep.toml")
-        << "title = \"Few\"\nscene = \"scene.toml\"\n[set]\ntime.end = 1.0\n[vary]\n"
+        << "title = \"Few\"\nscene = \"scene.toml\"\n[set]\nmethod.name = \"cvode\"\ntime.end = 1.0\n[vary]\n"
            "mesh.mass = [\"consistent\", \"redistributed\"]\nmesh.elements = [8, 16]\nbar.viscosity = [0.0, 0.1]\n";
     EXPECT_EQ(viscobar("sweep sweep.toml --quiet -o out").code, 1);
     const auto info = viscobar("info out --json").json();

@@ -1,6 +1,7 @@
 // The table of methods names their integrate(), and no fuzzer runs a scene: none of the integrators is built for them.
 #include <stdexcept>
 
+#include "viscobar/characteristics/characteristics.hpp"
 #include "viscobar/integration/integrate.hpp"
 #include "viscobar/schemes/schemes.hpp"
 
@@ -21,6 +22,10 @@ Statistics integrate(const BarSystem&, const StartingPoint&, Times, const Odeint
 Statistics integrate(const BarSystem&, const StartingPoint&, Times, const Exponential&, const Observers&) { refuse(); }
 Statistics integrate(const BarSystem&, const StartingPoint&, Times, const Rigid&, const Observers&) { refuse(); }
 Statistics integrate(const BarSystem&, const StartingPoint&, Times, const FullyDiscrete&, const Observers&) {
+  refuse();
+}
+Statistics integrate(const Scene&, const Mesh&, const std::optional<Checkpoint>&, Times, const Characteristics&,
+                     const Observers&) {
   refuse();
 }
 

@@ -100,6 +100,7 @@ std::vector<Mass> masses_for(const HardScene& scene, MethodName method) {
   // Nodes that meet a span obstacle together have one law of impact with the penalty on a diagonal mass only.
   const bool together = scene.file == "span" && method == MethodName::fully_discrete;
   if (method == MethodName::rigid && held) return {Mass::redistributed};
+  if (method == MethodName::characteristics) return {Mass::consistent};  // there is none in the bar itself
   if (method == MethodName::rigid) return {Mass::redistributed, Mass::fourth_order};
   std::vector<Mass> masses = scene.masses;
   if (method != MethodName::finite_difference && !together &&

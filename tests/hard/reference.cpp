@@ -1,8 +1,10 @@
 #include "hard/reference.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
+#include "characteristics/cell_waves.hpp"
 #include "support/absolute_tolerance.hpp"
 
 namespace viscobar::hard {
@@ -76,11 +78,37 @@ Reference of_rigid(const Trial& trial) {
               (1 + 2 * changes) * recording.statistics.max_penetration};
 }
 
+// At the nodes of the case; straight in time between the steps.
+Reference of_characteristics(const Trial& trial) {
+  const Case& run = trial.run;
+  const Bar& bar = run.scene.bar;
+  const std::size_t of_element = (run.scene.load ? 1600 : 6400) / run.elements + 1, cells = of_element * run.elements;
+  const double step = bar.length / std::sqrt(bar.modulus / bar.density) / static_cast<double>(cells);
+  const auto before = [&](double t) { return static_cast<std::size_t>(t / step); };
+  std::vector<std::size_t> kept;
+  for (const double t : trial.result.times)
+    for (const std::size_t k : {before(t), before(t) + 1})
+      if (kept.empty() || k > kept.back()) kept.push_back(k);
+  const oracle::CellWaves waves(run.scene, cells, kept.back(), kept);
+  Recording recording = trial.result;
+  recording.u.clear();
+  for (const double t : trial.result.times) {
+    const auto place = static_cast<std::size_t>(std::ranges::lower_bound(kept, before(t)) - kept.begin());
+    const double share = t / step - static_cast<double>(before(t));
+    for (std::size_t j = 0; j <= cells; j += of_element)
+      recording.u.push_back((1.0 - share) * waves.fields[place][j] + share * waves.fields[place + 1][j]);
+  }
+  const auto changes = static_cast<double>(trial.result.events.size());
+  return {"cells of a difference scheme", recording,
+          (1 + 2 * changes) * step * largest(trial.result.v) + promised(trial, largest(recording.u))};
+}
+
 }  // namespace
 
 Reference make_reference(const Trial& trial, bool measure_sensitivity) {
   if (is_scheme(trial.run.method)) return of_scheme(trial);
   if (trial.run.method == MethodName::rigid) return of_rigid(trial);
+  if (trial.run.method == MethodName::characteristics) return of_characteristics(trial);
   Case reference = trial.run;
   std::string label = "exponential";
   if (trial.run.method == MethodName::exponential) {

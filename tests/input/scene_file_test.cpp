@@ -95,10 +95,10 @@ TEST(SceneFile, GivesTheFallbacksOfKeysThatAreAbsent) {
   EXPECT_TRUE(std::holds_alternative<Free>(run.scene.right));
   EXPECT_FALSE(run.scene.span);
   EXPECT_FALSE(run.scene.load);
-  EXPECT_EQ(run.mass, Mass::consistent);
+  EXPECT_FALSE(run.mass);
   EXPECT_FALSE(run.epsilon);
   EXPECT_FALSE(run.restitution);
-  EXPECT_EQ(run.method, MethodName::cvode);
+  EXPECT_TRUE(run.automatic);
   EXPECT_EQ(run.tolerance.relative, 1e-6);
   EXPECT_FALSE(run.tolerance.absolute);
   EXPECT_FALSE(run.step);
@@ -299,7 +299,7 @@ TEST(SceneFile, DescribesEveryKeyAsUnderstood) {
     "load": {"density": "sin(t)"},
     "time": {"end": 4.0},
     "mesh": {"elements": 8, "grading": 1.0, "mass": "lumped"},
-    "method": {"name": "cvode", "relative_tolerance": 1e-6, "absolute_tolerance": 1e-9,
+    "method": {"name": "automatic", "relative_tolerance": 1e-6, "absolute_tolerance": 1e-9,
                "error_control": "global", "formulas": "automatic", "stepper": "automatic", "start": "first_order",
                "impact": "paoli_schatzman"},
     "output": {"every": 0.04}})json");

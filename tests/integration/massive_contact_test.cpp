@@ -109,6 +109,35 @@ TEST_P(MassiveContact, AnImpactLeavesTheMomentumOfTheOtherRowsAlone) {
   for (std::size_t i = 1; i < system.size(); ++i) EXPECT_NEAR(after[i], before[i], 10 * eps);
 }
 
+// A closing is found late, at a depth d below the surface, up to which the bar presses the node with m A: thrown back
+// is the speed that it had at the surface, sqrt(v^2 - 2 A d), or bounces lower than what a closing is uncertain by keep
+// up for ever where e^2 > 1/2.
+TEST_P(MassiveContact, DoesNotThrowBackWhatItsNodeGainsByFallingBelowTheSurface) {
+  Scene scene;
+  scene.left = Obstacle{0.1};
+  scene.displacement = [](double) { return -0.1; };
+  scene.velocity = [](double) { return -0.3; };
+  scene.load = SteadyLoad{[](double) { return -2.0; }};
+  const BarSystem system(scene, {1.0, 9}, GetParam());
+  const auto leaves_with = [&](double depth) {
+    PenalisedSystem rigid(system, {0.0, 0.5});
+    State state = system.initial_state();
+    state.u.front() = -0.1 - depth;
+    rigid.collide(0, 0.0, state.u, state.v, {0.0, 0.0});
+    return state.v.front();
+  };
+  EXPECT_NEAR(leaves_with(0.0), 0.5 * 0.3, 4 * eps);
+  // A at the surface; the depth adds its strain, of second order.
+  std::vector<double> pressed(9 + 1, 0.0);
+  State state = system.initial_state();
+  PenalisedSystem open(system, {0.0, 0.5});
+  open.force(0.0, state.u, std::vector<double>(system.size(), 0.0), pressed);
+  open.accelerate(pressed);
+  const double depth = 1e-7;
+  EXPECT_NEAR(leaves_with(depth), 0.5 * std::sqrt(0.09 + 2.0 * pressed.front() * depth), 1e-3 * depth);
+  EXPECT_LT(leaves_with(depth), leaves_with(0.0) - depth);
+}
+
 // A bar that falls on its end and stays there: its bounces accumulate, and are not counted out.
 TEST_P(MassiveContact, BouncesThatAccumulateEndInRest) {
   Scene scene;
@@ -118,15 +147,16 @@ TEST_P(MassiveContact, BouncesThatAccumulateEndInRest) {
   scene.velocity = [](double) { return -0.3; };
   scene.load = SteadyLoad{[](double) { return -2.0; }};
   const BarSystem system(scene, {1.0, 12}, GetParam());
-  for (const double e : {0.3, 0.8}) {
-    const RunTrace trace = record(system, std::vector<double>{0.0, 30.0}, Rigid{{1e-8, 1e-11}, e});
-    ASSERT_FALSE(trace.events.empty());
-    EXPECT_EQ(trace.events.back().change, Change::closing);
-    EXPECT_LT(trace.events.size(), 600u) << name(GetParam()) << " " << e;
-    // It stands on its load, once its slowest mode has died out: e^(-0.6 t).
-    const double weight = GetParam() == Mass::paper ? 2.0 * (1.0 + 1.0 / 12) : 2.0;
-    EXPECT_NEAR(trace.reaction_left.back(), weight, 1e-5) << name(GetParam()) << " " << e;
-  }
+  for (const ErrorControl control : {ErrorControl::global, ErrorControl::local})
+    for (const double e : {0.3, 0.8, 0.95}) {
+      const RunTrace trace = record(system, std::vector<double>{0.0, 30.0}, Rigid{{1e-8, 1e-11, control}, e});
+      ASSERT_FALSE(trace.events.empty());
+      EXPECT_EQ(trace.events.back().change, Change::closing);
+      EXPECT_LT(trace.events.size(), 600u) << name(GetParam()) << " " << e;
+      // It stands on its load, once its slowest mode has died out: e^(-0.6 t).
+      const double weight = GetParam() == Mass::paper ? 2.0 * (1.0 + 1.0 / 12) : 2.0;
+      EXPECT_NEAR(trace.reaction_left.back(), weight, 1e-5) << name(GetParam()) << " " << e;
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Masses, MassiveContact, testing::ValuesIn(massive),

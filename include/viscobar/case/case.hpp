@@ -36,7 +36,8 @@ struct Case {
   std::optional<double> restitution;  ///< absent: an undamped spring in the penalty, the implicit constraint in (2.8)
 
   MethodName method = MethodName::cvode;    ///< how it is integrated
-  bool automatic = false;                   ///< method was asked to be automatic_method(): for what tells of the run
+  bool automatic = false;                   ///< method was asked to be chosen, by automatic_method()
+  std::string reservation;                  ///< of that choice: what to warn of
   Tolerance tolerance;                      ///< of adaptive methods
   Formulas formulas = Formulas::automatic;  ///< of cvode
   Stepper stepper = Stepper::automatic;     ///< of odeint
@@ -67,16 +68,24 @@ std::vector<Finding> validate(const Case& run, const std::vector<std::string>& f
 /// The word of a scene file for it.
 inline constexpr std::string_view automatic = "automatic";
 
-/// The method for a case that names none, whatever its own is:
+/// The method for a case that names none, whatever its own is, and a sentence to warn with where it is not the first
+/// choice:
 ///
-///     obstacles, no epsilon, a span obstacle      fully_discrete
-///     obstacles, no epsilon                       rigid, or characteristics where there is no viscosity
-///     viscosity, or contact nodes without mass    arkode, which passes over what is stiff by L-stable formulas
-///     else                                        cvode, whose Adams formulas of order up to 12 follow oscillations
-///     best
+///     no epsilon, a span obstacle                       fully_discrete, whose nodes do not bounce
+///     no epsilon, no span obstacle, no viscosity        characteristics, which is exact; rigid where it does not take
+///                                                       the data, or where the waves break without end, see roughens()
+///     no epsilon, no span obstacle, viscosity           rigid
+///     else, of the penalised methods:
+///       viscosity, or contact nodes without mass        arkode, which passes over what is stiff by L-stable formulas
+///       neither                                         cvode, whose Adams formulas of order up to 12 follow
+///                                                       oscillations best
 ///
-/// Measured in docs/speed.md.
-MethodName automatic_method(const Case& run);
+/// Measured in docs/methods.md.
+struct AutomaticMethod {
+  MethodName method;
+  std::string reservation;
+};
+AutomaticMethod automatic_method(const Case& run);
 
 /// What to call the method of a run: its name, with "automatic" where it was asked to be chosen.
 std::string method_words(const Case& run);

@@ -21,8 +21,6 @@ struct Recording {
   std::vector<double> v;               ///< velocity, likewise; empty where it is not known
   std::vector<double> reaction_left;   ///< K, or empty where it is not known
   std::vector<double> reaction_right;  ///< likewise
-  std::vector<double> impulse_left;    ///< int of the obstacle's reaction so far, K; empty unless the method knows it
-  std::vector<double> impulse_right;   ///< likewise
   std::vector<Event> events;           ///< contact changes in order of time
   Statistics statistics;               ///< of the run
 

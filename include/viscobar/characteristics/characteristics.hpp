@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,10 +21,17 @@ namespace viscobar {
 struct Characteristics {
   /// Passages L / c of a wave through the bar that a run may take.
   static constexpr double most_passages = 1e9;
+  std::size_t most_pieces = 50'000;  ///< of a wave, where a run stops
 };
 
 /// Why the method does not fit the scene, in words that name what would; absent where it does.
 std::optional<std::string> misfit(const Scene& scene, const Characteristics& method);
+
+/// The time at which the waves break into more pieces than a choice of method should wait for, each contact change
+/// leaving a break that comes back for ever: 10,000 of a wave (docs/characteristics.md). Absent where they stay fewer
+/// up to `end`, as far as 10^6 pieces, all passages together, or 10^7 evaluations of the load show.
+/// @throws as integrate()
+std::optional<double> roughens(const Scene& scene, double end);
 
 /// Follows the waves from the scene's own data, or a checkpoint, at times.front() to times.back(), telling the
 /// observers. Snapshots are of the nodes of `mesh`, which has no other part in it; `times` are as of the other methods.

@@ -8,14 +8,14 @@
 
 namespace viscobar {
 
-/// What the end rows of a matrix have beside their symmetric part: `first` at columns 0, 1, 2 of row 0, `last` at
-/// columns n-1, n-2, n-3 of row n-1.
+/// What the end rows of a matrix have beside their symmetric part.
 struct EndRows {
-  std::array<double, 3> first{};
-  std::array<double, 3> last{};
+  std::array<double, 3> first{};  ///< row 0, columns 0, 1, 2
+  std::array<double, 3> last{};   ///< row n-1, columns n-1, n-2, n-3
 
-  /// first . (x_0, x_1, x_2) and last . (x_{n-1}, x_{n-2}, x_{n-3}), n >= 3
+  /// first . (x_0, x_1, x_2), n >= 3
   double first_times(std::span<const double> x) const { return first[0] * x[0] + first[1] * x[1] + first[2] * x[2]; }
+  /// last . (x_{n-1}, x_{n-2}, x_{n-3}), n >= 3
   double last_times(std::span<const double> x) const {
     const std::size_t n = x.size();
     return last[0] * x[n - 1] + last[1] * x[n - 2] + last[2] * x[n - 3];

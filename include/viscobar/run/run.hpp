@@ -24,8 +24,6 @@ struct Snapshot {
   /// end.
   double reaction_left = 0.0;
   double reaction_right = 0.0;  ///< likewise
-  /// int R dt of the obstacles so far, where the method knows it without output times.
-  std::optional<double> impulse_left{}, impulse_right{};
 };
 
 /// What a contact does: closing, the node reaches the obstacle; opening, it leaves.

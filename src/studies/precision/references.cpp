@@ -90,11 +90,10 @@ References::References(const PrecisionStudy& study, const Case& scene, std::span
           found[i - 1] = solve_in_time(scene, jobs[i - 1].first, jobs[i - 1].second, seconds);
           return;
         }
-        const auto known = study.exact ? study.exact : known_solution(scene.scene, scene.end);
         Case exact = scene;
         exact.method = MethodName::characteristics;
-        if (known)
-          continuous_ = closed_form(*known, scene, meshes);
+        if (study.exact)
+          continuous_ = closed_form(*study.exact, scene, meshes);
         else if (validate(exact).empty())
           continuous_ = by_characteristics(scene, meshes, seconds);
         else

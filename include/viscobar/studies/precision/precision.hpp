@@ -7,9 +7,14 @@
 #include <vector>
 
 #include "viscobar/case/case.hpp"
-#include "viscobar/studies/exact/known_solution.hpp"
 
 namespace viscobar {
+
+/// The solution of a scene of rho u_tt - E u_xx - eta u_xxt = f, as its user knows it.
+struct KnownSolution {
+  std::string name;     ///< what it is, in words
+  SpaceTimeFunction u;  ///< displacement
+};
 
 /// Speed against error: every method at every tolerance (adaptive methods) or step (schemes), on every mesh. Errors are
 ///
@@ -31,7 +36,7 @@ struct PrecisionStudy {
   std::size_t halvings = 9;           ///< of the schemes' step, from h / c on
   std::size_t repeat = 0;             ///< timed runs of a row, odd; 0: 3 of a long one up to 11 of a short one
   double seconds = 1.0;  ///< a run that would take longer is left out; references may take 20 times as long
-  std::optional<KnownSolution> exact;  ///< of a scene of one's own; absent: recognised where possible
+  std::optional<KnownSolution> exact;  ///< absent: characteristics where they fit, else finer meshes
   std::size_t threads = 0;             ///< of references and errors; timed runs have the machine alone
   std::function<void(const std::string& what)> progress;  ///< what is being run; may be empty
 };

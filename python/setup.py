@@ -1,0 +1,27 @@
+"""The package by CMake: its library is the one of the program, from the folder above."""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+from setuptools import Extension, setup
+from setuptools.command.build_ext import build_ext
+
+SOURCE = pathlib.Path(__file__).resolve().parent.parent
+
+
+class ByCMake(build_ext):
+    def build_extension(self, extension):
+        package = pathlib.Path(self.get_ext_fullpath(extension.name)).resolve().parent
+        build = pathlib.Path(self.build_temp).resolve()
+        ninja = ["-G", "Ninja"] if any(os.access(pathlib.Path(place, "ninja"), os.X_OK) for place in os.get_exec_path()) else []
+        subprocess.run(
+            ["cmake", "-S", SOURCE, "-B", build, *ninja, "-DCMAKE_BUILD_TYPE=Release", "-DVISCOBAR_TESTS=OFF",
+             f"-DVISCOBAR_PYTHON_EXECUTABLE={sys.executable}", f"-DVISCOBAR_PYTHON_DIR={package.parent}"], check=True)  # fmt: skip
+        jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count()))
+        subprocess.run(["cmake", "--build", build, "--target", "viscobar_python", "--parallel", jobs], check=True)
+
+
+version = re.search(r"project\(viscobar VERSION ([\d.]+)", (SOURCE / "CMakeLists.txt").read_text()).group(1)
+setup(version=version, ext_modules=[Extension("viscobar._core", [])], cmdclass={"build_ext": ByCMake})

@@ -1,0 +1,218 @@
+// A run in memory, and the Python functions that it calls.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "case/chatter.hpp"
+#include "case/memory.hpp"
+#include "kept.hpp"
+#include "record/pace_watch.hpp"
+#include "record/run_outcome.hpp"
+#include "report/run/run_page.hpp"
+#include "results/csv.hpp"
+#include "results/summary.hpp"
+#include "viscobar/record/record_run.hpp"
+
+namespace viscobar::python {
+
+NodalDensity::NodalDensity(Function function, std::vector<double> nodes)
+    : function_(std::move(function)), nodes_(std::make_shared<const std::vector<double>>(std::move(nodes))) {
+  py::array_t<double> array(static_cast<py::ssize_t>(nodes_->size()), nodes_->data());
+  array.attr("setflags")(py::arg("write") = false);
+  array_ = shared(std::move(array));
+}
+
+double NodalDensity::operator()(double x, double t) const {
+  if (time_ != t) evaluate(t);
+  const std::vector<double>& nodes = *nodes_;
+  if (next_ >= nodes.size() || nodes[next_] != x)
+    next_ = static_cast<std::size_t>(std::lower_bound(nodes.begin(), nodes.end(), x) - nodes.begin());
+  if (next_ < nodes.size() && nodes[next_] == x) return values_[next_++];
+  return function_(x, t);  // of another mesh
+}
+
+void NodalDensity::evaluate(double t) const {
+  if (function_.faults().any()) throw Raised();
+  const Gil gil;
+  try {
+    const py::object value =
+        py::reinterpret_borrow<py::object>(function_.object())(py::handle(array_.get()), py::float_(t));
+    const auto values = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(value);
+    if (!values) throw py::error_already_set();
+    const bool one = values.size() == 1;
+    if (!one && static_cast<std::size_t>(values.size()) != nodes_->size())
+      throw py::value_error(function_.key() + ": the function returned " + std::to_string(values.size()) +
+                            " values for " + std::to_string(nodes_->size()) + " nodes");
+    values_.resize(nodes_->size());
+    if (one)
+      std::fill(values_.begin(), values_.end(), *values.data());
+    else
+      std::copy_n(values.data(), values_.size(), values_.begin());
+    time_ = t;
+    next_ = 0;
+    return;
+  } catch (py::error_already_set& error) {
+    error.restore();
+  } catch (const py::value_error& error) {
+    PyErr_SetString(PyExc_ValueError, error.what());
+  }
+  function_.faults().keep();
+  throw Raised();
+}
+
+namespace {
+
+SceneError too_large(const Case& run, double bytes) {
+  return SceneError({{"", 0, 0, "output.every",
+                      fmt::format("keeps {} output times of {} nodes in memory, {:.0f} GB; take a larger one, or fewer "
+                                  "elements",
+                                  run.output_times().size(), run.mesh().nodes(), bytes / 1e9)}});
+}
+
+}  // namespace
+
+Observers filling(Recording& recording, const Case& run) {
+  recording.label = name(run.method);
+  recording.mesh = run.mesh();
+  const std::size_t rows = run.output_times().size(), values = rows * recording.mesh.nodes();
+  const double bytes = 2.0 * sizeof(double) * static_cast<double>(values);
+  if (bytes > memory_limit()) throw too_large(run, bytes);
+  for (auto* column : {&recording.times, &recording.reaction_left, &recording.reaction_right}) column->reserve(rows);
+  recording.u.reserve(values);
+  recording.v.reserve(values);
+  Observers observers;
+  observers.energy = observers.account = true;
+  observers.snapshot = [&recording](const Snapshot& s) {
+    recording.times.push_back(s.time);
+    recording.u.insert(recording.u.end(), s.u.begin(), s.u.end());
+    recording.v.insert(recording.v.end(), s.v.begin(), s.v.end());
+    recording.reaction_left.push_back(s.reaction_left);
+    recording.reaction_right.push_back(s.reaction_right);
+  };
+  observers.event = [&recording](const Event& event) { recording.events.push_back(event); };
+  return observers;
+}
+
+Recording record_until(const Case& run, const std::function<bool()>& stop) {
+  Recording recording;
+  Observers observers = filling(recording, run);
+  observers.progress = [&](double) {
+    if (stop()) throw Interrupted();
+  };
+  recording.statistics = simulate(run, make_system(run), observers);
+  return recording;
+}
+
+Run::Run(PythonCase run) : case_(std::move(run)), system_(make_system(case_.scene.run)) {}
+
+// How a run is stopped: a flag is set, the next step makes a checkpoint, whose statistics are kept, and its receiver
+// throws. All that this module knows of stopping is here and in record_until().
+Observers Run::observers(py::object& self, py::object& observer, py::object& on_event) {
+  const Case& run = case_.scene.run;
+  Observers observers = filling(recording, run);
+  // With Python's lock.
+  const auto ask = [this](auto&& call) {
+    const Gil gil;
+    try {
+      stopping_ = PyObject_IsTrue(call().ptr()) == 1 || stopping_;
+      if (PyErr_Occurred()) throw py::error_already_set();
+    } catch (py::error_already_set& error) {
+      error.restore();
+      case_.faults->keep();
+      stopping_ = true;
+    }
+  };
+  if (!observer.is_none())
+    observers.snapshot = [this, ask, &self, &observer, keep = std::move(observers.snapshot)](const Snapshot& at) {
+      keep(at);
+      if (stopping_) return;
+      const std::size_t nodes = recording.mesh.nodes(), first = recording.u.size() - nodes;
+      ask([&] {
+        const auto shape = static_cast<py::ssize_t>(nodes);
+        return observer(at.time, view(&recording.u[first], {shape}, self), view(&recording.v[first], {shape}, self));
+      });
+    };
+  observers.event = [this, ask, &on_event, &run, keep = std::move(observers.event),
+                     chatter = ChatterWatch(system_)](const Event& event) mutable {
+    keep(event);
+    ++outcome_.events;
+    if (run.method != MethodName::characteristics)
+      if (const auto first = chatter.heard(event)) warn(chatter_warning(run, system_, *first));
+    if (!on_event.is_none() && !stopping_)
+      ask([&] {
+        return on_event(py::dict(py::arg("t") = event.time, py::arg("where") = place(event),
+                                 py::arg("change") = event.change == Change::closing ? "closing" : "opening",
+                                 py::arg("velocity") = event.velocity));
+      });
+  };
+  observers.progress = [this, &run, pace = PaceWatch(0.0, run.end),
+                        signals = Signals(*case_.faults)](double time) mutable {
+    outcome_.reached_time = time;
+    ++outcome_.steps;
+    if (!is_scheme(run.method))
+      if (const auto slow = pace.heard(time)) warn(*slow);
+    stopping_ = signals.heard() || stopping_;
+  };
+  Checkpoints& checkpoints = observers.checkpoints.emplace();
+  checkpoints.asked = [this] { return stopping_; };
+  checkpoints.take = [this](const Checkpoint& motion) {
+    stopped_at_ = motion.statistics;
+    stopped_at_->energy.reset();  // whose final one is not known
+    throw Interrupted();
+  };
+  return observers;
+}
+
+void Run::go(py::object self, py::object observer, py::object on_event) {
+  const auto started = std::chrono::steady_clock::now();
+  const Observers all = observers(self, observer, on_event);
+  {
+    const py::gil_scoped_release released;
+    simulate_into(outcome_, case_.scene.run, system_, std::nullopt, all);
+    judge(outcome_, case_.scene.run, system_, [this](const std::string& warning) { warn(warning); });
+  }
+  if (stopped_at_) outcome_.statistics = std::move(stopped_at_);
+  outcome_.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  case_.faults->rethrow();
+}
+
+std::string Run::summary() const { return summary_json(case_.scene, system_, outcome_, {}); }
+
+std::string Run::page() const {
+  ReportData data(case_.scene.run, system_);
+  const std::size_t nodes = recording.mesh.nodes();
+  auto event = recording.events.begin();
+  for (std::size_t k = 0; k < rows(); ++k) {
+    for (; event != recording.events.end() && event->time <= recording.times[k]; ++event) data.add(*event);
+    data.add(Snapshot{recording.times[k], std::span(recording.u).subspan(k * nodes, nodes),
+                      std::span(recording.v).subspan(k * nodes, nodes), recording.reaction_left[k],
+                      recording.reaction_right[k]});
+  }
+  for (; event != recording.events.end(); ++event) data.add(*event);
+  return report_page(case_.scene.run, system_, outcome_, data).html();
+}
+
+std::array<std::vector<double>, 3> Run::energies() const {
+  std::array<std::vector<double>, 3> columns;
+  const Case& run = case_.scene.run;
+  const bool springs = is_penalised(run.method) && !system_.contacts().empty();
+  const std::size_t nodes = recording.mesh.nodes();
+  for (std::size_t k = 0; k < rows(); ++k) {
+    const auto unknowns = [&](const std::vector<double>& field) {
+      return std::span(field).subspan(k * nodes + system_.first_node(), system_.size());
+    };
+    const auto u = unknowns(recording.u), v = unknowns(recording.v);
+    columns[0].push_back(0.5 * system_.inertia().quadratic_form(v));
+    columns[1].push_back(0.5 * system_.bar().modulus * system_.squared_strain(u));
+    double contact = 0.0;
+    if (springs)
+      for (const Contact& one : system_.contacts())
+        contact += PenaltyLaw{one.weight / effective_epsilon(run)}.energy(-one.clearance(u[one.unknown]));
+    columns[2].push_back(contact);
+  }
+  return columns;
+}
+
+}  // namespace viscobar::python

@@ -1,0 +1,315 @@
+// viscobar._core: comparisons, studies and sweeps. Their results cross as JSON text, as the program prints them.
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <future>
+#include <map>
+#include <set>
+#include <thread>
+
+#include "kept.hpp"
+#include "report/scene_check.hpp"
+#include "sweep/sweep_workers.hpp"
+#include "viscobar/characteristics/characteristics.hpp"
+#include "viscobar/record/record_run.hpp"
+#include "viscobar/report/reports.hpp"
+#include "viscobar/sweep/sweep.hpp"
+
+namespace viscobar::python {
+
+namespace {
+
+/// Does the work in another thread, without Python's lock, while this one hears signals; `stop` tells the work of one.
+template <class Work>
+void hearing_signals(Faults& faults, std::atomic<bool>& stop, Work work) {
+  {
+    const py::gil_scoped_release released;
+    std::future<void> done = std::async(std::launch::async, std::move(work));
+    Signals signals(faults);
+    while (done.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready)
+      if (signals.heard()) stop = true;
+    try {
+      done.get();
+    } catch (...) {
+      if (!faults.any()) throw;
+    }
+  }
+  faults.rethrow();
+}
+
+std::vector<MethodName> methods_of(const std::vector<std::string>& names) {
+  std::vector<MethodName> methods;
+  for (const std::string& word : names) {
+    const auto found = std::find_if(std::begin(all_methods), std::end(all_methods),
+                                    [&](MethodName method) { return name(method) == word; });
+    if (found == std::end(all_methods)) throw std::invalid_argument(fmt::format("there is no method \"{}\"", word));
+    methods.push_back(*found);
+  }
+  return methods;
+}
+
+py::dict to_dict(const Difference& d) {
+  py::dict row;
+  row["displacement_l2"] = d.displacement_l2;
+  row["displacement_h1"] = d.displacement_h1;
+  row["velocity_l2"] = d.velocity_l2;
+  row["end_trace"] = d.end_trace;
+  row["events"] = d.events_other;
+  row["events_reference"] = d.events;
+  row["events_matched"] = d.events_matched;
+  row["largest_event_shift"] = d.largest_event_shift;
+  row["energy_final"] = d.energy_final;
+  return row;
+}
+
+/// The first contender is the reference. `own` are recordings of schemes of one's own.
+py::tuple compare_methods(const PythonCase& self, const std::optional<std::vector<std::string>>& methods,
+                          const std::vector<std::shared_ptr<Kept>>& own, std::size_t threads) {
+  const Case& run = self.scene.run;
+  const MethodChoice choice = methods ? chosen_methods(run, methods_of(*methods)) : fitting_methods(run);
+  std::atomic<bool> stop{false};
+  std::vector<Contender> contenders;
+  for (const Case& one : choice.cases)
+    contenders.push_back({std::string(name(one.method)), one,
+                          [&](const Case& now) { return record_until(now, [&] { return stop.load(); }); }});
+  for (const auto& kept : own)
+    contenders.push_back({kept->recording.label, run, [kept](const Case&) { return kept->recording; }});
+  Comparison check;
+  hearing_signals(*self.faults, stop, [&] { check = compare(contenders, threads); });
+  for (std::size_t i = 0; i < choice.cases.size(); ++i) {  // their solver is the case's own method, but can be stopped
+    check.runs[i].built_in = true;
+    check.runs[i].mass = effective_mass(choice.cases[i]);
+  }
+  const std::string json = compare_json(self.scene, choice, check), page = compare_page(run.scene, choice, check).html;
+  py::list differences, kept;
+  for (std::size_t i = 0; i < check.runs.size(); ++i) {
+    const Difference* difference = check.to_reference(i);
+    differences.append(difference ? py::object(to_dict(*difference)) : py::none());
+    kept.append(check.runs[i].recording ? py::cast(std::make_shared<Kept>(Kept{std::move(*check.runs[i].recording)}))
+                                        : py::none());
+  }
+  return py::make_tuple(json, page, differences, kept);
+}
+
+py::tuple limit_study(const PythonCase& self, const std::vector<double>& epsilons,
+                      const std::vector<std::size_t>& elements, const std::vector<double>& steps, double budget,
+                      std::size_t threads) {
+  std::atomic<bool> stop{false};
+  LimitStudy study{self.scene.run, epsilons, elements, steps, budget, threads, {}};
+  study.progress = [&](std::size_t, std::size_t) {
+    if (stop) throw Interrupted();
+  };
+  std::string json, page;
+  hearing_signals(*self.faults, stop, [&] {
+    const LimitResult result = limit_of(study);
+    const CouplingResult coupling = balance_errors(study, result);
+    json = limit_json(self.scene, study, result, coupling);
+    page = limit_page(study, result, coupling).html;
+  });
+  return py::make_tuple(json, page);
+}
+
+py::tuple precision_study(const PythonCase& self, const std::vector<std::string>& methods,
+                          const std::vector<double>& tolerances, const std::vector<std::size_t>& elements,
+                          std::size_t halvings, std::size_t repeat, double seconds, std::size_t threads) {
+  std::atomic<bool> stop{false};
+  PrecisionStudy study;
+  study.scene = self.scene.run;
+  study.methods = methods_of(methods);
+  study.tolerances = tolerances;
+  study.elements = elements;
+  study.halvings = halvings;
+  study.repeat = repeat;
+  study.seconds = seconds;
+  study.threads = threads;
+  study.progress = [&](const std::string&) {
+    if (stop) throw Interrupted();
+  };
+  std::string json, page;
+  hearing_signals(*self.faults, stop, [&] {
+    const PrecisionResult result = precision_of(study);
+    json = precision_json(self.scene, study, result);
+    page = precision_page(study, result).html;
+  });
+  return py::make_tuple(json, page);
+}
+
+// Orders.
+
+std::vector<PythonCase> refined(const PythonCase& self, const std::string& what, std::size_t levels) {
+  Case run = self.scene.run;
+  if (!run.step) run.step = scheme_step(run);
+  const Refine refine = what == "mesh" ? Refine::mesh : what == "step" ? Refine::step : Refine::both;
+  std::vector<PythonCase> all;
+  for (Case& one : refinements(run, refine, levels))
+    all.push_back({{std::move(one), self.scene.description}, self.faults});
+  return all;
+}
+
+std::shared_ptr<Kept> record_case(const PythonCase& self) {
+  auto kept = std::make_shared<Kept>();
+  std::atomic<bool> stop{false};
+  hearing_signals(*self.faults, stop,
+                  [&] { kept->recording = record_until(self.scene.run, [&] { return stop.load(); }); });
+  return kept;
+}
+
+/// u at the nodes of `finest` and at the times of the runs, by characteristics; empty where they do not fit the scene.
+SpaceTimeFunction exact_displacement(Case finest, const std::vector<std::shared_ptr<Kept>>& kept) {
+  finest.method = MethodName::characteristics;
+  if (!validate(finest).empty()) return {};
+  std::set<double> times;
+  for (const auto& one : kept) times.insert(one->recording.times.begin(), one->recording.times.end());
+  std::map<double, std::vector<double>> u;
+  Observers observers;
+  observers.snapshot = [&](const Snapshot& now) { u[now.time].assign(now.u.begin(), now.u.end()); };
+  integrate(finest.scene, finest.mesh(), std::nullopt, std::vector<double>(times.begin(), times.end()),
+            Characteristics{}, observers);
+  return [u = std::move(u), h = finest.mesh().spacing()](double x, double t) {
+    return u.at(t)[static_cast<std::size_t>(std::lround(x / h))];
+  };
+}
+
+/// The solution by Python functions u(x, t), v(x, t), reaction_left(t), reaction_right(t), or by `exact` for u.
+std::optional<exact::Solution> solution_of(const PythonCase& self, const SpaceTimeFunction& exact, const py::dict& functions) {
+  exact::Solution solution{self.scene.run.scene, {}, {}, {}, {}};
+  const auto function = [&](const char* key) { return Function(functions[key], key, self.faults); };
+  solution.u = functions.contains("u") ? function("u") : exact;
+  if (!solution.u) return std::nullopt;
+  if (functions.contains("v")) solution.v = function("v");
+  if (functions.contains("reaction_left")) solution.reaction_left = function("reaction_left");
+  if (functions.contains("reaction_right")) solution.reaction_right = function("reaction_right");
+  return solution;
+}
+
+/// Rows and orders of recordings of refined cases: to the exact solution, or else each to the next finer step.
+py::tuple observed_orders(const std::vector<PythonCase>& cases, const std::vector<std::shared_ptr<Kept>>& kept,
+                          const std::string& what, const py::dict& functions) {
+  const auto solution = solution_of(
+      cases.front(), functions.contains("u") ? nullptr : exact_displacement(cases.back().scene.run, kept), functions);
+  if (!solution && what != "step")
+    throw std::invalid_argument(
+        "no exact solution of this scene is known; give one, or refine the step alone: each step is then compared with "
+        "the next finer one");
+  std::vector<Case> runs;
+  for (const PythonCase& one : cases) runs.push_back(one.scene.run);
+  const Solver recall = [&](const Case& run) {
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      if (runs[i].elements != run.elements || runs[i].step != run.step) continue;
+      Recording recording = kept[i]->recording;
+      if (solution && !solution->v) recording.v.clear();
+      if (solution && functions.contains("u")) return recording;
+      if (solution) recording.reaction_left.clear(), recording.reaction_right.clear();
+      return recording;
+    }
+    throw std::logic_error("a case that was not run");
+  };
+  const Refine refine = what == "mesh" ? Refine::mesh : what == "step" ? Refine::step : Refine::both;
+  // On one thread: the exact solution may be a Python function.
+  OrderStudy study;
+  try {
+    study = solution ? order_study(recall, *solution, runs, refine, 1) : self_study(recall, runs, 1);
+  } catch (...) {
+    cases.front().faults->rethrow();
+    throw;
+  }
+  const bool velocity = !solution || solution->v;
+  py::list rows;
+  for (const OrderStudy::Row& row : study.rows) {
+    py::dict one;
+    one["elements"] = row.elements;
+    one["step"] = row.step;
+    one["displacement_l2"] = row.error.displacement_l2;
+    one["end_trace"] = row.error.end_trace;
+    if (velocity) one["velocity_l2"] = row.error.velocity_l2;
+    if (solution && functions.contains("u")) one["reaction_l1"] = row.error.reaction_l1;
+    rows.append(one);
+  }
+  py::dict orders;
+  const auto add = [&](const char* key, const std::optional<ObservedOrder>& order) {
+    if (order) orders[key] = py::make_tuple(order->order, order->standard_error);
+  };
+  add("displacement_l2", study.displacement_l2);
+  add("end_trace", study.end_trace);
+  if (velocity) add("velocity_l2", study.velocity_l2);
+  if (solution && functions.contains("u")) add("reaction_l1", study.reaction_l1);
+  return py::make_tuple(rows, orders);
+}
+
+// Sweeps.
+
+VariedKey::Values values_of(const py::list& values) {
+  const auto all = [&](auto is) { return std::all_of(values.begin(), values.end(), is); };
+  if (all([](const py::handle& value) { return py::isinstance<py::str>(value); }))
+    return values.cast<std::vector<std::string>>();
+  if (all([](const py::handle& value) { return py::isinstance<py::int_>(value); }))
+    return values.cast<std::vector<std::int64_t>>();
+  return values.cast<std::vector<double>>();
+}
+
+py::dict to_dict(const SweepPlan& plan, const SweepRow& row) {
+  py::dict one;
+  one["index"] = row.index;
+  const std::vector<std::size_t> chosen = plan.choice(row.index);
+  for (std::size_t k = 0; k < plan.keys.size(); ++k)
+    std::visit([&](const auto& list) { one[py::str(plan.keys[k].key)] = list[chosen[k]]; }, plan.keys[k].values);
+  one["completed"] = row.completed;
+  one["error"] = row.error;
+  for (std::size_t q = 0; q < quantities; ++q) one[py::str(quantity_columns()[q].name)] = row.values[q];
+  one["seconds"] = row.seconds;
+  one["integration_seconds"] = row.integration_seconds;
+  return one;
+}
+
+/// Appends the rows to `table`, in the order of the cases; those that are done also where the sweep is interrupted.
+void run_sweep(const SweepFile& sweep, std::size_t threads, py::list table) {
+  Faults faults;
+  std::vector<double> costs;
+  std::atomic<bool> stop{false};
+  hearing_signals(faults, stop, [&] { costs = plan_cases(sweep, threads); });
+  const std::vector<std::size_t> order = dispatch_order(costs);
+  std::map<std::size_t, SweepRow> rows;
+  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  const SweepWork work{sweep, order, [&](const SweepRow& row) { rows[row.index] = row; }, [] {},
+                       [&] { return stop.load(); }};
+  const auto tell = [&] {
+    for (const auto& [index, row] : rows) table.append(to_dict(sweep.plan, row));
+  };
+  try {
+    hearing_signals(faults, stop, [&] { run_on_threads(work, std::min(threads, order.size())); });
+  } catch (...) {
+    tell();
+    throw;
+  }
+  tell();
+}
+
+void sweep_scene(const std::string& text, const py::dict& vary, bool zip, std::size_t threads, py::list table) {
+  SweepFile sweep;
+  sweep.scene_source = "scene";
+  sweep.scene_text = text;
+  sweep.plan.combine = zip ? Combine::zip : Combine::grid;
+  for (const auto& [key, values] : vary)
+    sweep.plan.keys.push_back({key.cast<std::string>(), values_of(values.cast<py::list>())});
+  run_sweep(sweep, threads, std::move(table));
+}
+
+}  // namespace
+
+void bind_studies(py::module_& m) {
+  m.def("compare", &compare_methods);
+  m.def("limit", &limit_study);
+  m.def("decades", &decades);
+  m.def("precision", &precision_study);
+  m.def("check", [](const PythonCase& self) { return check_json(self.scene, check_scene(self.scene.run)); });
+  m.def("refined", &refined);
+  m.def("record", &record_case);
+  m.def("orders", &observed_orders);
+  m.def("sweep_scene", &sweep_scene);
+  m.def("sweep_file", [](const std::string& file, std::size_t threads, py::list table) {
+    run_sweep(read_sweep(file), threads, std::move(table));
+  });
+}
+
+}  // namespace viscobar::python

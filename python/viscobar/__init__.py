@@ -1,0 +1,34 @@
+"""Motion of a viscoelastic bar against rigid obstacles: scenes, methods, and schemes of your own beside them.
+
+    import viscobar
+
+    scene = viscobar.load("examples/scenes/chatter.toml")     # or viscobar.Scene({...}), or a plain dictionary
+    result = viscobar.run(scene, set={"contact.restitution": 0})
+    result.ends["u_left"], result.events["t"], result.u       # NumPy arrays
+    result.plot()                                             # matplotlib
+
+    run        one scene, one method: arrays                  help(viscobar.run)
+    compare    several methods and schemes of your own        orders     their orders on exact solutions
+    limit      epsilon to 0: orders and a verdict             precision  time against error
+    sweep      many values of the scene's keys                check      what a scene needs, predicted impacts
+
+docs/python.md has a tutorial.
+"""
+
+from ._core import Case
+from ._core import methods as _methods
+from ._core import version as __version__
+from ._errors import Finding, IntegrationError, RunWarning, SceneError
+from ._plots import plot
+from ._run import Recorded, Result, run
+from ._scene import Scene, load
+from ._studies import Comparison, Orders, Study, check, compare, limit, orders, precision, sweep
+from ._table import Table
+
+methods: tuple[str, ...] = tuple(_methods)
+"""Names of the built-in methods."""
+
+__all__ = [
+    "Case", "Comparison", "Finding", "IntegrationError", "Orders", "Recorded", "Result", "RunWarning", "Scene", "SceneError",
+    "Study", "Table", "check", "compare", "limit", "load", "methods", "orders", "plot", "precision", "run", "sweep",
+]  # fmt: skip

@@ -1,0 +1,213 @@
+"""Runs and their results."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from . import _core
+from ._errors import Finding, IntegrationError, RunWarning, SceneError
+from ._scene import FUNCTIONS, Scene, SceneLike, as_scene, function_name, parse
+from ._table import framed
+
+
+class Recorded:
+    """Traces and field of a run: K output times, J elements, J+1 nodes. Units are those of the scene.
+
+    The arrays are views of the memory that the library has filled; nothing is copied.
+
+    label  name of the method or scheme
+    t      (K)       output times
+    x      (J+1)     nodes
+    u, v   (K, J+1)  displacement and velocity; v is None where a scheme does not know it
+    """
+
+    def __init__(self, core: _core.Kept):
+        self._core = core
+
+    @property
+    def label(self) -> str:
+        return self._core.label
+
+    @cached_property
+    def t(self) -> np.ndarray:
+        return self._core.t
+
+    @cached_property
+    def x(self) -> np.ndarray:
+        return self._core.x
+
+    @cached_property
+    def u(self) -> np.ndarray:
+        return self._core.u
+
+    @cached_property
+    def v(self) -> np.ndarray | None:
+        return self._core.v
+
+    @cached_property
+    def ends(self) -> dict[str, np.ndarray]:
+        """Columns of ends.csv, (K) each: t, u_left, v_left, reaction_left, u_right, v_right, reaction_right.
+
+        Reactions are forces on the bar (per cross-section), not negative in contact.
+        """
+        columns = {"t": self.t}
+        for side, node in (("left", 0), ("right", -1)):
+            columns[f"u_{side}"] = self.u[:, node]
+            if self.v is not None:
+                columns[f"v_{side}"] = self.v[:, node]
+            reaction = getattr(self._core, f"reaction_{side}")
+            if reaction is not None:
+                columns[f"reaction_{side}"] = reaction
+        return columns
+
+    @cached_property
+    def events(self) -> np.ndarray:
+        """Contact changes, a structured array with the columns of events.csv: t, where, change, velocity.
+
+        where is left, right or span:<node>; change is closing or opening; velocity is that of the node. events["t"] is
+        the array of the times, events[0]["where"] the place of the first change.
+        """
+        columns = self._core.event_columns()
+        width = max([5, *map(len, columns[1])])
+        kind = [("t", "f8"), ("where", f"U{width}"), ("change", "U7"), ("velocity", "f8")]
+        return np.array(list(zip(*columns)), dtype=kind)
+
+
+class Result(Recorded):
+    """What viscobar.run() returns; see Recorded for label, t, x, u, v, ends and events.
+
+    stress    (K, J)  E u_x + eta u_xt, the mean of each element
+    energy    mapping of (K) arrays: t, kinetic, elastic, contact, total
+    summary   as summary.json: method, counts, energy, contact, scene as understood, ...
+    warnings  what the run has to say about itself, in sentences
+    method    name of the method that ran
+    completed whether it reached the end; reached_time says how far it came otherwise
+    """
+
+    _core: _core.Run
+
+    def __init__(self, core: _core.Run, scene: Scene):
+        super().__init__(core)
+        self.scene = scene
+
+    method = property(lambda self: self._core.method, doc="Name of the method that ran.")
+    warnings = property(lambda self: self._core.warnings, doc="Sentences, such as on chatter.")
+    completed = property(lambda self: self._core.ending == "completed", doc="Whether the run reached its end.")
+    reached_time = property(lambda self: self._core.reached_time, doc="How far the run came.")
+
+    @cached_property
+    def stress(self) -> np.ndarray:
+        """E u_x + eta u_xt of each element, (K, J)."""
+        modulus, viscosity = self._core.material
+        size = np.diff(self.x)
+        stress = modulus * np.diff(self.u) / size
+        if viscosity > 0.0:
+            stress += viscosity * np.diff(self.v) / size
+        return stress
+
+    @cached_property
+    def energy(self) -> dict[str, np.ndarray]:
+        """Energies at the output times, (K) each: t, kinetic, elastic, contact (in penalty springs), total.
+
+        summary["energy"] has what was dissipated in the whole run, and the work of the load.
+        """
+        kinetic, elastic, contact = self._core.energies()
+        total = kinetic + elastic + contact
+        return {"t": self.t, "kinetic": kinetic, "elastic": elastic, "contact": contact, "total": total}
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """summary.json of the run, as a dictionary; without the checksums of files, which there are none of."""
+        summary = json.loads(self._core.summary())
+        for of_files in ("files", "crc64"):
+            summary.pop(of_files, None)
+        for key in FUNCTIONS:
+            table, leaf = key.split(".")
+            if callable(function := self.scene.get(table, {}).get(leaf)):
+                summary["scene"][table][leaf] = function_name(function)
+        return summary
+
+    def page(self) -> str:
+        """report.html of the run: a self-contained page with the pictures."""
+        return self._core.page()
+
+    def frame(self) -> Any:
+        """The columns of ends.csv as a pandas DataFrame. Needs pandas."""
+        import pandas
+
+        return pandas.DataFrame(self.ends)
+
+    def plot(self) -> Any:
+        """A matplotlib figure: displacement over space and time, end traces, reactions, energies."""
+        from . import _plots
+
+        return _plots.plot_run(self)
+
+    def _repr_html_(self) -> str:
+        return framed(self.page())
+
+    def __repr__(self) -> str:
+        end = "" if self.completed else f", stopped at t = {self.reached_time:g}"
+        return (
+            f"<viscobar.Result by {self.method}: {len(self.t)} output times, {len(self.x)} nodes, "
+            f"{len(self.events)} contact changes{end}>"
+        )
+
+
+def run(
+    scene: SceneLike,
+    method: str | None = None,
+    *,
+    set: Mapping[str, Any] | None = None,
+    observer: Callable[[float, np.ndarray, np.ndarray], Any] | None = None,
+    on_event: Callable[[dict[str, Any]], Any] | None = None,
+) -> Result:
+    """Runs a scene and keeps the result in memory; the numbers are those of `viscobar run`, bit for bit.
+
+    scene     a viscobar.Scene, a dictionary with the same tables and keys, or the path of a scene file
+    method    name of the method in place of the scene's own: "automatic", "cvode", "ida", "arkode", "odeint", "rigid",
+              "exponential", "characteristics", "fully_discrete", "finite_difference"; absent: the scene's, and automatic
+              where it names none
+    set       further values in place of the scene's: {"contact.restitution": 0, "method.relative_tolerance": 1e-8}; None
+              removes a key
+    observer  called as observer(t, u, v) at each output time, u and v arrays of J+1 nodes; a true value stops the run
+    on_event  called with each contact change, a dictionary with t, where, change, velocity; a true value stops the run
+
+    Returns a viscobar.Result:
+
+        .t (K)  .x (J+1)  .u .v (K, J+1)  .stress (K, J)      arrays, K output times, J elements
+        .ends .energy                                          mappings of arrays (K), as ends.csv
+        .events                                                structured array: t, where, change, velocity
+        .summary                                               as summary.json
+        .plot()  .page()  .frame()                             matplotlib figure, HTML page, pandas DataFrame of the ends
+
+    A run that an observer stopped has completed = False and the rows that it reached. Other threads of Python go on
+    meanwhile. Warnings, such as on chatter, are viscobar.RunWarning.
+
+    Raises SceneError for a scene that cannot be run (all errors at once, each with key and hint), IntegrationError when the
+    method gives up, and whatever a function of the scene or an observer raises. KeyboardInterrupt stops a run after the
+    step at hand. The exception then has the part that was reached as its attribute `result`.
+    """
+    scene = as_scene(scene, method, set)
+    core = _core.Run(parse(scene))
+    result = Result(core, scene)
+    try:
+        core.go(observer, on_event)
+    except BaseException as error:
+        error.result = result  # type: ignore[attr-defined]
+        raise
+    for warning in core.warnings:
+        warnings.warn(warning, RunWarning, stacklevel=2)
+    if core.ending == "failed":
+        failed = IntegrationError(core.error)
+        failed.result = result
+        raise failed
+    if core.ending == "refused":
+        raise SceneError([Finding("method.name", core.error)])
+    return result

@@ -1,0 +1,191 @@
+"""Scenes: dictionaries with the tables and keys of a scene file."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+import os
+import re
+import tomllib
+from collections.abc import Callable, Mapping
+from typing import Any, Union
+
+import numpy as np
+
+from . import _core
+from ._errors import Finding, SceneError
+
+# Formulas that a Python function may stand for, and what stands for the function in the text that the library reads: a
+# formula of the same variables.
+FUNCTIONS = {
+    "initial.displacement": "0.0",
+    "initial.velocity": "0.0",
+    "load.density": "0.0",
+    "load.profile": "1.0",
+    "load.history": '"t"',
+}
+
+
+class Scene(dict):
+    """A scene: tables and keys as in a scene file (docs/scene-file.md), as nested dictionaries.
+
+    Scene({"bar": {"length": 1.0}, ...}), Scene(bar={"length": 1.0}, ...) or both; the dictionaries are copied. The scene
+    is checked unless validate=False: SceneError has all its errors, each with key and hint.
+
+    initial.displacement, initial.velocity and load.profile may be Python functions f(x), load.history f(t), load.density
+    f(x, t), instead of formulas. x, t and the value are numbers; a density that takes an array of nodes (J+1) and gives an
+    array is called once a time, not once a node.
+
+    Wherever a scene is wanted, a plain dictionary or the path of a scene file may be given as well.
+    """
+
+    def __init__(self, scene: Mapping[str, Any] | None = None, /, *, validate: bool = True, **tables: Any):
+        super().__init__()
+        for source in (scene or {}, tables):
+            for name, table in source.items():
+                if isinstance(table, Mapping) and isinstance(self.get(name), dict):
+                    self[name].update(table)
+                else:
+                    self[name] = dict(table) if isinstance(table, Mapping) else table
+        if validate:
+            parse(self)
+
+    def changed(self, values: Mapping[str, Any] | None = None, /) -> Scene:
+        """A copy with other values: scene.changed({"contact.restitution": 0}); None removes a key. Not checked."""
+        scene = Scene(self, validate=False)
+        for key, value in (values or {}).items():
+            name, dot, leaf = str(key).partition(".")
+            if not dot:
+                table, leaf = scene, name
+            else:
+                table = scene.setdefault(name, {})
+                if not isinstance(table, dict):
+                    raise SceneError([Finding(name, f"is {table!r}, not a table")])
+            if value is None:
+                table.pop(leaf, None)
+            else:
+                table[leaf] = value
+        return scene
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Scene:
+        return Scene({name: copy.deepcopy(dict(value) if isinstance(value, dict) else value, memo)
+                      for name, value in self.items()}, validate=False)  # fmt: skip
+
+    def toml(self) -> str:
+        """The scene as the text of a scene file. Scenes with Python functions have none."""
+        text, functions = to_toml(self)
+        if functions:
+            raise ValueError(f"{', '.join(functions)}: a Python function has no place in a scene file; give a formula")
+        return text
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the scene as a file for the program."""
+        text = self.toml()
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+
+    def __repr__(self) -> str:
+        return f"Scene({dict(self)!r})"
+
+
+SceneLike = Union[Scene, Mapping[str, Any], str, "os.PathLike[str]"]
+
+
+def load(path: str | os.PathLike[str], *, validate: bool = True) -> Scene:
+    """The scene of a file (TOML, docs/scene-file.md) as a Scene: tables and keys as they stand there.
+
+    Errors of the file are raised as SceneError, with line, column, key and hint. validate=False leaves a scene that lacks
+    something to be completed.
+    """
+    source = os.fspath(path)
+    text = _core.text_of(source)
+    if validate:
+        _core.parse(text, source, {})
+    try:
+        return Scene(tomllib.loads(text), validate=False)
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError([Finding("", str(error), source=source, line=1, column=1)]) from None
+
+
+def as_scene(scene: SceneLike, method: str | None = None, set: Mapping[str, Any] | None = None) -> Scene:
+    """A copy of what stands for a scene, changed."""
+    if isinstance(scene, (str, os.PathLike)):
+        scene = load(scene, validate=False)
+    elif not isinstance(scene, Mapping):
+        raise TypeError(f"a scene is a dictionary, a viscobar.Scene or the path of a scene file, not {type(scene).__name__}")
+    changes = dict(set or {})
+    if method is not None:
+        changes["method.name"] = method
+    return Scene.changed(scene if isinstance(scene, Scene) else Scene(scene, validate=False), changes)
+
+
+def parse(scene: Scene, study: str = "run") -> _core.Case:
+    """The scene as the library understands it. Raises SceneError."""
+    text, functions = to_toml(scene)
+    return _core.parse(text, "", functions, study)
+
+
+def takes_arrays(function: Callable[..., Any], x: np.ndarray) -> bool:
+    """Whether f(x, 0) takes an array of nodes and gives what it gives for each, up to roundings."""
+    try:
+        values = np.asarray(function(x, 0.0), dtype=float)
+        if values.shape not in ((), x.shape):
+            return False
+        values = np.broadcast_to(values, x.shape)
+        some = [0, len(x) // 2, len(x) - 1]
+        alone = [float(function(float(x[j]), 0.0)) for j in some]
+        return bool(np.allclose(values[some], alone, rtol=1e-12, atol=0.0, equal_nan=True))
+    except Exception:  # whatever it is that an array does to it; its own faults come to light node by node
+        return False
+
+
+def function_name(function: Any) -> str:
+    return f"function {getattr(function, '__qualname__', type(function).__name__)}"
+
+
+def to_toml(scene: Mapping[str, Any]) -> tuple[str, dict[str, Callable[..., Any]]]:
+    """The text of a scene, and its Python functions by their keys."""
+    functions: dict[str, Callable[..., Any]] = {}
+
+    def line(key: str, value: Any, table: str = "") -> str:
+        name = f"{table}.{key}" if table else key
+        if callable(value):
+            if name not in FUNCTIONS:
+                raise SceneError([Finding(name, "is a Python function", "only " + ", ".join(FUNCTIONS) + " may be one")])
+            functions[name] = value
+            return f"{_key(key)} = {FUNCTIONS[name]}\n"
+        return f"{_key(key)} = {_value(name, value)}\n"
+
+    top, tables = "", ""
+    for name, table in scene.items():
+        if isinstance(table, Mapping):
+            tables += f"[{_key(name)}]\n"
+            tables += "".join(line(key, value, name) for key, value in table.items() if value is not None)
+        elif table is not None:
+            top += line(name, table)
+    return top + tables, functions
+
+
+def _key(name: Any) -> str:
+    if not isinstance(name, str):
+        raise SceneError([Finding(str(name), f"is a key of type {type(name).__name__}, not a string")])
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
+
+
+def _text(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")
+
+
+def _value(name: str, value: Any) -> str:
+    if isinstance(value, (np.generic, np.ndarray)) and np.ndim(value) == 0:
+        value = value.item()
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, float):
+        return repr(value) if math.isfinite(value) else str(value)
+    if isinstance(value, str):
+        return _text(value)
+    raise SceneError([Finding(name, f"is of type {type(value).__name__}", "a number or a text is meant")])

@@ -1,0 +1,324 @@
+"""Comparisons, studies and sweeps."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from . import _core
+from ._errors import Finding, SceneError
+from ._run import Recorded
+from ._scene import Scene, SceneLike, as_scene, parse
+from ._schemes import Method, label_of, recorded
+from ._table import Table
+
+
+class Comparison(Table):
+    """What viscobar.compare() returns: a row for each method or scheme, the reference first.
+
+    runs      mapping of names to their traces and fields (viscobar.Recorded)
+    contacts  table of the contact periods that a run shares with the reference: begin, end and impulse, and how far they
+              are from the reference's
+    summary   as `viscobar compare --json`, with the differences of every two runs
+    """
+
+    runs: dict[str, Recorded]
+    contacts: Table
+
+    @property
+    def reference(self) -> str | None:
+        """Name of the run that the others are compared with."""
+        return self.summary["reference"]
+
+    def plot(self) -> Any:
+        """A matplotlib figure: the end traces of all runs."""
+        from . import _plots
+
+        return _plots.plot_comparison(self)
+
+
+class Study(Table):
+    """What viscobar.limit() and viscobar.precision() return: a row for each run; the rest is in `summary`."""
+
+    def plot(self) -> Any:
+        """A matplotlib figure: differences over epsilon, or error over time."""
+        from . import _plots
+
+        return _plots.plot_limit(self) if "verdict" in self.summary else _plots.plot_precision(self)
+
+    @property
+    def verdict(self) -> str | None:
+        """Of limit(): converges, plateau or undecided; `summary["reason"]` says why."""
+        return self.summary.get("verdict")
+
+
+class Orders(Table):
+    """What viscobar.orders() returns: errors from the coarsest to the finest level.
+
+    order  mapping of columns to the observed power of h or dt, by least squares
+    """
+
+    order: dict[str, float]
+    standard_error: dict[str, float]
+
+
+def _check_methods(names: Sequence[str]) -> None:
+    for name in names:
+        if name not in _core.methods:
+            near = difflib.get_close_matches(name, _core.methods, 1)
+            raise SceneError([Finding("method.name", f'there is no method "{name}"',
+                                      f'nearest is "{near[0]}"' if near else "known are " + ", ".join(_core.methods))])  # fmt: skip
+
+
+def compare(
+    scene: SceneLike,
+    methods: Sequence[Method] | None = None,
+    *,
+    schemes: Mapping[str, Callable[..., Any]] | None = None,
+    set: Mapping[str, Any] | None = None,
+    levels: int = 0,
+    refine: str = "both",
+    exact: Mapping[str, Callable[..., float]] | None = None,
+    threads: int = 0,
+) -> Comparison:
+    """One scene by several methods and by schemes of your own, and how far they are apart.
+
+    methods  names of built-in methods, and functions, which are schemes of your own; absent: all methods that fit the
+             scene. The first method that is built in is the reference.
+    schemes  further schemes by the names that they get
+    levels   2 or more: also the observed order of each, by viscobar.orders() with `refine` and `exact`, as columns order_...
+    threads  runs at a time; 0: one a core
+
+    A scheme is a function scheme(case) -> ends, field or ends, field, events. It is given a viscobar.Case (nodes, times, step,
+    material, initial data, load) and returns, for N steps of any length from t = 0 to the end,
+
+        ends    mapping of columns (N) as ends.csv: "t" and, where there is contact, "reaction_left", "reaction_right"
+        field   (u, v), arrays (N, J+1); or None, then ends has u_left, v_left, u_right, v_right, too
+        events  contact changes (t, "left" or "right", "closing" or "opening", velocity); absent: read off the reactions
+
+    Rows have, of each run, method, mass, steps, integration_seconds, events, max_penetration and its largest differences to
+    the reference: displacement_l2, displacement_h1, velocity_l2 (over the bar), end_trace, largest_event_shift;
+    events_matched is the number of contact changes that both have. None: not known.
+
+    What a scheme raises comes out as it is. A built-in method that fails is a row with an error.
+    """
+    named = [method for method in methods or [] if isinstance(method, str)]
+    own: dict[str, Any] = {label_of(method): method for method in methods or [] if not isinstance(method, str)}
+    own.update(schemes or {})
+    _check_methods(named)
+    scene = as_scene(scene, None, set)
+    case = parse(scene, "compare")
+    kept = [recorded(case, label, scheme) for label, scheme in own.items()]
+    built_in = None if methods is None or (not named and schemes is None and not own) else named
+    text, page, differences, runs = _core.compare(case, built_in, kept, threads)
+    summary = json.loads(text)
+    rows = []
+    for entry, difference in zip(summary["methods"], differences):
+        row = {key: value for key, value in entry.items() if key not in ("contacts", "energy")}
+        rows.append({**row, **(difference or dict.fromkeys(DIFFERENCES))})
+        rows[-1]["events"] = entry.get("events")
+    table = Comparison(rows, summary, page)
+    labels = [entry["method"] for entry in summary["methods"]]
+    table.runs = {label: Recorded(run) for label, run in zip(labels, runs) if run is not None}
+    table.contacts = Table(_contact_shifts(summary))
+    if levels >= 2:
+        for label, row in zip(labels, table):
+            if label == table.reference and label not in own and exact is None and refine == "step":
+                continue
+            observed = orders(own.get(label, label), scene, refine=refine, levels=levels, exact=exact)
+            row.update({f"order_{key}": value for key, value in observed.order.items()})
+    return table
+
+
+DIFFERENCES = (
+    "displacement_l2", "displacement_h1", "velocity_l2", "end_trace", "events_reference", "events_matched",
+    "largest_event_shift", "energy_final",
+)  # fmt: skip
+
+
+def _contact_shifts(summary: Mapping[str, Any]) -> list[dict[str, Any]]:
+    rows = []
+    for pair in summary["pairs"]:
+        if pair["first"] != summary["reference"]:
+            continue
+        for contact in pair["contacts"]:
+            first, other = contact["first"], contact["other"]
+            row = {"where": contact["where"], "method": pair["other"]}
+            for key in ("begin", "end", "impulse"):
+                row[key] = other[key]
+                row[f"{key}_shift"] = other[key] - first[key]
+            rows.append(row)
+    return rows
+
+
+def orders(
+    scheme: Method,
+    scene: SceneLike,
+    *,
+    refine: str = "both",
+    levels: int = 4,
+    exact: Mapping[str, Callable[..., float]] | None = None,
+    set: Mapping[str, Any] | None = None,
+) -> Orders:
+    """Errors of a method, or of a scheme of your own, along a refinement, and the powers that they follow.
+
+    scheme  name of a built-in method, or a function as in viscobar.compare()
+    refine  "mesh" (h is halved), "step" (dt is halved), or "both"
+    levels  number of runs, the scene's mesh and step first
+    exact   the solution, a mapping of functions: "u" and "v" of (x, t), "reaction_left" and "reaction_right" of t; all but
+            "u" may be missing. Absent: without viscosity and span obstacle by characteristics, which are exact; else, with
+            refine="step", each run is compared with the next finer one.
+
+    Rows: elements, step, displacement_l2 and velocity_l2 (largest over time of the norm over the bar), end_trace (largest over
+    time and ends), reaction_l1 (over time). `.order` has the power of each column.
+    """
+    if refine not in ("mesh", "step", "both"):
+        raise ValueError(f'refine: "{refine}" is not mesh, step or both')
+    if isinstance(scheme, str):
+        _check_methods([scheme])
+    case = parse(as_scene(scene, scheme if isinstance(scheme, str) else None, set))
+    cases = _core.refined(case, refine, levels)
+    if isinstance(scheme, str):
+        kept = [_core.record(one) for one in cases]
+    else:
+        kept = [recorded(one, label_of(scheme), scheme) for one in cases]
+    rows, observed = _core.orders(cases, kept, refine, dict(exact or {}))
+    table = Orders(rows)
+    table.order = {key: order for key, (order, _) in observed.items()}
+    table.standard_error = {key: error for key, (_, error) in observed.items()}
+    return table
+
+
+def limit(
+    scene: SceneLike,
+    *,
+    epsilon: Sequence[float] | None = None,
+    mass: str | None = None,
+    elements: Sequence[int] = (),
+    steps: Sequence[float] = (),
+    budget: float = 60.0,
+    set: Mapping[str, Any] | None = None,
+    threads: int = 0,
+) -> Study:
+    """Whether the penalised bar tends to the fully discrete scheme as epsilon goes to 0, and how fast: `viscobar limit`.
+
+    epsilon   penalties, decreasing; absent: 1e-2, 1e-3, ..., 1e-8
+    mass      name of a mass matrix in place of the scene's
+    elements  meshes in place of the scene's; three or more give epsilon(h)
+    steps     of the scheme, one for each mesh; absent: the scene's, or h / (100 c)
+    budget    processor seconds for smaller steps of the scheme
+    threads   runs at a time; 0: one a core
+
+    Rows have epsilon, elements, mass, events, max_penetration, difference_to_scheme, difference_to_rigid. `.verdict` is
+    converges, plateau or undecided, `.summary` has reason and orders. Ctrl-C ends it after the runs at hand.
+    """
+    epsilons = sorted(map(float, epsilon), reverse=True) if epsilon is not None else _core.decades(1e-2, 1e-8, 1)
+    if not epsilons:
+        raise ValueError("epsilon: at least one penalty is needed")
+    changes = {"contact.epsilon": epsilons[0], **(set or {})}
+    if mass is not None:
+        changes["mesh.mass"] = mass
+    if elements:
+        changes["mesh.elements"] = max(elements)
+    if len(steps) not in (0, max(1, len(elements))):
+        raise ValueError(f"steps: {len(steps)} given for {max(1, len(elements))} meshes, one for each is needed")
+    case = parse(as_scene(scene, None, changes), "limit")
+    if case.left != "obstacle" and case.right != "obstacle" and case.span_gap is None:
+        raise SceneError([Finding("left.kind", "the scene has no obstacle, so there is nothing to penalise")])
+    text, page = _core.limit(case, epsilons, list(elements), list(steps), budget, threads)
+    summary = json.loads(text)
+    return Study(summary["rows"], summary, page)
+
+
+def precision(
+    scene: SceneLike,
+    *,
+    methods: Sequence[str] = (),
+    tolerances: Sequence[float] | None = None,
+    elements: Sequence[int] = (),
+    halvings: int = 9,
+    repeat: int = 0,
+    seconds: float = 1.0,
+    set: Mapping[str, Any] | None = None,
+    threads: int = 0,
+) -> Study:
+    """Time against error for the methods that fit the scene, and the error's parts: `viscobar precision`.
+
+    methods     names; absent: all that fit the scene
+    tolerances  relative, decreasing; absent: 1e-3, 1e-4, ..., 1e-10
+    elements    meshes in place of the scene's
+    halvings    how often the schemes' step is halved, from h / c on
+    repeat      timed runs of each row, odd, whose median counts; 0: 3 to 11
+    seconds     runs that take longer are left out
+    threads     references at a time; 0: one a core. Timed runs run alone.
+
+    Rows have method, label, error, seconds, steps; `.summary` has the reference and how good it is. Ctrl-C ends it after the
+    runs at hand.
+    """
+    _check_methods(methods)
+    if repeat and repeat % 2 == 0:
+        raise ValueError("repeat: the median needs an odd number of runs")
+    changes = dict(set or {})
+    if elements:
+        changes["mesh.elements"] = max(elements)
+    case = parse(as_scene(scene, None, changes))
+    values = sorted(map(float, tolerances), reverse=True) if tolerances is not None else _core.decades(1e-3, 1e-10, 1)
+    text, page = _core.precision(case, list(methods), values, list(elements), halvings, repeat, seconds, threads)
+    summary = json.loads(text)
+    return Study(summary["rows"], summary, page)
+
+
+def check(scene: SceneLike, *, set: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """What a scene needs, and what is predicted of its first impacts: `viscobar check --json` as a dictionary.
+
+    Raises SceneError with all errors of an unsound scene. `contacts` has a row for each contact: effective mass, damping
+    ratio, whether chatter is expected, predicted penetration; `warnings` are sentences.
+    """
+    return json.loads(_core.check(parse(as_scene(scene, None, set))))
+
+
+def sweep(
+    scene: SceneLike,
+    vary: Mapping[str, Sequence[Any]] | None = None,
+    *,
+    combine: str = "grid",
+    set: Mapping[str, Any] | None = None,
+    threads: int = 0,
+) -> Table:
+    """A scene for many values of its keys, on all cores, kept in memory.
+
+    vary     keys with the values that they take: {"bar.viscosity": [0.01, 0.1, 1.0], "left.gap": [0.1, 0.2]}
+    combine  "grid": every value with every other, the last key running fastest; "zip": the first values, the second ones, ...
+    threads  cases at a time; 0: one a core
+
+    Without `vary`, `scene` is the path of a sweep file (docs/sweep.md).
+
+    A row for each case: index, the keys, completed, error, and the quantities of sweep.csv (closings, impulses, energies, ...);
+    NaN: the case has no such value. The rows do not depend on the number of threads. Ctrl-C stops it within the step at
+    hand; KeyboardInterrupt has the finished rows as its attribute `rows`. The scene must have formulas, not Python functions.
+    """
+    rows: list[dict[str, Any]] = []
+    try:
+        if vary is None:
+            if not isinstance(scene, (str, os.PathLike)) or set:
+                raise TypeError("sweep: without `vary`, the path of a sweep file alone is wanted")
+            _core.sweep_file(os.fspath(scene), threads, rows)
+        else:
+            if combine not in ("grid", "zip"):
+                raise ValueError(f'combine: "{combine}" is neither grid nor zip')
+            lists = {key: [v.item() if isinstance(v, np.generic) else v for v in values] for key, values in vary.items()}
+            if empty := [key for key, values in lists.items() if not values]:
+                raise ValueError(f"{', '.join(empty)}: no values")
+            if combine == "zip" and len({len(values) for values in lists.values()}) > 1:
+                raise ValueError("zip: the keys have different numbers of values")
+            text = Scene.toml(as_scene(scene, None, set))
+            _core.sweep_scene(text, lists, combine == "zip", threads, rows)
+    except BaseException as error:
+        error.rows = Table(rows)  # type: ignore[attr-defined]
+        raise
+    return Table(rows)

@@ -1,0 +1,178 @@
+#include "report/scene_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "case/chatter.hpp"
+#include "dynamics/natural_scales.hpp"
+
+namespace viscobar {
+
+std::string_view name(Where where) {
+  switch (where) {
+    case Where::left: return "left";
+    case Where::right: return "right";
+    case Where::span: return "span";
+  }
+  return {};
+}
+
+std::string_view name(ImpactPrediction::Layer layer) {
+  switch (layer) {
+    case ImpactPrediction::Layer::viscous: return "viscous layer";
+    case ImpactPrediction::Layer::elastic: return "elastic wave";
+    case ImpactPrediction::Layer::bar: return "the whole bar, the spring is softer than it";
+    case ImpactPrediction::Layer::node: return "end node alone, the mesh is too coarse for the layer";
+  }
+  return {};
+}
+
+std::string_view load_kind(const Scene& scene) {
+  if (!scene.load) return "none";
+  if (std::holds_alternative<SteadyLoad>(*scene.load)) return "steady";
+  return std::holds_alternative<SeparableLoad>(*scene.load) ? "profile times history" : "general";
+}
+
+std::string contact_kind(const Case& run) {
+  if (is_penalised(run.method))
+    return fmt::format("penalty, epsilon = {:.6g} = {:.3g} {}{}", effective_epsilon(run),
+                       effective_epsilon(run) / natural_epsilon(run.scene), natural_epsilon_words(run.scene),
+                       run.epsilon ? "" : ", chosen for the mesh");
+  if (run.method == MethodName::characteristics) return "exact: an end answers what arrives";
+  return run.method == MethodName::rigid ? "rigid: closed nodes are held" : "exact constraint in every step";
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// What a contact that bounces means for the limit epsilon -> 0, and what to change.
+std::string advice(const Case& run, const ContactRegime& regime) {
+  const bool span = regime.where == Where::span;
+  const std::string bounce = fmt::format("{}: the {} (zeta = {:.3g} < 1)", name(regime.where),
+                                         span ? "nodes rebound" : "end node rebounds", *regime.damping_ratio);
+  if (run.restitution)
+    return fmt::format(
+        "{}, and so do those of the fully discrete scheme with the same contact.restitution = {}: the two share one "
+        "limit as epsilon goes to 0, but the nodes chatter; contact.restitution = 0 prevents the chatter",
+        bounce, *run.restitution);
+  if (span)
+    return bounce +
+           ", and those of the fully discrete scheme do not: as epsilon goes to 0 the difference has a plateau; "
+           "contact.restitution = 0 makes the two agree";
+  return fmt::format(
+      "{}: chatter is expected, and every bounce costs steps; as epsilon goes to 0 the difference to the fully "
+      "discrete scheme has a plateau; remedies: {}",
+      bounce, chatter_remedies(run, regime, regime.where));
+}
+
+double gap_of(const Scene& scene, Where where) {
+  if (where == Where::span) return scene.span->gap;
+  return std::get<Obstacle>(where == Where::left ? scene.left : scene.right).gap;
+}
+
+std::vector<std::string> warnings_of(const Case& run, const BarSystem& system,
+                                     const std::vector<ContactRegime>& regimes) {
+  std::vector<std::string> found;
+  if (!run.reservation.empty()) found.push_back(run.reservation);
+  const auto held = [&](const EndCondition& end, double x, const char* where) {
+    if (const double v = run.scene.velocity(x); is_fixed(end) && v != 0.0)
+      found.push_back(fmt::format("the {} end is fixed, but its initial velocity is {}: it is held still", where, v));
+  };
+  held(run.scene.left, 0.0, "left");
+  held(run.scene.right, run.scene.bar.length, "right");
+  for (const ContactRegime& regime : regimes)
+    if (regime.chatters) found.push_back(advice(run, regime));
+  const double displacement = natural_scales(system, run.end).displacement;
+  for (const ContactRegime& regime : regimes)
+    if (regime.impact &&
+        is_no_obstacle(regime.impact->penetration, std::max(displacement, gap_of(run.scene, regime.where))))
+      found.push_back(fmt::format(
+          "{}: a penetration of {:.2g} is predicted, beside a gap of {:.2g} and displacements of {:.2g}: that is no "
+          "obstacle; {}",
+          name(regime.where), regime.impact->penetration, gap_of(run.scene, regime.where), displacement,
+          stiffer_advice(run)));
+  return found;
+}
+
+const FirstImpact* hit(const std::optional<std::vector<FirstImpact>>& hits, Where where) {
+  if (hits)
+    for (const FirstImpact& candidate : *hits)
+      if (candidate.where == where) return &candidate;
+  return nullptr;
+}
+
+/// The speed that a first impact will have tells more than the initial velocity.
+void predict(ContactRegime& regime, const std::optional<std::vector<FirstImpact>>& hits, const Case& run,
+             const BarSystem& system) {
+  const FirstImpact* first = hit(hits, regime.where);
+  if (!first || first->speed == 0.0 || regime.where == Where::span) return;
+  const double h = system.spacing_at(regime.where == Where::left ? 0 : system.size() - 1);
+  regime.impact = predict_impact(system.bar(), h, regime.effective_mass, effective_epsilon(run), first->speed);
+}
+
+Json to_json(const FirstImpact& impact) {
+  return {{"where", name(impact.where)}, {"time", impact.time}, {"speed", impact.speed}};
+}
+
+Json to_json(const ContactRegime& regime) {
+  Json json = {{"where", name(regime.where)},
+               {"effective_mass", regime.effective_mass},
+               {"damping_ratio", regime.damping_ratio ? Json(*regime.damping_ratio) : Json(nullptr)},
+               {"chatter_expected", regime.chatters},
+               {"quiet_epsilon", regime.where == Where::span ? Json(nullptr) : Json(regime.quiet_epsilon)}};
+  json["impact"] = regime.impact ? Json{{"speed", regime.impact->speed},
+                                        {"predicted_penetration", regime.impact->penetration},
+                                        {"by", name(regime.impact->layer)}}
+                                 : Json(nullptr);
+  return json;
+}
+
+}  // namespace
+
+SceneCheck check_scene(const Case& run) {
+  SceneCheck check{make_system(run), first_impacts(run), {}, memory_need(run), {}};
+  check.regimes = contact_regimes(run, check.system);
+  for (ContactRegime& regime : check.regimes) predict(regime, check.impacts, run, check.system);
+  check.warnings = warnings_of(run, check.system, check.regimes);
+  return check;
+}
+
+std::string check_json(const SceneFile& scene, const SceneCheck& check) {
+  const Case& run = scene.run;
+  const BarSystem& system = check.system;
+  Json json;
+  json["title"] = run.scene.title;
+  json["method"] = name(run.method);
+  json["method_requested"] = run.automatic ? automatic : name(run.method);
+  if (run.method == MethodName::characteristics)
+    json["passages"] = run.end / (run.scene.bar.length * std::sqrt(run.scene.bar.density / run.scene.bar.modulus));
+  if (run.method == MethodName::odeint) json["stepper"] = name(plan(system, run.end, odeint(run)).stepper);
+  json["nodes"] = system.mesh().nodes();
+  json["unknown_nodes"] = system.size();
+  json["spacing"] = system.mesh().spacing();
+  if (!system.mesh().uniform()) json["smallest_element"] = system.mesh().smallest();
+  json["mass"] = name(system.mass());
+  json["terms"] = {{"inertia", system.has_massless() ? "massless contact nodes" : "every node"},
+                   {"elasticity", true},
+                   {"damping", system.damped()},
+                   {"load", load_kind(run.scene)},
+                   {"contact", system.contacts().empty() ? Json(nullptr) : Json(contact_kind(run))}};
+  json["contact_nodes"] = system.contacts().size();
+  json["event_functions"] = is_scheme(run.method) ? 0 : system.contacts().size();
+  json["memory"] = {{"vectors", std::llround(check.memory.vectors)}, {"bytes", std::llround(check.memory.bytes)}};
+  json["contacts"] = Json::array();
+  for (const ContactRegime& regime : check.regimes) json["contacts"].push_back(to_json(regime));
+  json["first_impacts"] = check.impacts ? Json::array() : Json(nullptr);
+  if (check.impacts)
+    for (const FirstImpact& impact : *check.impacts) json["first_impacts"].push_back(to_json(impact));
+  json["warnings"] = check.warnings;
+  json["scene"] = Json::parse(scene.complete());
+  json["chosen"] = Json::parse(scene.chosen);
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace viscobar

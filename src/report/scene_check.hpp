@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "case/first_impact.hpp"
+#include "case/memory.hpp"
+#include "case/regime.hpp"
+#include "viscobar/input/scene_file.hpp"
+
+namespace viscobar {
+
+/// What `viscobar check` knows of a sound scene before it runs.
+struct SceneCheck {
+  BarSystem system;                                 ///< with the terms that the scene has
+  std::optional<std::vector<FirstImpact>> impacts;  ///< predicted; absent where the scene is large
+  std::vector<ContactRegime> regimes;               ///< of the contacts of a penalised method
+  MemoryNeed memory;                                ///< of the run
+  std::vector<std::string> warnings;                ///< what to change, in sentences
+};
+
+SceneCheck check_scene(const Case& run);
+
+/// The output of `viscobar check` as JSON.
+std::string check_json(const SceneFile& scene, const SceneCheck& check);
+
+/// In words.
+std::string_view name(Where where);
+std::string_view name(ImpactPrediction::Layer layer);
+std::string_view load_kind(const Scene& scene);
+std::string contact_kind(const Case& run);
+
+}  // namespace viscobar

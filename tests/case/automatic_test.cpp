@@ -1,0 +1,157 @@
+// The method and the mass of a scene that names none.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "viscobar/case/recording.hpp"
+#include "viscobar/characteristics/characteristics.hpp"
+#include "viscobar/input/scene_file.hpp"
+
+namespace viscobar {
+namespace {
+
+struct Given {
+  std::string left = "obstacle", right = "free", load{}, mass{};
+  bool span = false, epsilon = false, restitution = false;
+  double viscosity = 0.0;
+  std::size_t elements = 6;
+  std::string more{};
+
+  std::string text() const {
+    const auto end = [](const char* side, const std::string& kind) {
+      return fmt::format("[{}]\nkind = \"{}\"\n{}", side, kind, kind == "obstacle" ? "gap = 0.1\n" : "");
+    };
+    return fmt::format("[bar]\nlength = 1.0\nviscosity = {}\n{}{}{}", viscosity, end("left", left), end("right", right),
+                       span ? "[span]\ngap = 0.15\n" : "") +
+           "[initial]\ndisplacement = 0.0\nvelocity = \"-x*(1-x)\"\n" +
+           (load.empty() ? "" : fmt::format("[load]\ndensity = \"{}\"\n", load)) +
+           fmt::format("[time]\nend = 1.0\n[mesh]\nelements = {}\n{}[contact]\n{}{}{}", elements,
+                       mass.empty() ? "" : fmt::format("mass = \"{}\"\n", mass), epsilon ? "epsilon = 1e-3\n" : "",
+                       restitution ? "restitution = 0.5\n" : "", more);
+  }
+  Case run() const { return parse_scene(text(), "scene").run; }
+  /// Keys of what is refused.
+  std::vector<std::string> refused() const {
+    std::vector<std::string> keys;
+    try {
+      run();
+    } catch (const SceneError& error) {
+      for (const Diagnostic& one : error.diagnostics) keys.push_back(one.key);
+    }
+    return keys;
+  }
+};
+
+std::vector<Given> every_combination() {
+  std::vector<Given> all;
+  for (const char* left : {"free", "fixed", "obstacle"})
+    for (const char* right : {"free", "fixed", "obstacle"})
+      for (const char* load : {"", "-1", "-1 - x*sin(t)"})
+        for (const char* mass : {"", "consistent", "lumped", "paper", "redistributed", "fourth_order"})
+          for (const bool span : {false, true})
+            for (const bool epsilon : {false, true})
+              for (const bool restitution : {false, true})
+                for (const double viscosity : {0.0, 0.1})
+                  all.push_back({left, right, load, mass, span, epsilon, restitution, viscosity, 6, ""});
+  return all;
+}
+
+// What nothing is known of is a penalty without its epsilon; what contradicts itself, a span obstacle, all of whose
+// nodes meet it, on massless nodes.
+TEST(Automatic, RunsEveryCombinationOfKeysOrRefusesItByTheKeyThatIsWrong) {
+  for (const Given& given : every_combination()) {
+    std::vector<std::string> wrong;
+    if (given.span && given.mass == "redistributed") wrong.push_back("mesh.mass");
+    if (given.span && !given.epsilon) wrong.push_back("contact.epsilon");
+    std::vector<std::string> refused = given.refused();
+    std::ranges::sort(refused), std::ranges::sort(wrong);
+    ASSERT_EQ(refused, wrong) << given.text();
+    if (!wrong.empty()) continue;
+    const Case run = given.run();
+    const Recording recording = record(run);
+    EXPECT_TRUE(recording.statistics.completed) << given.text();
+    EXPECT_TRUE(std::ranges::all_of(recording.u, [](double u) { return std::isfinite(u); })) << given.text();
+    const bool penalised = given.epsilon || given.span;
+    EXPECT_EQ(is_penalised(run.method), penalised) << given.text();
+    if (!penalised) {
+      EXPECT_EQ(run.method, given.viscosity > 0.0 ? MethodName::rigid : MethodName::characteristics) << given.text();
+    }
+    EXPECT_EQ(run.reservation, "");
+  }
+}
+
+TEST(Automatic, TakesTheFirstMassThatTheMethodTakes) {
+  const auto mass = [](Given given) { return effective_mass(given.run()); };
+  EXPECT_EQ(mass({.viscosity = 0.1}), Mass::fourth_order);
+  EXPECT_EQ(mass({.span = true, .epsilon = true}), Mass::fourth_order);
+  EXPECT_EQ(mass({.mass = "lumped", .viscosity = 0.1}), Mass::lumped);
+  // Its end rows reach three nodes, of equal elements.
+  EXPECT_EQ(mass({.viscosity = 0.1, .elements = 2}), Mass::redistributed);
+  EXPECT_EQ(mass({.viscosity = 0.1, .elements = 1}), Mass::consistent);
+  EXPECT_EQ(mass({.epsilon = true, .elements = 2}), Mass::consistent) << "cvode takes no algebraic rows";
+  EXPECT_EQ(mass({.epsilon = true, .elements = 2, .more = "[method]\nname = \"ida\"\n"}), Mass::redistributed);
+  EXPECT_EQ(mass({.span = true, .epsilon = true, .elements = 2}), Mass::consistent);
+  EXPECT_EQ(mass({.viscosity = 0.1, .more = "[method]\nname = \"finite_difference\"\nstep = 0.01\n"}), Mass::lumped);
+  EXPECT_EQ(mass({.viscosity = 0.1, .more = "[method]\nname = \"fully_discrete\"\nstep = 0.01\n"}), Mass::fourth_order);
+  Given graded{.viscosity = 0.1};
+  graded.mass = "consistent";
+  Case run = graded.run();
+  run.mass.reset();
+  run.grading = 4.0;
+  EXPECT_EQ(effective_mass(run), Mass::redistributed);
+}
+
+// Pressed between two obstacles: each flight of an end leaves two breaks, and these make further flights.
+constexpr const char* rough = R"scene(
+[bar]
+length = 1.0
+[left]
+kind = "obstacle"
+gap = 0.1
+[right]
+kind = "obstacle"
+gap = 0.1
+[initial]
+displacement = "0.4*x*(1-x)"
+velocity = "-0.5-x"
+[load]
+density = -1.0
+[mesh]
+elements = 8
+[output]
+every = 1.0
+)scene";
+
+TEST(Automatic, TakesRigidAndSaysWhyWhereTheWavesBreakWithoutEnd) {
+  const Case smooth = parse_scene(std::string(rough) + "[time]\nend = 20.0\n", "scene").run;
+  EXPECT_EQ(smooth.method, MethodName::characteristics);
+  EXPECT_EQ(smooth.reservation, "");
+  const Case run = parse_scene(std::string(rough) + "[time]\nend = 120.0\n", "scene").run;
+  EXPECT_EQ(run.method, MethodName::rigid);
+  EXPECT_EQ(effective_mass(run), Mass::fourth_order);
+  EXPECT_NE(run.reservation.find("10,000 pieces"), std::string::npos) << run.reservation;
+  EXPECT_TRUE(record(run).statistics.completed);
+}
+
+TEST(Automatic, TakesRigidAndSaysWhyWhereADisplacementJumps) {
+  Given given;
+  Case run = given.run();
+  run.scene.displacement = [](double x) { return x < 0.5 ? 0.0 : 0.1; };
+  const AutomaticMethod choice = automatic_method(run);
+  EXPECT_EQ(choice.method, MethodName::rigid);
+  EXPECT_NE(choice.reservation.find("jumps"), std::string::npos) << choice.reservation;
+}
+
+// The look ahead ends: a motion that is periodic is believed to remain so.
+TEST(Automatic, DoesNotFollowAMotionForEverToChooseItsMethod) {
+  Scene scene = Given{.right = "fixed"}.run().scene;
+  scene.displacement = [](double x) { return (1 - x) / 2; };
+  scene.velocity = [](double) { return 0.0; };
+  scene.left = Obstacle{0.0};
+  EXPECT_EQ(roughens(scene, 1e9), std::nullopt);
+}
+
+}  // namespace
+}  // namespace viscobar

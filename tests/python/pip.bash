@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# Installs the package by pip into a virtual environment with the system's packages, as docs/python.md says, and runs a
+# scene with it from elsewhere. Given: the source directory, a directory to work in, Python. Ends with 77 where pip or venv
+# are missing.
+set -euo pipefail
+source=$1 work=$2 python=$3
+"$python" -c 'import ensurepip, pip, setuptools, wheel' 2>/dev/null || { echo "pip, venv, setuptools or wheel are not installed"; exit 77; }
+git -C "$source" rev-parse --git-dir >/dev/null 2>&1 || { echo "no git clone: nothing to start from"; exit 77; }
+rm -rf "$work" && mkdir -p "$work/tree"
+git -C "$source" ls-files -z | (cd "$source" && tar --null -cf - -T -) | tar -xf - -C "$work/tree"
+unset PYTHONPATH "${!VISCOBAR_@}" "${!CTEST_@}" 2>/dev/null || true
+cd "$work/tree"
+# The commands of the page, as they stand there.
+commands=$(awk '/^    .*-m venv/ { found = 1 } found && /^    / { sub(/^    /, ""); print; next } found { exit }' docs/python.md)
+echo "$commands"
+bash -euo pipefail -c "$commands"
+cd "$work"
+tree/.venv/bin/python -c '
+import viscobar, pathlib
+assert "site-packages" in viscobar.__file__, viscobar.__file__
+print(viscobar.run("tree/examples/scenes/chatter.toml", set={"contact.restitution": 0}))'

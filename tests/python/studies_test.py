@@ -1,0 +1,208 @@
+"""Comparisons, studies, sweeps and schemes of one's own."""
+import json
+import math
+import pathlib
+import sys
+import tempfile
+
+import numpy as np
+
+import viscobar
+from support import ROOT, SCENES, Test, main, program, thrown
+
+sys.path.insert(0, str(ROOT / "examples" / "python"))
+import compare_schemes
+from newmark import newmark
+from nitsche import nitsche
+
+
+def still(case):
+    """A scheme that is right until the bar meets something: rigid flight."""
+    t = np.linspace(0.0, case.end, 11)
+    u = case.displacement + np.outer(t, case.velocity)
+    return {"t": t}, (u, np.broadcast_to(case.velocity, u.shape))
+
+
+class StudiesTest(Test):
+    def program(self, command, *options):
+        with tempfile.TemporaryDirectory() as directory:
+            scene = pathlib.Path(directory) / "scene.toml"
+            viscobar.Scene(thrown()).save(scene)
+            out = [] if command == "check" else ["-o", f"{directory}/out"]
+            return json.loads(program(command, scene, "--json", *out, *options))
+
+    def test_compare_has_the_numbers_of_the_program(self):
+        theirs = self.program("compare", "--methods", "ida,cvode,fully_discrete")
+        ours = viscobar.compare(thrown(), ["ida", "cvode", "fully_discrete"])
+        self.assertEqual(ours.reference, "ida")
+        self.assertEqual(ours.summary["pairs"], theirs["pairs"])
+        for row, entry, pair in zip(ours[1:], theirs["methods"][1:], theirs["pairs"]):
+            self.assertEqual(row["steps"], entry["steps"])
+            self.assertEqual((row["mass"], row["events"]), (entry["mass"], entry["events"]))
+            self.assertEqual(row["end_trace"], pair["end_trace"])
+        self.assertIsNone(ours[0]["end_trace"])
+        self.assertEqual(viscobar.compare(thrown()).summary["skipped"], self.program("compare")["skipped"])
+
+    def test_limit_has_the_numbers_of_the_program(self):
+        theirs = self.program("limit", "--epsilon", "1e-2:1e-5")
+        ours = viscobar.limit(thrown(), epsilon=[1e-2, 1e-3, 1e-4, 1e-5])
+        self.assertEqual(ours.verdict, theirs["verdict"])
+        for row, entry in zip(ours, theirs["rows"]):
+            for key in ("epsilon", "events", "max_penetration", "difference_to_rigid"):
+                self.assertEqual(row[key], entry[key])
+        with self.assertRaisesRegex(viscobar.SceneError, "no obstacle"):
+            viscobar.limit(thrown(left__kind="free", left__gap=None))
+
+    def test_precision_has_the_errors_of_the_program(self):
+        options = {"methods": ["cvode"], "tolerances": [1e-3, 1e-4], "seconds": 0.3}
+        ours = viscobar.precision(thrown(), **options)
+        theirs = self.program("precision", "--methods", "cvode", "--tolerance", "1e-3:1e-4", "--seconds", "0.3")
+        self.assertEqual([row["error"] for row in ours], [row["error"] for row in theirs["rows"]])
+
+    def test_check_is_that_of_the_program(self):
+        self.assertEqual(viscobar.check(thrown()), self.program("check"))
+
+    def test_sweep_has_the_rows_of_the_program(self):
+        with tempfile.TemporaryDirectory() as directory:
+            directory = pathlib.Path(directory)
+            viscobar.Scene(thrown()).save(directory / "scene.toml")
+            (directory / "sweep.toml").write_text(
+                'scene = "scene.toml"\n[vary]\nbar.viscosity = [0.05, 0.1]\nmesh.elements = [10, 20]\n'
+                'mesh.mass = ["consistent", "redistributed"]\n'
+            )
+            program("sweep", directory / "sweep.toml", "-o", directory / "out", "--quiet")
+            lines = [line.split(",") for line in (directory / "out" / "sweep.csv").read_text().splitlines()]
+            from_file = viscobar.sweep(directory / "sweep.toml")
+        vary = {"bar.viscosity": [0.05, 0.1], "mesh.elements": [10, 20], "mesh.mass": ["consistent", "redistributed"]}
+        for rows in (from_file, viscobar.sweep(thrown(), vary, threads=1), viscobar.sweep(thrown(), vary, threads=3)):
+            self.assertEqual(len(rows), 8)
+            for row, line in zip(rows, lines[1:]):
+                for key, cell in zip(lines[0], line):
+                    if key in ("completed", "error"):
+                        continue
+                    if isinstance(row[key], float):
+                        same = row[key] == float(cell) if cell else math.isnan(row[key])
+                    else:
+                        same = str(row[key]) == cell
+                    self.assertTrue(same, (key, row[key], cell))
+
+    def test_sweep_says_what_is_wrong(self):
+        rows = viscobar.sweep(thrown(), {"left.gap": np.array([0.1, -1.0])})
+        self.assertEqual([row["completed"] for row in rows], [True, False])
+        self.assertIn("must not be negative", rows[1]["error"])
+        with self.assertRaisesRegex(viscobar.SceneError, "viscosity"):
+            viscobar.sweep(thrown(), {"bar.viscosty": [0.1]})
+        with self.assertRaisesRegex(ValueError, "different numbers"):
+            viscobar.sweep(thrown(), {"bar.viscosity": [0.1], "left.gap": [0.1, 0.2]}, combine="zip")
+        with self.assertRaisesRegex(ValueError, "initial.velocity"):
+            viscobar.sweep(thrown(initial__velocity=lambda x: -1.0), {"bar.viscosity": [0.1]})
+
+    def test_run_scenes_with_python_functions(self):
+        scene = thrown(load__density=lambda x, t: 0.1 * x * t)
+        rows = viscobar.compare(scene, ["cvode", "arkode"])
+        # 100 times the tolerance is what each promises.
+        self.assertLess(rows[1]["end_trace"], 2 * 100 * 1e-6 * 2.0)
+        self.assertEqual(viscobar.limit(scene, epsilon=[1e-2, 1e-3]).column("epsilon"), [1e-2, 1e-3])
+
+
+class SchemesTest(Test):
+    def test_in_python_stand_beside_the_built_in_ones(self):
+        rows = viscobar.compare(thrown(), ["rigid", "fully_discrete", newmark], schemes={"mine": nitsche})
+        self.assertEqual(rows.column("method"), ["rigid", "fully_discrete", "newmark", "mine"])
+        self.assertEqual([row["events_matched"] for row in rows[1:]], [2, 2, 2])
+        for row in rows[2:]:
+            self.assertLess(row["end_trace"], 0.02)  # of order h = 1/20, of the impact; dt = 1/100 is smaller
+            self.assertLess(row["largest_event_shift"], 0.05)
+        self.assertEqual({row["method"] for row in rows.contacts}, {"fully_discrete", "newmark", "mine"})
+        self.assertEqual(rows.runs["mine"].u.shape, (31, 21))
+
+    def test_of_examples_find_contact_time_and_rebound_of_a_viscous_bar(self):
+        rows = {row["method"]: row for row in compare_schemes.rows()}
+        # Contacts of a scheme last whole steps, 1e-3, at either end; h^2 / 10 of the mesh, epsilon 1e-5 of the penalty.
+        for name in ("newmark", "nitsche"):
+            self.assertLess(abs(rows[name]["its error"]), 2e-3 + 1 / 50**1.5)
+            self.assertLess(abs(rows[name]["error of it"]), 5e-3)
+
+    def test_of_examples_converge_on_the_period_3_bar(self):
+        for scheme in (newmark, nitsche):
+            orders = viscobar.orders(scheme, SCENES / "period-3.toml", levels=3,
+                                     set={"mesh.elements": 20, "method.step": 0.01, "time.end": 3.0})  # fmt: skip
+            errors = orders.column("displacement_l2")
+            self.assertEqual(orders.column("elements"), [20, 40, 80])
+            # Waves with corners: P1 elements have less than order 1, and more than 1/2.
+            self.assertGreater(orders.order["displacement_l2"], 0.5)
+            self.assertLess(orders.order["displacement_l2"], 1.5)
+            self.assertEqual(errors, sorted(errors, reverse=True))
+
+    def test_orders_of_a_built_in_method_are_those_of_a_smooth_motion(self):
+        # Rigid flight until the contact at t = 0.1 is exact on any mesh.
+        flight = {"u": lambda x, t: -t}
+        orders = viscobar.orders(still, thrown(time__end=0.09, output__every=0.03), refine="mesh", levels=3, exact=flight)
+        rounding = 10 * np.finfo(float).eps
+        self.assertLess(max(orders.column("displacement_l2")), rounding)
+        # (2.8) on a free bar with u_0 = cos(pi x): order 2 in dt and h, here against the exact solution.
+        scene = thrown(left__kind="free", left__gap=None, bar__viscosity=0.0, initial__displacement="cos(pi*x)",
+                       initial__velocity=0.0, time__end=1.0, mesh__mass="consistent", method__start="second_order")  # fmt: skip
+        wave = {"u": lambda x, t: math.cos(math.pi * x) * math.cos(math.pi * t)}
+        orders = viscobar.orders("fully_discrete", scene, levels=4, exact=wave)
+        self.assertAlmostEqual(orders.order["displacement_l2"], 2.0, delta=0.1)
+        self.assertAlmostEqual(
+            viscobar.orders("fully_discrete", scene, levels=4, refine="step").order["end_trace"], 2.0, delta=0.1)  # fmt: skip
+        with self.assertRaisesRegex(ValueError, "no exact solution"):
+            viscobar.orders("fully_discrete", thrown(), refine="mesh")
+
+    def test_levels_of_compare_add_orders(self):
+        scene = viscobar.load(SCENES / "period-3.toml")
+        rows = viscobar.compare(scene, ["fully_discrete", nitsche], levels=2,
+                                set={"mesh.elements": 10, "method.step": 0.02, "time.end": 3.0})  # fmt: skip
+        for row in rows:
+            self.assertGreater(row["order_displacement_l2"], 0.3)
+
+    def test_that_give_their_ends_only_are_compared_by_end_traces(self):
+        def ends_only(case):
+            ends, (u, v) = newmark(case)
+            sides = {"u_left": u[:, 0], "v_left": v[:, 0], "u_right": u[:, -1], "v_right": v[:, -1]}
+            return {**ends, **sides}, None
+
+        both = viscobar.compare(thrown(), ["rigid", newmark, ends_only])
+        self.assertEqual(both[1]["end_trace"], both[2]["end_trace"])
+        self.assertIsNone(both[2]["displacement_l2"])
+
+    def test_that_are_wrong_are_told_so(self):
+        def raises(case):
+            raise KeyError("mine")
+
+        with self.assertRaisesRegex(KeyError, "mine"):
+            viscobar.compare(thrown(), ["rigid", raises])
+        for wrong, message in (
+            (lambda case: 42, "returns"),
+            (lambda case: ({}, None), '"t"'),
+            (lambda case: ({"t": case.t}, (np.zeros((3, 3)), np.zeros((3, 3)))), r"u has the shape \(3, 3\), not \(31, 21\)"),
+            (lambda case: ({"t": case.t[1:]}, (np.zeros((30, 21)),) * 2), "t = 0"),
+            (lambda case: ({"t": case.t[:-1]}, (np.zeros((30, 21)),) * 2), "steps end before"),
+            (lambda case: ({"t": case.t}, (np.full((31, 21), np.nan),) * 2), "not finite"),
+        ):
+            with self.assertRaisesRegex((ValueError, RuntimeError), message):
+                viscobar.compare(thrown(), ["rigid"], schemes={"wrong": wrong})
+        with self.assertRaisesRegex(viscobar.SceneError, 'nearest is "rigid"'):
+            viscobar.compare(thrown(), ["rigit"])
+
+    def test_are_given_what_the_scene_says(self):
+        seen = []
+
+        def look(case):
+            seen.append(case)
+            return still(case)
+
+        viscobar.compare(thrown(load__profile="x", load__history="t", left__gap=5.0), [look])
+        (case,) = seen
+        self.assertEqual((case.elements, case.left, case.right, case.left_gap, case.right_gap), (20, "obstacle", "free", 5.0, None))
+        self.assertEqual((case.length, case.density, case.modulus, case.viscosity), (1.0, 1.0, 1.0, 0.1))
+        self.assertEqual((case.epsilon, case.restitution, case.step, case.end), (1e-3, None, 1e-2, 3.0))
+        self.assertTrue(np.array_equal(case.load(2.0), 2.0 * case.x))
+        self.assertTrue(np.array_equal(case.velocity, -np.ones(21)))
+        self.assertEqual(len(case.t), 31)
+
+
+if __name__ == "__main__":
+    main()
