@@ -135,9 +135,9 @@ std::shared_ptr<Kept> recorded(const PythonCase& self, const std::string& label,
   for (py::ssize_t n = 0; n < t.shape(0); ++n)
     recorder.step(t.at(n), std::span(u.data(n, 0), nodes), std::span(v.data(n, 0), nodes), left.at(n), right.at(n));
   for (const py::handle& row : events) {
-    const auto [time, at_left, closing, velocity] = row.cast<std::tuple<double, bool, bool, double>>();
+    const auto [time, at_left, closing, velocity, impulse] = row.cast<std::tuple<double, bool, bool, double, double>>();
     recorder.change({time, at_left ? Where::left : Where::right, at_left ? 0 : self.scene.run.elements,
-                     closing ? Change::closing : Change::opening, velocity});
+                     closing ? Change::closing : Change::opening, velocity, impulse});
   }
   return std::make_shared<Kept>(Kept{recorder.recording()});
 }

@@ -103,7 +103,14 @@ class Run(Kept):
 def text_of(file: str) -> str: ...
 def parse(text: str, source: str, functions: Mapping[str, Callable[..., Any]], study: str = "run") -> Case: ...
 def recorded(
-    case: Case, label: str, t: Array, u: Array, v: Array, left: Array, right: Array, events: Sequence[tuple[float, bool, bool, float]]
+    case: Case,
+    label: str,
+    t: Array,
+    u: Array,
+    v: Array,
+    left: Array,
+    right: Array,
+    events: Sequence[tuple[float, bool, bool, float, float]],
 ) -> Kept: ...
 def compare(
     case: Case, methods: Sequence[str] | None, own: Sequence[Kept], threads: int

@@ -146,8 +146,9 @@ class EndWatch {
       if (most > account.highest) account.highest = through(end.u).largest(account.highest);
       if (least < account.lowest) account.lowest = through(end.u).smallest(account.lowest);
       if (closed(end)) {
-        if (beyond(end.force).first > account.peak_reaction)
-          account.peak_reaction = through(end.force).largest(account.peak_reaction);
+        const auto [push, pull] = beyond(end.force);
+        if (push > account.peak_reaction) account.peak_reaction = through(end.force).largest(account.peak_reaction);
+        if (-pull > account.peak_reaction) account.peak_reaction = -through(end.force).smallest(-account.peak_reaction);
         account.impulse +=
             end.stored_now - end.stored + length_ * Bernstein::mean(std::span(end.rate).first(order_ + 1));
       }
@@ -227,28 +228,31 @@ class EndWatch {
 
   // (E / h) p of a contact that the neighbour decides on, from its u and w.
   double pull(const End& end, double t, double u, double w, std::size_t i) const {
-    return end.modulus * (u + (end.origin_next + system_.contact(i).gap)) + end.viscosity * w +
-           system_.load_alone(end.unknown, t);
+    const Contact& contact = system_.contact(i);
+    return end.modulus * (contact.sign * u + contact.clearance(end.origin_next)) +
+           contact.sign * (end.viscosity * w + system_.load_alone(end.unknown, t));
   }
 
   double displacement(const End& end, double t, std::span<const double> y) const {
     if (!end.follows) return y[0] + end.origin;
     const std::size_t i = end.contacts.front();
     const double share = system_.closed(i) ? system_.penetration_share(i) : 1.0;
-    return share * pull(end, t, y[0], 0.0, i) / end.modulus - system_.contact(i).gap;
+    const Contact& contact = system_.contact(i);
+    return contact.sign * (share * pull(end, t, y[0], 0.0, i) / end.modulus - contact.gap);
   }
 
   double reaction(const End& end, double t, std::span<const double> y) const {
     double sum = 0.0;
     for (const std::size_t i : end.contacts) {
       if (!system_.closed(i)) continue;
+      const Contact& contact = system_.contact(i);
       if (end.follows)
-        sum -= (1.0 - system_.penetration_share(i)) * pull(end, t, y[0], 0.0, i);
+        sum -= contact.sign * (1.0 - system_.penetration_share(i)) * pull(end, t, y[0], 0.0, i);
       else if (system_.holds(i))
-        sum -= (1.0 - system_.penetration_share(i)) * pull(end, t, y[1], y[3], i);
+        sum -= contact.sign * (1.0 - system_.penetration_share(i)) * pull(end, t, y[1], y[3], i);
       else
-        sum -=
-            system_.law(i).stiffness * (y[0] + (end.origin + system_.contact(i).gap)) + system_.law(i).damping * y[2];
+        sum -= contact.sign * system_.law(i).stiffness * (contact.sign * y[0] + contact.clearance(end.origin)) +
+               system_.law(i).damping * y[2];
     }
     return sum;
   }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "input/formula.hpp"
+#include "support/absolute_tolerance.hpp"
 #include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
 
@@ -42,7 +43,7 @@ Recording by(Case run, MethodName method) {
 }
 
 double tolerance(const Case& run, const Recording& reference) {
-  return promise * (run.tolerance.relative * largest(reference.u) + run.tolerance.absolute);
+  return promise * (run.tolerance.relative * largest(reference.u) + absolute_tolerance(run));
 }
 
 /// Piecewise constant: value[k] up to times[k], the last one from then on.

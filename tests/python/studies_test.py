@@ -118,10 +118,11 @@ class SchemesTest(Test):
 
     def test_of_examples_find_contact_time_and_rebound_of_a_viscous_bar(self):
         rows = {row["method"]: row for row in compare_schemes.rows()}
-        # Contacts of a scheme last whole steps, 1e-3, at either end; h^2 / 10 of the mesh, epsilon 1e-5 of the penalty.
+        # Contacts of a scheme last whole steps, 1e-3, from either end; the end node's momentum, h / 2 = 1/100, is taken from it
+        # when the contact begins, which is not in the reaction.
         for name in ("newmark", "nitsche"):
-            self.assertLess(abs(rows[name]["its error"]), 2e-3 + 1 / 50**1.5)
-            self.assertLess(abs(rows[name]["error of it"]), 5e-3)
+            self.assertLess(abs(rows[name]["its error"]), 2e-3)
+            self.assertLess(abs(rows[name]["error of it"]), 2e-2)
 
     def test_of_examples_converge_on_the_period_3_bar(self):
         for scheme in (newmark, nitsche):
