@@ -35,6 +35,7 @@ PrecisionStudy manufactured() {
 PrecisionStudy two_ends() {
   PrecisionStudy study;
   study.scene.scene = paper_throw(1.0).scene;
+  study.scene.mass = Mass::consistent;
   study.scene.end = 3.0;
   study.scene.output_every = 0.02;
   study.elements = {16, 32, 64};
