@@ -161,7 +161,6 @@ void check_motion(SceneEntries& entries) {
 
 // The values of keys that the scene leaves out and the program chooses.
 std::string choose(const SceneEntries& entries, Case& run) {
-  using Json = nlohmann::ordered_json;
   Json json = Json::object();
   const Scene& scene = run.scene;
   const bool obstacle = is_obstacle(scene.left) || is_obstacle(scene.right) || scene.span;
