@@ -25,7 +25,6 @@ namespace {
 
 using namespace characteristics;
 
-constexpr double rounding = std::numeric_limits<double>::epsilon();
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double least_passage = 1e-12;  // of the last passage, in passages
 

@@ -9,7 +9,6 @@ namespace viscobar::characteristics {
 
 namespace {
 
-constexpr double rounding = std::numeric_limits<double>::epsilon();
 constexpr double roundings = 64.0 * rounding;
 
 }  // namespace

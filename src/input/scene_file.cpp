@@ -14,6 +14,8 @@ namespace viscobar {
 
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr Stepper all_steppers[] = {Stepper::automatic, Stepper::rosenbrock4, Stepper::dopri5, Stepper::symplectic};
 
 EndCondition end_of(const SceneEntries& entries, const std::string& side) {
@@ -153,7 +155,6 @@ Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
 }
 
 std::string describe(const SceneEntries& entries, const Case& run) {
-  using Json = nlohmann::ordered_json;
   // Made as objects: where memory ends while null becomes one, the library would destroy what is not there.
   Json json = Json::object();
   const auto table = [&](std::string_view name) -> Json& {

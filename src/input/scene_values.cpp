@@ -6,6 +6,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "input/input_text.hpp"
 #include "input/synonyms.hpp"
 #include "text/printable_text.hpp"
 #include "text/utf8.hpp"
@@ -15,12 +16,6 @@ namespace viscobar {
 namespace {
 
 constexpr std::string_view override_source = "--set";
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
 
 // A TOML value, or else the text itself.
 TomlValue value_of(std::string_view text) {

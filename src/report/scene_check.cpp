@@ -59,8 +59,7 @@ std::string advice(const Case& run, const ContactRegime& regime) {
            "contact.restitution = 0 makes the two agree";
   return fmt::format(
       "{}: chatter is expected, and every bounce costs steps; as epsilon goes to 0 the difference to the fully "
-      "discrete "
-      "scheme has a plateau; remedies: {}",
+      "discrete scheme has a plateau; remedies: {}",
       bounce, chatter_remedies(run, regime, regime.where));
 }
 

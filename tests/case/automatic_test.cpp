@@ -13,11 +13,11 @@ namespace viscobar {
 namespace {
 
 struct Given {
-  std::string left = "obstacle", right = "free", load, mass;
+  std::string left = "obstacle", right = "free", load{}, mass{};
   bool span = false, epsilon = false, restitution = false;
   double viscosity = 0.0;
   std::size_t elements = 6;
-  std::string more;
+  std::string more{};
 
   std::string text() const {
     const auto end = [](const char* side, const std::string& kind) {
