@@ -207,7 +207,7 @@ std::array<std::vector<double>, 3> Run::energies() const {
     double contact = 0.0;
     if (springs)
       for (const Contact& one : system_.contacts())
-        contact += PenaltyLaw{one.weight / *run.epsilon}.energy(-(u[one.unknown] + one.gap));
+        contact += PenaltyLaw{one.weight / effective_epsilon(run)}.energy(-one.clearance(u[one.unknown]));
     columns[2].push_back(contact);
   }
   return columns;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "case/method_table.hpp"
+#include "case/regime.hpp"
 #include "viscobar/characteristics/characteristics.hpp"
 
 namespace viscobar {
@@ -31,31 +32,70 @@ std::vector<double> Case::output_times() const {
 
 namespace {
 
-// Of a case that names none.
-Mass default_mass(const Case& run) {
-  if (run.elements >= 3 && run.grading == 1.0) return Mass::fourth_order;
+bool ends_meet_obstacles(const Scene& scene) { return is_obstacle(scene.left) || is_obstacle(scene.right); }
+
+bool redistributes(const Case& run) {
   const Scene& scene = run.scene;
-  const std::size_t ends = std::size_t{is_obstacle(scene.left)} + std::size_t{is_obstacle(scene.right)};
-  const bool algebraic = run.method != MethodName::cvode && run.method != MethodName::odeint;
-  const bool massless = ends > 0 && !scene.span && run.elements >= 1 + ends && (scene.bar.viscosity > 0.0 || algebraic);
-  return massless ? Mass::redistributed : Mass::consistent;
+  const std::size_t contacts = std::size_t{is_obstacle(scene.left)} + std::size_t{is_obstacle(scene.right)};
+  return contacts > 0 && !scene.span && run.elements > contacts;
+}
+
+Mass quiet_mass(const Case& run) {
+  const bool contact = ends_meet_obstacles(run.scene) || run.scene.span;
+  if (is_penalised(run.method) && contact)
+    return redistributes(run) && method_row(run.method).takes_massless(run) ? Mass::redistributed : Mass::consistent;
+  if (run.elements >= 3 && run.grading == 1.0) return Mass::fourth_order;
+  return redistributes(run) ? Mass::redistributed : Mass::consistent;
 }
 
 }  // namespace
 
 Mass effective_mass(const Case& run) {
-  const auto mass = method_row(run.method).mass;
-  return mass ? mass(run) : run.mass.value_or(default_mass(run));
+  if (const auto own = method_row(run.method).mass) return own(run);
+  return run.mass ? *run.mass : quiet_mass(run);
 }
 
-Penalty penalty(const Case& run) { return {run.epsilon.value_or(1.0), run.restitution.value_or(1.0)}; }
+Mass common_mass(const Case& run) {
+  Case study = run;
+  study.method = penalised_method(run);
+  return effective_mass(study);
+}
+
+double natural_epsilon(const Scene& scene) {
+  const double unit = scene.bar.length / scene.bar.modulus;
+  return scene.span && !ends_meet_obstacles(scene) ? unit * scene.bar.length : unit;
+}
+
+double effective_epsilon(const Case& run) {
+  if (run.epsilon) return *run.epsilon;
+  const Bar& bar = run.scene.bar;
+  const double h = run.mesh().spacing(), share = h / bar.length, wanted = share * share / 8.0;
+  const double unit = natural_epsilon(run.scene), speed = std::sqrt(bar.modulus / bar.density);
+  const auto penetration = [&](double epsilon) {
+    const double deepest = run.scene.span ? speed * std::sqrt(bar.density * epsilon)
+                                          : predict_impact(bar, h, 0.0, epsilon, speed).penetration;
+    return deepest / bar.length;
+  };
+  constexpr int least = 40;
+  double epsilon = unit;
+  for (int k = 1; k <= least && penetration(epsilon) > wanted; ++k) epsilon = unit * std::pow(10.0, -k);
+  return epsilon;
+}
+
+double scheme_step(const Case& run) {
+  if (run.step) return *run.step;
+  return run.mesh().spacing() / (100.0 * std::sqrt(run.scene.bar.modulus / run.scene.bar.density));
+}
+
+Penalty penalty(const Case& run) { return {effective_epsilon(run), run.restitution.value_or(1.0)}; }
 
 Odeint odeint(const Case& run) { return {penalty(run), run.tolerance, run.stepper, run.step}; }
 
 AutomaticMethod automatic_method(const Case& run) {
   const Scene& scene = run.scene;
-  if (run.epsilon || scene.span) {
-    const bool massless = (is_obstacle(scene.left) || is_obstacle(scene.right)) && run.mass == Mass::redistributed;
+  if (scene.span && !run.epsilon) return {MethodName::fully_discrete, ""};
+  if (run.epsilon) {
+    const bool massless = run.mass ? ends_meet_obstacles(scene) && run.mass == Mass::redistributed : redistributes(run);
     return {scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode, ""};
   }
   if (scene.bar.viscosity > 0.0) return {MethodName::rigid, ""};
@@ -86,6 +126,7 @@ std::string method_words(const Case& run) {
 MethodName penalised_method(const Case& run) {
   Case study = run;
   if (!is_penalised(study.method)) study.method = MethodName::cvode;
+  if (!study.mass && redistributes(study)) study.mass = Mass::redistributed;
   const std::vector<Finding> findings = validate(study);
   const bool refused = std::any_of(findings.begin(), findings.end(),
                                    [](const Finding& finding) { return finding.key == "method.name"; });

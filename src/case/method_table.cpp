@@ -61,8 +61,8 @@ Statistics run_characteristics(const Case& run, const BarSystem&, const Starting
 
 Statistics run_scheme(const Case& run, const BarSystem& system, const StartingPoint& start,
                       std::span<const double> times, const Observers& observers) {
-  return integrate(system, start, times, FullyDiscrete{*run.step, run.start, run.restitution.value_or(0.0), run.impact},
-                   observers);
+  return integrate(system, start, times,
+                   FullyDiscrete{scheme_step(run), run.start, run.restitution.value_or(0.0), run.impact}, observers);
 }
 
 // A vector of a multistep method has displacement and velocity: its history and some eight more.
@@ -156,11 +156,11 @@ constexpr MethodRow rows[] = {
     {.method = MethodName::ida, .name = "ida",
      .meaning = "penalised bar as a differential-algebraic system, SUNDIALS' IDA: also massless nodes without viscosity",
      .penalised = true, .accuracy = Accuracy::tolerances, .seconds = {1.3e-6, 14e-9},
-     .run = run_ida, .vectors = bdf_vectors},
+     .run = run_ida, .vectors = bdf_vectors, .algebraic = true},
     {.method = MethodName::arkode, .name = "arkode",
      .meaning = "penalised bar, implicit Runge-Kutta formulas of order 5 of SUNDIALS' ARKODE: also massless nodes without viscosity",
      .penalised = true, .accuracy = Accuracy::tolerances, .seconds = multistep,
-     .run = run_arkode, .vectors = arkode_vectors},
+     .run = run_arkode, .vectors = arkode_vectors, .algebraic = true},
     {.method = MethodName::odeint, .name = "odeint",
      .meaning = "penalised bar by Boost.Odeint's steppers, an independent integrator",
      .penalised = true, .accuracy = Accuracy::tolerances, .seconds = multistep,
@@ -172,7 +172,7 @@ constexpr MethodRow rows[] = {
     {.method = MethodName::exponential, .name = "exponential",
      .meaning = "penalised bar by matrix exponentials, a reference on small meshes",
      .penalised = true, .accuracy = Accuracy::rounding, .seconds = {},
-     .run = run_exponential, .vectors = exponential_vectors, .refuse = refuse_exponential},
+     .run = run_exponential, .vectors = exponential_vectors, .algebraic = true, .refuse = refuse_exponential},
     {.method = MethodName::characteristics, .name = "characteristics",
      .meaning = "exact waves of an undamped bar, whatever the mesh; obstacles at its ends only",
      .penalised = false, .accuracy = Accuracy::rounding, .seconds = {0.5e-6, 60e-9},

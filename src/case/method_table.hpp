@@ -32,8 +32,12 @@ struct MethodRow {
                     const Observers&);
   double (*vectors)(const Case&, double nodes) = nullptr;  ///< own memory, in vectors with an entry a node
   Mass (*mass)(const Case&) = nullptr;                     ///< that it runs on, where not the case's
+  /// Of a penalised method: whether it takes massless contact nodes, whose rows are algebraic without viscosity.
+  bool algebraic = false;
   /// Adds what the method, known to be meant, cannot take.
   void (*refuse)(const Case&, Findings&) = nullptr;
+
+  bool takes_massless(const Case& on) const { return algebraic || on.scene.bar.viscosity > 0.0; }
 };
 
 /// In the order of all_methods.

@@ -37,7 +37,7 @@ class CvodeStepper {
  public:
   CvodeStepper(PenalisedSystem& system, const Layout& layout, const Cvode& method, double end, Statistics& statistics)
       : leg_(system, layout, statistics),
-        weights_(system, layout, method.tolerance, multistep_accumulation),
+        weights_(system, layout, method.tolerance, end, multistep_accumulation),
         formulas_(method.formulas),
         end_(end),
         state_(make_vector(layout.size, context_)),

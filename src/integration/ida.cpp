@@ -62,7 +62,7 @@ class IdaStepper {
   IdaStepper(PenalisedSystem& system, const Layout& layout, const Tolerance& tolerance, double end,
              Statistics& statistics)
       : leg_(system, layout, statistics),
-        weights_(system, layout, tolerance, multistep_accumulation),
+        weights_(system, layout, tolerance, end, multistep_accumulation),
         end_(end),
         state_(make_vector(layout.size, context_)),
         rate_(make_vector(layout.size, context_)),

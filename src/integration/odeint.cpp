@@ -24,7 +24,7 @@ class OdeintStepper {
       : system_(system),
         statistics_(statistics),
         motion_(system, false),
-        weights_(system, motion_, method.tolerance, one_step_accumulation),
+        weights_(system, motion_, method.tolerance, times.back(), one_step_accumulation),
         formulas_(system, statistics),
         step_(system, layout),
         end_(times.back()),

@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "support/absolute_tolerance.hpp"
 #include "support/paper_throw.hpp"
 #include "viscobar/studies/exact/exact_solutions.hpp"
 
@@ -126,7 +127,7 @@ TEST(Precision, TimeFollowsTheToleranceAndTheStep) {
     ASSERT_TRUE(row.time_error) << name(row.method) << " " << row.label;
     if (!is_adaptive(row.method)) continue;
     // What docs/methods.md promises of a tolerance.
-    const double absolute = study.scene.tolerance.absolute * row.setting / study.scene.tolerance.relative;
+    const double absolute = absolute_tolerance(study.scene) * row.setting / study.scene.tolerance.relative;
     EXPECT_LE(*row.time_error, 100.0 * (row.setting * size + absolute)) << name(row.method) << " " << row.label;
   }
   const auto error_at = [&](MethodName method, std::size_t k) {

@@ -49,7 +49,7 @@ class ArkodeStepper {
   ArkodeStepper(PenalisedSystem& system, const Layout& layout, const Tolerance& tolerance, double end,
                 Statistics& statistics)
       : leg_(system, Layout(system, false), statistics),
-        weights_(system, leg_.layout, tolerance, one_step_accumulation),
+        weights_(system, leg_.layout, tolerance, end, one_step_accumulation),
         end_(end),
         step_(system, layout),
         state_(make_vector(leg_.layout.size, context_)),
