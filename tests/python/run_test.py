@@ -46,7 +46,7 @@ class NumbersTest(Test):
         self.check("bouncing.toml")
 
     def test_of_finite_differences_under_a_loaded_span_are_those_of_the_program_bit_for_bit(self):
-        self.check("unit-span-loaded.toml")
+        self.check("unit-span-loaded.toml", method__name="finite_difference")
 
     def test_of_the_paper_loaded_are_those_of_the_program_bit_for_bit(self):
         self.check("paper-both-ends-loaded.toml", time__end=5)
