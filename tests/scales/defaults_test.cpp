@@ -68,7 +68,7 @@ TEST(Defaults, OfTheLibraryAreThoseOfAFile) {
   run.scene.left = Obstacle{0.1};
   run.scene.displacement = [](double) { return 0.0; };
   run.scene.velocity = [](double) { return -1.0; };
-  run.method = automatic_method(run);
+  run.method = automatic_method(run).method;
   EXPECT_TRUE(validate(run).empty());
   const Case file = parse_scene(plain("", at_left, "velocity = -1", 1), "plain.toml").run;
   EXPECT_EQ(run.method, file.method);

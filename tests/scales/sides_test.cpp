@@ -163,15 +163,15 @@ TEST(Sides, ABarThrownAtTheWallOnItsRightReboundsThere) {
                "thrown.toml")
         .run;
   };
-  const Recording at_right = record(thrown("right", "above", 1)), at_left = record(thrown("left", "below", -1));
-  ASSERT_EQ(at_right.events.size(), 2u);
-  ASSERT_EQ(at_left.events.size(), 2u);
-  EXPECT_EQ(at_right.events[0].where, Where::right);
-  EXPECT_GT(at_right.events[0].velocity, 0.0);
-  EXPECT_LT(at_right.v.back(), 0.0);
-  EXPECT_LT(at_right.statistics.account->right.impulse, 0.0);
+  const Recording rightwards = record(thrown("right", "above", 1)), leftwards = record(thrown("left", "below", -1));
+  ASSERT_EQ(rightwards.events.size(), 2u);
+  ASSERT_EQ(leftwards.events.size(), 2u);
+  EXPECT_EQ(rightwards.events[0].where, Where::right);
+  EXPECT_GT(rightwards.events[0].velocity, 0.0);
+  EXPECT_LT(rightwards.v.back(), 0.0);
+  EXPECT_LT(rightwards.statistics.account->right.impulse, 0.0);
   // Mirrored in space too, so that sums run in another order: the tolerances' promise.
-  for (const int k : {0, 1}) EXPECT_NEAR(at_right.events[k].time, at_left.events[k].time, 1e-4 * 2e-4);
+  for (const int k : {0, 1}) EXPECT_NEAR(rightwards.events[k].time, leftwards.events[k].time, 1e-4 * 2e-4);
 }
 
 TEST(Sides, AnEndHasOneSideAndOnlyAnObstacleHasAny) {

@@ -65,12 +65,12 @@ class RandomText {
     add("modulus = " + number(modulus, a_stress));
     add("viscosity = " + number(viscosity, {-1, 1, -1}));
     const bool span = coin(0.2);
-    bool ends = false;
+    bool meets = false;
     for (const char* side : {"left", "right"}) {
       const std::size_t kind = pick(span ? 2 : 4);
       add(fmt::format("[{}]\nkind = \"{}\"", side, kind >= 2 ? "obstacle" : kind == 1 ? "fixed" : "free"));
       if (kind < 2) continue;
-      ends = true;
+      meets = true;
       add("gap = " + number(uniform(0.8, 1.2) * length, a_length));
       if (coin()) add("side = \"above\"");
     }
@@ -99,8 +99,8 @@ class RandomText {
     if (coin()) add(fmt::format("mass = \"{}\"", masses[pick(method == "finite_difference" ? 2 : 3)]));
     add("[contact]");
     if (coin())
-      add("epsilon = " + number(std::exp2(-4.0 - 8.0 * uniform(0.0, 1.0)) * length / modulus * (ends ? 1.0 : length),
-                                ends ? Dimension{2, -1, 2} : Dimension{3, -1, 2}));
+      add("epsilon = " + number(std::exp2(-4.0 - 8.0 * uniform(0.0, 1.0)) * length / modulus * (meets ? 1.0 : length),
+                                meets ? Dimension{2, -1, 2} : Dimension{3, -1, 2}));
     if (coin()) add(fmt::format("restitution = {}", 0.5 * static_cast<double>(pick(3))));
     add(fmt::format("[method]\nname = \"{}\"", method));
     if (coin(0.3)) add("step = " + number(crossing / static_cast<double>(elements) / 16.0, a_time));
