@@ -36,6 +36,8 @@ def newmark(case, alpha=0.05):
         return max(0.0, -(u[0] + case.left_gap)) / case.epsilon
 
     u, v = case.displacement[:n].copy(), case.velocity[:n].copy()
+    if u[0] + case.left_gap <= 0 and v[0] < 0:
+        v[0] = 0.0  # the impact of a node that begins on the obstacle takes its velocity
     a, rest = np.linalg.solve(M, -C @ v - K @ u), case.displacement[n:]
     a[0] += np.linalg.inv(M)[0, 0] * reaction(u)
     steps = [(0.0, u, v, reaction(u))]

@@ -89,6 +89,11 @@ std::string end_kind(const EndCondition& end) {
   return is_obstacle(end) ? "obstacle" : is_fixed(end) ? "fixed" : "free";
 }
 
+std::optional<std::string> end_side(const EndCondition& end) {
+  const auto* obstacle = std::get_if<Obstacle>(&end);
+  return obstacle ? std::optional(std::string(name(obstacle->side))) : std::nullopt;
+}
+
 std::optional<double> end_gap(const EndCondition& end) {
   const auto* obstacle = std::get_if<Obstacle>(&end);
   return obstacle ? std::optional(obstacle->gap) : std::nullopt;
@@ -135,9 +140,9 @@ std::shared_ptr<Kept> recorded(const PythonCase& self, const std::string& label,
   for (py::ssize_t n = 0; n < t.shape(0); ++n)
     recorder.step(t.at(n), std::span(u.data(n, 0), nodes), std::span(v.data(n, 0), nodes), left.at(n), right.at(n));
   for (const py::handle& row : events) {
-    const auto [time, at_left, closing, velocity] = row.cast<std::tuple<double, bool, bool, double>>();
+    const auto [time, at_left, closing, velocity, impulse] = row.cast<std::tuple<double, bool, bool, double, double>>();
     recorder.change({time, at_left ? Where::left : Where::right, at_left ? 0 : self.scene.run.elements,
-                     closing ? Change::closing : Change::opening, velocity});
+                     closing ? Change::closing : Change::opening, velocity, impulse});
   }
   return std::make_shared<Kept>(Kept{recorder.recording()});
 }
@@ -185,13 +190,22 @@ J is the number of elements, K that of the output times. Units are those of the 
                              "Kind of the end x = 0: obstacle, free or fixed.")
       .def_property_readonly("right", value([](const Case& run) { return end_kind(run.scene.right); }),
                              "Likewise of x = L.")
-      .def_property_readonly("left_gap", value([](const Case& run) { return end_gap(run.scene.left); }),
-                             "Gap of the obstacle there: u >= -gap; None for another kind of end.")
+      .def_property_readonly(
+          "left_gap", value([](const Case& run) { return end_gap(run.scene.left); }),
+          "Gap of the obstacle there: u >= -gap below, u <= gap above; None for another kind of end.")
       .def_property_readonly("right_gap", value([](const Case& run) { return end_gap(run.scene.right); }), "Likewise.")
+      .def_property_readonly("left_side", value([](const Case& run) { return end_side(run.scene.left); }),
+                             "below or above, where the obstacle is; None for another kind of end.")
+      .def_property_readonly("right_side", value([](const Case& run) { return end_side(run.scene.right); }),
+                             "Likewise.")
       .def_property_readonly("span_gap", value([](const Case& run) {
                                return run.scene.span ? std::optional(run.scene.span->gap) : std::nullopt;
                              }),
                              "Gap of the obstacle along the bar, or None.")
+      .def_property_readonly("span_side", value([](const Case& run) {
+                               return run.scene.span ? end_side(EndCondition(*run.scene.span)) : std::nullopt;
+                             }),
+                             "below, above or both, or None.")
       .def_property_readonly("epsilon", value([](const Case& run) { return run.epsilon; }),
                              "reaction = penetration / epsilon, or None.")
       .def_property_readonly("restitution", value([](const Case& run) { return run.restitution; }), "0 to 1, or None.")

@@ -135,12 +135,15 @@ py::tuple precision_study(const PythonCase& self, const std::vector<std::string>
 
 // Orders.
 
+Refine refine_of(const std::string& what) {
+  return what == "mesh" ? Refine::mesh : what == "step" ? Refine::step : Refine::both;
+}
+
 std::vector<PythonCase> refined(const PythonCase& self, const std::string& what, std::size_t levels) {
   Case run = self.scene.run;
   if (!run.step) run.step = scheme_step(run);
-  const Refine refine = what == "mesh" ? Refine::mesh : what == "step" ? Refine::step : Refine::both;
   std::vector<PythonCase> all;
-  for (Case& one : refinements(run, refine, levels))
+  for (Case& one : refinements(run, refine_of(what), levels))
     all.push_back({{std::move(one), self.scene.description}, self.faults});
   return all;
 }
@@ -153,54 +156,82 @@ std::shared_ptr<Kept> record_case(const PythonCase& self) {
   return kept;
 }
 
-/// The known solution of the scene, or one of Python functions: u(x, t), v(x, t), reaction_left(t), reaction_right(t).
-std::optional<exact::Solution> solution_of(const PythonCase& self, const py::dict& functions) {
-  exact::Solution solution{self.scene.run.scene, {}, {}, {}, {}};
-  const auto function = [&](const char* key) { return Function(functions[key], key, self.faults); };
-  if (functions.contains("u")) {
-    solution.u = function("u");
-  } else if (auto known = known_solution(self.scene.run.scene, self.scene.run.end)) {
-    solution.u = std::move(known->u);
-  } else {
-    return std::nullopt;
+/// An exact solution by its values at nodes and times.
+class Sampled {
+ public:
+  Sampled(std::shared_ptr<const Recording> exact, const std::vector<double> Recording::*values)
+      : exact_(std::move(exact)), values_(values) {
+    for (std::size_t j = 0; j < exact_->mesh.nodes(); ++j) nodes_.push_back(exact_->mesh.node(j));
   }
-  if (functions.contains("v")) solution.v = function("v");
-  if (functions.contains("reaction_left")) solution.reaction_left = function("reaction_left");
-  if (functions.contains("reaction_right")) solution.reaction_right = function("reaction_right");
+  double operator()(double x, double t) const {
+    return (*exact_.*values_)[nearest(exact_->times, t) * nodes_.size() + nearest(nodes_, x)];
+  }
+  double operator()(double t) const { return (*exact_.*values_)[nearest(exact_->times, t)]; }
+
+ private:
+  static std::size_t nearest(const std::vector<double>& sorted, double value) {
+    const auto above = std::lower_bound(sorted.begin() + 1, sorted.end() - 1, value);
+    return static_cast<std::size_t>(above - sorted.begin()) - (value - *(above - 1) < *above - value ? 1 : 0);
+  }
+
+  std::shared_ptr<const Recording> exact_;
+  const std::vector<double> Recording::*values_;
+  std::vector<double> nodes_;
+};
+
+/// The solution of Python functions u(x, t), v(x, t), reaction_left(t), reaction_right(t); or else by characteristics
+/// where they fit, on the finest of the meshes, which has the nodes of all.
+std::optional<exact::Solution> solution_of(const std::vector<PythonCase>& cases, const py::dict& functions) {
+  const PythonCase& self = cases.back();
+  exact::Solution solution{self.scene.run.scene, {}, {}, {}, {}};
+  if (functions.contains("u")) {
+    const auto function = [&](const char* key) { return Function(functions[key], key, self.faults); };
+    solution.u = function("u");
+    if (functions.contains("v")) solution.v = function("v");
+    if (functions.contains("reaction_left")) solution.reaction_left = function("reaction_left");
+    if (functions.contains("reaction_right")) solution.reaction_right = function("reaction_right");
+    return solution;
+  }
+  PythonCase exact = self;
+  exact.scene.run.method = MethodName::characteristics;
+  if (!validate(exact.scene.run).empty()) return std::nullopt;
+  const std::shared_ptr<const Recording> waves = std::make_shared<Recording>(std::move(record_case(exact)->recording));
+  solution.u = Sampled(waves, &Recording::u);
+  solution.v = Sampled(waves, &Recording::v);
+  solution.reaction_left = Sampled(waves, &Recording::reaction_left);
+  solution.reaction_right = Sampled(waves, &Recording::reaction_right);
   return solution;
 }
 
 /// Rows and orders of recordings of refined cases: to the exact solution, or else each to the next finer step.
 py::tuple observed_orders(const std::vector<PythonCase>& cases, const std::vector<std::shared_ptr<Kept>>& kept,
                           const std::string& what, const py::dict& functions) {
-  const auto solution = solution_of(cases.front(), functions);
+  const auto solution = solution_of(cases, functions);
   if (!solution && what != "step")
     throw std::invalid_argument(
         "no exact solution of this scene is known; give one, or refine the step alone: each step is then compared with "
         "the next finer one");
+  const bool velocity = !solution || solution->v,
+             reaction = solution && (solution->reaction_left || solution->reaction_right);
   std::vector<Case> runs;
   for (const PythonCase& one : cases) runs.push_back(one.scene.run);
   const Solver recall = [&](const Case& run) {
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      if (runs[i].elements != run.elements || runs[i].step != run.step) continue;
-      Recording recording = kept[i]->recording;
-      if (solution && !solution->v) recording.v.clear();
-      if (solution && functions.contains("u")) return recording;
-      if (solution) recording.reaction_left.clear(), recording.reaction_right.clear();
-      return recording;
-    }
-    throw std::logic_error("a case that was not run");
+    std::size_t i = 0;
+    while (runs[i].elements != run.elements || runs[i].step != run.step) ++i;
+    Recording recording = kept[i]->recording;
+    if (!velocity) recording.v.clear();
+    if (!reaction) recording.reaction_left.clear(), recording.reaction_right.clear();
+    return recording;
   };
-  const Refine refine = what == "mesh" ? Refine::mesh : what == "step" ? Refine::step : Refine::both;
+  const Refine refine = refine_of(what);
   // On one thread: the exact solution may be a Python function.
   OrderStudy study;
   try {
     study = solution ? order_study(recall, *solution, runs, refine, 1) : self_study(recall, runs, 1);
   } catch (...) {
-    cases.front().faults->rethrow();
+    cases.back().faults->rethrow();
     throw;
   }
-  const bool velocity = !solution || solution->v;
   py::list rows;
   for (const OrderStudy::Row& row : study.rows) {
     py::dict one;
@@ -209,7 +240,7 @@ py::tuple observed_orders(const std::vector<PythonCase>& cases, const std::vecto
     one["displacement_l2"] = row.error.displacement_l2;
     one["end_trace"] = row.error.end_trace;
     if (velocity) one["velocity_l2"] = row.error.velocity_l2;
-    if (solution && functions.contains("u")) one["reaction_l1"] = row.error.reaction_l1;
+    if (reaction) one["reaction_l1"] = row.error.reaction_l1;
     rows.append(one);
   }
   py::dict orders;
@@ -219,7 +250,7 @@ py::tuple observed_orders(const std::vector<PythonCase>& cases, const std::vecto
   add("displacement_l2", study.displacement_l2);
   add("end_trace", study.end_trace);
   if (velocity) add("velocity_l2", study.velocity_l2);
-  if (solution && functions.contains("u")) add("reaction_l1", study.reaction_l1);
+  if (reaction) add("reaction_l1", study.reaction_l1);
   return py::make_tuple(rows, orders);
 }
 

@@ -54,7 +54,8 @@ class Recorded:
     def ends(self) -> dict[str, np.ndarray]:
         """Columns of ends.csv, (K) each: t, u_left, v_left, reaction_left, u_right, v_right, reaction_right.
 
-        Reactions are forces on the bar (per cross-section), not negative in contact.
+        Reactions are forces on the bar (per cross-section) in the direction of u: not negative at an obstacle below, not
+        positive at one above.
         """
         columns = {"t": self.t}
         for side, node in (("left", 0), ("right", -1)):

@@ -53,26 +53,34 @@ def recorded(case: _core.Case, label: str, scheme: Scheme) -> _core.Kept:
                 raise refuse(f"{name} has the shape {values.shape}, not ({len(t)}, {nodes}): a row a step, a column a node")
     none = np.zeros(len(t))
     reactions = {side: column(f"reaction_{side}", none) for side in ("left", "right")}
+    # The impulse so far is the integral over the steps, which the output times do not resolve.
+    impulses = {side: np.append(0.0, np.cumsum(np.diff(t) * (R[1:] + R[:-1]) / 2)) for side, R in reactions.items()}
     if len(out) == 3:
-        events = [(float(at), where == "left", change == "closing", float(velocity)) for at, where, change, velocity in out[2]]
+        events = [
+            (float(at), where == "left", change == "closing", float(velocity), float(np.interp(at, t, impulses[where])))
+            for at, where, change, velocity in out[2]
+        ]
     else:
         events = sorted(
             change
             for side, node in (("left", 0), ("right", -1))
             if getattr(case, side) == "obstacle"
-            for change in changes(t, v[:, node], reactions[side], side == "left")
+            for change in changes(t, v[:, node], reactions[side], impulses[side], side == "left")
         )
     return _core.recorded(case, label, t, u, v, reactions["left"], reactions["right"], events)
 
 
-def changes(t: np.ndarray, v: np.ndarray, reaction: np.ndarray, left: bool) -> list[tuple[float, bool, bool, float]]:
+Change = tuple[float, bool, bool, float, float]
+
+
+def changes(t: np.ndarray, v: np.ndarray, reaction: np.ndarray, impulse: np.ndarray, left: bool) -> list[Change]:
     """Contact changes by the reaction: a contact closes at the first step with one and opens at the last, as in the
-    built-in schemes."""
+    built-in schemes. What the reaction does in the step before and in the step after belongs to the contact."""
     closed = reaction != 0.0
-    found = []
+    found = [(float(t[0]), left, True, float(v[0]), 0.0)] if closed[0] else []
     for n in np.flatnonzero(closed[1:] != closed[:-1]):
-        closing = bool(closed[n + 1])
-        found.append((float(t[n + 1 if closing else n]), left, closing, float(v[n if closing else n + 1])))
-    if closed[0]:
-        found.insert(0, (float(t[0]), left, True, float(v[0])))
+        if closed[n + 1]:
+            found.append((float(t[n + 1]), left, True, float(v[n]), float(impulse[n])))
+        else:
+            found.append((float(t[n]), left, False, float(v[n + 1]), float(impulse[n + 1])))
     return found

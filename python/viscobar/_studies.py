@@ -91,7 +91,9 @@ def compare(
     methods  names of built-in methods, and functions, which are schemes of your own; absent: all methods that fit the
              scene. The first method that is built in is the reference.
     schemes  further schemes by the names that they get
+    set      values in place of the scene's, as in viscobar.run()
     levels   2 or more: also the observed order of each, by viscobar.orders() with `refine` and `exact`, as columns order_...
+    refine, exact  see viscobar.orders()
     threads  runs at a time; 0: one a core
 
     A scheme is a function scheme(case) -> ends, field or ends, field, events. It is given a viscobar.Case (nodes, times, step,
@@ -170,8 +172,9 @@ def orders(
     scheme  name of a built-in method, or a function as in viscobar.compare()
     refine  "mesh" (h is halved), "step" (dt is halved), or "both"
     levels  number of runs, the scene's mesh and step first
+    set     values in place of the scene's, as in viscobar.run()
     exact   the solution, a mapping of functions: "u" and "v" of (x, t), "reaction_left" and "reaction_right" of t; all but
-            "u" may be missing. Absent: a known solution of the scene, where it is recognised (docs/python.md); else, with
+            "u" may be missing. Absent: the method characteristics, exact where it fits the scene (no viscosity); else, with
             refine="step", each run is compared with the next finer one.
 
     Rows: elements, step, displacement_l2 and velocity_l2 (largest over time of the norm over the bar), end_trace (largest over
@@ -212,6 +215,7 @@ def limit(
     elements  meshes in place of the scene's; three or more give epsilon(h)
     steps     of the scheme, one for each mesh; absent: the scene's, or h / (100 c)
     budget    processor seconds for smaller steps of the scheme
+    set       values in place of the scene's, as in viscobar.run()
     threads   runs at a time; 0: one a core
 
     Rows have epsilon, elements, mass, events, max_penetration, difference_to_scheme, difference_to_rigid. `.verdict` is
@@ -255,6 +259,7 @@ def precision(
     halvings    how often the schemes' step is halved, from h / c on
     repeat      timed runs of each row, odd, whose median counts; 0: 3 to 11
     seconds     runs that take longer are left out
+    set         values in place of the scene's, as in viscobar.run()
     threads     references at a time; 0: one a core. Timed runs run alone.
 
     Rows have method, label, error, seconds, steps; `.summary` has the reference and how good it is. Ctrl-C ends it after the
@@ -276,6 +281,8 @@ def precision(
 def check(scene: SceneLike, *, set: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """What a scene needs, and what is predicted of its first impacts: `viscobar check --json` as a dictionary.
 
+    set  values in place of the scene's, as in viscobar.run()
+
     Raises SceneError with all errors of an unsound scene. `contacts` has a row for each contact: effective mass, damping
     ratio, whether chatter is expected, predicted penetration; `warnings` are sentences.
     """
@@ -294,6 +301,7 @@ def sweep(
 
     vary     keys with the values that they take: {"bar.viscosity": [0.01, 0.1, 1.0], "left.gap": [0.1, 0.2]}
     combine  "grid": every value with every other, the last key running fastest; "zip": the first values, the second ones, ...
+    set      values in place of the scene's, as in viscobar.run()
     threads  cases at a time; 0: one a core
 
     Without `vary`, `scene` is the path of a sweep file (docs/sweep.md).

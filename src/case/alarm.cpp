@@ -21,13 +21,14 @@ bool keeps_a_tolerance(const Case& run) {
 
 bool is_exact(const Case& run) { return method_row(run.method).accuracy == Accuracy::rounding; }
 
-double promised_balance(const Case& run, double energy) {
+double promised_balance(const Case& run, const BarSystem& system, double energy) {
   if (is_exact(run)) return 1e-9 * energy;
   const Bar& bar = run.scene.bar;
+  const Allowance absolute = allowance(run.tolerance, system, run.end);
+  const double momentum = std::sqrt(2.0 * energy * bar.density * bar.length);
   // An error du of the nodes is a strain of up to 2 du / h.
-  const double strained = 2.0 * static_cast<double>(run.elements) * std::sqrt(bar.modulus / bar.length);
-  const double slope = std::sqrt(2.0 * energy) * (std::sqrt(bar.density * bar.length) + strained);
-  return 200.0 * (run.tolerance.relative * energy + run.tolerance.absolute * slope);
+  const double force = 2.0 * static_cast<double>(run.elements) * std::sqrt(2.0 * energy * bar.modulus / bar.length);
+  return 200.0 * (run.tolerance.relative * energy + absolute.velocity * momentum + absolute.displacement * force);
 }
 
 }  // namespace
@@ -42,7 +43,7 @@ std::vector<Alarm> alarms(const Case& run, const BarSystem& system, const Statis
     // A bar that starts and ends at rest had energy in between.
     if (const auto& waves = statistics.representation)
       largest = std::max(largest, run.scene.bar.density * run.scene.bar.length * waves->velocity * waves->velocity);
-    const double sound = promised_balance(run, largest), off = std::abs(energy.balance_error());
+    const double sound = promised_balance(run, system, largest), off = std::abs(energy.balance_error());
     if (!(off <= sound))
       all.push_back(
           {fmt::format("the energy balance is off by {:.2g}, where the tolerances promise {:.2g} and the largest "
@@ -52,8 +53,8 @@ std::vector<Alarm> alarms(const Case& run, const BarSystem& system, const Statis
     if (energy.dissipated < -sound)
       all.push_back({fmt::format("energy grew without a cause: the dissipated energy is {:.2g}", energy.dissipated),
                      energy.dissipated < -0.01 * largest});
-    if (energy.work == 0.0 && run.epsilon && is_penalised(run.method) && !system.contacts().empty()) {
-      const double softest = std::ranges::min(system.contacts(), {}, &Contact::weight).weight / *run.epsilon;
+    if (energy.work == 0.0 && is_penalised(run.method) && !system.contacts().empty()) {
+      const double softest = std::ranges::min(system.contacts(), {}, &Contact::weight).weight / effective_epsilon(run);
       const double deepest = std::sqrt(2.0 * (energy.initial + std::abs(energy.end_inertia) + sound) / softest);
       if (statistics.max_penetration > deepest)
         all.push_back(

@@ -18,10 +18,10 @@ struct Alarm {
 ///
 /// - The energy balance, |final + dissipated - initial - work|, beyond what the promise of the tolerances makes of it,
 ///
-///       2 * 100 (relative E + absolute sqrt(2 E) (sqrt(rho L) + 2 J sqrt(modulus / L))),
+///       2 * 100 (relative E + a_v sqrt(2 E rho L) + a_u 2 J sqrt(2 E modulus / L)),
 ///
-///   E the largest of its terms; of `exponential`, beyond 1e-9 E. Ruinous beyond a hundredth of E. The schemes close
-///   their balance by definition, and steps of fixed size promise nothing.
+///   E the largest of its terms, a_u and a_v the allowance(); of `exponential`, beyond 1e-9 E. Ruinous beyond a
+///   hundredth of E. The schemes close their balance by definition, and steps of fixed size promise nothing.
 /// - A dissipated energy that is negative by more than that: energy grew without a cause.
 /// - A penetration deeper than all the energy there was could press its spring, d^2 k / 2 > E, where no load works.
 ///   Ruinous.

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "case/method_table.hpp"
+#include "case/regime.hpp"
 
 namespace viscobar {
 
@@ -31,33 +32,72 @@ std::vector<double> Case::output_times() const {
 
 namespace {
 
-// Of a case that names none.
-Mass default_mass(const Case& run) {
-  if (run.elements >= 3 && run.grading == 1.0) return Mass::fourth_order;
+bool ends_meet_obstacles(const Scene& scene) { return is_obstacle(scene.left) || is_obstacle(scene.right); }
+
+bool redistributes(const Case& run) {
   const Scene& scene = run.scene;
-  const std::size_t ends = std::size_t{is_obstacle(scene.left)} + std::size_t{is_obstacle(scene.right)};
-  const bool massless = ends > 0 && !scene.span && run.elements >= 1 + ends &&
-                        (scene.bar.viscosity > 0.0 || method_row(run.method).takes_algebraic_rows);
-  return massless ? Mass::redistributed : Mass::consistent;
+  const std::size_t contacts = std::size_t{is_obstacle(scene.left)} + std::size_t{is_obstacle(scene.right)};
+  return contacts > 0 && !scene.span && run.elements > contacts;
+}
+
+Mass quiet_mass(const Case& run) {
+  const bool contact = ends_meet_obstacles(run.scene) || run.scene.span;
+  if (is_penalised(run.method) && contact)
+    return redistributes(run) && method_row(run.method).takes_massless(run) ? Mass::redistributed : Mass::consistent;
+  if (run.elements >= 3 && run.grading == 1.0) return Mass::fourth_order;
+  return redistributes(run) ? Mass::redistributed : Mass::consistent;
 }
 
 }  // namespace
 
 Mass effective_mass(const Case& run) {
-  const auto mass = method_row(run.method).mass;
-  return mass ? mass(run) : run.mass.value_or(default_mass(run));
+  if (const auto own = method_row(run.method).mass) return own(run);
+  return run.mass ? *run.mass : quiet_mass(run);
 }
 
 Method method_of(const Case& run) { return method_row(run.method).options(run); }
 
+Mass common_mass(const Case& run) {
+  Case study = run;
+  study.method = penalised_method(run);
+  return effective_mass(study);
+}
+
+double natural_epsilon(const Scene& scene) {
+  const double unit = scene.bar.length / scene.bar.modulus;
+  return scene.span && !ends_meet_obstacles(scene) ? unit * scene.bar.length : unit;
+}
+
+double effective_epsilon(const Case& run) {
+  if (run.epsilon) return *run.epsilon;
+  const Bar& bar = run.scene.bar;
+  const double h = run.mesh().spacing(), share = h / bar.length, wanted = share * share / 8.0;
+  const double unit = natural_epsilon(run.scene), speed = std::sqrt(bar.modulus / bar.density);
+  const auto penetration = [&](double epsilon) {
+    const double deepest = run.scene.span ? speed * std::sqrt(bar.density * epsilon)
+                                          : predict_impact(bar, h, 0.0, epsilon, speed).penetration;
+    return deepest / bar.length;
+  };
+  constexpr int least = 40;
+  double epsilon = unit;
+  for (int k = 1; k <= least && penetration(epsilon) > wanted; ++k) epsilon = unit * std::pow(10.0, -k);
+  return epsilon;
+}
+
+double scheme_step(const Case& run) {
+  if (run.step) return *run.step;
+  return run.mesh().spacing() / (100.0 * std::sqrt(run.scene.bar.modulus / run.scene.bar.density));
+}
+
 Odeint odeint(const Case& run) {
-  return {{run.epsilon, run.restitution.value_or(1.0)}, run.tolerance, run.stepper, run.step};
+  return {{effective_epsilon(run), run.restitution.value_or(1.0)}, run.tolerance, run.stepper, run.step};
 }
 
 AutomaticMethod automatic_method(const Case& run) {
   const Scene& scene = run.scene;
-  if (run.epsilon || scene.span) {
-    const bool massless = (is_obstacle(scene.left) || is_obstacle(scene.right)) && run.mass == Mass::redistributed;
+  if (scene.span && !run.epsilon) return {MethodName::fully_discrete, ""};
+  if (run.epsilon) {
+    const bool massless = run.mass ? ends_meet_obstacles(scene) && run.mass == Mass::redistributed : redistributes(run);
     return {scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode, ""};
   }
   if (scene.bar.viscosity > 0.0) return {MethodName::rigid, ""};
@@ -86,8 +126,10 @@ std::string method_words(const Case& run) {
 }
 
 MethodName penalised_method(const Case& run) {
-  const MethodName method = is_penalised(run.method) ? run.method : MethodName::cvode;
-  return has_algebraic_rows(run) && !method_row(method).takes_algebraic_rows ? MethodName::ida : method;
+  Case study = run;
+  if (!is_penalised(study.method)) study.method = MethodName::cvode;
+  if (!study.mass && redistributes(study)) study.mass = Mass::redistributed;
+  return has_algebraic_rows(study) && !method_row(study.method).takes_algebraic_rows ? MethodName::ida : study.method;
 }
 
 BarSystem make_system(const Case& run) { return BarSystem(run.scene, run.mesh(), effective_mass(run)); }

@@ -28,9 +28,19 @@ std::string chatter_remedies(const Case& run, const std::optional<ContactRegime>
   const bool elastic =
       is_penalised(run.method) ? !(run.restitution && *run.restitution == 0.0) : run.restitution.value_or(0.0) > 0.0;
   std::string remedies;
-  const auto add = [&](std::string remedy) { remedies += (remedies.empty() ? "" : ", ") + std::move(remedy); };
-  if (where != Where::span && effective_mass(run) != Mass::redistributed) add("mesh.mass = \"redistributed\"");
-  if (elastic) add("contact.restitution = 0");
+  const auto add = [&](const std::string& remedy) { remedies += (remedies.empty() ? "" : ", ") + remedy; };
+  // What is said must be possible by one --set.
+  const auto offer = [&](const std::string& remedy, auto&& change) {
+    Case changed = run;
+    change(changed);
+    if (validate(changed).empty()) add(remedy);
+  };
+  if (where != Where::span && effective_mass(run) != Mass::redistributed) {
+    offer("mesh.mass = \"redistributed\"", [](Case& changed) { changed.mass = Mass::redistributed; });
+    if (!run.mass && is_penalised(run.method) && remedies.empty())
+      offer("method.name = \"arkode\"", [](Case& changed) { changed.method = MethodName::arkode; });
+  }
+  if (elastic) offer("contact.restitution = 0", [](Case& changed) { changed.restitution = 0.0; });
   if (regime && regime->quiet_epsilon > 0.0)
     add(fmt::format("contact.epsilon of at least {:.2g}", regime->quiet_epsilon));
   else if (is_penalised(run.method))

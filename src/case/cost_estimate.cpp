@@ -22,9 +22,9 @@ double wave_phase(const Case& run) {
   const double c = std::sqrt(bar.modulus / bar.density), mesh = c / run.mesh().spacing();
   if (bar.viscosity == 0.0) return mesh * run.end;
   const double cap = std::min(mesh, bar.modulus / bar.viscosity);
-  const double slope = c * std::sqrt(2.0 * bar.density / bar.viscosity);
-  const double bend = std::min(run.end, slope * slope / (cap * cap));
-  return cap * bend + 2.0 * slope * (std::sqrt(run.end) - std::sqrt(bend));
+  const double slope = 2.0 * bar.modulus / bar.viscosity;  // c sqrt(2 rho / eta), squared
+  const double bend = std::min(run.end, slope / (cap * cap));
+  return cap * bend + 2.0 * (std::sqrt(slope * run.end) - std::sqrt(slope * bend));
 }
 
 // Closings and openings of one end beyond those of a quiet contact.
@@ -35,7 +35,7 @@ double bounces(const Case& run, const ContactRegime& contact) {
   const double h = run.mesh().spacing();
   const double until_quiet = 1.5 / (std::numbers::pi * std::max(*contact.damping_ratio, 1e-12));
   const bool flies_with_the_wave = bar.viscosity < 0.2 * h * std::sqrt(bar.density * bar.modulus);
-  const double half_periods = run.end / (std::numbers::pi * std::sqrt(contact.effective_mass * *run.epsilon));
+  const double half_periods = run.end / (std::numbers::pi * std::sqrt(contact.effective_mass * effective_epsilon(run)));
   return std::min({until_quiet, flies_with_the_wave ? elements : half_periods, half_periods});
 }
 
@@ -67,7 +67,7 @@ double estimated_seconds(const Case& run) {
   const StepSeconds seconds = method_row(run.method).seconds;
   if (is_scheme(run.method)) {
     const double searches = run.scene.span ? 3.0 : 1.0;
-    return start_seconds + run.end / *run.step * (seconds.step + searches * seconds.node * nodes);
+    return start_seconds + run.end / scheme_step(run) * (seconds.step + searches * seconds.node * nodes);
   }
   if (run.method == MethodName::characteristics) {
     const double passages = run.end * std::sqrt(run.scene.bar.modulus / run.scene.bar.density) / run.scene.bar.length;

@@ -30,7 +30,7 @@ std::optional<std::vector<FirstImpact>> first_impacts(const Case& run) {
   observers.event = [&](const Event& event) {
     if (event.change != Change::closing) return;
     if (std::any_of(found.begin(), found.end(), [&](const FirstImpact& f) { return f.where == event.where; })) return;
-    found.push_back({event.where, event.time, std::max(0.0, -event.velocity)});
+    found.push_back({event.where, event.time, std::abs(event.velocity)});
   };
   observers.progress = [&](double) { return found.size() == places ? RunControl::stop : RunControl::go_on; };
   if (places == 0) return found;
@@ -38,8 +38,8 @@ std::optional<std::vector<FirstImpact>> first_impacts(const Case& run) {
   const State start = system.initial_state();
   // What lies on its obstacle and moves into it hits at once.
   for (const Contact& contact : system.contacts()) {
-    const double u = start.u[contact.unknown], v = start.v[contact.unknown];
-    if (v >= 0.0 || u + contact.gap > 1e-12 * std::abs(u)) continue;
+    const double u = start.u[contact.unknown], v = contact.sign * start.v[contact.unknown];
+    if (v >= 0.0 || contact.clearance(u) > 1e-12 * std::abs(u)) continue;
     const auto same = [&](const FirstImpact& f) { return f.where == contact.where; };
     const auto known = std::find_if(found.begin(), found.end(), same);
     if (known == found.end())

@@ -20,10 +20,10 @@ Mass diagonal(const Case& run) {
   return mass == Mass::consistent ? Mass::lumped : mass;
 }
 
-Penalty penalty(const Case& run) { return {run.epsilon, run.restitution.value_or(1.0)}; }
+Penalty penalty(const Case& run) { return {effective_epsilon(run), run.restitution.value_or(1.0)}; }
 
 Method scheme(const Case& run) {
-  return FullyDiscrete{*run.step, run.start, run.restitution.value_or(0.0), run.impact};
+  return FullyDiscrete{scheme_step(run), run.start, run.restitution.value_or(0.0), run.impact};
 }
 
 // A vector of a multistep method has displacement and velocity: its history and some eight more.

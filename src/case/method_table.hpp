@@ -34,6 +34,9 @@ struct MethodRow {
   bool takes_algebraic_rows = true;                        ///< massless contact nodes without viscosity
   /// Adds what else the method, known to be meant, cannot take.
   void (*refuse)(const Case&, Findings&) = nullptr;
+
+  /// Whether that of massless contact nodes, whose rows are algebraic without viscosity.
+  bool takes_massless(const Case& on) const { return takes_algebraic_rows || on.scene.bar.viscosity > 0.0; }
 };
 
 /// Whether the case has massless contact nodes without viscosity, whose equations are algebraic.

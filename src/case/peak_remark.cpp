@@ -20,7 +20,7 @@ std::optional<std::string> peak_remark(const Case& run, const BarSystem& system)
   if (is_penalised(run.method) && mass > 0.0) {
     if (run.restitution && *run.restitution < 1.0)
       return "the peak of an impact has no limit: the dashpot begins with a force that grows as contact.epsilon^(-1/2)";
-    if (mass > *run.epsilon * bar.density * bar.modulus)
+    if (mass > effective_epsilon(run) * bar.density * bar.modulus)
       return "the peak of an impact has no limit: the spring stops the mass of a node, with a force that grows as "
              "contact.epsilon^(-1/2)";
   }

@@ -1,16 +1,33 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {
 
+/// Whether a penetration is a tenth or more of the largest displacement, or of the gap where that is larger: the bar
+/// goes through the obstacle rather than to it.
+inline bool is_no_obstacle(double penetration, double displacement) {
+  constexpr double share = 0.1;
+  return penetration > 0.0 && penetration >= share * displacement;
+}
+
+/// natural_epsilon() in letters.
+inline const char* natural_epsilon_words(const Scene& scene) {
+  return scene.span && !is_obstacle(scene.left) && !is_obstacle(scene.right) ? "L^2/E" : "L/E";
+}
+
+/// What to do about an epsilon at which the obstacle is none, in keys of the scene.
+std::string stiffer_advice(const Case& run);
+
 /// Largest penetration of the first impact at a given speed, within a factor of two.
 struct ImpactPrediction {
   /// What the contact sets in motion first: a viscous layer, an elastic wave, or the end node alone.
-  enum class Layer { viscous, elastic, node };
+  /// Or the whole bar, on a spring that is softer than itself.
+  enum class Layer { viscous, elastic, node, bar };
   double speed = 0.0;         ///< V > 0, towards the obstacle
   double penetration = 0.0;   ///< at its peak
   Layer layer = Layer::node;  ///< on which it rests
@@ -43,6 +60,8 @@ struct ContactRegime {
 /// a long one Z = sqrt(rho E): d = V epsilon sqrt(rho E). epsilon has the unit displacement per stress, so epsilon
 /// sqrt(rho eta) is time^(3/2) and epsilon sqrt(rho E) a time. The strained layer, sqrt(eta tau / rho) or E epsilon,
 /// must exceed h for this to be seen on a mesh: epsilon > rho h^3 / eta^2, or epsilon > h / E.
+///
+/// At epsilon > L / E the bar as a whole is softer than its own strain: d = V sqrt(rho L epsilon), all its energy.
 ///
 /// Otherwise the end node stops alone, its neighbour going on at V: m d'' + (eta/h)(d' - V) + d/epsilon = 0 has the
 /// peak

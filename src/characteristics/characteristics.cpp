@@ -24,7 +24,6 @@ namespace {
 
 using namespace characteristics;
 
-constexpr double rounding = std::numeric_limits<double>::epsilon();
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double least_passage = 1e-12;  // of the last passage, in passages
 
@@ -32,18 +31,24 @@ constexpr double least_passage = 1e-12;  // of the last passage, in passages
 constexpr std::size_t pieces_awaited = 10'000;
 constexpr double work_awaited = 1e6, work_of_evaluation = 0.1;  // in pieces that are carried through a passage
 
-double gap_of(const EndCondition& end) {
+double sign_of(const EndCondition& end) {
   const auto* obstacle = std::get_if<Obstacle>(&end);
-  return obstacle ? obstacle->gap : 0.0;
+  return obstacle && obstacle->side == Side::above ? -1.0 : 1.0;
+}
+
+// Of a place of an End.
+double displacement_at(const EndCondition& end, double place) {
+  const auto* obstacle = std::get_if<Obstacle>(&end);
+  return obstacle ? sign_of(end) * (place - obstacle->gap) : place;
 }
 
 End end_of(const EndCondition& end, double displacement, double passage) {
   if (is_fixed(end)) return {End::Kind::fixed, displacement, passage};
   if (!is_obstacle(end)) return {End::Kind::free, displacement, passage};
   // Data that touch up to their rounding touch.
-  const double clearance = displacement + gap_of(end);
-  const double touch = 4.0 * rounding * (std::abs(displacement) + gap_of(end));
-  return {End::Kind::obstacle, clearance <= touch ? 0.0 : clearance, passage};
+  const double sign = sign_of(end), gap = std::get<Obstacle>(end).gap, clearance = sign * displacement + gap;
+  const double touch = 4.0 * rounding * (std::abs(displacement) + gap);
+  return {End::Kind::obstacle, clearance <= touch ? 0.0 : clearance, passage, sign};
 }
 
 // Integral of f of a place over [0, 1], polynomial of degree 2 * 36 - 1 between the breaks.
@@ -154,10 +159,11 @@ class Run {
   // Of R = impedance * (what arrives), over the passages so far.
   void account(EndAccount& account, const End& end, const EndCondition& condition) const {
     const Borne& borne = end.borne();
-    account.displacement = end.place() - gap_of(condition);
-    account.lowest = borne.lowest - gap_of(condition);
-    account.highest = borne.highest - gap_of(condition);
-    account.impulse = impedance_ * passage_ * borne.impulse;
+    account.displacement = displacement_at(condition, end.place());
+    account.lowest = displacement_at(condition, borne.lowest);
+    account.highest = displacement_at(condition, borne.highest);
+    if (sign_of(condition) < 0.0) std::swap(account.lowest, account.highest);
+    account.impulse = impedance_ * passage_ * end.impulse();
     account.peak_reaction = impedance_ * borne.max_reaction;
   }
 
@@ -351,8 +357,8 @@ class Run {
     if (load_) load_->look(s);
     return Field({sent_left_, sent_left_before_, sent_right_, sent_right_before_, load_ ? &load_->rightward() : nullptr,
                   load_ ? &load_->leftward() : nullptr},
-                 s, left_.place_at(s, left) - gap_of(scene_.left), right_.place_at(s, right) - gap_of(scene_.right),
-                 passage_);
+                 s, displacement_at(scene_.left, left_.place_at(s, left)),
+                 displacement_at(scene_.right, right_.place_at(s, right)), passage_);
   }
 
   void tell_output() {
@@ -366,8 +372,8 @@ class Run {
       v_[j] = now.velocity(place);
     }
     Cursor left(sent_left_), right(sent_right_);
-    u_.front() = left_.place_at(s, left) - gap_of(scene_.left);
-    u_.back() = right_.place_at(s, right) - gap_of(scene_.right);
+    u_.front() = displacement_at(scene_.left, left_.place_at(s, left));
+    u_.back() = displacement_at(scene_.right, right_.place_at(s, right));
     v_.front() = left_.velocity_at(s, left);
     v_.back() = right_.velocity_at(s, right);
     for (const double u : {u_.front(), u_.back()}) place_scale_ = std::max(place_scale_, std::abs(u));

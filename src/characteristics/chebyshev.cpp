@@ -43,8 +43,6 @@ const Transform& transform(std::size_t n) {
   return all[n];
 }
 
-constexpr double rounding = std::numeric_limits<double>::epsilon();
-
 // p(from) >= 0 > p(to): a place between where that changes, to the number next to it.
 double zero(const Chebyshev& p, double from, double to) {
   double low = p(from), high = p(to);

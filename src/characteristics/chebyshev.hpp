@@ -2,10 +2,13 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 
 namespace viscobar::characteristics {
+
+inline constexpr double rounding = std::numeric_limits<double>::epsilon();  ///< of 1
 
 /// A polynomial sum_k c_k T_k(z) on -1 <= z <= 1, a value without memory of its own. |T_k| <= 1, so it differs from c_0
 /// by at most the sum of the other |c_k|: signs are proved by coefficients, at any degree and without the condition

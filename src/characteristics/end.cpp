@@ -9,7 +9,6 @@ namespace viscobar::characteristics {
 
 namespace {
 
-constexpr double rounding = std::numeric_limits<double>::epsilon();
 constexpr double roundings = 64.0 * rounding;
 
 }  // namespace
@@ -30,24 +29,30 @@ void End::answer(const Piecewise& arriving, double until, const Scale& scale, Pi
   }
   const Mark& last = marks_.back();
   place_ = last.place;
-  if (kind_ != Kind::fixed && !last.closed) place_ += passage_ * (sent.integral() - last.sent);
+  if (kind_ != Kind::fixed && !last.closed) place_ += passage_ * (of_sent(sent.integral()) - last.sent);
 }
 
 void End::send(const Piecewise::Piece& piece, const Chebyshev& arriving, double until, Piecewise& sent) {
   Chebyshev p = arriving;
   if (kind_ == Kind::fixed || closed_) p *= -1.0;
   const double from = piece.middle - piece.half, to = piece.middle + piece.half;
-  const double before = sent.integral(), begin = sent.end();
+  const double before = of_sent(sent.integral()), begin = sent.end();
   if (until <= begin) return;
-  sent.append(until, from, to, p);
+  if (sign_ < 0.0) {
+    Chebyshev turned = p;
+    turned *= -1.0;
+    sent.append(until, from, to, turned);
+  } else {
+    sent.append(until, from, to, p);
+  }
   if (kind_ == Kind::fixed) return;
   const double z_begin = piece.z(begin), z_end = piece.z(until);
   if (!closed_) {
     const Mark& last = marks_.back();
     const auto place = [&](double integral) { return last.place + passage_ * (integral - last.sent); };
-    return widen(p.restricted(z_begin, z_end), until - begin, place(before), place(sent.integral()));
+    return widen(p.restricted(z_begin, z_end), until - begin, place(before), place(of_sent(sent.integral())));
   }
-  borne_.impulse += sent.integral() - before;
+  borne_.impulse += of_sent(sent.integral()) - before;
   if (p.upper() > borne_.max_reaction)
     borne_.max_reaction = maximum(p.restricted(z_begin, z_end), borne_.max_reaction, roundings * p.bound());
 }
@@ -73,14 +78,15 @@ void End::widen(const Chebyshev& velocity, double duration, double from, double 
 
 void End::turn(double s, double velocity, const Piecewise& sent) {
   closed_ = !closed_;
-  turns_.push_back({s, closed_ ? Change::closing : Change::opening, velocity});
-  marks_.push_back({s, 0.0, sent.integral(), borne_.impulse, closed_});
+  turns_.push_back({s, closed_ ? Change::closing : Change::opening, sign_ * velocity});
+  marks_.push_back({s, 0.0, of_sent(sent.integral()), borne_.impulse, closed_});
 }
 
 // Piece i of what arrives, from where `sent` ends up to `end`.
 void End::meet(const Piecewise& arriving, std::size_t i, double end, const Scale& scale, Piecewise& sent) {
   const Piecewise::Piece& piece = arriving[i];
-  const Chebyshev whole = arriving.polynomial(i);
+  Chebyshev whole = arriving.polynomial(i);
+  if (sign_ < 0.0) whole *= -1.0;
   const double band = roundings * scale.velocity, touch = roundings * scale.place;
   // What is sent lags behind by less than the shortest piece, where it begins with one that is shorter.
   for (double begin = sent.end(); begin < end;) {
@@ -105,7 +111,7 @@ void End::meet(const Piecewise& arriving, std::size_t i, double end, const Scale
       continue;
     }
     const Mark& last = marks_.back();
-    const double clearance = last.place + passage_ * (sent.integral() - last.sent);
+    const double clearance = last.place + passage_ * (of_sent(sent.integral()) - last.sent);
     if (clearance + 2.0 * half * passage_ * std::min(0.0, whole.lower()) >= -touch && clearance > touch)
       return send(piece, whole, end, sent);
     ++searched_;
@@ -133,13 +139,13 @@ const End::Mark& End::mark_at(double s) const {
 
 double End::impulse_at(double s, Cursor& sent) const {
   const Mark& mark = mark_at(s);
-  return mark.impulse + (mark.closed ? sent.integral(s) - mark.sent : 0.0);
+  return sign_ * (mark.impulse + (mark.closed ? of_sent(sent.integral(s)) - mark.sent : 0.0));
 }
 
 double End::place_at(double s, Cursor& sent) const {
   const Mark& mark = mark_at(s);
   if (kind_ == Kind::fixed || mark.closed) return mark.place;
-  return mark.place + passage_ * (sent.integral(s) - mark.sent);
+  return mark.place + passage_ * (of_sent(sent.integral(s)) - mark.sent);
 }
 
 double End::velocity_at(double s, Cursor& sent) const {
@@ -148,7 +154,7 @@ double End::velocity_at(double s, Cursor& sent) const {
 
 double End::force_at(double s, Cursor& sent) const {
   if (kind_ == Kind::fixed) return sent.value(s);
-  return mark_at(s).closed ? std::max(0.0, sent.value(s)) : 0.0;
+  return mark_at(s).closed ? sign_ * std::max(0.0, of_sent(sent.value(s))) : 0.0;
 }
 
 }  // namespace viscobar::characteristics

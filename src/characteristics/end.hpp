@@ -16,8 +16,8 @@ struct Turn {
   double velocity;  ///< of the end beside it: before a closing, after an opening
 };
 
-/// What an end has borne, in the units of a passage: multiply impulses by rho c L / c and reactions by rho c. Its
-/// places are those of End::place().
+/// What an end has borne, in the units of a passage: multiply impulses by rho c L / c and reactions by rho c, both away
+/// from an obstacle. Its places are those of End::place().
 struct Borne {
   double impulse = 0.0, max_reaction = 0.0;
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
@@ -34,13 +34,15 @@ struct Borne {
 ///     obstacle   0 <= g  _|_  R >= 0:   open g' = w, sends w;   closed g = 0, R = -rho c w, sends -w,
 ///
 /// so that the clearance g is the running integral G of w, lifted by what it has fallen below 0 so far: g = G + max(0,
-/// max -G). Two w whose integrals differ by at most d give clearances that differ by at most 2 d.
+/// max -G). That is for an obstacle below; above, g = -u + gap, and w and R have their signs turned. Two w whose
+/// integrals differ by at most d give clearances that differ by at most 2 d.
 class End {
  public:
   enum class Kind { free, fixed, obstacle };
 
-  /// `place` is the displacement, of an obstacle's end its clearance. `passage` is L / c.
-  End(Kind kind, double place, double passage) : kind_(kind), passage_(passage), place_(place) {}
+  /// `place` is the displacement, of an obstacle's end its clearance s u + gap. `passage` is L / c, `sign` s.
+  End(Kind kind, double place, double passage, double sign = 1.0)
+      : kind_(kind), passage_(passage), sign_(sign), place_(place) {}
 
   /// How large displacements and velocities are: what is smaller by 64 roundings is nothing.
   struct Scale {
@@ -53,8 +55,9 @@ class End {
   /// Within the passage answered last, of which `sent` was sent.
   double place_at(double s, Cursor& sent) const;  ///< displacement or clearance
   double velocity_at(double s, Cursor& sent) const;
-  double force_at(double s, Cursor& sent) const;    ///< of what holds it, / (rho c); along the bar's inward normal: R
-  double impulse_at(double s, Cursor& sent) const;  ///< from the beginning on, as of Borne
+  double force_at(double s, Cursor& sent) const;             ///< of what holds it, / (rho c), in the direction of u
+  double impulse_at(double s, Cursor& sent) const;           ///< from the beginning on, likewise
+  double impulse() const { return sign_ * borne_.impulse; }  ///< so far
 
   const std::vector<Turn>& turns() const { return turns_; }  ///< of that passage, in order
   const Borne& borne() const { return borne_; }              ///< from the beginning on
@@ -66,7 +69,7 @@ class End {
  private:
   // From here on, until the next.
   struct Mark {
-    double s, place, sent, impulse;  // sent: its integral; both so far
+    double s, place, sent, impulse;  // sent: its integral, by of_sent(); both so far
     bool closed;
   };
   const Mark& mark_at(double s) const;
@@ -75,8 +78,10 @@ class End {
   void send(const Piecewise::Piece& piece, const Chebyshev& arriving, double until, Piecewise& sent);
   void widen(const Chebyshev& velocity, double duration, double from, double to);
 
+  double of_sent(double value) const { return sign_ * value; }  // of its integral or value, towards open contact
+
   Kind kind_;
-  double passage_;
+  double passage_, sign_;
   double place_;
   bool closed_ = false;
   Borne borne_;

@@ -19,7 +19,6 @@ namespace viscobar::characteristics {
 
 namespace {
 
-constexpr double rounding = std::numeric_limits<double>::epsilon();
 constexpr std::size_t most_breaks = 10'000;  // of a load, in one passage
 constexpr std::size_t most_pairs = 400;      // of a break in x and one in t
 constexpr double sums = 8.0;                 // roundings that a sum of some dozens of terms adds up

@@ -10,7 +10,6 @@ namespace viscobar::characteristics {
 
 namespace {
 
-constexpr double rounding = std::numeric_limits<double>::epsilon();
 constexpr std::size_t guards = 61, few_guards = 5;
 constexpr double brief = 1e-9;             // of a piece that is there for a break only
 constexpr std::size_t most_pieces = 4000;  // beyond that a looser tolerance is tried

@@ -101,7 +101,7 @@ class LimitCommand : public Command {
  private:
   SceneOptions scene_;
   PictureOptions output_;
-  std::string epsilon_ = "1e-2:1e-8", mass_;
+  std::string epsilon_, mass_;
   std::size_t per_decade_ = 1, threads_ = 0;
   std::vector<std::size_t> elements_;
   std::vector<double> steps_;

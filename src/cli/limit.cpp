@@ -19,6 +19,7 @@ namespace {
 
 constexpr DecadeRange epsilons{"--epsilon", "a positive number", "1e-2:1e-8", std::numeric_limits<double>::min(),
                                std::numeric_limits<double>::max()};
+constexpr double first_natural = 1e-2, last_natural = 1e-8;
 
 }  // namespace
 
@@ -32,9 +33,11 @@ LimitCommand::LimitCommand(CLI::App& app)
                         const CLI::Validator& check) {
     command_.add_option(option, values, what)->type_name(type)->delimiter(',')->check(check)->allow_extra_args(false);
   };
-  command_.add_option("--epsilon", epsilon_, "The penalties, from the first down to the last")
-      ->type_name("FIRST:LAST")
-      ->capture_default_str();
+  command_
+      .add_option("--epsilon", epsilon_,
+                  "The penalties, from the first down to the last (default: 1e-2 to 1e-8 times L/E, under a span "
+                  "obstacle alone L^2/E)")
+      ->type_name("FIRST:LAST");
   command_.add_option("--per-decade", per_decade_, "Penalties a decade")
       ->type_name("N")
       ->check(CLI::Range(1, 100))
@@ -56,7 +59,7 @@ LimitCommand::LimitCommand(CLI::App& app)
 
 int LimitCommand::operator()() const {
   LimitStudy study;
-  study.epsilons = epsilons(epsilon_, per_decade_);
+  if (command_.count("--epsilon") > 0) study.epsilons = epsilons(epsilon_, per_decade_);
   study.elements = elements_;
   study.steps = steps_;
   study.budget = budget_;
@@ -66,8 +69,12 @@ int LimitCommand::operator()() const {
   if (!elements_.empty())  // the scene is checked on the finest mesh
     settings.push_back(fmt::format("mesh.elements={}", *std::max_element(elements_.begin(), elements_.end())));
   // The scene's own epsilon, which it may lack, is not used.
-  const SceneFile scene = scene_.read({fmt::format("contact.epsilon={}", study.epsilons.front())}, settings,
-                                      [](Case& run) { run.method = penalised_method(run); });
+  const SceneFile scene = scene_.read({}, settings, [&](Case& run) {
+    const double unit = natural_epsilon(run.scene);
+    if (study.epsilons.empty()) study.epsilons = decades(first_natural * unit, last_natural * unit, per_decade_);
+    run.epsilon = study.epsilons.front();
+    run.method = penalised_method(run);
+  });
   study.scene = scene.run;
   const Scene& bar = scene.run.scene;
   if (!is_obstacle(bar.left) && !is_obstacle(bar.right) && !bar.span)

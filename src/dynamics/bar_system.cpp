@@ -88,8 +88,8 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(me
   if (redistributed && scene.span)
     throw std::invalid_argument(
         "mass \"redistributed\" does not fit a span obstacle: every node is a contact node and must keep its mass");
-  massless_left_ = redistributed && left.gap;
-  massless_right_ = redistributed && right.gap;
+  massless_left_ = redistributed && left.obstacle;
+  massless_right_ = redistributed && right.obstacle;
   if (!mesh.uniform())
     for (std::size_t j = 0; j < mesh.elements; ++j) inverse_spacing_.push_back(1.0 / mesh.element(j));
   inertia_ = restrict_to(inertia_matrix(mesh, mass, massless_left_, massless_right_), first, n);
@@ -98,15 +98,18 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(me
   inertia_.end_rows = scaled_end_rows(bar_.density);
   massive_factor_.factorise(restrict_to(inertia_, massive_begin(), massive_end() - massive_begin()));
 
-  if (left.gap) contacts_.push_back({0, *left.gap, 1.0, Where::left});
-  if (right.gap) contacts_.push_back({n - 1, *right.gap, 1.0, Where::right});
-  if (scene.span) {
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t node = i + first;
-      const double before = node > 0 ? mesh.element(node - 1) : 0.0;
-      const double after = node < mesh.elements ? mesh.element(node) : 0.0;
-      contacts_.push_back({i, scene.span->gap, (before + after) / 2, Where::span});
-    }
+  const auto bound = [&](std::size_t unknown, const std::optional<Obstacle>& obstacle, double weight, Where where) {
+    if (!obstacle) return;
+    if (obstacle->bounds(Side::below)) contacts_.push_back({unknown, obstacle->gap, weight, where, 1.0});
+    if (obstacle->bounds(Side::above)) contacts_.push_back({unknown, obstacle->gap, weight, where, -1.0});
+  };
+  bound(0, left.obstacle, 1.0, Where::left);
+  bound(n - 1, right.obstacle, 1.0, Where::right);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t node = i + first;
+    const double before = node > 0 ? mesh.element(node - 1) : 0.0;
+    const double after = node < mesh.elements ? mesh.element(node) : 0.0;
+    bound(i, scene.span, (before + after) / 2, Where::span);
   }
 
   initial_.u.resize(n);

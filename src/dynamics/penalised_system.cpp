@@ -48,20 +48,24 @@ void PenalisedSystem::measure_from_obstacle(std::size_t closing, std::span<doubl
     if (measured_[i]) node_is_measured[contact(i).unknown] = true;
   std::vector<std::size_t> together;
   for (std::size_t i = 0; i < laws_.size(); ++i)
-    if (contact(i).where == contact(closing).where && !node_is_measured[contact(i).unknown]) together.push_back(i);
+    if (contact(i).where == contact(closing).where && contact(i).sign == contact(closing).sign &&
+        !node_is_measured[contact(i).unknown])
+      together.push_back(i);
   if (together.empty()) return;
   origin_.resize(size());
   for (const std::size_t i : together) {
     measured_[i] = 1;
-    origin_[contact(i).unknown] = -contact(i).gap;
-    if (!u.empty()) u[contact(i).unknown] += contact(i).gap;
+    const double surface = -contact(i).sign * contact(i).gap;
+    origin_[contact(i).unknown] = surface;
+    if (!u.empty()) u[contact(i).unknown] -= surface;
+    node_is_measured[contact(i).unknown] = true;
   }
   find_offsets();
 }
 
 void PenalisedSystem::find_offsets() {
   offsets_.resize(laws_.size());
-  for (std::size_t i = 0; i < laws_.size(); ++i) offsets_[i] = contact(i).gap + origin_at(contact(i).unknown);
+  for (std::size_t i = 0; i < laws_.size(); ++i) offsets_[i] = contact(i).clearance(origin_at(contact(i).unknown));
   if (origin_.empty()) return;
   const std::vector<double> nothing(size(), 0.0);
   std::vector<double> without(size());
@@ -123,14 +127,15 @@ std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const
 
 double PenalisedSystem::indicator_linear(std::size_t i, std::span<const double> entries,
                                          std::span<const double> rates) const {
-  if (entries.size() == 1 || !closed(i)) return entries[0];
+  const double sign = contact(i).sign;
+  if (entries.size() == 1 || !closed(i)) return sign * entries[0];
   double p = entries[1] + bar_.bar().viscosity / bar_.bar().modulus * entries[2];  // of a contact that holds
-  if (!collides(i)) return p;
+  if (!collides(i)) return sign * p;
   const std::size_t node = contact(i).unknown;
   const auto inertia = inertia_beside(node);
   for (std::size_t k = 2; k < entries.size(); ++k)
     p -= bar_.spacing_at(node) / bar_.bar().modulus * inertia[k - 2] * rates[k];
-  return p;
+  return sign * p;
 }
 
 // Off the diagonal of rho M in the row of an end: at its neighbour, and at the next one.
@@ -146,8 +151,9 @@ std::array<double, 2> PenalisedSystem::inertia_beside(std::size_t end) const {
 double PenalisedSystem::indicator_offset(std::size_t i, double t) {
   const std::size_t node = contact(i).unknown;
   if (!follows(i) && !(holds(i) && closed(i))) return offsets_[i];
-  const double neighbours = contact(i).gap + origin_at(neighbour(node));
-  return load_ ? neighbours + load_->at(t)[node] * bar_.spacing_at(node) / bar_.bar().modulus : neighbours;
+  const double neighbours = contact(i).clearance(origin_at(neighbour(node)));
+  if (!load_) return neighbours;
+  return neighbours + contact(i).sign * load_->at(t)[node] * bar_.spacing_at(node) / bar_.bar().modulus;
 }
 
 bool PenalisedSystem::relaxes(std::size_t i) const {
@@ -178,7 +184,7 @@ void PenalisedSystem::force(double t, std::span<const double> u, std::span<const
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!closed(i) || holds(i)) continue;
     const std::size_t node = contact(i).unknown;
-    out[node] -= laws_[i].stiffness * clearance(i, u) + laws_[i].damping * w[node];
+    out[node] -= contact(i).sign * laws_[i].stiffness * clearance(i, u) + laws_[i].damping * w[node];
   }
 }
 
@@ -211,7 +217,8 @@ PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std
   std::vector<double> answer(size(), 0.0), acceleration(size());
   answer[node] = 1.0;
   accelerate(answer);
-  const double mass = 1.0 / answer[node], speed = -w[node], kinetic = 0.5 * bar_.inertia().quadratic_form(w);
+  const double sign = contact(i).sign;
+  const double mass = 1.0 / answer[node], speed = -sign * w[node], kinetic = 0.5 * bar_.inertia().quadratic_form(w);
   const auto leave_with = [&](double velocity) {
     const double impulse = mass * (velocity - w[node]);
     for (std::size_t j = 0; j < size(); ++j) w[j] += impulse * answer[j];
@@ -220,7 +227,7 @@ PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std
   leave_with(0.0);
   force(t, u, w, acceleration);
   accelerate(acceleration);
-  const double pressed = -acceleration[node];
+  const double pressed = -sign * acceleration[node];
   // A closing is found late, at a depth; what the node has gained by falling there is not thrown back.
   const double gained = 2.0 * std::max(pressed, 0.0) * std::max(-clearance(i, u), 0.0);
   const double rebound = restitution_ * std::sqrt(std::max(speed * speed - gained, 0.0));
@@ -229,10 +236,10 @@ PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std
     rests = mass * pressed * bar_.spacing_at(node) / bar_.bar().modulus > -negligible.reaction;
   } else {
     rests = pressed > 0.0 && rebound * rebound <= 2.0 * pressed * negligible.displacement;
-    if (!rests) leave_with(rebound);
+    if (!rests) leave_with(sign * rebound);
   }
   const double dissipated = 0.5 * mass * (speed - w[node]) * (speed + w[node]);
-  return {rests, dissipated, kinetic - 0.5 * bar_.inertia().quadratic_form(w) - dissipated};
+  return {rests, dissipated, kinetic - 0.5 * bar_.inertia().quadratic_form(w) - dissipated, mass * (speed + w[node])};
 }
 
 double PenalisedSystem::stiffness_of_closed(std::size_t unknown) const {
@@ -254,7 +261,7 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<
     double force = modulus * (u[next] - u[end] + (origin_at(next) - origin_at(end))) + damping * w[next];
     if (load_) force += load_->at(t)[end];
     for (std::size_t i = 0; i < laws_.size(); ++i)
-      if (closed(i) && contact(i).unknown == end) force -= laws_[i].stiffness * clearance(i, u);
+      if (closed(i) && contact(i).unknown == end) force -= contact(i).sign * laws_[i].stiffness * clearance(i, u);
     w[end] = force / damping;
     return;
   }
@@ -281,7 +288,7 @@ void PenalisedSystem::complete_velocity(double t, std::span<const double> u, std
 void PenalisedSystem::complete_displacement_of(std::size_t end, double t, std::span<double> u) {
   if (held(end)) {
     for (std::size_t i = 0; i < laws_.size(); ++i)
-      if (contact(i).unknown == end) u[end] = -offsets_[i];
+      if (contact(i).unknown == end) place_on_obstacle(i, u);
     return;
   }
   if (bar_.damped()) return;
@@ -291,7 +298,7 @@ void PenalisedSystem::complete_displacement_of(std::size_t end, double t, std::s
   if (load_) force += load_->at(t)[end];
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!closed(i) || contact(i).unknown != end) continue;
-    force -= laws_[i].stiffness * offsets_[i];
+    force -= contact(i).sign * laws_[i].stiffness * offsets_[i];
     stiffness += laws_[i].stiffness;
   }
   u[end] = force / stiffness;
@@ -316,7 +323,7 @@ std::vector<PenalisedSystem::RelaxingRow> PenalisedSystem::relaxing_rows() const
     for (std::size_t i = 0; i < laws_.size(); ++i) {
       if (!closed(i) || contact(i).unknown != end) continue;
       row.rate += laws_[i].stiffness * h / viscosity;
-      row.constant -= laws_[i].stiffness * h / viscosity * offsets_[i];
+      row.constant -= contact(i).sign * laws_[i].stiffness * h / viscosity * offsets_[i];
     }
     rows.push_back(row);
   }
@@ -355,7 +362,7 @@ PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_in
   for (std::size_t c = 0; c < laws_.size(); ++c) {
     if (!closed(c) || contact(c).unknown != i) continue;
     row.rate += laws_[c].stiffness, damping += laws_[c].damping;
-    row.constant -= laws_[c].stiffness * offsets_[c];
+    row.constant -= contact(c).sign * laws_[c].stiffness * offsets_[c];
   }
   row.inertia = bar_.inertia().diagonal_entry(i) / row.rate;
   const double scale = 1.0 / std::max(damping, row.rate / (1e3 * rates_[contact_index]));
@@ -374,9 +381,9 @@ void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w)
   std::vector<unsigned char> press(laws_.size(), 0);
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     const std::size_t node = contact(i).unknown;
-    const double clear = clearance(i, u), rounding = clearance_rounding(i, largest);
+    const double sign = contact(i).sign, clear = clearance(i, u), rounding = clearance_rounding(i, largest);
     if (clear > rounding) continue;
-    if (clear < -rounding || w[node] < 0.0) {
+    if (clear < -rounding || sign * w[node] < 0.0) {
       press[i] = 1;
     } else if (w[node] == 0.0) {
       if (acceleration.empty()) {
@@ -384,7 +391,7 @@ void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w)
         force(t, u, w, acceleration);
         accelerate(acceleration);
       }
-      press[i] = acceleration[node] < 0.0 ? 1 : 0;
+      press[i] = sign * acceleration[node] < 0.0 ? 1 : 0;
     }
   }
   for (std::size_t i = 0; i < laws_.size(); ++i)
@@ -396,7 +403,8 @@ void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w)
 double PenalisedSystem::reaction(std::size_t i, double t, std::span<const double> u, std::span<const double> w) {
   if (!closed(i)) return 0.0;
   const std::size_t node = contact(i).unknown;
-  if (!holds(i)) return laws_[i].reaction(-clearance(i, u), -w[node]);
+  const double sign = contact(i).sign;
+  if (!holds(i)) return sign * laws_[i].reaction(-clearance(i, u), -sign * w[node]);
   if (collides(i)) {
     force(t, u, w, acceleration_);
     const double lacking = -acceleration_[node];
@@ -404,13 +412,13 @@ double PenalisedSystem::reaction(std::size_t i, double t, std::span<const double
     const auto inertia = inertia_beside(node);
     double sum = lacking + inertia[0] * acceleration_[neighbour(node)];
     if (inertia[1] != 0.0) sum += inertia[1] * acceleration_[node == 0 ? 2 : node - 2];
-    return std::max(0.0, sum);
+    return sign * std::max(0.0, sign * sum);
   }
   const std::size_t next = neighbour(node);
   const double load = load_ ? load_->at(t)[node] : 0.0;
-  const double stress =
-      bar_.bar().modulus * (u[next] + (origin_at(next) + contact(i).gap)) + bar_.bar().viscosity * w[next];
-  return std::max(0.0, -stress / bar_.spacing_at(node) - load) * (1.0 - penetration_share(i));
+  const double stress = bar_.bar().modulus * (sign * u[next] + contact(i).clearance(origin_at(next))) +
+                        bar_.bar().viscosity * sign * w[next];
+  return sign * std::max(0.0, -stress / bar_.spacing_at(node) - sign * load) * (1.0 - penetration_share(i));
 }
 
 double PenalisedSystem::energy(std::span<const double> u, std::span<const double> w) const {

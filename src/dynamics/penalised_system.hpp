@@ -15,13 +15,14 @@ namespace viscobar {
 
 /// The semi-discrete system with penalised obstacles,
 ///
-///     rho M u'' = M f(t) - E K u - eta K u' + sum_i R_i e_i,     R_i = k_i d_i + b_i d_i' while contact i is closed,
+///     rho M u'' = M f(t) - E K u - eta K u' + sum_i s_i R_i e_i,     R_i = k_i d_i + b_i d_i' while contact i is
+///     closed,
 ///
-/// d_i = -(u_i + gap_i). Which contacts are closed is a state of its own, frozen while an integrator makes its
-/// steps: between two changes the system is linear with constant coefficients, so a method sees a smooth problem
-/// and a change is a located event [Petrov 2010, section 1].
+/// d_i = -(s_i u_i + gap_i), s_i the sign of the contact. Which contacts are closed is a state of its own, frozen while
+/// an integrator makes its steps: between two changes the system is linear with constant coefficients, so a method sees
+/// a smooth problem and a change is a located event [Petrov 2010, section 1].
 ///
-/// At epsilon = 0 this is the rigid obstacle: k is infinite, a closed node is held at -gap, its reaction is what its
+/// At epsilon = 0 this is the rigid obstacle: k is infinite, a closed node is held at -s gap, its reaction is what its
 /// row lacks, and it opens when that reaches zero. A node with mass has an impact as it closes, see collide().
 ///
 /// Refers to a BarSystem that must outlive it; one object per integration (it owns the load's buffers).
@@ -48,23 +49,27 @@ class PenalisedSystem {
   void measure_from_obstacle(std::size_t i, std::span<double> u);
   /// Whether that of contact i is.
   bool measured_from_obstacle(std::size_t i) const { return measured_[i] != 0; }
-  /// What is to be added to u to have displacements: -gap at nodes measured from their obstacle, 0 at others; empty
+  /// What is to be added to u to have displacements: -s gap at nodes measured from their obstacle, 0 at others; empty
   /// where there are none.
   std::span<const double> origin() const { return origin_; }
   /// max |u_j| of the displacements
   double largest_displacement(std::span<const double> u) const;
 
   /// Puts the node of contact i on its obstacle.
-  void place_on_obstacle(std::size_t i, std::span<double> u) const { u[contact(i).unknown] = -offsets_[i]; }
-  /// Displacement of the node of contact i plus gap_i.
-  double clearance(std::size_t i, std::span<const double> u) const { return u[contact(i).unknown] + offsets_[i]; }
+  void place_on_obstacle(std::size_t i, std::span<double> u) const {
+    u[contact(i).unknown] = -contact(i).sign * offsets_[i];
+  }
+  /// s_i times the displacement of the node of contact i, plus gap_i.
+  double clearance(std::size_t i, std::span<const double> u) const {
+    return contact(i).sign * u[contact(i).unknown] + offsets_[i];
+  }
   /// What decides whether contact i is closed: the sign of p = linear part of some entries of (u, w) + offset(t),
   /// negative where it should be closed. p is a displacement:
   ///
   ///     a node with inertia or viscosity    its clearance
   ///     a contact that holds(), while it is closed
-  ///                                         (h/E) times minus its reaction, u_1 + gap + (eta/E) w_1 + (h/E) (M f)_i -
-  ///                                         (h/E) (rho M a)_i
+  ///                                         (h/E) times minus its reaction R, s (u_1 + (eta/E) w_1 + (h/E) (M f)_i -
+  ///                                         (h/E) (rho M a)_i) + gap
   ///     an undamped massless node           the same in either state, its clearance while it is open: its own
   ///                                         displacement shrinks by 1 + k h/E as it closes, this one passes smoothly
   std::vector<std::size_t> indicator_entries(std::size_t i) const;
@@ -93,13 +98,15 @@ class PenalisedSystem {
     bool rests;          ///< the contact stays closed
     double dissipated;   ///< of the energy
     double end_inertia;  ///< what the end rows of the mass took
+    double impulse;      ///< P, on the bar
   };
   /// What may be neglected of a displacement, and of (h/E) times a reaction.
   struct Negligible {
     double displacement;  ///< of the node
     double reaction;      ///< times h/E, a displacement
   };
-  /// The impact of open contact i, which collides(), its node being at the obstacle with velocity w_i <= 0:
+  /// The impact of open contact i, which collides(), its node being at the obstacle with velocity s w_i <= 0, here for
+  /// s = 1:
   ///
   ///     rho M (w+ - w) = P e_i,    w+_i = -e w_i,    P = -(1 + e) w_i / (e_i . (rho M)^{-1} e_i),
   ///
@@ -112,7 +119,7 @@ class PenalisedSystem {
   /// is m u_i <= m H, so that nothing is displaced by more than H.
   Collision collide(std::size_t i, double t, std::span<const double> u, std::span<double> w,
                     const Negligible& negligible);
-  /// Whether contact i, while closed, holds its node at -gap: a rigid one does, and a spring on a massless node that
+  /// Whether contact i, while closed, holds its node at -s gap: a rigid one does, and a spring on a massless node that
   /// gives way by less than the rounding of the strain, kappa = k h / E > (1 + eta / (h sqrt(E rho))) / rounding.
   bool holds(std::size_t i) const { return holds_[i] != 0; }
   /// Whether contact i is closed on a node without mass and a stiff spring, kappa > 1e4, whose penetration is at once
@@ -183,7 +190,7 @@ class PenalisedSystem {
   /// in, or touches at rest and is pressed in. Completes u and w at massless nodes on the way.
   void settle(double t, std::span<double> u, std::span<double> w);
 
-  /// Reaction of contact i.
+  /// Reaction of contact i in the direction of u, s_i R_i.
   double reaction(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
 
   /// Kinetic, elastic and contact energy.

@@ -33,9 +33,9 @@ constexpr Operator products[] = {{"*", Operation::multiply}, {"/", Operation::di
 constexpr std::array<Level, 5> levels = {Level(or_level), Level(and_level), Level(comparisons), Level(sums),
                                          Level(products)};
 
-constexpr Operator functions[] = {{"sin", Operation::sin}, {"cos", Operation::cos}, {"tan", Operation::tan},
-                                  {"exp", Operation::exp}, {"log", Operation::log}, {"sqrt", Operation::sqrt},
-                                  {"abs", Operation::abs}, {"min", Operation::min}, {"max", Operation::max}};
+constexpr Operator function_operators[] = {{"sin", Operation::sin}, {"cos", Operation::cos}, {"tan", Operation::tan},
+                                           {"exp", Operation::exp}, {"log", Operation::log}, {"sqrt", Operation::sqrt},
+                                           {"abs", Operation::abs}, {"min", Operation::min}, {"max", Operation::max}};
 
 class Parser {
  public:
@@ -138,7 +138,7 @@ class Parser {
       at_ = static_cast<std::size_t>(end - text_.c_str());
       return add({Operation::number, -1, -1, -1, number});
     }
-    for (const Operator& function : functions)
+    for (const Operator& function : function_operators)
       if (take(function.sign)) return call(function.operation);
     if (take("pi")) return add({Operation::number, -1, -1, -1, std::numbers::pi});
     if (take("x")) return add({Operation::x});

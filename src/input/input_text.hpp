@@ -2,10 +2,14 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace viscobar {
 
 /// The text of a file that the user wrote. @throws SceneError when it cannot be read or is longer than 1 MiB
 std::string input_text(const std::filesystem::path& file);
+
+/// Without blanks, tabs and carriage returns at both ends.
+std::string_view trimmed(std::string_view text);
 
 }  // namespace viscobar

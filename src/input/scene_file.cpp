@@ -14,7 +14,16 @@ namespace viscobar {
 
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr Stepper all_steppers[] = {Stepper::automatic, Stepper::rosenbrock4, Stepper::dopri5, Stepper::symplectic};
+
+Side side_of(const SceneEntries& entries, const std::string& table) {
+  const auto word = entries.text(table + ".side");
+  for (const Side side : all_sides)
+    if (word == name(side)) return side;
+  return Side::below;
+}
 
 EndCondition end_of(const SceneEntries& entries, const std::string& side) {
   const auto word = entries.text(side + ".kind");
@@ -23,6 +32,7 @@ EndCondition end_of(const SceneEntries& entries, const std::string& side) {
     EndCondition end = kind.harmless;
     for (const EndNumber& number : kind.numbers)
       if (const auto value = entries.number(fmt::format("{}.{}", side, number.key))) number.of(end) = *value;
+    if (auto* obstacle = std::get_if<Obstacle>(&end)) obstacle->side = side_of(entries, side);
     return end;
   }
   return Free{};
@@ -63,12 +73,13 @@ Case case_of(const SceneEntries& entries) {
                    number("bar.viscosity", 1.0)};
   run.scene.left = end_of(entries, "left");
   run.scene.right = end_of(entries, "right");
-  if (entries.present("span.gap")) run.scene.span = Obstacle{number("span.gap", 1e100)};
+  if (entries.present("span.gap")) run.scene.span = Obstacle{number("span.gap", 1e100), side_of(entries, "span")};
   run.scene.displacement = function("initial.displacement");
   run.scene.velocity = function("initial.velocity");
   run.scene.load = load_of(entries);
 
-  run.elements = static_cast<std::size_t>(number("mesh.elements", 1.0));
+  run.elements =
+      entries.faulty("mesh.elements") ? 1 : static_cast<std::size_t>(number("mesh.elements", default_elements));
   run.grading = number("mesh.grading", 1.0);
   if (entries.present("mesh.mass")) run.mass = chosen("mesh.mass", all_masses, Mass::consistent);
   run.epsilon = entries.number("contact.epsilon");
@@ -77,8 +88,7 @@ Case case_of(const SceneEntries& entries) {
   run.method = chosen("method.name", all_methods, MethodName::cvode);
   const bool local = entries.text("method.error_control") == "local";
   run.tolerance = {number("method.relative_tolerance", Tolerance{}.relative),
-                   number("method.absolute_tolerance", Tolerance{}.absolute),
-                   local ? ErrorControl::local : ErrorControl::global};
+                   entries.number("method.absolute_tolerance"), local ? ErrorControl::local : ErrorControl::global};
   const auto formulas = entries.text("method.formulas");
   run.formulas = formulas == "adams" ? Formulas::adams : formulas == "bdf" ? Formulas::bdf : Formulas::automatic;
   run.stepper = chosen("method.stepper", all_steppers, Stepper::automatic);
@@ -107,6 +117,8 @@ void check_end(SceneEntries& entries, const std::string& side) {
                               ? fmt::format("is missing: {} has a {}, {}", kind.in_words, number.key, number.meaning)
                               : fmt::format("belongs to {}; this end is {}", kind.in_words, *word));
     }
+  if (entries.present(side + ".side") && !belongs_to_end(*word, "side"))
+    entries.report(side + ".side", fmt::format("belongs to an obstacle; this end is {}", *word));
 }
 
 void check_load_keys(SceneEntries& entries) {
@@ -140,6 +152,25 @@ std::vector<Finding> check_load_values(const SceneEntries& entries, const Mesh& 
   return findings;
 }
 
+// What moves the bar.
+void check_motion(SceneEntries& entries) {
+  if (!entries.given("initial.displacement") && !entries.given("initial.velocity") && !entries.has_table("load"))
+    entries.report("initial.displacement",
+                   "is missing, and so are initial.velocity and a load: nothing would move the bar");
+}
+
+// The values of keys that the scene leaves out and the program chooses.
+std::string choose(const SceneEntries& entries, Case& run) {
+  Json json = Json::object();
+  const Scene& scene = run.scene;
+  const bool obstacle = is_obstacle(scene.left) || is_obstacle(scene.right) || scene.span;
+  if (!entries.present("mesh.elements")) json["mesh"]["elements"] = run.elements;
+  if (!run.mass && run.method != MethodName::characteristics) json["mesh"]["mass"] = name(effective_mass(run));
+  if (is_penalised(run.method) && obstacle && !run.epsilon) json["contact"]["epsilon"] = effective_epsilon(run);
+  if (is_scheme(run.method) && !run.step) json["method"]["step"] = scheme_step(run);
+  return json.dump(2);
+}
+
 Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
   Case run = case_of(entries);
   if (adapt) {
@@ -154,7 +185,6 @@ Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
 }
 
 std::string describe(const SceneEntries& entries, const Case& run) {
-  using Json = nlohmann::ordered_json;
   // Made as objects: where memory ends while null becomes one, the library would destroy what is not there.
   Json json = Json::object();
   const auto table = [&](std::string_view name) -> Json& {
@@ -191,6 +221,12 @@ std::string Diagnostic::text() const {
 SceneError::SceneError(std::vector<Diagnostic> found)
     : std::runtime_error(all_texts(found)), diagnostics(std::move(found)) {}
 
+std::string SceneFile::complete() const {
+  auto json = nlohmann::ordered_json::parse(description);
+  json.merge_patch(nlohmann::ordered_json::parse(chosen));
+  return json.dump(2);
+}
+
 SceneFile parse_scene(const std::string& text, const std::string& source, std::span<const std::string> overrides,
                       const Adaptation& adapt) {
   SceneEntries entries(text, source, overrides);
@@ -199,10 +235,12 @@ SceneFile parse_scene(const std::string& text, const std::string& source, std::s
     check_end(entries, "left");
     check_end(entries, "right");
     check_load_keys(entries);
+    check_motion(entries);
     scene.run = validated_case(entries, adapt);
   }
   if (auto found = entries.diagnostics(); !found.empty()) throw SceneError(std::move(found));
   scene.description = describe(entries, scene.run);
+  scene.chosen = choose(entries, scene.run);
   return scene;
 }
 

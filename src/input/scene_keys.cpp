@@ -38,6 +38,15 @@ constexpr Choice impacts[] = {
     {"paoli_schatzman", "(u^{n+1} + e u^{n-1}) / (1 + e) is bounded"},
     {"moreau", "the velocity after an impact is bounded, which never gives energy"},
 };
+constexpr Choice end_sides[] = {
+    {"below", "u >= -gap: at the left end a wall on the left, at the right end one that draws along"},
+    {"above", "u <= gap: at the right end a wall on the right"},
+};
+constexpr Choice span_sides[] = {
+    {"below", "u >= -gap"},
+    {"above", "u <= gap"},
+    {"both", "-gap <= u <= gap, a slit"},
+};
 constexpr Choice controls[] = {
     {"global", "the error of the solution"},
     {"local", "the error of each step"},
@@ -59,10 +68,11 @@ constexpr SceneKey rows[] = {
 
     {"left.kind", choice, required_in_table, "\"free\"", "", "condition at the end x = 0"},
     {"right.kind", choice, required_in_table, "\"free\"", "", "condition at the end x = L"},
-    {"span.gap", number, required_in_table, "", "length", "u(x,t) >= -gap along the whole bar; without this table there is no such obstacle", not_negative},
+    {"span.gap", number, required_in_table, "", "length", "u(x,t) >= -gap along the whole bar, or as span.side says; without this table there is no such obstacle", not_negative},
+    {"span.side", choice, optional, "", "", "from where the obstacle bounds u; absent: below", {}, span_sides},
 
-    {"initial.displacement", formula, required, "", "length", "u_0", {}, {}, "x"},
-    {"initial.velocity", formula, required, "", "length / time", "u_1", {}, {}, "x"},
+    {"initial.displacement", formula, optional, "0.0", "length", "u_0; one of the two, or a load, must be there", {}, {}, "x"},
+    {"initial.velocity", formula, optional, "0.0", "length / time", "u_1", {}, {}, "x"},
 
     {"load.density", formula, optional, "", "stress / length", "f, force per volume", {}, {}, "xt"},
     {"load.profile", formula, optional, "", "stress / length", "f = profile history, instead of the density: evaluated once per node", {}, {}, "x"},
@@ -70,20 +80,20 @@ constexpr SceneKey rows[] = {
 
     {"time.end", number, required, "", "time", "T, the end of the run, which begins at t = 0", positive},
 
-    {"mesh.elements", count, required, "", "1", "number of elements of equal length", {1.0, 1e8, "1 to 1e8"}},
+    {"mesh.elements", count, optional, "", "1", "number of elements of equal length; absent: 100", {1.0, 1e8, "1 to 1e8"}},
     {"mesh.grading", number, optional, "1", "1", "ratio of the largest element to the smallest; elements shrink towards obstacles", {1.0, 1e6, "1 to 1e6"}},
-    {"mesh.mass", choice, optional, "", "", "mass matrix; absent: fourth_order where the method takes it, else redistributed, else consistent"},
+    {"mesh.mass", choice, optional, "", "", "mass matrix; absent: one whose contact nodes do not bounce by themselves, see below"},
 
-    {"contact.epsilon", number, optional, "", "length / stress", "reaction = penetration / epsilon; penalised methods need it where there is an obstacle", positive},
+    {"contact.epsilon", number, optional, "", "length / stress", "reaction = penetration / epsilon, in penalised methods; absent: chosen by the accuracy of the mesh, see below", positive},
     {"contact.restitution", number, optional, "", "1", "restitution of a contact node; absent: undamped spring in penalised methods, implicit constraint in the others", {0.0, 1.0, "0 to 1"}},
 
     {"method.name", choice, optional, "\"automatic\"", "", "method of time integration"},
     {"method.relative_tolerance", number, optional, "1e-6", "1", "adaptive methods: error allowed, relative to the largest displacement and velocity", {smallest, 0.1, "> 0, <= 0.1"}},
-    {"method.absolute_tolerance", number, optional, "1e-9", "length", "adaptive methods: error allowed in addition; the same number is used for the velocity", positive},
+    {"method.absolute_tolerance", number, optional, "", "length", "adaptive methods: error allowed in addition, the same number for the velocity; absent: relative_tolerance / 1000 of the displacement and of the velocity that the scene has, see below", positive},
     {"method.error_control", choice, optional, "\"global\"", "", "whether the tolerances bound the error of the solution or of each step", {}, controls},
     {"method.formulas", choice, optional, "\"automatic\"", "", "multistep formulas of cvode", {}, formulas},
     {"method.stepper", choice, optional, "\"automatic\"", "", "formulas of odeint", {}, steppers},
-    {"method.step", number, optional, "", "time", "time step of fully_discrete, finite_difference and odeint's symplectic stepper, which need it", positive},
+    {"method.step", number, optional, "", "time", "time step of fully_discrete and finite_difference, absent: h / (100 c), and of odeint's symplectic stepper, which needs it", positive},
     {"method.start", choice, optional, "\"first_order\"", "", "first step of the two schemes: u_0 + dt u_1, or with the term dt^2/2 u'' too", {}, starts},
     {"method.impact", choice, optional, "\"paoli_schatzman\"", "", "law of restitution of the two schemes: a bound on the mean of displacements, or on the velocity, which never gives energy", {}, impacts},
 
@@ -128,6 +138,14 @@ void add_end_numbers(std::string_view end, std::vector<SceneKey>& keys) {
                       of_end.unit,
                       kept(fmt::format("{}; {} needs it, no other end has one", of_end.meaning, kind.in_words)),
                       {of_end.low, of_end.high, of_end.range}});
+  keys.push_back({kept(fmt::format("{}.side", end)),
+                  choice,
+                  optional,
+                  "",
+                  "",
+                  "from where the obstacle bounds u; absent: below",
+                  {},
+                  end_sides});
 }
 
 template <class Condition>

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <tuple>
 
+#include "input/input_text.hpp"
 #include "input/synonyms.hpp"
+#include "scene/end_kinds.hpp"
 #include "text/printable_text.hpp"
 #include "text/utf8.hpp"
 
@@ -15,12 +17,6 @@ namespace viscobar {
 namespace {
 
 constexpr std::string_view override_source = "--set";
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
 
 // A TOML value, or else the text itself.
 TomlValue value_of(std::string_view text) {
@@ -143,6 +139,7 @@ SceneEntries::SceneEntries(const std::string& text, const std::string& source, s
     : end_{source, {}} {
   add_text(text);
   for (const std::string& override_text : overrides) add_override(override_text);
+  drop_what_no_longer_belongs();
   check_values();
   if (readable_) fill_in();
 }
@@ -184,6 +181,7 @@ void SceneEntries::add_override(const std::string& text) {
   if (equals == text.npos || name.empty())
     return report_at({source, {}}, "", fmt::format("\"{}\" does not have the form table.key=value", text));
   const std::string_view value = trimmed(std::string_view(text).substr(equals + 1));
+  if (value.empty() && find_scene_key(name)) return unset(name);
   if (value.empty()) return report_at({source, position_in(text, equals + 1)}, std::string(name), "is given no value");
   const auto position = [&](std::string_view part) {
     return position_in(text, static_cast<std::size_t>(part.data() - text.data()));
@@ -197,6 +195,31 @@ void SceneEntries::add_override(const std::string& text) {
     tables_.try_emplace(table, place);
   }
   add({table, std::string(name.substr(dot + 1)), value_of(value), place.at, position(value)}, table, source);
+}
+
+// As if the scene did not have the key, nor a table that is empty then.
+void SceneEntries::unset(std::string_view name) {
+  if (const auto entry = entries_.find(name); entry != entries_.end()) entries_.erase(entry);
+  const std::string_view table = find_scene_key(name)->table();
+  const auto of_table = [&](const auto& entry) { return find_scene_key(entry.first)->table() == table; };
+  if (std::none_of(entries_.begin(), entries_.end(), of_table))
+    if (const auto empty = tables_.find(table); empty != tables_.end()) tables_.erase(empty);
+}
+
+// An end that an override makes another kind leaves behind what the text says of the old one.
+void SceneEntries::drop_what_no_longer_belongs() {
+  const auto overridden = [](const Entry& entry) { return entry.place.source == override_source; };
+  for (const std::string_view end : {"left", "right"}) {
+    const auto kind = entries_.find(fmt::format("{}.kind", end));
+    if (kind == entries_.end() || !overridden(kind->second)) continue;
+    const auto* word = std::get_if<std::string>(&kind->second.value);
+    if (!word || std::ranges::none_of(end_kinds, [&](const EndKind& known) { return known.name == *word; })) continue;
+    std::erase_if(entries_, [&](const auto& entry) {
+      const SceneKey& key = *find_scene_key(entry.first);
+      return key.table() == end && !overridden(entry.second) && key.leaf() != "kind" &&
+             !belongs_to_end(*word, key.leaf());
+    });
+  }
 }
 
 void SceneEntries::add(const TomlEntry& entry, std::string_view table, const std::string& source) {
@@ -236,7 +259,7 @@ void SceneEntries::fill_in() {
     if (key.presence == Presence::required || (key.presence == Presence::required_in_table && table_is_there))
       report(key.name, fmt::format("is missing: {}", key.meaning));
     else if (!key.fallback.empty())
-      entries_.emplace(key.name, Entry{value_of(key.fallback), place_of(key.name)});
+      filled_in_.emplace(key.name), entries_.emplace(key.name, Entry{value_of(key.fallback), place_of(key.name)});
   }
 }
 

@@ -37,6 +37,8 @@ class SceneEntries {
   bool readable() const { return readable_; }
   bool has_table(std::string_view table) const { return tables_.contains(table); }
   bool present(std::string_view key) const { return entries_.contains(key); }
+  /// Present, and not as a fallback.
+  bool given(std::string_view key) const { return present(key) && !filled_in_.contains(key); }
   bool faulty(std::string_view key) const { return faulty_.contains(key); }
   std::vector<std::string> faulty_keys() const { return {faulty_.begin(), faulty_.end()}; }
 
@@ -67,6 +69,8 @@ class SceneEntries {
   void add_text(const std::string& text);
   void add_override(const std::string& text);
   void add(const TomlEntry& entry, std::string_view table, const std::string& source);
+  void unset(std::string_view name);
+  void drop_what_no_longer_belongs();
   void check_values();
   void fill_in();
   const TomlValue* sound_value(std::string_view key) const;
@@ -78,7 +82,7 @@ class SceneEntries {
   bool readable_ = true;
   std::map<std::string, Entry, std::less<>> entries_;
   std::map<std::string, Place, std::less<>> tables_;
-  std::set<std::string, std::less<>> faulty_;
+  std::set<std::string, std::less<>> faulty_, filled_in_;
   std::vector<Diagnostic> found_;
 };
 

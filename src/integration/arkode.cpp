@@ -51,7 +51,7 @@ class ArkodeStepper final : public LegStepper {
  public:
   ArkodeStepper(const StepperParts& parts, const Tolerance& tolerance)
       : leg_(parts.system, Layout(parts.system, false), parts.statistics),
-        weights_(parts.system, leg_.layout, tolerance, one_step_accumulation),
+        weights_(parts.system, leg_.layout, tolerance, parts.times.back(), one_step_accumulation),
         end_(parts.times.back()),
         step_(parts.system, parts.layout),
         state_(make_vector(leg_.layout.size, context_)),

@@ -27,7 +27,7 @@ EndWatch::EndWatch(PenalisedSystem& system, RunAccount& account) : system_(syste
 
 void EndWatch::begin(double t, std::span<const double> y) {
   seen_ = t;
-  std::array<double, 4> values{};
+  std::array<double, 5> values{};
   for (End& end : ends_) {
     for (std::size_t k = 0; k < end.entries.size(); ++k) values[k] = y[end.entries[k]];
     const double u = displacement(end, t, values);
@@ -49,7 +49,7 @@ bool EndWatch::concerned(double to, double fastest) const {
 void EndWatch::look_at(std::size_t j, double t, std::span<const double> y) {
   std::size_t k = 0;
   for (End& end : ends_) {
-    std::array<double, 4> values{};
+    std::array<double, 5> values{};
     for (std::size_t e = 0; e < end.entries.size(); ++e) values[e] = y[selected_[k++]];
     look_at(end, j, t, values);
   }
@@ -72,6 +72,11 @@ bool EndWatch::resolved() const {
   });
 }
 
+void EndWatch::strike(std::size_t i, double impulse) {
+  for (End& end : ends_)
+    if (end.unknown == system_.contact(i).unknown) end.account->impulse += impulse;
+}
+
 void EndWatch::add() {
   if (!(length_ > 0.0)) return;
   for (End& end : ends_) {
@@ -81,8 +86,9 @@ void EndWatch::add() {
     if (most > account.highest) account.highest = through(end.u).largest(account.highest);
     if (least < account.lowest) account.lowest = through(end.u).smallest(account.lowest);
     if (closed(end)) {
-      if (beyond(end.force).first > account.peak_reaction)
-        account.peak_reaction = through(end.force).largest(account.peak_reaction);
+      const auto [push, pull] = beyond(end.force);
+      if (push > account.peak_reaction) account.peak_reaction = through(end.force).largest(account.peak_reaction);
+      if (-pull > account.peak_reaction) account.peak_reaction = -through(end.force).smallest(-account.peak_reaction);
       account.impulse += end.stored_now - end.stored + length_ * Bernstein::mean(std::span(end.rate).first(order_ + 1));
     }
     end.stored = end.stored_now;
@@ -96,6 +102,8 @@ void EndWatch::watch(EndAccount& account, std::size_t unknown, std::optional<std
   const SymmetricTridiagonal& inertia = bar_.inertia();
   const bool massless = unknown < bar_.massive_begin() || unknown >= bar_.massive_end();
   const bool coupled = next && !inertia.off_diagonal.empty();
+  std::array<double, 3> row{};
+  if (inertia.end_rows) row = unknown == 0 ? inertia.end_rows->first : inertia.end_rows->last;
   End end{&account,
           unknown,
           next,
@@ -104,8 +112,9 @@ void EndWatch::watch(EndAccount& account, std::size_t unknown, std::optional<std
           massless && !bar_.damped(),
           bar_.bar().modulus / h,
           bar_.bar().viscosity / h,
-          inertia.diagonal[unknown],
-          coupled ? inertia.off_diagonal[std::min(unknown, *next)] : 0.0,
+          inertia.diagonal[unknown] + row[0],
+          coupled ? inertia.off_diagonal[std::min(unknown, *next)] + row[1] : 0.0,
+          row[2],
           {}};
   for (std::size_t i = 0; i < system_.contact_count(); ++i)
     if (system_.contact(i).unknown == unknown) end.contacts.push_back(i);
@@ -121,6 +130,7 @@ void EndWatch::watch(EndAccount& account, std::size_t unknown, std::optional<std
         return system_.law(i).damping > 0.0 || system_.holds(i);
       }))
     end.entries.resize(2);
+  if (inertia.end_rows && end.entries.size() == 4) end.entries.push_back(n + (unknown == 0 ? 2 : unknown - 2));
   ends_.push_back(std::move(end));
 }
 
@@ -130,33 +140,37 @@ inline bool EndWatch::closed(const End& end) const {
 
 inline double EndWatch::stored(const End& end, std::span<const double> y) const {
   if (end.follows || end.contacts.empty()) return 0.0;
-  const double momentum = end.mass * y[2] + end.coupling * y[3];
+  const double momentum = end.mass * y[2] + end.coupling * y[3] + end.beyond * y[4];
   return bar_.damped() ? momentum + end.viscosity * end.stretch(y) : momentum;
 }
 
 // (E / h) p of a contact that the neighbour decides on, from its u and w.
 inline double EndWatch::pull(const End& end, double t, double u, double w, std::size_t i) const {
-  return end.modulus * (u + (end.origin_next + system_.contact(i).gap)) + end.viscosity * w +
-         system_.load_alone(end.unknown, t);
+  const Contact& contact = system_.contact(i);
+  return end.modulus * (contact.sign * u + contact.clearance(end.origin_next)) +
+         contact.sign * (end.viscosity * w + system_.load_alone(end.unknown, t));
 }
 
 inline double EndWatch::displacement(const End& end, double t, std::span<const double> y) const {
   if (!end.follows) return y[0] + end.origin;
   const std::size_t i = end.contacts.front();
   const double share = system_.closed(i) ? system_.penetration_share(i) : 1.0;
-  return share * pull(end, t, y[0], 0.0, i) / end.modulus - system_.contact(i).gap;
+  const Contact& contact = system_.contact(i);
+  return contact.sign * (share * pull(end, t, y[0], 0.0, i) / end.modulus - contact.gap);
 }
 
 inline double EndWatch::reaction(const End& end, double t, std::span<const double> y) const {
   double sum = 0.0;
   for (const std::size_t i : end.contacts) {
     if (!system_.closed(i)) continue;
+    const Contact& contact = system_.contact(i);
     if (end.follows)
-      sum -= (1.0 - system_.penetration_share(i)) * pull(end, t, y[0], 0.0, i);
+      sum -= contact.sign * (1.0 - system_.penetration_share(i)) * pull(end, t, y[0], 0.0, i);
     else if (system_.holds(i))
-      sum -= (1.0 - system_.penetration_share(i)) * pull(end, t, y[1], y[3], i);
+      sum -= contact.sign * (1.0 - system_.penetration_share(i)) * pull(end, t, y[1], y[3], i);
     else
-      sum -= system_.law(i).stiffness * (y[0] + (end.origin + system_.contact(i).gap)) + system_.law(i).damping * y[2];
+      sum -= contact.sign * system_.law(i).stiffness * (contact.sign * y[0] + contact.clearance(end.origin)) +
+             system_.law(i).damping * y[2];
   }
   return sum;
 }

@@ -78,6 +78,9 @@ class EndWatch {
   /// Whether the samples are those of polynomials, to about 1e-10: the last difference is far below the values.
   bool resolved() const;
 
+  /// Adds the impulse of an impact of contact i.
+  void strike(std::size_t i, double impulse);
+
   /// Adds the step that it has looked at.
   void add();
 
@@ -92,8 +95,8 @@ class EndWatch {
     std::vector<std::size_t> contacts;  // of its node
     bool follows;                       // its neighbour: massless and undamped
     double modulus, viscosity;          // of the element beside it, over its length
-    double mass, coupling;              // of its row of rho M
-    std::vector<std::size_t> entries;   // u_n alone where it follows, u_e, or u_e, u_n, w_e, w_n
+    double mass, coupling, beyond;      // of its row of rho M, which an end row takes one further
+    std::vector<std::size_t> entries;   // u_n alone where it follows, u_e, or u_e, u_n, w_e, w_n, and the w beyond
     double origin = 0.0, origin_next = 0.0, stored = 0.0, stored_now = 0.0;
     Samples u{}, force{}, rate{};  // over the step looked at; the last two of a closed contact
 

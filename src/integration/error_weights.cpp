@@ -4,7 +4,16 @@
 #include <algorithm>
 #include <limits>
 
+#include "dynamics/natural_scales.hpp"
+
 namespace viscobar {
+
+Allowance allowance(const Tolerance& tolerance, const BarSystem& system, double end) {
+  if (tolerance.absolute) return {*tolerance.absolute, *tolerance.absolute};
+  const NaturalScales scales = natural_scales(system, end);
+  const double share = 1e-3 * tolerance.relative;
+  return {share * scales.displacement, share * scales.velocity()};
+}
 
 namespace {
 
@@ -15,11 +24,11 @@ double largest(std::span<const double> x) {
 }  // namespace
 
 double ErrorWeights::displacement_tolerance() const {
-  return (tolerance_.relative * largest_u_ + tolerance_.absolute) / tightening_;
+  return (tolerance_.relative * largest_u_ + absolute_.displacement) / tightening_;
 }
 
 double ErrorWeights::velocity_tolerance() const {
-  return (tolerance_.relative * largest_w_ + tolerance_.absolute) / tightening_;
+  return (tolerance_.relative * largest_w_ + absolute_.velocity) / tightening_;
 }
 
 double ErrorWeights::reaction_tolerance() const {
@@ -34,9 +43,8 @@ void ErrorWeights::fill(std::span<const double> y, std::span<double> weights) {
   largest_w_ = std::max(largest_w_, largest(y.subspan(layout_.nodes, layout_.nodes)));
   // Below a few units of rounding no step could pass.
   const double relative = std::max(tolerance_.relative / tightening_, 16.0 * std::numeric_limits<double>::epsilon());
-  const double absolute = tolerance_.absolute / tightening_;
-  std::ranges::fill(layout_.u(weights), 1.0 / (relative * largest_u_ + absolute));
-  const double of_velocity = std::max(relative * largest_w_ + absolute, 4.0 * passed_over_);
+  std::ranges::fill(layout_.u(weights), 1.0 / (relative * largest_u_ + absolute_.displacement / tightening_));
+  const double of_velocity = std::max(relative * largest_w_ + absolute_.velocity / tightening_, 4.0 * passed_over_);
   for (std::size_t i = 0; i < system_.contact_count(); ++i)
     if (const double rate = system_.closed(i) ? system_.contact_rate(i) : 0.0; rate > 0.0) {
       double& weight = weights[system_.contact(i).unknown];

@@ -28,11 +28,12 @@ inline constexpr double promised_multiple = 100.0;
 /// sqrt(k / m) times as large: its u may be wrong by what w may be, divided by omega.
 class ErrorWeights {
  public:
-  ErrorWeights(const PenalisedSystem& system, const Layout& layout, const Tolerance& tolerance,
+  ErrorWeights(const PenalisedSystem& system, const Layout& layout, const Tolerance& tolerance, double end,
                const Accumulation& accumulation)
       : system_(system),
         layout_(layout),
         tolerance_(tolerance),
+        absolute_(allowance(tolerance, system.bar(), end)),
         massive_begin_(system.bar().massive_begin()),
         massive_end_(system.bar().massive_end()),
         inertia_(system.bar().bar().density * system.bar().bar().length),
@@ -68,6 +69,7 @@ class ErrorWeights {
   const PenalisedSystem& system_;
   Layout layout_;
   Tolerance tolerance_;
+  Allowance absolute_;
   std::size_t massive_begin_, massive_end_;
   double inertia_, largest_u_ = 0.0, largest_w_ = 0.0, accumulated_, per_change_, tightening_ = 1.0, passed_over_ = 0.0;
 };

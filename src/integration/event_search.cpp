@@ -117,7 +117,8 @@ bool EventSearch::look_at_the_near() {
 
 bool EventSearch::far(std::size_t i) const {
   const double offset = system_.indicator_offset(i, 0.0);  // a span contact's does not depend on t
-  const double low = lowest_[i] + offset, high = highest_[i] + offset;
+  const bool below = system_.contact(i).sign > 0.0;
+  const double low = (below ? lowest_[i] : -highest_[i]) + offset, high = (below ? highest_[i] : -lowest_[i]) + offset;
   return system_.closed(i) ? high < 0.0 && -low <= max_penetration_ : low > 0.0;
 }
 

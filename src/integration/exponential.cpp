@@ -170,14 +170,17 @@ class Run {
     return sampled_;
   }
 
+  double sign(std::size_t c) const { return penalised_.contact(c).sign; }
+
   // Measures the displacement of a node from the obstacle that it has come to: the penetration keeps all its digits.
   // The nodes of a span obstacle go together.
   void measure_from_obstacle(std::size_t closing) {
     if (distance_.follows(closing) || measured_[closing]) return;
     for (std::size_t c = 0; c < contacts(); ++c) {
-      if (penalised_.contact(c).where != penalised_.contact(closing).where) continue;
+      const Contact &one = penalised_.contact(c), &other = penalised_.contact(closing);
+      if (one.where != other.where || one.sign != other.sign) continue;
       measured_[c] = 1;
-      y_[node(c)] += propagators_.origin()[node(c)] + penalised_.contact(c).gap;
+      y_[node(c)] += propagators_.origin()[node(c)] + one.sign * one.gap;
       propagators_.measure_from_obstacle(c);
     }
   }
@@ -350,7 +353,8 @@ class Run {
   void change_contacts(std::size_t first, const std::vector<VectorXd>& distances, double sigma, const VectorXd& v) {
     std::vector<std::size_t> changing;
     for (std::size_t c = 0; c < contacts(); ++c) {
-      const bool leaving = penalised_.closed(c) ? v[node(c)] > 0.0 : v[node(c)] < 0.0;
+      const double away = sign(c) * v[node(c)];
+      const bool leaving = penalised_.closed(c) ? away > 0.0 : away < 0.0;
       if (c == first || (leaving && std::abs(value(distances[c], sigma)) <= distance_.band(c, largest())))
         changing.push_back(c);
     }
@@ -405,8 +409,9 @@ class Run {
       double sum = 0.0;
       for (std::size_t c = 0; c < contacts(); ++c)
         if (penalised_.closed(c) && node(c) == end)
-          sum += penalised_.law(c).reaction(
-              distance_.penetration_share(c) * value(distance_.along(c, series, p), sigma), -v[end]);
+          sum += sign(c) *
+                 penalised_.law(c).reaction(
+                     distance_.penetration_share(c) * value(distance_.along(c, series, p), sigma), -sign(c) * v[end]);
       return sum;
     };
     if (!system_.left_fixed()) snapshot.reaction_left = reaction(0);

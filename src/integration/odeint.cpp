@@ -25,7 +25,7 @@ class OdeintStepper final : public LegStepper {
       : system_(parts.system),
         statistics_(parts.statistics),
         motion_(system_, false),
-        weights_(system_, motion_, method.tolerance, one_step_accumulation),
+        weights_(system_, motion_, method.tolerance, parts.times.back(), one_step_accumulation),
         formulas_(system_, statistics_),
         step_(system_, parts.layout),
         end_(parts.times.back()),

@@ -271,6 +271,7 @@ class StepwiseRun {
                          ErrorWeights::inertial_share * stepper_.weights().reaction_tolerance()});
     if (layout_.dissipated) y_[*layout_.dissipated] += collision.dissipated;
     if (layout_.end_inertia) y_[*layout_.end_inertia] += collision.end_inertia;
+    if (ends_) ends_->strike(i, collision.impulse);
     if (collision.rests)
       system_.set_closed(i, true);
     else
@@ -288,7 +289,7 @@ class StepwiseRun {
       force_.resize(layout_.nodes);
       system_.force(at, layout_.u(inner_), rate, force_);
       system_.accelerate(force_);
-      return system_.bar().inertia().diagonal_entry(node) * force_[node];
+      return system_.contact(i).sign * system_.bar().inertia().diagonal_entry(node) * force_[node];
     };
     const double apart = 0.125 * (end - begin), other = t - apart >= begin ? t - apart : t + apart;
     const double now = pull(t), change = std::abs(now - pull(other)) / apart;

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <new>
 
 #include "case/alarm.hpp"
+#include "case/regime.hpp"
 
 namespace viscobar {
 
@@ -35,6 +37,20 @@ std::optional<std::string> representation_warning(const Statistics& done) {
       "no "
       "polynomial pieces follow them closer; what helps: formulas without roots of zero or endless wiggles",
       done.representation->error, done.representation->rounding);
+}
+
+/// That the bar has gone through an obstacle: how deep, and the epsilon to take.
+std::optional<std::string> penetration_warning(const Case& run, const Statistics& done) {
+  if (!is_penalised(run.method) || !done.account) return std::nullopt;
+  double largest = 0.0;
+  for (const EndAccount* end : {&done.account->left, &done.account->right})
+    largest = std::max({largest, std::abs(end->lowest), std::abs(end->highest)});
+  if (!is_no_obstacle(done.max_penetration, largest)) return std::nullopt;
+  return fmt::format(
+      "penetration: the bar went {:.3g} deep into an obstacle, its ends having displacements of up to {:.3g}: that is "
+      "no "
+      "obstacle; {}",
+      done.max_penetration, largest, stiffer_advice(run));
 }
 
 }  // namespace
@@ -76,6 +92,7 @@ void judge(Outcome& outcome, const Case& run, const BarSystem& system,
   const Statistics& done = *outcome.statistics;
   if (const auto warning = growth_warning(run, done)) warn(*warning);
   if (const auto warning = representation_warning(done)) warn(*warning);
+  if (const auto warning = penetration_warning(run, done)) warn(*warning);
   for (const Alarm& alarm : alarms(run, system, done)) {
     const std::string what = fmt::format(
         "{}; the result is further from the solution than the tolerances promise: take another method.name or a "

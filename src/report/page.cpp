@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "report/obstacle_levels.hpp"
 #include "report/page_files.hpp"
 #include "scene/end_kinds.hpp"
 #include "text/json_text.hpp"
@@ -20,6 +21,7 @@ std::string end_text(EndCondition end) {
   std::string text(kind.in_words);
   for (const EndNumber& number : kind.numbers)
     text += fmt::format(", {}\u00a0{}", number.key, readable(number.of(end)));
+  if (const auto* obstacle = std::get_if<Obstacle>(&end); obstacle && obstacle->side == Side::above) text += ", above";
   return text;
 }
 
@@ -44,9 +46,9 @@ std::string model_html(const Scene& scene) {
       damped ? " − <i>η u<sub>xxt</sub></i>" : "", load, readable(bar.length), readable(bar.density),
       readable(bar.modulus), damped ? ", <i>η</i> = " + readable(bar.viscosity) : "", end_text(scene.left),
       end_text(scene.right));
-  if (scene.span)
-    text += fmt::format("; under the whole span <i>u</i>\u00a0≥\u00a0{}",
-                        readable(scene.span->gap == 0.0 ? 0.0 : -scene.span->gap));
+  for (const ObstacleLevel& level : levels_of(scene.span ? &*scene.span : nullptr))
+    text += fmt::format("; {} the whole span <i>u</i>\u00a0{}\u00a0{}", level.above ? "above" : "under",
+                        level.above ? "≤" : "≥", readable(level.u));
   return text + ".";
 }
 

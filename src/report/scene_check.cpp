@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "case/chatter.hpp"
+#include "dynamics/natural_scales.hpp"
 
 namespace viscobar {
 
@@ -22,6 +24,7 @@ std::string_view name(ImpactPrediction::Layer layer) {
   switch (layer) {
     case ImpactPrediction::Layer::viscous: return "viscous layer";
     case ImpactPrediction::Layer::elastic: return "elastic wave";
+    case ImpactPrediction::Layer::bar: return "the whole bar, the spring is softer than it";
     case ImpactPrediction::Layer::node: return "end node alone, the mesh is too coarse for the layer";
   }
   return {};
@@ -34,7 +37,10 @@ std::string_view load_kind(const Scene& scene) {
 }
 
 std::string contact_kind(const Case& run) {
-  if (is_penalised(run.method)) return fmt::format("penalty, epsilon = {}", *run.epsilon);
+  if (is_penalised(run.method))
+    return fmt::format("penalty, epsilon = {:.6g} = {:.3g} {}{}", effective_epsilon(run),
+                       effective_epsilon(run) / natural_epsilon(run.scene), natural_epsilon_words(run.scene),
+                       run.epsilon ? "" : ", chosen for the mesh");
   if (run.method == MethodName::characteristics) return "exact: an end answers what arrives";
   return run.method == MethodName::rigid ? "rigid: closed nodes are held" : "exact constraint in every step";
 }
@@ -59,12 +65,17 @@ std::string advice(const Case& run, const ContactRegime& regime) {
            "contact.restitution = 0 makes the two agree";
   return fmt::format(
       "{}: chatter is expected, and every bounce costs steps; as epsilon goes to 0 the difference to the fully "
-      "discrete "
-      "scheme has a plateau; remedies: {}",
+      "discrete scheme has a plateau; remedies: {}",
       bounce, chatter_remedies(run, regime, regime.where));
 }
 
-std::vector<std::string> warnings_of(const Case& run, const std::vector<ContactRegime>& regimes) {
+double gap_of(const Scene& scene, Where where) {
+  if (where == Where::span) return scene.span->gap;
+  return std::get<Obstacle>(where == Where::left ? scene.left : scene.right).gap;
+}
+
+std::vector<std::string> warnings_of(const Case& run, const BarSystem& system,
+                                     const std::vector<ContactRegime>& regimes) {
   std::vector<std::string> found;
   if (!run.reservation.empty()) found.push_back(run.reservation);
   const auto held = [&](const EndCondition& end, double x, const char* where) {
@@ -75,6 +86,15 @@ std::vector<std::string> warnings_of(const Case& run, const std::vector<ContactR
   held(run.scene.right, run.scene.bar.length, "right");
   for (const ContactRegime& regime : regimes)
     if (regime.chatters) found.push_back(advice(run, regime));
+  const double displacement = natural_scales(system, run.end).displacement;
+  for (const ContactRegime& regime : regimes)
+    if (regime.impact &&
+        is_no_obstacle(regime.impact->penetration, std::max(displacement, gap_of(run.scene, regime.where))))
+      found.push_back(fmt::format(
+          "{}: a penetration of {:.2g} is predicted, beside a gap of {:.2g} and displacements of {:.2g}: that is no "
+          "obstacle; {}",
+          name(regime.where), regime.impact->penetration, gap_of(run.scene, regime.where), displacement,
+          stiffer_advice(run)));
   return found;
 }
 
@@ -91,7 +111,7 @@ void predict(ContactRegime& regime, const std::optional<std::vector<FirstImpact>
   const FirstImpact* first = hit(hits, regime.where);
   if (!first || first->speed == 0.0 || regime.where == Where::span) return;
   const double h = system.spacing_at(regime.where == Where::left ? 0 : system.size() - 1);
-  regime.impact = predict_impact(system.bar(), h, regime.effective_mass, *run.epsilon, first->speed);
+  regime.impact = predict_impact(system.bar(), h, regime.effective_mass, effective_epsilon(run), first->speed);
 }
 
 Json to_json(const FirstImpact& impact) {
@@ -117,7 +137,7 @@ SceneCheck check_scene(const Case& run) {
   SceneCheck check{make_system(run), first_impacts(run), {}, memory_need(run), {}};
   check.regimes = contact_regimes(run, check.system);
   for (ContactRegime& regime : check.regimes) predict(regime, check.impacts, run, check.system);
-  check.warnings = warnings_of(run, check.regimes);
+  check.warnings = warnings_of(run, check.system, check.regimes);
   return check;
 }
 
@@ -150,7 +170,8 @@ std::string check_json(const SceneFile& scene, const SceneCheck& check) {
   if (check.impacts)
     for (const FirstImpact& impact : *check.impacts) json["first_impacts"].push_back(to_json(impact));
   json["warnings"] = check.warnings;
-  json["scene"] = Json::parse(scene.description);
+  json["scene"] = Json::parse(scene.complete());
+  json["chosen"] = Json::parse(scene.chosen);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

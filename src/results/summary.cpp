@@ -89,7 +89,12 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
     json["representation"] = {{"error", outcome.statistics->representation->error},
                               {"rounding", outcome.statistics->representation->rounding}};
   json["contact"] = contact_json(scene.run.scene, outcome);
-  json["scene"] = Json::parse(scene.description);
+  json["scene"] = Json::parse(scene.complete());
+  json["chosen"] = Json::parse(scene.chosen);
+  if (is_adaptive(scene.run.method)) {
+    const Allowance absolute = allowance(scene.run.tolerance, system, scene.run.end);
+    json["absolute_tolerance"] = {{"displacement", absolute.displacement}, {"velocity", absolute.velocity}};
+  }
   json["mass"] = name(system.mass());
   const Versions used = versions();
   json["versions"] = {{"viscobar", used.viscobar},

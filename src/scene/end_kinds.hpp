@@ -13,8 +13,8 @@ namespace viscobar {
 
 /// What an end condition makes of the end's node. A condition that is neither of these also has a place in BarSystem.
 struct EndNode {
-  std::optional<double> held{};  ///< displacement of a node that does not move and is no unknown
-  std::optional<double> gap{};   ///< u >= -gap, a contact
+  std::optional<double> held{};        ///< displacement of a node that does not move and is no unknown
+  std::optional<Obstacle> obstacle{};  ///< a contact
 };
 
 /// A number that an end condition has, and its key in the end's table of a scene file.
@@ -32,29 +32,33 @@ struct EndKind {
   std::string_view in_words;  ///< completes "the end is ..."
   std::string_view meaning;
   EndCondition harmless;  ///< with numbers that no other check can take offence at
+  bool sided;             ///< whether it has a side
   std::span<const EndNumber> numbers;
   EndNode (*node)(const EndCondition&, double initial_displacement);
 };
 
 inline constexpr EndNumber obstacle_numbers[] = {
-    {"gap", "length", "u >= -gap at this end", 0.0, 1e100, ">= 0",
+    {"gap", "length", "how far from u = 0 the obstacle lies", 0.0, 1e100, ">= 0",
      [](EndCondition& end) -> double& { return std::get<Obstacle>(end).gap; }},
 };
 
 inline constexpr EndKind end_kinds[] = {
-    {"obstacle", "an obstacle", "u >= -gap; the reaction pushes, never pulls, and only in contact; wants a gap",
-     Obstacle{1e100}, obstacle_numbers,
-     [](const EndCondition& end, double) { return EndNode{.gap = std::get<Obstacle>(end).gap}; }},
+    {"obstacle", "an obstacle",
+     "u >= -gap, or u <= gap with the side above; the reaction pushes, never pulls, and only in contact; wants a gap",
+     Obstacle{1e100}, true, obstacle_numbers,
+     [](const EndCondition& end, double) { return EndNode{.obstacle = std::get<Obstacle>(end)}; }},
     {"free",
      "free",
      "no stress, E u_x + eta u_xt = 0",
      Free{},
+     false,
      {},
      [](const EndCondition&, double) { return EndNode{}; }},
     {"fixed",
      "fixed",
      "keeps its initial displacement",
      Fixed{},
+     false,
      {},
      [](const EndCondition&, double initial) { return EndNode{.held = initial}; }},
 };
@@ -63,6 +67,15 @@ static_assert(std::size(end_kinds) == std::variant_size_v<EndCondition>);
 inline const EndKind& end_kind(const EndCondition& end) {
   return *std::find_if(std::begin(end_kinds), std::end(end_kinds),
                        [&](const EndKind& kind) { return kind.harmless.index() == end.index(); });
+}
+
+/// Whether an end of that kind has that key.
+inline bool belongs_to_end(std::string_view kind, std::string_view key) {
+  const auto known =
+      std::find_if(std::begin(end_kinds), std::end(end_kinds), [&](const EndKind& one) { return one.name == kind; });
+  if (known == std::end(end_kinds)) return false;
+  return (known->sided && key == "side") ||
+         std::any_of(known->numbers.begin(), known->numbers.end(), [&](const EndNumber& n) { return n.key == key; });
 }
 
 inline EndNode end_node(const EndCondition& end, double initial_displacement) {

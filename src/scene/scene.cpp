@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "scene/bound_text.hpp"
 #include "scene/end_kinds.hpp"
 
 namespace viscobar {
@@ -24,12 +25,21 @@ void check_end(std::vector<Finding>& findings, const std::string& table, const S
   }
   if (findings.size() != before) return;
   const double u = scene.displacement ? scene.displacement(x) : 0.0;
-  if (const auto gap = end_node(end, u).gap; gap && u < -*gap)
-    findings.push_back({"initial.displacement",
-                        fmt::format("penetrates the obstacle of [{}]: u_0({}) = {} < -gap = {}", table, x, u, -*gap)});
+  const auto obstacle = end_node(end, u).obstacle;
+  if (!obstacle) return;
+  require(findings, obstacle->side != Side::both, table + ".side",
+          "is \"both\", which only a span can be; an end has one obstacle, below or above");
+  if (obstacle->depth(u) > 0.0)
+    findings.push_back({"initial.displacement", fmt::format("penetrates the obstacle of [{}]: u_0({}) = {} {}", table,
+                                                            x, u, bound_text(*obstacle, u))});
 }
 
 }  // namespace
+
+std::string_view name(Side side) {
+  constexpr std::string_view names[] = {"below", "above", "both"};
+  return names[static_cast<std::size_t>(side)];
+}
 
 std::vector<Finding> validate(const Scene& scene) {
   std::vector<Finding> findings;

@@ -5,14 +5,14 @@
 
 namespace viscobar {
 
-EndConstraint::EndConstraint(const SymmetricTridiagonal& matrix, const std::vector<std::size_t>& entries)
+EndConstraint::EndConstraint(const SymmetricTridiagonal& matrix, const std::vector<Bounded>& entries)
     : factor_(matrix) {
   assert(entries.size() == 1 || entries.size() == 2);
-  for (const std::size_t entry : entries) {
+  for (const Bounded& at : entries) {
     std::vector<double> column(matrix.size(), 0.0);
-    column[entry] = 1.0;
+    column[at.entry] = at.sign;
     factor_.solve(column);
-    columns_.push_back({entry, std::move(column)});
+    columns_.push_back({at, std::move(column)});
   }
 }
 
@@ -20,18 +20,18 @@ void EndConstraint::solve(std::span<double> x, std::span<const double> bound, st
   factor_.solve(x);
   const std::size_t count = columns_.size();
   std::array<double, 2> excess{};  // of the unconstrained solution over its bound
-  for (std::size_t k = 0; k < count; ++k) excess[k] = x[columns_[k].entry] - bound[k];
+  for (std::size_t k = 0; k < count; ++k) excess[k] = columns_[k].of(x) - bound[k];
 
   std::array<double, 2> lambda{};
   active_ = {};
   if (count == 1) {
     if (excess[0] < 0.0) {
       active_ = {1, 0};
-      lambda[0] = -excess[0] / columns_[0].values[columns_[0].entry];
+      lambda[0] = -excess[0] / columns_[0].of(columns_[0].values);
     }
   } else if (excess[0] < 0.0 || excess[1] < 0.0) {
-    const double g00 = columns_[0].values[columns_[0].entry], g11 = columns_[1].values[columns_[1].entry];
-    const double g01 = columns_[1].values[columns_[0].entry], g10 = columns_[0].values[columns_[1].entry];
+    const double g00 = columns_[0].of(columns_[0].values), g11 = columns_[1].of(columns_[1].values);
+    const double g01 = columns_[0].of(columns_[1].values), g10 = columns_[1].of(columns_[0].values);
     // The excess of either end, times the other's compliance, while the other alone is held at its bound.
     const double excess_0 = g11 * excess[0] - g01 * excess[1];
     const double excess_1 = g00 * excess[1] - g10 * excess[0];
@@ -55,7 +55,7 @@ void EndConstraint::solve(std::span<double> x, std::span<const double> bound, st
 #pragma GCC ivdep
   for (std::size_t i = 0; i < n; ++i) values[i] += lambda[0] * first[i] + lambda[1] * last[i];
   for (std::size_t k = 0; k < count; ++k)
-    if (active_[k]) x[columns_[k].entry] = bound[k];
+    if (active_[k]) x[columns_[k].at.entry] = columns_[k].at.sign * bound[k];
 }
 
 }  // namespace viscobar

@@ -121,22 +121,25 @@ class Run {
       const bool massive = i >= system_.massive_begin() && i < system_.massive_end();
       const double u = fixed ? *fixed : massive ? start.u[i] : step_->u()[i] - scheme_.step * step_->p()[i];
       end.displacement = end.lowest = end.highest = u;
-      const std::optional<std::size_t> k = contact_at(fixed, i);
-      if (!k) return;
-      end.impulse = step_->start_impulse()[*k];
-      end.peak_reaction = step_->reaction_before()[*k];
+      each_contact_at(fixed, i, [&](std::size_t k) {
+        end.impulse += sign(k) * step_->start_impulse()[k];
+        end.peak_reaction = std::max(end.peak_reaction, step_->reaction_before()[k]);
+      });
       if (end.peak_reaction > 0.0) end.contact.close(times_.front());
     };
     begin(account.left, system_.left_displacement(), 0);
     begin(account.right, system_.right_displacement(), system_.size() - 1);
   }
 
-  // Of an end that is not fixed.
-  std::optional<std::size_t> contact_at(std::optional<double> fixed, std::size_t unknown) const {
+  double sign(std::size_t k) const { return step_->contacts()[k].sign; }
+
+  // Of an end that is not fixed, whose contacts are the first or the last ones, one from either side.
+  template <class Use>
+  void each_contact_at(std::optional<double> fixed, std::size_t unknown, Use&& use) const {
     const auto& contacts = step_->contacts();
-    if (fixed || contacts.empty()) return std::nullopt;
-    if (unknown == 0) return contacts.front().unknown == 0 ? std::optional<std::size_t>(0) : std::nullopt;
-    return contacts.back().unknown == unknown ? std::optional(contacts.size() - 1) : std::nullopt;
+    const std::size_t count = fixed ? 0 : contacts.size(), first = unknown == 0 || count < 2 ? 0 : count - 2;
+    for (std::size_t k = first; k < std::min(first + 2, count); ++k)
+      if (contacts[k].unknown == unknown) use(k);
   }
 
   // Over (t_{n-1}, t_n], where u and lambda are linear; before t_1 lambda^0 has its part in what the start took.
@@ -147,11 +150,11 @@ class Run {
       end.displacement = step_->u()[i] - (1.0 - theta) * dt * step_->p()[i];
       end.lowest = std::min(end.lowest, end.displacement);
       end.highest = std::max(end.highest, end.displacement);
-      const std::optional<std::size_t> k = contact_at(fixed, i);
-      if (!k) return;
-      const double before = n > 1 ? (1.0 - theta / 2) * step_->reaction_before()[*k] : 0.0;
-      end.impulse += dt * theta * (before + theta / 2 * step_->reaction()[*k]);
-      end.peak_reaction = std::max(end.peak_reaction, reaction(*k, theta));
+      each_contact_at(fixed, i, [&](std::size_t k) {
+        const double before = n > 1 ? (1.0 - theta / 2) * step_->reaction_before()[k] : 0.0;
+        end.impulse += sign(k) * (dt * theta * (before + theta / 2 * step_->reaction()[k]));
+        end.peak_reaction = std::max(end.peak_reaction, reaction(k, theta));
+      });
     };
     add(statistics_.account->left, system_.left_displacement(), 0);
     add(statistics_.account->right, system_.right_displacement(), system_.size() - 1);
@@ -190,17 +193,17 @@ class Run {
     telling_.snapshot(snapshot);
   }
 
-  double left_reaction(double theta) const {
-    if (system_.left_fixed()) return -stress(0);
-    const auto& contacts = step_->contacts();
-    return !contacts.empty() && contacts.front().unknown == 0 ? reaction(0, theta) : 0.0;
-  }
+  double left_reaction(double theta) const { return system_.left_fixed() ? -stress(0) : reaction_at(0, theta); }
 
   double right_reaction(double theta) const {
-    if (system_.right_fixed()) return stress(system_.mesh().elements - 1);
-    const auto& contacts = step_->contacts();
-    return !contacts.empty() && contacts.back().unknown == system_.size() - 1 ? reaction(contacts.size() - 1, theta)
-                                                                              : 0.0;
+    return system_.right_fixed() ? stress(system_.mesh().elements - 1) : reaction_at(system_.size() - 1, theta);
+  }
+
+  // In the direction of u.
+  double reaction_at(std::size_t unknown, double theta) const {
+    double sum = 0.0;
+    each_contact_at({}, unknown, [&](std::size_t k) { sum += sign(k) * reaction(k, theta); });
+    return sum;
   }
 
   double reaction(std::size_t k, double theta) const {
@@ -224,25 +227,23 @@ class Run {
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       const std::size_t i = contacts[k].unknown;
       if (was_active_[k] && !active[k])
-        tell(time(n), contacts[k], Change::opening, step_->p()[i] + scheme_.step * step_->acceleration()[i]);
+        tell(time(n), k, Change::opening, step_->p()[i] + scheme_.step * step_->acceleration()[i]);
     }
     for (std::size_t k = 0; k < contacts.size(); ++k)
-      if (active[k] && !was_active_[k])
-        tell(time(n + 1), contacts[k], Change::closing, step_->p()[contacts[k].unknown]);
+      if (active[k] && !was_active_[k]) tell(time(n + 1), k, Change::closing, step_->p()[contacts[k].unknown]);
     std::copy(active.begin(), active.end(), was_active_.begin());
   }
 
-  void tell(double t, const Contact& contact, Change change, double velocity) {
+  void tell(double t, std::size_t k, Change change, double velocity) {
     if (t > times_.back()) return;
+    const Contact& contact = step_->contacts()[k];
     Event event{t, contact.where, contact.unknown + system_.first_node(), change, velocity};
     count_change(statistics_, event);
     if (!observers_.event) return;
     // lambda^n, which leads to the contact at t_{n+1}, is of it, and what the start takes at once is of the first one.
     if (event.impulse && change == Change::closing) {
-      const bool left = contact.where == Where::left;
-      const std::size_t k = left ? 0 : step_->contacts().size() - 1;
-      const EndAccount& end = left ? statistics_.account->left : statistics_.account->right;
-      *event.impulse = end.closings == 1 ? 0.0 : *event.impulse - scheme_.step / 2 * step_->reaction()[k];
+      const EndAccount& end = contact.where == Where::left ? statistics_.account->left : statistics_.account->right;
+      *event.impulse = end.closings == 1 ? 0.0 : *event.impulse - sign(k) * (scheme_.step / 2 * step_->reaction()[k]);
     }
     telling_.told(event);
   }
@@ -258,7 +259,7 @@ class Run {
     double taken = 0.0;
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       const std::size_t i = contacts[k].unknown;
-      taken -= dt * step_->reaction()[k] * (p[i] - dt / 2 * a[i]);
+      taken -= dt * step_->reaction()[k] * (sign(k) * (p[i] - dt / 2 * a[i]));
     }
     energy.dissipated += taken;
     if (system_.loaded()) energy.work += dt * step_->load_power();
@@ -283,7 +284,8 @@ class Run {
   // With a restitution the constraint does not bound u^{n+1} alone.
   void measure_penetration() {
     for (const Contact& contact : step_->contacts())
-      statistics_.max_penetration = std::max(statistics_.max_penetration, -(step_->u()[contact.unknown] + contact.gap));
+      statistics_.max_penetration =
+          std::max(statistics_.max_penetration, -contact.clearance(step_->u()[contact.unknown]));
   }
 
   bool take_checkpoint(double t) {

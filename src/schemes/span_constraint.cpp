@@ -11,8 +11,8 @@ SpanConstraint::SpanConstraint(const SymmetricTridiagonal& matrix)
       split_(matrix),
       monotone_(!matrix.end_rows &&
                 std::all_of(matrix.off_diagonal.begin(), matrix.off_diagonal.end(), [](double o) { return o <= 0.0; })),
-      active_(matrix.size(), 0),
-      wrong_(matrix.size(), 0) {
+      active_(matrix.size(), nowhere),
+      wanted_(active_) {
   split();
 }
 
@@ -25,8 +25,9 @@ void SpanConstraint::split() {
   ++factorisations_;
 }
 
-void SpanConstraint::solve(std::span<const double> b, std::span<const double> bound, std::span<double> x,
-                           std::span<double> multiplier) {
+void SpanConstraint::solve(std::span<const double> b, std::span<const double> lower, std::span<const double> upper,
+                           std::span<double> x, std::span<double> multiplier) {
+  lower_ = lower, upper_ = upper;
   constexpr int patience = 8;
   const std::size_t n = matrix_.size();
   std::size_t fewest = n + 1, pivots = 0;
@@ -34,11 +35,11 @@ void SpanConstraint::solve(std::span<const double> b, std::span<const double> bo
   double tolerance = 16.0 * std::numeric_limits<double>::epsilon();
   bool released = false;
   for (std::size_t i = 0; i < n; ++i)
-    if (active_[i] && std::isinf(bound[i])) active_[i] = 0, released = true;
+    if (active_[i] && std::isinf(bound(i))) active_[i] = nowhere, released = true;
   if (released) split();
   for (;;) {
-    pivot(b, bound, x, multiplier);
-    const std::size_t wrong = mark_wrong(b, bound, x, multiplier, tolerance);
+    pivot(b, x, multiplier);
+    const std::size_t wrong = mark_wrong(b, x, multiplier, tolerance);
     if (wrong == 0) break;
     if (wrong < fewest) {
       fewest = wrong;
@@ -46,43 +47,43 @@ void SpanConstraint::solve(std::span<const double> b, std::span<const double> bo
     }
     if (monotone_ || left > 0) {
       --left;
-      for (std::size_t i = 0; i < n; ++i) active_[i] ^= wrong_[i];
+      active_ = wanted_;
     } else {
-      const auto last = std::find(wrong_.rbegin(), wrong_.rend(), 1).base() - wrong_.begin() - 1;
-      active_[static_cast<std::size_t>(last)] ^= 1;
+      std::size_t last = n - 1;
+      while (wanted_[last] == active_[last]) --last;
+      active_[last] = wanted_[last];
     }
     // In exact arithmetic either rule ends; a tie that rounding cannot decide ends because the tolerance grows.
     if (++pivots % (4 * n + 16) == 0) tolerance *= 2.0;
     split();
   }
   for (std::size_t i = 0; i < n; ++i) {
-    x[i] = std::max(x[i], bound[i]);
-    multiplier[i] = std::max(multiplier[i], 0.0);
+    x[i] = std::clamp(x[i], lower[i], upper[i]);
+    multiplier[i] = active_[i] == at_upper ? std::min(multiplier[i], 0.0) : std::max(multiplier[i], 0.0);
   }
 }
 
-void SpanConstraint::pivot(std::span<const double> b, std::span<const double> bound, std::span<double> x,
-                           std::span<double> multiplier) {
+void SpanConstraint::pivot(std::span<const double> b, std::span<double> x, std::span<double> multiplier) {
   const std::size_t n = matrix_.size();
   const auto& off = matrix_.off_diagonal;
   for (std::size_t i = 0; i < n; ++i) {
     if (active_[i]) {
-      x[i] = bound[i];
+      x[i] = bound(i);
       continue;
     }
     x[i] = b[i];
-    if (i > 0 && active_[i - 1]) x[i] -= off[i - 1] * bound[i - 1];
-    if (i + 1 < n && active_[i + 1]) x[i] -= off[i] * bound[i + 1];
+    if (i > 0 && active_[i - 1]) x[i] -= off[i - 1] * bound(i - 1);
+    if (i + 1 < n && active_[i + 1]) x[i] -= off[i] * bound(i + 1);
   }
   for (std::size_t k = 1; matrix_.end_rows && k < 3; ++k) {
     const std::size_t last = n - 1;
-    if (!active_[0] && active_[k]) x[0] -= matrix_.end_rows->first[k] * bound[k];
-    if (!active_[last] && active_[last - k]) x[last] -= matrix_.end_rows->last[k] * bound[last - k];
+    if (!active_[0] && active_[k]) x[0] -= matrix_.end_rows->first[k] * bound(k);
+    if (!active_[last] && active_[last - k]) x[last] -= matrix_.end_rows->last[k] * bound(last - k);
   }
   factor_.solve(x);
   ++solves_;
   for (std::size_t i = 0; i < n; ++i)
-    if (active_[i]) x[i] = bound[i];
+    if (active_[i]) x[i] = bound(i);
   for (std::size_t i = 0; i < n; ++i) {
     multiplier[i] = 0.0;
     if (!active_[i]) continue;
@@ -94,9 +95,8 @@ void SpanConstraint::pivot(std::span<const double> b, std::span<const double> bo
   }
 }
 
-std::size_t SpanConstraint::mark_wrong(std::span<const double> b, std::span<const double> bound,
-                                       std::span<const double> x, std::span<const double> multiplier,
-                                       double tolerance) {
+std::size_t SpanConstraint::mark_wrong(std::span<const double> b, std::span<const double> x,
+                                       std::span<const double> multiplier, double tolerance) {
   const std::size_t n = matrix_.size();
   std::size_t count = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -108,9 +108,15 @@ std::size_t SpanConstraint::mark_wrong(std::span<const double> b, std::span<cons
       if (i == 0) scale += std::abs(matrix_.end_rows->first[k] * x[k]);
       if (i + 1 == n) scale += std::abs(matrix_.end_rows->last[k] * x[i - k]);
     }
-    const double violation = active_[i] ? -multiplier[i] : matrix_.diagonal[i] * (bound[i] - x[i]);
-    wrong_[i] = violation > tolerance * scale;
-    count += wrong_[i];
+    const double hidden = tolerance * scale;
+    wanted_[i] = active_[i];
+    if (active_[i] == nowhere) {
+      if (matrix_.diagonal[i] * (lower_[i] - x[i]) > hidden) wanted_[i] = at_lower;
+      if (matrix_.diagonal[i] * (x[i] - upper_[i]) > hidden) wanted_[i] = at_upper;
+    } else if ((active_[i] == at_lower ? -multiplier[i] : multiplier[i]) > hidden) {
+      wanted_[i] = nowhere;
+    }
+    count += wanted_[i] != active_[i];
   }
   return count;
 }

@@ -8,9 +8,9 @@
 
 namespace viscobar {
 
-/// min 1/2 x.A x - b.x  subject to  x >= bound  in every entry, solved exactly:
+/// min 1/2 x.A x - b.x  subject to  lower <= x <= upper  in every entry, solved exactly:
 ///
-///     A x = b + lambda,    0 <= x - bound  _|_  lambda >= 0.
+///     A x = b + lambda,    lambda >= 0 where x = lower,  lambda <= 0 where x = upper,  0 elsewhere.
 ///
 /// Block principal pivoting from the active set of the last solution: all entries that are wrong change at once (a step
 /// of the primal-dual active set method, or of semismooth Newton), and each pivot is one tridiagonal solve in which
@@ -22,12 +22,13 @@ class SpanConstraint {
  public:
   explicit SpanConstraint(const SymmetricTridiagonal& matrix);
 
-  /// All arguments have one value an entry; x = bound bitwise in active entries and x >= bound bitwise in all. An entry
-  /// without a bound has -infinity.
-  void solve(std::span<const double> b, std::span<const double> bound, std::span<double> x,
-             std::span<double> multiplier);
+  /// All arguments have one value an entry; x is its bound bitwise in active entries and within them bitwise in all. An
+  /// entry without a bound has an infinite one.
+  void solve(std::span<const double> b, std::span<const double> lower, std::span<const double> upper,
+             std::span<double> x, std::span<double> multiplier);
 
-  /// 1 where the last solution is held by its bound.
+  enum Held : unsigned char { nowhere, at_lower, at_upper };
+  /// Where the last solution is held by a bound.
   std::span<const unsigned char> active() const { return active_; }
 
   /// What the next solution depends on.
@@ -44,17 +45,18 @@ class SpanConstraint {
   std::size_t factorisations() const { return factorisations_; }
 
  private:
-  void pivot(std::span<const double> b, std::span<const double> bound, std::span<double> x,
-             std::span<double> multiplier);
-  std::size_t mark_wrong(std::span<const double> b, std::span<const double> bound, std::span<const double> x,
-                         std::span<const double> multiplier, double tolerance);
+  void pivot(std::span<const double> b, std::span<double> x, std::span<double> multiplier);
+  std::size_t mark_wrong(std::span<const double> b, std::span<const double> x, std::span<const double> multiplier,
+                         double tolerance);
+  double bound(std::size_t i) const { return active_[i] == at_lower ? lower_[i] : upper_[i]; }
   void split();
 
   SymmetricTridiagonal matrix_;
-  SymmetricTridiagonal split_;  // matrix_ without what couples active entries to others
-  TridiagonalFactor factor_;    // of split_
-  bool monotone_;               // an M-matrix
-  std::vector<unsigned char> active_, wrong_;
+  SymmetricTridiagonal split_;                  // matrix_ without what couples active entries to others
+  TridiagonalFactor factor_;                    // of split_
+  bool monotone_;                               // an M-matrix
+  std::vector<unsigned char> active_, wanted_;  // Held; as it is and as it should be
+  std::span<const double> lower_, upper_;       // of the present solution
   std::size_t solves_ = 0, factorisations_ = 0;
 };
 

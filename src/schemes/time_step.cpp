@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 namespace viscobar {
 
@@ -12,13 +13,13 @@ namespace {
 
 constexpr double unbounded = -std::numeric_limits<double>::infinity();
 
-// One contact a node, the one with the smallest gap.
+// One contact a node and side, the one with the smallest gap.
 std::vector<Contact> bounded_nodes(const std::vector<Contact>& all) {
   std::vector<Contact> nodes = all;
   std::sort(nodes.begin(), nodes.end(), [](const Contact& a, const Contact& b) {
-    return std::tie(a.unknown, a.gap, a.where) < std::tie(b.unknown, b.gap, b.where);
+    return std::tie(a.unknown, a.sign, a.gap, a.where) < std::tie(b.unknown, b.sign, b.gap, b.where);
   });
-  const auto same = [](const Contact& a, const Contact& b) { return a.unknown == b.unknown; };
+  const auto same = [](const Contact& a, const Contact& b) { return a.unknown == b.unknown && a.sign == b.sign; };
   nodes.erase(std::unique(nodes.begin(), nodes.end(), same), nodes.end());
   return nodes;
 }
@@ -51,15 +52,18 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
       fields_(order_, system.loaded() && order_.rows > 0 ? 5 : 4) {
   if (covers_span(system.contacts())) {
     solver_.emplace<SpanConstraint>(step_matrix(system, dt_));
-    interface_.resize(system.size());
+    for (std::vector<double>* values : {&interface_, &span_lower_, &span_upper_, &span_reaction_})
+      values->resize(system.size());
+    span_active_.resize(contacts_.size());
   } else {
     const SymmetricTridiagonal& condensed = factor_.condensed();
     interface_.resize(condensed.size());
     if (contacts_.empty()) {
       std::get<TridiagonalFactor>(solver_).factorise(condensed);
     } else {
-      std::vector<std::size_t> ends;
-      for (const Contact& contact : contacts_) ends.push_back(contact.unknown == 0 ? 0 : condensed.size() - 1);
+      std::vector<EndConstraint::Bounded> ends;
+      for (const Contact& contact : contacts_)
+        ends.push_back({contact.unknown == 0 ? 0 : condensed.size() - 1, contact.sign});
       solver_.emplace<EndConstraint>(condensed, ends);
       solves_ = ends.size();
     }
@@ -71,7 +75,7 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
   start_from(start, begin, scheme.start);
   balance(begin + dt_);
   for (std::size_t k = 0; k < contacts_.size(); ++k)
-    reaction_before_[k] = start.u[contacts_[k].unknown] <= -contacts_[k].gap ? reaction_[k] : 0.0;
+    reaction_before_[k] = contacts_[k].clearance(start.u[contacts_[k].unknown]) <= 0.0 ? reaction_[k] : 0.0;
 }
 
 void TimeStep::start_from(const State& start, double begin, Start order) {
@@ -88,19 +92,34 @@ void TimeStep::start_from(const State& start, double begin, Start order) {
     for (std::size_t i = 0; i < p_.size(); ++i) p_[i] += dt_ / 2 * a[i];
     for (std::size_t k = 0; k < contacts_.size(); ++k) start_impulse_[k] = dt_ / 2 * reaction_[k];
   }
-  if (system_.massive_begin() > 0) settle_massless(contacts_.front().gap, 0, 1, begin);
+  if (system_.massive_begin() > 0) settle_massless(contacts_.front(), 1, begin);
   if (system_.massive_end() < system_.size()) {
-    const std::size_t end = system_.size() - 1;
-    settle_massless(contacts_.back().gap, end, end - 1, begin);
+    settle_massless(contacts_.back(), system_.size() - 2, begin);
   }
   project_start();
   for (std::size_t i = 0; i < u_.size(); ++i) {
     a_[i] = (p_[i] - v[i]) / (dt_ / 2);
     u_[i] += dt_ * p_[i];
   }
+  for (std::size_t k = 0; k < contacts_.size(); ++k) keep_within(k);
+}
+
+void TimeStep::keep_within(std::size_t k) {
+  const auto [i, sign] = std::pair{contacts_[k].unknown, contacts_[k].sign};
+  u_[i] = sign * std::max(sign * u_[i], lower_[k]);
+}
+
+void TimeStep::solve_span(SpanConstraint& span, std::span<const double> b, std::span<const double> bound,
+                          std::span<double> x, std::span<double> multiplier) {
+  std::ranges::fill(span_lower_, unbounded);
+  std::ranges::fill(span_upper_, -unbounded);
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    (contacts_[k].sign > 0.0 ? span_lower_ : span_upper_)[contacts_[k].unknown] = contacts_[k].sign * bound[k];
+  span.solve(b, span_lower_, span_upper_, x, span_reaction_);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    double& u = u_[contacts_[k].unknown];
-    u = std::max(u, lower_[k]);
+    const auto [i, sign] = std::pair{contacts_[k].unknown, contacts_[k].sign};
+    multiplier[k] = std::max(sign * span_reaction_[i], 0.0);
+    span_active_[k] = span.active()[i] == (sign > 0.0 ? SpanConstraint::at_lower : SpanConstraint::at_upper) ? 1 : 0;
   }
 }
 
@@ -112,17 +131,17 @@ void TimeStep::project_start() {
   bool held = false;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const std::size_t i = contacts_[k].unknown;
-    bound[k] = (lower_[k] - u_[i]) / dt_;
-    held |= p_[i] < bound[k];
+    bound[k] = (lower_[k] - contacts_[k].sign * u_[i]) / dt_;
+    held |= contacts_[k].sign * p_[i] < bound[k];
   }
   if (!held) return;
   const SymmetricTridiagonal& inertia = system_.inertia();
   if (inertia.off_diagonal.empty() || system_.has_massless()) {
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
       const std::size_t i = contacts_[k].unknown;
-      const double taken = std::max(bound[k] - p_[i], 0.0);
+      const double sign = contacts_[k].sign, taken = std::max(bound[k] - sign * p_[i], 0.0);
       start_impulse_[k] += inertia.diagonal[i] * taken;
-      p_[i] += taken;
+      p_[i] += sign * taken;
     }
     return;
   }
@@ -130,10 +149,11 @@ void TimeStep::project_start() {
   order_.to_nodes([this](std::size_t i) { return p_[i]; }, p);
   inertia.multiply(p, momentum);
   if (covers_span(contacts_)) {
-    SpanConstraint(inertia).solve(momentum, bound, p, impulse);
+    SpanConstraint span(inertia);
+    solve_span(span, momentum, bound, p, impulse);
   } else {
-    std::vector<std::size_t> ends;
-    for (const Contact& contact : contacts_) ends.push_back(contact.unknown);
+    std::vector<EndConstraint::Bounded> ends;
+    for (const Contact& contact : contacts_) ends.push_back({contact.unknown, contact.sign});
     EndConstraint(inertia, ends).solve(momentum, bound, impulse);
     p.swap(momentum);
   }
@@ -141,8 +161,10 @@ void TimeStep::project_start() {
   for (std::size_t k = 0; k < contacts_.size(); ++k) start_impulse_[k] += impulse[k];
 }
 
-void TimeStep::settle_massless(double gap, std::size_t end, std::size_t next, double begin) {
+void TimeStep::settle_massless(const Contact& contact, std::size_t next, double begin) {
   const Bar& bar = system_.bar();
+  const std::size_t end = contact.unknown;
+  const double sign = contact.sign;
   const auto rest_stretch = [&](double t, double relaxed, double memory) {
     double pull = 0.0;
     if (load_) {
@@ -151,7 +173,7 @@ void TimeStep::settle_massless(double gap, std::size_t end, std::size_t next, do
     }
     return (memory * relaxed + pull) / (memory + bar.modulus);
   };
-  if (!system_.damped()) u_[end] = std::max(u_[next] + rest_stretch(begin, 0.0, 0.0), -gap);
+  if (!system_.damped()) u_[end] = sign * std::max(sign * (u_[next] + rest_stretch(begin, 0.0, 0.0)), -contact.gap);
   const double stretch = rest_stretch(begin + dt_, u_[end] - u_[next], bar.viscosity / dt_);
   p_[end] = (u_[next] + dt_ * p_[next] + stretch - u_[end]) / dt_;
 }
@@ -164,7 +186,8 @@ void TimeStep::restored() {
 // The bound of u^{n+1} from u^n and u^{n-1} = u^n - dt p^{n-1/2}, at the start from u^0 and the initial velocity.
 void TimeStep::bound_contacts() {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const double gap = contacts_[k].gap, u = u_[contacts_[k].unknown], p = p_[contacts_[k].unknown];
+    const double gap = contacts_[k].gap, sign = contacts_[k].sign;
+    const double u = sign * u_[contacts_[k].unknown], p = sign * p_[contacts_[k].unknown];
     if (impact_ == Impact::paoli_schatzman)
       lower_[k] = -gap - restitution_ * (gap + (u - dt_ * p));
     else
@@ -192,16 +215,16 @@ void TimeStep::evaluate_load(double t) {
   }
 }
 
-// Finds a at the interface and lambda such that u + dt (p + lever a) lies above lower_.
+// Finds a at the interface and lambda such that s (u + dt (p + lever a)) lies above lower_.
 void TimeStep::solve(double lever) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const std::size_t i = contacts_[k].unknown;
-    bound_[k] = ((lower_[k] - u_[i]) / dt_ - p_[i]) / lever;
+    bound_[k] = ((lower_[k] - contacts_[k].sign * u_[i]) / dt_ - contacts_[k].sign * p_[i]) / lever;
   }
   if (auto* span = std::get_if<SpanConstraint>(&solver_)) {
     system_.internal_force(u_, p_, interface_);
     for (std::size_t i = 0; i < load_now_.size(); ++i) interface_[i] += load_now_[i];
-    return span->solve(interface_, bound_, a_, reaction_);
+    return solve_span(*span, interface_, bound_, a_, reaction_);
   }
   bar_.eliminate_force(factor_, u_, p_, load_now_, a_, interface_);
   eliminated_ = true;
@@ -248,20 +271,25 @@ namespace {
 void TimeStep::advance() {
   const std::span<const unsigned char> held = active();
   // The velocity of a held node from its displacements, so that rest is exact and not rounding's motion.
-  for (std::size_t k = 0; k < contacts_.size(); ++k) bound_[k] = (lower_[k] - u_[contacts_[k].unknown]) / dt_;
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    bound_[k] = (lower_[k] - contacts_[k].sign * u_[contacts_[k].unknown]) / dt_;
   if (eliminated_)
     substitute([dt = dt_, p = p_.data(), u = u_.data()](std::size_t i, const auto& a) { move(dt, a, p[i], u[i]); });
   else
     for (std::size_t i = 0; i < u_.size(); ++i) move(dt_, a_[i], p_[i], u_[i]);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const std::size_t i = contacts_[k].unknown;
-    if (held[k]) p_[i] = bound_[k];
-    u_[i] = held[k] ? lower_[k] : std::max(u_[i], lower_[k]);
+    if (!held[k]) {
+      keep_within(k);
+      continue;
+    }
+    p_[i] = contacts_[k].sign * bound_[k];
+    u_[i] = contacts_[k].sign * lower_[k];
   }
 }
 
 std::span<const unsigned char> TimeStep::active() const {
-  if (const auto* span = std::get_if<SpanConstraint>(&solver_)) return span->active();
+  if (std::holds_alternative<SpanConstraint>(solver_)) return span_active_;
   if (const auto* ends = std::get_if<EndConstraint>(&solver_)) return ends->active();
   return {};
 }

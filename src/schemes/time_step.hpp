@@ -53,12 +53,13 @@ class TimeStep {
   std::span<const double> acceleration();                                  ///< a^n
   std::span<const double> acceleration_before() const { return before_; }  ///< a^{n-1}
 
-  /// Nodes with an obstacle in the order of the unknowns, each with the obstacle that bounds it most.
+  /// Nodes with an obstacle in the order of the unknowns, each with the obstacle that bounds it most, from either
+  /// side.
   const std::vector<Contact>& contacts() const { return contacts_; }
   /// int lambda dt over the first half step, which leads to p^{1/2}: of the balance at t_0, and what an impact at t_0
   /// takes at once; one a contact.
   std::span<const double> start_impulse() const { return start_impulse_; }
-  std::span<const double> reaction() const { return reaction_; }                ///< lambda^n, one a contact
+  std::span<const double> reaction() const { return reaction_; }                ///< lambda^n >= 0, one a contact
   std::span<const double> reaction_before() const { return reaction_before_; }  ///< lambda^{n-1}
   std::span<const unsigned char> active() const;  ///< whether u^{n+1} is held by its bound
 
@@ -91,7 +92,10 @@ class TimeStep {
   void substitute(Use&& use);
   void start_from(const State& start, double begin, Start order);
   void project_start();
-  void settle_massless(double gap, std::size_t end, std::size_t next, double begin);
+  void settle_massless(const Contact& contact, std::size_t next, double begin);
+  void keep_within(std::size_t k);
+  void solve_span(SpanConstraint& span, std::span<const double> b, std::span<const double> bound, std::span<double> x,
+                  std::span<double> multiplier);
 
   const BarSystem& system_;
   double dt_, restitution_;
@@ -107,7 +111,9 @@ class TimeStep {
   std::span<double> u_ = fields_[0], p_ = fields_[1], a_ = fields_[2], before_ = fields_[3];
   std::vector<double> interface_;  // a^n there; under a span obstacle the force
   bool eliminated_ = false;        // a_ waits for the second sweep
-  std::vector<double> lower_, bound_, reaction_, reaction_before_, start_impulse_;  // one a contact
+  std::vector<double> lower_, bound_, reaction_, reaction_before_, start_impulse_;  // one a contact, of s u and s R
+  std::vector<double> span_lower_, span_upper_, span_reaction_;                     // one a node
+  std::vector<unsigned char> span_active_;                                          // one a contact
   std::size_t solves_ = 0, load_evaluations_ = 0;
 };
 

@@ -7,6 +7,7 @@
 
 #include "case/alarm.hpp"
 #include "properties/random_scene.hpp"
+#include "support/absolute_tolerance.hpp"
 #include "support/maximum_norm.hpp"
 
 namespace viscobar::campaign {
@@ -149,7 +150,7 @@ Judged judge(const SceneFile& scene) {
     const Run exact = run_of(by_exponentials(run));
     const Run mine = run_of(run);
     judged.events = mine.statistics.events;
-    const double tolerance = run.tolerance.relative * exact.largest + run.tolerance.absolute;
+    const double tolerance = run.tolerance.relative * exact.largest + absolute_tolerance(run);
     judged.error = distance(mine.u, exact.u) / (100.0 * tolerance);
     const EnergyAccount& energy = *mine.statistics.energy;
     const double scale = std::max({energy.initial, energy.final, energy.dissipated, std::abs(energy.work)});

@@ -83,6 +83,7 @@ constexpr struct {
     {"scripts/test", "is what runs the tests"},
     {"scripts/benchmark", "takes minutes"},
     {"scripts/coverage", "takes minutes"},
+    {"scripts/gallery", "takes minutes"},
     {"scripts/fuzz", "takes minutes"},
     {"scripts/campaign", "takes minutes; a slice of it is one of the tests"},
     {"build/release/tests/malformed_test", "is one of the tests"},

@@ -47,7 +47,7 @@ TEST_F(Info, CountsADirectoryOfPicturesAsOne) {
 }
 
 TEST_F(Info, TellsOfEveryStudyInTheDirectory) {
-  viscobar("compare scene.toml --methods rigid,cvode --quiet -o out");
+  viscobar("compare scene.toml --methods rigid,cvode --set contact.epsilon=1e-6 --quiet -o out");
   viscobar("limit scene.toml --epsilon 1e-3:1e-4 --quiet -o out");
   viscobar("precision scene.toml --methods rigid --tolerance 1e-3:1e-4 --seconds 60 --quiet -o out");
   const auto results = viscobar("info out --json").json()["results"];
@@ -67,9 +67,10 @@ TEST_F(Info, TellsOfEveryStudyInTheDirectory) {
 }
 
 TEST_F(Info, TellsOfASweepHowManyRowsItHasAndWhatTheySpan) {
-  std::ofstream(directory_ / "sweep.toml") << "scene = \"scene.toml\"\n[set]\nmethod.name = \"cvode\"\ntime.end = "
-                                              "1.0\n[vary]\nmesh.mass = [\"consistent\", \"redistributed\"]\n"
-                                              "mesh.elements = [8, 16]\nbar.viscosity = [0.0, 0.1]\n";
+  std::ofstream(directory_ / "sweep.toml")
+      << "scene = \"scene.toml\"\n[set]\nmethod.name = \"cvode\"\ncontact.epsilon = 1e-6\ntime.end = "
+         "1.0\n[vary]\nmesh.mass = [\"consistent\", \"redistributed\"]\n"
+         "mesh.elements = [8, 16]\nbar.viscosity = [0.0, 0.1]\n";
   EXPECT_EQ(viscobar("sweep sweep.toml --quiet -o out").code, 1);  // cvode refuses massless nodes without viscosity
   const auto sweep = viscobar("info out --json").json()["results"][0];
   EXPECT_EQ(sweep["kind"], "sweep");

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "hard/reference.hpp"
+#include "support/absolute_tolerance.hpp"
 #include "viscobar/case/recorder.hpp"
 #include "viscobar/studies/exact/exact_solutions.hpp"
 
@@ -80,7 +81,7 @@ double Judgement::ratio() const {
 
 double promised(const Trial& trial, double largest) {
   const Case& run = trial.run;
-  if (is_adaptive(run.method)) return 100 * (run.tolerance.relative * largest + run.tolerance.absolute);
+  if (is_adaptive(run.method)) return 100 * (run.tolerance.relative * largest + absolute_tolerance(run));
   if (is_scheme(run.method)) return 8 * rounding * largest * static_cast<double>(trial.result.statistics.steps);
   return 1e-11 * largest;
 }

@@ -103,7 +103,7 @@ void gaps(Scenes& scenes) {
 Case smaller(Case run, double factor) {
   run.scene.left = Obstacle{std::get<Obstacle>(run.scene.left).gap / factor};
   run.scene.velocity = [v = run.scene.velocity, factor](double x) { return v(x) / factor; };
-  run.tolerance.absolute /= factor;
+  if (run.tolerance.absolute) *run.tolerance.absolute /= factor;
   return run;
 }
 
@@ -129,7 +129,7 @@ HardScene units() {
     *run.step /= t;
     run.end /= t;
     run.output_every /= t;
-    run.tolerance.absolute /= l;
+    if (run.tolerance.absolute) *run.tolerance.absolute /= l;
     return run;
   };
   const auto set = [](const char* key, double value) { return fmt::format("{}={:.17g}", key, value); };

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "characteristics/cell_waves.hpp"
+#include "support/absolute_tolerance.hpp"
 
 namespace viscobar::hard {
 
@@ -14,8 +15,7 @@ constexpr std::size_t most_dense_elements = 60;
 
 Case by(Case run, MethodName method, double tolerance) {
   run.method = method;
-  run.tolerance.absolute *= tolerance / run.tolerance.relative;
-  run.tolerance.relative = tolerance;
+  run.tolerance = run.tolerance.with_relative(tolerance);
   return run;
 }
 
@@ -36,7 +36,7 @@ Case trusted(Case run) {
 Reference of_scheme(const Trial& trial) {
   Case reference = trial.run;
   const bool massless = trial.run.mass == Mass::redistributed;
-  reference.tolerance = {1e-8, 1e-3 * trial.run.tolerance.absolute};
+  reference.tolerance = {1e-8, 1e-3 * absolute_tolerance(trial.run)};
   if (massless)
     reference.method = MethodName::rigid;
   else

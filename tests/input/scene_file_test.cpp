@@ -100,7 +100,7 @@ TEST(SceneFile, GivesTheFallbacksOfKeysThatAreAbsent) {
   EXPECT_FALSE(run.restitution);
   EXPECT_TRUE(run.automatic);
   EXPECT_EQ(run.tolerance.relative, 1e-6);
-  EXPECT_EQ(run.tolerance.absolute, 1e-9);
+  EXPECT_FALSE(run.tolerance.absolute);
   EXPECT_FALSE(run.step);
   EXPECT_EQ(run.start, Start::first_order);
   EXPECT_EQ(run.impact, Impact::paoli_schatzman);

@@ -93,6 +93,33 @@ TEST_P(MassiveContact, AnImpactTakesItsShareOfTheEnergyAndTheAccountCloses) {
   }
 }
 
+// Without load nothing else changes 1.M v: impacts, and what presses between them, by the rows of every mass.
+TEST_P(MassiveContact, TheImpulseOfTheAccountIsTheMomentumThatTheBarGains) {
+  Scene scene;
+  scene.bar.viscosity = 0.1;
+  scene.left = Obstacle{0.2};
+  scene.displacement = [](double) { return 0.0; };
+  scene.velocity = [](double) { return -1.0; };
+  const BarSystem system(scene, {1.0, 12}, GetParam());
+  for (const double e : {0.0, 0.5}) {
+    std::vector<double> product(system.size());
+    double first = 0.0, last = 0.0;
+    Observers observers;
+    observers.account = true;
+    observers.snapshot = [&](const Snapshot& now) {
+      system.inertia().multiply(now.v, product);
+      last = 0.0;
+      for (const double entry : product) last += entry;
+      if (now.time == 0.0) first = last;
+    };
+    const Statistics done =
+        integrate(system, system.initial_state(), uniform_times(3.0, 1), Rigid{{1e-10, 1e-13}, e}, observers);
+    ASSERT_GT(done.events, 1u);
+    // 100 times the tolerance, of velocities of 1.
+    EXPECT_NEAR(done.account->left.impulse, last - first, 100 * 1e-10) << name(GetParam()) << " " << e;
+  }
+}
+
 // Rows other than the contact's keep their momentum.
 TEST_P(MassiveContact, AnImpactLeavesTheMomentumOfTheOtherRowsAlone) {
   const BarSystem system(thrown(0.0), {1.0, 9}, GetParam());

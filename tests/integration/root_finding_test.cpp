@@ -197,7 +197,7 @@ TYPED_TEST(RootFinding, AnIndicatorFarBelowOneIsSeenAsOneOfOrderOne) {
   const double tiny = std::exp2(-664);
   const auto run_at = [](double scale) {
     TypeParam method = with<TypeParam>(1e-3, 1e-8);
-    method.tolerance.absolute *= scale;
+    *method.tolerance.absolute *= scale;
     Scene scene = point(0.1 * scale, -scale, {});
     scene.bar.viscosity = 0.05;
     const BarSystem system = system_of(scene);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "support/absolute_tolerance.hpp"
 #include "support/paper_throw.hpp"
 #include "viscobar/case/end_traces.hpp"
 #include "viscobar/case/recording.hpp"
@@ -102,7 +103,7 @@ TEST(StiffContactStart, IsInterpolatedLikeAnyOtherStepByOneStepMethods) {
     const Recording result = record(run);
     ASSERT_EQ(result.u.size(), reference.u.size());
     for (std::size_t i = 0; i < result.u.size(); ++i)  // max|u| = 1/2
-      ASSERT_NEAR(result.u[i], reference.u[i], 100 * (0.5 * run.tolerance.relative + run.tolerance.absolute))
+      ASSERT_NEAR(result.u[i], reference.u[i], 100 * (0.5 * run.tolerance.relative + absolute_tolerance(run)))
           << name(method) << " at t = " << result.times[i / result.mesh.nodes()];
   }
 }

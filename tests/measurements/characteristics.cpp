@@ -118,6 +118,37 @@ void many_contacts(double end) {
       run.statistics.integration_seconds);
 }
 
+// How a bar that is thrown at its obstacle breaks its waves, one row for each set of ends and load.
+void growth() {
+  const SteadyLoad weight{[](double) { return -1.0; }}, skew{[](double x) { return -1.0 - x * x; }};
+  struct Row {
+    const char* words;
+    EndCondition right;
+    std::optional<Load> load;
+  };
+  for (const Row& row :
+       {Row{"obstacle and free", Free{}, std::nullopt}, Row{"obstacle and free, -1", Free{}, weight},
+        Row{"obstacle and fixed", Fixed{}, std::nullopt}, Row{"obstacle and free, -1 - x^2", Free{}, skew},
+        Row{"two obstacles, -1", Obstacle{0.1}, weight}}) {
+    Scene scene;
+    scene.left = Obstacle{0.1};
+    scene.right = row.right;
+    scene.load = row.load;
+    const bool fixed = is_fixed(row.right);
+    scene.displacement = [](double x) { return 0.4 * x * (1 - x); };
+    scene.velocity = [fixed](double x) { return (fixed ? 1 - x : 1.0) * (-0.5 - x); };
+    std::string cells;
+    for (const double end : {10.0, 100.0, 1000.0, 3000.0}) try {
+        const Statistics done = followed(scene, {0.0, end}, 1).statistics;
+        cells += fmt::format(" {} ({} coefficients), {:.2g} s |", done.events, done.unknowns, done.integration_seconds);
+      } catch (const IntegrationError& error) {
+        cells += fmt::format(" stops at {:.4g}, {:.2g} s |", error.statistics.reached_time,
+                             error.statistics.integration_seconds);
+      }
+    fmt::print("| {} |{}\n", row.words, cells);
+  }
+}
+
 }  // namespace
 
 int main() {
@@ -126,6 +157,7 @@ int main() {
   bouncing(10.0, 1);
   bouncing(3000.0, 1);
   for (const double end : {50.0, 100.0, 110.0}) many_contacts(end);
+  growth();
   random_bars(RandomBar::Loads::none, 3000, 2000);
   random_bars(RandomBar::Loads::any, 1000, 400);
 }

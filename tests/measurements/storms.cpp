@@ -21,6 +21,7 @@ using namespace viscobar;
 struct Setting {
   std::string name;
   Case run;
+  run.mass = Mass::consistent;
 };
 
 Case chatter(double epsilon) {
@@ -33,6 +34,7 @@ Case chatter(double epsilon) {
 // A bar over a span obstacle, pulled down; `wave` is the height of its first shape.
 Case over_span(std::size_t elements, double wave, double viscosity, double end) {
   Case run;
+  run.mass = Mass::consistent;
   run.scene.bar.viscosity = viscosity;
   run.scene.span = Obstacle{0.1};
   run.scene.displacement = [wave](double x) { return wave * std::cos(7.0 * x); };
@@ -47,6 +49,7 @@ Case over_span(std::size_t elements, double wave, double viscosity, double end) 
 // A bar that a steady load presses on its obstacle, where it comes to rest.
 Case pressed(double epsilon) {
   Case run;
+  run.mass = Mass::consistent;
   run.scene.bar.viscosity = 0.3;
   run.scene.left = Obstacle{0.0};
   run.scene.displacement = run.scene.velocity = [](double) { return 0.0; };

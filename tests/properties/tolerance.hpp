@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "support/absolute_tolerance.hpp"
 #include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
 
@@ -13,7 +14,7 @@ namespace viscobar::properties {
 /// others are exact but for rounding: of at most 1e4 steps, each a solve on up to 25 nodes at a condition of up to 1e8
 /// (epsilon down to 2^-20 beside h^2 of 1/600), of which the largest errors do not all add up: 1e-10 max|u|.
 inline double displacement_error(const Case& run, double u) {
-  return is_adaptive(run.method) ? 100.0 * (run.tolerance.relative * u + run.tolerance.absolute) : 1e-10 * u;
+  return is_adaptive(run.method) ? 100.0 * (run.tolerance.relative * u + absolute_tolerance(run)) : 1e-10 * u;
 }
 
 /// Fastest oscillation that an error of the displacement becomes a velocity by: that of a contact node on its spring

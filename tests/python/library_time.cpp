@@ -1,5 +1,5 @@
-// Processor seconds of one run of a scene by the C++ library, from its file to the numbers in memory: the least of N, as
-// tests/python/overhead.py takes them. Usage: library_time SCENE N
+// Processor seconds of one run of a scene by the C++ library, from its file to the numbers in memory: the least of N,
+// as tests/python/overhead.py takes them. Usage: library_time SCENE N
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>

@@ -1,21 +1,16 @@
 """viscobar.run(): the numbers of the program, arrays, Python functions, stops."""
-import copy
 import gc
 import os
-import pathlib
 import signal
-import subprocess
-import sys
-import tempfile
 import threading
 import time
-import unittest
+import traceback
 import warnings
 
 import numpy as np
 
 import viscobar
-from support import SCENES, Test, long_scene, main, program, program_result, thrown
+from support import SCENES, Test, long_scene, main, program_result, thrown
 
 warnings.simplefilter("ignore", viscobar.RunWarning)
 
@@ -51,7 +46,7 @@ class NumbersTest(Test):
         self.check("bouncing.toml")
 
     def test_of_finite_differences_under_a_loaded_span_are_those_of_the_program_bit_for_bit(self):
-        self.check("unit-span-loaded.toml")
+        self.check("unit-span-loaded.toml", method__name="finite_difference")
 
     def test_of_the_paper_loaded_are_those_of_the_program_bit_for_bit(self):
         self.check("paper-both-ends-loaded.toml", time__end=5)
@@ -139,13 +134,16 @@ class FunctionsTest(Test):
             return 0.0 * x
 
         for method in ("cvode", "ida", "arkode", "odeint", "rigid", "exponential", "fully_discrete"):
-            with self.subTest(method), self.assertRaises(Own) as raised:
-                viscobar.run(thrown(load__density=load, mesh__mass="consistent", mesh__elements=8), method)
-            self.assertEqual(raised.exception.args[0], "at")
-            self.assertEqual(raised.exception.__traceback__.tb_next.tb_next.tb_frame.f_code.co_name, "load")
-            reached = raised.exception.result
-            self.assertFalse(reached.completed)
-            self.assertGreaterEqual(reached.t[-1], 0.8)
+            with self.subTest(method):
+                try:
+                    viscobar.run(thrown(load__density=load, mesh__mass="consistent", mesh__elements=8), method)
+                    self.fail("nothing was raised")
+                except Own as raised:
+                    self.assertEqual(raised.args[0], "at")
+                    frames = [frame.name for frame in traceback.extract_tb(raised.__traceback__)]
+                    self.assertEqual(frames[-1], "load")
+                    self.assertFalse(raised.result.completed)
+                    self.assertGreaterEqual(raised.result.t[-1], 0.8)
         with self.assertRaises(ZeroDivisionError):
             viscobar.run(thrown(initial__velocity=lambda x: 1 / x))
 
@@ -232,15 +230,18 @@ class StopsTest(Test):
         self.assertLess(len(stopped.rows), 3)
 
     def test_leave_other_threads_running(self):
-        done = threading.Event()
-        turns = 0
-        runner = threading.Thread(target=lambda: (viscobar.run(thrown(time__end=300.0, output__every=10.0)), done.set()))
+        stop, slept = threading.Event(), []
+        scene = long_scene()
+        scene["output"]["every"] = 1.0  # some 20 ms of work: who waits for Python's lock would wait so long
+        runner = threading.Thread(target=lambda: viscobar.run(scene, observer=lambda t, u, v: stop.is_set()))
         runner.start()
-        while not done.is_set():
-            turns += 1
+        for _ in range(50):
+            begun = time.perf_counter()
             time.sleep(0.001)
+            slept.append(time.perf_counter() - begun)
+        stop.set()
         runner.join()
-        self.assertGreater(turns, 5)
+        self.assertLess(sorted(slept)[25], 0.01)
 
     def test_of_several_runs_at_once_have_the_numbers_of_one(self):
         alone = viscobar.run(thrown()).u
@@ -277,28 +278,6 @@ class FailuresTest(Test):
     def test_warnings_are_warnings_of_python(self):
         with self.assertWarnsRegex(viscobar.RunWarning, "^chatter: "):
             viscobar.run(SCENES / "chatter.toml")
-
-
-class LeaksTest(Test):
-    def test_ten_thousand_runs_leave_nothing_behind(self):
-        scene = thrown(time__end=0.3, mesh__elements=4, load__density=lambda x, t: 0.1 * x)
-        scene["mesh"]["mass"] = "consistent"
-
-        def memory():
-            gc.collect()
-            with open("/proc/self/statm") as file:
-                return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-
-        def runs(count):
-            for _ in range(count):
-                result = viscobar.run(scene)
-                result.ends, result.events, result.summary
-
-        runs(1000)  # until arenas and caches have their size
-        before = memory()
-        runs(10000)
-        # 256 KiB are 26 bytes a run: less than any object.
-        self.assertLess(memory() - before, 256 * 1024)
 
 
 if __name__ == "__main__":

@@ -118,10 +118,11 @@ class SchemesTest(Test):
 
     def test_of_examples_find_contact_time_and_rebound_of_a_viscous_bar(self):
         rows = {row["method"]: row for row in compare_schemes.rows()}
-        # Contacts of a scheme last whole steps, 1e-3, at either end; h^2 / 10 of the mesh, epsilon 1e-5 of the penalty.
+        # Contacts of a scheme last whole steps, 1e-3, from either end; the end node's momentum, h / 2 = 1/100, is taken from it
+        # when the contact begins, which is not in the reaction.
         for name in ("newmark", "nitsche"):
-            self.assertLess(abs(rows[name]["its error"]), 2e-3 + 1 / 50**1.5)
-            self.assertLess(abs(rows[name]["error of it"]), 5e-3)
+            self.assertLess(abs(rows[name]["its error"]), 2e-3)
+            self.assertLess(abs(rows[name]["error of it"]), 2e-2)
 
     def test_of_examples_converge_on_the_period_3_bar(self):
         for scheme in (newmark, nitsche):
@@ -135,8 +136,9 @@ class SchemesTest(Test):
             self.assertEqual(errors, sorted(errors, reverse=True))
 
     def test_orders_of_a_built_in_method_are_those_of_a_smooth_motion(self):
-        # Rigid flight until the contact at t = 0.1 is known and exact on any mesh.
-        orders = viscobar.orders(still, thrown(time__end=0.09, output__every=0.03), refine="mesh", levels=3)
+        # Rigid flight until the contact at t = 0.1 is exact on any mesh.
+        flight = {"u": lambda x, t: -t}
+        orders = viscobar.orders(still, thrown(time__end=0.09, output__every=0.03), refine="mesh", levels=3, exact=flight)
         rounding = 10 * np.finfo(float).eps
         self.assertLess(max(orders.column("displacement_l2")), rounding)
         # (2.8) on a free bar with u_0 = cos(pi x): order 2 in dt and h, here against the exact solution.

@@ -147,5 +147,21 @@ TEST(RecordRun, WarnsOfARunThatWillTakeLong) {
   EXPECT_TRUE(warnings[0].starts_with("slow: the last 1000000 steps")) << warnings[0];
 }
 
+// Pressed between two obstacles without viscosity: see Automatic.TakesRigidAndSaysWhyWhereTheWavesBreakWithoutEnd.
+TEST(RecordRun, WarnsInTheSummaryWhereAutomaticCannotTakeTheExactMethod) {
+  const Scratch scratch;
+  const SceneFile scene = parse_scene(
+      "[bar]\nlength = 1\n[left]\nkind = \"obstacle\"\ngap = 0.1\n[right]\nkind = \"obstacle\"\ngap = 0.1\n"
+      "[initial]\ndisplacement = \"0.4*x*(1-x)\"\nvelocity = \"-0.5-x\"\n[load]\ndensity = -1\n"
+      "[time]\nend = 120\n[mesh]\nelements = 8\n[output]\nevery = 10\n",
+      "rough");
+  record_run(scene, scratch.path());
+  const auto summary = summary_in(scratch.path());
+  EXPECT_EQ(summary["method"], "rigid");
+  EXPECT_EQ(summary["method_requested"], "automatic");
+  ASSERT_FALSE(summary["warnings"].empty());
+  EXPECT_TRUE(summary["warnings"][0].get<std::string>().starts_with("automatic chose rigid")) << summary["warnings"];
+}
+
 }  // namespace
 }  // namespace viscobar

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "support/absolute_tolerance.hpp"
 #include "support/scratch.hpp"
 #include "viscobar/record/record_run.hpp"
 #include "viscobar/run/run.hpp"
@@ -88,7 +89,7 @@ TEST(Summary, TheImpulseOfTheReactionIsTheGainOfMomentum) {
   const Json summary = Json::parse(record_run(scene, scratch.path()).summary);
   const double impulse = summary["contact"]["left"]["impulse"];
   // Both are within a hundred tolerances of the velocity, of size 0.3.
-  EXPECT_NEAR(impulse, momentum - (-0.3), 100.0 * (scene.run.tolerance.relative * 0.3 + scene.run.tolerance.absolute));
+  EXPECT_NEAR(impulse, momentum - (-0.3), 100.0 * (scene.run.tolerance.relative * 0.3 + absolute_tolerance(scene.run)));
   EXPECT_GT(impulse, 0.3);
 }
 

@@ -68,7 +68,7 @@ TEST(EndConstraint, FindsTheOneContactStateOfAllThatFits) {
   for (int trial = 0; trial < 20000; ++trial) {
     const std::size_t ends = 1 + random() % 2, n = ends + random() % 5;
     const Problem problem = random_problem(n, ends, random);
-    EndConstraint constraint(problem.matrix, problem.entries);
+    EndConstraint constraint(problem.matrix, {problem.entries.begin(), problem.entries.end()});
     std::vector<double> x = problem.b, multiplier(ends), row(n);
     constraint.solve(x, problem.bound, multiplier);
     double largest = 1.0;

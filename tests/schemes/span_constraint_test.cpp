@@ -48,6 +48,50 @@ void expect_solution(const SymmetricTridiagonal& matrix, std::span<const double>
   }
 }
 
+// Bounded from below only.
+void solve(SpanConstraint& constraint, std::span<const double> b, std::span<const double> bound, std::span<double> x,
+           std::span<double> multiplier) {
+  constraint.solve(b, bound, std::vector<double>(b.size(), std::numeric_limits<double>::infinity()), x, multiplier);
+}
+
+// Between two bounds: these conditions, too, have one solution only, and the mirror image of a problem has the mirror
+// image of its solution.
+TEST(SpanConstraint, HoldsEveryEntryBetweenItsTwoBounds) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> width(0.0, 0.7);
+  std::size_t held[3] = {};
+  for (int trial = 0; trial < 3000; ++trial) {
+    const std::size_t n = 1 + random() % 12;
+    const auto matrix = random_matrix(n, static_cast<Signs>(random() % 3), 0.05, random);
+    const auto b = random_vector(n, random);
+    auto lower = random_vector(n, random), upper = lower;
+    for (double& bound : upper) bound += width(random);
+    SpanConstraint constraint(matrix);
+    std::vector<double> x(n), multiplier(n), row(n);
+    constraint.solve(b, lower, upper, x, multiplier);
+    matrix.multiply(x, row);
+    const double rounding = 64 * eps * (largest(matrix.diagonal) * largest(x) + largest(b));
+    for (std::size_t i = 0; i < n; ++i) {
+      ASSERT_GE(x[i], lower[i]);
+      ASSERT_LE(x[i], upper[i]);
+      ASSERT_NEAR(row[i], b[i] + multiplier[i], rounding);
+      if (multiplier[i] > 0.0) ASSERT_EQ(x[i], lower[i]);
+      if (multiplier[i] < 0.0) ASSERT_EQ(x[i], upper[i]);
+      ++held[constraint.active()[i]];
+    }
+    std::vector<double> turned_b(b), turned_lower(n), turned_upper(n), turned(n), turned_multiplier(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      turned_b[i] = -b[i];
+      turned_lower[i] = -upper[i];
+      turned_upper[i] = -lower[i];
+    }
+    SpanConstraint mirrored(matrix);
+    mirrored.solve(turned_b, turned_lower, turned_upper, turned, turned_multiplier);
+    for (std::size_t i = 0; i < n; ++i) ASSERT_EQ(turned[i], -x[i]);
+  }
+  for (const std::size_t count : held) EXPECT_GT(count, 1000u);
+}
+
 TEST(SpanConstraint, FindsTheOneActiveSetOfAllThatFits) {
   std::mt19937 random(1);
   for (int trial = 0; trial < 3000; ++trial) {
@@ -57,7 +101,7 @@ TEST(SpanConstraint, FindsTheOneActiveSetOfAllThatFits) {
     const auto b = random_vector(n, random), bound = random_vector(n, random);
     SpanConstraint constraint(matrix);
     std::vector<double> x(n), multiplier(n);
-    constraint.solve(b, bound, x, multiplier);
+    solve(constraint, b, bound, x, multiplier);
     expect_solution(matrix, b, bound, x, multiplier);
 
     const double rounding = 64 * eps * 5.0 / dominance * (largest(x) + 1.0);
@@ -101,7 +145,7 @@ TEST(SpanConstraint, EndsFromEveryActiveSetItIsStartedFrom) {
       if (problem > 2)  // entries that were held may have no bound now
         for (double& value : bound)
           if (random() % 3 == 0) value = -std::numeric_limits<double>::infinity();
-      constraint.solve(b, bound, x, multiplier);
+      solve(constraint, b, bound, x, multiplier);
       expect_solution(matrix, b, bound, x, multiplier);
     }
   }
@@ -118,7 +162,7 @@ TEST(SpanConstraint, EndsForPositiveCouplingCloseToSingular) {
     const std::vector<double> bound(n, 0.0);
     SpanConstraint constraint(matrix);
     std::vector<double> x(n), multiplier(n);
-    constraint.solve(b, bound, x, multiplier);
+    solve(constraint, b, bound, x, multiplier);
     expect_solution(matrix, b, bound, x, multiplier);
   }
 }
@@ -132,13 +176,13 @@ TEST(SpanConstraint, ChangesOneEntryAtATimeWhereTheNumberOfWrongOnesDoesNotFall)
   std::vector<double> b(n, -1.0), x(n), multiplier(n);
   const std::vector<double> bound(n, 0.0);
   SpanConstraint constraint(matrix);
-  constraint.solve(b, bound, x, multiplier);
+  solve(constraint, b, bound, x, multiplier);
   ASSERT_EQ(std::accumulate(constraint.active().begin(), constraint.active().end(), 0u), n);
   const std::size_t before = constraint.solves();
   // x_i = (m - i)(m - 1 - i) / 2, i < m, has second difference 1 and meets x = 0 at entries m - 1 and m.
   const double m = static_cast<double>(lifted);
   b[0] = 2 * (m * (m - 1) / 2) - (m - 1) * (m - 2) / 2;
-  constraint.solve(b, bound, x, multiplier);
+  solve(constraint, b, bound, x, multiplier);
   expect_solution(matrix, b, bound, x, multiplier);
   for (std::size_t i = 0; i + 2 < lifted; ++i) EXPECT_GT(x[i], 0.0);
   for (std::size_t i = lifted; i < n; ++i) EXPECT_EQ(x[i], 0.0);
@@ -154,7 +198,7 @@ TEST(SpanConstraint, NeedsAtMostAPivotAnEntryForAnMMatrix) {
     const auto b = random_vector(n, random), bound = random_vector(n, random);
     SpanConstraint constraint(matrix);
     std::vector<double> x(n), multiplier(n);
-    constraint.solve(b, bound, x, multiplier);
+    solve(constraint, b, bound, x, multiplier);
     EXPECT_LE(constraint.solves(), n + 1);
   }
 }
@@ -167,10 +211,10 @@ TEST(SpanConstraint, RestartsFromTheLastActiveSetWithASingleSolveAndNoFactorisat
   const auto bound = random_vector(n, random);
   SpanConstraint constraint(matrix);
   std::vector<double> x(n), multiplier(n);
-  constraint.solve(b, bound, x, multiplier);
+  solve(constraint, b, bound, x, multiplier);
   const std::size_t solves = constraint.solves(), factorisations = constraint.factorisations();
   for (double& value : b) value *= 1 + 4 * eps;
-  constraint.solve(b, bound, x, multiplier);
+  solve(constraint, b, bound, x, multiplier);
   EXPECT_EQ(constraint.solves(), solves + 1);
   EXPECT_EQ(constraint.factorisations(), factorisations);
 }
@@ -182,7 +226,7 @@ TEST(SpanConstraint, TiesInEveryEntryEnd) {
     std::vector<double> bound(n, 0.1), b(n), x(n), multiplier(n);
     matrix.multiply(bound, b);  // the unconstrained solution is the bound
     SpanConstraint constraint(matrix);
-    constraint.solve(b, bound, x, multiplier);
+    solve(constraint, b, bound, x, multiplier);
     expect_solution(matrix, b, bound, x, multiplier);
   }
 }

@@ -13,6 +13,7 @@ inline Case bouncing_bar(double end) {
   run.scene.velocity = [](double) { return -1.0; };
   run.scene.load = SteadyLoad{[](double) { return -1.0; }};
   run.elements = 8;
+  run.mass = Mass::consistent;
   run.epsilon = 1e-4;
   run.end = end;
   return run;

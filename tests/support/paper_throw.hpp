@@ -13,6 +13,7 @@ inline Case paper_throw(double viscosity) {
   run.scene.displacement = [](double x) { return x * (1.0 - x); };
   run.scene.velocity = [](double x) { return -x * (1.0 - x); };
   run.elements = 27;
+  run.mass = Mass::consistent;
   run.epsilon = 1e-3;
   run.end = run.output_every = 6.0;
   return run;

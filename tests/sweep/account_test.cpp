@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 
+#include "support/absolute_tolerance.hpp"
 #include "support/scratch.hpp"
 #include "viscobar/record/record_run.hpp"
 #include "viscobar/studies/compare/compare.hpp"
@@ -185,7 +186,7 @@ TEST(Account, TheRangeOfAnEndIsThatOfItsWholePath) {
     run.method = method;
     const RunAccount account = *record(run).statistics.account;
     for (const EndAccount* end : {&account.left, &account.right}) {
-      const double promised = 100.0 * (run.tolerance.relative * 0.1 + run.tolerance.absolute);
+      const double promised = 100.0 * (run.tolerance.relative * 0.1 + absolute_tolerance(run));
       EXPECT_NEAR(end->lowest, -0.1, promised);
       EXPECT_NEAR(end->highest, 0.1, promised);
       EXPECT_NEAR(end->displacement, 0.0, promised);

@@ -21,20 +21,23 @@ namespace viscobar {
 using Method = std::variant<Cvode, Ida, Arkode, Odeint, Rigid, Exponential, Characteristics, FullyDiscrete>;
 
 std::string_view name(MethodName method);  ///< in a scene file
-bool is_penalised(MethodName method);      ///< needs epsilon where the scene has an obstacle
+bool is_penalised(MethodName method);      ///< takes epsilon where the scene has an obstacle
 bool is_adaptive(MethodName method);       ///< uses the tolerances
 bool is_scheme(MethodName method);         ///< uses the step
+
+/// Elements of a scene that says nothing: docs/scene-file.md has what they are good for.
+inline constexpr std::size_t default_elements = 100;
 
 /// A scene together with everything that a run of it needs. Values that the chosen method does not use may be set:
 /// another method can then be chosen without editing the scene.
 struct Case {
   Scene scene;  ///< the physical problem
 
-  std::size_t elements = 1;  ///< J
-  double grading = 1.0;      ///< of the mesh towards the ends with an obstacle; 1: uniform
-  std::optional<Mass> mass;  ///< asked for; see effective_mass()
+  std::size_t elements = default_elements;  ///< J
+  double grading = 1.0;                     ///< of the mesh towards the ends with an obstacle; 1: uniform
+  std::optional<Mass> mass;                 ///< asked for; see effective_mass()
 
-  std::optional<double> epsilon;      ///< reaction = penetration / epsilon
+  std::optional<double> epsilon;      ///< reaction = penetration / epsilon; absent: effective_epsilon()
   std::optional<double> restitution;  ///< absent: an undamped spring in the penalty, the implicit constraint in (2.8)
 
   MethodName method = MethodName::cvode;    ///< how it is integrated
@@ -43,7 +46,8 @@ struct Case {
   Tolerance tolerance;                      ///< of adaptive methods
   Formulas formulas = Formulas::automatic;  ///< of cvode
   Stepper stepper = Stepper::automatic;     ///< of odeint
-  std::optional<double> step;               ///< dt of the schemes and of odeint's symplectic stepper, which need it
+  std::optional<double>
+      step;  ///< dt of the schemes, else scheme_step(), and of odeint's symplectic stepper, which needs it
   Start start = Start::first_order;         ///< of the schemes
   Impact impact = Impact::paoli_schatzman;  ///< of the schemes
 
@@ -72,6 +76,7 @@ inline constexpr std::string_view automatic = "automatic";
 /// The method for a case that names none, whatever its own is, and a sentence to warn with where it is not the first
 /// choice:
 ///
+///     no epsilon, a span obstacle                       fully_discrete, whose nodes do not bounce
 ///     no epsilon, no span obstacle, no viscosity        characteristics, which is exact; rigid where it does not take
 ///                                                       the data, or where the waves break without end, see roughens()
 ///     no epsilon, no span obstacle, viscosity           rigid
@@ -94,14 +99,32 @@ std::string method_words(const Case& run);
 /// where that one cannot take the scene (massless contact nodes without viscosity).
 MethodName penalised_method(const Case& run);
 
-/// The mass of a run: the one asked for, else the first that the method takes of fourth_order (three elements or more,
-/// of equal length), redistributed (an obstacle at an end, none along the bar, elements enough, viscosity for `cvode`
-/// and `odeint`) and consistent. Two methods have their own way: `finite_difference` takes the lumped one for
-/// "consistent" or nothing, since (3.22) is (2.8) with a diagonal product, and `characteristics` has none.
+/// The mass of a run: the one asked for, else one whose contact nodes do not bounce by themselves where there is any,
+///
+///     a penalised method, an obstacle at an end   redistributed, where the method takes massless nodes
+///     no penalised contact                        fourth_order, on three equal elements or more
+///     else                                        redistributed for an obstacle at an end, or consistent
+///
+/// `finite_difference` takes the lumped one when the case says "consistent" or nothing, since (3.22) is (2.8) with a
+/// diagonal product; `characteristics` has no mass.
 Mass effective_mass(const Case& run);
 
-/// The method of a sound case with the options that the case has for it. The penalty is a spring without dashpot where
-/// the case has no restitution.
+/// The mass that a study of several methods gives all that take it: that of its penalised_method().
+Mass common_mass(const Case& run);
+
+/// The unit of epsilon, at which the spring gives way as the bar does: L / E, and L^2 / E under a span obstacle alone,
+/// whose reaction is that of a length.
+double natural_epsilon(const Scene& scene);
+
+/// The epsilon of a case: its own, else the first of natural_epsilon() 10^-k by which a bar that is thrown at the
+/// obstacle at speed V penetrates by less than (h / L)^2 / 8 of V L / c, about what the mesh is wrong by.
+double effective_epsilon(const Case& run);
+
+/// The step of a scheme: that of the case, else h / (100 c), a hundredth of the time of a wave through an element.
+double scheme_step(const Case& run);
+
+/// The method of a sound case with the options that the case has for it. The penalty has the effective_epsilon(), and
+/// is a spring without dashpot where the case has no restitution.
 Method method_of(const Case& run);
 
 /// The semi-discrete system of a sound case, on its effective mass.

@@ -28,12 +28,15 @@ class LoadError : public std::runtime_error {
 /// Which obstacle a contact belongs to.
 enum class Where { left, right, span };
 
-/// A node that an obstacle bounds from below: u_node >= -gap.
+/// A node that an obstacle bounds: g = s u_node + gap >= 0, with the reaction s R, R >= 0.
 struct Contact {
   std::size_t unknown = 0;    ///< index among the unknowns
   double gap = 0.0;           ///< >= 0
   double weight = 1.0;        ///< 1 at an end; trapezoidal weight of the node under a span obstacle
   Where where = Where::left;  ///< of the obstacle
+  double sign = 1.0;          ///< s: 1 for an obstacle below, -1 for one above
+
+  double clearance(double u) const { return sign * u + gap; }  ///< g
 };
 
 /// Nodal displacement and velocity of the unknowns (n entries each; fixed nodes are not among them).

@@ -33,8 +33,12 @@ class SceneError : public std::runtime_error {
 
 /// A case as read, and the scene as understood: every key with its value, defaults included, as one JSON object.
 struct SceneFile {
-  Case run;                 ///< sound
-  std::string description;  ///< the JSON object
+  Case run;                   ///< sound
+  std::string description;    ///< the JSON object
+  std::string chosen = "{}";  ///< another one: keys that the scene leaves out, with the values that the program chose
+
+  /// Both together: what was run.
+  std::string complete() const;
 };
 
 /// A change that a study makes to a case before it is validated, such as another method.

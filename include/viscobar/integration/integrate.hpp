@@ -48,10 +48,31 @@ enum class ErrorControl {
 /// relative * max|u| + absolute in the maximum norm over the nodes, that of the velocity field likewise with max|v|,
 /// the maxima over the nodes and over the time passed.
 struct Tolerance {
-  double relative = 1e-6;                       ///< of the largest displacement, and of the largest velocity
-  double absolute = 1e-9;                       ///< allowed in addition; the same number for both fields
+  double relative = 1e-6;  ///< of the largest displacement, and of the largest velocity
+  /// Allowed in addition; the same number for both fields, whatever their units. Absent: relative / 1000 of the scene's
+  /// own displacement and velocity, see allowance().
+  std::optional<double> absolute{};
   ErrorControl control = ErrorControl::global;  ///< what the two bound
+
+  /// The same with another relative tolerance; the absolute one keeps its ratio to it.
+  Tolerance with_relative(double other) const {
+    return {other, absolute ? std::optional(*absolute * (other / relative)) : std::nullopt, control};
+  }
 };
+
+/// The absolute part of a tolerance, for each field.
+struct Allowance {
+  double displacement = 0.0;  ///< of u
+  double velocity = 0.0;      ///< of v
+};
+
+/// Tolerance::absolute for both, where it is given; else relative / 1000 times U and U c / L, with tau = min(L / c,
+/// end)
+///
+///     U = max( max |u_0 - its mean|, tau max |u_1|, tau^2 max |f| / rho ),     L where these vanish.
+///
+/// `end` is the time at which the run ends.
+Allowance allowance(const Tolerance& tolerance, const BarSystem& system, double end);
 
 /// Families of multistep formulas; `automatic` chooses by leg (docs/methods.md).
 enum class Formulas { automatic, adams, bdf };

@@ -20,8 +20,9 @@ struct Snapshot {
   double time = 0.0;          ///< t
   std::span<const double> u;  ///< displacement, J+1 entries, valid during the call
   std::span<const double> v;  ///< velocity, likewise
-  /// Force of the obstacles on the end nodes, R_0 = -s and R_L = s >= 0 in contact; for a fixed end the traction of
-  /// the end element, -s and s; 0 at a free end.
+  /// Force of the obstacles on the end nodes in the direction of u, R_0 = -s and R_L = s in contact: not negative of an
+  /// obstacle below, not positive of one above; for a fixed end the traction of the end element, -s and s; 0 at a free
+  /// end.
   double reaction_left = 0.0;
   double reaction_right = 0.0;  ///< likewise
 };
@@ -35,7 +36,7 @@ struct Event {
   Where where = Where::left;        ///< of the obstacle
   std::size_t node = 0;             ///< mesh node
   Change change = Change::closing;  ///< what happens
-  double velocity = 0.0;            ///< u_t of the node: negative when it closes, the impact velocity
+  double velocity = 0.0;            ///< u_t of the node: towards the obstacle when it closes, the impact velocity
   /// int R dt of the end's reaction from the start to here; absent under a span obstacle, and where nobody asked for
   /// the account of the run.
   std::optional<double> impulse = std::nullopt;
@@ -83,7 +84,7 @@ struct EndAccount {
   double highest = -lowest;                                 ///< max u
   std::size_t closings = 0;                                 ///< of the end's own obstacle
   double impulse = 0.0;                                     ///< int R dt, a force times a time
-  /// max R. Of an impact it may have no limit for finer meshes, stiffer springs or shorter steps: see
+  /// max |R|. Of an impact it may have no limit for finer meshes, stiffer springs or shorter steps: see
   /// viscobar::peak_remark().
   double peak_reaction = 0.0;
   TimeInContact contact;  ///< with any obstacle of its own

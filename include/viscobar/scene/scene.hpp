@@ -3,6 +3,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -23,10 +24,24 @@ struct Free {};
 /// End that keeps its initial displacement (Dirichlet): u = u_0(X) for all times.
 struct Fixed {};
 
-/// Unilateral obstacle (Signorini): 0 <= u + gap, reaction >= 0, and one of the two vanishes
-/// [Petrov 2010, (1.3)]. Bounds the displacement from below at either end.
+/// From where an obstacle bounds the displacement: u >= -gap, the paper's reading at either end, u <= gap, or both,
+/// a slit, which only the span can be in.
+enum class Side { below, above, both };
+inline constexpr Side all_sides[] = {Side::below, Side::above, Side::both};
+std::string_view name(Side side);  ///< in a scene file
+
+/// Unilateral obstacle (Signorini): 0 <= s u + gap, reaction s R with R >= 0, and one of the two vanishes, s = 1 below
+/// and s = -1 above [Petrov 2010, (1.3)].
 struct Obstacle {
-  double gap = 0.0;  ///< >= 0
+  double gap = 0.0;         ///< >= 0
+  Side side = Side::below;  ///< s
+
+  /// Whether it bounds u from that side, `below` or `above`.
+  bool bounds(Side from) const { return side == from || side == Side::both; }
+  /// How deep a displacement lies in it; not positive outside.
+  double depth(double u) const {
+    return side == Side::both ? (u < 0.0 ? -u : u) - gap : side == Side::below ? -u - gap : u - gap;
+  }
 };
 
 /// The condition at an end of the bar; src/scene/end_kinds.hpp has a row for each alternative.
@@ -76,7 +91,7 @@ struct Scene {
   Bar bar;                       ///< geometry and material
   EndCondition left = Free{};    ///< at x = 0
   EndCondition right = Free{};   ///< at x = L
-  std::optional<Obstacle> span;  ///< u(x,t) >= -gap for every x (section 4 of the paper, figure 3)
+  std::optional<Obstacle> span;  ///< of u(x,t) for every x (section 4 of the paper, figure 3)
   SpaceFunction displacement;    ///< u_0(x)
   SpaceFunction velocity;        ///< u_1(x)
   std::optional<Load> load;      ///< f; absent: none

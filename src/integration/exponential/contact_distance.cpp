@@ -32,7 +32,8 @@ VectorXd ContactDistance::along(std::size_t c, const Series& series, const LoadP
     result = series.row(node(c)).transpose();
   }
   result[0] -= propagators_.surface(c);
-  return penalised_.closed(c) ? VectorXd(-result) : result;
+  const bool inwards = penalised_.closed(c) == (penalised_.contact(c).sign > 0.0);
+  return inwards ? VectorXd(-result) : result;
 }
 
 double ContactDistance::band(std::size_t c, const Largest& largest) const {

@@ -48,7 +48,7 @@ PropagatorCache::PropagatorCache(const PenalisedSystem& system, const LoadInterp
       origin_(VectorXd::Zero(static_cast<Index>(system.size()))) {}
 
 void PropagatorCache::measure_from_obstacle(std::size_t c) {
-  origin_[node(c)] = -system_.contact(c).gap;
+  origin_[node(c)] = -system_.contact(c).sign * system_.contact(c).gap;
   entries_.clear();
 }
 

@@ -24,7 +24,7 @@ class PropagatorCache {
   /// Norm of (rho M)^{-1} on the massive nodes.
   double inverse_inertia() const { return inverse_inertia_; }
   /// Where contact c begins, measured from the origin.
-  double surface(std::size_t c) const { return -system_.contact(c).gap - origin_[node(c)]; }
+  double surface(std::size_t c) const { return -system_.contact(c).sign * system_.contact(c).gap - origin_[node(c)]; }
 
  private:
   Index node(std::size_t c) const { return static_cast<Index>(system_.contact(c).unknown); }

@@ -12,7 +12,8 @@
 namespace viscobar {
 
 /// Linearly implicit formulas of order 4, L-stable, with an error estimate of order 3: one dense factorisation of order
-/// 2 n and six solves a step.
+/// 2 n and six solves a step. They are given z = (u, tau w), tau the power of two next to L / c below it: so the rows
+/// have one unit, and which of them is a pivot does not depend on the units of the scene.
 class Rosenbrock4 {
  public:
   static constexpr double error_order = 4.0;  // of a step
@@ -23,13 +24,20 @@ class Rosenbrock4 {
         size_(2 * system.size()),
         rate_(size_),
         load_rate_(system.size()),
+        state_(size_),
+        length_(power_of_two(system.bar().bar().length)),
+        tau_(power_of_two(system.bar().bar().length *
+                          std::sqrt(system.bar().bar().density / system.bar().bar().modulus))),
         dense_(
             size_,
-            [this](double t, const double* y, double* rate) {
-              form_(t, {y, size_}, {rate, size_});
+            [this](double t, const double* z, double* rate) {
+              to_state(z, state_);
+              form_(t, state_, {rate, size_});
+              multiply_velocities({rate, size_}, tau_);
             },
             [this](double t, double* rate) {
               find_time_rate(t, {rate, size_});
+              multiply_velocities({rate, size_}, tau_);
             }) {}
   Rosenbrock4(const Rosenbrock4&) = delete;
   Rosenbrock4& operator=(const Rosenbrock4&) = delete;
@@ -37,7 +45,9 @@ class Rosenbrock4 {
   void begin_leg(StepPolynomial::End& start) {
     find_jacobian(start.t);
     std::copy_n(start.y.begin(), size_, dense_.state());
-    form_(start.t, {dense_.state(), size_}, rate_);
+    multiply_velocities({dense_.state(), size_}, tau_);
+    to_state(dense_.state(), state_);
+    form_(start.t, state_, rate_);
     take_acceleration(start);
   }
 
@@ -45,32 +55,51 @@ class Rosenbrock4 {
     dense_.attempt(t, h);
     ++statistics_.matrix_factorisations;
     statistics_.linear_solves += 6;
-    const double error = weighted_error({dense_.error(), size_}, weights, {dense_.next(), size_});
+    to_state(dense_.error(), rate_);
+    to_state(dense_.next(), state_);
+    const double error = weighted_error(rate_, weights, state_);
     if (error <= 1.0) {
       const bool stiff = StepPolynomial::spoils_acceleration(form_.system, h);
-      if (stiff) dense_.rate(rate_.data());
+      if (stiff) {
+        dense_.rate(rate_.data());
+        multiply_velocities(rate_, 1.0 / tau_);
+      }
       dense_.accept();
-      std::copy_n(dense_.state(), size_, reached.y.begin());
-      if (!stiff) form_(reached.t, {dense_.state(), size_}, rate_);
+      to_state(dense_.state(), state_);
+      std::ranges::copy(state_, reached.y.begin());
+      if (!stiff) form_(reached.t, state_, rate_);
       take_acceleration(reached);
     }
     return error;
   }
 
  private:
+  // Products with it are exact.
+  static double power_of_two(double value) { return std::exp2(std::floor(std::log2(value))); }
+
+  static void multiply_velocities(std::span<double> y, double factor) {
+    for (double& w : y.subspan(y.size() / 2)) w *= factor;
+  }
+  void to_state(const double* z, std::vector<double>& y) const {
+    std::copy_n(z, size_, y.begin());
+    multiply_velocities(y, 1.0 / tau_);
+  }
+
   void take_acceleration(StepPolynomial::End& end) const {
     std::copy_n(rate_.begin() + static_cast<std::ptrdiff_t>(end.a.size()), end.a.size(), end.a.begin());
   }
 
-  // On a leg the rate is linear in y: its differences between unit vectors and zero are the columns.
+  // On a leg the rate is linear in y: its differences between vectors of one entry and zero are the columns.
   void find_jacobian(double t) {
     std::vector<double> unit(size_, 0.0), at_zero(size_);
     form_(t, unit, at_zero);
+    multiply_velocities(at_zero, tau_);
     for (std::size_t j = 0; j < size_; ++j) {
-      unit[j] = 1.0;
+      unit[j] = j < size_ / 2 ? length_ : length_ / tau_;
       form_(t, unit, rate_);
       unit[j] = 0.0;
-      for (std::size_t i = 0; i < size_; ++i) dense_.jacobian(i, j) = rate_[i] - at_zero[i];
+      multiply_velocities(rate_, tau_);
+      for (std::size_t i = 0; i < size_; ++i) dense_.jacobian(i, j) = (rate_[i] - at_zero[i]) / length_;
     }
   }
 
@@ -97,7 +126,8 @@ class Rosenbrock4 {
   FirstOrder form_;
   Statistics& statistics_;
   std::size_t size_;
-  std::vector<double> rate_, load_rate_;
+  std::vector<double> rate_, load_rate_, state_;  // the last as y
+  double length_, tau_;                           // of the scene
   DenseRosenbrock dense_;
 };
 

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "report/compare/compare_tables.hpp"
+#include "report/obstacle_levels.hpp"
 #include "report/page.hpp"
 #include "report/plot/figure.hpp"
 #include "report/plot/range.hpp"
@@ -65,10 +66,10 @@ Picture ends_picture(const Scene& scene, const Comparison& check) {
           trace(r, [&](std::size_t k) { return left ? r.displacement(k).front() : r.displacement(k).back(); }));
       range.add(lines.back());
     }
-    const auto* body = std::get_if<Obstacle>(&end);
-    const bool shown = body && range.reach(-body->gap);
+    const std::vector<ObstacleLevel> levels = levels_of(std::get_if<Obstacle>(&end));
+    const bool shown = !levels.empty() && range.reach(levels.front().u);
     Figure figure(time_axis(check), range.axis(axis), 240.0);
-    if (shown) figure.level(-body->gap, {"var(--ink)", true, 1.2}, "obstacle");
+    if (shown) figure.level(levels.front().u, {"var(--ink)", true, 1.2}, "obstacle");
     draw(figure, runs, lines);
     return {left ? "left-end" : "right-end", std::string("Displacement over time by each method: ") + axis, figure};
   };
@@ -177,12 +178,13 @@ Json to_json(const ContactPeriod& period) {
 
 Json to_json(const MethodRun& run) {
   Json json = {{"method", run.label}, {"mass", name(run.mass)}};
-  if (run.built_in && is_scheme(run.run.method)) json["step"] = *run.run.step;
+  if (run.built_in && is_scheme(run.run.method)) json["step"] = scheme_step(run.run);
   if (run.built_in && is_adaptive(run.run.method)) {
     json["relative_tolerance"] = run.run.tolerance.relative;
-    json["absolute_tolerance"] = run.run.tolerance.absolute;
+    const Allowance absolute = allowance(run.run.tolerance, make_system(run.run), run.run.end);
+    json["absolute_tolerance"] = {{"displacement", absolute.displacement}, {"velocity", absolute.velocity}};
   }
-  if (run.built_in && is_penalised(run.run.method) && run.run.epsilon) json["epsilon"] = *run.run.epsilon;
+  if (run.built_in && is_penalised(run.run.method)) json["epsilon"] = effective_epsilon(run.run);
   if (run.run.restitution) json["restitution"] = *run.run.restitution;
   json["completed"] = run.recording.has_value();
   json["error"] = run.recording ? Json(nullptr) : Json(run.error);
@@ -241,7 +243,8 @@ std::string compare_json(const SceneFile& scene, const MethodChoice& choice, con
   for (const auto& [skipped, reason] : choice.skipped)
     json["skipped"].push_back({{"method", name(skipped)}, {"reason", reason}});
   json["remarks"] = remarks(choice, check);
-  json["scene"] = Json::parse(scene.description);
+  json["scene"] = Json::parse(scene.complete());
+  json["chosen"] = Json::parse(scene.chosen);
   json["version"] = versions().viscobar;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

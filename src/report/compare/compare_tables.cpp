@@ -20,7 +20,7 @@ std::string count(std::size_t value) { return fmt::format("{}", value); }
 std::string settings(const MethodRun& method, NumberText number) {
   const Case& run = method.run;
   if (!method.built_in) return "";
-  if (is_scheme(run.method)) return "step " + number(*run.step);
+  if (is_scheme(run.method)) return "step " + number(scheme_step(run));
   if (is_adaptive(run.method)) return "tolerance " + number(run.tolerance.relative);
   return "";
 }

@@ -156,7 +156,8 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
     json["meshes"].push_back(to_json(study, result.orders[m], rows_of(result, m)));
   json["coupling"] = to_json(coupling);
   json["coupling_reason"] = coupling.coupling ? Json(nullptr) : Json(coupling.reason);
-  json["scene"] = Json::parse(scene.description);
+  json["scene"] = Json::parse(scene.complete());
+  json["chosen"] = Json::parse(scene.chosen);
   json["version"] = versions().viscobar;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -157,7 +157,8 @@ Picture difference_picture(const LimitStudy& study, const LimitResult& result) {
   return {
       "Difference to the limits",
       "Largest difference of the end traces over time, to the fully discrete scheme on the same mass" +
-          std::string(study.scene.mass == Mass::redistributed ? " and to the rigid limit, <i>ε</i> = 0 itself" : "") +
+          std::string(common_mass(study.scene) == Mass::redistributed ? " and to the rigid limit, <i>ε</i> = 0 itself"
+                                                                      : "") +
           ". Coloured dashes: what the time step of the scheme accounts for, and below which its differences mean "
           "nothing. Grey dashes: slopes of the theory.",
       panels};

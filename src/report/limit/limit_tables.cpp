@@ -36,7 +36,7 @@ std::size_t finest(const LimitResult& result) {
 }
 
 LimitTheory theory(const LimitStudy& study) {
-  if (study.scene.mass == Mass::redistributed) return {1.0, 1.0};
+  if (common_mass(study.scene) == Mass::redistributed) return {1.0, 1.0};
   const bool common = study.scene.restitution.has_value();
   if (!study.scene.scene.span) return {0.5, common ? std::optional(0.5) : std::nullopt};
   // Contacts of neighbours are one impact each only where the mass does not couple them.
@@ -56,6 +56,12 @@ std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders,
   };
   const std::string penalised = within("the limit of the penalised bar", evidence.penalty_error);
   switch (evidence.lack) {
+    case Lack::obstacle:
+      return fmt::format(
+          "the bar goes {:.2g} deep into the obstacle at epsilon = {:.2g}, a tenth or more of its displacement: so "
+          "soft a "
+          "penalty is no obstacle. Smaller epsilons would decide it: leave --epsilon out",
+          last.max_penetration, last.epsilon);
     case Lack::contact:
       return fmt::format(
           "nothing touches an obstacle at epsilon = {:.2g}, so there is no contact to compare; {}. A smaller gap, a "
@@ -105,7 +111,7 @@ std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, s
         "contact changes go from {} to {}, the scheme has {}",
         evidence.difference, last.epsilon, errors, evidence.lower().value_or(0.0), first.events, last.events,
         orders.scheme_events);
-    if (study.scene.mass == Mass::redistributed) return text;
+    if (common_mass(study.scene) == Mass::redistributed) return text;
     if (!study.scene.restitution)
       return text +
              ". A contact node with mass rebounds from an undamped penalty and not from the scheme's constraint: "
@@ -144,7 +150,7 @@ Table limit_table(const LimitResult& result, NumberText number) {
 
 Table order_table(const LimitStudy& study, const LimitResult& result) {
   const LimitTheory powers = theory(study);
-  const bool rigid = study.scene.mass == Mass::redistributed;
+  const bool rigid = common_mass(study.scene) == Mass::redistributed;
   Table table{{"elements", "regime", "penetration", "theory", "to the scheme", "theory"}, 2, {}};
   if (rigid) table.header.insert(table.header.end(), {"to the rigid limit", "theory"});
   for (std::size_t m = 0; m < result.orders.size(); ++m) {

@@ -87,14 +87,15 @@ void Figure::level(double y, const Style& style, std::string_view legend) {
   if (!legend.empty()) legend_line(style, legend);
 }
 
-void Figure::body(double y, Interval part) {
+void Figure::body(double y, Interval part, bool above) {
   const double from = place_x(part.begin), to = place_x(part.end), surface = place_y(y);
-  const double depth = std::min(12.0, height_ - below - surface);
-  live_layer(fmt::format(R"({{"kind":"body","y":{:.9g},"from":{:.9g},"to":{:.9g}}})", y, part.begin, part.end));
+  const double depth = std::min(12.0, above ? surface : height_ - below - surface);
+  live_layer(fmt::format(R"({{"kind":"body","y":{:.9g},"from":{:.9g},"to":{:.9g}{}}})", y, part.begin, part.end,
+                         above ? R"(,"above":true)" : ""));
   content_ += fmt::format(
       "<rect class=\"body\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"/>"
       "<path class=\"surface\" d=\"M{:.2f} {:.2f}H{:.2f}\"/>\n",
-      from, surface, to - from, std::max(0.0, depth), from, surface, to);
+      from, above ? surface - std::max(0.0, depth) : surface, to - from, std::max(0.0, depth), from, surface, to);
 }
 
 std::string Figure::path(std::span<const Point> points) const {

@@ -35,8 +35,8 @@ class Figure {
   void shade(std::span<const Interval> bands, const std::string& colour, std::string_view legend = {});
   /// A horizontal line through the frame.
   void level(double y, const Style& style, std::string_view legend = {});
-  /// A solid body below y over the part of x.
-  void body(double y, Interval part);
+  /// A solid body below y over the part of x, or above it.
+  void body(double y, Interval part, bool above = false);
   void line(std::span<const Point> points, const Style& style, std::string_view legend = {});
   void markers(std::span<const Point> points, const std::string& colour, std::string_view legend = {});
   void label(Point at, std::string_view text);

@@ -127,7 +127,8 @@ std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, 
   json["remarks"] = remarks(study, result);
   json["errors_every"] = result.every;
   json["core_share"] = result.core_share;
-  json["scene"] = Json::parse(scene.description);
+  json["scene"] = Json::parse(scene.complete());
+  json["chosen"] = Json::parse(scene.chosen);
   json["version"] = versions().viscobar;
   json["platform"] = versions().platform;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -156,7 +156,7 @@ std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionRes
   const Case& scene = study.scene;
   const bool touched = std::any_of(result.parts.begin(), result.parts.end(),
                                    [](const ErrorParts& parts) { return parts.penalty.value_or(0.0) > 0.0; });
-  if (touched && !scene.restitution && scene.mass != Mass::redistributed)
+  if (touched && !scene.restitution && common_mass(scene) != Mass::redistributed)
     found.emplace_back(
         scene.scene.span
             ? "Where an undamped penalty rebounds from a span obstacle and the scheme does not, these are two "

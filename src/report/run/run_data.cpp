@@ -5,13 +5,13 @@
 namespace viscobar {
 
 ReportData::ReportData(const Case& run, const BarSystem& system) : field(system.mesh()), system_(system) {
-  if (is_penalised(run.method) && !system.contacts().empty()) epsilon_ = run.epsilon;
+  if (is_penalised(run.method) && !system.contacts().empty()) epsilon_ = effective_epsilon(run);
 }
 
 double ReportData::spring_energy(std::span<const double> u) const {
   double sum = 0.0;
   for (const Contact& contact : system_.contacts())
-    sum += PenaltyLaw{contact.weight / *epsilon_}.energy(-(u[contact.unknown] + contact.gap));
+    sum += PenaltyLaw{contact.weight / *epsilon_}.energy(-contact.clearance(u[contact.unknown]));
   return sum;
 }
 
@@ -23,9 +23,9 @@ std::vector<plot::Interval> ReportData::End::in_contact(double now) const {
 
 void ReportData::add(const Snapshot& at) {
   if (snapshots++ == 0) {
-    // An end that presses at the start has been closed from there.
-    if (at.reaction_left > 0.0) left.closed_since = at.time;
-    if (at.reaction_right > 0.0) right.closed_since = at.time;
+    // An end that presses at the start has been closed from there; that of a fixed one is never asked.
+    if (at.reaction_left != 0.0) left.closed_since = at.time;
+    if (at.reaction_right != 0.0) right.closed_since = at.time;
   }
   field.add(at.time, at.u);
   left.displacement.add({at.time, at.u.front()});

@@ -21,11 +21,14 @@ std::string seconds(double value) { return readable(value, 3) + " s"; }
 std::string numbers(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data) {
   Numbers all;
   all.add("Method", method_words(run));
-  if (is_adaptive(run.method))
+  if (is_adaptive(run.method)) {
+    const Allowance absolute = allowance(run.tolerance, system, run.end);
     all.add("Tolerances", readable(run.tolerance.relative),
-            "relative, " + readable(run.tolerance.absolute) + " absolute");
-  if (is_scheme(run.method) && run.step) all.add("Time step", readable(*run.step));
-  if (data.has_springs()) all.add("Penalty ε", readable(*run.epsilon));
+            fmt::format("relative; absolute {} of u, {} of v", readable(absolute.displacement),
+                        readable(absolute.velocity)));
+  }
+  if (is_scheme(run.method)) all.add("Time step", readable(scheme_step(run)));
+  if (data.has_springs()) all.add("Penalty ε", readable(effective_epsilon(run)));
   if (run.restitution && !system.contacts().empty()) all.add("Restitution", readable(*run.restitution));
   all.add("Elements", fmt::format("{}", system.mesh().elements),
           fmt::format("h = {}{}, {} mass", readable(system.mesh().spacing()),

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "report/obstacle_levels.hpp"
 #include "report/plot/figure.hpp"
 #include "report/plot/png.hpp"
 #include "report/plot/range.hpp"
@@ -46,7 +47,7 @@ Place locate(const Values& values, std::size_t count, double at, std::size_t fro
   return {i, std::clamp((at - values(i)) / (values(i + 1) - values(i)), 0.0, 1.0)};
 }
 
-std::string obstacle_text(double gap) { return "obstacle " + readable(gap == 0.0 ? 0.0 : -gap); }
+std::string obstacle_text(const ObstacleLevel& level) { return "obstacle " + readable(level.u); }
 
 const Obstacle* obstacle(const EndCondition& end) { return std::get_if<Obstacle>(&end); }
 
@@ -63,15 +64,17 @@ FieldColours field_colours(const Case& run, const ReportData& data) {
   Axis values{"displacement u", range.low, range.high};
   if (!(range.high - range.low > 1e-12 * std::max(std::abs(range.low), std::abs(range.high))))
     values = range.axis(values.label);
-  // Rounding apart, a constrained node lies on the obstacle and a penalised one below.
-  return {two_signs ? plot::diverging() : plot::sequential(), values,
-          run.scene.span ? -run.scene.span->gap + 1e-9 * size : -std::numeric_limits<double>::infinity()};
+  // Rounding apart, a constrained node lies on the obstacle and a penalised one in it.
+  FieldColours colours{two_signs ? plot::diverging() : plot::sequential(), values};
+  for (const ObstacleLevel& level : levels_of(run.scene.span ? &*run.scene.span : nullptr))
+    (level.above ? colours.contact_from : colours.contact_up_to) = level.u + (level.above ? -1e-9 : 1e-9) * size;
+  return colours;
 }
 
 Picture displacement_map(const Case& run, const ReportData& data, const FieldColours& colours_of) {
   constexpr std::size_t width = 480, height = 300, colours = 255, touching = 255;
   const ThinnedField& field = data.field;
-  const auto& [map, values, contact_level] = colours_of;
+  const auto& [map, values, contact_up_to, contact_from] = colours_of;
 
   std::array<plot::Colour, 256> palette{};
   for (std::size_t i = 0; i < colours; ++i) palette[i] = map.at(static_cast<double>(i) / (colours - 1));
@@ -94,7 +97,7 @@ Picture displacement_map(const Case& run, const ReportData& data, const FieldCol
       const double u = mixed(at(before), at(after), in_time.weight);
       std::uint8_t& pixel = pixels[(height - 1 - j) * width + i];
       pixel = static_cast<std::uint8_t>(std::lround(std::clamp(values.position(u), 0.0, 1.0) * (colours - 1)));
-      if (u <= contact_level) {
+      if (u <= contact_up_to || u >= contact_from) {
         pixel = touching;
         touched = true;
       }
@@ -141,22 +144,27 @@ Picture profiles(const Case& run, const ReportData& data) {
   std::string hidden;
   bool has_bodies = false;
   const auto with_obstacles = [&](Range range, double height, double room_below) {
-    std::vector<std::pair<double, Interval>> bodies;
+    std::vector<std::pair<ObstacleLevel, Interval>> bodies;
     hidden.clear();
     const auto place = [&](const Obstacle* body, Interval part, const char* where) {
-      if (!body) return;
-      if (range.reach(-body->gap))
-        bodies.push_back({-body->gap, part});
-      else
-        hidden += fmt::format(" The obstacle {} lies outside, at {}.", where, readable(-body->gap));
+      for (const ObstacleLevel& level : levels_of(body))
+        if (range.reach(level.u))
+          bodies.push_back({level, part});
+        else
+          hidden += fmt::format(" The obstacle {} lies outside, at {}.", where, readable(level.u));
     };
     place(obstacle(run.scene.left), {-depth, depth}, "at the left end");
     place(obstacle(run.scene.right), {length - depth, length + depth}, "at the right end");
-    place(run.scene.span ? &*run.scene.span : nullptr, {-depth, length + depth}, "under the span");
+    place(run.scene.span ? &*run.scene.span : nullptr, {-depth, length + depth}, "of the span");
     has_bodies = !bodies.empty();
-    if (has_bodies) range.add(range.low - room_below * (range.high - range.low));
+    const double room = room_below * (range.high - range.low), low = range.low, high = range.high;
+    const auto any = [&](bool above) {
+      return std::ranges::any_of(bodies, [&](const auto& body) { return body.first.above == above; });
+    };
+    if (any(false)) range.add(low - room);
+    if (any(true)) range.add(high + room);
     Figure figure(position, range.axis("displacement u"), height);
-    for (const auto& [level, part] : bodies) figure.body(level, part);
+    for (const auto& [level, part] : bodies) figure.body(level.u, part, level.above);
     return figure;
   };
 
@@ -193,15 +201,17 @@ Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& da
     Range range;
     range.add(points);
     const Obstacle* body = obstacle(end);
-    const bool shown = body && range.reach(-body->gap);
-    const bool span_shown = run.scene.span && range.reach(-run.scene.span->gap);
+    std::vector<ObstacleLevel> shown, span_shown;
+    for (const ObstacleLevel& level : levels_of(body))
+      if (range.reach(level.u)) shown.push_back(level);
+    for (const ObstacleLevel& level : levels_of(run.scene.span ? &*run.scene.span : nullptr))
+      if (range.reach(level.u)) span_shown.push_back(level);
     Figure figure(time_axis(data), range.axis(label), 220.0);
     if (body) figure.shade(trace.in_contact(outcome.reached_time), plot::series_colour(colour), "in contact");
-    if (shown) figure.level(-body->gap, {"var(--ink)", true, 1.2}, obstacle_text(body->gap));
-    if (body && !shown) figure.legend_note(obstacle_text(body->gap) + " (outside)");
-    if (span_shown)
-      figure.level(-run.scene.span->gap, {"var(--soft)", true, 1.2},
-                   "span at " + readable(run.scene.span->gap == 0.0 ? 0.0 : -run.scene.span->gap));
+    for (const ObstacleLevel& level : shown) figure.level(level.u, {"var(--ink)", true, 1.2}, obstacle_text(level));
+    if (body && shown.empty()) figure.legend_note(obstacle_text(levels_of(body).front()) + " (outside)");
+    for (const ObstacleLevel& level : span_shown)
+      figure.level(level.u, {"var(--soft)", true, 1.2}, "span at " + readable(level.u));
     figure.line(points, {plot::series_colour(colour)}, label);
     panels.push_back({name, std::string("Displacement over time: ") + label, figure});
   };

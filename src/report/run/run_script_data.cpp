@@ -27,9 +27,13 @@ const char* kind(const EndCondition& end) {
   return is_fixed(end) ? "fixed" : "free";
 }
 
+std::string sides_json(const Obstacle& obstacle) {
+  return fmt::format(R"(,"gap":{:.9g}{})", obstacle.gap, obstacle.side == Side::above ? R"(,"above":true)" : "");
+}
+
 std::string support_json(const EndCondition& end, const ReportData::End& trace, double reached) {
   std::string text = fmt::format(R"({{"kind":"{}")", kind(end));
-  if (const auto* body = std::get_if<Obstacle>(&end)) text += fmt::format(R"(,"gap":{:.9g})", body->gap);
+  if (const auto* body = std::get_if<Obstacle>(&end)) text += sides_json(*body);
   if (is_obstacle(end)) {
     std::vector<double> ends;
     for (const plot::Interval& part : trace.in_contact(reached)) ends.insert(ends.end(), {part.begin, part.end});
@@ -61,8 +65,9 @@ std::string field_json(const ReportData& data, const FieldColours& colours) {
   std::string anchors;
   for (const plot::Colour colour : colours.map.anchors)
     anchors += fmt::format("{}\"{}\"", anchors.empty() ? "" : ",", plot::hex(colour));
-  const std::string level =
-      std::isfinite(colours.contact_level) ? fmt::format(R"(,"contactLevel":{:.9g})", colours.contact_level) : "";
+  std::string level;
+  if (std::isfinite(colours.contact_up_to)) level += fmt::format(R"(,"contactLevel":{:.9g})", colours.contact_up_to);
+  if (std::isfinite(colours.contact_from)) level += fmt::format(R"(,"contactFrom":{:.9g})", colours.contact_from);
   return fmt::format(R"({{"everyTime":{},"everyNode":{},"low":{:.9g},"high":{:.9g},"t":{},"x":{},)"
                      R"("colours":{{"anchors":[{}],"low":{:.9g},"high":{:.9g},"touching":"{}"{}}},"u":"{}"}})",
                      field.time_stride(), field.node_stride(), range.low, range.high,
@@ -91,7 +96,7 @@ std::string events_json(const ReportData& data, std::size_t happened) {
 std::string supports_json(const Scene& scene, const Outcome& outcome, const ReportData& data) {
   std::string text = fmt::format(R"({{"left":{},"right":{})", support_json(scene.left, data.left, outcome.reached_time),
                                  support_json(scene.right, data.right, outcome.reached_time));
-  if (scene.span) text += fmt::format(R"(,"span":{{"gap":{:.9g}}})", scene.span->gap);
+  if (scene.span) text += fmt::format(R"(,"span":{{"side":"{}"{}}})", name(scene.span->side), sides_json(*scene.span));
   return text + '}';
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 
 #include "report/plot/axis.hpp"
@@ -12,8 +13,9 @@ namespace viscobar {
 /// How displacements are coloured.
 struct FieldColours {
   plot::ColourMap map;
-  plot::Axis values;     ///< the ends of the scale
-  double contact_level;  ///< at or below it a node touches the span obstacle
+  plot::Axis values;  ///< the ends of the scale
+  /// Up to the one, and from the other on, a node touches the span obstacle.
+  double contact_up_to = -std::numeric_limits<double>::infinity(), contact_from = -contact_up_to;
   static constexpr plot::Colour touching = 0xe0218a;
 };
 

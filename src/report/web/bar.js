@@ -35,7 +35,8 @@ class BarPicture {
     context.lineJoin = "round";
     context.stroke(outline);
     this.drawTouching(chart, context, profile);
-    if (this.supports.span) this.drawSpanGap(chart, context, profile);
+    const { span } = this.supports;
+    if (span) for (const sign of span.side === "both" ? [1, -1] : [signOf(span)]) this.drawSpanGap(chart, context, profile, sign);
     this.drawEnd(chart, context, "left", profile, time);
     this.drawEnd(chart, context, "right", profile, time);
   }
@@ -53,7 +54,7 @@ class BarPicture {
 
   /// What lies on the obstacle along the span: stretches, and single nodes as dots.
   drawTouching(chart, context, profile) {
-    const { x } = this.field, touches = (j) => profile[j] <= this.colours.contactLevel;
+    const { x } = this.field, touches = (j) => this.colours.touches(profile[j]);
     strokeStyle(chart, context, this.colours.touching, 3);
     context.fillStyle = this.colours.touching;
     for (let j = 0; j < x.length; ++j) {
@@ -71,13 +72,13 @@ class BarPicture {
   }
 
   /// Where the bar is nearest to the obstacle along its span.
-  drawSpanGap(chart, context, profile) {
-    const { x } = this.field, { gap } = this.supports.span, unit = chart.ratio, surface = chart.py(-gap);
-    const least = profile.reduce((best, u, j) => (u < profile[best] ? j : best), 0);
+  drawSpanGap(chart, context, profile, sign) {
+    const { x } = this.field, { gap } = this.supports.span, unit = chart.ratio, surface = chart.py(-sign * gap);
+    const least = profile.reduce((best, u, j) => (sign * u < sign * profile[best] ? j : best), 0);
     const at = chart.px(x[least]), foot = chart.py(profile[least]), inLeftHalf = 2 * least < x.length;
-    if (profile[least] <= this.colours.contactLevel || surface > chart.box.top + chart.box.height) return;
+    if (this.colours.touches(profile[least]) || surface > chart.box.top + chart.box.height || surface < chart.box.top) return;
     doubleArrow(chart, context, at, foot, surface);
-    write(chart, context, `gap ${readable(profile[least] + gap, 3)}`, at + (inLeftHalf ? 12 : -12) * unit, surface + 26 * unit,
+    write(chart, context, `gap ${readable(sign * profile[least] + gap, 3)}`, at + (inLeftHalf ? 12 : -12) * unit, surface + sign * 26 * unit,
       { css: "var(--ink)", align: inLeftHalf ? "left" : "right", halo: true });
   }
 
@@ -90,27 +91,30 @@ class BarPicture {
     }
     if (support.kind !== "obstacle") return;
     const outwards = side === "left" ? 1 : -1, words = { css: "var(--ink)", align: side === "left" ? "left" : "right", halo: true };
-    const surface = chart.py(-support.gap);
+    const sign = signOf(support), surface = chart.py(-sign * support.gap);
     if (inParts(support.contact, time)) {
-      const force = this.reactions[side], size = force ? Math.max(0, force.at(time)) : 0, most = force ? force.most : 0;
+      const force = this.reactions[side], size = force ? Math.max(0, sign * force.at(time)) : 0, most = force ? force.most : 0;
       const length = (16 + (most > 0 ? (46 * size) / most : 0)) * unit;
       context.fillStyle = this.colours.touching;
       context.beginPath();
       context.arc(at, foot, 5 * unit, 0, 2 * Math.PI);
       context.fill();
       if (force) {
-        arrow(chart, context, at, surface + length, surface + 4 * unit, this.colours.touching);
+        arrow(chart, context, at, surface + sign * length, surface + sign * 4 * unit, this.colours.touching);
         // Below the surface, but where the bar goes there.
         const { x } = this.field, inner = x.findIndex((position) => chart.px(position) >= at + 70 * outwards * unit);
         const level = inner >= 0 && chart.py(profile[inner]) > surface + 6 * unit ? -20 : 26;
-        write(chart, context, `in contact, R = ${readable(size, 3)}`, at + 12 * outwards * unit, surface + level * unit, words);
+        write(chart, context, `in contact, R = ${readable(sign * size, 3)}`, at + 12 * outwards * unit, surface + sign * level * unit, words);
       }
     } else if (surface > chart.box.top && surface < chart.box.top + chart.box.height) {
       doubleArrow(chart, context, at, foot, surface);
-      write(chart, context, `gap ${readable(u + support.gap, 3)}`, at + 12 * outwards * unit, surface + 26 * unit, words);
+      write(chart, context, `gap ${readable(sign * u + support.gap, 3)}`, at + 12 * outwards * unit, surface + sign * 26 * unit, words);
     }
   }
 }
+
+/// 1 for an obstacle below, -1 for one above.
+const signOf = (obstacle) => (obstacle.above ? -1 : 1);
 
 /// Whether a value lies in one of the intervals [begin, end, begin, end, ...].
 function inParts(parts, value) {

@@ -51,12 +51,14 @@ class Field {
 /// Displacements to colours: 255 steps between anchors at equal distances, as io/report_pictures.cpp has them.
 class FieldColours {
   static steps = 255;
-  constructor({ anchors, low, high, touching, contactLevel }, field) {
+  constructor({ anchors, low, high, touching, contactLevel, contactFrom }, field) {
     this.low = low;
     this.high = high;
     this.touching = touching;
     // The field is rounded, so what touches may lie half a step above.
-    this.contactLevel = contactLevel === undefined ? -Infinity : contactLevel + (0.75 * (field.high - field.low)) / 65535;
+    const slack = (0.75 * (field.high - field.low)) / 65535;
+    this.contactLevel = contactLevel === undefined ? -Infinity : contactLevel + slack;
+    this.contactFrom = contactFrom === undefined ? Infinity : contactFrom - slack;
     const bytes = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
     const known = anchors.map(bytes);
     this.palette = Array.from({ length: FieldColours.steps }, (_, i) => {
@@ -66,7 +68,9 @@ class FieldColours {
     this.palette.push(bytes(touching));
   }
   /// The step of the scale; the one after the last stands for contact.
-  index(u) { return u <= this.contactLevel ? FieldColours.steps : this.step(u); }
+  touches(u) { return u <= this.contactLevel || u >= this.contactFrom; }
+
+  index(u) { return this.touches(u) ? FieldColours.steps : this.step(u); }
   step(u) {
     const part = (u - this.low) / (this.high - this.low);
     return Math.round(Math.min(1, Math.max(0, part)) * (FieldColours.steps - 1));

@@ -32,19 +32,20 @@ const layerPainters = {
   },
 
   /// A solid, hatched as in mechanics.
-  body(chart, context, { y, from, to }) {
+  body(chart, context, { y, from, to, above }) {
     const left = chart.px(from), right = chart.px(to), surface = chart.py(y), depth = 11 * chart.ratio;
+    const top = above ? surface - depth : surface;
     context.save();
     context.beginPath();
-    context.rect(left, surface, right - left, depth);
+    context.rect(left, top, right - left, depth);
     context.clip();
     context.fillStyle = colour("var(--faint)");
-    context.fillRect(left, surface, right - left, depth);
+    context.fillRect(left, top, right - left, depth);
     strokeStyle(chart, context, "var(--soft)", 1);
     context.beginPath();
     for (let x = left - depth; x < right; x += 6 * chart.ratio) {
-      context.moveTo(x, surface + depth);
-      context.lineTo(x + depth, surface);
+      context.moveTo(x, top + depth);
+      context.lineTo(x + depth, top);
     }
     context.stroke();
     context.restore();

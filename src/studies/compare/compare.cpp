@@ -23,9 +23,14 @@ constexpr double most_explicit_work = 5e8;
 std::optional<std::string> try_method(MethodChoice& choice, const Case& scene, MethodName method) {
   Case run = scene;
   run.method = method;
+  if (!run.mass) run.mass = common_mass(scene);
   const bool needs_step = is_scheme(method) && !run.step;
   if (needs_step) run.step = scheme_step(run);
-  const std::vector<Finding> findings = validate(run);
+  std::vector<Finding> findings = validate(run);
+  if (!findings.empty() && !scene.mass) {
+    run.mass.reset();
+    findings = validate(run);
+  }
   if (!findings.empty()) return fmt::format("{}: {}", findings.front().key, findings.front().problem);
   if (needs_step) choice.default_step.push_back(method);
   choice.cases.push_back(std::move(run));

@@ -21,10 +21,10 @@ constexpr double lowest_order = 0.1, highest_order = 4.0;
 Case limit_case(const LimitStudy& study, const LimitOrders& orders, bool rigid) {
   Case run = study.scene;
   run.elements = orders.elements;
+  run.mass = common_mass(run);
   run.method = rigid ? MethodName::rigid : MethodName::fully_discrete;
   run.step = orders.scheme_step;
-  run.tolerance.relative = std::min(run.tolerance.relative, 1e-10);
-  run.tolerance.absolute = std::min(run.tolerance.absolute, 1e-13);
+  run.tolerance = run.tolerance.with_relative(std::min(run.tolerance.relative, 1e-10));
   run.output_every = run.end / 2000.0;
   return run;
 }
@@ -90,7 +90,7 @@ CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result
   std::iota(by_mesh.begin(), by_mesh.end(), std::size_t{0});
   std::sort(by_mesh.begin(), by_mesh.end(),
             [&](std::size_t a, std::size_t b) { return result.orders[a].elements < result.orders[b].elements; });
-  const bool rigid = study.scene.mass == Mass::redistributed;
+  const bool rigid = common_mass(study.scene) == Mass::redistributed;
   for (const LimitOrders& orders : result.orders)
     if (!rigid && orders.verdict == Verdict::plateau)
       return no(fmt::format("on {} elements the difference has a plateau, so no epsilon balances it", orders.elements));
@@ -116,7 +116,11 @@ CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result
                       coarse.elements, fine.elements, difference, noise));
     differences.push_back(difference);
   }
-  const std::optional<MeshError> error = mesh_error(spacings, differences);
+  const double finest = spacings.back(), scale = differences.back();
+  std::vector<double> sizes, parts;  // beside those of the finest mesh, so that no unit is raised to a power
+  for (const double h : spacings) sizes.push_back(h / finest);
+  for (const double difference : differences) parts.push_back(difference / scale);
+  const std::optional<MeshError> error = mesh_error(sizes, parts);
   if (!error) {
     std::string list;
     for (const double difference : differences) list += fmt::format("{}{:.2g}", list.empty() ? "" : ", ", difference);
@@ -129,7 +133,8 @@ CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result
   std::vector<double> h, epsilon;
   for (std::size_t i = 0; i < by_mesh.size(); ++i) {
     const LimitOrders& orders = result.orders[by_mesh[i]];
-    Coupling::Mesh mesh{orders.elements, spacings[i], error->constant * std::pow(spacings[i], error->order), {}, 0.0};
+    Coupling::Mesh mesh{
+        orders.elements, spacings[i], scale * error->constant * std::pow(sizes[i], error->order), {}, 0.0};
     const auto rows = std::span(result.rows).subspan(orders.first_row, orders.row_count);
     if (const auto found =
             crossing(rows, rigid, mesh.mesh_error, rigid ? orders.tolerance_error : orders.scheme_error)) {

@@ -26,11 +26,6 @@ std::vector<double> decades(double first, double last, std::size_t per_decade) {
   return values;
 }
 
-double scheme_step(const Case& run) {
-  if (run.step) return *run.step;
-  return run.mesh().spacing() / (100.0 * std::sqrt(run.scene.bar.modulus / run.scene.bar.density));
-}
-
 namespace {
 
 constexpr std::size_t comparison_intervals = 2000;
@@ -49,8 +44,7 @@ Case penalised_case(const LimitStudy& study, std::size_t elements, double epsilo
   run.epsilon = epsilon;
   run.method = penalised_method(run);
   run.mass = effective_mass(run);  // of all partners
-  run.tolerance.relative = std::min(run.tolerance.relative, 1e-10);
-  run.tolerance.absolute = std::min(run.tolerance.absolute, 1e-13);
+  run.tolerance = run.tolerance.with_relative(std::min(run.tolerance.relative, 1e-10));
   run.output_every = run.end;
   return sound(std::move(run));
 }

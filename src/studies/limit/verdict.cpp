@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "case/regime.hpp"
+
 namespace viscobar {
 
 std::string_view name(Verdict verdict) {
@@ -205,18 +207,36 @@ Settling settling(const TraceSequence& sequence, const Approach& approach, doubl
   const auto shown = observed_order(x, differences);
   const bool still = std::all_of(differences.begin(), differences.end(), [&](double d) { return d <= floor; });
   const double p = std::clamp(shown ? shown->order : order, least_part_of_order * order, order);
-  double constant = 0.0;
+  const auto power = [&](std::size_t i) { return std::pow(sequence.x[i] / sequence.x.back(), p); };
+  double error = 0.0;  // A x^p at the last x
   for (std::size_t i = count - std::min(approach.values, count); i < count; ++i)
     for (std::size_t j = i + 1; j < count; ++j)
-      constant = std::max(constant, largest_difference(sequence.traces[i], sequence.traces[j]) /
-                                        (std::pow(sequence.x[i], p) - std::pow(sequence.x[j], p)));
+      error = std::max(error, largest_difference(sequence.traces[i], sequence.traces[j]) / (power(i) - power(j)));
   const bool enough = differences.size() >= 2;
-  return {.error = approach.safety * constant * std::pow(sequence.x.back(), p) + floor,
+  return {.error = approach.safety * error + floor,
           .settled = enough && (still || (shown && shown->order >= least_part_of_order * order)),
           .grows = enough && !still && shown && shown->order < 0.0};
 }
 
+namespace {
+
+bool goes_through(const EndTraces& traces) {
+  double largest = 0.0;
+  for (const auto* end : {&traces.left, &traces.right})
+    for (const double u : *end) largest = std::max(largest, std::abs(u));
+  return is_no_obstacle(traces.statistics.max_penetration, largest);
+}
+
+}  // namespace
+
 Judgement judge(const LimitTraces& mesh) {
+  if (goes_through(mesh.penalised.last())) {
+    Judgement found;
+    found.evidence.difference = largest_difference(mesh.penalised.last(), mesh.scheme.last());
+    found.evidence.lack = Lack::obstacle;
+    found.scheme_error = settling(mesh.scheme, by_step, mesh.floor).error;
+    return found;
+  }
   if (touches(mesh.penalised.last()) || (mesh.rigid && touches(*mesh.rigid)))
     return mesh.rigid ? judge_massless(mesh) : judge_massive(mesh);
   Judgement found;

@@ -7,10 +7,12 @@ namespace viscobar {
 
 std::optional<ObservedOrder> observed_order(std::span<const double> x, std::span<const double> y) {
   std::vector<double> a, b;
+  std::optional<std::size_t> first;  // logarithms are of ratios to it, which have no units
   for (std::size_t i = 0; i < x.size() && i < y.size(); ++i) {
     if (!(x[i] > 0.0 && y[i] > 0.0 && std::isfinite(x[i]) && std::isfinite(y[i]))) continue;
-    a.push_back(std::log(x[i]));
-    b.push_back(std::log(y[i]));
+    first = first.value_or(i);
+    a.push_back(std::log(x[i] / x[*first]));
+    b.push_back(std::log(y[i] / y[*first]));
   }
   const auto n = static_cast<double>(a.size());
   if (a.size() < 2) return std::nullopt;

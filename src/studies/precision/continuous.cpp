@@ -18,8 +18,7 @@ Case on_mesh(const Case& scene, std::size_t elements) {
   run.elements = elements;
   run.method = MethodName::rigid;
   run.mass = Mass::redistributed;
-  run.tolerance.absolute *= tolerance / run.tolerance.relative;
-  run.tolerance.relative = tolerance;
+  run.tolerance = run.tolerance.with_relative(tolerance);
   if (validate(run).empty()) return run;
   run.mass = scene.mass;
   run.method = MethodName::fully_discrete;

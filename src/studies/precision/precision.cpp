@@ -29,9 +29,8 @@ double error_times(const Case& scene, const std::vector<Mesh>& meshes) {
                         : scene.output_every / std::floor(most / std::max(1.0, outputs));
 }
 
-/// Why the method does not fit the scene; its step is the study's to choose.
-std::optional<std::string> misfit(Case run) {
-  if (is_scheme(run.method)) run.step = run.mesh().spacing();
+/// Why the method does not fit the scene.
+std::optional<std::string> misfit(const Case& run) {
   const std::vector<Finding> findings = validate(run);
   if (findings.empty()) return std::nullopt;
   return fmt::format("{}: {}", findings.front().key, findings.front().problem);

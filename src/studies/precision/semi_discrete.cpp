@@ -29,8 +29,7 @@ std::vector<Case> routes(const Case& scene, const System& system, const Fineness
   const auto add = [&](MethodName method, double coarser) {
     Case run = base;
     run.method = method;
-    run.tolerance.absolute *= coarser * fineness.tolerance / run.tolerance.relative;
-    run.tolerance.relative = coarser * fineness.tolerance;
+    run.tolerance = run.tolerance.with_relative(coarser * fineness.tolerance);
     if (is_scheme(method)) run.step = coarser * fineness.step;
     if (validate(run).empty()) all.push_back(std::move(run));
   };
@@ -75,7 +74,7 @@ System system_of(const Case& run) {
   if (!system.contacts().empty() && !is_penalised(run.method))
     law = system.has_massless() || run.method == MethodName::rigid ? System::Law::rigid : System::Law::impact;
   const bool penalised = !system.contacts().empty() && law == System::Law::penalised;
-  return {run.elements, system.mass(), law, penalised ? run.epsilon.value_or(0.0) : 0.0};
+  return {run.elements, system.mass(), law, penalised ? effective_epsilon(run) : 0.0};
 }
 
 SemiDiscrete solve_in_time(const Case& scene, const System& system, const Fineness& fineness, double seconds) {

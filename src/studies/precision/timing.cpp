@@ -76,8 +76,7 @@ std::vector<Timed> settings_of(const PrecisionStudy& study, const Case& run) {
   } else if (is_adaptive(run.method)) {
     for (const double tolerance : study.tolerances) {
       Case set = run;
-      set.tolerance.absolute *= tolerance / run.tolerance.relative;
-      set.tolerance.relative = tolerance;
+      set.tolerance = run.tolerance.with_relative(tolerance);
       add(set, tolerance, fmt::format("tolerance {:.3g}", tolerance));
     }
   } else {

@@ -56,6 +56,7 @@ std::string_view name(Verdict verdict);  ///< as in JSON
 /// What an undecided verdict lacks.
 enum class Lack {
   nothing,          ///< the verdict is known
+  obstacle,         ///< the bar goes through it: a penetration of a tenth of max|u| or more at the smallest epsilon
   contact,          ///< nothing touches an obstacle at the smallest epsilon: there is nothing to compare
   penalties,        ///< three epsilons or more, to see whether P(epsilon) settles
   smaller_epsilon,  ///< P(epsilon) has not settled, or not closely enough
@@ -127,9 +128,6 @@ struct LimitResult {
 
 /// epsilon from `first` down to `last`, `per_decade` values a decade.
 std::vector<double> decades(double first, double last, std::size_t per_decade = 1);
-
-/// The step of the scheme that a study of this case takes when none is given: the scene's, or h / (100 c).
-double scheme_step(const Case& run);
 
 /// Runs the study, independent runs on all cores. The tolerance is the scene's, but at most 1e-10. The scheme starts
 /// at steps 10^(2/3), 10^(1/3) and 1 times the given one: a contact closes on its grid, and halved steps would put it

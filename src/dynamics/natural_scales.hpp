@@ -1,0 +1,25 @@
+#pragma once
+
+#include "viscobar/dynamics/bar_system.hpp"
+
+namespace viscobar {
+
+/// What the numbers of a scene are large or small beside.
+struct NaturalScales {
+  double time = 0.0;          ///< L / c, c = sqrt(E / rho)
+  double displacement = 0.0;  ///< U
+  double velocity() const { return displacement / time; }
+};
+
+/// Of the initial data and the load, with tau = min(L / c, end):
+///
+///     U = max( max |u_0 - its mean|, tau max |u_1|, tau^2 max |f| / rho ),
+///
+/// and L where all three vanish. A gap is no scale: a far obstacle says nothing about the motion. Of a load that
+/// varies, 64 times up to `end` are looked at; where it is not finite it counts for nothing here.
+NaturalScales natural_scales(const BarSystem& system, double end);
+
+/// L / E, the unit of a penalty: at epsilon = L / E the spring gives way as the bar does.
+inline double natural_penalty(const Bar& bar) { return bar.length / bar.modulus; }
+
+}  // namespace viscobar

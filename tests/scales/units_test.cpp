@@ -1,0 +1,238 @@
+// The unit of length, mass or time is nobody's business: whatever powers of two they are multiplied by, every digit of
+// every number and every word of an answer stays.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <regex>
+
+#include "cli/command.hpp"
+
+namespace viscobar {
+namespace {
+
+using nlohmann::json;
+
+/// Powers of two.
+struct Units {
+  int length = 0, mass = 0, time = 0;
+};
+struct Dimension {
+  int length = 0, mass = 0, time = 0;
+  int shift(const Units& units) const { return length * units.length + mass * units.mass + time * units.time; }
+};
+constexpr Dimension a_length{1, 0, 0}, a_time{0, 0, 1}, a_velocity{1, 0, -1}, a_stress{-1, 1, -2}, none{};
+constexpr Dimension an_energy{0, 1, -2};  // of a cross-section
+
+class RandomText {
+ public:
+  explicit RandomText(unsigned seed) : seed_(seed) {}
+
+  /// The same scene in any units.
+  std::string in(const Units& units) {
+    random_.seed(seed_);
+    units_ = units;
+    text_.clear();
+    write();
+    return text_;
+  }
+
+ private:
+  double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  bool coin(double share = 0.5) { return uniform(0.0, 1.0) < share; }
+  std::size_t pick(std::size_t count) { return std::uniform_int_distribution<std::size_t>(0, count - 1)(random_); }
+
+  std::string number(double value, const Dimension& of) {
+    return fmt::format("{}", std::ldexp(value, of.shift(units_)));
+  }
+  std::string shape(double size, const Dimension& of, const std::string& s) {
+    return fmt::format("{}*({}+{}*cos({}*pi*{}))", number(size, of), uniform(-1.0, 0.0), uniform(-1.0, 1.0),
+                       1 + pick(3), s);
+  }
+
+  void write() {
+    // A bar of rho = E = 1 that is as long as that, on purpose of no round length.
+    const double length = uniform(0.5, 8.0), density = uniform(0.5, 2.0), modulus = uniform(0.5, 2.0);
+    const double crossing = length * std::sqrt(density / modulus), viscosities[] = {0.0, 0.01, 0.1, 1.0};
+    const double viscosity = viscosities[pick(4)] * modulus * crossing, end = uniform(1.0, 3.0) * crossing;
+    const std::string s = fmt::format("(x/{})", number(length, a_length));
+    const auto add = [&](const std::string& line) { text_ += line + "\n"; };
+    add("[bar]\nlength = " + number(length, a_length));
+    add("density = " + number(density, {-3, 1, 0}));
+    add("modulus = " + number(modulus, a_stress));
+    add("viscosity = " + number(viscosity, {-1, 1, -1}));
+    const bool span = coin(0.2);
+    bool meets = false;
+    for (const char* side : {"left", "right"}) {
+      const std::size_t kind = pick(span ? 2 : 4);
+      add(fmt::format("[{}]\nkind = \"{}\"", side, kind >= 2 ? "obstacle" : kind == 1 ? "fixed" : "free"));
+      if (kind < 2) continue;
+      meets = true;
+      add("gap = " + number(uniform(0.8, 1.2) * length, a_length));
+      if (coin()) add("side = \"above\"");
+    }
+    if (span) {
+      const char* sides[] = {"below", "above", "both"};
+      add("[span]\ngap = " + number(uniform(0.8, 1.2) * length, a_length));
+      add(fmt::format("side = \"{}\"", sides[pick(3)]));
+    }
+    add("[initial]\ndisplacement = \"" + shape(0.3 * length, a_length, s) + '"');
+    add("velocity = \"" + shape(length / crossing, a_velocity, s) + '"');
+    if (coin(0.3)) {
+      add("[load]\nprofile = \"" + shape(modulus / length, {-2, 1, -2}, s) + '"');
+      if (coin())
+        add(fmt::format("history = \"sin(3*(t/{}))\"", number(crossing, a_time)));
+      else
+        add("history = 1");
+    }
+    add("[time]\nend = " + number(end, a_time));
+    const char* methods[] = {"automatic",       "cvode",          "ida",         "arkode",           "odeint", "rigid",
+                             "characteristics", "fully_discrete", "exponential", "finite_difference"};
+    std::string method = methods[pick(10)];
+    if ((method == "rigid" && span) || (method == "characteristics" && (span || viscosity > 0.0))) method = "automatic";
+    const std::size_t elements = 5 + pick(10);
+    add(fmt::format("[mesh]\nelements = {}", elements));
+    const char* masses[] = {"consistent", "lumped", "fourth_order"};
+    if (coin()) add(fmt::format("mass = \"{}\"", masses[pick(method == "finite_difference" ? 2 : 3)]));
+    add("[contact]");
+    if (coin())
+      add("epsilon = " + number(std::exp2(-4.0 - 8.0 * uniform(0.0, 1.0)) * length / modulus * (meets ? 1.0 : length),
+                                meets ? Dimension{2, -1, 2} : Dimension{3, -1, 2}));
+    if (coin()) add(fmt::format("restitution = {}", 0.5 * static_cast<double>(pick(3))));
+    add(fmt::format("[method]\nname = \"{}\"", method));
+    if (coin(0.3)) add("step = " + number(crossing / static_cast<double>(elements) / 16.0, a_time));
+    add("[output]\nevery = " + number(end / 20.0, a_time));
+  }
+
+  unsigned seed_;
+  std::mt19937 random_;
+  Units units_;
+  std::string text_;
+};
+
+const std::map<std::string, Dimension>& known() {
+  static const std::map<std::string, Dimension> dimensions = {{"reached_time", a_time},
+                                                              {"max_penetration", a_length},
+                                                              {"time_in_contact", a_time},
+                                                              {"impulse", {-1, 1, -1}},
+                                                              {"max_reaction", a_stress},
+                                                              {"initial", an_energy},
+                                                              {"final", an_energy},
+                                                              {"dissipated", an_energy},
+                                                              {"work", an_energy},
+                                                              {"steps", none},
+                                                              {"events", none},
+                                                              {"closings", none},
+                                                              {"predicted_penetration", a_length},
+                                                              {"speed", a_velocity},
+                                                              {"spacing", a_length},
+                                                              {"effective_mass", {-2, 1, 0}},
+                                                              {"damping_ratio", none},
+                                                              {"difference_to_scheme", a_length},
+                                                              {"difference_to_rigid", a_length}};
+  return dimensions;
+}
+
+std::string words(const std::string& text) {
+  static const std::regex numbers(R"([-+]?[0-9]+(\.[0-9]+)?([eE][-+]?[0-9]+)?)");
+  return std::regex_replace(text, numbers, "#");
+}
+
+bool of_the_clock(const std::string& key) {
+  return key.ends_with("seconds") || key == "versions" || key == "platform" || key == "files" || key == "crc64" ||
+         key == "checksums";
+}
+
+/// That b is a in units that are larger by powers of two. Numbers under one key have one dimension.
+class Same {
+ public:
+  explicit Same(const Units& units) : units_(units) {}
+
+  void expect(const json& a, const json& b, const std::string& key) {
+    ASSERT_EQ(a.is_number(), b.is_number()) << key;
+    if (a.is_number()) return expect(a.get<double>(), b.get<double>(), key);
+    ASSERT_EQ(a.type(), b.type()) << key;
+    if (a.is_string()) {
+      EXPECT_EQ(words(a.get<std::string>()), words(b.get<std::string>())) << key;
+    } else if (a.is_structured()) {
+      ASSERT_EQ(a.size(), b.size()) << key << "\n" << a << "\n" << b;
+      for (auto i = a.begin(), j = b.begin(); i != a.end(); ++i, ++j) {
+        ASSERT_TRUE(!a.is_object() || i.key() == j.key());
+        if (!a.is_object())
+          expect(*i, *j, key);
+        else if (!of_the_clock(i.key()))
+          expect(*i, *j, i.key());
+      }
+    } else {
+      EXPECT_EQ(a, b) << key;
+    }
+  }
+
+  void expect(double a, double b, const std::string& key) {
+    int exponent_a = 0, exponent_b = 0;
+    const double digits_a = std::frexp(a, &exponent_a), digits_b = std::frexp(b, &exponent_b);
+    ASSERT_EQ(digits_a, digits_b) << key << ": " << a << " and " << b;
+    if (a == 0.0) return;
+    const int shift = exponent_b - exponent_a;
+    const auto of = known().find(key);
+    EXPECT_EQ(shift, of == known().end() ? shift : of->second.shift(units_)) << key;
+  }
+
+ private:
+  Units units_;
+};
+
+class UnitsTest : public testing_cli::Command, public testing::WithParamInterface<unsigned> {
+ protected:
+  /// The scene of that number, in plain units and in others, by the command: both end alike, what they say is the same.
+  void expect_same(unsigned seed, const std::string& command, bool even) {
+    std::mt19937 random(1000 + seed);
+    const auto power = [&] { return std::uniform_int_distribution<int>(-12, 12)(random); };
+    // Norms in L2 have half a power of the length.
+    const Units units{even ? 2 * power() : power(), power(), power()};
+    RandomText scene(seed);
+    std::array<testing_cli::Ended, 2> ended;
+    for (const bool other : {false, true}) {
+      const std::string name = other ? "other.toml" : "plain.toml";
+      std::ofstream(directory_ / name) << scene.in(other ? units : Units{});
+      ended[other] = viscobar(command.substr(0, command.find(' ')) + " " + name + command.substr(command.find(' ')));
+    }
+    SCOPED_TRACE(fmt::format("seed {}: {}, length 2^{}, mass 2^{}, time 2^{}\n{}", seed, command, units.length,
+                             units.mass, units.time, scene.in({})));
+    ASSERT_EQ(ended[0].code, ended[1].code) << ended[0].error << ended[1].error;
+    EXPECT_EQ(ended[0].out.empty(), ended[1].out.empty());
+    if (ended[0].code == 2) {
+      ++refused_;
+      EXPECT_EQ(words(std::regex_replace(ended[0].error, std::regex("plain"), "other")), words(ended[1].error));
+    }
+    if (ended[0].out.empty()) return;
+    Same(units).expect(ended[0].json(), ended[1].json(), "");
+  }
+
+  int refused_ = 0;
+};
+
+TEST_P(UnitsTest, ARunAndACheckHaveTheSameDigitsInAllUnits) {
+  for (unsigned seed = 20 * GetParam(); seed < 20 * GetParam() + 20; ++seed) {
+    expect_same(seed, "run --json -o out", false);
+    expect_same(seed, "check --json", false);
+    if (HasFatalFailure() || HasFailure()) return;
+  }
+  EXPECT_LE(refused_, 10);  // most scenes run
+}
+
+TEST_P(UnitsTest, AStudyHasTheSameDigitsInAllUnits) {
+  for (unsigned seed = 20 * GetParam(); seed < 20 * GetParam() + 20; seed += 10) {
+    expect_same(seed, "compare --json -o out --methods cvode,fully_discrete", true);
+    expect_same(seed, "limit --json -o out --budget 0", true);
+    if (HasFatalFailure() || HasFailure()) return;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(TwoHundredScenes, UnitsTest, testing::Range(0u, 10u));
+
+}  // namespace
+}  // namespace viscobar
