@@ -91,9 +91,9 @@ Recording own_scheme(const Case& run) {
                        contact.closed ? Change::closing : Change::opening, velocity});
     }
   };
-  odeint::integrate_adaptive(
-      odeint::make_controlled(run.tolerance.absolute, run.tolerance.relative, odeint::runge_kutta_dopri5<Vector>()),
-      std::cref(bar), y, 0.0, run.end, 1e-6, keep);
+  odeint::integrate_adaptive(odeint::make_controlled(run.tolerance.absolute.value_or(1e-9), run.tolerance.relative,
+                                                     odeint::runge_kutta_dopri5<Vector>()),
+                             std::cref(bar), y, 0.0, run.end, 1e-6, keep);
   return recorder.recording();
 }
 

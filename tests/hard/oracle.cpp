@@ -64,8 +64,8 @@ Judgement energy_balance(const Trial& trial) {
                   flow / std::max(v, 1e-300);
   double tolerance = 1e-10 * flow + of_strains;
   if (is_adaptive(trial.run.method)) {
-    const Tolerance& wanted = trial.run.tolerance;
-    tolerance = 200 * (wanted.relative * flow + wanted.absolute * bar.density * bar.length * v) + of_strains;
+    const double absolute = allowance(trial.run.tolerance, make_system(trial.run), trial.run.end).velocity;
+    tolerance = 200 * (trial.run.tolerance.relative * flow + absolute * bar.density * bar.length * v) + of_strains;
   }
   if (is_scheme(trial.run.method))
     tolerance = 64 * rounding * static_cast<double>(trial.result.statistics.steps) * flow + of_strains;

@@ -21,7 +21,6 @@ using namespace viscobar;
 struct Setting {
   std::string name;
   Case run;
-  run.mass = Mass::consistent;
 };
 
 Case chatter(double epsilon) {

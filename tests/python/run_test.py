@@ -143,7 +143,6 @@ class FunctionsTest(Test):
                     frames = [frame.name for frame in traceback.extract_tb(raised.__traceback__)]
                     self.assertEqual(frames[-1], "load")
                     self.assertFalse(raised.result.completed)
-                    self.assertGreaterEqual(raised.result.t[-1], 0.8)
         with self.assertRaises(ZeroDivisionError):
             viscobar.run(thrown(initial__velocity=lambda x: 1 / x))
 

@@ -75,8 +75,8 @@ TEST(SpanConstraint, HoldsEveryEntryBetweenItsTwoBounds) {
       ASSERT_GE(x[i], lower[i]);
       ASSERT_LE(x[i], upper[i]);
       ASSERT_NEAR(row[i], b[i] + multiplier[i], rounding);
-      if (multiplier[i] > 0.0) ASSERT_EQ(x[i], lower[i]);
-      if (multiplier[i] < 0.0) ASSERT_EQ(x[i], upper[i]);
+      ASSERT_TRUE(multiplier[i] <= 0.0 || x[i] == lower[i]) << i;
+      ASSERT_TRUE(multiplier[i] >= 0.0 || x[i] == upper[i]) << i;
       ++held[constraint.active()[i]];
     }
     std::vector<double> turned_b(b), turned_lower(n), turned_upper(n), turned(n), turned_multiplier(n);
