@@ -26,6 +26,7 @@ int main() {
   run.step = 0.0025;
   run.tolerance = {1e-8, 1e-11};
   run.start = Start::second_order;
+  run.mass = Mass::consistent;
 
   bool as_expected = true;
   for (const MethodName method : {MethodName::cvode, MethodName::fully_discrete, MethodName::finite_difference}) {

@@ -15,17 +15,18 @@ double largest(std::span<const double> values) {
   return most;
 }
 
-// max |f|: M f by the weight of a node inside.
-double largest_load(const BarSystem& system, double end) {
+// max over x of |f|, its mean over time: M f by the weight of a node inside. A load that is a blow moves the bar by its
+// impulse and not by its height.
+double mean_load(const BarSystem& system, double end) {
   if (!system.loaded()) return 0.0;
   LoadVector load(system);
-  constexpr int looks = 64;
-  double most = 0.0;
-  for (int k = 0; k <= (load.steady() ? 0 : looks); ++k) try {
-      most = std::max(most, largest(load.at(end * k / looks)));
+  const int looks = load.steady() ? 1 : 64;
+  double sum = 0.0;
+  for (int k = 0; k < looks; ++k) try {
+      sum += largest(load.at(end * (k + 0.5) / looks)) / looks;
     } catch (const LoadError&) {  // a run that comes there says so
     }
-  return most / system.mesh().spacing();
+  return sum / system.mesh().spacing();
 }
 
 }  // namespace
@@ -37,8 +38,7 @@ NaturalScales natural_scales(const BarSystem& system, double end) {
   const double mean = std::accumulate(start.u.begin(), start.u.end(), 0.0) / static_cast<double>(start.u.size());
   double deviation = 0.0;
   for (const double u : start.u) deviation = std::max(deviation, std::abs(u - mean));
-  const double scale =
-      std::max({deviation, tau * largest(start.v), tau * tau * largest_load(system, end) / bar.density});
+  const double scale = std::max({deviation, tau * largest(start.v), tau * tau * mean_load(system, end) / bar.density});
   return {crossing, scale > 0.0 && std::isfinite(scale) ? scale : bar.length};
 }
 

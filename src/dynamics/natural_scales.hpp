@@ -13,10 +13,10 @@ struct NaturalScales {
 
 /// Of the initial data and the load, with tau = min(L / c, end):
 ///
-///     U = max( max |u_0 - its mean|, tau max |u_1|, tau^2 max |f| / rho ),
+///     U = max( max |u_0 - its mean|, tau max |u_1|, tau^2 max_x |f| / rho ), |f| its mean over time,
 ///
 /// and L where all three vanish. A gap is no scale: a far obstacle says nothing about the motion. Of a load that
-/// varies, 64 times up to `end` are looked at; where it is not finite it counts for nothing here.
+/// varies, the mean is that of 64 times up to `end`; where it is not finite it counts for nothing here.
 NaturalScales natural_scales(const BarSystem& system, double end);
 
 /// L / E, the unit of a penalty: at epsilon = L / E the spring gives way as the bar does.

@@ -239,7 +239,8 @@ PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std
     if (!rests) leave_with(sign * rebound);
   }
   const double dissipated = 0.5 * mass * (speed - w[node]) * (speed + w[node]);
-  return {rests, dissipated, kinetic - 0.5 * bar_.inertia().quadratic_form(w) - dissipated, mass * (speed + w[node])};
+  return {rests, dissipated, kinetic - 0.5 * bar_.inertia().quadratic_form(w) - dissipated,
+          mass * (w[node] + sign * speed)};
 }
 
 double PenalisedSystem::stiffness_of_closed(std::size_t unknown) const {

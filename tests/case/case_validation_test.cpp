@@ -38,11 +38,11 @@ TEST(Validation, GoesOnPastValuesThatAreWrongToAllThatCanBeSaid) {
   run.scene.displacement = [](double x) { return x - 0.5; };  // penetrates
   run.scene.velocity = [](double x) { return 1.0 / x; };
   run.output_every = 1e-12;
-  run.method = MethodName::finite_difference;  // without a step
+  run.method = MethodName::finite_difference;
   run.grading = 4.0;
   EXPECT_EQ(keys_of(validate(run)),
             (Keys{"bar.density", "contact.restitution", "initial.displacement", "initial.velocity", "mesh.grading",
-                  "method.relative_tolerance", "method.step", "output.every"}));
+                  "method.relative_tolerance", "output.every"}));
 }
 
 TEST(Validation, JudgesNothingByWhatIsWrong) {
@@ -56,13 +56,13 @@ TEST(Validation, JudgesNothingByWhatIsWrong) {
 
 TEST(Validation, SaysNothingAboutKeysKnownToBeFaultyNorByThem) {
   Case run = sound_case();
-  run.epsilon.reset();
+  run.restitution = 2.0;
   run.method = MethodName::cvode;
   run.scene.bar.viscosity = 0.0;
   run.mass = Mass::redistributed;  // cvode cannot take it without viscosity
-  EXPECT_EQ(keys_of(validate(run)), (Keys{"contact.epsilon", "method.name"}));
-  EXPECT_EQ(keys_of(validate(run, {"bar.viscosity", "contact.epsilon"})), Keys{});
-  EXPECT_EQ(keys_of(validate(run, {"method.name"})), Keys{});
+  EXPECT_EQ(keys_of(validate(run)), (Keys{"contact.restitution", "method.name"}));
+  EXPECT_EQ(keys_of(validate(run, {"bar.viscosity", "contact.restitution"})), Keys{});
+  EXPECT_EQ(keys_of(validate(run, {"method.name"})), Keys{"contact.restitution"});
 }
 
 TEST(Validation, RefusesWhatDoesNotFitIntoTheMemoryOfTheMachine) {

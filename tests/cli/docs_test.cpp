@@ -98,6 +98,8 @@ constexpr struct {
     {"cmake --build --preset release --target measure_", "take minutes"},
     {"build/release/tests/measure_", "take minutes"},
     {"time viscobar sweep", "takes minutes; with the same keys the chatter sweep of the page is run"},
+    {"viscobar.run(", "Python.docs_test"},
+    {"time={", "Python.docs_test"},
     {"mpirun ", "tests/cli/sweep_test.cpp, on fewer ranks"},
 };
 

@@ -12,7 +12,7 @@ class FailedRun : public Command, public testing::WithParamInterface<std::string
   void expect_kept(const std::string& load, const std::string& reason, double time) const {
     const Ended ended = viscobar("run " + scene("chatter") +
                                  " --json -o out --set contact.epsilon=1e-3 --set time.end=1 --set output.every=0.01"
-                                 " --set method.name=" +
+                                 " --set method.absolute_tolerance=1e-9 --set method.name=" +
                                  GetParam() + " --set 'load.density=\"" + load + "\"'");
     EXPECT_EQ(ended.code, 1) << load << ended.error;
     EXPECT_NE(ended.error.find(reason), std::string::npos) << ended.error;

@@ -256,7 +256,7 @@ TEST(SceneFile, ThatIsEmptyLacksEveryRequiredKeyAtItsBeginning) {
   std::size_t required = 0;
   for (const SceneKey& key : scene_keys()) required += key.presence == Presence::required ? 1 : 0;
   const auto found = errors_of("");
-  EXPECT_EQ(found.size(), required);
+  EXPECT_EQ(found.size(), required + 1);  // and something that moves the bar
   for (const Diagnostic& one : found) {
     EXPECT_EQ(one.line, 1u);
     EXPECT_EQ(one.column, 1u);
@@ -299,7 +299,7 @@ TEST(SceneFile, DescribesEveryKeyAsUnderstood) {
     "load": {"density": "sin(t)"},
     "time": {"end": 4.0},
     "mesh": {"elements": 8, "grading": 1.0, "mass": "lumped"},
-    "method": {"name": "automatic", "relative_tolerance": 1e-6, "absolute_tolerance": 1e-9,
+    "method": {"name": "automatic", "relative_tolerance": 1e-6,
                "error_control": "global", "formulas": "automatic", "stepper": "automatic", "start": "first_order",
                "impact": "paoli_schatzman"},
     "output": {"every": 0.04}})json");

@@ -19,6 +19,7 @@ Case throw_under(Load load, MethodName method) {
   run.method = method;
   run.end = 1.0;
   run.output_every = 0.01;
+  run.tolerance.absolute = 1e-9;  // whatever the size of the load
   return run;
 }
 

@@ -56,6 +56,7 @@ Case pressed(double epsilon, Mass mass, MethodName method) {
   run.end = 2.0;
   run.output_every = 0.025;
   run.method = method;
+  run.tolerance.absolute = 1e-9;
   return run;
 }
 

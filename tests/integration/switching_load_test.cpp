@@ -196,6 +196,7 @@ TEST(SwitchingLoad, OfAShortBlowLiftsABarOffTheObstacleThatItRestsOn) {
     Case run = bar_under(SeparableLoad{[](double) { return 1.0; }, formula.of_t(), formula.breaks()}, 0.5);
     run.scene.left = Obstacle{gap};
     run.epsilon = 1e-4;
+    run.mass = Mass::consistent;
     const double u = height * half_width * (run.end - middle);
     for (const MethodName method :
          {MethodName::exponential, MethodName::cvode, MethodName::ida, MethodName::arkode, MethodName::odeint}) {

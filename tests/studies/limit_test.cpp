@@ -333,7 +333,7 @@ TEST(LimitVerdict, WherePenalisedTracesDivergeASmallerEpsilonIsNotWhatIsLacking)
   const std::vector<double> at = decades(1e-2, 1e-5), steps = decades(1e-2, 1e-4);
   const auto constant = [](double value) {
     EndTraces traces{.left = {value}, .right = {0.0}, .events = {}, .statistics = {}};
-    traces.statistics.max_penetration = 1.0;
+    traces.statistics.max_penetration = 1e-12;
     return traces;
   };
   for (const double x : at) penalised.push_back(constant(1e-9 / x));

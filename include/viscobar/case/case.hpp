@@ -87,9 +87,10 @@ inline constexpr std::string_view automatic = "automatic";
 ///
 /// Measured in docs/methods.md.
 struct AutomaticMethod {
-  MethodName method;
-  std::string reservation;
+  MethodName method;        ///< that suits the case
+  std::string reservation;  ///< the sentence, or empty
 };
+/// Chooses it, see AutomaticMethod.
 AutomaticMethod automatic_method(const Case& run);
 
 /// What to call the method of a run: its name, with "automatic" where it was asked to be chosen.

@@ -27,6 +27,7 @@ struct Fixed {};
 /// From where an obstacle bounds the displacement: u >= -gap, the paper's reading at either end, u <= gap, or both,
 /// a slit, which only the span can be in.
 enum class Side { below, above, both };
+/// In the order of Side.
 inline constexpr Side all_sides[] = {Side::below, Side::above, Side::both};
 std::string_view name(Side side);  ///< in a scene file
 
