@@ -8,8 +8,7 @@
 namespace viscobar {
 
 /// Why m M + c C + k K, the matrix of a step of length c / m, is not positive definite in floating-point numbers: of
-/// its entries the inertia is rounded away beside what is so much larger, and what to change in the scene. `shorter`
-/// says what makes steps shorter.
+/// its entries the inertia is rounded away beside what is so much larger.
 std::string lost_inertia(const BarSystem& system, double m, double c, double k);
 
 }  // namespace viscobar
