@@ -392,7 +392,8 @@ class Run {
   void change_contacts(std::size_t first, const std::vector<VectorXd>& distances, double sigma, const VectorXd& v) {
     std::vector<std::size_t> changing;
     for (std::size_t c = 0; c < contacts(); ++c) {
-      const bool leaving = penalised_.closed(c) ? v[node(c)] > 0.0 : v[node(c)] < 0.0;
+      const double away = sign(c) * v[node(c)];
+      const bool leaving = penalised_.closed(c) ? away > 0.0 : away < 0.0;
       if (c == first || (leaving && std::abs(value(distances[c], sigma)) <= distance_.band(c, largest())))
         changing.push_back(c);
     }
