@@ -31,8 +31,7 @@ std::string stiffer_advice(const Case& run) {
   chosen.epsilon.reset();
   return fmt::format(
       "contact.epsilon = {:.3g} is {:.2g} of {}, at which the spring gives way as the bar does: take {:.2g}, or leave "
-      "it "
-      "out (--set contact.epsilon=)",
+      "it out (--set contact.epsilon=)",
       effective_epsilon(run), effective_epsilon(run) / natural_epsilon(run.scene), natural_epsilon_words(run.scene),
       effective_epsilon(chosen));
 }

@@ -25,8 +25,8 @@ std::string stiffer_advice(const Case& run);
 
 /// Largest penetration of the first impact at a given speed, within a factor of two.
 struct ImpactPrediction {
-  /// What the contact sets in motion first: a viscous layer, an elastic wave, or the end node alone.
-  /// Or the whole bar, on a spring that is softer than itself.
+  /// What the contact sets in motion first: a viscous layer, an elastic wave, the end node alone, or, on a spring that
+  /// is softer than the bar, the whole bar.
   enum class Layer { viscous, elastic, node, bar };
   double speed = 0.0;         ///< V > 0, towards the obstacle
   double penetration = 0.0;   ///< at its peak

@@ -41,9 +41,12 @@ std::string table(const Case& run, const Outcome& outcome, const fs::path& direc
     if (statistics->max_penetration > 0.0)
       text += row("largest penetration", fmt::format("{:.3g}", statistics->max_penetration));
     if (const auto& energy = statistics->energy)
-      text += row("energy",
-                  fmt::format("{:.6g} to {:.6g}, dissipated {:.6g}, work {:.6g}, balance error {:.2g}", energy->initial,
-                              energy->final, energy->dissipated, energy->work, energy->balance_error()));
+      text += row("energy", fmt::format("{:.6g} to {:.6g}, dissipated {:.6g}, work {:.6g}{}, balance error {:.2g}",
+                                        energy->initial, energy->final, energy->dissipated, energy->work,
+                                        energy->end_inertia == 0.0
+                                            ? ""
+                                            : fmt::format(", taken by the mass's end rows {:.3g}", energy->end_inertia),
+                                        energy->balance_error()));
     if (const auto& account = statistics->account) {
       const auto contact = [&](const char* where, const EndCondition& kind, const EndAccount& end) {
         if (is_obstacle(kind))

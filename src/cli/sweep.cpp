@@ -105,8 +105,7 @@ SweepCommand::SweepCommand(CLI::App& app)
   command_.get_option("--output")
       ->description(
           "Directory of the rows; finished rows of the same sweep are kept (default: the sweep's name with \".out\", "
-          "in "
-          "the working directory)");
+          "in the working directory)");
   command_.add_option("--set", overrides_, "Replace a value of the scene in all cases (repeatable)")
       ->type_name("TABLE.KEY=VALUE")
       ->allow_extra_args(false);

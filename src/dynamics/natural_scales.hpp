@@ -19,7 +19,4 @@ struct NaturalScales {
 /// varies, the mean is that of 64 times up to `end`; where it is not finite it counts for nothing here.
 NaturalScales natural_scales(const BarSystem& system, double end);
 
-/// L / E, the unit of a penalty: at epsilon = L / E the spring gives way as the bar does.
-inline double natural_penalty(const Bar& bar) { return bar.length / bar.modulus; }
-
 }  // namespace viscobar

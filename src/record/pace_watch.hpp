@@ -25,10 +25,8 @@ class PaceWatch {
     told_ = true;
     return fmt::format(
         "slow: the last {} steps led from t = {:.6g} to {:.6g}, at that pace the end is {:.1e} steps away; remedies: "
-        "an "
-        "earlier time.end, a larger method.relative_tolerance, a load.history or load.density that varies more slowly, "
-        "a "
-        "larger contact.epsilon",
+        "an earlier time.end, a larger method.relative_tolerance, a load.history or load.density that varies more "
+        "slowly, a larger contact.epsilon",
         look_, before, t, rest);
   }
 

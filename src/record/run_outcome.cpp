@@ -34,8 +34,7 @@ std::optional<std::string> representation_warning(const Statistics& done) {
     return std::nullopt;
   return fmt::format(
       "initial data or load are represented to {:.2g} only, as a displacement at the end, where roundings make {:.2g}: "
-      "no "
-      "polynomial pieces follow them closer; what helps: formulas without roots of zero or endless wiggles",
+      "no polynomial pieces follow them closer; what helps: formulas without roots of zero or endless wiggles",
       done.representation->error, done.representation->rounding);
 }
 
@@ -48,8 +47,7 @@ std::optional<std::string> penetration_warning(const Case& run, const Statistics
   if (!is_no_obstacle(done.max_penetration, largest)) return std::nullopt;
   return fmt::format(
       "penetration: the bar went {:.3g} deep into an obstacle, its ends having displacements of up to {:.3g}: that is "
-      "no "
-      "obstacle; {}",
+      "no obstacle; {}",
       done.max_penetration, largest, stiffer_advice(run));
 }
 

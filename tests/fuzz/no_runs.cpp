@@ -28,5 +28,6 @@ Statistics integrate(const Scene&, const Mesh&, const std::optional<Checkpoint>&
                      const Observers&) {
   refuse();
 }
+std::optional<double> roughens(const Scene&, double) { return std::nullopt; }
 
 }  // namespace viscobar

@@ -159,8 +159,7 @@ void three_roads() {
   fmt::print(
       "\nThree roads to one system: largest end difference to rigid, 27 elements\n\n"
       "| mass | viscosity | e | penalty, epsilon = 1e-5 / 1e-6 / 1e-7 / 1e-8 | (2.8), dt = 4e-4 / 2e-4 / 1e-4 / 5e-5 | "
-      "changes of "
-      "rigid |\n|---|---|---|---|---|---|\n");
+      "changes of rigid |\n|---|---|---|---|---|---|\n");
   for (const Mass mass : masses)
     for (const double viscosity : {0.01, 0.1})
       for (const double e : {0.0, 0.5}) {

@@ -234,8 +234,7 @@ void period_three_bar() {
 void paper_panels() {
   fmt::print(
       "\nThe paper's panels: the scene's own scheme (2.8) and, of the same bar without epsilon and step, what "
-      "automatic "
-      "makes of it, on the scene's mass and on fourth_order\n\n"
+      "automatic makes of it, on the scene's mass and on fourth_order\n\n"
       "| scene | (2.8): changes, seconds | rigid: method, changes, seconds | largest difference of an end | "
       "fourth_order: changes, seconds | largest difference to rigid |\n|---|---|---|---|---|---|\n");
   for (const char* panel : {"paper-both-ends", "paper-both-ends-loaded", "paper-left-end", "paper-left-end-loaded",

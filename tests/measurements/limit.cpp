@@ -82,8 +82,7 @@ void massless_nodes() {
 void layer() {
   fmt::print(
       "\n### The layer resolved, alpha = 1, epsilon = 1e-3 ... 1e-5\n\n| elements | 100 h^3 | order of the penetration "
-      "| of the "
-      "difference to rigid | below h^3 / 100: of the penetration | of the difference to rigid "
+      "| of the difference to rigid | below h^3 / 100: of the penetration | of the difference to rigid "
       "|\n|---|---|---|---|---|---|\n");
   for (const std::size_t elements : {27u, 54u, 108u, 216u}) {
     Case scene = paper_throw(1.0);
@@ -101,8 +100,7 @@ void layer() {
 void common_restitution() {
   fmt::print(
       "\n### One restitution on both sides, consistent mass, T = 6, dt = 1e-6\n\n| alpha | e | epsilon | difference to "
-      "the "
-      "scheme | its order | contact changes | scheme's |\n|---|---|---|---|---|---|---|\n");
+      "the scheme | its order | contact changes | scheme's |\n|---|---|---|---|---|---|---|\n");
   for (const double alpha : {0.01, 0.001, 0.0})
     for (const double e : {0.0, 0.25, 0.5, 1.0}) {
       Case scene = paper_throw(alpha);
@@ -149,8 +147,7 @@ void joint_limit() {
 void plateau_by_mesh() {
   fmt::print(
       "\n### The plateau by the mesh, T = 2.4: epsilon = h^3 / 1000, dt = h^2 / 50\n\n| alpha | elements | difference "
-      "to (2.8) | "
-      "order in h |\n|---|---|---|---|\n");
+      "to (2.8) | order in h |\n|---|---|---|---|\n");
   by_mesh(1.0 / 1000, [](double alpha, std::size_t elements, double, const LimitRow& row, const std::string& order) {
     fmt::print("| {} | {} | {:.2e} | {} |\n", alpha, elements, row.difference_to_scheme, order);
   });
@@ -240,8 +237,7 @@ EndTraces run_cut_off(const Case& run, const CutOff& law, double step, std::vect
 void pulling_or_cut_off() {
   fmt::print(
       "\n### A dashpot that may pull while it opens, and one cut off at zero reaction; alpha = 0.01, T = 2.4\n\n| law "
-      "| e | zeta "
-      "| difference to the scheme at epsilon = 1e-3 / 1e-4 / 1e-5 |\n|---|---|---|---|\n");
+      "| e | zeta | difference to the scheme at epsilon = 1e-3 / 1e-4 / 1e-5 |\n|---|---|---|---|\n");
   const std::vector<double> epsilons = decades(1e-3, 1e-5);
   for (const double e : {0.0, 0.25, 0.5}) {
     Case scene = paper_throw(0.01);

@@ -106,7 +106,6 @@ int main(int argc, char** argv) {
   }
   fmt::print(
       "\n{} scenes: {} verdicts are wrong, {} are undecided, {} of which because nothing touches. In {} the distance "
-      "by "
-      "other runs is outside the bounds.\n",
+      "by other runs is outside the bounds.\n",
       scenes.size(), wrong, undecided, untouched, outside);
 }

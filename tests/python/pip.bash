@@ -4,7 +4,8 @@
 # are missing.
 set -euo pipefail
 source=$1 work=$2 python=$3
-"$python" -c 'import ensurepip, pip, setuptools, wheel' 2>/dev/null || { echo "pip, venv, setuptools or wheel are not installed"; exit 77; }
+{ "$python" -c 'import setuptools, wheel' && "$python" -c 'import ensurepip' && "$python" -m pip --version; } >/dev/null 2>&1 ||
+  { echo "pip, venv, setuptools or wheel are not installed"; exit 77; }
 git -C "$source" rev-parse --git-dir >/dev/null 2>&1 || { echo "no git clone: nothing to start from"; exit 77; }
 rm -rf "$work" && mkdir -p "$work/tree"
 git -C "$source" ls-files -z | (cd "$source" && tar --null -cf - -T -) | tar -xf - -C "$work/tree"

@@ -93,6 +93,22 @@ TEST_P(Sides, AnObstacleAboveIsOneBelowWithAllSignsTurnedBitForBit) {
   }
 }
 
+// A bar that meets both obstacles at the same instant, again and again.
+TEST_P(Sides, AtBothEndsAtOnceAreTurnedBitForBit) {
+  const auto at = [](const char* side, int sign) {
+    return parse_scene(
+               fmt::format("[bar]\nlength = 1\nviscosity = {}\n[left]\nkind = \"obstacle\"\ngap = 0.1\nside = \"{}\"\n"
+                           "[right]\nkind = \"obstacle\"\ngap = 0.1\nside = \"{}\"\n[initial]\nvelocity = {}\n[load]\n"
+                           "density = {}\n[time]\nend = 2\n[mesh]\nelements = 16\nmass = \"{}\"\n[contact]\nepsilon = "
+                           "1e-4\n[method]\nname = \"{}\"\nstep = 1e-3\n",
+                           GetParam() == "characteristics" ? 0.0 : 0.1, side, side, -sign, -sign,
+                           GetParam() == "finite_difference" ? "lumped" : "consistent", GetParam()),
+               "thrown.toml")
+        .run;
+  };
+  expect_turned(at("below", 1), at("above", -1));
+}
+
 INSTANTIATE_TEST_SUITE_P(All, Sides,
                          testing::Values("cvode", "ida", "arkode", "odeint", "rigid", "exponential", "characteristics",
                                          "fully_discrete", "finite_difference"));

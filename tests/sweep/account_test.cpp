@@ -177,7 +177,7 @@ TEST(Account, TheRangeOfAnEndIsThatOfItsWholePath) {
   run.scene.displacement = [](double x) { return 0.1 * std::cos(std::numbers::pi * x); };
   run.scene.velocity = [](double) { return 0.0; };
   run.elements = 10;
-  run.method = MethodName::cvode;
+  run.mass = Mass::consistent;
   // A mode of the mesh, u_j = 0.1 cos(pi j / J) cos(omega t), on the consistent mass.
   const double h = 0.1, cosine = std::cos(std::numbers::pi * h);
   const double omega = std::sqrt(6.0 * (1.0 - cosine) / (2.0 + cosine)) / h;

@@ -59,8 +59,7 @@ std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders,
     case Lack::obstacle:
       return fmt::format(
           "the bar goes {:.2g} deep into the obstacle at epsilon = {:.2g}, a tenth or more of its displacement: so "
-          "soft a "
-          "penalty is no obstacle. Smaller epsilons would decide it: leave --epsilon out",
+          "soft a penalty is no obstacle. Smaller epsilons would decide it: leave --epsilon out",
           last.max_penetration, last.epsilon);
     case Lack::contact:
       return fmt::format(
@@ -77,9 +76,8 @@ std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders,
     case Lack::larger_epsilon:
       return fmt::format(
           "{}; the penalised bar changes the more from one epsilon to the next, the smaller they are. That is the "
-          "error of "
-          "the time integration at so stiff a penalty, or contact that magnifies it. A range that ends at a larger "
-          "epsilon, method.name = \"exponential\" or a shorter time.end would decide it",
+          "error of the time integration at so stiff a penalty, or contact that magnifies it. A range that ends at a "
+          "larger epsilon, method.name = \"exponential\" or a shorter time.end would decide it",
           found);
     case Lack::smaller_step: break;
     case Lack::nothing: return found;
@@ -107,8 +105,7 @@ std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, s
   if (orders.verdict == Verdict::plateau) {
     std::string text = fmt::format(
         "the difference to the scheme stays near {:.2g} at epsilon = {:.2g}, and {}: the limits are {:.2g} apart or "
-        "more; "
-        "contact changes go from {} to {}, the scheme has {}",
+        "more; contact changes go from {} to {}, the scheme has {}",
         evidence.difference, last.epsilon, errors, evidence.lower().value_or(0.0), first.events, last.events,
         orders.scheme_events);
     if (common_mass(study.scene) == Mass::redistributed) return text;

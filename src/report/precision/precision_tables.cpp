@@ -160,8 +160,8 @@ std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionRes
     found.emplace_back(
         scene.scene.span
             ? "Where an undamped penalty rebounds from a span obstacle and the scheme does not, these are two "
-              "solutions "
-              "of one problem, and their difference, here in the space part, falls with no mesh; contact.restitution "
+              "solutions of one problem, and their difference, here in the space part, falls with no mesh; "
+              "contact.restitution "
               "gives both the same law"
             : "Where a contact node with mass rebounds from the undamped penalty, that counts as space: only a finer "
               "mesh makes it smaller, or contact.restitution or mesh.mass = \"redistributed\"");
