@@ -233,7 +233,7 @@ TEST_F(Limit, AFailedRunIsNamedAndTheOthersAreKept) {
   EXPECT_EQ(result["rows"].size(), 1u);
   ASSERT_EQ(result["failed"].size(), 2u);
   EXPECT_EQ(result["failed"][0]["epsilon"], 1e-15);
-  EXPECT_NE(result["failed"][0]["error"].get<std::string>().find("larger epsilon"), std::string::npos);
+  EXPECT_NE(result["failed"][0]["error"].get<std::string>().find("larger contact.epsilon"), std::string::npos);
   EXPECT_EQ(Json::parse(read_text(directory_ / "out" / "limit.json")), result);
 }
 
