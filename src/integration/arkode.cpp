@@ -10,6 +10,7 @@
 #include "integration/step_polynomial.hpp"
 #include "integration/stepwise_run.hpp"
 #include "integration/sundials/leg.hpp"
+#include "run/parts.hpp"
 #include "viscobar/integration/integrate.hpp"
 
 namespace viscobar {
@@ -50,7 +51,7 @@ void solve_stage(Leg& leg, std::span<double> correction) {
 class ArkodeStepper final : public LegStepper {
  public:
   ArkodeStepper(const StepperParts& parts, const Tolerance& tolerance)
-      : leg_(parts.system, Layout(parts.system, false), parts.statistics),
+      : leg_(parts.system, Layout(parts.system, false), parts.statistics, {}),
         weights_(parts.system, leg_.layout, tolerance, parts.times.back(), one_step_accumulation),
         end_(parts.times.back()),
         step_(parts.system, parts.layout),
@@ -176,6 +177,7 @@ class ArkodeStepper final : public LegStepper {
 
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Arkode& method, const Observers& observers) {
+  refuse_directions("arkode", observers);
   return run_stepwise("arkode", system, method.penalty, start, times, observers, [&](const StepperParts& parts) {
     return std::make_unique<ArkodeStepper>(parts, method.tolerance);
   });
