@@ -87,7 +87,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   const auto commands =
       add_commands<RunCommand, ResumeCommand, CheckCommand, CompareCommand, LimitCommand, PrecisionCommand,
-                   SweepCommand, ListCommand, NewCommand, InfoCommand, ExportCommand, CompletionCommand, ManCommand>(
+                   FitCommand, SweepCommand, ListCommand, NewCommand, InfoCommand, ExportCommand, CompletionCommand, ManCommand>(
           app);
   MessageOptions messages;
   for (CLI::App* command : app.get_subcommands({})) {

@@ -35,9 +35,10 @@ std::array<double, 6> relaxed_powers(double mu, double s) {
 StepPolynomial::StepPolynomial(PenalisedSystem& system, const Layout& layout)
     : system_(system),
       layout_(layout),
-      begin_{0.0, std::vector<double>(layout.size), std::vector<double>(layout.nodes)},
+      begin_{0.0, std::vector<double>(layout.size), std::vector<double>(layout.nodes),
+             std::vector<double>(layout.size - layout.first_derivative)},
       end_(begin_),
-      inner_(layout.size > 2 * layout.nodes ? layout.size : 0) {
+      inner_(layout.account() > 0 ? layout.size : 0) {
   unresolved_.reserve(system.contact_count());
   relaxations_.reserve(system.contact_count() + 2);
 }
@@ -69,6 +70,7 @@ void StepPolynomial::finish(double length, std::span<const double> increment) {
 void StepPolynomial::complete() {
   system_.complete_displacement(end_.t, layout_.u(end_.y));
   system_.complete_velocity(end_.t, layout_.u(end_.y), layout_.w(end_.y));
+  forgotten_ = false;
   if (std::exchange(first_of_leg_, false)) forget_acceleration();
   if (system_.contact_count() > 0) smooth_unresolved();
   for (Relaxation& relaxation : relaxations_) drive(relaxation);
@@ -85,12 +87,14 @@ bool StepPolynomial::spoils_acceleration(const PenalisedSystem& system, double l
 // few times 1 / rate, but a_0 has it: where the step is much longer, a_0 is that of the quartic through the rest. So it
 // is where a_0 is little more than what viscosity makes of an error.
 void StepPolynomial::forget_acceleration() {
+  forgotten_ = false;
   constexpr double over = 6.0;
   const std::size_t n = layout_.nodes;
   const double h = length();
   if (!spoils_acceleration(system_, h) &&
       std::ranges::none_of(relaxations_, [&](const Relaxation& r) { return r.row.rate * h > over; }))
     return;
+  forgotten_ = true;
   for (std::size_t i = system_.bar().massive_begin(); i < system_.bar().massive_end(); ++i) {
     const double missing = increment(i) - 0.5 * h * (begin_.y[n + i] + end_.y[n + i]);
     begin_.a[i] = end_.a[i] + 12.0 / (h * h) * missing;
@@ -270,6 +274,42 @@ void StepPolynomial::at(double t, std::span<double> y) {
   }
   motion_at(t, y);
   add_account(t, y);
+  if (layout_.derivatives > 0) derivatives_at(t, y);
+}
+
+void StepPolynomial::derivatives_at(double t, std::span<double> y) const {
+  const std::size_t n = layout_.nodes, first = layout_.first_derivative;
+  const double h = length(), s = (t - begin_.t) / h;
+  const Weights displacement = weights(s, 0), velocity = weights(s, 1);
+  const double back = 1.0 - s;
+  for (std::size_t k = 0; k < layout_.derivatives; ++k) {
+    const std::size_t block = k * layout_.block;
+    const double *y0 = begin_.y.data() + first + block, *y1 = end_.y.data() + first + block;
+    const double *r0 = begin_.derivative_rates.data() + block, *r1 = end_.derivative_rates.data() + block;
+    double* out = y.data() + first + block;
+    const auto cubic = [&](std::size_t i) {
+      const double rise = y1[i] - y0[i];
+      return y0[i] + s * s * (3.0 - 2.0 * s) * rise + h * s * back * (back * r0[i] - s * r1[i]);
+    };
+    for (std::size_t i = 0; i < n; ++i) {
+      const double half = 0.5 * h * (y0[n + i] + y1[n + i]), rise = y1[i] - y0[i], a1 = r1[n + i];
+      const double a0 = forgotten_ ? a1 + 12.0 / (h * h) * (rise - half) : r0[n + i];
+      const double defect = rise - half + h * h / 12.0 * (a1 - a0);
+      const auto at = [&](const Weights& weight) {
+        return h * (weight.w0 * y0[n + i] + weight.w1 * y1[n + i] + h * (weight.a0 * a0 + weight.a1 * a1)) +
+               weight.defect * defect;
+      };
+      out[i] = y0[i] + at(displacement);
+      out[n + i] = at(velocity) / h;
+    }
+    for (const Relaxation& relaxation : relaxations_) {
+      const std::size_t i = relaxation.row.unknown;
+      const bool fast = relaxation.row.rate * h > 6.0;
+      out[i] = fast ? y1[i] - h * back * r1[i] : cubic(i);
+      out[n + i] = y0[n + i] + s * (y1[n + i] - y0[n + i]);
+    }
+    for (std::size_t i = 2 * n; i < layout_.block; ++i) out[i] = cubic(i);
+  }
 }
 
 void StepPolynomial::add_account(double until, std::span<double> y) {

@@ -34,6 +34,10 @@ namespace viscobar {
 /// their rows beside it.
 ///
 /// The energy account of the step is the integral of its rates over the polynomial, by Gauss' formula.
+///
+/// Derivatives by parameters have a quintic likewise, by their own rates at the two ends. Where there is no acceleration
+/// to rely on, at massless and resting nodes, and of impulses, they have a cubic; at a massless node that relaxes
+/// faster than the step the tangent at its end.
 class StepPolynomial {
  public:
   static constexpr std::size_t degree = 5;
@@ -42,6 +46,7 @@ class StepPolynomial {
   struct End {
     double t = 0.0;
     std::vector<double> y, a;
+    std::vector<double> derivative_rates;  ///< of the entries behind the account
   };
 
   StepPolynomial(PenalisedSystem& system, const Layout& layout);
@@ -106,6 +111,7 @@ class StepPolynomial {
   void drive_by_load(Relaxation& relaxation);
   void motion_at(double t, std::span<double> y);
   void add_account(double until, std::span<double> y);
+  void derivatives_at(double t, std::span<double> y) const;
   void complete();
   double length() const { return known_ ? known_->length : end_.t - begin_.t; }
   double increment(std::size_t i) const { return known_ ? known_->increment[i] : end_.y[i] - begin_.y[i]; }
@@ -122,7 +128,7 @@ class StepPolynomial {
   std::vector<std::size_t> unresolved_, replaced_;  // nodes; of those the factor is
   std::vector<double> change_;                      // of accelerations
   TridiagonalFactor beside_;                        // of rho M without the rows of replaced_
-  bool first_of_leg_ = false;
+  bool first_of_leg_ = false, forgotten_ = false;
 };
 
 }  // namespace viscobar

@@ -11,6 +11,15 @@
 
 namespace viscobar {
 
+/// The derivatives of a recording with respect to a parameter; NaN where there are none.
+struct RecordedSensitivity {
+  std::string key;                     ///< of the parameter
+  std::vector<double> u;               ///< of Recording::u, likewise row by row
+  std::vector<double> v;               ///< of Recording::v
+  std::vector<double> reaction_left;   ///< K
+  std::vector<double> reaction_right;  ///< K
+};
+
 /// A run kept in memory, to be compared with another: the field on a time grid, the reactions at the ends, the events.
 /// On a mesh of one element it may hold the ends of a finer one, for a scheme that knows nothing else.
 struct Recording {
@@ -23,6 +32,7 @@ struct Recording {
   std::vector<double> reaction_right;  ///< likewise
   std::vector<Event> events;           ///< contact changes in order of time
   Statistics statistics;               ///< of the run
+  std::vector<RecordedSensitivity> sensitivities = {};  ///< an entry for each direction of the case
 
   /// Displacement of the J+1 nodes at times[k].
   std::span<const double> displacement(std::size_t k) const {
