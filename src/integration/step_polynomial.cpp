@@ -315,10 +315,10 @@ void StepPolynomial::derivatives_at(double t, std::span<double> y) const {
 void StepPolynomial::add_account(double until, std::span<double> y) {
   if (inner_.empty()) return;
   const auto accounts = static_cast<std::ptrdiff_t>(2 * layout_.nodes);
-  std::copy(begin_.y.begin() + accounts, begin_.y.end(), y.begin() + accounts);
+  std::copy_n(begin_.y.begin() + accounts, layout_.account(), y.begin() + accounts);
   add_energy_flow<3>(
       system_, layout_, begin_.t, until, [&](double t, std::span<double> inner) { motion_at(t, inner); }, inner_,
-      y.subspan(2 * layout_.nodes));
+      y.subspan(2 * layout_.nodes, layout_.account()));
 }
 
 double StepPolynomial::value(std::size_t unknown, double s, int derivative) const {
