@@ -100,6 +100,19 @@ void Derivative::drive(const Moment& at) {
   motion_.add_force(added_, rates);
 }
 
+double Derivative::drive_row(std::size_t end, double u, double u_next, double w, double w_next) const {
+  const std::span<const double> origin = system_.origin();
+  const std::size_t next = end == 0 ? 1 : end - 1;
+  const double apart = origin.empty() ? 0.0 : origin[next] - origin[end];
+  double sum = (modulus_ * (u_next - u + apart) + viscosity_ * (w_next - w)) / system_.bar().spacing_at(end);
+  for (std::size_t i = 0; i < laws_.size(); ++i) {
+    const Contact& contact = system_.contact(i);
+    if (contact.unknown != end || !system_.closed(i) || system_.holds(i)) continue;
+    sum -= contact.sign * laws_[i].stiffness * (contact.sign * u + contact.clearance(origin.empty() ? 0.0 : origin[end]));
+  }
+  return sum;
+}
+
 double Derivative::reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate) {
   if (!system_.closed(i)) return 0.0;
   if (system_.holds(i)) {

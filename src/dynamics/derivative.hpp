@@ -45,6 +45,9 @@ class Derivative {
   /// Sets the added force for the state of the bar. O(n)
   void drive(const Moment& at);
 
+  /// The added force in the row of a massless end alone, for values of the bar there and at the neighbour.
+  double drive_row(std::size_t end, double u, double u_next, double w, double w_next) const;
+
   /// Of the reaction of contact i in the direction of u, the bar being at the moment driven by last.
   double reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate);
   /// Of the stress E u_x + eta v_x in an element, from the values at all nodes.

@@ -54,7 +54,7 @@ class ArkodeStepper final : public LegStepper {
         outer_(parts.layout),
         weights_(parts.system, leg_.layout, tolerance, parts.times.back(), one_step_accumulation),
         end_(parts.times.back()),
-        step_(parts.system, parts.layout),
+        step_(parts.system, parts.layout, parts.derivatives),
         state_(make_vector(leg_.layout.size, context_)),
         rate_(make_vector(leg_.layout.size, context_)),
         solver_(make_step_solver(leg_, solve_stage, context_)) {}
