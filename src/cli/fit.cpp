@@ -36,8 +36,7 @@ std::pair<std::string, std::string> assignment(const std::string& text, const st
   if (equals == text.npos)
     throw std::invalid_argument(fmt::format("{}: \"{}\" does not have the form NAME=VALUE", option, text));
   if (std::ranges::find(names, name) == names.end())
-    throw std::invalid_argument(
-        fmt::format("{}: \"{}\" is none of {}", option, name, fmt::join(names, ", ")));
+    throw std::invalid_argument(fmt::format("{}: \"{}\" is none of {}", option, name, fmt::join(names, ", ")));
   return {name, text.substr(equals + 1)};
 }
 
@@ -188,7 +187,8 @@ int FitCommand::operator()() const {
   // What is chosen for the scene stays while its values move.
   std::vector<std::string> kept;
   const auto chosen = nlohmann::ordered_json::parse(scene.chosen);
-  if (chosen.contains("contact")) kept.push_back(fmt::format("contact.epsilon={}", chosen["contact"]["epsilon"].dump()));
+  if (chosen.contains("contact"))
+    kept.push_back(fmt::format("contact.epsilon={}", chosen["contact"]["epsilon"].dump()));
   kept.push_back(fmt::format("method.name={}", name(scene.run.method)));
   study.model = [&](std::span<const double> values) {
     std::vector<std::string> settings = kept;
@@ -203,8 +203,8 @@ int FitCommand::operator()() const {
   const ResultDirectory results(directory, ResultKind::fit);
   end_on_interrupt();
   const FitResult result = fit(study);
-  const std::string json = write_study(directory, "fit", fit_json(scene, study, result),
-                                       fit_page(scene, study, result), output_.figures);
+  const std::string json =
+      write_study(directory, "fit", fit_json(scene, study, result), fit_page(scene, study, result), output_.figures);
   if (scene_.json)
     print(json);
   else if (!output_.quiet)

@@ -1,5 +1,6 @@
 #include "dynamics/derivative.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -22,7 +23,8 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
     : system_(system),
       data_(direction.data, system.bar().mesh(), system.bar().mass()),
       motion_(data_, penalty),
-      added_(system.size(), 0.0) {
+      added_(system.size(), 0.0),
+      stress_(system.size()) {
   const Bar& bar = system.bar().bar();
   const double stretched = direction.bar.length / bar.length;
   modulus_ = direction.bar.modulus - bar.modulus * stretched;
@@ -45,7 +47,9 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
     }
     laws_.push_back(rates);
   }
-  motion_.add_force(added_, {});
+  driven_ = modulus_ != 0.0 || viscosity_ != 0.0 || inertia_ != 0.0 ||
+            std::ranges::any_of(laws_, [](const LawRates& law) { return law.stiffness != 0.0 || law.damping != 0.0; });
+  if (driven_) motion_.add_force(added_, {});
 }
 
 void Derivative::take_contacts() {
@@ -63,28 +67,16 @@ double Derivative::stretch(std::size_t end, std::span<const double> x, std::span
 }
 
 void Derivative::drive(const Moment& at) {
+  if (!driven_) return;
   const std::size_t n = added_.size();
   const BarSystem& bar = system_.bar();
-  const std::span<const double> origin = system_.origin();
-  for (std::size_t i = 0; i < n; ++i) added_[i] = -inertia_ * at.inertia[i];
+  if (inertia_ == 0.0)
+    std::ranges::fill(added_, 0.0);
+  else
+    for (std::size_t i = 0; i < n; ++i) added_[i] = -inertia_ * at.inertia[i];
   std::array<double, 2> rates{};
   if (modulus_ != 0.0 || viscosity_ != 0.0) {
-    const std::size_t first = bar.first_node();
-    const auto displacement = [&](std::size_t i) { return at.u[i] + (origin.empty() ? 0.0 : origin[i]); };
-    double before = 0.0;
-    if (bar.left_fixed())
-      before = (modulus_ * (displacement(0) - *bar.left_displacement()) + viscosity_ * at.w[0]) / bar.mesh().element(0);
-    for (std::size_t i = 0; i + 1 < n; ++i) {
-      const double next = (modulus_ * (displacement(i + 1) - displacement(i)) + viscosity_ * (at.w[i + 1] - at.w[i])) /
-                          bar.mesh().element(first + i);
-      added_[i] += next - before;
-      before = next;
-    }
-    double last = 0.0;
-    if (bar.right_fixed())
-      last = (modulus_ * (*bar.right_displacement() - displacement(n - 1)) - viscosity_ * at.w[n - 1]) /
-             bar.mesh().element(bar.mesh().elements - 1);
-    added_[n - 1] += last - before;
+    add_stress(at);
     if (n > 1 && bar.has_massless() && !bar.damped())
       rates = {modulus_ * (at.w[1] - at.w[0]) / bar.spacing_at(0),
                modulus_ * (at.w[n - 2] - at.w[n - 1]) / bar.spacing_at(n - 1)};
@@ -100,6 +92,38 @@ void Derivative::drive(const Moment& at) {
   motion_.add_force(added_, rates);
 }
 
+// -(E' - E L'/L) K u - (eta' - eta L'/L) K v
+void Derivative::add_stress(const Moment& at) {
+  const std::size_t n = added_.size();
+  const BarSystem& bar = system_.bar();
+  const Mesh& mesh = bar.mesh();
+  const std::span<const double> origin = system_.origin();
+  for (std::size_t i = 0; i < n; ++i) stress_[i] = modulus_ * at.u[i] + viscosity_ * at.w[i];
+  for (std::size_t i = 0; i < origin.size(); ++i) stress_[i] += modulus_ * origin[i];
+  const auto wall = [&](const std::optional<double>& u) { return modulus_ * *u; };
+  const double* stress = stress_.data();
+  const double left = bar.left_fixed() ? (stress[0] - wall(bar.left_displacement())) / mesh.element(0) : 0.0;
+  const double right =
+      bar.right_fixed() ? (wall(bar.right_displacement()) - stress[n - 1]) / mesh.element(mesh.elements - 1) : 0.0;
+  added_[0] -= left;
+  added_[n - 1] += right;
+  if (mesh.uniform()) {
+    const double scale = 1.0 / mesh.spacing();
+    if (n > 1) {
+      added_[0] += scale * (stress[1] - stress[0]);
+      added_[n - 1] -= scale * (stress[n - 1] - stress[n - 2]);
+    }
+    for (std::size_t i = 1; i + 1 < n; ++i)
+      added_[i] += scale * ((stress[i + 1] - stress[i]) - (stress[i] - stress[i - 1]));
+    return;
+  }
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    const double between = (stress[i + 1] - stress[i]) / mesh.element(bar.first_node() + i);
+    added_[i] += between;
+    added_[i + 1] -= between;
+  }
+}
+
 double Derivative::drive_row(std::size_t end, double u, double u_next, double w, double w_next) const {
   const std::span<const double> origin = system_.origin();
   const std::size_t next = end == 0 ? 1 : end - 1;
@@ -108,7 +132,8 @@ double Derivative::drive_row(std::size_t end, double u, double u_next, double w,
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     const Contact& contact = system_.contact(i);
     if (contact.unknown != end || !system_.closed(i) || system_.holds(i)) continue;
-    sum -= contact.sign * laws_[i].stiffness * (contact.sign * u + contact.clearance(origin.empty() ? 0.0 : origin[end]));
+    sum -=
+        contact.sign * laws_[i].stiffness * (contact.sign * u + contact.clearance(origin.empty() ? 0.0 : origin[end]));
   }
   return sum;
 }

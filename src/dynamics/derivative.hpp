@@ -42,6 +42,8 @@ class Derivative {
   void begin_leg(double t, double end) { motion_.begin_leg(t, end); }
   /// Closes the contacts of the bar, and no others.
   void take_contacts();
+  /// Whether the added force has the bar's inertial force.
+  bool asks_for_inertia() const { return inertia_ != 0.0; }
   /// Sets the added force for the state of the bar. O(n)
   void drive(const Moment& at);
 
@@ -64,6 +66,7 @@ class Derivative {
   struct LawRates {
     double stiffness, damping;
   };
+  void add_stress(const Moment& at);
   double stretch(std::size_t end, std::span<const double> x, std::span<const double> origin,
                  const BarSystem& walls) const;
 
@@ -72,7 +75,8 @@ class Derivative {
   PenalisedSystem motion_;
   double modulus_, viscosity_, inertia_;  // E' - E L'/L, eta' - eta L'/L, rho'/rho + L'/L
   std::vector<LawRates> laws_;
-  std::vector<double> added_;
+  std::vector<double> added_, stress_;
+  bool driven_ = false;  // by the motion of the bar
 };
 
 }  // namespace viscobar

@@ -55,7 +55,7 @@ class ArkodeStepper final : public LegStepper {
         weights_(parts.system, leg_.layout, tolerance, parts.times.back(), one_step_accumulation),
         end_(parts.times.back()),
         step_(parts.system, parts.layout, parts.derivatives),
-        state_(make_vector(leg_.layout.size, context_)),
+        state_(make_vector(leg_.layout.size, context_, leg_.layout.first_derivative)),
         rate_(make_vector(leg_.layout.size, context_)),
         solver_(make_step_solver(leg_, solve_stage, context_)) {}
 

@@ -73,8 +73,7 @@ void solve_step(Leg& leg, std::span<double> correction) {
     const auto s = layout.derivative(state, k), s_rate = layout.derivative(rates, k);
     const auto x = layout.derivative(correction, k);
     solve_momentum(derivative.motion(), s.data(), s_rate.data(), x.data());
-    for (std::size_t i = 0; i < n; ++i) leg.field[i] = s[i] + x[i];
-    leg.impulse_rates(derivative, at, leg.field, x.subspan(2 * n));
+    leg.impulse_rates(derivative, at, s.first(n), x.first(n), x.subspan(2 * n));
     for (std::size_t i = 2 * n; i < layout.block; ++i) x[i] = (x[i] - s_rate[i]) / cj;
   }
 }
@@ -82,7 +81,8 @@ void solve_step(Leg& leg, std::span<double> correction) {
 class IdaStepper final : public Multistep {
  public:
   IdaStepper(const StepperParts& parts, const Tolerance& tolerance)
-      : Multistep(library, parts, tolerance, solve_step, true), rate_(make_vector(parts.layout.size, context_)) {}
+      : Multistep(library, parts, tolerance, solve_step, true),
+        rate_(make_vector(parts.layout.size, context_, parts.layout.first_derivative)) {}
 
  private:
   struct Deleter {

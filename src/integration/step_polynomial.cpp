@@ -32,8 +32,7 @@ std::array<double, 6> relaxed_powers(double mu, double s) {
 
 }  // namespace
 
-StepPolynomial::StepPolynomial(PenalisedSystem& system, const Layout& layout,
-                               std::span<Derivative* const> derivatives)
+StepPolynomial::StepPolynomial(PenalisedSystem& system, const Layout& layout, std::span<Derivative* const> derivatives)
     : system_(system),
       layout_(layout),
       derivatives_(derivatives),

@@ -36,8 +36,8 @@ namespace viscobar {
 ///
 /// The energy account of the step is the integral of its rates over the polynomial, by Gauss' formula.
 ///
-/// Derivatives by parameters have a quintic likewise, by their own rates at the two ends. A massless node follows its row,
-/// whose right-hand side is a polynomial through six points of the step. At resting nodes, where there is no
+/// Derivatives by parameters have a quintic likewise, by their own rates at the two ends. A massless node follows its
+/// row, whose right-hand side is a polynomial through six points of the step. At resting nodes, where there is no
 /// acceleration to rely on, and of impulses they have a cubic.
 class StepPolynomial {
  public:

@@ -60,10 +60,9 @@ std::optional<std::string> sensitivity_warning(const Statistics& done) {
 
 /// How many contact changes have no derivative of their time, though what follows has.
 std::optional<std::string> graze_warning(const Outcome& outcome, const Statistics& done) {
-  const std::size_t grazes =
-      std::ranges::count_if(outcome.changes, [](const std::vector<ChangeSensitivity>& change) {
-        return std::ranges::any_of(change, [](const ChangeSensitivity& s) { return std::isnan(s.time); });
-      });
+  const std::size_t grazes = std::ranges::count_if(outcome.changes, [](const std::vector<ChangeSensitivity>& change) {
+    return std::ranges::any_of(change, [](const ChangeSensitivity& s) { return std::isnan(s.time); });
+  });
   if (grazes == 0 || (done.sensitivity && done.sensitivity->lost)) return std::nullopt;
   return fmt::format(
       "sensitivities: {} of {} contact changes are grazes, whose times have no derivatives (null in contact_times)",

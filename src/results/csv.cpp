@@ -34,8 +34,7 @@ SensitivityCsv::SensitivityCsv(const std::filesystem::path& path, std::span<cons
 void SensitivityCsv::append(const Snapshot& at) {
   std::string line = fmt::format("{}", at.time);
   for (const FieldSensitivity& s : at.sensitivities)
-    for (const double value :
-         {s.u.front(), s.v.front(), s.reaction_left, s.u.back(), s.v.back(), s.reaction_right})
+    for (const double value : {s.u.front(), s.v.front(), s.reaction_left, s.u.back(), s.v.back(), s.reaction_right})
       line += fmt::format(",{}", value);
   file_.print("{}", line);
 }

@@ -42,7 +42,8 @@ Json sensitivity_json(const Case& run, const Outcome& outcome) {
   Json json = Json::object();
   for (std::size_t k = 0; k < run.directions.size(); ++k) {
     Json times = Json::array(), velocities = Json::array();
-    for (const auto& change : outcome.changes) times.push_back(change[k].time), velocities.push_back(change[k].velocity);
+    for (const auto& change : outcome.changes)
+      times.push_back(change[k].time), velocities.push_back(change[k].velocity);
     const auto known = [&](const std::vector<double> SensitivityAccount::*member) {
       return account && k < (account->*member).size() ? Json((account->*member)[k]) : Json(nullptr);
     };

@@ -1,6 +1,8 @@
 // What a fit on sensitivities is worth, and what they save against differences of runs: docs/fit.md.
 //
 //     cmake --build --preset release --target measure_fit && build/release/tests/measure_fit
+#include "viscobar/studies/fit/fit.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +13,6 @@
 #include <vector>
 
 #include "viscobar/case/recording.hpp"
-#include "viscobar/studies/fit/fit.hpp"
 
 namespace {
 
@@ -88,8 +89,8 @@ int main(int argc, char** argv) {
       tally.converged += result.converged ? 1 : 0;
       bool within = true;
       for (std::size_t k = 0; k < 3; ++k)
-        within = within && std::abs(result.parameters[k].estimate - truth[k]) <=
-                               3.0 * result.parameters[k].standard_deviation;
+        within = within &&
+                 std::abs(result.parameters[k].estimate - truth[k]) <= 3.0 * result.parameters[k].standard_deviation;
       tally.within += within ? 1 : 0;
     }
     std::ranges::sort(tally.runs);

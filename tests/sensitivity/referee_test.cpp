@@ -209,9 +209,9 @@ TEST(Referee, AgreesWhereTheBarIsInTouchAtTheStart) {
     bar.left_gap = 0.0;
     for (const Parameter& parameter : parameters())
       if (!parameter.key.starts_with("contact."))
-        expect_agreement(judge(bar, parameter, law == ComplexBar::Law::rigid ? MethodName::rigid : MethodName::cvode,
-                               tolerance),
-                         promised, parameter.key);
+        expect_agreement(
+            judge(bar, parameter, law == ComplexBar::Law::rigid ? MethodName::rigid : MethodName::cvode, tolerance),
+            promised, parameter.key);
   }
 }
 

@@ -191,7 +191,8 @@ TEST(Sensitivities, GoOnFromACheckpointBitForBit) {
     const Case run = thrown(method);
     const std::vector<Direction> along = directions(run, {"bar.viscosity", "left.gap"});
     const BarSystem system = make_system(run);
-    const auto go = [&](const std::optional<Checkpoint>& from, std::vector<double>& told, std::optional<Checkpoint>& at) {
+    const auto go = [&](const std::optional<Checkpoint>& from, std::vector<double>& told,
+                        std::optional<Checkpoint>& at) {
       Observers observers;
       observers.directions = along;
       observers.energy = observers.account = true;

@@ -72,22 +72,31 @@ void Leg::solve_first_order(double t, double gamma, std::span<const double> y, d
     const auto x_s = layout.derivative(x, k);
     solve_momentum(derivatives[k]->motion(), t, gamma, s, factor, z_s, x_s);
     if (layout.block == 2 * n) continue;
-    for (std::size_t i = 0; i < n; ++i) field[i] = s[i] + x_s[i];
-    impulse_rates(*derivatives[k], at, field, x_s.subspan(2 * n));
+    impulse_rates(*derivatives[k], at, s, x_s.first(n), x_s.subspan(2 * n));
     for (std::size_t i = 2 * n; i < layout.block; ++i) x_s[i] = gamma * x_s[i] + factor * z_s[i];
   }
 }
 
 Moment Leg::moment(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a) {
-  std::ranges::fill(inertial_force, 0.0);
-  subtract_inertia(-1.0, a, inertial_force);
+  if (asks_for_inertia) {
+    std::ranges::fill(inertial_force, 0.0);
+    subtract_inertia(-1.0, a, inertial_force);
+  }
   return {t, u, w, inertial_force};
 }
 
-void Leg::impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::span<double> rates) {
+void Leg::impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::span<const double> x,
+                        std::span<double> rates) {
+  const std::size_t n = layout.nodes;
   std::size_t entry = 0;
-  if (layout.left) rates[entry++] = derivative.momentum_loss(0, at, s);
-  if (layout.right) rates[entry++] = derivative.momentum_loss(layout.nodes - 1, at, s);
+  // Each has its end and the node beside it.
+  const auto rate = [&](std::size_t end) {
+    const std::size_t beside = n == 1 ? end : end == 0 ? 1 : end - 1;
+    for (const std::size_t i : {end, beside}) field[i] = s[i] + (x.empty() ? 0.0 : x[i]);
+    rates[entry++] = derivative.momentum_loss(end, at, field);
+  };
+  if (layout.left) rate(0);
+  if (layout.right) rate(n - 1);
 }
 
 void Leg::derivative_rates(double t, std::span<const double> y, std::span<const double> w, std::span<const double> a,
@@ -104,7 +113,7 @@ void Leg::derivative_rates(double t, std::span<const double> y, std::span<const 
     derivative.motion().complete_velocity(t, s.first(n), rate.first(n));
     derivative.motion().force(t, s.first(n), rate.first(n), rate.subspan(n, n));
     derivative.motion().accelerate(rate.subspan(n, n));
-    impulse_rates(derivative, at, s.first(n), rate.subspan(2 * n));
+    impulse_rates(derivative, at, s.first(n), {}, rate.subspan(2 * n));
   }
 }
 

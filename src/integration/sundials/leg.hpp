@@ -23,7 +23,9 @@ class Leg {
   Leg(PenalisedSystem& of, const Layout& placed, Statistics& counted, std::span<Derivative* const> of_parameters)
       : system(of), layout(placed), statistics(counted), derivatives(of_parameters), field(placed.nodes) {
     if (placed.end_inertia || !of_parameters.empty()) acceleration.resize(placed.nodes);
-    if (!of_parameters.empty()) new_u.resize(placed.nodes), new_w = inertial_force = new_u;
+    if (of_parameters.empty()) return;
+    new_u.resize(placed.nodes), new_w = inertial_force = new_u;
+    for (const Derivative* one : of_parameters) asks_for_inertia |= one->asks_for_inertia();
   }
 
   /// x <- D(m,c,k)^{-1} x; factorises only when a coefficient or a contact has changed.
@@ -45,8 +47,9 @@ class Leg {
 
   /// Drives the derivatives by the state u, w, whose inertial force is taken from its acceleration.
   Moment moment(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a);
-  /// Rates of the impulse entries of a block, whose displacements are s.
-  void impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::span<double> rates);
+  /// Rates of the impulse entries of a block, whose displacements are s + x.
+  void impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::span<const double> x,
+                     std::span<double> rates);
 
   /// out -= factor * rho M x
   void subtract_inertia(double factor, std::span<const double> x, std::span<double> out);
@@ -58,6 +61,7 @@ class Leg {
   Layout layout;
   Statistics& statistics;
   std::span<Derivative* const> derivatives;
+  bool asks_for_inertia = false;                     // of a derivative
   std::vector<double> new_u, new_w, inertial_force;  // of the step solved for, where there are derivatives
   std::vector<double> field;                         // scratch, one entry a node
   std::vector<double> acceleration;                  // likewise, where the account needs it

@@ -44,7 +44,8 @@ std::vector<std::string> remarks(const FitStudy& study, const FitResult& result)
     for (std::size_t k = 0; k < lack.shares.size(); ++k)
       if (std::abs(lack.shares[k]) > 1e-3)
         shares += fmt::format("{}{:+.3g} of {}", shares.empty() ? "" : ", ", lack.shares[k], study.parameters[k].key);
-    found.push_back(fmt::format("the data do not determine a change of the parameters by ({}), each counted in its estimate", shares));
+    found.push_back(fmt::format(
+        "the data do not determine a change of the parameters by ({}), each counted in its estimate", shares));
   }
   for (std::size_t a = 0; a < result.parameters.size(); ++a) {
     if (result.parameters[a].at_bound)
@@ -55,8 +56,10 @@ std::vector<std::string> remarks(const FitStudy& study, const FitResult& result)
                                     result.parameters[b].key, result.correlation[a * result.parameters.size() + b]));
   }
   if (result.lost)
-    found.push_back(fmt::format("from t = {:.6g} on the run has no derivatives, and the data there count for nothing in "
-                                "the deviations", *result.lost));
+    found.push_back(
+        fmt::format("from t = {:.6g} on the run has no derivatives, and the data there count for nothing in "
+                    "the deviations",
+                    *result.lost));
   return found;
 }
 
@@ -84,8 +87,10 @@ plot::Axis axis(const std::string& label, const std::vector<plot::Point>& all) {
 }
 
 Picture traces_picture(const FitStudy& study, const FitResult& result) {
-  Picture picture{"Data and model", "Markers are measured, the line is the model with the estimates. Below each, what "
-                                    "is left: model less data.", {}};
+  Picture picture{"Data and model",
+                  "Markers are measured, the line is the model with the estimates. Below each, what "
+                  "is left: model less data.",
+                  {}};
   for (std::size_t i = 0; i < study.traces.size(); ++i) {
     const MeasuredTrace& data = study.traces[i];
     const std::string column(name(data.column));
@@ -173,7 +178,8 @@ PicturedPage fit_page(const SceneFile& scene, const FitStudy& study, const FitRe
   page.add(numbers.html("The fit"));
   page.add(traces_picture(study, result));
   std::string notes;
-  for (const std::string& line : remarks(study, result)) notes += fmt::format("<p class=\"note\">{}.</p>\n", escaped(line));
+  for (const std::string& line : remarks(study, result))
+    notes += fmt::format("<p class=\"note\">{}.</p>\n", escaped(line));
   if (!notes.empty()) page.add(section_html("What the data do not tell", notes));
   return page.with_figures();
 }

@@ -61,8 +61,8 @@ Minimum search(const FitStudy& study, const Eigen::VectorXd& start, std::size_t&
     Eigen::VectorXd next = now.at;
     for (std::size_t j = 0; j < free.size(); ++j) {
       const Eigen::Index k = free[j];
-      next(k) = std::clamp(now.at(k) + step(static_cast<Eigen::Index>(j)), study.parameters[k].low,
-                           study.parameters[k].high);
+      next(k) =
+          std::clamp(now.at(k) + step(static_cast<Eigen::Index>(j)), study.parameters[k].low, study.parameters[k].high);
     }
     const Eigen::VectorXd moved = next - now.at;
     const auto degrees = std::max<double>(1.0, static_cast<double>(now.misfit.residual.size() - n));
@@ -124,12 +124,14 @@ void check(const FitStudy& study) {
   }
   require(study.parameters.size() <= 12, "at most 12 parameters can be looked for");
   for (const MeasuredTrace& trace : study.traces) {
-    require(trace.values.size() == study.times.size(), fmt::format("{} has not a value for each time", name(trace.column)));
+    require(trace.values.size() == study.times.size(),
+            fmt::format("{} has not a value for each time", name(trace.column)));
     require(trace.deviation > 0.0, fmt::format("the deviation of {} is not positive", name(trace.column)));
   }
   require(study.change_deviation > 0.0, "the deviation of the contact times is not positive");
-  require(std::ranges::is_sorted(study.times, std::less_equal<>()) && (study.times.empty() || study.times.front() >= 0.0),
-          "the times must increase, from 0 on");
+  require(
+      std::ranges::is_sorted(study.times, std::less_equal<>()) && (study.times.empty() || study.times.front() >= 0.0),
+      "the times must increase, from 0 on");
 }
 
 void judge(const FitStudy& study, const Minimum& best, FitResult& result) {

@@ -37,9 +37,7 @@ double value_of(TraceColumn column, const Fields& at) {
 }
 
 using Kind = std::tuple<Where, std::size_t, Change>;
-Kind kind(const Event& event) {
-  return {event.where, event.where == Where::span ? event.node : 0, event.change};
-}
+Kind kind(const Event& event) { return {event.where, event.where == Where::span ? event.node : 0, event.change}; }
 
 Misfit measure(const FitStudy& study, const Eigen::VectorXd& values, bool derivatives) {
   Misfit misfit;
@@ -86,9 +84,8 @@ Misfit measure(const FitStudy& study, const Eigen::VectorXd& values, bool deriva
   std::map<Kind, std::size_t> seen;
   for (const Event& measured : study.changes) {
     std::size_t skip = seen[kind(measured)]++;
-    const auto same = std::ranges::find_if(misfit.changes, [&](const Event& event) {
-      return kind(event) == kind(measured) && skip-- == 0;
-    });
+    const auto same = std::ranges::find_if(
+        misfit.changes, [&](const Event& event) { return kind(event) == kind(measured) && skip-- == 0; });
     Eigen::VectorXd row = Eigen::VectorXd::Zero(parameters);
     double time = end;
     if (same != misfit.changes.end()) {
@@ -102,7 +99,8 @@ Misfit measure(const FitStudy& study, const Eigen::VectorXd& values, bool deriva
   misfit.residual = Eigen::Map<const Eigen::VectorXd>(residual.data(), static_cast<Eigen::Index>(residual.size()));
   misfit.jacobian.resize(misfit.residual.size(), parameters);
   for (std::size_t i = 0; i < rows.size(); ++i)
-    misfit.jacobian.row(static_cast<Eigen::Index>(i)) = rows[i].allFinite() ? rows[i] : Eigen::VectorXd::Zero(parameters);
+    misfit.jacobian.row(static_cast<Eigen::Index>(i)) =
+        rows[i].allFinite() ? rows[i] : Eigen::VectorXd::Zero(parameters);
   misfit.sound = misfit.residual.allFinite();
   if (!misfit.sound) misfit.error = "the run is not finite";
   return misfit;

@@ -12,10 +12,10 @@ namespace viscobar {
 
 /// A run of the model beside the data.
 struct Misfit {
-  bool sound = false;       ///< the run succeeded
-  std::string error;        ///< why it did not
-  Eigen::VectorXd residual;  ///< (model - data) / deviation of all numbers measured
-  Eigen::MatrixXd jacobian;  ///< of it by the parameters; a row is zero where there is no derivative
+  bool sound = false;                       ///< the run succeeded
+  std::string error;                        ///< why it did not
+  Eigen::VectorXd residual;                 ///< (model - data) / deviation of all numbers measured
+  Eigen::MatrixXd jacobian;                 ///< of it by the parameters; a row is zero where there is no derivative
   std::vector<std::vector<double>> traces;  ///< of the model
   std::vector<Event> changes;               ///< likewise
   std::optional<double> lost;               ///< from when on there are no derivatives

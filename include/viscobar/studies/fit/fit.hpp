@@ -16,8 +16,9 @@ namespace viscobar {
 /// Columns of ends.csv.
 enum class TraceColumn { u_left, v_left, reaction_left, u_right, v_right, reaction_right };
 /// In the order of the enumeration.
-inline constexpr TraceColumn all_trace_columns[] = {TraceColumn::u_left,  TraceColumn::v_left,  TraceColumn::reaction_left,
-                                                    TraceColumn::u_right, TraceColumn::v_right, TraceColumn::reaction_right};
+inline constexpr TraceColumn all_trace_columns[] = {TraceColumn::u_left,        TraceColumn::v_left,
+                                                    TraceColumn::reaction_left, TraceColumn::u_right,
+                                                    TraceColumn::v_right,       TraceColumn::reaction_right};
 std::string_view name(TraceColumn column);  ///< in the header
 
 /// A measured trace: a value for each time of the data, NaN where there is none.
@@ -48,7 +49,7 @@ struct FitStudy {
   std::vector<MeasuredTrace> traces;        ///< may be none where there are changes
   std::vector<Event> changes;               ///< measured contact changes: time, where, node and change count
   double change_deviation = 1.0;            ///< of their times
-  std::size_t starts = 1;     ///< so many beginnings: the one given, others spread over the bounds, which must be finite
+  std::size_t starts = 1;  ///< so many beginnings: the one given, others spread over the bounds, which must be finite
   std::size_t most_runs = 100;  ///< for each of them
   /// Differences of 1 + p runs instead of sensitivities: what they save is measured by it.
   bool differences = false;
