@@ -165,7 +165,7 @@ constexpr MethodRow rows[] = {
      .meaning = "the limit epsilon = 0 itself; no span obstacle",
      .penalised = false, .accuracy = Accuracy::tolerances, .seconds = multistep,
      .options = [](const Case& run) -> Method { return Rigid{run.tolerance, run.restitution.value_or(0.0)}; },
-     .vectors = bdf_vectors, .differentiates = true, .refuse = refuse_rigid},
+     .vectors = arkode_vectors, .differentiates = true, .refuse = refuse_rigid},
     {.method = MethodName::exponential, .name = "exponential",
      .meaning = "penalised bar by matrix exponentials, a reference on small meshes",
      .penalised = true, .accuracy = Accuracy::rounding, .seconds = {},

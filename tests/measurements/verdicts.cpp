@@ -23,8 +23,9 @@ std::vector<VerdictScene> shipped_scenes() {
   std::vector<VerdictScene> scenes;
   for (const auto& file : files)
     scenes.push_back({file.stem().string(), "", read_scene(file, {}, [](Case& run) {
-                                                  run.epsilon = 1e-4;
+                                                  run.epsilon = 1e-4 * natural_epsilon(run.scene);
                                                   run.method = penalised_method(run);
+                                                  run.mass = common_mass(run);
                                                 }).run});
   return scenes;
 }
@@ -45,7 +46,7 @@ constexpr const char* page_head = R"(# Verdicts beside the truth
 
 How far can a verdict of `viscobar limit` be trusted? This page compares sixty verdicts with the truth, known by other means. The scenes are those of
 [examples/scenes](../examples/scenes), and random ones from a seeded generator, with every mass, restitution,
-viscosity, load and kind of end. The penalties are 1e-2 to 1e-8, the budget is the default. This page is printed by
+viscosity, load and kind of end. The penalties are 1e-2 to 1e-8 L/E, the budget is the default. This page is printed by
 
     cmake --build --preset release --target measure_verdicts && build/release/tests/measure_verdicts >docs/limit-verdicts.md
 
