@@ -83,13 +83,8 @@ Observers filling(Recording& recording, const Case& run) {
   recording.v.reserve(values);
   Observers observers;
   observers.energy = observers.account = true;
-  observers.snapshot = [&recording](const Snapshot& s) {
-    recording.times.push_back(s.time);
-    recording.u.insert(recording.u.end(), s.u.begin(), s.u.end());
-    recording.v.insert(recording.v.end(), s.v.begin(), s.v.end());
-    recording.reaction_left.push_back(s.reaction_left);
-    recording.reaction_right.push_back(s.reaction_right);
-  };
+  observers.directions = run.directions;
+  observers.snapshot = [&recording, &run](const Snapshot& s) { recording.keep(s, run.directions); };
   observers.event = [&recording](const Event& event) { recording.events.push_back(event); };
   return observers;
 }
@@ -135,6 +130,7 @@ Observers Run::observers(py::object& self, py::object& observer, py::object& on_
   observers.event = [this, ask, &on_event, &run, keep = std::move(observers.event),
                      chatter = ChatterWatch(system_)](const Event& event) mutable {
     keep(event);
+    if (!event.sensitivities.empty()) outcome_.changes.push_back(event.sensitivities);
     if (run.method != MethodName::characteristics)
       if (const auto first = chatter.heard(event)) warn(chatter_warning(run, system_, *first));
     if (!on_event.is_none() && !stopping_)

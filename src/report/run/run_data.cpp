@@ -1,5 +1,7 @@
 #include "report/run/run_data.hpp"
 
+#include <algorithm>
+
 #include "viscobar/dynamics/penalty_law.hpp"
 
 namespace viscobar {
@@ -32,6 +34,11 @@ void ReportData::add(const Snapshot& at) {
   right.displacement.add({at.time, at.u.back()});
   left.reaction.add({at.time, at.reaction_left});
   right.reaction.add({at.time, at.reaction_right});
+  sensitivities.resize(std::max(sensitivities.size(), at.sensitivities.size()));
+  for (std::size_t k = 0; k < at.sensitivities.size(); ++k) {
+    sensitivities[k].left.add({at.time, at.sensitivities[k].u.front()});
+    sensitivities[k].right.add({at.time, at.sensitivities[k].u.back()});
+  }
   const auto u = at.u.subspan(system_.first_node(), system_.size());
   const auto v = at.v.subspan(system_.first_node(), system_.size());
   const double kinetic = 0.5 * system_.inertia().quadratic_form(v);

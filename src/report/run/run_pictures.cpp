@@ -226,6 +226,23 @@ Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& da
       panels};
 }
 
+Picture sensitivities(const Case& run, const ReportData& data) {
+  Picture picture{"Sensitivities", "Derivatives of the ends' displacements with respect to numbers of the scene.", {}};
+  for (std::size_t k = 0; k < data.sensitivities.size() && k < run.directions.size(); ++k) {
+    const std::vector<Point> left = data.sensitivities[k].left.points(), right = data.sensitivities[k].right.points();
+    Range range;
+    range.add(0.0);
+    range.add(left);
+    range.add(right);
+    const std::string& key = run.directions[k].key;
+    Figure figure(time_axis(data), range.axis("du / d " + key), 220.0);
+    figure.line(left, {plot::series_colour(0)}, "left end");
+    figure.line(right, {plot::series_colour(1)}, "right end");
+    picture.panels.push_back({fmt::format("sensitivity-{}", k + 1), "Sensitivity of the ends to " + key, figure});
+  }
+  return picture;
+}
+
 Picture reactions(const Case& run, const ReportData& data) {
   const bool span = run.scene.span.has_value();
   const std::vector<Point> left = data.left.reaction.points(), right = data.right.reaction.points();
