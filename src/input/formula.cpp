@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "input/formula_switches.hpp"
+#include "input/formula_taylor.hpp"
 #include "input/text_check.hpp"
 #include "scene/printable.hpp"
 #include "text/nearest_name.hpp"
@@ -199,6 +200,13 @@ SpaceFunction Formula::of_x() const {
 TimeFunction Formula::of_t() const {
   if (is_constant()) return [value = constant_](double) { return value; };
   return [f = Compiled(text_)](double t) mutable { return f(0.0, t); };
+}
+
+TimeFunction Formula::derivative_of_t(int order) const {
+  if (is_constant()) return [](double) { return 0.0; };
+  return [f = FormulaTaylor(parse_formula(text_)), k = static_cast<std::size_t>(order)](double t) mutable {
+    return f(t)[k];
+  };
 }
 
 SpaceTimeFunction Formula::of_x_t() const {

@@ -96,9 +96,12 @@ class EndWatch {
     bool follows;                       // its neighbour: massless and undamped
     double modulus, viscosity;          // of the element beside it, over its length
     double mass, coupling, beyond;      // of its row of rho M, which an end row takes one further
-    std::vector<std::size_t> entries;   // u_n alone where it follows, u_e, or u_e, u_n, w_e, w_n, and the w beyond
+    std::vector<std::size_t> entries;   // none of one that is fixed in a moving frame; u_n alone where it follows, u_e,
+                                        // or u_e, u_n, w_e, w_n, and the w beyond
     double origin = 0.0, origin_next = 0.0, stored = 0.0, stored_now = 0.0;
     Samples u{}, force{}, rate{};  // over the step looked at; the last two of a closed contact
+    bool right = false;
+    double stiffness = 0.0, dashpot = 0.0;  // of its mount
 
     double stretch(std::span<const double> y) const {
       return next ? y[0] - y[1] + (origin - origin_next) : y[0] + (origin - wall);
@@ -106,6 +109,13 @@ class EndWatch {
   };
 
   void watch(EndAccount& account, std::size_t unknown, std::optional<std::size_t> next, std::optional<double> wall);
+  void follow(EndAccount& account, double displacement, bool right);
+  // What is to be added to displacements of the frame.
+  double lift(const End& end, double t) const {
+    if (!bar_.moving()) return 0.0;
+    const Lift lift = bar_.lift(t, 0);
+    return end.right ? lift.right : lift.left;
+  }
   bool closed(const End& end) const;
   double stored(const End& end, std::span<const double> y) const;
   double pull(const End& end, double t, double u, double w, std::size_t i) const;
