@@ -112,10 +112,10 @@ void refuse_characteristics(const Case& run, Findings& findings) {
     findings.report("method.name",
                     "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; "
                     "use fully_discrete, or one of the penalised methods");
-  if (why == Refusal::end_inputs)
-    findings.report("method.name",
-                    "characteristics knows ends that no force, spring, dashpot or motion acts on; use rigid, or "
-                    "fully_discrete");
+  if (why == Refusal::end_springs)
+    findings.report(run.scene.left_input.stiffness != 0.0 ? "left.stiffness" : "right.stiffness",
+                    "is not for characteristics: a spring remembers what has arrived, and waves return as no "
+                    "polynomials; use rigid, or fully_discrete");
   if (why == Refusal::many_steps)
     findings.report(
         "time.end",

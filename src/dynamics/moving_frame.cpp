@@ -102,24 +102,33 @@ void BarSystem::add_lift(const Lift& lift, std::span<double> nodal) const {
   for (std::size_t j = 0; j < nodal.size(); ++j) nodal[j] += lift.at(mesh_.node(j) / mesh_.length);
 }
 
-double BarSystem::lifted_energy(const Lift& lift, const Lift& rate, std::span<const double> u,
-                                std::span<const double> w) const {
+BarEnergy BarSystem::nodal_energy(std::span<const double> u, std::span<const double> v) const {
+  BarEnergy energy;
+  if (moving()) {
+    energy.kinetic = 0.5 * whole_inertia_.quadratic_form(v);
+    for (std::size_t j = 0; j < mesh_.elements; ++j) {
+      const double stretch = u[j + 1] - u[j];
+      energy.elastic += 0.5 * bar_.modulus * stretch * stretch / mesh_.element(j);
+    }
+  } else {
+    energy.kinetic = 0.5 * inertia_.quadratic_form(v.subspan(first_node(), size()));
+    energy.elastic = 0.5 * bar_.modulus * squared_strain(u.subspan(first_node(), size()));
+  }
+  for (const Mount& mount : mounts_) {
+    const double at = u[mount.unknown + first_node()];
+    energy.elastic += 0.5 * mount.stiffness * at * at;
+  }
+  return energy;
+}
+
+BarEnergy BarSystem::lifted_energy(const Lift& lift, const Lift& rate, std::span<const double> u,
+                                   std::span<const double> w) const {
   std::vector<double> displacement(mesh_.nodes()), velocity(mesh_.nodes());
   expand_displacement(u, displacement);
   expand_velocity(w, velocity);
   add_lift(lift, displacement);
   add_lift(rate, velocity);
-  double strain = 0.0;
-  for (std::size_t j = 0; j < mesh_.elements; ++j) {
-    const double stretch = displacement[j + 1] - displacement[j];
-    strain += stretch * stretch / mesh_.element(j);
-  }
-  double sum = 0.5 * whole_inertia_.quadratic_form(velocity) + 0.5 * bar_.modulus * strain;
-  for (const Mount& mount : mounts_) {
-    const double at = displacement[mount.unknown + first_node()];
-    sum += 0.5 * mount.stiffness * at * at;
-  }
-  return sum;
+  return nodal_energy(displacement, velocity);
 }
 
 double BarSystem::lift_loss(const Lift& rate, double left, double right) const {

@@ -443,7 +443,7 @@ double PenalisedSystem::frame_energy(double t, std::span<const double> u, std::s
   if (!bar_.moving()) return 0.0;
   std::vector<double> displacement(u.begin(), u.end());
   for (std::size_t i = 0; i < origin_.size(); ++i) displacement[i] += origin_[i];
-  return bar_.lifted_energy(bar_.lift(t, 0), bar_.lift(t, 1), displacement, w) - bar_.energy(displacement, w);
+  return bar_.lifted_energy(bar_.lift(t, 0), bar_.lift(t, 1), displacement, w).total() - bar_.energy(displacement, w);
 }
 
 double PenalisedSystem::dissipated_power(std::span<const double> w) const {

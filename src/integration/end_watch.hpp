@@ -79,6 +79,16 @@ class EndWatch {
   /// Whether the samples are those of polynomials, to about 1e-10: the last difference is far below the values.
   bool resolved() const;
 
+  /// The velocities of a frame that moves have changed at once by that: no force has done it.
+  void pass_kink(std::span<const double> change) {
+    for (End& end : ends_) {
+      if (end.follows || end.contacts.empty()) continue;
+      std::array<double, 5> values{};
+      for (std::size_t k = 2; k < end.entries.size(); ++k) values[k] = change[end.entries[k] - change.size()];
+      end.stored += momentum(end, values);
+    }
+  }
+
   /// Adds the impulse of an impact of contact i.
   void strike(std::size_t i, double impulse);
 

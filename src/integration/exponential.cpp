@@ -117,7 +117,10 @@ class Run {
     const auto first = static_cast<std::ptrdiff_t>(system_.massive_begin());
     const auto velocities = y_.tail(leg().size() - leg().displacements());
     std::ranges::copy(velocities, w.begin() + first);
+    std::vector<double> change = w;
     const double gained = system_.pass_kink(*jump, w);
+    for (std::size_t i = 0; i < w.size(); ++i) change[i] = w[i] - change[i];
+    if (ends_) ends_->pass_kink(change);
     for (Index k = 0; k < velocities.size(); ++k)
       y_[leg().displacements() + k] = w[static_cast<std::size_t>(first + k)];
     if (statistics_.energy) statistics_.energy->work += gained;

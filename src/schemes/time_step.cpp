@@ -321,7 +321,9 @@ double TimeStep::frame_energy(double t) const {
   order_.to_nodes([&](std::size_t i) { return p_[i]; }, p);
   const Lift now = system_.lift(t, 0), before = system_.lift(t - dt_, 0);
   const Lift rate{(now.left - before.left) / dt_, (now.right - before.right) / dt_};
-  return (system_.lifted_energy(now, rate, u, p) + system_.lifted_energy(before, rate, u_before, p)) / 2 - energy();
+  return (system_.lifted_energy(now, rate, u, p).total() + system_.lifted_energy(before, rate, u_before, p).total()) /
+             2 -
+         energy();
 }
 
 double TimeStep::energy() const {

@@ -55,6 +55,13 @@ struct Lift {
   double at(double share) const { return std::lerp(left, right, share); }
 };
 
+/// The energy of a bar and of the springs at its ends.
+struct BarEnergy {
+  double kinetic = 0.0;  ///< of the bar
+  double elastic = 0.0;  ///< of both
+  double total() const { return kinetic + elastic; }
+};
+
 /// A spring and a dashpot between an end and the ground.
 struct Mount {
   std::size_t unknown = 0;  ///< of the end
@@ -122,8 +129,12 @@ class BarSystem {
   double share(std::size_t unknown) const { return mesh_.node(unknown + first_node()) / mesh_.length; }
   /// What u and u' are to be added to a field over all mesh nodes.
   void add_lift(const Lift& lift, std::span<double> nodal) const;
-  /// What energy() would be of u + lift and w + its rate, the inertia of fixed ends included.
-  double lifted_energy(const Lift& lift, const Lift& rate, std::span<const double> u, std::span<const double> w) const;
+  /// That of displacements and velocities over all mesh nodes, not in the frame: the inertia of ends that are moved
+  /// included.
+  BarEnergy nodal_energy(std::span<const double> u, std::span<const double> v) const;
+  /// That of u + lift and w + its rate.
+  BarEnergy lifted_energy(const Lift& lift, const Lift& rate, std::span<const double> u,
+                          std::span<const double> w) const;
   /// What the frame's velocity adds to the power that viscosity and mounts take at the velocities `left` and `right` of
   /// the ends in it, 0 of a fixed one.
   double lift_loss(const Lift& rate, double left, double right) const;

@@ -188,7 +188,7 @@ enum class Refusal {
   viscosity,       ///< the method conserves energy
   restitution,     ///< likewise, and a dashpot takes some
   span,            ///< it takes contacts at the ends only
-  end_inputs,      ///< it takes ends that nothing moves, loads or mounts
+  end_springs,     ///< it takes ends without springs
   rigid_contacts,  ///< it penalises, and epsilon is not positive
   many_unknowns,   ///< for its dense matrices
   many_steps,      ///< that it would make
