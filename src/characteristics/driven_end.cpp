@@ -36,8 +36,10 @@ const Piecewise& DrivenEnd::fitted(PiecewiseFit& fit, const TimeFunction& f, con
                                    const char* what) {
   const double begin = start_ + passage_ * static_cast<double>(now_), end = begin + passage_;
   breaks_.clear();
+  // What breaks twice within so little breaks once.
+  const double apart = 64.0 * rounding * std::abs(end);
   if (breaks)
-    for (auto at = breaks(begin, end); at && *at < end; at = breaks(*at, end)) {
+    for (auto at = breaks(begin, end); at && *at < end; at = breaks(*at + apart, end)) {
       const double s = (*at - begin) / passage_;
       if (s > 1e-14 && s < 1.0 - 1e-14 && (breaks_.empty() || s > breaks_.back() + 1e-14)) breaks_.push_back(s);
     }

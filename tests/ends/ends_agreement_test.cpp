@@ -27,9 +27,8 @@ class RandomEnds {
                     uniform(1.0, 5.0), uniform(0.0, 3.0), uniform(-0.5, 0.3), uniform(-0.5, 0.5));
     if (coin())
       text_ += fmt::format("[load]\nprofile = \"cos({}*x)\"\nhistory = \"sin({}*t)\"\n", uniform(0, 3), uniform(1, 5));
-    masses_ = viscosity_ > 0.0 && !mounted_contact_
-                  ? std::vector<std::string>{"consistent", "lumped", "fourth_order", "redistributed"}
-                  : std::vector<std::string>{"consistent", "lumped", "fourth_order"};
+    masses_ = !mounted_contact_ ? std::vector<std::string>{"consistent", "lumped", "fourth_order", "redistributed"}
+                                : std::vector<std::string>{"consistent", "lumped", "fourth_order"};
   }
 
   std::string by(const std::string& method, double epsilon, const std::string& more = "", double end = 2.0) const {
@@ -39,6 +38,9 @@ class RandomEnds {
         text_, end, masses_[seed_of_mass_ % masses_.size()], epsilon, more, method);
   }
   bool contact() const { return contact_; }
+  bool algebraic() const {
+    return viscosity_ == 0.0 && contact_ && masses_[seed_of_mass_ % masses_.size()] == "redistributed";
+  }
 
  private:
   double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
@@ -104,6 +106,7 @@ TEST(EndInputs, AdaptiveMethodsKeepTheirPromiseAgainstTheExponential) {
       if (seed % 4 != std::map<std::string, unsigned>{{"cvode", 0}, {"ida", 1}, {"arkode", 2}, {"odeint", 3}}[method] &&
           method != "cvode")
         continue;
+      if (random.algebraic() && (method == "cvode" || method == "odeint")) continue;
       const Recording one = record(parse_scene(random.by(method, 1e-3), "").run);
       const double u = largest_of(exact.u) + 0.5;
       EXPECT_LT(difference(one.u, exact.u), 100 * 1e-9 * u) << method;
@@ -153,6 +156,7 @@ TEST(EndInputs, ARunFromACheckpointIsTheSameBitForBit) {
   for (unsigned seed = 1; seed <= 12; ++seed) {
     const RandomEnds random(seed);
     for (const std::string method : {"cvode", "ida", "arkode", "odeint", "rigid", "exponential", "fully_discrete"}) {
+      if (random.algebraic() && (method == "cvode" || method == "odeint")) continue;
       const std::string text = random.by(method, 1e-3, "restitution = 0.5\n");
       SCOPED_TRACE(text);
       const Case run = parse_scene(text, "").run;

@@ -182,7 +182,7 @@ Picture profiles(const Case& run, const ReportData& data) {
     if (!place_moving(run.scene.right, run.scene.right_input, "at the right end"))
       place(obstacle(run.scene.right), {length - depth, length + depth}, "at the right end");
     place(run.scene.span ? &*run.scene.span : nullptr, {-depth, length + depth}, "of the span");
-    has_bodies = !bodies.empty();
+    has_bodies = moves || !bodies.empty();
     const double room = room_below * (range.high - range.low), low = range.low, high = range.high;
     const auto any = [&](bool above) {
       return std::ranges::any_of(bodies, [&](const auto& body) { return body.first.above == above; });
