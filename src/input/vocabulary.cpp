@@ -35,6 +35,7 @@ std::string_view name(KeyType type) {
     case KeyType::number: return "number";
     case KeyType::count: return "count";
     case KeyType::formula: return "formula";
+    case KeyType::list: return "list";
   }
   return {};
 }
