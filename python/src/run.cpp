@@ -188,13 +188,17 @@ std::array<std::vector<double>, 3> Run::energies() const {
     const auto unknowns = [&](const std::vector<double>& field) {
       return std::span(field).subspan(k * nodes + system_.first_node(), system_.size());
     };
-    const auto u = unknowns(recording.u), v = unknowns(recording.v);
-    columns[0].push_back(0.5 * system_.inertia().quadratic_form(v));
-    columns[1].push_back(0.5 * system_.bar().modulus * system_.squared_strain(u));
+    const auto u = unknowns(recording.u);
+    const auto nodal = [&](const std::vector<double>& field) { return std::span(field).subspan(k * nodes, nodes); };
+    const auto [kinetic, elastic] = system_.nodal_energy(nodal(recording.u), nodal(recording.v));
+    columns[0].push_back(kinetic);
+    columns[1].push_back(elastic);
+    const Lift lift = system_.moving() ? system_.lift(recording.times[k], 0) : Lift{};
     double contact = 0.0;
     if (springs)
       for (const Contact& one : system_.contacts())
-        contact += PenaltyLaw{one.weight / effective_epsilon(run)}.energy(-one.clearance(u[one.unknown]));
+        contact += PenaltyLaw{one.weight / effective_epsilon(run)}.energy(
+            -one.clearance(u[one.unknown] - lift.at(system_.share(one.unknown))));
     columns[2].push_back(contact);
   }
   return columns;

@@ -10,10 +10,13 @@ ReportData::ReportData(const Case& run, const BarSystem& system) : field(system.
   if (is_penalised(run.method) && !system.contacts().empty()) epsilon_ = effective_epsilon(run);
 }
 
-double ReportData::spring_energy(std::span<const double> u) const {
+double ReportData::spring_energy(double t, std::span<const double> u) const {
+  const Lift lift = system_.moving() ? system_.lift(t, 0) : Lift{};
   double sum = 0.0;
-  for (const Contact& contact : system_.contacts())
-    sum += PenaltyLaw{contact.weight / *epsilon_}.energy(-contact.clearance(u[contact.unknown]));
+  for (const Contact& contact : system_.contacts()) {
+    const double at = u[contact.unknown] - lift.at(system_.share(contact.unknown));
+    sum += PenaltyLaw{contact.weight / *epsilon_}.energy(-contact.clearance(at));
+  }
   return sum;
 }
 
@@ -40,10 +43,8 @@ void ReportData::add(const Snapshot& at) {
     sensitivities[k].right.add({at.time, at.sensitivities[k].u.back()});
   }
   const auto u = at.u.subspan(system_.first_node(), system_.size());
-  const auto v = at.v.subspan(system_.first_node(), system_.size());
-  const double kinetic = 0.5 * system_.inertia().quadratic_form(v);
-  const double elastic = 0.5 * system_.bar().modulus * system_.squared_strain(u);
-  const double contact = epsilon_ ? spring_energy(u) : 0.0;
+  const auto [kinetic, elastic] = system_.nodal_energy(at.u, at.v);
+  const double contact = epsilon_ ? spring_energy(at.time, u) : 0.0;
   energy.kinetic.add({at.time, kinetic});
   energy.elastic.add({at.time, elastic});
   if (epsilon_) energy.contact.add({at.time, contact});

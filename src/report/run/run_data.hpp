@@ -62,7 +62,7 @@ class ReportData {
   bool has_springs() const { return epsilon_.has_value(); }
 
  private:
-  double spring_energy(std::span<const double> u) const;
+  double spring_energy(double t, std::span<const double> u) const;
 
   const BarSystem& system_;
   std::optional<double> epsilon_;
