@@ -89,6 +89,7 @@ Observers filling(Recording& recording, const Case& run) {
     recording.v.insert(recording.v.end(), s.v.begin(), s.v.end());
     recording.reaction_left.push_back(s.reaction_left);
     recording.reaction_right.push_back(s.reaction_right);
+    if (s.energy) recording.energy.push_back(*s.energy);
   };
   observers.event = [&recording](const Event& event) { recording.events.push_back(event); };
   return observers;
@@ -177,29 +178,18 @@ std::string Run::page() const {
     for (; event != recording.events.end() && event->time <= recording.times[k]; ++event) data.add(*event);
     data.add(Snapshot{recording.times[k], std::span(recording.u).subspan(k * nodes, nodes),
                       std::span(recording.v).subspan(k * nodes, nodes), recording.reaction_left[k],
-                      recording.reaction_right[k]});
+                      recording.reaction_right[k],
+                      k < recording.energy.size() ? std::optional(recording.energy[k]) : std::nullopt});
   }
   for (; event != recording.events.end(); ++event) data.add(*event);
   return report_page(case_.scene.run, system_, outcome_, data).html();
 }
 
-std::array<std::vector<double>, 3> Run::energies() const {
-  std::array<std::vector<double>, 3> columns;
-  const Case& run = case_.scene.run;
-  const bool springs = is_penalised(run.method) && !system_.contacts().empty();
-  const std::size_t nodes = recording.mesh.nodes();
-  for (std::size_t k = 0; k < rows(); ++k) {
-    const auto unknowns = [&](const std::vector<double>& field) {
-      return std::span(field).subspan(k * nodes + system_.first_node(), system_.size());
-    };
-    const auto u = unknowns(recording.u), v = unknowns(recording.v);
-    columns[0].push_back(0.5 * system_.inertia().quadratic_form(v));
-    columns[1].push_back(0.5 * system_.bar().modulus * system_.squared_strain(u));
-    double contact = 0.0;
-    if (springs)
-      for (const Contact& one : system_.contacts())
-        contact += PenaltyLaw{one.weight / effective_epsilon(run)}.energy(-one.clearance(u[one.unknown]));
-    columns[2].push_back(contact);
+std::array<std::vector<double>, 6> Run::energies() const {
+  std::array<std::vector<double>, 6> columns;
+  for (const EnergyState& at : recording.energy) {
+    const double row[] = {at.kinetic, at.elastic, at.contact, at.dissipated + at.end_inertia, at.work, at.total()};
+    for (std::size_t k = 0; k < columns.size(); ++k) columns[k].push_back(row[k]);
   }
   return columns;
 }

@@ -15,6 +15,7 @@ Recording record(const Case& run) {
     recording.v.insert(recording.v.end(), s.v.begin(), s.v.end());
     recording.reaction_left.push_back(s.reaction_left);
     recording.reaction_right.push_back(s.reaction_right);
+    if (s.energy) recording.energy.push_back(*s.energy);
   };
   observers.event = [&](const Event& event) { recording.events.push_back(event); };
   recording.statistics = simulate(run, system, observers);

@@ -7,9 +7,11 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <iostream>
 #include <system_error>
 
 #include "cli/messages.hpp"
+#include "input/input_text.hpp"
 #include "input/scene_keys.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/results/io_error.hpp"
@@ -17,7 +19,7 @@
 namespace viscobar::cli {
 
 SceneOptions::SceneOptions(CLI::App& command) {
-  command.add_option("scene", file, "The scene file (TOML)")->required()->type_name("SCENE");
+  command.add_option("scene", file, "The scene file (TOML), - for standard input")->required()->type_name("SCENE");
   command.add_option("--set", overrides, "Replace a value of the scene, such as contact.epsilon=1e-5 (repeatable)")
       ->type_name("TABLE.KEY=VALUE")
       ->allow_extra_args(false);
@@ -29,7 +31,9 @@ SceneFile SceneOptions::read(const std::vector<std::string>& defaults, const std
   std::vector<std::string> all = defaults;
   all.insert(all.end(), overrides.begin(), overrides.end());
   all.insert(all.end(), settings.begin(), settings.end());
-  SceneFile scene = read_scene(file, all, adapt);
+  SceneFile scene = from_standard_input()
+                        ? parse_scene(input_text(std::cin, "standard input"), "standard input", all, adapt)
+                        : read_scene(file, all, adapt);
   const Case& run = scene.run;
   detail(fmt::format("read {}: \"{}\", {} elements, {} to t = {}", file, run.scene.title, run.elements,
                      name(run.method), run.end));
@@ -43,11 +47,13 @@ OutputOptions::OutputOptions(CLI::App& command) {
           "Directory of the results; an earlier result there is replaced when the new one is complete (default: the "
           "scene's name with \".out\", in the working directory)")
       ->type_name("DIR");
-  command.add_flag("--quiet", quiet, "Print nothing but errors");
+  command.add_flag("-q,--quiet", quiet, "Print nothing but errors");
 }
 
 std::filesystem::path OutputOptions::directory(const SceneOptions& scene) const {
-  const auto chosen = where.empty() ? std::filesystem::path(scene.file).stem() += ".out" : std::filesystem::path(where);
+  const std::filesystem::path name = scene.from_standard_input() ? "stdin" : std::filesystem::path(scene.file).stem();
+  const std::filesystem::path chosen =
+      where.empty() ? std::filesystem::path(name) += ".out" : std::filesystem::path(where);
   detail("results go to " + chosen.string());
   return chosen;
 }

@@ -193,6 +193,8 @@ class PenalisedSystem {
   /// Reaction of contact i in the direction of u, s_i R_i.
   double reaction(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
 
+  /// Energy of the springs of closed contacts.
+  double contact_energy(std::span<const double> u) const;
   /// Kinetic, elastic and contact energy.
   double energy(std::span<const double> u, std::span<const double> w) const;
   /// eta w.K w + sum b_i w_i^2

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "input/input_text.hpp"
 #include "input/synonyms.hpp"
@@ -18,8 +20,39 @@ namespace {
 
 constexpr std::string_view override_source = "--set";
 
+// A number as TOML writes it, without underscores: most values of a sweep are.
+std::optional<TomlValue> plain_number(std::string_view text) {
+  const std::size_t digits = text.starts_with('-') ? 1 : 0;
+  if (text.size() > 20 || text.find_first_not_of("0123456789.e-", digits) != text.npos) return std::nullopt;
+  const std::size_t point = text.find('.'), exponent = text.find('e');
+  const std::string_view whole = text.substr(digits, std::min({point, exponent, text.size()}) - digits);
+  if (whole.empty() || (whole.size() > 1 && whole.front() == '0') || whole.find('-') != whole.npos) return std::nullopt;
+  if (point != text.npos && (point + 1 == text.size() || text[point + 1] == 'e')) return std::nullopt;
+  const char* const end = text.data() + text.size();
+  if (point == text.npos && exponent == text.npos) {
+    std::int64_t value = 0;
+    const auto [at, error] = std::from_chars(text.data(), end, value);
+    return error == std::errc() && at == end ? std::optional<TomlValue>(value) : std::nullopt;
+  }
+  double value = 0.0;
+  const auto [at, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && at == end ? std::optional<TomlValue>(value) : std::nullopt;
+}
+
+// The text of a sweep's scene is read again and again.
+const TomlDocument& document_of(const std::string& text) {
+  thread_local std::pair<std::string, TomlDocument> last;
+  if (last.first != text || last.second.entries.empty()) {
+    last.first.clear();
+    last.second = parse_toml(text);
+    last.first = text;
+  }
+  return last.second;
+}
+
 // A TOML value, or else the text itself.
 TomlValue value_of(std::string_view text) {
+  if (auto number = plain_number(text)) return *std::move(number);
   try {
     const TomlDocument document = parse_toml("value = " + std::string(text));
     if (document.tables.empty() && document.entries.size() == 1) return document.entries.front().value;
@@ -31,7 +64,7 @@ TomlValue value_of(std::string_view text) {
 }  // namespace
 
 std::string_view kind_of(const TomlValue& value) {
-  constexpr std::string_view kinds[] = {"a string", "a whole number", "a number", "a boolean"};
+  constexpr std::string_view kinds[] = {"a string", "a whole number", "a number", "a boolean", "", "an array"};
   const auto* other = std::get_if<OtherValue>(&value);
   return other ? other->what : kinds[value.index()];
 }
@@ -105,6 +138,15 @@ std::string formula_problem(const SceneKey& key, const TomlValue& value) {
   return {};
 }
 
+std::string list_problem(const SceneKey& key, const TomlValue& value) {
+  const auto* words = std::get_if<std::vector<std::string>>(&value);
+  if (!words)
+    return fmt::format("must be a list of words, such as [\"{}\"], is {}", key.choices.front().name, kind_of(value));
+  for (const std::string& word : *words)
+    if (const std::string problem = choice_problem(key, word); !problem.empty()) return "an entry " + problem;
+  return {};
+}
+
 }  // namespace
 
 std::string problem_with(const SceneKey& key, const TomlValue& value) {
@@ -122,6 +164,7 @@ std::string problem_with(const SceneKey& key, const TomlValue& value) {
       return fmt::format("must be a {}, is {}{}", key.type == KeyType::count ? "whole number" : "number",
                          kind_of(value), advice_on(value));
     case KeyType::formula: return formula_problem(key, value);
+    case KeyType::list: return list_problem(key, value);
   }
   return {};
 }
@@ -145,14 +188,15 @@ SceneEntries::SceneEntries(const std::string& text, const std::string& source, s
 }
 
 void SceneEntries::add_text(const std::string& text) {
-  TomlDocument document;
+  const TomlDocument* read = nullptr;
   try {
-    document = parse_toml(text);
+    read = &document_of(text);
   } catch (const TextError& error) {
     readable_ = false;
     report_at({end_.source, error.at}, "", error.what());
     return;
   }
+  const TomlDocument& document = *read;
   end_.at = position_in(text, text.size());
 
   // A misspelt table or key stands for the one it resembles, unless that one is there, too: so its values are checked,
@@ -271,6 +315,11 @@ std::optional<double> SceneEntries::number(std::string_view key) const {
 std::optional<std::string> SceneEntries::text(std::string_view key) const {
   const TomlValue* value = sound_value(key);
   return value ? std::optional(std::get<std::string>(*value)) : std::nullopt;
+}
+
+std::optional<std::vector<std::string>> SceneEntries::list(std::string_view key) const {
+  const TomlValue* value = sound_value(key);
+  return value ? std::optional(std::get<std::vector<std::string>>(*value)) : std::nullopt;
 }
 
 std::optional<Formula> SceneEntries::formula(std::string_view key) const {

@@ -45,6 +45,7 @@ class SceneEntries {
   // Values of keys that are present and not faulty.
   std::optional<double> number(std::string_view key) const;
   std::optional<std::string> text(std::string_view key) const;
+  std::optional<std::vector<std::string>> list(std::string_view key) const;
   std::optional<Formula> formula(std::string_view key) const;
 
   /// As the user or the fallback put it.

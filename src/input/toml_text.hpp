@@ -15,7 +15,8 @@ struct OtherValue {
   std::string_view what;
 };
 
-using TomlValue = std::variant<std::string, std::int64_t, double, bool, OtherValue>;
+/// A vector is an array of strings; any other array is an OtherValue.
+using TomlValue = std::variant<std::string, std::int64_t, double, bool, OtherValue, std::vector<std::string>>;
 
 struct TomlTable {
   std::string name;
@@ -43,7 +44,7 @@ struct TomlNode {
   enum class Kind { plain, array, table };
   std::string key;  ///< empty in an array and at the root
   Kind kind = Kind::plain;
-  TomlValue value;  ///< of an array or a table an OtherValue
+  TomlValue value;  ///< of a table an OtherValue
   std::vector<TomlNode> inside;
   TextPosition key_at, value_at;
 };

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/element_stress.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "viscobar/run/run.hpp"
 
@@ -19,7 +20,7 @@ class SnapshotBuilder {
     const std::span<const double> origin = system_.origin();
     for (std::size_t i = 0; i < origin.size(); ++i) u_[bar.first_node() + i] += origin[i];
     bar.expand_velocity(w, v_);
-    Snapshot snapshot{t, u_, v_, 0.0, 0.0};
+    Snapshot snapshot{t, u_, v_};
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
       const Contact& contact = system_.contact(i);
       if (!bar.left_fixed() && contact.unknown == 0) snapshot.reaction_left += system_.reaction(i, t, u, w);
@@ -31,11 +32,18 @@ class SnapshotBuilder {
     return snapshot;
   }
 
+  /// Of the state that a snapshot was made of last; what came and went is the method's to add.
+  EnergyState energy(std::span<const double> u, std::span<const double> w) const {
+    const BarSystem& bar = system_.bar();
+    const auto displacement = std::span(u_).subspan(bar.first_node(), bar.size());
+    return {.kinetic = 0.5 * bar.inertia().quadratic_form(w),
+            .elastic = 0.5 * bar.bar().modulus * bar.squared_strain(displacement),
+            .contact = system_.contact_energy(u)};
+  }
+
  private:
   double stress(std::size_t element) const {
-    const Bar& bar = system_.bar().bar();
-    const double strain = u_[element + 1] - u_[element], rate = v_[element + 1] - v_[element];
-    return (bar.modulus * strain + bar.viscosity * rate) / system_.bar().mesh().element(element);
+    return element_stress(system_.bar().bar(), system_.bar().mesh(), u_, v_, element);
   }
 
   PenalisedSystem& system_;

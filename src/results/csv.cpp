@@ -2,32 +2,21 @@
 
 namespace viscobar {
 
-namespace {
-
-LineFile line_file(const std::filesystem::path& path, const std::optional<Checksum>& keep) {
-  return keep ? LineFile(path, *keep) : LineFile(path);
-}
-
-}  // namespace
-
-EndsCsv::EndsCsv(const std::filesystem::path& path, const std::optional<Checksum>& keep)
-    : file_(line_file(path, keep)) {
-  if (!keep) file_.print("t,u_left,v_left,reaction_left,u_right,v_right,reaction_right");
-}
-
 void EndsCsv::append(const Snapshot& at) {
   file_.print("{},{},{},{},{},{},{}", at.time, at.u.front(), at.v.front(), at.reaction_left, at.u.back(), at.v.back(),
               at.reaction_right);
 }
 
-EventsCsv::EventsCsv(const std::filesystem::path& path, const std::optional<Checksum>& keep)
-    : file_(line_file(path, keep)) {
-  if (!keep) file_.print("t,where,change,velocity");
-}
-
 void EventsCsv::append(const Event& event) {
   file_.print("{},{},{},{}", event.time, place(event), event.change == Change::closing ? "closing" : "opening",
               event.velocity);
+}
+
+void EnergyCsv::append(const Snapshot& at) {
+  if (!at.energy) return;
+  const EnergyState& energy = *at.energy;
+  file_.print("{},{},{},{},{},{},{}", at.time, energy.kinetic, energy.elastic, energy.contact,
+              energy.dissipated + energy.end_inertia, energy.work, energy.total());
 }
 
 std::string place(const Event& event) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "dynamics/element_stress.hpp"
 #include "dynamics/lost_inertia.hpp"
 #include "run/parts.hpp"
 #include "run/telling.hpp"
@@ -189,7 +190,13 @@ class Run {
   void write(std::span<const double> u, std::span<const double> v, double theta) {
     system_.expand_displacement(u, u_nodal_);
     system_.expand_velocity(v, v_nodal_);
-    const Snapshot snapshot{times_[written_++], u_nodal_, v_nodal_, left_reaction(theta), right_reaction(theta)};
+    Snapshot snapshot{times_[written_++], u_nodal_, v_nodal_, left_reaction(theta), right_reaction(theta)};
+    if (observers_.energy) {
+      snapshot.energy = step_->energies();
+      snapshot.energy->dissipated = statistics_.energy->dissipated;
+      snapshot.energy->work = statistics_.energy->work;
+      snapshot.energy->end_inertia = statistics_.energy->end_inertia;
+    }
     telling_.snapshot(snapshot);
   }
 
@@ -211,10 +218,7 @@ class Run {
   }
 
   double stress(std::size_t element) const {
-    const Bar& bar = system_.bar();
-    return (bar.modulus * (u_nodal_[element + 1] - u_nodal_[element]) +
-            bar.viscosity * (v_nodal_[element + 1] - v_nodal_[element])) /
-           system_.mesh().element(element);
+    return element_stress(system_.bar(), system_.mesh(), u_nodal_, v_nodal_, element);
   }
 
   // u^{n+1} is known now. A contact closes at the first t_{n+1} that it holds, with the velocity before, and opens at

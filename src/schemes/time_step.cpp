@@ -306,6 +306,18 @@ double TimeStep::end_power() const {
   return v(0) * rows.first_times(a_) + v(last) * rows.last_times(a_);
 }
 
+EnergyState TimeStep::energies() const {
+  std::vector<double> nodal(u_.size());
+  const auto at_nodes = [&](auto&& value) {
+    order_.to_nodes(value, nodal);
+    return std::span<const double>(nodal);
+  };
+  const double now = system_.squared_strain(at_nodes([&](std::size_t i) { return u_[i]; }));
+  const double before = system_.squared_strain(at_nodes([&](std::size_t i) { return u_[i] - dt_ * p_[i]; }));
+  return {.kinetic = 0.5 * system_.inertia().quadratic_form(at_nodes([&](std::size_t i) { return p_[i]; })),
+          .elastic = 0.25 * system_.bar().modulus * (now + before)};
+}
+
 double TimeStep::energy() const {
   std::vector<double> u(u_.size()), u_before(u_.size()), p(u_.size());
   order_.to_nodes([&](std::size_t i) { return u_[i]; }, u);

@@ -77,8 +77,9 @@ class TimeStep {
   /// Whether a^n is; what is not spreads over the nodes that are solved for together.
   bool finite() const;
 
-  /// E^{n-1/2} = 1/2 p.rho M p + 1/4 E (a(u^n, u^n) + a(u^{n-1}, u^{n-1}))
+  /// E^{n-1/2} = 1/2 p.rho M p + 1/4 E (a(u^n, u^n) + a(u^{n-1}, u^{n-1})), and its two parts
   double energy() const;
+  EnergyState energies() const;
 
   std::size_t linear_solves() const;
   std::size_t factorisations() const;

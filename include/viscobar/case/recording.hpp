@@ -21,6 +21,7 @@ struct Recording {
   std::vector<double> v;               ///< velocity, likewise; empty where it is not known
   std::vector<double> reaction_left;   ///< K, or empty where it is not known
   std::vector<double> reaction_right;  ///< likewise
+  std::vector<EnergyState> energy;     ///< K, or empty where it is not known
   std::vector<Event> events;           ///< contact changes in order of time
   Statistics statistics;               ///< of the run
 

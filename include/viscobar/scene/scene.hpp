@@ -86,6 +86,15 @@ struct GeneralLoad {
 /// The density f of a load, in the narrowest kind that holds it.
 using Load = std::variant<SteadyLoad, SeparableLoad, GeneralLoad>;
 
+/// Names of the units of a scene, for labels alone: any may be empty.
+struct Units {
+  std::string length;  ///< such as "m"
+  std::string time;    ///< such as "s"
+  std::string mass;    ///< such as "kg"; a stress is then "kg/(m s^2)"
+  std::string force;   ///< such as "N"; a stress is then "N/m^2"
+  std::string stress;  ///< such as "Pa"
+};
+
 /// The physical problem, free of any discretisation [Petrov 2010, (1.1)-(1.3)].
 struct Scene {
   std::string title;             ///< free text, for reports
@@ -96,6 +105,7 @@ struct Scene {
   SpaceFunction displacement;    ///< u_0(x)
   SpaceFunction velocity;        ///< u_1(x)
   std::optional<Load> load;      ///< f; absent: none
+  Units units;                   ///< of its numbers
 };
 
 /// A fault of the user's input: the key (as in the scene file) and the problem.
