@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <iostream>
+#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "cli/messages.hpp"
@@ -56,6 +59,25 @@ std::filesystem::path OutputOptions::directory(const SceneOptions& scene) const 
       where.empty() ? std::filesystem::path(name) += ".out" : std::filesystem::path(where);
   detail("results go to " + chosen.string());
   return chosen;
+}
+
+void warn_of_other_scenes(const std::filesystem::path& directory, const SceneFile& scene, std::string_view own) {
+  using Json = nlohmann::json;
+  const Json ours = Json::parse(scene.complete());
+  for (const std::string_view name : {"summary.json", "compare.json", "limit.json", "precision.json"}) {
+    std::ifstream stream(directory / name);
+    if (name == own || !stream) continue;
+    const Json summary = Json::parse(stream, nullptr, false);
+    if (!summary.is_object() || !summary.contains("scene") || !summary["scene"].is_object()) continue;
+    const Json& theirs = summary["scene"];
+    const auto differs = [&](const char* table) {
+      return ours.value(table, Json::object()) != theirs.value(table, Json::object());
+    };
+    constexpr const char* problem[] = {"bar", "left", "right", "span", "initial", "load"};
+    if (std::ranges::any_of(problem, differs))
+      warn(fmt::format("{} also holds {} of another scene, \"{}\"; it stays there, and `viscobar info` tells both",
+                       directory.string(), name, one_line(theirs.value("title", ""))));
+  }
 }
 
 PictureOptions::PictureOptions(CLI::App& command) : OutputOptions(command) { add_figures(command, figures); }

@@ -214,6 +214,10 @@ class HelpCommand : public Command {
   std::string topic_;
 };
 
+/// Warns of results of other commands in the directory that are of another bar, ends, initial data or load; `own` is
+/// the summary that this command writes.
+void warn_of_other_scenes(const std::filesystem::path& directory, const SceneFile& scene, std::string_view own);
+
 /// --figures, the same for all commands that draw.
 void add_figures(CLI::App& command, bool& figures);
 

@@ -251,6 +251,7 @@ int RunCommand::operator()() const {
         fmt::format("--checkpoint: {} makes more than {} checkpoints until t = {}; the shortest interval is {:.3g}",
                     checkpoint_, most_checkpoints, scene.run.end, scene.run.end / most_checkpoints));
   const fs::path directory = output_.directory(scene_);
+  if (!output_.quiet) warn_of_other_scenes(directory, scene, "summary.json");
   return shown(scene, directory, scene_.json, output_.quiet, wall_time, options,
                [&](const RecordOptions& chosen) { return record_run(scene, directory, chosen); });
 }

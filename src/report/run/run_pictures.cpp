@@ -97,7 +97,7 @@ Picture profiles(const Case& run, const ReportData& data) {
   live.live_layer(R"({"kind":"bar"})");
   const std::string live_caption =
       std::string(
-          "The bar at the time of the slider, its displacement drawn upwards and coloured as in the picture below; "
+          "The bar at the time of the slider, its displacement drawn upwards and coloured as in its map; "
           "shaded: where it has been and will be.") +
       (has_bodies ? " Hatched: obstacles, with the gap left and the reaction while in contact." : "") + hidden;
 
