@@ -176,10 +176,11 @@ std::string Run::page() const {
   auto event = recording.events.begin();
   for (std::size_t k = 0; k < rows(); ++k) {
     for (; event != recording.events.end() && event->time <= recording.times[k]; ++event) data.add(*event);
-    data.add(Snapshot{recording.times[k], std::span(recording.u).subspan(k * nodes, nodes),
-                      std::span(recording.v).subspan(k * nodes, nodes), recording.reaction_left[k],
-                      recording.reaction_right[k],
-                      k < recording.energy.size() ? std::optional(recording.energy[k]) : std::nullopt});
+    Snapshot at{recording.times[k], std::span(recording.u).subspan(k * nodes, nodes),
+                std::span(recording.v).subspan(k * nodes, nodes), recording.reaction_left[k],
+                recording.reaction_right[k]};
+    if (k < recording.energy.size()) at.energy = recording.energy[k];
+    data.add(at);
   }
   for (; event != recording.events.end(); ++event) data.add(*event);
   return report_page(case_.scene.run, system_, outcome_, data).html();

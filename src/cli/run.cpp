@@ -195,6 +195,18 @@ std::optional<Duration> read_duration(const std::string& text) {
   return duration;
 }
 
+/// Of [sensitivity], for a list of keys with commas.
+std::vector<std::string> sensitivity_settings(const std::string& keys) {
+  if (keys.empty()) return {};
+  std::string list;
+  for (std::size_t begin = 0; begin <= keys.size();) {
+    const std::size_t end = std::min(keys.find(',', begin), keys.size());
+    list += fmt::format("{}'{}'", list.empty() ? "" : ", ", keys.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return {fmt::format("sensitivity.of=[{}]", list)};
+}
+
 /// A plain number is simulated time; with a unit it is time on the clock.
 CheckpointEvery checkpoint_every(const std::string& text) {
   const auto every = read_duration(text);
@@ -235,6 +247,10 @@ RunCommand::RunCommand(CLI::App& app)
                   "such as 30s, 5min or 1h")
       ->type_name("INTERVAL");
   add_wall_time(command_, wall_time_);
+  command_
+      .add_option("--sensitivity", sensitivity_,
+                  "Tell derivatives of the results with respect to these keys, such as bar.viscosity,left.gap")
+      ->type_name("KEYS");
 }
 
 int RunCommand::operator()() const {
@@ -242,7 +258,7 @@ int RunCommand::operator()() const {
   if (!checkpoint_.empty()) options.checkpoint = checkpoint_every(checkpoint_);
   options.figures = output_.figures;
   const auto wall_time = wall_time_of(wall_time_);
-  const SceneFile scene = scene_.read();
+  const SceneFile scene = scene_.read({}, sensitivity_settings(sensitivity_));
   // Each checkpoint holds the times of all before it: these write 8 n^2 / 2 bytes for that, 40 GB.
   constexpr double most_checkpoints = 1e5;
   if (options.checkpoint && options.checkpoint->clock == CheckpointEvery::Clock::simulated &&

@@ -105,6 +105,10 @@ constexpr SceneKey rows[] = {
     {"method.start", choice, optional, "\"first_order\"", "", "first step of the two schemes: u_0 + dt u_1, or with the term dt^2/2 u'' too", {}, starts},
     {"method.impact", choice, optional, "\"paoli_schatzman\"", "", "law of restitution of the two schemes: a bound on the mean of displacements, or on the velocity, which never gives energy", {}, impacts},
 
+    {"parameters.NAME", number, optional, "", "", "a number that formulas may use by its name, such as amplitude", {-largest, largest, ""}},
+
+    {"sensitivity.of", list, optional, "", "", "keys with respect to which derivatives of the whole result are told, such as bar.viscosity; also --sensitivity"},
+
     {"units.length", text, optional, "", "", "name of the unit of length, such as \"m\", for axes and attributes"},
     {"units.time", text, optional, "", "", "likewise of time, such as \"s\""},
     {"units.mass", text, optional, "", "", "likewise of mass, such as \"kg\""},
@@ -116,8 +120,10 @@ constexpr SceneKey rows[] = {
 };
 // clang-format on
 
-constexpr std::string_view tables[] = {"bar",  "left", "right",   "span",   "initial", "load",
-                                       "time", "mesh", "contact", "method", "units",   "output"};
+constexpr std::string_view tables[] = {"bar",  "left",    "right",  "span",       "initial",     "load",  "time",
+                                       "mesh", "contact", "method", "parameters", "sensitivity", "units", "output"};
+
+constexpr std::string_view any_parameter = "parameters.NAME";
 
 template <class Rows, class Word>
 std::vector<Choice> choices_of(const Rows& rows_of_all, Word word) {
@@ -176,10 +182,11 @@ std::string type_words(const SceneKey& key) {
   switch (key.type) {
     case text: return "text";
     case choice: return fmt::format("`{}`", fmt::join(key.choice_names(), "`, `"));
-    case number: return fmt::format("number {}", key.range.words);
+    case number: return key.range.words.empty() ? "number" : fmt::format("number {}", key.range.words);
     case count: return fmt::format("whole number {}", key.range.words);
-    case list: return fmt::format("list of `{}`", fmt::join(key.choice_names(), "`, `"));
     case formula: return fmt::format("number, or formula in {}", key.variables == "xt" ? "x and t" : key.variables);
+    case list:
+      return key.choices.empty() ? "list of keys" : fmt::format("list of `{}`", fmt::join(key.choice_names(), "`, `"));
   }
   return {};
 }
@@ -217,6 +224,11 @@ std::span<const SceneKey> scene_keys() {
   return keys;
 }
 
+bool is_parameter(std::string_view name) {
+  constexpr std::string_view table = "parameters.";
+  return name.size() > table.size() && name.starts_with(table);
+}
+
 std::span<const std::string_view> scene_tables() { return tables; }
 
 bool is_scene_table(std::string_view name) {
@@ -224,6 +236,7 @@ bool is_scene_table(std::string_view name) {
 }
 
 const SceneKey* find_scene_key(std::string_view name) {
+  if (is_parameter(name)) name = any_parameter;
   static const auto by_name = [] {
     std::unordered_map<std::string_view, const SceneKey*> all;
     for (const SceneKey& key : scene_keys()) all.emplace(key.name, &key);
@@ -234,6 +247,7 @@ const SceneKey* find_scene_key(std::string_view name) {
 }
 
 const SceneKey* find_scene_key(std::string_view table, std::string_view leaf) {
+  if (table == "parameters" && !leaf.empty()) return find_scene_key(any_parameter);
   if (leaf.find('.') != leaf.npos) return nullptr;  // a key in quotes
   return find_scene_key(table.empty() ? std::string(leaf) : fmt::format("{}.{}", table, leaf));
 }

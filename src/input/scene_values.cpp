@@ -125,13 +125,13 @@ std::string choice_problem(const SceneKey& key, const std::string& value) {
                      nearest ? fmt::format("nearest is \"{}\"", *nearest) : "there are " + known);
 }
 
-std::string formula_problem(const SceneKey& key, const TomlValue& value) {
+std::string formula_problem(const SceneKey& key, const TomlValue& value, const Parameters& parameters) {
   if (const auto number = number_of(value))
     return std::isfinite(*number) ? "" : fmt::format("must be finite, is {}", *number);
   const auto* text = std::get_if<std::string>(&value);
   if (!text) return fmt::format("must be a number or a formula in quotes, is {}", kind_of(value));
   try {
-    Formula(*text, key.variables);
+    Formula(*text, key.variables, parameters);
   } catch (const FormulaError& error) {
     return error.what();
   }
@@ -141,7 +141,11 @@ std::string formula_problem(const SceneKey& key, const TomlValue& value) {
 std::string list_problem(const SceneKey& key, const TomlValue& value) {
   const auto* words = std::get_if<std::vector<std::string>>(&value);
   if (!words)
-    return fmt::format("must be a list of words, such as [\"{}\"], is {}", key.choices.front().name, kind_of(value));
+    return fmt::format(
+        "must be a list of strings, such as {}, is {}",
+        key.choices.empty() ? "[\"bar.viscosity\", \"left.gap\"]" : fmt::format("[\"{}\"]", key.choices.front().name),
+        kind_of(value));
+  if (key.choices.empty()) return {};
   for (const std::string& word : *words)
     if (const std::string problem = choice_problem(key, word); !problem.empty()) return "an entry " + problem;
   return {};
@@ -149,7 +153,7 @@ std::string list_problem(const SceneKey& key, const TomlValue& value) {
 
 }  // namespace
 
-std::string problem_with(const SceneKey& key, const TomlValue& value) {
+std::string problem_with(const SceneKey& key, const TomlValue& value, const Parameters& parameters) {
   switch (key.type) {
     case KeyType::text:
     case KeyType::choice:
@@ -163,7 +167,7 @@ std::string problem_with(const SceneKey& key, const TomlValue& value) {
       if (const auto number = number_of(value)) return range_problem(key.range, *number);
       return fmt::format("must be a {}, is {}{}", key.type == KeyType::count ? "whole number" : "number",
                          kind_of(value), advice_on(value));
-    case KeyType::formula: return formula_problem(key, value);
+    case KeyType::formula: return formula_problem(key, value, parameters);
     case KeyType::list: return list_problem(key, value);
   }
   return {};
@@ -270,7 +274,8 @@ void SceneEntries::add(const TomlEntry& entry, std::string_view table, const std
   const Place key_place{source, entry.key_at};
   Entry value{entry.value, {source, entry.value_at}};
   if (const SceneKey* key = find_scene_key(table, entry.key)) {
-    entries_.insert_or_assign(std::string(key->name), std::move(value));
+    const std::string name = table == "parameters" ? fmt::format("parameters.{}", entry.key) : std::string(key->name);
+    entries_.insert_or_assign(name, std::move(value));
   } else if (table.empty() && is_scene_table(entry.key)) {
     report_at(key_place, entry.key,
               source == override_source
@@ -290,8 +295,16 @@ void SceneEntries::add(const TomlEntry& entry, std::string_view table, const std
 }
 
 void SceneEntries::check_values() {
+  for (const auto& [name, entry] : entries_)
+    if (is_parameter(name)) {
+      const std::string of_name = parameter_name_problem(std::string_view(name).substr(name.find('.') + 1));
+      const std::string problem = of_name.empty() ? problem_with(*find_scene_key(name), entry.value) : of_name;
+      if (!problem.empty()) report(name, problem);
+    }
+  const Parameters known = parameters();
   for (const auto& [name, entry] : entries_) {
-    const std::string problem = problem_with(*find_scene_key(name), entry.value);
+    if (is_parameter(name)) continue;
+    const std::string problem = problem_with(*find_scene_key(name), entry.value, known);
     if (!problem.empty()) report(name, problem);
   }
 }
@@ -317,16 +330,23 @@ std::optional<std::string> SceneEntries::text(std::string_view key) const {
   return value ? std::optional(std::get<std::string>(*value)) : std::nullopt;
 }
 
-std::optional<std::vector<std::string>> SceneEntries::list(std::string_view key) const {
-  const TomlValue* value = sound_value(key);
-  return value ? std::optional(std::get<std::vector<std::string>>(*value)) : std::nullopt;
-}
-
 std::optional<Formula> SceneEntries::formula(std::string_view key) const {
   const TomlValue* value = sound_value(key);
   if (!value) return std::nullopt;
   if (const auto number = number_of(*value)) return Formula(*number);
-  return Formula(std::get<std::string>(*value), find_scene_key(key)->variables);
+  return Formula(std::get<std::string>(*value), find_scene_key(key)->variables, parameters());
+}
+
+std::vector<std::string> SceneEntries::list(std::string_view key) const {
+  const TomlValue* value = sound_value(key);
+  return value ? std::get<std::vector<std::string>>(*value) : std::vector<std::string>{};
+}
+
+Parameters SceneEntries::parameters() const {
+  Parameters known;
+  for (const auto& [name, entry] : entries_)
+    if (is_parameter(name) && !faulty(name)) known[name.substr(name.find('.') + 1)] = *number(name);
+  return known;
 }
 
 const TomlValue* SceneEntries::sound_value(std::string_view key) const {

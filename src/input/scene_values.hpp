@@ -17,7 +17,8 @@
 namespace viscobar {
 
 /// What is wrong with a value of a key by itself; empty when nothing is.
-std::string problem_with(const SceneKey& key, const TomlValue& value);
+/// Formulas may use the parameters.
+std::string problem_with(const SceneKey& key, const TomlValue& value, const Parameters& parameters = {});
 
 /// The article and kind of a value, such as "a whole number".
 std::string_view kind_of(const TomlValue& value);
@@ -45,8 +46,10 @@ class SceneEntries {
   // Values of keys that are present and not faulty.
   std::optional<double> number(std::string_view key) const;
   std::optional<std::string> text(std::string_view key) const;
-  std::optional<std::vector<std::string>> list(std::string_view key) const;
   std::optional<Formula> formula(std::string_view key) const;
+  std::vector<std::string> list(std::string_view key) const;  ///< empty where the key is absent
+  /// Those of [parameters] that are sound, by name.
+  Parameters parameters() const;
 
   /// As the user or the fallback put it.
   const TomlValue& value(std::string_view key) const { return entries_.find(key)->second.value; }

@@ -15,7 +15,7 @@ struct OtherValue {
   std::string_view what;
 };
 
-/// A vector is an array of strings; any other array is an OtherValue.
+/// Strings are a list where a table of values has an array of them.
 using TomlValue = std::variant<std::string, std::int64_t, double, bool, OtherValue, std::vector<std::string>>;
 
 struct TomlTable {

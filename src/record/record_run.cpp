@@ -60,6 +60,7 @@ class RecordedRun {
     close("ends.csv", files_->ends);
     close("events.csv", files_->events);
     close("energy.csv", files_->energy);
+    close("sensitivity.csv", files_->sensitivity);
     close("field.h5", files_->field);
     if (written_.contains("field.h5")) written_["field.xdmf"] = files_->field->xdmf_checksum();
     write_report();
@@ -99,6 +100,7 @@ class RecordedRun {
     for (const auto& [old, replaced] : {std::pair("ends.csv", files_->ends.has_value()),
                                         {"events.csv", files_->events.has_value()},
                                         {"energy.csv", files_->energy.has_value()},
+                                        {"sensitivity.csv", files_->sensitivity.has_value()},
                                         {"field.h5", files_->field.has_value()},
                                         {"field.xdmf", files_->field.has_value()}})
       if (!replaced) remove_file(place_ / old);
@@ -110,7 +112,7 @@ class RecordedRun {
       return;
     }
     ArchiveReader archive(last_.collected);
-    archive(data_, chatter_, pace_, outcome().warnings);
+    archive(data_, chatter_, pace_, outcome().warnings, outcome().changes);
     outcome().reached_time = last_.motion->time;
     outcome().steps = last_.motion->statistics.steps;
     outcome().events = last_.motion->statistics.events;
@@ -120,6 +122,7 @@ class RecordedRun {
   Observers observers() {
     Observers observers;
     observers.energy = observers.account = true;
+    observers.directions = scene_.run.directions;
     observers.snapshot = [this](const Snapshot& snapshot) {
       files_->append(snapshot);
       data_.add(snapshot);
@@ -127,6 +130,7 @@ class RecordedRun {
     observers.event = [this](const Event& event) {
       ++outcome().events;
       files_->append(event);
+      if (!event.sensitivities.empty()) outcome().changes.push_back(event.sensitivities);
       data_.add(event);
       if (options_.event) options_.event(event);
       // Changes of the bar itself are no chatter of a mesh.
@@ -165,7 +169,7 @@ class RecordedRun {
       std::vector<double> times = outcome().checkpoints;
       times.push_back(motion.time);
       ArchiveWriter archive;
-      archive(data_, chatter_, pace_, outcome().warnings);
+      archive(data_, chatter_, pace_, outcome().warnings, outcome().changes);
       write_checkpoint(
           place_, {scene_.description, last_.schedule, motion, files_->mark(), archive.take(), times, wall_seconds()});
       outcome().checkpoints = std::move(times);

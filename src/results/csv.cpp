@@ -7,6 +7,30 @@ void EndsCsv::append(const Snapshot& at) {
               at.reaction_right);
 }
 
+namespace {
+
+std::string sensitivity_header(std::span<const Direction> directions) {
+  std::string header = "t";
+  for (const Direction& along : directions)
+    for (const char* column : {"u_left", "v_left", "reaction_left", "u_right", "v_right", "reaction_right"})
+      header += fmt::format(",{}/{}", column, along.key);
+  return header;
+}
+
+}  // namespace
+
+SensitivityCsv::SensitivityCsv(const std::filesystem::path& path, std::span<const Direction> directions,
+                               const std::optional<Checksum>& keep)
+    : GrowingTable(path, sensitivity_header(directions), keep) {}
+
+void SensitivityCsv::append(const Snapshot& at) {
+  std::string line = fmt::format("{}", at.time);
+  for (const FieldSensitivity& s : at.sensitivities)
+    for (const double value : {s.u.front(), s.v.front(), s.reaction_left, s.u.back(), s.v.back(), s.reaction_right})
+      line += fmt::format(",{}", value);
+  file_.print("{}", line);
+}
+
 void EventsCsv::append(const Event& event) {
   file_.print("{},{},{},{}", event.time, place(event), event.change == Change::closing ? "closing" : "opening",
               event.velocity);

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "results/output_file.hpp"
@@ -40,6 +41,14 @@ class EventsCsv : public GrowingTable {
   explicit EventsCsv(const std::filesystem::path& path, const std::optional<Checksum>& keep = {})
       : GrowingTable(path, "t,where,change,velocity", keep) {}
   void append(const Event& event);
+};
+
+/// sensitivity.csv: a row per output time, t and the derivatives of the columns of ends.csv with respect to each key.
+class SensitivityCsv : public GrowingTable {
+ public:
+  SensitivityCsv(const std::filesystem::path& path, std::span<const Direction> directions,
+                 const std::optional<Checksum>& keep = {});
+  void append(const Snapshot& snapshot);
 };
 
 /// energy.csv: a row per output time that has an energy, with

@@ -39,6 +39,7 @@ void GrowingFiles::Mark::check(const fs::path& directory) const {
   if (ends) check_begin(directory / "ends.csv", *ends);
   if (events) check_begin(directory / "events.csv", *events);
   if (energy) check_begin(directory / "energy.csv", *energy);
+  if (sensitivity) check_begin(directory / "sensitivity.csv", *sensitivity);
   if (field) field->check_values(directory / "field.h5");
 }
 
@@ -48,6 +49,8 @@ GrowingFiles::GrowingFiles(const fs::path& directory, const SceneFile& scene, co
   if (run.files.ends) ends.emplace(directory / "ends.csv", kept(&Mark::ends));
   if (run.files.events) events.emplace(directory / "events.csv", kept(&Mark::events));
   if (run.files.energy) energy.emplace(directory / "energy.csv", kept(&Mark::energy));
+  if (!run.directions.empty())
+    sensitivity.emplace(directory / "sensitivity.csv", run.directions, kept(&Mark::sensitivity));
   if (run.files.field)
     field.emplace(
         directory, run.mesh(), static_cast<std::size_t>(run.end / run.output_every) + 2,
@@ -59,12 +62,13 @@ void GrowingFiles::take_places() {
   const auto take = [](auto& file) {
     if (file) file->take_place();
   };
-  take(ends), take(events), take(energy), take(field);
+  take(ends), take(events), take(energy), take(sensitivity), take(field);
 }
 
 void GrowingFiles::append(const Snapshot& snapshot) {
   if (ends) ends->append(snapshot);
   if (energy) energy->append(snapshot);
+  if (sensitivity) sensitivity->append(snapshot);
   if (field) field->append(snapshot);
 }
 
@@ -77,6 +81,7 @@ GrowingFiles::Mark GrowingFiles::mark() {
   if (ends) mark.ends = ends->mark();
   if (events) mark.events = events->mark();
   if (energy) mark.energy = energy->mark();
+  if (sensitivity) mark.sensitivity = sensitivity->mark();
   if (field) mark.field = field->mark();
   return mark;
 }

@@ -18,16 +18,19 @@ struct GrowingFiles {
   std::optional<EndsCsv> ends;
   std::optional<EventsCsv> events;
   std::optional<EnergyCsv> energy;
+  std::optional<SensitivityCsv> sensitivity;  ///< of a run with directions
   std::optional<FieldFile> field;
 
   /// As much of them as belongs to a checkpoint.
   struct Mark {
-    std::optional<Checksum> ends, events, energy;
+    std::optional<Checksum> ends, events, energy, sensitivity;
     std::optional<FieldMark> field;
 
     /// @throws IoError when one of the files in the directory does not hold what it held then
     void check(const std::filesystem::path& directory) const;
-    static void members(auto& mark, auto&& each) { each(mark.ends, mark.events, mark.energy, mark.field); }
+    static void members(auto& mark, auto&& each) {
+      each(mark.ends, mark.events, mark.energy, mark.sensitivity, mark.field);
+    }
   };
 
   /// New ones, which wait to take their places; with a mark those that are there, cut off at it. @throws IoError

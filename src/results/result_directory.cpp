@@ -36,16 +36,17 @@ struct Files {
   bool table = false;
 };
 
-const std::array<Files, 5>& all_files() {
-  static const std::array<Files, 5> files = {
+const std::array<Files, 6>& all_files() {
+  static const std::array<Files, 6> files = {
       Files{"summary.json",
             {R"("versions")", R"("viscobar")", R"("method")"},
-            {"ends.csv", "events.csv", "energy.csv", "field.h5", "field.xdmf", "report.html", "checkpoint.bin",
-             "checkpoint.previous.bin"}},
+            {"ends.csv", "events.csv", "energy.csv", "sensitivity.csv", "field.h5", "field.xdmf", "report.html",
+             "checkpoint.bin", "checkpoint.previous.bin"}},
       Files{"compare.json", {R"("pairs")", R"("version")"}, {"compare.html"}},
       Files{"limit.json", {R"("verdict")", R"("version")"}, {"limit.html"}},
       Files{"precision.json", {R"("reference")", R"("version")"}, {"precision.html"}},
-      Files{"sweep.h5", {"viscobar", "\x89HDF"}, {"sweep.csv", "timings.csv", "sweep.json", "sweep.html"}, true}};
+      Files{"sweep.h5", {"viscobar", "\x89HDF"}, {"sweep.csv", "timings.csv", "sweep.json", "sweep.html"}, true},
+      Files{"fit.json", {R"("covariance")", R"("version")"}, {"fit.html"}}};
   return files;
 }
 

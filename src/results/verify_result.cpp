@@ -159,8 +159,10 @@ class Verification {
       }
     };
     const GrowingFiles::Mark marks = newest ? newest->files : GrowingFiles::Mark{};
-    for (const auto& [name, mark] :
-         {std::pair("ends.csv", marks.ends), {"events.csv", marks.events}, {"energy.csv", marks.energy}})
+    for (const auto& [name, mark] : {std::pair("ends.csv", marks.ends),
+                                     {"events.csv", marks.events},
+                                     {"energy.csv", marks.energy},
+                                     {"sensitivity.csv", marks.sensitivity}})
       growing(name, mark.has_value(), [&] { check_begin(directory_ / name, *mark); });
     growing("field.h5", marks.field.has_value(), [&] { marks.field->check_values(directory_ / "field.h5"); });
     for (const char* name : {"field.xdmf", "report.html"})
