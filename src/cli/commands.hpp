@@ -20,6 +20,7 @@ struct SceneOptions {
   bool json = false;
 
   explicit SceneOptions(CLI::App& command);
+  bool from_standard_input() const { return file == "-"; }
   /// The scene, values of `defaults` and `settings` ("table.key=value") put before and after the user's own,
   /// `adapt` applied before it is validated.
   SceneFile read(const std::vector<std::string>& defaults = {}, const std::vector<std::string>& settings = {},
@@ -68,7 +69,7 @@ class RunCommand : public Command {
  private:
   SceneOptions scene_;
   PictureOptions output_;
-  std::string checkpoint_, sensitivity_;
+  std::string checkpoint_, wall_time_, sensitivity_;
 };
 
 class ResumeCommand : public Command {
@@ -77,7 +78,7 @@ class ResumeCommand : public Command {
   int operator()() const override;
 
  private:
-  std::string directory_;
+  std::string directory_, wall_time_;
   bool json_ = false, quiet_ = false, figures_ = false;
 };
 
@@ -215,6 +216,20 @@ class ManCommand : public Command {
  private:
   const CLI::App& app_;
 };
+
+class HelpCommand : public Command {
+ public:
+  explicit HelpCommand(CLI::App& app);
+  int operator()() const override;
+
+ private:
+  CLI::App& app_;
+  std::string topic_;
+};
+
+/// Warns of results of other commands in the directory that are of another bar, ends, initial data or load; `own` is
+/// the summary that this command writes.
+void warn_of_other_scenes(const std::filesystem::path& directory, const SceneFile& scene, std::string_view own);
 
 /// --figures, the same for all commands that draw.
 void add_figures(CLI::App& command, bool& figures);

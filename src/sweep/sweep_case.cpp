@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "case/alarm.hpp"
+#include "input/parse_case.hpp"
 #include "input/text_check.hpp"
 #include "text/printable_text.hpp"
 #include "text/utf8.hpp"
@@ -105,7 +106,7 @@ std::optional<SweepRow> run_case(const std::string& scene_text, const SweepCase&
   row.index = one.index;
   row[Quantity::steps] = row[Quantity::events] = row[Quantity::reached_time] = 0.0;
   try {
-    if (!simulate_into(row, parse_scene(scene_text, "scene", one.overrides).run, interrupted)) return std::nullopt;
+    if (!simulate_into(row, parse_case(scene_text, "scene", one.overrides), interrupted)) return std::nullopt;
   } catch (const SceneError& error) {
     for (const Diagnostic& found : error.diagnostics)
       row.error += (row.error.empty() ? "" : "; ") + found.key + ": " + found.message;
