@@ -1,7 +1,7 @@
 #pragma once
 
-#include <functional>
 #include <array>
+#include <functional>
 #include <span>
 
 #include "integration/exponential/linear_leg.hpp"

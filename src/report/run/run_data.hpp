@@ -55,8 +55,8 @@ class ReportData {
   std::vector<Event> first_events;
   ThinnedEvents marked_events;
   static void members(auto& data, auto&& each) {
-    each(data.snapshots, data.field, data.stress, data.left, data.right, data.energy, data.sensitivities, data.first_events,
-         data.marked_events);
+    each(data.snapshots, data.field, data.stress, data.left, data.right, data.energy, data.sensitivities,
+         data.first_events, data.marked_events);
   }
 
   /// Contact springs exist: an obstacle and a penalised method.
