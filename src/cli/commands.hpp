@@ -68,7 +68,7 @@ class RunCommand : public Command {
  private:
   SceneOptions scene_;
   PictureOptions output_;
-  std::string checkpoint_;
+  std::string checkpoint_, error_;
 };
 
 class ResumeCommand : public Command {

@@ -14,6 +14,7 @@
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
 #include "cli/progress.hpp"
+#include "report/run/estimate_text.hpp"
 #include "results/csv.hpp"
 #include "results/result_directory.hpp"
 #include "viscobar/record/record_run.hpp"
@@ -59,6 +60,8 @@ std::string table(const Case& run, const Outcome& outcome, const fs::path& direc
       const auto remark = peak_remark(run, make_system(run));
       if (remark && account->left.closings + account->right.closings > 0) text += row("peak reaction", *remark);
     }
+    if (outcome.error_estimate)
+      for (const auto& [what, value] : estimate_rows(*outcome.error_estimate)) text += row(what, value);
     text += row("integration", fmt::format("{:.3g} s", statistics->integration_seconds));
   }
   text += row("whole run", fmt::format("{:.3g} s", outcome.wall_seconds));
@@ -90,6 +93,7 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
     detail(fmt::format("t = {:.9g}: {} {}, velocity {:.6g}", event.time, place(event),
                        event.change == Change::closing ? "closes" : "opens", event.velocity));
   };
+  options.message = [](const std::string& what) { detail("accuracy: " + what); };
   options.warning = [&](const std::string& warning) { quiet ? detail("warning: " + warning) : warn(warning); };
   const RunRecord recorded = record(options);
   progress.reset();
@@ -97,7 +101,10 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
   const Outcome& outcome = recorded.outcome;
   if (outcome.ending != Ending::completed)
     complain(fmt::format("stopped at t = {}: {}", outcome.reached_time, outcome.error));
-  if (outcome.ending == Ending::interrupted)
+  const auto& estimate = outcome.error_estimate;
+  const bool missed = outcome.ending == Ending::completed && estimate && estimate->requested && !estimate->kept;
+  if (missed) complain(fmt::format("the error that was asked for is not kept: {}", estimate->doubt));
+  if (outcome.ending == Ending::interrupted && outcome.statistics)
     say(fmt::format("viscobar resume {} goes on with it.", directory.string()));
   if (recorded.directory != directory)
     say(fmt::format("The earlier result in {} is as it was; what this run reached is in {}.", directory.string(),
@@ -105,8 +112,8 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
   if (json)
     print(recorded.summary);
   else if (!quiet)
-    print(table(scene.run, outcome, recorded.directory));
-  return exit_code(outcome.ending);
+    print(table(recorded.run ? *recorded.run : scene.run, outcome, recorded.directory));
+  return missed ? run_failed : exit_code(outcome.ending);
 }
 
 /// A plain number is simulated time; with a unit it is time on the clock.
@@ -140,13 +147,20 @@ RunCommand::RunCommand(CLI::App& app)
                   "Make checkpoints to go on from with resume: in the time of the scene, such as 0.5, or on the clock, "
                   "such as 30s, 5min or 1h")
       ->type_name("INTERVAL");
+  command_
+      .add_option(
+          "--error", error_,
+          "Choose what the scene leaves open so that this error is kept, such as 1e-4 or \"0.01 %\"; the same as "
+          "--set accuracy.error=...")
+      ->type_name("ERROR");
 }
 
 int RunCommand::operator()() const {
   RecordOptions options;
   if (!checkpoint_.empty()) options.checkpoint = checkpoint_every(checkpoint_);
   options.figures = output_.figures;
-  const SceneFile scene = scene_.read();
+  const SceneFile scene = scene_.read(
+      {}, error_.empty() ? std::vector<std::string>{} : std::vector<std::string>{"accuracy.error=" + error_});
   // Each checkpoint holds the times of all before it: these write 8 n^2 / 2 bytes for that, 40 GB.
   constexpr double most_checkpoints = 1e5;
   if (options.checkpoint && options.checkpoint->clock == CheckpointEvery::Clock::simulated &&
@@ -156,7 +170,7 @@ int RunCommand::operator()() const {
                     checkpoint_, most_checkpoints, scene.run.end, scene.run.end / most_checkpoints));
   const fs::path directory = output_.directory(scene_);
   return shown(scene, directory, scene_.json, output_.quiet, options,
-               [&](const RecordOptions& chosen) { return record_run(scene, directory, chosen); });
+               [&](const RecordOptions& chosen) { return record_to_accuracy(scene, directory, chosen); });
 }
 
 ResumeCommand::ResumeCommand(CLI::App& app)

@@ -7,7 +7,14 @@
 
 namespace viscobar {
 
-enum class KeyType { text, choice, number, count, formula };
+enum class KeyType {
+  text,
+  choice,
+  number,
+  count,
+  formula,
+  amount  ///< a number, or a percentage as a text
+};
 
 enum class Presence {
   required,           ///< in every scene

@@ -19,6 +19,9 @@ namespace viscobar {
 /// What is wrong with a value of a key by itself; empty when nothing is.
 std::string problem_with(const SceneKey& key, const TomlValue& value);
 
+/// The share that a text such as "0.01 %" means, 1e-4; absent where it is not of that form.
+std::optional<double> percentage(std::string_view text);
+
 /// The article and kind of a value, such as "a whole number".
 std::string_view kind_of(const TomlValue& value);
 

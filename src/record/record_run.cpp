@@ -64,6 +64,7 @@ class RecordedRun {
       written_["field.h5"] = files_->field.checksum();
       written_["field.xdmf"] = files_->field.xdmf_checksum();
     });
+    if (options_.estimate && outcome().ending == Ending::completed) options_.estimate(outcome());
     write_report();
     finish();
     return std::move(record_);
@@ -110,6 +111,7 @@ class RecordedRun {
       files_->ends.append(snapshot);
       files_->field.append(snapshot);
       data_.add(snapshot);
+      if (options_.snapshot) options_.snapshot(snapshot);
     };
     observers.event = [this](const Event& event) {
       ++outcome().events;
