@@ -69,6 +69,7 @@ class RunCommand : public Command {
   SceneOptions scene_;
   PictureOptions output_;
   std::string checkpoint_, error_;
+  bool no_estimate_ = false;
 };
 
 class ResumeCommand : public Command {

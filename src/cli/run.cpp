@@ -153,6 +153,8 @@ RunCommand::RunCommand(CLI::App& app)
           "Choose what the scene leaves open so that this error is kept, such as 1e-4 or \"0.01 %\"; the same as "
           "--set accuracy.error=...")
       ->type_name("ERROR");
+  command_.add_flag("--no-estimate", no_estimate_,
+                    "Make no runs on coarser meshes to estimate the error of a scene that asks for none");
 }
 
 int RunCommand::operator()() const {
@@ -169,8 +171,10 @@ int RunCommand::operator()() const {
         fmt::format("--checkpoint: {} makes more than {} checkpoints until t = {}; the shortest interval is {:.3g}",
                     checkpoint_, most_checkpoints, scene.run.end, scene.run.end / most_checkpoints));
   const fs::path directory = output_.directory(scene_);
-  return shown(scene, directory, scene_.json, output_.quiet, options,
-               [&](const RecordOptions& chosen) { return record_to_accuracy(scene, directory, chosen); });
+  return shown(scene, directory, scene_.json, output_.quiet, options, [&](const RecordOptions& chosen) {
+    if (scene.accuracy) return record_to_accuracy(scene, directory, chosen);
+    return no_estimate_ ? record_run(scene, directory, chosen) : record_with_estimate(scene, directory, chosen);
+  });
 }
 
 ResumeCommand::ResumeCommand(CLI::App& app)

@@ -3,6 +3,7 @@
 
 #include "input/described_scene.hpp"
 #include "studies/accuracy/plan.hpp"
+#include "studies/accuracy/quick_estimate.hpp"
 #include "viscobar/record/record_run.hpp"
 
 namespace viscobar {
@@ -22,6 +23,18 @@ RunRecord not_begun(const std::filesystem::path& directory) {
   return record;
 }
 
+/// Has a probe hear what the observers of a run hear.
+void observe(RecordOptions& own, const RecordOptions& options, accuracy::Probe& probe) {
+  own.snapshot = [&](const Snapshot& snapshot) {
+    probe.add(snapshot);
+    if (options.snapshot) options.snapshot(snapshot);
+  };
+  own.event = [&](const Event& event) {
+    probe.add(event);
+    if (options.event) options.event(event);
+  };
+}
+
 ErrorEstimate no_estimate(const AccuracyRequest& request, const std::string& why) {
   ErrorEstimate estimate;
   estimate.of = request.of;
@@ -31,6 +44,20 @@ ErrorEstimate no_estimate(const AccuracyRequest& request, const std::string& why
 }
 
 }  // namespace
+
+RunRecord record_with_estimate(const SceneFile& scene, const std::filesystem::path& directory,
+                               const RecordOptions& options) {
+  accuracy::Probe probe(scene.run);
+  RecordOptions own = options;
+  observe(own, options, probe);
+  own.estimate = [&](Outcome& outcome) {
+    constexpr double patience = 2.0;  // of the time that the run took
+    const accuracy::Sample sample = probe.take(*outcome.statistics);
+    outcome.error_estimate =
+        accuracy::quick_estimate(scene.run, sample, patience * outcome.statistics->integration_seconds, options.stop);
+  };
+  return record_run(scene, directory, own);
+}
 
 RunRecord record_to_accuracy(const SceneFile& scene, const std::filesystem::path& directory,
                              const RecordOptions& options) {
@@ -53,14 +80,7 @@ RunRecord record_to_accuracy(const SceneFile& scene, const std::filesystem::path
     }
     accuracy::Probe probe(run);
     RecordOptions own = options;
-    own.snapshot = [&](const Snapshot& snapshot) {
-      probe.add(snapshot);
-      if (options.snapshot) options.snapshot(snapshot);
-    };
-    own.event = [&](const Event& event) {
-      probe.add(event);
-      if (options.event) options.event(event);
-    };
+    observe(own, options, probe);
     own.estimate = [&](Outcome& outcome) {
       try {
         outcome.error_estimate =

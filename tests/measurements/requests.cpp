@@ -176,6 +176,12 @@ void random_scenes(int count, unsigned seed, double tightest) {
                ? 0.0
                : effectivities[static_cast<std::size_t>(q * static_cast<double>(effectivities.size() - 1))];
   };
+  constexpr double edges[] = {0.0, 0.5, 1.0, 2.0, 3.0, 10.0, 100.0, 1e300};
+  fmt::print("\n| estimate / error | scenes |\n|---|---|\n");
+  for (std::size_t k = 0; k + 1 < std::size(edges); ++k)
+    fmt::print("| {:g} to {:g} | {} |\n", edges[k], edges[k + 1],
+               std::count_if(effectivities.begin(), effectivities.end(),
+                             [&](double e) { return e >= edges[k] && e < edges[k + 1]; }));
   fmt::print(
       "\n{} scenes: kept {}, warned {}, failed {}; above the request {}, by more than 2 {}; effectivity 1 % {:.2g}, 10 % {:.2g}, median "
       "{:.2g}, 90 % {:.2g}, 99 % {:.2g}; seconds {:.1f}, of the solutions {:.1f}\n",

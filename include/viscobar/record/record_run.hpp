@@ -54,6 +54,11 @@ struct RunRecord {
 /// @throws IoError when the directory is in use, or files cannot be created; later failures are in the outcome
 RunRecord record_run(const SceneFile& scene, const std::filesystem::path& directory, const RecordOptions& options = {});
 
+/// record_run(), and an estimate of the error of what was run, in outcome and summary, from runs on coarser meshes that
+/// take no longer than twice the run itself; absent where they would, or fail. The files are the same.
+RunRecord record_with_estimate(const SceneFile& scene, const std::filesystem::path& directory,
+                               const RecordOptions& options = {});
+
 /// Runs a scene that asks for an error: chooses what the scene leaves open (see solve()), records the solution as
 /// record_run(), with the estimate in outcome and summary, and again with better settings while the estimate does not
 /// keep what is asked for and there are any. The finest solution stays. A scene that asks for nothing is recorded as it

@@ -6,7 +6,7 @@
 namespace viscobar::accuracy {
 
 Probe::Probe(const Case& run) {
-  constexpr double most_times = 20'000.0, most_values = 4e6;
+  constexpr double most_times = 20'000.0, most_values = 1e6;
   const double outputs = std::ceil(run.end / run.output_every) + 1.0;
   time_stride_ = static_cast<std::size_t>(std::ceil(outputs / most_times));
   const double rows = outputs / static_cast<double>(time_stride_);
