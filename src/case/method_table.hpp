@@ -31,6 +31,7 @@ struct MethodRow {
   Method (*options)(const Case&);
   double (*vectors)(const Case&, double nodes) = nullptr;  ///< own memory, in vectors with an entry a node
   Mass (*mass)(const Case&) = nullptr;                     ///< that it runs on, where not the case's
+  bool differentiates = false;                             ///< tells sensitivities
   bool takes_algebraic_rows = true;                        ///< massless contact nodes without viscosity
   /// Adds what else the method, known to be meant, cannot take.
   void (*refuse)(const Case&, Findings&) = nullptr;

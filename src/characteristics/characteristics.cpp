@@ -480,6 +480,7 @@ void require(const Scene& scene, std::span<const double> times, const Characteri
 
 Statistics integrate(const Scene& scene, const Mesh& mesh, const std::optional<Checkpoint>& from,
                      std::span<const double> times, const Characteristics& method, const Observers& observers) {
+  refuse_directions("characteristics", observers);
   require(scene, times, method);
   const StartingPoint start = from ? StartingPoint(*from) : StartingPoint(State{});
   return run_in_parts(start, times, observers, [&](const StartingPoint& part) {

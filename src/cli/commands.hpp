@@ -68,7 +68,7 @@ class RunCommand : public Command {
  private:
   SceneOptions scene_;
   PictureOptions output_;
-  std::string checkpoint_, error_;
+  std::string checkpoint_, error_, sensitivity_;
   bool no_estimate_ = false;
 };
 
@@ -122,6 +122,19 @@ class PrecisionCommand : public Command {
   std::vector<std::size_t> elements_;
   std::size_t halvings_ = 9, repeat_ = 0, threads_ = 0;
   double seconds_ = 1.0;
+};
+
+class FitCommand : public Command {
+ public:
+  explicit FitCommand(CLI::App& app);
+  int operator()() const override;
+
+ private:
+  SceneOptions scene_;
+  PictureOptions output_;
+  std::string data_, events_;
+  std::vector<std::string> parameters_, bounds_, deviations_;
+  std::size_t starts_ = 1, runs_ = 100;
 };
 
 class SweepCommand : public Command {

@@ -86,7 +86,7 @@ int run(int argc, char** argv) {
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.require_subcommand(1);
   const auto commands =
-      add_commands<RunCommand, ResumeCommand, CheckCommand, CompareCommand, LimitCommand, PrecisionCommand,
+      add_commands<RunCommand, ResumeCommand, CheckCommand, CompareCommand, LimitCommand, PrecisionCommand, FitCommand,
                    SweepCommand, ListCommand, NewCommand, InfoCommand, ExportCommand, CompletionCommand, ManCommand>(
           app);
   MessageOptions messages;

@@ -116,6 +116,18 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
   return missed ? run_failed : exit_code(outcome.ending);
 }
 
+/// Of [sensitivity], for a list of keys with commas.
+std::vector<std::string> sensitivity_settings(const std::string& keys) {
+  if (keys.empty()) return {};
+  std::string list;
+  for (std::size_t begin = 0; begin <= keys.size();) {
+    const std::size_t end = std::min(keys.find(',', begin), keys.size());
+    list += fmt::format("{}'{}'", list.empty() ? "" : ", ", keys.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return {fmt::format("sensitivity.of=[{}]", list)};
+}
+
 /// A plain number is simulated time; with a unit it is time on the clock.
 CheckpointEvery checkpoint_every(const std::string& text) {
   constexpr std::pair<std::string_view, double> units[] = {{"s", 1.0}, {"min", 60.0}, {"h", 3600.0}};
@@ -155,14 +167,19 @@ RunCommand::RunCommand(CLI::App& app)
       ->type_name("ERROR");
   command_.add_flag("--no-estimate", no_estimate_,
                     "Make no runs on coarser meshes to estimate the error of a scene that asks for none");
+  command_
+      .add_option("--sensitivity", sensitivity_,
+                  "Tell derivatives of the results with respect to these keys, such as bar.viscosity,left.gap")
+      ->type_name("KEYS");
 }
 
 int RunCommand::operator()() const {
   RecordOptions options;
   if (!checkpoint_.empty()) options.checkpoint = checkpoint_every(checkpoint_);
   options.figures = output_.figures;
-  const SceneFile scene = scene_.read(
-      {}, error_.empty() ? std::vector<std::string>{} : std::vector<std::string>{"accuracy.error=" + error_});
+  std::vector<std::string> settings = sensitivity_settings(sensitivity_);
+  if (!error_.empty()) settings.push_back("accuracy.error=" + error_);
+  const SceneFile scene = scene_.read({}, settings);
   // Each checkpoint holds the times of all before it: these write 8 n^2 / 2 bytes for that, 40 GB.
   constexpr double most_checkpoints = 1e5;
   if (options.checkpoint && options.checkpoint->clock == CheckpointEvery::Clock::simulated &&

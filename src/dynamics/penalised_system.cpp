@@ -181,6 +181,7 @@ void PenalisedSystem::force(double t, std::span<const double> u, std::span<const
     const std::span<const double> load = load_->at(t);
     for (std::size_t i = 0; i < out.size(); ++i) out[i] += load[i];
   }
+  for (std::size_t i = 0; i < added_.size(); ++i) out[i] += added_[i];
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!closed(i) || holds(i)) continue;
     const std::size_t node = contact(i).unknown;
@@ -259,8 +260,7 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<
   const double modulus = bar_.bar().modulus / h, damping = bar_.bar().viscosity / h;
   const std::size_t next = neighbour(end);
   if (bar_.damped()) {
-    double force = modulus * (u[next] - u[end] + (origin_at(next) - origin_at(end))) + damping * w[next];
-    if (load_) force += load_->at(t)[end];
+    double force = modulus * (u[next] - u[end] + (origin_at(next) - origin_at(end))) + damping * w[next] + load(end, t);
     for (std::size_t i = 0; i < laws_.size(); ++i)
       if (closed(i) && contact(i).unknown == end) force -= contact(i).sign * laws_[i].stiffness * clearance(i, u);
     w[end] = force / damping;
@@ -272,6 +272,7 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<
     const double early = load(end, before), late = load(end, after);
     if (before < after) rate += (late - early) / (after - before);
   }
+  rate += added_rates_[end == 0 ? 0 : 1];
   w[end] = rate / (modulus + stiffness_of_closed(end));
 }
 
@@ -295,8 +296,7 @@ void PenalisedSystem::complete_displacement_of(std::size_t end, double t, std::s
   if (bar_.damped()) return;
   const double modulus = bar_.bar().modulus / bar_.spacing_at(end);
   const std::size_t next = neighbour(end);
-  double force = modulus * (u[next] + (origin_at(next) - origin_at(end))), stiffness = modulus;
-  if (load_) force += load_->at(t)[end];
+  double force = modulus * (u[next] + (origin_at(next) - origin_at(end))) + load(end, t), stiffness = modulus;
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!closed(i) || contact(i).unknown != end) continue;
     force -= contact(i).sign * laws_[i].stiffness * offsets_[i];
@@ -406,20 +406,26 @@ double PenalisedSystem::reaction(std::size_t i, double t, std::span<const double
   const std::size_t node = contact(i).unknown;
   const double sign = contact(i).sign;
   if (!holds(i)) return sign * laws_[i].reaction(-clearance(i, u), -sign * w[node]);
+  return sign * std::max(0.0, sign * holding_force(i, t, u, w));
+}
+
+double PenalisedSystem::holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w) {
+  const std::size_t node = contact(i).unknown;
+  const double sign = contact(i).sign;
   if (collides(i)) {
+    acceleration_.resize(size());
     force(t, u, w, acceleration_);
     const double lacking = -acceleration_[node];
     accelerate(acceleration_);
     const auto inertia = inertia_beside(node);
     double sum = lacking + inertia[0] * acceleration_[neighbour(node)];
     if (inertia[1] != 0.0) sum += inertia[1] * acceleration_[node == 0 ? 2 : node - 2];
-    return sign * std::max(0.0, sign * sum);
+    return sum;
   }
   const std::size_t next = neighbour(node);
-  const double load = load_ ? load_->at(t)[node] : 0.0;
   const double stress = bar_.bar().modulus * (sign * u[next] + contact(i).clearance(origin_at(next))) +
                         bar_.bar().viscosity * sign * w[next];
-  return sign * std::max(0.0, -stress / bar_.spacing_at(node) - sign * load) * (1.0 - penetration_share(i));
+  return sign * (-stress / bar_.spacing_at(node) - sign * load(node, t)) * (1.0 - penetration_share(i));
 }
 
 double PenalisedSystem::energy(std::span<const double> u, std::span<const double> w) const {

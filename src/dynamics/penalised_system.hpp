@@ -179,7 +179,12 @@ class PenalisedSystem {
   /// its neighbours at 1000 omega.
   RelaxingRow resting_row(std::size_t i) const;
   /// (M f)_i at t, 0 without a load.
-  double load(std::size_t unknown, double t) { return load_ ? load_->at(t)[unknown] : 0.0; }
+  double load(std::size_t unknown, double t) {
+    return (load_ ? load_->at(t)[unknown] : 0.0) + (added_.empty() ? 0.0 : added_[unknown]);
+  }
+  /// From here on `force` acts beside the load: an entry for each unknown, which outlives this. `rates` are those of
+  /// its first and last entry, where massless nodes without viscosity follow it.
+  void add_force(std::span<const double> force, std::array<double, 2> rates) { added_ = force, added_rates_ = rates; }
   /// The same, evaluated at that node alone: for times at which nobody asks for the whole load.
   double load_alone(std::size_t unknown, double t) const { return load_ ? load_->at(t, unknown) : 0.0; }
   /// Two times of the leg, 1e-4 element transit times or less to either side of t: the difference of the loads there
@@ -192,6 +197,9 @@ class PenalisedSystem {
 
   /// Reaction of contact i in the direction of u, s_i R_i.
   double reaction(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
+
+  /// That of a closed contact that holds(), as its row gives it, of either sign.
+  double holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
 
   /// Kinetic, elastic and contact energy.
   double energy(std::span<const double> u, std::span<const double> w) const;
@@ -235,6 +243,8 @@ class PenalisedSystem {
   bool dashpots_ = false, rigid_ = false, collides_ = false;
   std::uint64_t revision_ = 0;
   std::optional<LoadVector> load_;
+  std::span<const double> added_;
+  std::array<double, 2> added_rates_{};
 };
 
 }  // namespace viscobar

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 
+#include "input/formula_derivative.hpp"
 #include "input/formula_switches.hpp"
 #include "input/text_check.hpp"
 #include "scene/printable.hpp"
@@ -43,13 +44,14 @@ void define_names(mu::Parser& parser) {
 // The parser reads its variables through pointers; a copy compiles anew, over variables of its own.
 class Compiled {
  public:
-  explicit Compiled(std::string text) : text_(std::move(text)) {
+  Compiled(std::string text, const Parameters& parameters) : text_(std::move(text)), parameters_(parameters) {
     define_names(parser_);
+    for (const auto& [name, value] : parameters_) parser_.DefineConst(name, value);
     parser_.DefineVar("x", &x_);
     parser_.DefineVar("t", &t_);
     parser_.SetExpr(text_);
   }
-  Compiled(const Compiled& other) : Compiled(other.text_) {}
+  Compiled(const Compiled& other) : Compiled(other.text_, other.parameters_) {}
   Compiled& operator=(const Compiled&) = delete;
   ~Compiled() = default;
 
@@ -61,6 +63,7 @@ class Compiled {
 
  private:
   std::string text_;
+  Parameters parameters_;
   double x_ = 0.0, t_ = 0.0;
   mu::Parser parser_;
 };
@@ -126,7 +129,8 @@ void check_characters(std::string_view text) {
   }
 }
 
-std::string unknown_token(std::string_view token, std::string_view variables, std::size_t position) {
+std::string unknown_token(std::string_view token, std::string_view variables, std::size_t position,
+                          const Parameters& parameters) {
   token = token.substr(0, token.find_first_of(" \t\r\n"));
   if (token.empty() || !starts_name(token.front()))
     return fmt::format("cannot be understood from \"{}\"{} on", token, at(position));
@@ -138,6 +142,8 @@ std::string unknown_token(std::string_view token, std::string_view variables, st
     if (habit.word == token) return fmt::format("knows no \"{}\"{}; {}", token, at(position), habit.instead);
   std::optional<std::string_view> nearest;
   if (token.size() > 1) nearest = nearest_name(token, functions);
+  for (const auto& [name, value] : parameters)
+    if (nearest_name(token, std::array{std::string_view(name)})) nearest = name;
   for (std::size_t i = 0; i < variables.size(); ++i)
     if (plain_name(token) == variables.substr(i, 1)) nearest = variables.substr(i, 1);
   return fmt::format("knows no \"{}\"{}{}", token, at(position),
@@ -149,10 +155,11 @@ std::string unknown_token(std::string_view token, std::string_view variables, st
 constexpr std::string_view outer_comma =
     "has a comma outside of a function's arguments; decimals are written with a point";
 
-std::string explain(const mu::ParserError& error, std::string_view text, std::string_view variables) {
+std::string explain(const mu::ParserError& error, std::string_view text, std::string_view variables,
+                    const Parameters& parameters) {
   const std::size_t position = error.GetPos() < 0 ? 0 : static_cast<std::size_t>(error.GetPos());
   switch (error.GetCode()) {
-    case mu::ecUNASSIGNABLE_TOKEN: return unknown_token(error.GetToken(), variables, position);
+    case mu::ecUNASSIGNABLE_TOKEN: return unknown_token(error.GetToken(), variables, position, parameters);
     case mu::ecUNEXPECTED_EOF: return "ends too early";
     case mu::ecEMPTY_EXPRESSION: return "is empty";
     case mu::ecMISSING_PARENS: return "does not close a parenthesis";
@@ -171,11 +178,22 @@ std::string explain(const mu::ParserError& error, std::string_view text, std::st
 
 }  // namespace
 
-Formula::Formula(std::string text, std::string_view variables) : text_(std::move(text)) {
+std::string parameter_name_problem(std::string_view name) {
+  const auto part = [](char c) { return starts_name(c) || (c >= '0' && c <= '9'); };
+  if (name.empty() || !starts_name(name.front()) || !std::ranges::all_of(name, part))
+    return "is no name for formulas: letters, digits and _, a letter first";
+  if (name == "x" || name == "t" || std::ranges::find(functions, name) != functions.end())
+    return fmt::format("formulas know \"{}\" already; take another name", name);
+  return {};
+}
+
+Formula::Formula(std::string text, std::string_view variables, const Parameters& parameters)
+    : parameters_(parameters), text_(std::move(text)) {
   check_size(text_);
   check_characters(text_);
   mu::Parser parser;
   define_names(parser);
+  for (const auto& [name, number] : parameters_) parser.DefineConst(name, number);
   double value = 0.0;
   for (const char variable : variables) parser.DefineVar(std::string(1, variable), &value);
   try {
@@ -184,40 +202,51 @@ Formula::Formula(std::string text, std::string_view variables) : text_(std::move
     if (parser.GetNumResults() != 1) throw FormulaError(fmt::format("the formula {}", outer_comma));
     for (const auto& [name, storage] : parser.GetUsedVar()) used_ += name;
   } catch (const mu::ParserError& error) {
-    throw FormulaError("the formula " + explain(error, text_, variables));
+    throw FormulaError("the formula " + explain(error, text_, variables, parameters_));
   }
-  if (uses('t')) parse_formula(text_);  // breaks() will
+  if (uses('t')) parse_formula(text_, parameters_);  // breaks() will
   if (is_constant() && !std::isfinite(constant_))
     throw FormulaError(fmt::format("must be finite, is {}", printable(constant_)));
 }
 
 SpaceFunction Formula::of_x() const {
   if (is_constant()) return [value = constant_](double) { return value; };
-  return [f = Compiled(text_)](double x) mutable { return f(x, 0.0); };
+  return [f = Compiled(text_, parameters_)](double x) mutable { return f(x, 0.0); };
 }
 
 TimeFunction Formula::of_t() const {
   if (is_constant()) return [value = constant_](double) { return value; };
-  return [f = Compiled(text_)](double t) mutable { return f(0.0, t); };
+  return [f = Compiled(text_, parameters_)](double t) mutable { return f(0.0, t); };
 }
 
 SpaceTimeFunction Formula::of_x_t() const {
   if (is_constant()) return [value = constant_](double, double) { return value; };
-  return [f = Compiled(text_)](double x, double t) mutable { return f(x, t); };
+  return [f = Compiled(text_, parameters_)](double x, double t) mutable { return f(x, t); };
 }
 
 NextBreak Formula::breaks() const {
   if (!uses('t')) return {};
-  FormulaSwitches switches(parse_formula(text_), false);
+  FormulaSwitches switches(parse_formula(text_, parameters_), false);
   if (switches.empty()) return {};
   return [switches](double after, double until) mutable { return switches.first(0.0, after, until); };
 }
 
 NextBreakAt Formula::breaks_at() const {
   if (!uses('t') || !uses('x')) return {};
-  FormulaSwitches switches(parse_formula(text_), true);
+  FormulaSwitches switches(parse_formula(text_, parameters_), true);
   if (switches.empty()) return {};
   return [switches](double x, double after, double until) mutable { return switches.first(x, after, until); };
+}
+
+SpaceTimeFunction Formula::derivative(std::string_view by) const {
+  if (text_.empty()) return {};
+  FormulaDerivative derivative(parse_formula(text_, parameters_), by);
+  if (derivative.vanishes()) return {};
+  return [derivative](double x, double t) mutable { return derivative(x, t); };
+}
+
+bool Formula::moves_jump(std::string_view by) const {
+  return !text_.empty() && FormulaDerivative(parse_formula(text_, parameters_), by).moves_jump();
 }
 
 }  // namespace viscobar

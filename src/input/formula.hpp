@@ -3,7 +3,9 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "input/formula_tree.hpp"
 #include "viscobar/scene/scene.hpp"
 
 namespace viscobar {
@@ -14,6 +16,9 @@ class FormulaError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Why a number cannot have that name in formulas; empty when it can.
+std::string parameter_name_problem(std::string_view name);
+
 /// A function of x, of t, or of both, that the user wrote: a number, or a formula of + - * / ^, comparisons, && ||,
 /// ?:, sin cos tan exp log (natural) sqrt abs min max, and pi.
 ///
@@ -22,9 +27,9 @@ class FormulaError : public std::runtime_error {
 class Formula {
  public:
   explicit Formula(double constant) : constant_(constant) {}
-  /// `variables` are those that the formula may use: "x", "t" or "xt".
+  /// `variables` are those that the formula may use: "x", "t" or "xt", beside the parameters.
   /// @throws FormulaError
-  Formula(std::string text, std::string_view variables);
+  Formula(std::string text, std::string_view variables, const Parameters& parameters = {});
 
   bool uses(char variable) const { return used_.find(variable) != used_.npos; }
   bool is_constant() const { return used_.empty(); }
@@ -39,7 +44,13 @@ class Formula {
   NextBreak breaks() const;
   NextBreakAt breaks_at() const;
 
+  /// Its derivative with respect to "x" or to a parameter; an empty function where it does not depend on that.
+  SpaceTimeFunction derivative(std::string_view by) const;
+  /// Whether a condition in it depends on "x" or that parameter, so that there is a jump that moves.
+  bool moves_jump(std::string_view by) const;
+
  private:
+  Parameters parameters_;
   std::string text_;
   std::string used_;
   double constant_ = 0.0;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdlib>
@@ -39,7 +40,7 @@ constexpr Operator function_operators[] = {{"sin", Operation::sin}, {"cos", Oper
 
 class Parser {
  public:
-  explicit Parser(std::string_view text) : text_(text) {}
+  Parser(std::string_view text, const Parameters& parameters) : text_(text), parameters_(parameters) {}
 
   FormulaTree operator()() {
     const int root = choice();
@@ -138,12 +139,28 @@ class Parser {
       at_ = static_cast<std::size_t>(end - text_.c_str());
       return add({Operation::number, -1, -1, -1, number});
     }
+    if (const auto named = parameters_.find(name()); named != parameters_.end()) return parameter(*named);
     for (const Operator& function : function_operators)
       if (take(function.sign)) return call(function.operation);
     if (take("pi")) return add({Operation::number, -1, -1, -1, std::numbers::pi});
     if (take("x")) return add({Operation::x});
     if (take("t")) return add({Operation::t});
     refuse();
+  }
+
+  std::string_view name() {
+    const std::string_view here = rest();
+    const auto part = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
+    return here.substr(0, static_cast<std::size_t>(std::ranges::find_if_not(here, part) - here.begin()));
+  }
+
+  int parameter(const Parameters::value_type& named) {
+    take(named.first);
+    const auto known = std::ranges::find(tree_.parameters, named.first);
+    FormulaTree::Node node{Operation::number, -1, -1, -1, named.second};
+    node.parameter = static_cast<int>(known - tree_.parameters.begin());
+    if (known == tree_.parameters.end()) tree_.parameters.push_back(named.first);
+    return add(node);
   }
 
   int call(Operation operation) {
@@ -162,6 +179,7 @@ class Parser {
   }
 
   std::string text_;
+  const Parameters& parameters_;
   std::size_t at_ = 0;
   int branch_ = -1;
   FormulaTree tree_;
@@ -237,6 +255,6 @@ void FormulaTree::bound(double x, Interval t, std::vector<Jet>& out) const {
   }
 }
 
-FormulaTree parse_formula(std::string_view text) { return Parser(text)(); }
+FormulaTree parse_formula(std::string_view text, const Parameters& parameters) { return Parser(text, parameters)(); }
 
 }  // namespace viscobar

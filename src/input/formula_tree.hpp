@@ -1,11 +1,17 @@
 #pragma once
 
+#include <functional>
+#include <map>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "input/interval.hpp"
 
 namespace viscobar {
+
+/// Names that formulas may use for numbers, those of [parameters].
+using Parameters = std::map<std::string, double, std::less<>>;
 
 /// What a formula computes, in the order in which it can be: the last node is the formula.
 struct FormulaTree {
@@ -44,6 +50,7 @@ struct FormulaTree {
     double number = 0.0;
     int branch = -1;  ///< in which it lies
     bool uses_x = false, uses_t = false;
+    int parameter = -1;  ///< of a number: which of `parameters` it is
   };
   /// Of a ?:, taken where the condition's truth is `when`.
   struct Branch {
@@ -53,12 +60,13 @@ struct FormulaTree {
 
   std::vector<Node> nodes;
   std::vector<Branch> branches;
+  std::vector<std::string> parameters;
 
   /// Bounds of every node over an interval of t; `out` has an entry for each.
   void bound(double x, Interval t, std::vector<Jet>& out) const;
 };
 
 /// Of a formula that Formula accepts. @throws FormulaError for any other
-FormulaTree parse_formula(std::string_view text);
+FormulaTree parse_formula(std::string_view text, const Parameters& parameters = {});
 
 }  // namespace viscobar

@@ -4,8 +4,11 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
+#include "case/method_table.hpp"
 #include "input/input_text.hpp"
+#include "input/scene_direction.hpp"
 #include "input/scene_values.hpp"
 #include "scene/end_kinds.hpp"
 #include "scene/printable.hpp"
@@ -55,7 +58,7 @@ std::optional<Load> load_of(const SceneEntries& entries) {
 }
 
 // The case that the sound keys make; a faulty one gets a value that does no harm.
-Case case_of(const SceneEntries& entries) {
+Case case_of(const SceneEntries& entries, std::vector<std::string>& refusals) {
   const auto number = [&](const char* key, double otherwise) { return entries.number(key).value_or(otherwise); };
   const auto chosen = [&](const char* key, const auto& all, auto otherwise) {
     const auto text = entries.text(key);
@@ -96,6 +99,13 @@ Case case_of(const SceneEntries& entries) {
   run.start = entries.text("method.start") == "second_order" ? Start::second_order : Start::first_order;
 
   run.end = number("time.end", 1.0);
+  for (const std::string& key : entries.list("sensitivity.of")) {
+    try {
+      run.directions.push_back(direction_of(entries, run, key));
+    } catch (const std::exception& refused) {
+      refusals.push_back(refused.what());
+    }
+  }
   if (run.automatic) {
     AutomaticMethod choice = automatic_method(run);
     run.method = choice.method;
@@ -171,14 +181,32 @@ std::string choose(const SceneEntries& entries, Case& run) {
   return json.dump(2);
 }
 
+void check_sensitivity(SceneEntries& entries, const Case& run) {
+  if (run.directions.empty() || entries.faulty("method.name")) return;
+  if (!method_row(run.method).differentiates)
+    entries.report("sensitivity.of",
+                   fmt::format("{} has no derivatives; use rigid, or the penalised cvode, ida or arkode, or leave "
+                               "method.name out",
+                               name(run.method)));
+  std::set<std::string> seen;
+  for (const Direction& along : run.directions) {
+    if (!seen.insert(along.key).second) entries.report("sensitivity.of", fmt::format("{} is given twice", along.key));
+    if (along.key == "contact.epsilon" && !is_penalised(run.method))
+      entries.report("sensitivity.of", fmt::format("contact.epsilon: {} has no epsilon", name(run.method)));
+  }
+}
+
 Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
-  Case run = case_of(entries);
+  std::vector<std::string> refusals;
+  Case run = case_of(entries, refusals);
+  for (const std::string& refusal : refusals) entries.report("sensitivity.of", refusal);
   if (adapt) {
     const MethodName before = run.method;
     adapt(run);
     run.automatic = run.automatic && run.method == before;
     if (!run.automatic) run.reservation.clear();
   }
+  check_sensitivity(entries, run);
   for (const Finding& finding : validate(run, entries.faulty_keys())) entries.report(finding.key, finding.problem);
   for (const Finding& finding : check_load_values(entries, run.mesh())) entries.report(finding.key, finding.problem);
   return run;
@@ -211,14 +239,17 @@ std::string describe(const SceneEntries& entries, const Case& run) {
   const auto table = [&](std::string_view name) -> Json& {
     return json.emplace(std::string(name), Json::object()).first.value();
   };
+  for (const auto& [name, value] : entries.parameters()) table("parameters")[name] = value;
   for (const SceneKey& key : scene_keys()) {
-    if (!entries.present(key.name)) continue;
+    if (!entries.present(key.name) || is_parameter(key.name)) continue;
     auto& parent = key.table().empty() ? json : table(key.table());
     auto& value = parent[std::string(key.leaf())];
     if (key.type == KeyType::count)
       value = run.elements;
     else if (const auto text = std::get_if<std::string>(&entries.value(key.name)))
       value = *text;
+    else if (key.type == KeyType::list)
+      value = entries.list(key.name);
     else
       value = *entries.number(key.name);
   }

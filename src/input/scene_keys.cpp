@@ -101,12 +101,18 @@ constexpr SceneKey rows[] = {
     {"accuracy.error", amount, required_in_table, "", "of what `accuracy.of` names", "the error that is bearable: method, mass, elements, epsilon and tolerance are chosen for it where the scene leaves them out; a number, or a percentage of the largest value, such as \"0.01 %\"", positive},
     {"accuracy.of", choice, optional, "", "", "what it is an error of; absent: displacement"},
 
+    {"parameters.NAME", number, optional, "", "", "a number that formulas may use by its name, such as amplitude", {-largest, largest, ""}},
+
+    {"sensitivity.of", list, optional, "", "", "keys with respect to which derivatives of the whole result are told, such as bar.viscosity; also --sensitivity"},
+
     {"output.every", number, optional, "", "time", "interval of the output times; absent: time.end / 100", positive},
 };
 // clang-format on
 
-constexpr std::string_view tables[] = {"bar",  "left", "right",   "span",   "initial",  "load",
-                                       "time", "mesh", "contact", "method", "accuracy", "output"};
+constexpr std::string_view tables[] = {"bar",  "left",    "right",  "span",     "initial",    "load",        "time",
+                                       "mesh", "contact", "method", "accuracy", "parameters", "sensitivity", "output"};
+
+constexpr std::string_view any_parameter = "parameters.NAME";
 
 template <class Rows, class Word>
 std::vector<Choice> choices_of(const Rows& rows_of_all, Word word) {
@@ -167,10 +173,11 @@ std::string type_words(const SceneKey& key) {
   switch (key.type) {
     case text: return "text";
     case choice: return fmt::format("`{}`", fmt::join(key.choice_names(), "`, `"));
-    case number: return fmt::format("number {}", key.range.words);
+    case number: return key.range.words.empty() ? "number" : fmt::format("number {}", key.range.words);
     case count: return fmt::format("whole number {}", key.range.words);
     case amount: return fmt::format("number {}, or percentage in quotes", key.range.words);
     case formula: return fmt::format("number, or formula in {}", key.variables == "xt" ? "x and t" : key.variables);
+    case list: return "list of keys";
   }
   return {};
 }
@@ -208,6 +215,11 @@ std::span<const SceneKey> scene_keys() {
   return keys;
 }
 
+bool is_parameter(std::string_view name) {
+  constexpr std::string_view table = "parameters.";
+  return name.size() > table.size() && name.starts_with(table);
+}
+
 std::span<const std::string_view> scene_tables() { return tables; }
 
 bool is_scene_table(std::string_view name) {
@@ -215,10 +227,12 @@ bool is_scene_table(std::string_view name) {
 }
 
 const SceneKey* find_scene_key(std::string_view name) {
+  if (is_parameter(name)) name = any_parameter;
   return first_key([&](const SceneKey& key) { return key.name == name; });
 }
 
 const SceneKey* find_scene_key(std::string_view table, std::string_view leaf) {
+  if (table == "parameters" && !leaf.empty()) return find_scene_key(any_parameter);
   return first_key([&](const SceneKey& key) { return key.table() == table && key.leaf() == leaf; });
 }
 

@@ -13,6 +13,7 @@ enum class KeyType {
   number,
   count,
   formula,
+  list,
   amount  ///< a number, or a percentage as a text
 };
 
@@ -52,9 +53,12 @@ struct SceneKey {
 
 std::span<const SceneKey> scene_keys();
 
-/// The key of this full name; nullptr when there is none.
+/// The key of this full name; nullptr when there is none. All of [parameters] are the one row parameters.NAME.
 const SceneKey* find_scene_key(std::string_view name);
 const SceneKey* find_scene_key(std::string_view table, std::string_view leaf);
+
+/// Whether that is the name of a parameter, "parameters.NAME" with any NAME.
+bool is_parameter(std::string_view name);
 
 /// Names of the tables, in the order of scene_keys().
 std::span<const std::string_view> scene_tables();

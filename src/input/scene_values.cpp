@@ -32,7 +32,7 @@ TomlValue value_of(std::string_view text) {
 }  // namespace
 
 std::string_view kind_of(const TomlValue& value) {
-  constexpr std::string_view kinds[] = {"a string", "a whole number", "a number", "a boolean"};
+  constexpr std::string_view kinds[] = {"a string", "a whole number", "a number", "a boolean", "", "an array"};
   const auto* other = std::get_if<OtherValue>(&value);
   return other ? other->what : kinds[value.index()];
 }
@@ -93,13 +93,13 @@ std::string choice_problem(const SceneKey& key, const std::string& value) {
                      nearest ? fmt::format("nearest is \"{}\"", *nearest) : "there are " + known);
 }
 
-std::string formula_problem(const SceneKey& key, const TomlValue& value) {
+std::string formula_problem(const SceneKey& key, const TomlValue& value, const Parameters& parameters) {
   if (const auto number = number_of(value))
     return std::isfinite(*number) ? "" : fmt::format("must be finite, is {}", *number);
   const auto* text = std::get_if<std::string>(&value);
   if (!text) return fmt::format("must be a number or a formula in quotes, is {}", kind_of(value));
   try {
-    Formula(*text, key.variables);
+    Formula(*text, key.variables, parameters);
   } catch (const FormulaError& error) {
     return error.what();
   }
@@ -117,7 +117,7 @@ std::optional<double> percentage(std::string_view text) {
   return value / 100.0;
 }
 
-std::string problem_with(const SceneKey& key, const TomlValue& value) {
+std::string problem_with(const SceneKey& key, const TomlValue& value, const Parameters& parameters) {
   switch (key.type) {
     case KeyType::text:
     case KeyType::choice:
@@ -131,7 +131,6 @@ std::string problem_with(const SceneKey& key, const TomlValue& value) {
       if (const auto number = number_of(value)) return range_problem(key.range, *number);
       return fmt::format("must be a {}, is {}{}", key.type == KeyType::count ? "whole number" : "number",
                          kind_of(value), advice_on(value));
-    case KeyType::formula: return formula_problem(key, value);
     case KeyType::amount: {
       if (const auto number = number_of(value)) return range_problem(key.range, *number);
       const auto* text = std::get_if<std::string>(&value);
@@ -142,6 +141,12 @@ std::string problem_with(const SceneKey& key, const TomlValue& value) {
       return *share > 0.0 && *share <= 1.0 ? ""
                                            : fmt::format("must be more than 0 and at most 100 %, is \"{}\"", *text);
     }
+    case KeyType::formula: return formula_problem(key, value, parameters);
+    case KeyType::list:
+      return std::holds_alternative<std::vector<std::string>>(value)
+                 ? ""
+                 : fmt::format("must be a list of strings, such as [\"bar.viscosity\", \"left.gap\"], is {}",
+                               kind_of(value));
   }
   return {};
 }
@@ -246,7 +251,8 @@ void SceneEntries::add(const TomlEntry& entry, std::string_view table, const std
   const Place key_place{source, entry.key_at};
   Entry value{entry.value, {source, entry.value_at}};
   if (const SceneKey* key = find_scene_key(table, entry.key)) {
-    entries_.insert_or_assign(std::string(key->name), std::move(value));
+    const std::string name = table == "parameters" ? fmt::format("parameters.{}", entry.key) : std::string(key->name);
+    entries_.insert_or_assign(name, std::move(value));
   } else if (table.empty() && is_scene_table(entry.key)) {
     report_at(key_place, entry.key,
               source == override_source
@@ -266,8 +272,16 @@ void SceneEntries::add(const TomlEntry& entry, std::string_view table, const std
 }
 
 void SceneEntries::check_values() {
+  for (const auto& [name, entry] : entries_)
+    if (is_parameter(name)) {
+      const std::string of_name = parameter_name_problem(std::string_view(name).substr(name.find('.') + 1));
+      const std::string problem = of_name.empty() ? problem_with(*find_scene_key(name), entry.value) : of_name;
+      if (!problem.empty()) report(name, problem);
+    }
+  const Parameters known = parameters();
   for (const auto& [name, entry] : entries_) {
-    const std::string problem = problem_with(*find_scene_key(name), entry.value);
+    if (is_parameter(name)) continue;
+    const std::string problem = problem_with(*find_scene_key(name), entry.value, known);
     if (!problem.empty()) report(name, problem);
   }
 }
@@ -297,7 +311,19 @@ std::optional<Formula> SceneEntries::formula(std::string_view key) const {
   const TomlValue* value = sound_value(key);
   if (!value) return std::nullopt;
   if (const auto number = number_of(*value)) return Formula(*number);
-  return Formula(std::get<std::string>(*value), find_scene_key(key)->variables);
+  return Formula(std::get<std::string>(*value), find_scene_key(key)->variables, parameters());
+}
+
+std::vector<std::string> SceneEntries::list(std::string_view key) const {
+  const TomlValue* value = sound_value(key);
+  return value ? std::get<std::vector<std::string>>(*value) : std::vector<std::string>{};
+}
+
+Parameters SceneEntries::parameters() const {
+  Parameters known;
+  for (const auto& [name, entry] : entries_)
+    if (is_parameter(name) && !faulty(name)) known[name.substr(name.find('.') + 1)] = *number(name);
+  return known;
 }
 
 const TomlValue* SceneEntries::sound_value(std::string_view key) const {

@@ -17,7 +17,8 @@
 namespace viscobar {
 
 /// What is wrong with a value of a key by itself; empty when nothing is.
-std::string problem_with(const SceneKey& key, const TomlValue& value);
+/// Formulas may use the parameters.
+std::string problem_with(const SceneKey& key, const TomlValue& value, const Parameters& parameters = {});
 
 /// The share that a text such as "0.01 %" means, 1e-4; absent where it is not of that form.
 std::optional<double> percentage(std::string_view text);
@@ -49,6 +50,9 @@ class SceneEntries {
   std::optional<double> number(std::string_view key) const;
   std::optional<std::string> text(std::string_view key) const;
   std::optional<Formula> formula(std::string_view key) const;
+  std::vector<std::string> list(std::string_view key) const;  ///< empty where the key is absent
+  /// Those of [parameters] that are sound, by name.
+  Parameters parameters() const;
 
   /// As the user or the fallback put it.
   const TomlValue& value(std::string_view key) const { return entries_.find(key)->second.value; }

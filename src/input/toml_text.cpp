@@ -43,11 +43,19 @@ TomlValue plain_value(const toml::node& node) {
   return OtherValue{"a date or time"};
 }
 
+TomlValue value_in_table(const toml::node& node) {
+  const auto* array = node.as_array();
+  std::vector<std::string> list;
+  for (std::size_t i = 0; array && i < array->size(); ++i)
+    if (const auto* text = array->get(i)->as_string()) list.push_back(text->get());
+  return array && list.size() == array->size() ? TomlValue(list) : plain_value(node);
+}
+
 TomlDocument flatten(const toml::table& root) {
   TomlDocument document;
   const auto add = [&](const std::string& table, const toml::key& key, const toml::node& node) {
     document.entries.push_back(
-        {table, std::string(key.str()), plain_value(node), position(key.source()), position(node.source())});
+        {table, std::string(key.str()), value_in_table(node), position(key.source()), position(node.source())});
   };
   for (const auto& [name, node] : root) {
     const auto* table = node.as_table();

@@ -15,7 +15,8 @@ struct OtherValue {
   std::string_view what;
 };
 
-using TomlValue = std::variant<std::string, std::int64_t, double, bool, OtherValue>;
+/// Strings are a list where a table of values has an array of them.
+using TomlValue = std::variant<std::string, std::int64_t, double, bool, OtherValue, std::vector<std::string>>;
 
 struct TomlTable {
   std::string name;

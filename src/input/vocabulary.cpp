@@ -36,6 +36,7 @@ std::string_view name(KeyType type) {
     case KeyType::count: return "count";
     case KeyType::formula: return "formula";
     case KeyType::amount: return "amount";
+    case KeyType::list: return "list";
   }
   return {};
 }

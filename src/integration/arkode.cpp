@@ -50,11 +50,12 @@ void solve_stage(Leg& leg, std::span<double> correction) {
 class ArkodeStepper final : public LegStepper {
  public:
   ArkodeStepper(const StepperParts& parts, const Tolerance& tolerance)
-      : leg_(parts.system, Layout(parts.system, false), parts.statistics),
+      : leg_(parts.system, Layout(parts.system, false, parts.derivatives.size()), parts.statistics, parts.derivatives),
+        outer_(parts.layout),
         weights_(parts.system, leg_.layout, tolerance, parts.times.back(), one_step_accumulation),
         end_(parts.times.back()),
-        step_(parts.system, parts.layout),
-        state_(make_vector(leg_.layout.size, context_)),
+        step_(parts.system, parts.layout, parts.derivatives),
+        state_(make_vector(leg_.layout.size, context_, leg_.layout.first_derivative)),
         rate_(make_vector(leg_.layout.size, context_)),
         solver_(make_step_solver(leg_, solve_stage, context_)) {}
 
@@ -63,12 +64,14 @@ class ArkodeStepper final : public LegStepper {
   void restart(double t, double stop, std::span<const double> y) override {
     stop_ = stop;
     weights_.tighten(leg_.statistics.events);
-    std::ranges::copy(y.first(leg_.layout.size), values(state_).begin());
+    std::ranges::copy(y.first(2 * leg_.layout.nodes), values(state_).begin());
+    std::ranges::copy(y.subspan(outer_.first_derivative),
+                      values(state_).begin() + static_cast<std::ptrdiff_t>(leg_.layout.first_derivative));
     StepPolynomial::End& start = step_.end();
     start.t = t;
     std::ranges::copy(y, start.y.begin());
-    evaluate(t, start.y, values(rate_));
-    std::ranges::copy(leg_.layout.w(values(rate_)), start.a.begin());
+    evaluate(t, values(state_), values(rate_));
+    keep_rates(start);
     step_.restart();
     // A reset keeps the step of the leg before, which chatter makes right more often than a first step found anew.
     if (memory_)
@@ -88,9 +91,11 @@ class ArkodeStepper final : public LegStepper {
     step_.advance();
     StepPolynomial::End& reached = step_.end();
     reached.t = t;
-    std::ranges::copy(values(state_), reached.y.begin());
+    std::ranges::copy(values(state_).first(2 * leg_.layout.nodes), reached.y.begin());
+    std::ranges::copy(values(state_).subspan(leg_.layout.first_derivative),
+                      reached.y.begin() + static_cast<std::ptrdiff_t>(outer_.first_derivative));
     std::ranges::copy(values(stage(leg_).rate), values(rate_).begin());
-    std::ranges::copy(leg_.layout.w(values(rate_)), reached.a.begin());
+    keep_rates(reached);
     double length = 0.0;
     check("ARKStepGetLastStep", ARKStepGetLastStep(memory_.get(), &length));
     step_.tolerate(weights_.displacement_tolerance());
@@ -107,6 +112,12 @@ class ArkodeStepper final : public LegStepper {
   ErrorWeights& weights() override { return weights_; }
 
  private:
+  void keep_rates(StepPolynomial::End& end) {
+    const std::span<const double> rates = values(rate_);
+    std::ranges::copy(leg_.layout.w(values(rate_)), end.a.begin());
+    std::ranges::copy(rates.subspan(leg_.layout.first_derivative), end.derivative_rates.begin());
+  }
+
   void create(double t) {
     memory_.reset(ARKStepCreate(nullptr, right_hand_side, t, state_.get(), context_.get()));
     require_memory();
@@ -142,6 +153,7 @@ class ArkodeStepper final : public LegStepper {
     leg_.system.complete_velocity(t, y.first(layout.nodes), w);
     leg_.system.force(t, y.first(layout.nodes), w, layout.w(rate));
     leg_.system.accelerate(layout.w(rate));
+    leg_.derivative_rates(t, y, w, layout.w(rate), rate);
     ++leg_.statistics.rhs_evaluations;
   }
 
@@ -164,6 +176,7 @@ class ArkodeStepper final : public LegStepper {
 
   Context context_;
   Leg leg_;
+  const Layout outer_;  // with the energy account
   ErrorWeights weights_;
   double end_, stop_ = 0.0;  // of the run, and of the leg
   StepPolynomial step_;

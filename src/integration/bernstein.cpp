@@ -65,6 +65,14 @@ Bernstein Bernstein::of_powers(std::span<const double> coefficients) {
   return p;
 }
 
+Bernstein Bernstein::derivative() const {
+  Bernstein slope;
+  if (degree_ == 0) return slope;
+  slope.degree_ = degree_ - 1;
+  for (std::size_t j = 0; j < degree_; ++j) slope.c_[j] = static_cast<double>(degree_) * (c_[j + 1] - c_[j]);
+  return slope;
+}
+
 double Bernstein::operator()(double s) const {
   auto b = c_;
   for (std::size_t r = degree_; r > 0; --r)

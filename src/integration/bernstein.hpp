@@ -20,6 +20,8 @@ class Bernstein {
   static Bernstein of_powers(std::span<const double> coefficients);
 
   std::size_t degree() const { return degree_; }
+  /// p'; of degree 0 it is 0.
+  Bernstein derivative() const;
   double operator()(double s) const;
   /// Integral over [0, 1] of the polynomial through samples.
   static double mean(std::span<const double> samples);

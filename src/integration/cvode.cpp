@@ -102,6 +102,7 @@ class CvodeStepper final : public Multistep {
       leg.system.force(t, layout.u(state), w, layout.w(out));
       leg.system.accelerate(layout.w(out));
       leg.account_rates(t, w, layout.w(out), out);
+      leg.derivative_rates(t, state, w, layout.w(out), out);
       ++leg.statistics.rhs_evaluations;
     });
   }

@@ -86,6 +86,11 @@ void EndWatch::add() {
     if (most > account.highest) account.highest = through(end.u).largest(account.highest);
     if (least < account.lowest) account.lowest = through(end.u).smallest(account.lowest);
     if (closed(end)) {
+      if (holds_mass(end)) {
+        const Bernstein inertia = through(end.momentum).derivative();
+        for (std::size_t j = 0; j <= order_; ++j)
+          end.force[j] += inertia(static_cast<double>(j) / static_cast<double>(order_)) / length_;
+      }
       const auto [push, pull] = beyond(end.force);
       if (push > account.peak_reaction) account.peak_reaction = through(end.force).largest(account.peak_reaction);
       if (-pull > account.peak_reaction) account.peak_reaction = -through(end.force).smallest(-account.peak_reaction);
@@ -138,10 +143,15 @@ inline bool EndWatch::closed(const End& end) const {
   return std::ranges::any_of(end.contacts, [this](std::size_t i) { return system_.closed(i); });
 }
 
+// Where the inertia of the node's neighbours has a share in its reaction.
+inline bool EndWatch::holds_mass(const End& end) const {
+  return end.coupling != 0.0 &&
+         std::ranges::any_of(end.contacts, [this](std::size_t i) { return system_.collides(i) && system_.closed(i); });
+}
+
 inline double EndWatch::stored(const End& end, std::span<const double> y) const {
   if (end.follows || end.contacts.empty()) return 0.0;
-  const double momentum = end.mass * y[2] + end.coupling * y[3] + end.beyond * y[4];
-  return bar_.damped() ? momentum + end.viscosity * end.stretch(y) : momentum;
+  return bar_.damped() ? momentum(end, y) + end.viscosity * end.stretch(y) : momentum(end, y);
 }
 
 // (E / h) p of a contact that the neighbour decides on, from its u and w.
@@ -180,6 +190,7 @@ inline void EndWatch::look_at(End& end, std::size_t j, double t, std::span<const
   end.stored_now = stored(end, y);
   if (!closed(end)) return;
   end.force[j] = reaction(end, t, y);
+  if (holds_mass(end)) end.momentum[j] = momentum(end, y);
   end.rate[j] = end.follows ? end.force[j] : end.modulus * end.stretch(y) - system_.load_alone(end.unknown, t);
 }
 

@@ -19,8 +19,9 @@ namespace viscobar {
 ///
 ///     int R dt = [rho M v + eta K u] + int (E K u - M f) dt,
 ///
-/// whose integrand is as smooth as u. R itself may oscillate on a spring that the steps pass over. An undamped massless
-/// node has no displacement that could be interpolated; its R is a multiple of its indicator (see PenalisedSystem).
+/// whose integrand is as smooth as u. R itself may oscillate on a spring that the steps pass over. A node with mass
+/// that is held has R = d/dt (rho M v) + eta K v + E K u - M f, its own velocity being 0. An undamped massless node has
+/// no displacement that could be interpolated; its R is a multiple of its indicator (see PenalisedSystem).
 class EndWatch {
  public:
   /// Both outlive it.
@@ -99,6 +100,7 @@ class EndWatch {
     std::vector<std::size_t> entries;   // u_n alone where it follows, u_e, or u_e, u_n, w_e, w_n, and the w beyond
     double origin = 0.0, origin_next = 0.0, stored = 0.0, stored_now = 0.0;
     Samples u{}, force{}, rate{};  // over the step looked at; the last two of a closed contact
+    Samples momentum{};            // of its row, where inertia has a share in the force
 
     double stretch(std::span<const double> y) const {
       return next ? y[0] - y[1] + (origin - origin_next) : y[0] + (origin - wall);
@@ -107,6 +109,10 @@ class EndWatch {
 
   void watch(EndAccount& account, std::size_t unknown, std::optional<std::size_t> next, std::optional<double> wall);
   bool closed(const End& end) const;
+  bool holds_mass(const End& end) const;
+  double momentum(const End& end, std::span<const double> y) const {
+    return end.mass * y[2] + end.coupling * y[3] + end.beyond * y[4];
+  }
   double stored(const End& end, std::span<const double> y) const;
   double pull(const End& end, double t, double u, double w, std::size_t i) const;
   double displacement(const End& end, double t, std::span<const double> y) const;

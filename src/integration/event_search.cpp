@@ -146,14 +146,16 @@ double EventSearch::rate(std::size_t i, double begin, double t) {
   return (now - oriented(i, before, at(before))) / (t - before);
 }
 
-// The descent through the uncertainty is late; Newton's method leads back to the zero.
+// The descent through the uncertainty is late; Newton's method leads back to the zero, unless the indicator grazes it:
+// then it is no line on the way there, and the descent itself is the event.
 double EventSearch::polished(double begin, double end, double t, std::size_t i) {
-  for (int iteration = 0; iteration < 4; ++iteration) {
-    const double value = oriented(i, t, at(t)), slope = rate(i, begin, t);
-    if (!(slope < 0.0)) break;
+  double value = oriented(i, t, at(t)), slope = rate(i, begin, t);
+  for (int iteration = 0; iteration < 4 && slope < 0.0; ++iteration) {
     const double next = std::clamp(t - value / slope, begin, end);
-    if (std::abs(next - t) > 1e-3 * (end - begin) || next == t) break;  // a graze: the descent itself is the event
-    t = next;
+    if (next == t) break;
+    const double left = oriented(i, next, at(next)), steepness = rate(i, begin, next) / slope;
+    if (steepness < 0.5 || steepness > 2.0 || std::abs(left) > 0.5 * std::abs(value)) break;
+    t = next, value = left, slope *= steepness;
   }
   return t;
 }

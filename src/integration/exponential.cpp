@@ -467,6 +467,7 @@ class Run {
 
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Exponential& method, const Observers& observers) {
+  refuse_directions("exponential", observers);
   if (system.size() > Exponential::most_unknowns) throw Unfit("exponential", Refusal::many_unknowns);
   if (!system.contacts().empty() && !(method.penalty.epsilon > 0.0))
     throw Unfit("exponential", Refusal::rigid_contacts);

@@ -40,31 +40,49 @@ void solve_step(Leg& leg, std::span<double> correction) {
   IDAGetNonlinearSystemData(leg.memory, &t, &predicted, &predicted_rate, &y, &y_rate, &residual, &cj, &user);
   const Layout& layout = leg.layout;
   const std::size_t n = layout.nodes;
-  const double *u = values(predicted).data(), *w = u + n;
-  const double *u_rate = values(predicted_rate).data(), *w_rate = u_rate + n;
+  const std::span<const double> state = values(predicted), rates = values(predicted_rate);
+  const auto solve_momentum = [&](PenalisedSystem& forces, const double* u, const double* u_rate, double* x_u) {
+    const double *w = u + n, *w_rate = u_rate + n;
+    double* x_w = x_u + n;
+    const std::span<double> right(x_u, n);
+    forces.force(t, {u, n}, {u_rate, n}, right);
+    for (std::size_t i = 0; i < n; ++i) x_w[i] = w_rate[i] - cj * (w[i] - u_rate[i]);
+    leg.subtract_inertia(1.0, {x_w, n}, right);
+    leg.solve(cj * cj, cj, 1.0, right);
+    for (std::size_t i = 0; i < n; ++i) x_w[i] = cj * x_u[i] - (w[i] - u_rate[i]);
+  };
+  const double *u = state.data(), *w = u + n, *u_rate = rates.data(), *w_rate = u_rate + n;
   double *x_u = correction.data(), *x_w = x_u + n;
-  const std::span<double> right(x_u, n);
-  leg.system.force(t, {u, n}, {u_rate, n}, right);
+  solve_momentum(leg.system, u, u_rate, x_u);
   ++leg.statistics.rhs_evaluations;
-  for (std::size_t i = 0; i < n; ++i) x_w[i] = w_rate[i] - cj * (w[i] - u_rate[i]);
-  leg.subtract_inertia(1.0, {x_w, n}, right);
-  leg.solve(cj * cj, cj, 1.0, right);
-  for (std::size_t i = 0; i < n; ++i) x_w[i] = cj * x_u[i] - (w[i] - u_rate[i]);
   if (layout.size == 2 * n) return;
   for (std::size_t i = 0; i < n; ++i) leg.field[i] = w[i] + x_w[i];
   for (std::size_t i = 0; i < leg.acceleration.size(); ++i) leg.acceleration[i] = w_rate[i] + cj * x_w[i];
   leg.account_rates(t, leg.field, leg.acceleration, correction);
   leg.account_correction = 0.0;
-  for (std::size_t k = 2 * n; k < layout.size; ++k) {
+  for (std::size_t k = 2 * n; k < layout.first_derivative; ++k) {
     correction[k] = (correction[k] - u_rate[k]) / cj;
     leg.account_correction = std::max(leg.account_correction, std::abs(correction[k]));
+  }
+  if (leg.derivatives.empty()) return;
+  for (std::size_t i = 0; i < n; ++i) leg.new_u[i] = u[i] + x_u[i], leg.new_w[i] = u_rate[i] + cj * x_u[i];
+  const Moment at = leg.moment(t, leg.new_u, leg.new_w, leg.acceleration);
+  for (std::size_t k = 0; k < leg.derivatives.size(); ++k) {
+    Derivative& derivative = *leg.derivatives[k];
+    derivative.drive(at);
+    const auto s = layout.derivative(state, k), s_rate = layout.derivative(rates, k);
+    const auto x = layout.derivative(correction, k);
+    solve_momentum(derivative.motion(), s.data(), s_rate.data(), x.data());
+    leg.impulse_rates(derivative, at, s.first(n), x.first(n), x.subspan(2 * n));
+    for (std::size_t i = 2 * n; i < layout.block; ++i) x[i] = (x[i] - s_rate[i]) / cj;
   }
 }
 
 class IdaStepper final : public Multistep {
  public:
   IdaStepper(const StepperParts& parts, const Tolerance& tolerance)
-      : Multistep(library, parts, tolerance, solve_step, true), rate_(make_vector(parts.layout.size, context_)) {}
+      : Multistep(library, parts, tolerance, solve_step, true),
+        rate_(make_vector(parts.layout.size, context_, parts.layout.first_derivative)) {}
 
  private:
   struct Deleter {
@@ -94,6 +112,7 @@ class IdaStepper final : public Multistep {
     leg_.system.force(t, layout.u(state), layout.w(state), layout.w(rate));
     leg_.system.accelerate(layout.w(rate));
     leg_.account_rates(t, layout.w(state), layout.w(rate), rate);
+    leg_.derivative_rates(t, state, layout.w(state), layout.w(rate), rate);
     ++leg_.statistics.rhs_evaluations;
   }
 

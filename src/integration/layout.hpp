@@ -10,19 +10,37 @@ namespace viscobar {
 
 /// Where things are in the state y = (u, w, energy account): u and w have an entry for each unknown node (the w of a
 /// massless one is dependent: it is carried along without a weight in the error test), the account has an entry for
-/// each of dissipation, work and power of the mass's end rows that the scene has and the user wants.
+/// each of dissipation, work and power of the mass's end rows that the scene has and the user wants. Behind that comes
+/// a block for each parameter with respect to which derivatives are wanted: ds = (du/dp, dw/dp), and an entry for the
+/// impulse on each end with an obstacle.
 struct Layout {
-  Layout(const PenalisedSystem& system, bool energy) : nodes(system.size()), size(2 * nodes) {
+  Layout(const PenalisedSystem& system, bool energy, std::size_t parameters = 0)
+      : nodes(system.size()), size(2 * nodes), derivatives(parameters) {
     if (energy && system.takes_energy()) dissipated = size++;
     if (energy && system.loaded()) work = size++;
     if (energy && system.bar().has_end_rows()) end_inertia = size++;
+    first_derivative = size;
+    for (std::size_t i = 0; i < system.contact_count(); ++i) {
+      left |= system.contact(i).unknown == 0 && !system.bar().left_fixed();
+      right |= system.contact(i).unknown + 1 == nodes && !system.bar().right_fixed();
+    }
+    block = 2 * nodes + (left ? 1 : 0) + (right ? 1 : 0);
+    size += derivatives * block;
   }
   std::span<double> u(std::span<double> y) const { return y.first(nodes); }
   std::span<double> w(std::span<double> y) const { return y.subspan(nodes, nodes); }
 
-  std::size_t account() const { return size - 2 * nodes; }  ///< entries of the energy account, behind the others
+  std::size_t account() const { return first_derivative - 2 * nodes; }  ///< entries of the energy account
 
-  std::size_t nodes, size;
+  /// Block k of the derivatives, and its parts.
+  template <class T>
+  std::span<T> derivative(std::span<T> y, std::size_t k) const {
+    return y.subspan(first_derivative + k * block, block);
+  }
+
+  std::size_t nodes, size, derivatives;
+  std::size_t first_derivative = 0, block = 0;
+  bool left = false, right = false;  ///< whether the impulse on that end has an entry
   std::optional<std::size_t> dissipated, work, end_inertia;
 };
 

@@ -8,6 +8,7 @@
 #include "integration/odeint/rosenbrock4.hpp"
 #include "integration/odeint/symplectic.hpp"
 #include "integration/stepwise_run.hpp"
+#include "run/parts.hpp"
 #include "run/step_failure.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -124,6 +125,7 @@ class OdeintStepper final : public LegStepper {
 
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Odeint& method, const Observers& observers) {
+  refuse_directions("odeint", observers);
   const OdeintPlan what = plan(system, times.back() - times.front(), method);
   if (what.refusal) throw Unfit("odeint", *what.refusal);
   return run_stepwise("odeint", system, method.penalty, start, times, observers,

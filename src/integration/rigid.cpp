@@ -7,8 +7,8 @@ namespace viscobar {
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Rigid& method, const Observers& observers) {
   const Penalty rigid{0.0, method.restitution};
-  if (system.has_massless() && !system.damped())
-    return integrate(system, start, times, Ida{rigid, method.tolerance}, observers);
+  if (system.has_massless() || system.damped())
+    return integrate(system, start, times, Arkode{rigid, method.tolerance}, observers);
   return integrate(system, start, times, Cvode{rigid, method.tolerance}, observers);
 }
 

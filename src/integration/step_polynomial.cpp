@@ -32,12 +32,14 @@ std::array<double, 6> relaxed_powers(double mu, double s) {
 
 }  // namespace
 
-StepPolynomial::StepPolynomial(PenalisedSystem& system, const Layout& layout)
+StepPolynomial::StepPolynomial(PenalisedSystem& system, const Layout& layout, std::span<Derivative* const> derivatives)
     : system_(system),
       layout_(layout),
-      begin_{0.0, std::vector<double>(layout.size), std::vector<double>(layout.nodes)},
+      derivatives_(derivatives),
+      begin_{0.0, std::vector<double>(layout.size), std::vector<double>(layout.nodes),
+             std::vector<double>(layout.size - layout.first_derivative)},
       end_(begin_),
-      inner_(layout.size > 2 * layout.nodes ? layout.size : 0) {
+      inner_(layout.account() > 0 ? layout.size : 0) {
   unresolved_.reserve(system.contact_count());
   relaxations_.reserve(system.contact_count() + 2);
 }
@@ -69,6 +71,7 @@ void StepPolynomial::finish(double length, std::span<const double> increment) {
 void StepPolynomial::complete() {
   system_.complete_displacement(end_.t, layout_.u(end_.y));
   system_.complete_velocity(end_.t, layout_.u(end_.y), layout_.w(end_.y));
+  forgotten_ = false;
   if (std::exchange(first_of_leg_, false)) forget_acceleration();
   if (system_.contact_count() > 0) smooth_unresolved();
   for (Relaxation& relaxation : relaxations_) drive(relaxation);
@@ -85,12 +88,14 @@ bool StepPolynomial::spoils_acceleration(const PenalisedSystem& system, double l
 // few times 1 / rate, but a_0 has it: where the step is much longer, a_0 is that of the quartic through the rest. So it
 // is where a_0 is little more than what viscosity makes of an error.
 void StepPolynomial::forget_acceleration() {
+  forgotten_ = false;
   constexpr double over = 6.0;
   const std::size_t n = layout_.nodes;
   const double h = length();
   if (!spoils_acceleration(system_, h) &&
       std::ranges::none_of(relaxations_, [&](const Relaxation& r) { return r.row.rate * h > over; }))
     return;
+  forgotten_ = true;
   for (std::size_t i = system_.bar().massive_begin(); i < system_.bar().massive_end(); ++i) {
     const double missing = increment(i) - 0.5 * h * (begin_.y[n + i] + end_.y[n + i]);
     begin_.a[i] = end_.a[i] + 12.0 / (h * h) * missing;
@@ -270,15 +275,91 @@ void StepPolynomial::at(double t, std::span<double> y) {
   }
   motion_at(t, y);
   add_account(t, y);
+  if (layout_.derivatives > 0) derivatives_at(t, y);
+}
+
+std::array<double, 2> StepPolynomial::derivative_at(std::size_t k, std::size_t i, double s) const {
+  const std::size_t n = layout_.nodes;
+  const double h = length();
+  const auto y0 = layout_.derivative(std::span(begin_.y), k), y1 = layout_.derivative(std::span(end_.y), k);
+  const double *r0 = begin_.derivative_rates.data() + k * layout_.block,
+               *r1 = end_.derivative_rates.data() + k * layout_.block;
+  const double half = 0.5 * h * (y0[n + i] + y1[n + i]), rise = y1[i] - y0[i], a1 = r1[n + i];
+  const double a0 = forgotten_ ? a1 + 12.0 / (h * h) * (rise - half) : r0[n + i];
+  const double missing = rise - half + h * h / 12.0 * (a1 - a0);
+  const auto at = [&](const Weights& weight) {
+    return h * (weight.w0 * y0[n + i] + weight.w1 * y1[n + i] + h * (weight.a0 * a0 + weight.a1 * a1)) +
+           weight.defect * missing;
+  };
+  return {y0[i] + at(weights(s, 0)), at(weights(s, 1)) / h};
+}
+
+double StepPolynomial::relaxed_derivative(const Relaxation& relaxation, std::size_t k, double s) const {
+  constexpr std::size_t points = 6;
+  Derivative& derivative = *derivatives_[k];
+  const std::size_t node = relaxation.row.unknown, next = relaxation.row.neighbours[0].unknown;
+  for (const PenalisedSystem::RelaxingRow& row : derivative.motion().relaxing_rows()) {
+    if (row.unknown != node) continue;
+    const double h = length();
+    // Newton's form through s = 0, 1/5, ..., 1, and its powers.
+    std::array<double, points> f{}, drive{};
+    for (std::size_t j = 0; j < points; ++j) {
+      const double at = static_cast<double>(j) / (points - 1);
+      const auto [of_next, rate_of_next] = derivative_at(k, next, at);
+      const double u = value(node, at, 0);
+      const double force = derivative.motion().load_alone(node, begin_.t + at * h) +
+                           derivative.drive_row(node, u, value(next, at, 0), value(node, at, 1), value(next, at, 1));
+      f[j] = row.constant + row.neighbours[0].u_share * of_next + row.neighbours[0].w_share * rate_of_next +
+             row.load_share * force;
+    }
+    for (std::size_t order = 1; order < points; ++order)
+      for (std::size_t j = points - 1; j >= order; --j)
+        f[j] = (f[j] - f[j - 1]) * (points - 1) / static_cast<double>(order);
+    drive[0] = f[points - 1];
+    for (std::size_t j = points - 1; j-- > 0;) {
+      const double at = static_cast<double>(j) / (points - 1);
+      for (std::size_t p = points - 1; p > 0; --p) drive[p] = drive[p - 1] - at * drive[p];
+      drive[0] = f[j] - at * drive[0];
+    }
+    const std::array<double, 6> powers = relaxed_powers(row.rate * h, s);
+    double sum = 0.0;
+    for (std::size_t p = 0; p < points; ++p) sum += drive[p] * powers[p];
+    return std::exp(-row.rate * h * s) * layout_.derivative(std::span(begin_.y), k)[node] + h * sum;
+  }
+  return derivative_at(k, node, s)[0];
+}
+
+void StepPolynomial::derivatives_at(double t, std::span<double> y) const {
+  const std::size_t n = layout_.nodes;
+  const double h = length(), s = (t - begin_.t) / h, back = 1.0 - s;
+  for (std::size_t k = 0; k < layout_.derivatives; ++k) {
+    const auto y0 = layout_.derivative(std::span(begin_.y), k), y1 = layout_.derivative(std::span(end_.y), k);
+    const double *r0 = begin_.derivative_rates.data() + k * layout_.block,
+                 *r1 = end_.derivative_rates.data() + k * layout_.block;
+    const auto out = layout_.derivative(y, k);
+    const auto cubic = [&](std::size_t i) {
+      return y0[i] + s * s * (3.0 - 2.0 * s) * (y1[i] - y0[i]) + h * s * back * (back * r0[i] - s * r1[i]);
+    };
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto [displacement, velocity] = derivative_at(k, i, s);
+      out[i] = displacement, out[n + i] = velocity;
+    }
+    for (std::size_t r = 0; r < relaxations_.size(); ++r) {
+      const std::size_t i = relaxations_[r].row.unknown;
+      out[i] = r < massless_ ? relaxed_derivative(relaxations_[r], k, s) : cubic(i);
+      out[n + i] = y0[n + i] + s * (y1[n + i] - y0[n + i]);
+    }
+    for (std::size_t i = 2 * n; i < layout_.block; ++i) out[i] = cubic(i);
+  }
 }
 
 void StepPolynomial::add_account(double until, std::span<double> y) {
   if (inner_.empty()) return;
   const auto accounts = static_cast<std::ptrdiff_t>(2 * layout_.nodes);
-  std::copy(begin_.y.begin() + accounts, begin_.y.end(), y.begin() + accounts);
+  std::copy_n(begin_.y.begin() + accounts, layout_.account(), y.begin() + accounts);
   add_energy_flow<3>(
       system_, layout_, begin_.t, until, [&](double t, std::span<double> inner) { motion_at(t, inner); }, inner_,
-      y.subspan(2 * layout_.nodes));
+      y.subspan(2 * layout_.nodes, layout_.account()));
 }
 
 double StepPolynomial::value(std::size_t unknown, double s, int derivative) const {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/derivative.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "integration/layout.hpp"
 #include "viscobar/discretisation/tridiagonal.hpp"
@@ -34,6 +35,10 @@ namespace viscobar {
 /// their rows beside it.
 ///
 /// The energy account of the step is the integral of its rates over the polynomial, by Gauss' formula.
+///
+/// Derivatives by parameters have a quintic likewise, by their own rates at the two ends. A massless node follows its
+/// row, whose right-hand side is a polynomial through six points of the step. At resting nodes, where there is no
+/// acceleration to rely on, and of impulses they have a cubic.
 class StepPolynomial {
  public:
   static constexpr std::size_t degree = 5;
@@ -42,9 +47,10 @@ class StepPolynomial {
   struct End {
     double t = 0.0;
     std::vector<double> y, a;
+    std::vector<double> derivative_rates;  ///< of the entries behind the account
   };
 
-  StepPolynomial(PenalisedSystem& system, const Layout& layout);
+  StepPolynomial(PenalisedSystem& system, const Layout& layout, std::span<Derivative* const> derivatives = {});
 
   void begin_run(std::vector<std::size_t> sampled_entries);
 
@@ -106,12 +112,16 @@ class StepPolynomial {
   void drive_by_load(Relaxation& relaxation);
   void motion_at(double t, std::span<double> y);
   void add_account(double until, std::span<double> y);
+  void derivatives_at(double t, std::span<double> y) const;
+  double relaxed_derivative(const Relaxation& relaxation, std::size_t k, double s) const;
+  std::array<double, 2> derivative_at(std::size_t k, std::size_t i, double s) const;  // of u_i, and of w_i
   void complete();
   double length() const { return known_ ? known_->length : end_.t - begin_.t; }
   double increment(std::size_t i) const { return known_ ? known_->increment[i] : end_.y[i] - begin_.y[i]; }
 
   PenalisedSystem& system_;
   Layout layout_;
+  std::span<Derivative* const> derivatives_;
   End begin_, end_;
   std::vector<Relaxation> relaxations_;  // of massless nodes, as long as the leg; behind them those of this step
   std::size_t massless_ = 0;
@@ -122,7 +132,7 @@ class StepPolynomial {
   std::vector<std::size_t> unresolved_, replaced_;  // nodes; of those the factor is
   std::vector<double> change_;                      // of accelerations
   TridiagonalFactor beside_;                        // of rho M without the rows of replaced_
-  bool first_of_leg_ = false;
+  bool first_of_leg_ = false, forgotten_ = false;
 };
 
 }  // namespace viscobar

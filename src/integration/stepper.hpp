@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/derivative.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "integration/error_weights.hpp"
 #include "integration/layout.hpp"
@@ -57,6 +58,7 @@ struct StepperParts {
   const Layout& layout;
   std::span<const double> times;
   Statistics& statistics;
+  std::span<Derivative* const> derivatives{};  ///< as many as the layout has
 };
 using MakeStepper = std::function<std::unique_ptr<LegStepper>(const StepperParts&)>;
 

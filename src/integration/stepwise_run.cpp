@@ -16,6 +16,7 @@
 #include "integration/energy_flow.hpp"
 #include "integration/event_search.hpp"
 #include "integration/layout.hpp"
+#include "integration/sensitivities.hpp"
 #include "integration/snapshot.hpp"
 #include "run/contact_states.hpp"
 #include "run/parts.hpp"
@@ -33,7 +34,8 @@ namespace {
 class StepwiseRun {
  public:
   StepwiseRun(PenalisedSystem& system, const Layout& layout, LegStepper& stepper, Statistics& statistics,
-              std::span<const double> times, const Observers& observers, double begin)
+              std::span<const double> times, const Observers& observers, double begin,
+              std::optional<Sensitivities>& sensitivities)
       : system_(system),
         layout_(layout),
         stepper_(stepper),
@@ -46,7 +48,8 @@ class StepwiseRun {
         watchdog_(begin, times.back()),
         snapshot_(system),
         y_(layout.size),
-        inner_(layout.size) {}
+        inner_(layout.size),
+        sensitivities_(sensitivities) {}
 
   /// Up to the next checkpoint, which is returned, to where an observer stops it, or to the end.
   std::optional<Checkpoint> operator()(const StartingPoint& start) {
@@ -131,6 +134,10 @@ class StepwiseRun {
     }
     search_.share(entries.size());
     stepper_.begin_run(std::move(entries));
+    if (sensitivities_) {
+      if (!checkpoint) statistics_.sensitivity.emplace();
+      sensitivities_->attach(layout_, *statistics_.sensitivity, stepper_.weights());
+    }
     if (checkpoint) {
       next_output_ = checkpoint->outputs;
       distrust_toggling();
@@ -148,19 +155,35 @@ class StepwiseRun {
     system_.complete_displacement(t, u());
     system_.complete_velocity(t, u(), w());
     const std::vector<double> approach(w().begin(), w().end());
+    if (sensitivities_) sensitivities_->begin(t, times_.back(), y_);
     system_.settle(t, u(), w());
     if (observers_.energy) statistics_.energy = EnergyAccount{.initial = system_.energy(u(), w())};
     for (std::size_t i = 0; i < system_.contact_count(); ++i)
       if (system_.closed(i)) {
+        if (system_.collides(i)) system_.set_closed(i, false);
+        differentiate_closing(t, i, start, approach);
         tell_event(t, i, Change::closing, approach[system_.contact(i).unknown]);
-        if (!system_.collides(i)) continue;
-        system_.set_closed(i, false);
-        close(t, i);
+        if (system_.collides(i)) close(t, i);
+        if (sensitivities_) sensitivities_->after(t, i, y_);
       }
     statistics_.reached_time = t;
     tell_snapshot(t);
     next_output_ = 1;
     restart(t);
+  }
+
+  // Of a contact that is closed from the start on: the bar comes to it with the velocities that it is given.
+  void differentiate_closing(double t, std::size_t i, const State& start, const std::vector<double>& approach) {
+    if (!sensitivities_) return;
+    const bool closed = system_.closed(i);
+    const std::vector<double> settled = y_;
+    system_.set_closed(i, false);
+    std::ranges::copy(start.u, u().begin());
+    std::ranges::copy(approach, w().begin());
+    system_.complete_displacement(t, u());
+    changes_ = sensitivities_->before(t, i, y_);
+    std::copy_n(settled.begin(), 2 * layout_.nodes, y_.begin());
+    system_.set_closed(i, closed);
   }
 
   // The state where the run is.
@@ -207,6 +230,7 @@ class StepwiseRun {
     leg_end_ = system_.begin_leg(t, times_.back());
     system_.complete_displacement(t, u());
     system_.complete_velocity(t, u(), w());
+    if (sensitivities_) sensitivities_->begin_leg(t, times_.back());
     if (ends_) {
       ends_->measure_from(system_.origin());
       ends_->begin(t, y_);
@@ -228,6 +252,7 @@ class StepwiseRun {
     for (; next_output_ < times_.size(); ++next_output_) tell_snapshot(times_[next_output_]);
     system_.complete_velocity(end, u(), w());
     if (ends_) ends_->begin(end, y_);
+    if (sensitivities_) sensitivities_->sum_up(end, y_);
     if (statistics_.energy) {
       statistics_.energy->final = system_.energy(u(), w());
       if (layout_.dissipated) statistics_.energy->dissipated = y_[*layout_.dissipated];
@@ -243,6 +268,7 @@ class StepwiseRun {
     const std::span<const double> velocity = w();
     const auto switch_one = [&](std::size_t i) {
       const Change change = system_.closed(i) ? Change::opening : Change::closing;
+      if (sensitivities_) changes_ = sensitivities_->before(t, i, y_);
       tell_event(t, i, change, velocity[system_.contact(i).unknown]);
       if (change == Change::opening) system_.set_closed(i, false);
       if (change == Change::closing)
@@ -250,6 +276,7 @@ class StepwiseRun {
       else if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change()))
         weigh_opening(t, i, begin, end);
       system_.place_on_obstacle(i, u());
+      if (sensitivities_) sensitivities_->after(t, i, y_);
     };
     search_.look_at(begin, t);
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
@@ -272,6 +299,7 @@ class StepwiseRun {
     if (layout_.dissipated) y_[*layout_.dissipated] += collision.dissipated;
     if (layout_.end_inertia) y_[*layout_.end_inertia] += collision.end_inertia;
     if (ends_) ends_->strike(i, collision.impulse);
+    if (sensitivities_) sensitivities_->rebound(i, changes_);
     if (collision.rests)
       system_.set_closed(i, true);
     else
@@ -317,11 +345,14 @@ class StepwiseRun {
   }
 
   void tell_event(double t, std::size_t i, Change change, double velocity) {
-    telling_.event(t, system_.bar(), system_.contact(i), change, velocity);
+    telling_.event(t, system_.bar(), system_.contact(i), change, velocity, changes_);
   }
 
   void tell_snapshot(double t) {
-    if (observers_.snapshot) telling_.snapshot(snapshot_(t, u(), w()));
+    if (!observers_.snapshot) return;
+    Snapshot snapshot = snapshot_(t, u(), w());
+    if (sensitivities_) snapshot.sensitivities = sensitivities_->fields(t, y_, snapshot);
+    telling_.snapshot(snapshot);
   }
 
   PenalisedSystem& system_;
@@ -340,6 +371,8 @@ class StepwiseRun {
   std::array<double, 3> account_shift_{};  // of the account of this leg
   double leg_end_ = 0.0;
   std::size_t next_output_ = 0;
+  std::optional<Sensitivities>& sensitivities_;
+  std::vector<ChangeSensitivity> changes_;  // of the contact change under way
 };
 
 // Makes a part of the run and turns whatever stops it into an IntegrationError that says how far it came. `statistics`
@@ -347,11 +380,15 @@ class StepwiseRun {
 PartEnd run_part(const char* method, const BarSystem& bar, const Penalty& penalty, const StartingPoint& start,
                  std::span<const double> times, const Observers& observers, const MakeStepper& make_stepper) {
   PenalisedSystem system(bar, penalty);
-  const Layout layout(system, observers.energy);
+  const Layout layout(system, observers.energy, observers.directions.size());
+  std::optional<Sensitivities> sensitivities;
+  if (!observers.directions.empty()) sensitivities.emplace(system, penalty, observers.directions);
   Statistics statistics = statistics_before(start);
   const std::size_t before = statistics.load_evaluations;
-  const std::unique_ptr<LegStepper> stepper = make_stepper({system, layout, times, statistics});
-  StepwiseRun run(system, layout, *stepper, statistics, times, observers, begin_of(start, times));
+  const std::unique_ptr<LegStepper> stepper =
+      make_stepper({system, layout, times, statistics,
+                    sensitivities ? sensitivities->derivatives() : std::span<Derivative* const>()});
+  StepwiseRun run(system, layout, *stepper, statistics, times, observers, begin_of(start, times), sensitivities);
   const auto conclude = [&] {
     statistics.unknowns = bar.size() + (bar.massive_end() - bar.massive_begin());
     statistics.load_evaluations = before + system.load_evaluations();

@@ -59,6 +59,8 @@ class RecordedRun {
     // Each for itself: what one cannot write, another may.
     attempt(outcome(), [&] { files_->ends.close(), written_["ends.csv"] = files_->ends.checksum(); });
     attempt(outcome(), [&] { files_->events.close(), written_["events.csv"] = files_->events.checksum(); });
+    if (auto& sensitivity = files_->sensitivity)
+      attempt(outcome(), [&] { sensitivity->close(), written_["sensitivity.csv"] = sensitivity->checksum(); });
     attempt(outcome(), [&] {
       files_->field.close();
       written_["field.h5"] = files_->field.checksum();
@@ -89,6 +91,7 @@ class RecordedRun {
     write_summary();
     outcome() = {};
     for (const char* old : {"report.html", ResultDirectory::final_summary}) remove_file(place_ / old);
+    if (!files_->sensitivity) remove_file(place_ / "sensitivity.csv");
     if (!last_.motion) {
       remove_checkpoints(place_);
       files_->take_places();
@@ -97,7 +100,7 @@ class RecordedRun {
       return;
     }
     ArchiveReader archive(last_.collected);
-    archive(data_, chatter_, pace_, outcome().warnings);
+    archive(data_, chatter_, pace_, outcome().warnings, outcome().changes);
     outcome().reached_time = last_.motion->time;
     outcome().steps = last_.motion->statistics.steps;
     outcome().events = last_.motion->statistics.events;
@@ -107,8 +110,10 @@ class RecordedRun {
   Observers observers() {
     Observers observers;
     observers.energy = observers.account = true;
+    observers.directions = scene_.run.directions;
     observers.snapshot = [this](const Snapshot& snapshot) {
       files_->ends.append(snapshot);
+      if (files_->sensitivity) files_->sensitivity->append(snapshot);
       files_->field.append(snapshot);
       data_.add(snapshot);
       if (options_.snapshot) options_.snapshot(snapshot);
@@ -116,6 +121,7 @@ class RecordedRun {
     observers.event = [this](const Event& event) {
       ++outcome().events;
       files_->events.append(event);
+      if (!event.sensitivities.empty()) outcome().changes.push_back(event.sensitivities);
       data_.add(event);
       if (options_.event) options_.event(event);
       // Changes of the bar itself are no chatter of a mesh.
@@ -154,7 +160,7 @@ class RecordedRun {
       std::vector<double> times = outcome().checkpoints;
       times.push_back(motion.time);
       ArchiveWriter archive;
-      archive(data_, chatter_, pace_, outcome().warnings);
+      archive(data_, chatter_, pace_, outcome().warnings, outcome().changes);
       write_checkpoint(
           place_, {scene_.description, last_.schedule, motion, files_->mark(), archive.take(), times, wall_seconds()});
       outcome().checkpoints = std::move(times);

@@ -51,6 +51,24 @@ std::optional<std::string> penetration_warning(const Case& run, const Statistics
       done.max_penetration, largest, stiffer_advice(run));
 }
 
+/// That the derivatives end somewhere: where, and why.
+std::optional<std::string> sensitivity_warning(const Statistics& done) {
+  if (!done.sensitivity || !done.sensitivity->lost) return std::nullopt;
+  return fmt::format("sensitivities: there are none from t = {:.9g} on: {}", *done.sensitivity->lost,
+                     done.sensitivity->why);
+}
+
+/// How many contact changes have no derivative of their time, though what follows has.
+std::optional<std::string> graze_warning(const Outcome& outcome, const Statistics& done) {
+  const std::size_t grazes = std::ranges::count_if(outcome.changes, [](const std::vector<ChangeSensitivity>& change) {
+    return std::ranges::any_of(change, [](const ChangeSensitivity& s) { return std::isnan(s.time); });
+  });
+  if (grazes == 0 || (done.sensitivity && done.sensitivity->lost)) return std::nullopt;
+  return fmt::format(
+      "sensitivities: {} of {} contact changes are grazes, whose times have no derivatives (null in contact_times)",
+      grazes, outcome.changes.size());
+}
+
 }  // namespace
 
 void fail(Outcome& outcome, Ending ending, const std::string& error) {
@@ -86,6 +104,10 @@ void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, c
 
 void judge(Outcome& outcome, const Case& run, const BarSystem& system,
            const std::function<void(const std::string& warning)>& warn) {
+  if (outcome.statistics) {
+    if (const auto warning = sensitivity_warning(*outcome.statistics)) warn(*warning);
+    if (const auto warning = graze_warning(outcome, *outcome.statistics)) warn(*warning);
+  }
   if (!outcome.statistics || !outcome.statistics->energy) return;
   const Statistics& done = *outcome.statistics;
   if (const auto warning = growth_warning(run, done)) warn(*warning);

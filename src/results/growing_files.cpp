@@ -36,6 +36,7 @@ void GrowingFiles::Mark::check(const fs::path& directory) const {
   check_length(directory / "field.h5", field.length);
   check_begin(directory / "ends.csv", ends);
   check_begin(directory / "events.csv", events);
+  if (sensitivity) check_begin(directory / "sensitivity.csv", *sensitivity);
   field.check_values(directory / "field.h5");
 }
 

@@ -36,18 +36,21 @@ struct Files {
   bool table = false;
 };
 
-const std::array<Files, 5>& all_files() {
-  static const std::array<Files, 5> files = {
+const std::array<Files, 6>& all_files() {
+  static const std::array<Files, 6> files = {
       Files{"summary.json",
             {R"("versions")", R"("viscobar")", R"("method")"},
-            {"ends.csv", "events.csv", "field.h5", "field.xdmf", "report.html", "checkpoint.bin",
+            {"ends.csv", "events.csv", "sensitivity.csv", "field.h5", "field.xdmf", "report.html", "checkpoint.bin",
              "checkpoint.previous.bin"}},
       Files{"compare.json", {R"("pairs")", R"("version")"}, {"compare.html"}},
       Files{"limit.json", {R"("verdict")", R"("version")"}, {"limit.html"}},
       Files{"precision.json", {R"("reference")", R"("version")"}, {"precision.html"}},
-      Files{"sweep.h5", {"viscobar", "\x89HDF"}, {"sweep.csv", "timings.csv", "sweep.json"}, true}};
+      Files{"sweep.h5", {"viscobar", "\x89HDF"}, {"sweep.csv", "timings.csv", "sweep.json"}, true},
+      Files{"fit.json", {R"("covariance")", R"("version")"}, {"fit.html"}}};
   return files;
 }
+
+bool of_every_run(std::string_view file) { return !file.starts_with("checkpoint") && file != "sensitivity.csv"; }
 
 const Files& files_of(ResultKind kind) { return all_files()[static_cast<std::size_t>(kind)]; }
 
@@ -170,7 +173,11 @@ void take_places(const fs::path& directory) {
     // First the one that says the run is going on: nothing may be called completed meanwhile.
     if (fs::exists(from / "summary.json")) rename_file(from / "summary.json", directory / "summary.json");
     for (const std::string_view name : files_of(ResultKind::run).others) {
-      if (!fs::exists(from / name)) continue;
+      if (!fs::exists(from / name)) {
+        // What is not of every run would stay from the one before.
+        if (!of_every_run(name) && fs::exists(from / "field.h5")) remove_file(directory / name);
+        continue;
+      }
       if (name.starts_with("checkpoint"))
         fs::remove(from / name);
       else
@@ -226,7 +233,7 @@ fs::path ResultDirectory::place_of_new_run() const {
 
 void check_run_files(const fs::path& place) {
   for (const std::string_view name : files_of(ResultKind::run).others)
-    if (!name.starts_with("checkpoint") && type(place / name) != fs::file_type::regular)
+    if (of_every_run(name) && type(place / name) != fs::file_type::regular)
       throw IoError(place / name, "was removed or replaced while it was written");
 }
 

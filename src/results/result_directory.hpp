@@ -7,7 +7,7 @@
 namespace viscobar {
 
 /// The commands that leave results; each has files of its own.
-enum class ResultKind { run, compare, limit, precision, sweep };
+enum class ResultKind { run, compare, limit, precision, sweep, fit };
 
 /// A directory of results, of which this object is the only user until it ends.
 ///

@@ -99,6 +99,21 @@ constexpr Fact limit_facts[] = {
     {"version", [](const Json& s) { return at(s, "/version"); }},
 };
 
+constexpr Fact fit_facts[] = {
+    {"title", [](const Json& s) { return at(s, "/title"); }},
+    {"parameters",
+     [](const Json& s) {
+       Json names = Json::array();
+       for (const auto& [key, value] : s["parameters"].items()) names.push_back(key);
+       return names;
+     }},
+    {"measured", [](const Json& s) { return at(s, "/measured"); }},
+    {"converged", [](const Json& s) { return at(s, "/converged"); }},
+    {"runs", [](const Json& s) { return at(s, "/runs"); }},
+    {"residual", [](const Json& s) { return at(s, "/residual"); }},
+    {"version", [](const Json& s) { return at(s, "/version"); }},
+};
+
 constexpr Fact precision_facts[] = {
     {"title", [](const Json& s) { return at(s, "/title"); }},
     {"methods", [](const Json& s) { return each(s["rows"], "method"); }},
@@ -124,6 +139,7 @@ constexpr Kind kinds[] = {
     {"limit", "limit.json", limit_facts},
     {"precision", "precision.json", precision_facts},
     {"sweep", "sweep.h5", {}},
+    {"fit", "fit.json", fit_facts},
     {"run", "unfinished/summary.json", run_facts},  // beside a whole one
 };
 

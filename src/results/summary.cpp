@@ -35,6 +35,28 @@ Json contact_json(const Scene& scene, const Outcome& outcome) {
   return contacts;
 }
 
+// What is not a number becomes null.
+Json sensitivity_json(const Case& run, const Outcome& outcome) {
+  const SensitivityAccount* account =
+      outcome.statistics && outcome.statistics->sensitivity ? &*outcome.statistics->sensitivity : nullptr;
+  Json json = Json::object();
+  for (std::size_t k = 0; k < run.directions.size(); ++k) {
+    Json times = Json::array(), velocities = Json::array();
+    for (const auto& change : outcome.changes)
+      times.push_back(change[k].time), velocities.push_back(change[k].velocity);
+    const auto known = [&](const std::vector<double> SensitivityAccount::*member) {
+      return account && k < (account->*member).size() ? Json((account->*member)[k]) : Json(nullptr);
+    };
+    json[run.directions[k].key] = {{"contact_times", times},
+                                   {"contact_velocities", velocities},
+                                   {"impulse_left", known(&SensitivityAccount::impulse_left)},
+                                   {"impulse_right", known(&SensitivityAccount::impulse_right)},
+                                   {"energy_final", known(&SensitivityAccount::energy)},
+                                   {"until", account && account->lost ? Json(*account->lost) : Json(nullptr)}};
+  }
+  return json;
+}
+
 Json to_json(const EnergyAccount& energy) {
   Json json = {{"initial", energy.initial},
                {"final", energy.final},
@@ -114,6 +136,7 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
     json["representation"] = {{"error", outcome.statistics->representation->error},
                               {"rounding", outcome.statistics->representation->rounding}};
   json["error_estimate"] = outcome.error_estimate ? to_json(*outcome.error_estimate) : Json(nullptr);
+  if (!scene.run.directions.empty()) json["sensitivity"] = sensitivity_json(scene.run, outcome);
   json["contact"] = contact_json(scene.run.scene, outcome);
   json["scene"] = Json::parse(scene.complete());
   json["chosen"] = Json::parse(scene.chosen);

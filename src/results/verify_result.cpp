@@ -160,6 +160,9 @@ class Verification {
     };
     growing("ends.csv", [&] { check_begin(directory_ / "ends.csv", newest->files.ends); });
     growing("events.csv", [&] { check_begin(directory_ / "events.csv", newest->files.events); });
+    if (found_.contains("sensitivity.csv") || (newest && newest->files.sensitivity))
+      growing("sensitivity.csv",
+              [&] { check_begin(directory_ / "sensitivity.csv", newest->files.sensitivity.value_or(Checksum{})); });
     growing("field.h5", [&] { newest->files.field.check_values(directory_ / "field.h5"); });
     for (const char* name : {"field.xdmf", "report.html"})
       if (found_.contains(name) && found_[name].state == FileState::foreign) tell(name, FileState::unchecked, unknown);

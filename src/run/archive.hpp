@@ -52,10 +52,14 @@ void members(Like<Statistics> auto& statistics, auto&& each) {
        statistics.matrix_factorisations, statistics.event_evaluations, statistics.load_evaluations, statistics.events,
        statistics.integration_seconds, statistics.reached_time, statistics.completed, statistics.max_penetration,
        statistics.late_opening.ratio, statistics.late_opening.time, statistics.energy, statistics.account,
-       statistics.representation);
+       statistics.representation, statistics.sensitivity);
+}
+void members(Like<ChangeSensitivity> auto& change, auto&& each) { each(change.time, change.velocity); }
+void members(Like<SensitivityAccount> auto& account, auto&& each) {
+  each(account.impulse_left, account.impulse_right, account.energy, account.lost, account.why);
 }
 void members(Like<Event> auto& event, auto&& each) {
-  each(event.time, event.where, event.node, event.change, event.velocity, event.impulse);
+  each(event.time, event.where, event.node, event.change, event.velocity, event.impulse, event.sensitivities);
 }
 void members(Like<Checkpoint> auto& checkpoint, auto&& each) {
   each(checkpoint.time, checkpoint.outputs, checkpoint.statistics, checkpoint.state);

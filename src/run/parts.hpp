@@ -42,6 +42,11 @@ Statistics run_in_parts(const StartingPoint& start, std::span<const double> time
   return std::get<Statistics>(std::move(end));
 }
 
+/// @throws Unfit where directions are asked for, by a method that has no derivatives
+inline void refuse_directions(const char* method, const Observers& observers) {
+  if (!observers.directions.empty()) throw Unfit(method, Refusal::directions);
+}
+
 inline Statistics statistics_before(const StartingPoint& start) {
   const auto* checkpoint = std::get_if<Checkpoint>(&start);
   return checkpoint ? checkpoint->statistics : Statistics{};

@@ -13,6 +13,7 @@ const char* words(Refusal why) {
     case Refusal::rigid_contacts: return "it needs a positive epsilon";
     case Refusal::many_unknowns: return "its matrices are dense, and the unknown nodes are too many";
     case Refusal::many_steps: return "it would make too many steps";
+    case Refusal::directions: return "it has no derivatives; cvode, ida, arkode and rigid have";
     case Refusal::no_step: return "the size of its steps is not given";
     case Refusal::unstable_step: return "its steps are too long to be stable";
   }

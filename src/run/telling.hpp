@@ -15,8 +15,9 @@ class Telling {
 
   void snapshot(const Snapshot& now) { outside(observers_.snapshot, now); }
   /// Counts it, too.
-  void event(double t, const BarSystem& system, const Contact& contact, Change change, double velocity) {
-    Event event{t, contact.where, contact.unknown + system.first_node(), change, velocity};
+  void event(double t, const BarSystem& system, const Contact& contact, Change change, double velocity,
+             const std::vector<ChangeSensitivity>& sensitivities = {}) {
+    Event event{t, contact.where, contact.unknown + system.first_node(), change, velocity, std::nullopt, sensitivities};
     count_change(statistics_, event);
     told(event);
   }

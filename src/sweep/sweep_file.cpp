@@ -133,13 +133,15 @@ class SweepReader {
     if (!key)
       return report(name, node.key_at,
                     dot == name.npos ? unknown_key("", name) : unknown_key(name.substr(0, dot), name.substr(dot + 1)));
+    SceneKey named = *key;
+    named.name = name;  // of a parameter its own
     if (!sweep_.places.try_emplace(name, Diagnostic{source_, node.value_at.line, node.value_at.column, name, ""})
              .second)
       return report(name, node.key_at, "is given twice: in [set], or in [vary]");
-    if (!varied) return setting(*key, node);
+    if (!varied) return setting(named, node);
     const std::size_t before_count = found_.size();
     sweep_.plan.keys.push_back(
-        varied_key(*key, node, [&](TextPosition at, const std::string& message) { report(name, at, message); }));
+        varied_key(named, node, [&](TextPosition at, const std::string& message) { report(name, at, message); }));
     if (found_.size() != before_count) faulty_ = true;
   }
 

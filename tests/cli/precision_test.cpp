@@ -47,7 +47,7 @@ TEST_F(Precision, RowsHaveWhatScriptsRelyOn) {
 TEST_F(Precision, AnUndampedSceneIsMeasuredAgainstItsExactSolution) {
   const Json result = study(scene("period-3") + few_ + " --methods rigid,fully_discrete --set mesh.elements=20");
   EXPECT_EQ(result["reference"]["kind"], "closed form");
-  EXPECT_EQ(result["reference"]["error"], 0.0);
+  EXPECT_LT(result["reference"]["error"], 1e-13) << "a few thousand roundings of displacements of 0.2";
   EXPECT_NE(result["reference"]["what"].get<std::string>().find("characteristics"), std::string::npos);
 }
 

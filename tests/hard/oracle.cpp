@@ -139,8 +139,12 @@ Oracle first_contact(double time) {
     const double h = trial.run.mesh().smallest();
     const double rows = trial.run.method == MethodName::odeint ? 12 * bar.viscosity / (bar.density * h * h) : 0.0;
     const double steps = std::max(1000.0, static_cast<double>(trial.result.statistics.steps));
+    // A rigid contact closes once its clearance is below zero by half of the tolerance, at speeds of 1 here; if that is
+    // not in the step of the zero, then at the beginning of a later one.
+    const bool rigid = trial.run.method == MethodName::rigid && time < *trial.run.tolerance.absolute;
     return {{"first contact", closes ? std::abs(events.front().time - time) : infinite,
-             rounding * std::max(steps, rows) * std::max(time, trial.run.end) + 2.001 * step_of(trial)}};
+             rounding * std::max(steps, rows) * std::max(time, trial.run.end) + 2.001 * step_of(trial) +
+                 (rigid ? 0.5 * *trial.run.tolerance.absolute : 0.0)}};
   };
 }
 

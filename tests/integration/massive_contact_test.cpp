@@ -120,6 +120,25 @@ TEST_P(MassiveContact, TheImpulseOfTheAccountIsTheMomentumThatTheBarGains) {
   }
 }
 
+// A load presses the bar to its obstacle and pulls it off. R'' is below (3 pi)^2 times its peak, so that samples 1e-3
+// apart miss the peak by less than 9 pi^2 1e-6 / 8 of it.
+TEST_P(MassiveContact, ThePeakOfTheAccountIsThatOfTheReactionAtFineTimes) {
+  Scene scene;
+  scene.bar.viscosity = 0.1;
+  scene.left = Obstacle{0.0};
+  scene.displacement = scene.velocity = [](double) { return 0.0; };
+  scene.load = SeparableLoad{[](double x) { return -1.0 - x; }, [](double t) { return std::sin(3.0 * t); }};
+  const BarSystem system(scene, {1.0, 12}, GetParam());
+  Observers observers;
+  observers.account = true;
+  double peak = 0.0;
+  observers.snapshot = [&](const Snapshot& now) { peak = std::max(peak, now.reaction_left); };
+  const Statistics done =
+      integrate(system, system.initial_state(), uniform_times(1e-3, 1000), Rigid{{1e-9, 1e-12}}, observers);
+  EXPECT_GT(peak, 1.0);
+  EXPECT_NEAR(done.account->left.peak_reaction, peak, 1.2e-5 * peak) << name(GetParam());
+}
+
 // Rows other than the contact's keep their momentum.
 TEST_P(MassiveContact, AnImpactLeavesTheMomentumOfTheOtherRowsAlone) {
   const BarSystem system(thrown(0.0), {1.0, 9}, GetParam());

@@ -170,7 +170,7 @@ TEST(StiffMasslessContact, IsTheRigidOneBitForBitWhereItGivesWayByLessThanRoundi
   run.output_every = 0.01;
   run.method = MethodName::rigid;
   const Recording rigid = record(run);
-  run.method = MethodName::cvode;  // by which a rigid obstacle with viscosity runs
+  run.method = MethodName::arkode;  // by whose formulas a rigid obstacle with viscosity runs
   run.epsilon = 1e-20;
   const Recording spring = record(run);
   EXPECT_EQ(spring.u, rigid.u);

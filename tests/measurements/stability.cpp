@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -16,10 +17,13 @@ namespace {
 using namespace viscobar;
 using namespace viscobar::hard;
 
-/// Messages by their number in the list below the table.
+/// Messages by their number in the list below the table. The method stands in the table, and times, which differ
+/// between methods and machines, are left out.
 class Notes {
  public:
-  std::size_t number(const std::string& message) {
+  std::size_t number(const std::string& told) {
+    static const std::regex who(R"(^.*? (stopped )?at t = [^:]*: )"), number(R"(\d*\.\d+(e[-+]\d+)?)");
+    const std::string message = std::regex_replace(std::regex_replace(told, who, ""), number, "...");
     const auto known = std::ranges::find(messages_, message);
     if (known != messages_.end()) return static_cast<std::size_t>(known - messages_.begin()) + 1;
     messages_.push_back(message);

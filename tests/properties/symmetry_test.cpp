@@ -55,8 +55,8 @@ TEST(Symmetry, ALateStartUnderADelayedLoadIsTheSameMotionLater) {
 }
 
 // Units of length, time, displacement and stress, all powers of two: every product, quotient and square root is the
-// same number with another exponent. So the digits are the same, but for odeint: its dense matrices over displacement,
-// velocity and time are pivoted by size, which the units decide.
+// same number with another exponent. So the digits are the same, but for odeint: it reads its Jacobian off differences
+// between displacements of the bar's length and none, and here displacements have a unit of their own.
 TEST(Symmetry, OtherUnitsGiveTheSameDigits) {
   expect_always([] {
     Asked asked;

@@ -345,6 +345,27 @@ TEST(LimitVerdict, WherePenalisedTracesDivergeASmallerEpsilonIsNotWhatIsLacking)
   EXPECT_EQ(found.evidence.lack, Lack::larger_epsilon);
 }
 
+// Ends that move by 5 and limits known to 2: however far the bar would have fallen without the obstacle.
+TEST(LimitVerdict, WhatABarWouldFallWithoutItsObstacleIsNotAtStake) {
+  const auto moves = [](double off) {
+    EndTraces traces{.left = {0.0, 5.0 + off}, .right = {0.0, 0.0}, .events = {}, .statistics = {}};
+    traces.statistics.max_penetration = 1e-6;
+    return traces;
+  };
+  const EndTraces rigid = moves(0.0), falls = moves(-1e4);
+  const std::vector<double> at = decades(1e-3, 1e-6);
+  std::vector<EndTraces> traces;
+  for (const double x : at) traces.push_back(moves(2e6 * x));
+  LimitTraces mesh;
+  mesh.rigid = rigid;
+  mesh.without_obstacles = [&]() -> const EndTraces& { return falls; };
+  for (std::size_t i = 0; i < at.size(); ++i) mesh.penalised.add(at[i], rigid), mesh.scheme.add(at[i], traces[i]);
+  const Judgement found = judge(mesh);
+  EXPECT_EQ(found.evidence.stake, 5.0);
+  EXPECT_EQ(found.verdict, Verdict::undecided);
+  EXPECT_EQ(found.evidence.lack, Lack::smaller_step);
+}
+
 class VerdictOf : public testing::TestWithParam<std::size_t> {};
 
 // A slice of docs/limit-verdicts.md, where the rest of the sixty scenes is.

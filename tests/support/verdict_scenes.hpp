@@ -93,7 +93,8 @@ inline std::vector<VerdictScene> random_verdict_scenes(std::size_t count, unsign
 inline LimitStudy verdict_study(const VerdictScene& scene) {
   LimitStudy study;
   study.scene = scene.run;
-  study.epsilons = decades(1e-2, 1e-8);
+  const double unit = natural_epsilon(scene.run.scene);
+  study.epsilons = decades(1e-2 * unit, 1e-8 * unit);
   return study;
 }
 

@@ -50,6 +50,9 @@ struct Case {
   Start start = Start::first_order;         ///< of the schemes
   Impact impact = Impact::paoli_schatzman;  ///< of the schemes
 
+  /// Parameters whose sensitivities record() and record_run() tell; see direction().
+  std::vector<Direction> directions;
+
   double end = 1.0;           ///< T
   double output_every = 0.1;  ///< interval of the output times
 
@@ -84,7 +87,8 @@ inline constexpr std::string_view automatic = "automatic";
 ///       neither                                         cvode, whose Adams formulas of order up to 12 follow
 ///                                                       oscillations best
 ///
-/// Measured in docs/methods.md.
+/// Where sensitivities are asked for, the first of these that has them: a penalised method, or rigid. Measured in
+/// docs/methods.md.
 struct AutomaticMethod {
   MethodName method;        ///< that suits the case
   std::string reservation;  ///< the sentence, or empty
@@ -129,6 +133,11 @@ Method method_of(const Case& run);
 
 /// The semi-discrete system of a sound case, on its effective mass.
 BarSystem make_system(const Case& run);
+
+/// The direction of a key of a scene file that has a number: bar.*, left.gap, right.gap, span.gap, contact.epsilon and
+/// contact.restitution. The functions of x are differenced for bar.length.
+/// @throws std::invalid_argument for another key, and for one that the case does not have
+Direction direction(const Case& run, std::string_view key);
 
 /// The options of `odeint` that a case asks for.
 Odeint odeint(const Case& run);

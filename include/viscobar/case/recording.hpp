@@ -11,18 +11,28 @@
 
 namespace viscobar {
 
+/// The derivatives of a recording with respect to a parameter; NaN where there are none.
+struct RecordedSensitivity {
+  std::string key;                     ///< of the parameter
+  std::vector<double> u;               ///< of Recording::u, likewise row by row
+  std::vector<double> v;               ///< of Recording::v
+  std::vector<double> reaction_left;   ///< K
+  std::vector<double> reaction_right;  ///< K
+};
+
 /// A run kept in memory, to be compared with another: the field on a time grid, the reactions at the ends, the events.
 /// On a mesh of one element it may hold the ends of a finer one, for a scheme that knows nothing else.
 struct Recording {
-  std::string label;                   ///< in tables and reports
-  Mesh mesh;                           ///< J elements
-  std::vector<double> times;           ///< K output times
-  std::vector<double> u;               ///< displacement, K x (J+1), row by row
-  std::vector<double> v;               ///< velocity, likewise; empty where it is not known
-  std::vector<double> reaction_left;   ///< K, or empty where it is not known
-  std::vector<double> reaction_right;  ///< likewise
-  std::vector<Event> events;           ///< contact changes in order of time
-  Statistics statistics;               ///< of the run
+  std::string label;                                    ///< in tables and reports
+  Mesh mesh;                                            ///< J elements
+  std::vector<double> times;                            ///< K output times
+  std::vector<double> u;                                ///< displacement, K x (J+1), row by row
+  std::vector<double> v;                                ///< velocity, likewise; empty where it is not known
+  std::vector<double> reaction_left;                    ///< K, or empty where it is not known
+  std::vector<double> reaction_right;                   ///< likewise
+  std::vector<Event> events;                            ///< contact changes in order of time
+  Statistics statistics;                                ///< of the run
+  std::vector<RecordedSensitivity> sensitivities = {};  ///< an entry for each direction of the case
 
   /// Displacement of the J+1 nodes at times[k].
   std::span<const double> displacement(std::size_t k) const {

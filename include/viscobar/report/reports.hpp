@@ -6,6 +6,7 @@
 #include "viscobar/input/scene_file.hpp"
 #include "viscobar/studies/compare/compare.hpp"
 #include "viscobar/studies/compare/examine.hpp"
+#include "viscobar/studies/fit/fit.hpp"
 #include "viscobar/studies/limit/coupling.hpp"
 #include "viscobar/studies/limit/limit.hpp"
 #include "viscobar/studies/orders/orders.hpp"
@@ -46,6 +47,13 @@ std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, 
 std::string precision_text(const PrecisionStudy& study, const PrecisionResult& result);
 /// The same as a page with pictures.
 PicturedPage precision_page(const PrecisionStudy& study, const PrecisionResult& result);
+
+/// The output of `viscobar fit` as JSON.
+std::string fit_json(const SceneFile& scene, const FitStudy& study, const FitResult& result);
+/// The same for the terminal.
+std::string fit_text(const FitStudy& study, const FitResult& result);
+/// The same as a page with pictures.
+PicturedPage fit_page(const SceneFile& scene, const FitStudy& study, const FitResult& result);
 
 /// Tables for the terminal. A trial: each reference, the difference of the scheme to it, the contacts of both, and the
 /// bounds that are exceeded.

@@ -20,12 +20,13 @@ enum class Ending {
 
 /// How far a run came.
 struct Outcome {
-  Ending ending = Ending::completed;  ///< how the run ended
-  std::string error;                  ///< empty when completed
-  double reached_time = 0.0;          ///< this and the next two are known however the run ended
-  std::size_t steps = 0;              ///< of the method
-  std::size_t events = 0;             ///< contact changes
-  std::vector<double> checkpoints;    ///< times at which checkpoints were made, in all parts of a run that was stopped
+  Ending ending = Ending::completed;                    ///< how the run ended
+  std::string error;                                    ///< empty when completed
+  double reached_time = 0.0;                            ///< this and the next two are known however the run ended
+  std::size_t steps = 0;                                ///< of the method
+  std::size_t events = 0;                               ///< contact changes
+  std::vector<std::vector<ChangeSensitivity>> changes;  ///< of each contact change, where directions are asked for
+  std::vector<double> checkpoints;  ///< times at which checkpoints were made, in all parts of a run that was stopped
   std::optional<Statistics> statistics;         ///< absent when the run could not begin
   double wall_seconds = 0.0;                    ///< of all, reading and writing included
   std::vector<std::string> warnings;            ///< such as chatter

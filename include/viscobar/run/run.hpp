@@ -10,8 +10,10 @@
 #include <string_view>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "viscobar/dynamics/bar_system.hpp"
+#include "viscobar/dynamics/sensitivity.hpp"
 
 namespace viscobar {
 
@@ -25,6 +27,8 @@ struct Snapshot {
   /// end.
   double reaction_left = 0.0;
   double reaction_right = 0.0;  ///< likewise
+  /// An entry for each direction that was asked for, valid during the call.
+  std::span<const FieldSensitivity> sensitivities{};
 };
 
 /// What a contact does: closing, the node reaches the obstacle; opening, it leaves.
@@ -40,6 +44,7 @@ struct Event {
   /// int R dt of the end's reaction from the start to here; absent under a span obstacle, and where nobody asked for
   /// the account of the run.
   std::optional<double> impulse = std::nullopt;
+  std::vector<ChangeSensitivity> sensitivities = {};  ///< an entry for each direction that was asked for
 };
 
 /// initial + work = final + dissipated + end_inertia + balance_error, the error being that of the time integration.
@@ -132,18 +137,19 @@ struct Statistics {
   std::size_t steps = 0;            ///< in time
   std::size_t rhs_evaluations = 0;  ///< of the right-hand side, of the residual for ida, of the step's for schemes
   std::size_t linear_solves = 0;    ///< tridiagonal
-  std::size_t matrix_factorisations = 0;         ///< tridiagonal
-  std::size_t event_evaluations = 0;             ///< steps searched for contact changes; 0 without an obstacle
-  std::size_t load_evaluations = 0;              ///< 0 without a load
-  std::size_t events = 0;                        ///< contact changes
-  double integration_seconds = 0.0;              ///< the method alone, observers' time not counted
-  double reached_time = 0.0;                     ///< how far it came
-  bool completed = false;                        ///< whether to the last output time
-  double max_penetration = 0.0;                  ///< max over time and contacts, >= 0
-  LateOpening late_opening;                      ///< of adaptive penalised methods
-  std::optional<EnergyAccount> energy;           ///< where Observers asked for it
-  std::optional<RunAccount> account;             ///< likewise
-  std::optional<Representation> representation;  ///< of `characteristics`
+  std::size_t matrix_factorisations = 0;          ///< tridiagonal
+  std::size_t event_evaluations = 0;              ///< steps searched for contact changes; 0 without an obstacle
+  std::size_t load_evaluations = 0;               ///< 0 without a load
+  std::size_t events = 0;                         ///< contact changes
+  double integration_seconds = 0.0;               ///< the method alone, observers' time not counted
+  double reached_time = 0.0;                      ///< how far it came
+  bool completed = false;                         ///< whether to the last output time
+  double max_penetration = 0.0;                   ///< max over time and contacts, >= 0
+  LateOpening late_opening;                       ///< of adaptive penalised methods
+  std::optional<EnergyAccount> energy;            ///< where Observers asked for it
+  std::optional<RunAccount> account;              ///< likewise
+  std::optional<Representation> representation;   ///< of `characteristics`
+  std::optional<SensitivityAccount> sensitivity;  ///< where directions were asked for
 };
 
 /// The complete state of a run between two of its steps. A run that begins from it continues like the original, bit for
@@ -179,7 +185,9 @@ struct Observers {
   std::function<RunControl(double time)> progress;  ///< after each step
   bool energy = false;                              ///< keep the energy account
   bool account = false;                             ///< keep the account of ends and contacts
-  std::optional<Checkpoints> checkpoints;           ///< to go on from
+  /// Parameters with respect to which derivatives are told, too: by cvode, ida, arkode and rigid. They outlive the run.
+  std::span<const Direction> directions{};
+  std::optional<Checkpoints> checkpoints;  ///< to go on from
 };
 
 /// Why a method does not take a system.
@@ -191,6 +199,7 @@ enum class Refusal {
   rigid_contacts,  ///< it penalises, and epsilon is not positive
   many_unknowns,   ///< for its dense matrices
   many_steps,      ///< that it would make
+  directions,      ///< it has no derivatives
   no_step,         ///< its steps are of a fixed size, which is not given
   unstable_step    ///< that size is too large
 };

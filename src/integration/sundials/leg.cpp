@@ -30,8 +30,9 @@ void Leg::solve(double m, double c, double k, std::span<double> x) {
   if (!std::isfinite(x.front()) || !std::isfinite(x.back())) throw not_finite();
 }
 
-void Leg::solve_first_order(double t, double gamma, std::span<const double> y, double factor, std::span<const double> z,
-                            std::span<double> x) {
+// Of (u, w) or of a derivative of it, whose forces are those.
+void Leg::solve_momentum(PenalisedSystem& forces, double t, double gamma, std::span<const double> y, double factor,
+                         std::span<const double> z, std::span<double> x) {
   const std::size_t n = layout.nodes;
   const double *u = y.data(), *w = u + n;
   double *x_u = x.data(), *x_w = x_u + n, *explicit_u = field.data();
@@ -40,20 +41,79 @@ void Leg::solve_first_order(double t, double gamma, std::span<const double> y, d
     explicit_u[i] = u[i] + x_u[i];
   }
   const std::span<double> right(x_w, n);
-  system.force(t, field, {w, n}, right);
-  ++statistics.rhs_evaluations;
+  forces.force(t, field, {w, n}, right);
   for (double& entry : right) entry *= gamma;
   subtract_inertia(-factor, z.subspan(n, n), right);
   solve(1.0, gamma, gamma * gamma, right);
   for (std::size_t i = 0; i < n; ++i) x_u[i] += gamma * x_w[i];
+}
+
+void Leg::solve_first_order(double t, double gamma, std::span<const double> y, double factor, std::span<const double> z,
+                            std::span<double> x) {
+  solve_momentum(system, t, gamma, y, factor, z, x);
+  ++statistics.rhs_evaluations;
+  const std::size_t n = layout.nodes;
   if (layout.size == 2 * n) return;
+  const double *u = y.data(), *w = u + n, *x_u = x.data(), *x_w = x_u + n;
   for (std::size_t i = 0; i < n; ++i) field[i] = w[i] + x_w[i];
   for (std::size_t i = 0; i < acceleration.size(); ++i) acceleration[i] = (x_w[i] - factor * z[n + i]) / gamma;
   account_rates(t, field, acceleration, x);
   account_correction = 0.0;
-  for (std::size_t k = 2 * n; k < layout.size; ++k) {
+  for (std::size_t k = 2 * n; k < layout.first_derivative; ++k) {
     x[k] = gamma * x[k] + factor * z[k];
     account_correction = std::max(account_correction, std::abs(x[k]));
+  }
+  if (derivatives.empty()) return;
+  for (std::size_t i = 0; i < n; ++i) new_u[i] = u[i] + x_u[i], new_w[i] = w[i] + x_w[i];
+  const Moment at = moment(t, new_u, new_w, acceleration);
+  for (std::size_t k = 0; k < derivatives.size(); ++k) {
+    derivatives[k]->drive(at);
+    const auto s = layout.derivative(y, k), z_s = layout.derivative(z, k);
+    const auto x_s = layout.derivative(x, k);
+    solve_momentum(derivatives[k]->motion(), t, gamma, s, factor, z_s, x_s);
+    if (layout.block == 2 * n) continue;
+    impulse_rates(*derivatives[k], at, s, x_s.first(n), x_s.subspan(2 * n));
+    for (std::size_t i = 2 * n; i < layout.block; ++i) x_s[i] = gamma * x_s[i] + factor * z_s[i];
+  }
+}
+
+Moment Leg::moment(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a) {
+  if (asks_for_inertia) {
+    std::ranges::fill(inertial_force, 0.0);
+    subtract_inertia(-1.0, a, inertial_force);
+  }
+  return {t, u, w, inertial_force};
+}
+
+void Leg::impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::span<const double> x,
+                        std::span<double> rates) {
+  const std::size_t n = layout.nodes;
+  std::size_t entry = 0;
+  // Each has its end and the node beside it.
+  const auto rate = [&](std::size_t end) {
+    const std::size_t beside = n == 1 ? end : end == 0 ? 1 : end - 1;
+    for (const std::size_t i : {end, beside}) field[i] = s[i] + (x.empty() ? 0.0 : x[i]);
+    rates[entry++] = derivative.momentum_loss(end, at, field);
+  };
+  if (layout.left) rate(0);
+  if (layout.right) rate(n - 1);
+}
+
+void Leg::derivative_rates(double t, std::span<const double> y, std::span<const double> w, std::span<const double> a,
+                           std::span<double> y_rate) {
+  if (derivatives.empty()) return;
+  const std::size_t n = layout.nodes;
+  const Moment at = moment(t, y.first(n), w, a);
+  for (std::size_t k = 0; k < derivatives.size(); ++k) {
+    Derivative& derivative = *derivatives[k];
+    derivative.drive(at);
+    const auto s = layout.derivative(y, k);
+    const auto rate = layout.derivative(y_rate, k);
+    std::ranges::copy(s.subspan(n, n), rate.begin());
+    derivative.motion().complete_velocity(t, s.first(n), rate.first(n));
+    derivative.motion().force(t, s.first(n), rate.first(n), rate.subspan(n, n));
+    derivative.motion().accelerate(rate.subspan(n, n));
+    impulse_rates(derivative, at, s.first(n), {}, rate.subspan(2 * n));
   }
 }
 

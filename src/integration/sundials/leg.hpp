@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "dynamics/derivative.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "integration/layout.hpp"
 #include "integration/sundials/return_flags.hpp"
@@ -19,9 +20,12 @@ namespace viscobar::sundials {
 /// solve with D(m,c,k), and no iteration. What CVODE and IDA call is a SUNNonlinearSolver made of it.
 class Leg {
  public:
-  Leg(PenalisedSystem& of, const Layout& placed, Statistics& counted)
-      : system(of), layout(placed), statistics(counted), field(placed.nodes) {
-    if (placed.end_inertia) acceleration.resize(placed.nodes);
+  Leg(PenalisedSystem& of, const Layout& placed, Statistics& counted, std::span<Derivative* const> of_parameters)
+      : system(of), layout(placed), statistics(counted), derivatives(of_parameters), field(placed.nodes) {
+    if (placed.end_inertia || !of_parameters.empty()) acceleration.resize(placed.nodes);
+    if (of_parameters.empty()) return;
+    new_u.resize(placed.nodes), new_w = inertial_force = new_u;
+    for (const Derivative* one : of_parameters) asks_for_inertia |= one->asks_for_inertia();
   }
 
   /// x <- D(m,c,k)^{-1} x; factorises only when a coefficient or a contact has changed.
@@ -33,9 +37,19 @@ class Leg {
   ///
   ///     D(1, gamma, gamma^2) x_w = gamma F(t, u + gamma w + factor z_u, w) + factor rho M z_w,
   ///
-  /// right for massless rows, too, where rho M = 0.
+  /// right for massless rows, too, where rho M = 0. The derivatives have the same matrix: a solve each.
   void solve_first_order(double t, double gamma, std::span<const double> y, double factor, std::span<const double> z,
                          std::span<double> x);
+
+  /// Rates of the derivatives of a state y of velocity w and acceleration a.
+  void derivative_rates(double t, std::span<const double> y, std::span<const double> w, std::span<const double> a,
+                        std::span<double> y_rate);
+
+  /// Drives the derivatives by the state u, w, whose inertial force is taken from its acceleration.
+  Moment moment(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a);
+  /// Rates of the impulse entries of a block, whose displacements are s + x.
+  void impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::span<const double> x,
+                     std::span<double> rates);
 
   /// out -= factor * rho M x
   void subtract_inertia(double factor, std::span<const double> x, std::span<double> out);
@@ -46,15 +60,21 @@ class Leg {
   PenalisedSystem& system;
   Layout layout;
   Statistics& statistics;
-  std::vector<double> field;           // scratch, one entry a node
-  std::vector<double> acceleration;    // likewise, where the account needs it
-  std::span<const double> correction;  // of the step or stage solved for last, until the next
-  double account_correction = 0.0;     // largest of the energy account, at the step solved for last
-  std::exception_ptr error;            // thrown inside a callback, to be rethrown outside the C frames
-  std::string library_message;         // what SUNDIALS said last
-  void* memory = nullptr;              // of the integrator
+  std::span<Derivative* const> derivatives;
+  bool asks_for_inertia = false;                     // of a derivative
+  std::vector<double> new_u, new_w, inertial_force;  // of the step solved for, where there are derivatives
+  std::vector<double> field;                         // scratch, one entry a node
+  std::vector<double> acceleration;                  // likewise, where the account needs it
+  std::span<const double> correction;                // of the step or stage solved for last, until the next
+  double account_correction = 0.0;                   // largest of the energy account, at the step solved for last
+  std::exception_ptr error;                          // thrown inside a callback, to be rethrown outside the C frames
+  std::string library_message;                       // what SUNDIALS said last
+  void* memory = nullptr;                            // of the integrator
 
  private:
+  void solve_momentum(PenalisedSystem& forces, double t, double gamma, std::span<const double> y, double factor,
+                      std::span<const double> z, std::span<double> x);
+
   SymmetricTridiagonal matrix_;
   TridiagonalFactor factor_;
   double m_ = 0.0, c_ = 0.0, k_ = 0.0;

@@ -14,6 +14,7 @@ namespace {
 struct Content {
   Eigen::ArrayXd data;
   const Probed* probed = nullptr;  // of a probe
+  Eigen::Index weighed = 0;        // entries from the first on that norms look at
   int owners = 1;
 };
 
@@ -37,7 +38,7 @@ N_Vector clone(N_Vector x) noexcept {
   N_Vector copy = N_VNewEmpty(x->sunctx);
   try {
     if (!copy || N_VCopyOps(x, copy) != 0) throw std::bad_alloc();
-    copy->content = new Content{Eigen::ArrayXd::Zero(array(x).size()), content(x).probed};
+    copy->content = new Content{Eigen::ArrayXd::Zero(array(x).size()), content(x).probed, content(x).weighed};
     return copy;
   } catch (const std::bad_alloc&) {
     if (copy) N_VFreeEmpty(copy);
@@ -106,12 +107,15 @@ void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z
     array(z) = a * array(x) + b * array(y);
 }
 
-double weighted_max_norm(N_Vector x, N_Vector w) noexcept { return (array(x) * array(w)).abs().maxCoeff(); }
+double weighted_max_norm(N_Vector x, N_Vector w) noexcept {
+  const Eigen::Index n = content(x).weighed;
+  return (array(x).head(n) * array(w).head(n)).abs().maxCoeff();
+}
 
-Vector make(Eigen::ArrayXd data, const Probed* probed, const Context& context) {
+Vector make(Eigen::ArrayXd data, const Probed* probed, Eigen::Index weighed, const Context& context) {
   Vector vector(N_VNewEmpty(context.get()));
   if (!vector) throw std::bad_alloc();
-  vector->content = new Content{std::move(data), probed};
+  vector->content = new Content{std::move(data), probed, weighed};
   auto& ops = *vector->ops;
   ops.nvgetvectorid = [](N_Vector) noexcept { return SUNDIALS_NVEC_CUSTOM; };
   ops.nvclone = clone;
@@ -138,12 +142,14 @@ Vector make(Eigen::ArrayXd data, const Probed* probed, const Context& context) {
 
 }  // namespace
 
-Vector make_vector(std::size_t size, const Context& context) {
-  return make(Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(size)), nullptr, context);
+Vector make_vector(std::size_t size, const Context& context, std::size_t weighed) {
+  return make(Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(size)), nullptr,
+              static_cast<Eigen::Index>(std::min(size, weighed)), context);
 }
 
 Vector make_probe(const Probed& probed, const Context& context) {
-  return make(Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(probed.entries.size())), &probed, context);
+  const auto size = static_cast<Eigen::Index>(probed.entries.size());
+  return make(Eigen::ArrayXd::Zero(size), &probed, size, context);
 }
 
 void require_memory() {

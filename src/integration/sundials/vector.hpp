@@ -13,7 +13,8 @@ namespace viscobar::sundials {
 /// An N_Vector of our own: contiguous, every operation vectorised and the linear combinations fused, because
 /// distributions ship SUNDIALS' own vectors unoptimised. Its weighted norm is the maximum norm max |x_i w_i|: the
 /// root mean square would dilute the error of one node in an impact by the square root of the mesh size.
-Vector make_vector(std::size_t size, const Context& context);
+/// Norms look at its first `weighed` entries, all by default: the others have no weight anyway.
+Vector make_vector(std::size_t size, const Context& context, std::size_t weighed = static_cast<std::size_t>(-1));
 
 /// What a probe looks at: entry i of it is entries[i] of a vector, where i is among the `selected`; others are left.
 struct Probed {

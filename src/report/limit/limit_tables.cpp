@@ -122,7 +122,7 @@ std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, s
   }
   return fmt::format(
       "the difference to the scheme goes from {:.2g} at epsilon = {:.2g} to {:.2g} at {:.2g}, and {}: the limits agree "
-      "to {:.2g}, where {} changes {:.2g}",
+      "to {:.2g}, where {} puts {:.2g} at stake",
       first.difference_to_scheme, first.epsilon, evidence.difference, last.epsilon, errors,
       evidence.upper().value_or(0.0), evidence.by_law ? "another law of impact" : "contact itself",
       evidence.stake.value_or(0.0));

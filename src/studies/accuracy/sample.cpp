@@ -37,14 +37,16 @@ Sample Probe::take(const Statistics& statistics) {
 }
 
 std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& stop) {
-  const BarSystem system = make_system(run);
-  Probe probe(run);
+  Case plain = run;
+  plain.directions.clear();
+  const BarSystem system = make_system(plain);
+  Probe probe(plain);
   Observers observers;
   observers.account = true;
   observers.snapshot = [&](const Snapshot& snapshot) { probe.add(snapshot); };
   observers.event = [&](const Event& event) { probe.add(event); };
   if (stop) observers.progress = [&](double) { return stop() ? RunControl::stop : RunControl::go_on; };
-  const Statistics done = simulate(run, system, observers);
+  const Statistics done = simulate(plain, system, observers);
   if (!done.completed) return std::nullopt;
   return probe.take(done);
 }

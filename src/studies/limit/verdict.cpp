@@ -78,6 +78,17 @@ std::vector<double> distances(const TraceSequence& sequence, const EndTraces& to
   return values;
 }
 
+// What contact changes, and no more than the ends move: without the obstacle a bar under a load may go anywhere.
+double stake_of_contact(const LimitTraces& mesh) {
+  const EndTraces& traces = mesh.penalised.last();
+  double range = 0.0;
+  for (const auto* end : {&traces.left, &traces.right}) {
+    const auto [least, most] = std::ranges::minmax(*end);
+    range = std::max(range, most - least);
+  }
+  return std::min(range, largest_difference(traces, mesh.without_obstacles()));
+}
+
 // Massless nodes: P(0) is the rigid limit, known apart from both sequences.
 Judgement judge_massless(const LimitTraces& mesh) {
   Judgement found;
@@ -92,7 +103,7 @@ Judgement judge_massless(const LimitTraces& mesh) {
   const auto order = distance.size() < 3 ? std::nullopt : last_order(mesh.scheme.x, distance);
   if (distance.back() <= mesh.floor || (order && order->order >= 0.5)) {
     evidence.scheme_error = left;
-    evidence.stake = largest_difference(mesh.penalised.last(), mesh.without_obstacles());
+    evidence.stake = stake_of_contact(mesh);
     if (*evidence.penalty_error + left <= part_of_contact * *evidence.stake) {
       found.verdict = Verdict::converges;
       return found;
@@ -172,7 +183,7 @@ Judgement judge_massive(const LimitTraces& mesh, const TraceSequence& schemes) {
     evidence.by_law = true;
     part = part_of_law;
   } else {
-    evidence.stake = largest_difference(mesh.penalised.last(), mesh.without_obstacles());
+    evidence.stake = stake_of_contact(mesh);
   }
   if (*evidence.upper() <= part * *evidence.stake) {
     found.verdict = Verdict::converges;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "studies/precision/solved.hpp"
 
@@ -10,17 +11,22 @@ namespace viscobar::precision {
 namespace {
 
 constexpr double tolerance = 1e-9;
-constexpr std::size_t fine = 1000;          // elements from which on no further mesh is needed,
-constexpr std::size_t least_doublings = 3;  // after so many: the last three of four meshes show an order
+// A mesh is the last when it has so many elements, or differs from the one before by what its tolerance leaves, after
+// so many doublings: the last three of four meshes show an order.
+constexpr std::size_t fine = 1000, least_doublings = 3;
 
 Case on_mesh(const Case& scene, std::size_t elements) {
   Case run = scene;
   run.elements = elements;
   run.method = MethodName::rigid;
-  run.mass = Mass::redistributed;
+  run.restitution.reset();
   run.tolerance = run.tolerance.with_relative(tolerance);
-  if (validate(run).empty()) return run;
+  for (const Mass mass : {Mass::fourth_order, Mass::redistributed}) {
+    run.mass = mass;
+    if (validate(run).empty()) return run;
+  }
   run.mass = scene.mass;
+  run.restitution = scene.restitution;
   run.method = MethodName::fully_discrete;
   run.start = Start::second_order;
   run.step = run.mesh().spacing() / (16.0 * std::sqrt(run.scene.bar.modulus / run.scene.bar.density));
@@ -41,12 +47,14 @@ Continuous refine(const Case& scene, std::span<const Mesh> meshes, double second
   PrecisionReference reference;
   std::size_t elements = 0;
   for (const Mesh& mesh : meshes) elements = std::max(elements, mesh.elements);
-  for (std::size_t doublings = 0; doublings <= least_doublings || elements / 2 < fine; ++doublings, elements *= 2) {
+  double difference = std::numeric_limits<double>::infinity();
+  const auto enough = [&] { return elements / 2 >= fine || difference <= tolerance * largest(result.fields); };
+  for (std::size_t doublings = 0; doublings <= least_doublings || !enough(); ++doublings, elements *= 2) {
     const Case run = on_mesh(scene, elements);
     try {
       std::vector<Field> fields = fields_of(run, meshes, seconds);
       if (!result.fields.empty()) {
-        double difference = 0.0;
+        difference = 0.0;
         for (std::size_t m = 0; m < meshes.size(); ++m)
           difference = std::max(difference, distance(result.fields[m], fields[m]));
         reference.levels.back().difference = difference;
@@ -66,15 +74,14 @@ Continuous refine(const Case& scene, std::span<const Mesh> meshes, double second
     result.fields.clear();
     return result;
   }
-  const double last = *levels[levels.size() - 2].difference;
-  if (levels.size() > 2 && last > 0.0)
+  if (levels.size() > 2 && difference > 0.0)
     if (const double before = *levels[levels.size() - 3].difference; before > 0.0)
-      reference.order = std::log2(before / last);
+      reference.order = std::log2(before / difference);
   reference.largest_displacement = largest(result.fields);
   // Neighbouring meshes differ by (2^q - 1) times the error of the finer one; without a q to believe in, that much.
-  const bool believable = reference.order && *reference.order < 2.5;
-  const double order = believable ? std::clamp(*reference.order, 0.3, 2.0) : 1.0;
-  reference.error = last / (std::exp2(order) - 1.0) + tolerance * reference.largest_displacement;
+  const bool believable = reference.order && *reference.order < 4.5;
+  const double order = believable ? std::clamp(*reference.order, 0.3, 4.0) : 1.0;
+  reference.error = difference / (std::exp2(order) - 1.0) + tolerance * reference.largest_displacement;
   result.reference = std::move(reference);
   return result;
 }
@@ -93,14 +100,16 @@ Continuous closed_form(const KnownSolution& known, const Case& scene, std::span<
 
 Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, double seconds) {
   Continuous result;
+  PrecisionReference reference;
   for (const Mesh& mesh : meshes) {
     Case run = scene;
     run.method = MethodName::characteristics;
     run.elements = mesh.elements;
-    result.fields.push_back(std::move(fields_of(run, std::span(&mesh, 1), seconds).front()));
+    Statistics done;
+    result.fields.push_back(std::move(fields_of(run, std::span(&mesh, 1), seconds, &done).front()));
+    if (done.representation) reference.error = std::max(reference.error, done.representation->error);
   }
-  PrecisionReference reference;
-  reference.what = "characteristics, which solve the bar itself to rounding";
+  reference.what = fmt::format("characteristics, which know the bar itself to {:.1e}", reference.error);
   reference.closed_form = true;
   reference.largest_displacement = largest(result.fields);
   result.reference = std::move(reference);

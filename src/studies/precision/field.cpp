@@ -29,7 +29,7 @@ void interpolate(const Mesh& from, std::span<const double> u, const Mesh& to, st
   }
 }
 
-std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, double seconds) {
+std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, double seconds, Statistics* done) {
   std::vector<Field> fields;
   for (const Mesh& mesh : meshes) fields.push_back({mesh, {}});
   Observers observers;
@@ -40,7 +40,8 @@ std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, doub
       interpolate(run.mesh(), now.u, field.mesh, std::span(field.u).subspan(begin));
     }
   };
-  simulate_within(seconds, run, make_system(run), observers);
+  const Statistics statistics = simulate_within(seconds, run, make_system(run), observers);
+  if (done) *done = statistics;
   return fields;
 }
 

@@ -30,9 +30,9 @@ Statistics simulate_within(double seconds, const Case& run, const BarSystem& sys
 /// P1 interpolation between meshes of one grading; exact at nodes that they share.
 void interpolate(const Mesh& from, std::span<const double> u, const Mesh& to, std::span<double> out);
 
-/// Runs the case and keeps its displacement on each of the meshes. @throws TooLong, IntegrationError,
-/// std::invalid_argument
-std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, double seconds);
+/// Runs the case and keeps its displacement on each of the meshes; `done`: what the run tells at its end. @throws
+/// TooLong, IntegrationError, std::invalid_argument
+std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, double seconds, Statistics* done = nullptr);
 
 Field field_of(const SpaceTimeFunction& u, const Mesh& mesh, std::span<const double> times);
 

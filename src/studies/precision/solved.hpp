@@ -50,8 +50,8 @@ struct Continuous {
   std::vector<Field> fields;
 };
 
-/// By refinement of the mesh from the finest of `meshes` on: rigid contact where there is one, else, under a span
-/// obstacle, the scheme, whose step is refined with the mesh.
+/// By refinement of the mesh from the finest of `meshes` on: `rigid`, on the fourth-order mass where the mesh is
+/// uniform, else, under a span obstacle, the scheme, whose step is refined with the mesh.
 Continuous refine(const Case& scene, std::span<const Mesh> meshes, double seconds);
 Continuous closed_form(const KnownSolution& known, const Case& scene, std::span<const Mesh> meshes);
 /// By characteristics, of a scene that they fit. @throws what the run does

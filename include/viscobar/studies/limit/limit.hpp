@@ -75,8 +75,8 @@ struct LimitEvidence {
   std::optional<double> penalty_error;  ///< |P(epsilon) - P(0)| at most; absent: not settled
   std::optional<double> scheme_error;   ///< |S(dt) - S(0)| at most; absent: not settled
   bool extrapolated = false;            ///< whether S(dt) has lost its error of first order in dt, by two steps
-  /// What a wrong limit would change: between massive nodes that share one law of impact another restitution, else the
-  /// contact itself. Absent where the verdict does not depend on it.
+  /// What a wrong limit would change: between massive nodes that share one law of impact what another restitution does,
+  /// else what contact itself does, and no more than the ends move. Absent where the verdict does not depend on it.
   std::optional<double> stake;
   bool by_law = false;        ///< whether the stake is that of another restitution
   Lack lack = Lack::nothing;  ///< of an undecided verdict

@@ -78,8 +78,8 @@ struct PrecisionReference {
     std::optional<double> difference;  ///< to the next finer mesh; absent for the finest
   };
   std::string what;                   ///< in words
-  bool closed_form = false;           ///< a formula: its error is rounding
-  double error = 0.0;                 ///< of the finest, d / (2^order - 1) from its difference d to the one before
+  bool closed_form = false;           ///< a formula, of error 0, or characteristics, with the error that they tell
+  double error = 0.0;                 ///< else of the finest, d / (2^order - 1) from its difference d to the one before
   std::optional<double> order;        ///< observed power of h, over the last three meshes
   std::vector<Level> levels;          ///< the meshes that it was refined over
   double largest_displacement = 0.0;  ///< max |u_*|

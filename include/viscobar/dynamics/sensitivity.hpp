@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "viscobar/scene/scene.hpp"
+
+namespace viscobar {
+
+/// A parameter p of a scene, told by what it changes: the derivative with respect to p of all that p enters. A run that
+/// is given directions (see Observers) tells the derivatives of what it tells: docs/sensitivity.md.
+struct Direction {
+  std::string key;              ///< name of p, such as "bar.viscosity"
+  Bar bar{0.0, 0.0, 0.0, 0.0};  ///< derivatives of the bar's constants
+  /// Bar and kinds of ends as those of the scene. Its gaps, initial data and load are derivatives, the functions of x
+  /// at a fixed part x / L of the bar; of the load f it is d(L f)/dp / L. The breaks of the load are those of the
+  /// scene's.
+  Scene data;
+  double epsilon = 0.0;      ///< derivative of the penalty's epsilon
+  double restitution = 0.0;  ///< of the restitution
+};
+
+/// Derivatives of the fields with respect to a parameter at one output time; NaN from where there are none on.
+struct FieldSensitivity {
+  std::span<const double> u;    ///< of the displacement of each node of the mesh, valid during the call
+  std::span<const double> v;    ///< of its velocity
+  double reaction_left = 0.0;   ///< of Snapshot::reaction_left
+  double reaction_right = 0.0;  ///< likewise
+};
+
+/// Derivatives of a contact change; NaN where it has none.
+struct ChangeSensitivity {
+  double time = 0.0;      ///< of its time
+  double velocity = 0.0;  ///< of the velocity told with it
+};
+
+/// Derivatives of the accounts of a run, an entry for each direction.
+struct SensitivityAccount {
+  std::vector<double> impulse_left;   ///< of the impulse on the left end, so far
+  std::vector<double> impulse_right;  ///< likewise
+  std::vector<double> energy;         ///< of the final energy
+  std::optional<double> lost;         ///< from when on there are no derivatives
+  std::string why;                    ///< they are lost, in words
+};
+
+}  // namespace viscobar

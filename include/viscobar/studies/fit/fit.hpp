@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "viscobar/case/case.hpp"
+
+namespace viscobar {
+
+/// Columns of ends.csv.
+enum class TraceColumn { u_left, v_left, reaction_left, u_right, v_right, reaction_right };
+/// In the order of the enumeration.
+inline constexpr TraceColumn all_trace_columns[] = {TraceColumn::u_left,        TraceColumn::v_left,
+                                                    TraceColumn::reaction_left, TraceColumn::u_right,
+                                                    TraceColumn::v_right,       TraceColumn::reaction_right};
+std::string_view name(TraceColumn column);  ///< in the header
+
+/// A measured trace: a value for each time of the data, NaN where there is none.
+struct MeasuredTrace {
+  TraceColumn column = TraceColumn::u_left;  ///< what was measured
+  std::vector<double> values;                ///< K
+  double deviation = 1.0;                    ///< standard deviation of its noise, or what weighs it against others, > 0
+};
+
+/// A parameter that a fit looks for.
+struct FittedParameter {
+  std::string key;                                        ///< of a direction
+  double start = 0.0;                                     ///< where it begins
+  double low = -std::numeric_limits<double>::infinity();  ///< bounds
+  double high = std::numeric_limits<double>::infinity();  ///< likewise
+};
+
+/// Least squares: the parameters p that make
+///
+///     S(p) = sum over traces and times of ((model - data) / deviation)^2 + the same over the times of contact changes
+///
+/// least, within their bounds, by Levenberg's and Marquardt's method on the sensitivities of each run.
+struct FitStudy {
+  /// The scene for values of the parameters, with the direction of each, in their order; may throw where there is none.
+  std::function<Case(std::span<const double> values)> model;
+  std::vector<FittedParameter> parameters;  ///< one at least
+  std::vector<double> times;                ///< K, increasing, of the traces
+  std::vector<MeasuredTrace> traces;        ///< may be none where there are changes
+  std::vector<Event> changes;               ///< measured contact changes: time, where, node and change count
+  double change_deviation = 1.0;            ///< of their times
+  std::size_t starts = 1;  ///< so many beginnings: the one given, others spread over the bounds, which must be finite
+  std::size_t most_runs = 100;  ///< for each of them
+  /// Differences of 1 + p runs instead of sensitivities: what they save is measured by it.
+  bool differences = false;
+};
+
+/// What was found for one parameter.
+struct Estimate {
+  std::string key;                  ///< of the parameter
+  double estimate = 0.0;            ///< its value
+  double standard_deviation = 0.0;  ///< of it; NaN where the data do not determine it
+  bool at_bound = false;            ///< it would leave its bounds: it has no deviation
+};
+
+/// A combination of parameters that the data do not determine: a change of p_i by share_i (p_i counted in its estimate)
+/// leaves the model as it is.
+struct Undetermined {
+  double singular_value = 0.0;  ///< over the largest
+  std::vector<double> shares;   ///< of the parameters, a unit vector
+};
+
+/// The result of a fit.
+struct FitResult {
+  std::vector<Estimate> parameters;         ///< n, in the order of the study
+  std::vector<double> covariance;           ///< n x n; NaN where there is none
+  std::vector<double> correlation;          ///< n x n
+  std::vector<double> singular_values;      ///< of the Jacobian, parameters counted in their estimates; decreasing
+  std::vector<Undetermined> undetermined;   ///< those that count for nothing
+  double residual = 0.0;                    ///< (S / (m - n))^(1/2), m numbers measured
+  std::size_t measured = 0;                 ///< m
+  std::size_t runs = 0;                     ///< of the model, all starts together
+  std::size_t iterations = 0;               ///< of the best start
+  bool converged = false;                   ///< whether it came to a minimum
+  std::string reason;                       ///< why it ended
+  std::vector<double> sums;                 ///< S at each start's end
+  std::vector<std::vector<double>> traces;  ///< of the model, as the study's
+  std::vector<Event> changes;               ///< of the model
+  std::optional<double> lost;               ///< from when on the best run has no derivatives
+};
+
+/// Fits a model. @throws std::invalid_argument for a study that makes no sense, and where no run of it succeeds
+FitResult fit(const FitStudy& study);
+
+}  // namespace viscobar

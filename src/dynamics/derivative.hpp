@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "dynamics/penalised_system.hpp"
+#include "viscobar/dynamics/sensitivity.hpp"
+
+namespace viscobar {
+
+/// A state of a penalised system, as that measures it, with its inertial force rho M a.
+struct Moment {
+  double t = 0.0;
+  std::span<const double> u, w, inertia;
+};
+
+/// The equation of s = du/dp on a leg. It is that of the bar itself, with the same contacts closed,
+///
+///     rho M s'' = M f' - E K s - eta K s' + sum_i sigma_i (k_i d_i^s + b_i d_i^s') e_i + added,
+///     d_i^s = -(sigma_i s_i + gap_i'),
+///
+/// the walls, gaps and the load being replaced by their derivatives, f' = (L f)' / L, under the added force
+///
+///     -(E' - E L'/L) K u - (eta' - eta L'/L) K v - (rho'/rho + L'/L) rho M a + sum_i sigma_i (k_i' d_i + b_i' d_i')
+///     e_i.
+///
+/// (K goes like 1 / L, M like L, on graded meshes, too; nodes stay at their part of the bar.) So it is a
+/// PenalisedSystem of its own, and its dynamic stiffness is that of the bar.
+class Derivative {
+ public:
+  /// `system` outlives it.
+  Derivative(PenalisedSystem& system, const Penalty& penalty, const Direction& direction);
+  Derivative(const Derivative&) = delete;
+  Derivative& operator=(const Derivative&) = delete;
+
+  const BarSystem& data() const { return data_; }  ///< its gaps, walls and initial state
+  PenalisedSystem& motion() { return motion_; }    ///< of s
+
+  /// To be called where a leg begins.
+  void begin_leg(double t, double end) { motion_.begin_leg(t, end); }
+  /// Closes the contacts of the bar, and no others.
+  void take_contacts();
+  /// Whether the added force has the bar's inertial force.
+  bool asks_for_inertia() const { return inertia_ != 0.0; }
+  /// Sets the added force for the state of the bar. O(n)
+  void drive(const Moment& at);
+
+  /// The added force in the row of a massless end alone, for values of the bar there and at the neighbour.
+  double drive_row(std::size_t end, double u, double u_next, double w, double w_next) const;
+
+  /// Of the reaction of contact i in the direction of u, the bar being at the moment driven by last.
+  double reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate);
+  /// Of the stress E u_x + eta v_x in an element, from the values at all nodes.
+  double stress(std::size_t element, std::span<const double> u, std::span<const double> v, std::span<const double> s,
+                std::span<const double> rate) const;
+  /// Of (rho M v + eta K u) in the row of an end, and of what that changes by beside the impulse, (E K u - M f): the
+  /// impulse of the obstacles on that end is the one plus the integral of the other.
+  double momentum(std::size_t end, const Moment& at, std::span<const double> s, std::span<const double> rate) const;
+  double momentum_loss(std::size_t end, const Moment& at, std::span<const double> s);
+  /// Of kinetic, elastic and contact energy.
+  double energy(const Moment& at, std::span<const double> s, std::span<const double> rate) const;
+
+ private:
+  struct LawRates {
+    double stiffness, damping;
+  };
+  void add_stress(const Moment& at);
+  double stretch(std::size_t end, std::span<const double> x, std::span<const double> origin,
+                 const BarSystem& walls) const;
+
+  PenalisedSystem& system_;
+  BarSystem data_;
+  PenalisedSystem motion_;
+  double modulus_, viscosity_, inertia_;  // E' - E L'/L, eta' - eta L'/L, rho'/rho + L'/L
+  std::vector<LawRates> laws_;
+  std::vector<double> added_, stress_;
+  bool driven_ = false;  // by the motion of the bar
+};
+
+}  // namespace viscobar

@@ -1,0 +1,87 @@
+#include "input/scene_direction.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "text/nearest_name.hpp"
+
+namespace viscobar {
+
+namespace {
+
+// d/dp at a fixed part x / L of the bar: of a parameter the derivative, of the length L that by x, times x / L.
+SpaceTimeFunction rate(const Formula& formula, const std::string& by, double length) {
+  SpaceTimeFunction slope = formula.derivative(by);
+  if (!slope || by != "x") return slope;
+  return [slope, length](double x, double t) { return x / length * slope(x, t); };
+}
+
+SpaceFunction rate_of_x(const Formula& formula, const std::string& by, double length) {
+  const SpaceTimeFunction slope = rate(formula, by, length);
+  if (!slope) return [](double) { return 0.0; };
+  return [slope](double x) { return slope(x, 0.0); };
+}
+
+// Of L f by p, over L; `stretched` is L' / L.
+std::optional<Load> rate_of_load(const SceneEntries& entries, const std::string& by, double length, double stretched) {
+  const auto with_mass = [stretched](const SpaceTimeFunction& f, const SpaceTimeFunction& slope) {
+    return [=](double x, double t) { return (slope ? slope(x, t) : 0.0) + stretched * f(x, t); };
+  };
+  if (const auto density = entries.formula("load.density")) {
+    const SpaceTimeFunction slope = rate(*density, by, length);
+    if (!slope && stretched == 0.0) return std::nullopt;
+    const auto f = with_mass(density->of_x_t(), slope);
+    if (!density->uses('t')) return SteadyLoad{[f](double x) { return f(x, 0.0); }};
+    return GeneralLoad{f, density->breaks(), density->breaks_at()};
+  }
+  const auto profile = entries.formula("load.profile"), history = entries.formula("load.history");
+  if (!profile || !history) return std::nullopt;
+  const SpaceTimeFunction of_profile = rate(*profile, by, length), of_history = rate(*history, by, length);
+  if (!of_profile && !of_history && stretched == 0.0) return std::nullopt;
+  const auto moved = with_mass(profile->of_x_t(), of_profile);
+  if (!of_history)
+    return SeparableLoad{[moved](double x) { return moved(x, 0.0); }, history->of_t(), history->breaks()};
+  return GeneralLoad{[moved, of_history, f = profile->of_x(), g = history->of_t()](double x, double t) {
+                       return moved(x, t) * g(t) + f(x) * of_history(x, t);
+                     },
+                     history->breaks(),
+                     {}};
+}
+
+}  // namespace
+
+Direction direction_of(const SceneEntries& entries, const Case& run, const std::string& key) {
+  const bool parameter = is_parameter(key), length = key == "bar.length";
+  const std::string by = length ? "x" : parameter ? key.substr(key.find('.') + 1) : "";
+  if (parameter && !entries.parameters().contains(by)) {
+    std::vector<std::string> names;
+    for (const auto& [name, value] : entries.parameters()) names.push_back(name);
+    const auto nearest = nearest_name(by, names);
+    throw std::invalid_argument(fmt::format("{}: [parameters] has no such name{}", key,
+                                            nearest ? fmt::format("; nearest is \"{}\"", *nearest) : ""));
+  }
+  Direction along = direction(run, parameter ? "bar.density" : key);
+  if (!parameter && !length) return along;
+  along.key = key;
+  if (parameter) along.bar.density = 0.0;
+  for (const char* name : {"initial.displacement", "initial.velocity", "load.density", "load.profile", "load.history"})
+    if (const auto formula = entries.formula(name); formula && formula->moves_jump(by))
+      throw std::invalid_argument(
+          fmt::format("{}: a condition in {} depends on {}, and a jump that moves has no derivative", key, name, by));
+  const double size = run.scene.bar.length;
+  const auto displacement = entries.formula("initial.displacement"), velocity = entries.formula("initial.velocity");
+  if (displacement) along.data.displacement = rate_of_x(*displacement, by, size);
+  if (velocity) along.data.velocity = rate_of_x(*velocity, by, size);
+  along.data.load = rate_of_load(entries, by, size, length ? 1.0 / size : 0.0);
+  const Mesh mesh = run.mesh();
+  for (std::size_t j = 0; j < mesh.nodes(); ++j)
+    if (!std::isfinite(along.data.displacement(mesh.node(j))) || !std::isfinite(along.data.velocity(mesh.node(j))))
+      throw std::invalid_argument(fmt::format("{}: the initial data have no derivative at x = {}", key, mesh.node(j)));
+  return along;
+}
+
+}  // namespace viscobar

@@ -1,0 +1,287 @@
+#include "integration/sensitivities.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace viscobar {
+
+namespace {
+
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+
+// Nothing of the scene depends on time but its load.
+Direction still(const BarSystem& bar) {
+  Direction direction;
+  Scene& data = direction.data;
+  data.bar = bar.bar();
+  data.displacement = data.velocity = [](double) { return 0.0; };
+  if (bar.left_fixed()) data.left = Fixed{};
+  if (bar.right_fixed()) data.right = Fixed{};
+  for (const Contact& contact : bar.contacts()) {
+    const Side side = contact.sign > 0.0 ? Side::below : Side::above;
+    if (contact.where == Where::left) data.left = Obstacle{0.0, side};
+    if (contact.where == Where::right) data.right = Obstacle{0.0, side};
+    if (contact.where == Where::span)
+      data.span = Obstacle{0.0, data.span && data.span->side != side ? Side::both : side};
+  }
+  return direction;
+}
+
+}  // namespace
+
+Sensitivities::Sensitivities(PenalisedSystem& system, const Penalty& penalty, std::span<const Direction> directions)
+    : system_(system),
+      directions_(directions),
+      restitution_(penalty.restitution),
+      time_direction_(still(system.bar())),
+      time_(system, penalty, time_direction_),
+      w_(system.size()),
+      acceleration_(system.size()),
+      inertial_force_(system.size()),
+      load_rate_(system.size()),
+      shifts_(directions.size()) {
+  for (const Direction& direction : directions) pointers_.push_back(&all_.emplace_back(system, penalty, direction));
+  const std::size_t nodes = system.bar().mesh().nodes();
+  fields_.assign(directions.size(), {std::vector<double>(nodes), std::vector<double>(nodes)});
+  time_.motion().add_force(load_rate_, {});
+}
+
+void Sensitivities::attach(const Layout& layout, SensitivityAccount& account, const ErrorWeights& weights) {
+  layout_ = &layout, account_ = &account, weights_ = &weights;
+  for (auto* of_account : {&account.impulse_left, &account.impulse_right, &account.energy})
+    of_account->resize(directions_.size(), nothing);
+}
+
+void Sensitivities::begin(double t, double end, std::span<double> y) {
+  const std::size_t n = layout_->nodes;
+  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  for (std::size_t k = 0; k < pointers_.size(); ++k) {
+    const std::span<double> s = layout_->derivative(y, k);
+    const State initial = pointers_[k]->data().initial_state();
+    std::ranges::copy(initial.u, s.begin());
+    std::ranges::copy(initial.v, s.begin() + static_cast<std::ptrdiff_t>(n));
+    pointers_[k]->take_contacts();
+    pointers_[k]->begin_leg(t, end);
+    complete(*pointers_[k], at, s);
+    std::size_t entry = 2 * n;
+    if (layout_->left) s[entry++] = -pointers_[k]->momentum(0, at, s.first(n), s.subspan(n, n));
+    if (layout_->right) s[entry++] = -pointers_[k]->momentum(n - 1, at, s.first(n), s.subspan(n, n));
+  }
+}
+
+void Sensitivities::begin_leg(double t, double end) {
+  for (Derivative* derivative : pointers_) {
+    derivative->take_contacts();
+    derivative->begin_leg(t, end);
+  }
+}
+
+// The bar's own acceleration there, whose inertial force drives the derivatives.
+Moment Sensitivities::look_at(double t, std::span<const double> u, std::span<const double> w) {
+  std::ranges::copy(w, w_.begin());
+  system_.complete_velocity(t, u, w_);
+  system_.force(t, u, w_, acceleration_);
+  system_.accelerate(acceleration_);
+  const SymmetricTridiagonal& inertia = system_.bar().inertia();
+  inertia.multiply(acceleration_, inertial_force_);
+  return {t, u, w_, inertial_force_};
+}
+
+void Sensitivities::complete(Derivative& derivative, const Moment& at, std::span<double> s) {
+  const std::size_t n = layout_->nodes;
+  derivative.drive(at);
+  derivative.motion().complete_displacement(at.t, s.first(n));
+  derivative.motion().complete_velocity(at.t, s.first(n), s.subspan(n, n));
+}
+
+// Of s u + gap, or of the reaction where that decides.
+double Sensitivities::indicator_rate(const Moment& at, std::size_t i) {
+  if (!system_.closed(i) || !system_.holds(i)) return system_.contact(i).sign * at.w[system_.contact(i).unknown];
+  std::ranges::fill(load_rate_, 0.0);
+  if (system_.load_varies()) {
+    const auto [before, after] = system_.beside(at.t);
+    if (before < after) {
+      for (std::size_t j = 0; j < load_rate_.size(); ++j) load_rate_[j] = -system_.load(j, before);
+      for (std::size_t j = 0; j < load_rate_.size(); ++j)
+        load_rate_[j] = (load_rate_[j] + system_.load(j, after)) / (after - before);
+    }
+  }
+  time_.take_contacts();
+  return time_.motion().holding_force(i, at.t, at.w, acceleration_);
+}
+
+// With delta what is promised of the indicator, phi + phi' tau + phi'' tau^2 / 2 = +-delta has no root where phi'^2 is
+// less than 2 |phi''| delta. Of a reaction phi'' is not known: a bar's own time is L / c.
+bool Sensitivities::grazes(const Moment&, std::size_t i, double rate) const {
+  const BarSystem& bar = system_.bar();
+  const double u = weights_->promised_displacement() / promised_multiple;
+  const double w = weights_->promised_velocity() / promised_multiple;
+  const std::size_t node = system_.contact(i).unknown;
+  if (!system_.closed(i) || !system_.holds(i))
+    return std::abs(rate) <= 10.0 * w || rate * rate <= 2.0 * std::abs(acceleration_[node]) * u;
+  const double h = bar.spacing_at(node), length = bar.bar().length;
+  const double reaction = ErrorWeights::inertial_share * (u + bar.bar().viscosity / bar.bar().modulus * w);
+  const double speed = std::sqrt(bar.bar().modulus / bar.bar().density);
+  const double flattest = std::sqrt(2.0 * reaction * h / length * weights_->largest_displacement()) * speed / length;
+  return std::abs(rate) * h / bar.bar().modulus <= flattest;
+}
+
+// Whether the rate of the state jumps where contact i changes: without a dashpot a spring begins and ends with none.
+bool Sensitivities::jumps(std::size_t i) const { return system_.holds(i) || system_.law(i).damping > 0.0; }
+
+std::vector<ChangeSensitivity> Sensitivities::before(double t, std::size_t i, std::span<double> y) {
+  std::vector<ChangeSensitivity> changes(pointers_.size(), {nothing, nothing});
+  shifted_ = false;
+  if (lost()) return changes;
+  const std::size_t n = layout_->nodes, node = system_.contact(i).unknown;
+  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  const double rate = indicator_rate(at, i);
+  const bool graze = grazes(at, i, rate), held = system_.closed(i) && system_.holds(i);
+  old_velocity_ = w_;
+  old_acceleration_ = acceleration_;
+  bool moves = false;
+  for (std::size_t k = 0; k < pointers_.size(); ++k) {
+    Derivative& derivative = *pointers_[k];
+    const std::span<double> s = layout_->derivative(y, k);
+    derivative.take_contacts();
+    complete(derivative, at, s);
+    const double fall =
+        held ? derivative.reaction(i, at, s.first(n), s.subspan(n, n)) : derivative.motion().clearance(i, s.first(n));
+    shifts_[k] = fall == 0.0 ? 0.0 : -fall / rate;
+    moves |= fall != 0.0;
+    if (!graze || fall == 0.0) changes[k] = {shifts_[k], s[n + node] + acceleration_[node] * shifts_[k]};
+  }
+  if (t == last_change_.first && i != last_change_.second && system_.collides()) {
+    std::vector<double> answer(n, 0.0);
+    answer[node] = 1.0;
+    system_.accelerate(answer);
+    const double beside = std::abs(answer[system_.contact(last_change_.second).unknown]);
+    if (beside > 1e-8 * std::abs(answer[node])) {
+      lose(t, "two contacts change at once, and what follows depends on which is first", y);
+      changes.assign(changes.size(), {nothing, nothing});
+      return changes;
+    }
+  }
+  last_change_ = {t, i};
+  if (!jumps(i)) return changes;
+  if (graze && moves) {
+    lose(t,
+         fmt::format("a contact {} with an indicator that hardly moves, a graze: its time has no derivative",
+                     system_.closed(i) ? "opens" : "closes"),
+         y);
+    return changes;
+  }
+  shifted_ = true;
+  for (std::size_t k = 0; k < pointers_.size(); ++k) {
+    const std::span<double> s = layout_->derivative(y, k);
+    for (std::size_t j = 0; j < n; ++j) s[j] += old_velocity_[j] * shifts_[k];
+    for (std::size_t j = 0; j < n; ++j) s[n + j] += old_acceleration_[j] * shifts_[k];
+  }
+  return changes;
+}
+
+void Sensitivities::rebound(std::size_t i, std::vector<ChangeSensitivity>& changes) const {
+  for (std::size_t k = 0; k < changes.size(); ++k)
+    changes[k].velocity =
+        -restitution_ * changes[k].velocity - directions_[k].restitution * old_velocity_[system_.contact(i).unknown];
+}
+
+void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
+  if (lost()) return;
+  const std::size_t n = layout_->nodes, node = system_.contact(i).unknown;
+  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  const bool struck = shifted_ && system_.collides(i) && w_[node] != old_velocity_[node];
+  const bool rebounds = struck && !system_.closed(i);
+  for (std::size_t k = 0; k < pointers_.size(); ++k) {
+    Derivative& derivative = *pointers_[k];
+    const std::span<double> s = layout_->derivative(y, k);
+    derivative.take_contacts();
+    if (struck) {
+      // v+ - v- goes along (rho M)^{-1} e_i, in parts that do not depend on the parameter.
+      const double left = s[n + node];
+      const double reflected = rebounds ? -restitution_ * left - directions_[k].restitution * old_velocity_[node] : 0.0;
+      const double share = (reflected - left) / (w_[node] - old_velocity_[node]);
+      for (std::size_t j = 0; j < n; ++j) s[n + j] += share * (w_[j] - old_velocity_[j]);
+      s[n + node] = reflected;
+    }
+    if (system_.closed(i) && system_.holds(i)) {
+      derivative.motion().place_on_obstacle(i, s.first(n));
+      s[n + node] = 0.0;
+    }
+    if (shifted_) {
+      for (std::size_t j = 0; j < n; ++j) s[j] -= w_[j] * shifts_[k];
+      for (std::size_t j = 0; j < n; ++j) s[n + j] -= acceleration_[j] * shifts_[k];
+    }
+    complete(derivative, at, s);
+  }
+  shifted_ = false;
+}
+
+void Sensitivities::lose(double t, std::string why, std::span<double> y) {
+  account_->lost = t;
+  account_->why = std::move(why);
+  // What goes on to be advanced is not told.
+  for (std::size_t k = 0; k < pointers_.size(); ++k) std::ranges::fill(layout_->derivative(y, k), 0.0);
+}
+
+std::span<const FieldSensitivity> Sensitivities::fields(double t, std::span<double> y, const Snapshot& snapshot) {
+  const std::size_t n = layout_->nodes;
+  told_.clear();
+  if (lost()) {
+    for (Field& field : fields_) {
+      std::ranges::fill(field.u, nothing);
+      std::ranges::fill(field.v, nothing);
+      told_.push_back({field.u, field.v, nothing, nothing});
+    }
+    return told_;
+  }
+  const BarSystem& bar = system_.bar();
+  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  for (std::size_t k = 0; k < pointers_.size(); ++k) {
+    Derivative& derivative = *pointers_[k];
+    const std::span<double> s = layout_->derivative(y, k);
+    derivative.take_contacts();
+    complete(derivative, at, s);
+    Field& field = fields_[k];
+    derivative.data().expand_displacement(s.first(n), field.u);
+    derivative.data().expand_velocity(s.subspan(n, n), field.v);
+    FieldSensitivity told{field.u, field.v, 0.0, 0.0};
+    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
+      const std::size_t node = system_.contact(i).unknown;
+      if (!system_.closed(i)) continue;
+      const double reaction = derivative.reaction(i, at, s.first(n), s.subspan(n, n));
+      if (!bar.left_fixed() && node == 0) told.reaction_left += reaction;
+      if (!bar.right_fixed() && node + 1 == n) told.reaction_right += reaction;
+    }
+    if (bar.left_fixed()) told.reaction_left = -derivative.stress(0, snapshot.u, snapshot.v, field.u, field.v);
+    if (bar.right_fixed())
+      told.reaction_right = derivative.stress(field.u.size() - 2, snapshot.u, snapshot.v, field.u, field.v);
+    told_.push_back(told);
+  }
+  return told_;
+}
+
+void Sensitivities::sum_up(double t, std::span<double> y) {
+  const std::size_t n = layout_->nodes;
+  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  for (std::size_t k = 0; k < pointers_.size(); ++k) {
+    double left = nothing, right = nothing, energy = nothing;
+    if (!lost()) {
+      const std::span<double> s = layout_->derivative(y, k);
+      pointers_[k]->take_contacts();
+      complete(*pointers_[k], at, s);
+      std::size_t entry = 2 * n;
+      left = layout_->left ? s[entry++] + pointers_[k]->momentum(0, at, s.first(n), s.subspan(n, n)) : 0.0;
+      right = layout_->right ? s[entry++] + pointers_[k]->momentum(n - 1, at, s.first(n), s.subspan(n, n)) : 0.0;
+      energy = pointers_[k]->energy(at, s.first(n), s.subspan(n, n));
+    }
+    account_->impulse_left[k] = left;
+    account_->impulse_right[k] = right;
+    account_->energy[k] = energy;
+  }
+}
+
+}  // namespace viscobar

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "dynamics/derivative.hpp"
+#include "integration/error_weights.hpp"
+#include "integration/layout.hpp"
+#include "viscobar/run/run.hpp"
+
+namespace viscobar {
+
+/// The derivatives of a run with respect to parameters. They are part of the state y (see Layout) and advanced by the
+/// stepper with it, leg by leg. A contact changes at the root t* of its indicator phi (see PenalisedSystem), and with
+/// f = (v, a) the rate of the state before and after,
+///
+///     dt*/dp = -(phi_u u' + phi_v v' + phi_p) / (dphi/dt),      s+ = G (s- + f- dt*/dp) + G_p - f+ dt*/dp,
+///
+/// G being what the change makes of the state: an impact of a rigid contact, else the identity. Where dphi/dt vanishes,
+/// to what is known of it, the change has no derivative, nor has what follows if f jumps.
+class Sensitivities {
+ public:
+  /// All outlive it.
+  Sensitivities(PenalisedSystem& system, const Penalty& penalty, std::span<const Direction> directions);
+
+  std::span<Derivative* const> derivatives() const { return pointers_; }
+  /// To be called before all else; `account` is kept up to date.
+  void attach(const Layout& layout, SensitivityAccount& account, const ErrorWeights& weights);
+  /// The derivatives of the initial state y, no contact being closed.
+  void begin(double t, double end, std::span<double> y);
+  void begin_leg(double t, double end);
+
+  /// Contact i is about to change at t in the state y, whose velocities are complete: derivatives of that change.
+  std::vector<ChangeSensitivity> before(double t, std::size_t i, std::span<double> y);
+  /// Those of its opening at once, by a rebound.
+  void rebound(std::size_t i, std::vector<ChangeSensitivity>& changes) const;
+  /// It has, y being the state after the change but for its derivatives.
+  void after(double t, std::size_t i, std::span<double> y);
+
+  /// Of a snapshot, valid until the next call.
+  std::span<const FieldSensitivity> fields(double t, std::span<double> y, const Snapshot& snapshot);
+  /// Brings the account up to date.
+  void sum_up(double t, std::span<double> y);
+
+ private:
+  struct Field {
+    std::vector<double> u, v;
+  };
+  bool lost() const { return account_->lost.has_value(); }
+  void lose(double t, std::string why, std::span<double> y);
+  Moment look_at(double t, std::span<const double> u, std::span<const double> w);
+  void complete(Derivative& derivative, const Moment& at, std::span<double> s);
+  double indicator_rate(const Moment& at, std::size_t i);
+  bool grazes(const Moment& at, std::size_t i, double rate) const;
+  bool jumps(std::size_t i) const;
+
+  PenalisedSystem& system_;
+  std::span<const Direction> directions_;
+  double restitution_;
+  std::deque<Derivative> all_;
+  std::vector<Derivative*> pointers_;
+  Direction time_direction_;
+  Derivative time_;  // whose motion is (v, a)
+  const Layout* layout_ = nullptr;
+  const ErrorWeights* weights_ = nullptr;
+  SensitivityAccount* account_ = nullptr;
+  std::vector<double> w_, acceleration_, inertial_force_, load_rate_;
+  // Of the change that is under way.
+  std::vector<double> old_velocity_, old_acceleration_, shifts_;
+  bool shifted_ = false;
+  std::pair<double, std::size_t> last_change_{-1.0, 0};
+  std::vector<Field> fields_;
+  std::vector<FieldSensitivity> told_;
+};
+
+}  // namespace viscobar

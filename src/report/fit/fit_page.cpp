@@ -1,0 +1,187 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "report/page.hpp"
+#include "report/plot/figure.hpp"
+#include "report/plot/range.hpp"
+#include "text/number.hpp"
+#include "text/printable_text.hpp"
+#include "text/table.hpp"
+#include "viscobar/report/reports.hpp"
+#include "viscobar/results/versions.hpp"
+
+namespace viscobar {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// What is not a number becomes null.
+Json matrix(const std::vector<double>& entries, std::size_t n) {
+  Json rows = Json::array();
+  for (std::size_t i = 0; i < n; ++i)
+    rows.push_back(std::vector<double>(entries.begin() + static_cast<std::ptrdiff_t>(i * n),
+                                       entries.begin() + static_cast<std::ptrdiff_t>((i + 1) * n)));
+  return rows;
+}
+
+double root_mean_square(const MeasuredTrace& data, const std::vector<double>& model) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < model.size(); ++k)
+    if (std::isfinite(data.values[k])) sum += std::pow(model[k] - data.values[k], 2), ++count;
+  return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
+}
+
+std::vector<std::string> remarks(const FitStudy& study, const FitResult& result) {
+  std::vector<std::string> found;
+  for (const Undetermined& lack : result.undetermined) {
+    std::string shares;
+    for (std::size_t k = 0; k < lack.shares.size(); ++k)
+      if (std::abs(lack.shares[k]) > 1e-3)
+        shares += fmt::format("{}{:+.3g} of {}", shares.empty() ? "" : ", ", lack.shares[k], study.parameters[k].key);
+    found.push_back(fmt::format(
+        "the data do not determine a change of the parameters by ({}), each counted in its estimate", shares));
+  }
+  for (std::size_t a = 0; a < result.parameters.size(); ++a) {
+    if (result.parameters[a].at_bound)
+      found.push_back(fmt::format("{} is at its bound, and would go further", result.parameters[a].key));
+    for (std::size_t b = a + 1; b < result.parameters.size(); ++b)
+      if (std::abs(result.correlation[a * result.parameters.size() + b]) > 0.99)
+        found.push_back(fmt::format("{} and {} are hard to tell apart: correlation {:.4f}", result.parameters[a].key,
+                                    result.parameters[b].key, result.correlation[a * result.parameters.size() + b]));
+  }
+  if (result.lost)
+    found.push_back(
+        fmt::format("from t = {:.6g} on the run has no derivatives, and the data there count for nothing in "
+                    "the deviations",
+                    *result.lost));
+  return found;
+}
+
+Table estimates(const FitResult& result) {
+  Table table{{"parameter", "estimate", "standard deviation"}, 1, {}};
+  for (const Estimate& one : result.parameters)
+    table.rows.push_back({one.key, fmt::format("{:.8g}", one.estimate),
+                          std::isfinite(one.standard_deviation) ? fmt::format("{:.2g}", one.standard_deviation)
+                          : one.at_bound                        ? "at its bound"
+                                                                : "not determined"});
+  return table;
+}
+
+std::vector<plot::Point> points(const FitStudy& study, const std::vector<double>& values) {
+  std::vector<plot::Point> all;
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (std::isfinite(values[k])) all.push_back({study.times[k], values[k]});
+  return all;
+}
+
+plot::Axis axis(const std::string& label, const std::vector<plot::Point>& all) {
+  double low = 0.0, high = 0.0;
+  for (const plot::Point& point : all) low = std::min(low, point.y), high = std::max(high, point.y);
+  return plot::fitted(label, low, high);
+}
+
+Picture traces_picture(const FitStudy& study, const FitResult& result) {
+  Picture picture{"Data and model",
+                  "Markers are measured, the line is the model with the estimates. Below each, what "
+                  "is left: model less data.",
+                  {}};
+  for (std::size_t i = 0; i < study.traces.size(); ++i) {
+    const MeasuredTrace& data = study.traces[i];
+    const std::string column(name(data.column));
+    std::vector<double> left(result.traces[i].size());
+    for (std::size_t k = 0; k < left.size(); ++k) left[k] = result.traces[i][k] - data.values[k];
+    const auto measured = points(study, data.values), model = points(study, result.traces[i]);
+    const auto residual = points(study, left);
+    const plot::Axis t = plot::fitted("t", 0.0, study.times.back());
+    std::vector<plot::Point> all = measured;
+    all.insert(all.end(), model.begin(), model.end());
+    plot::Figure both(t, axis(column, all));
+    both.markers(measured, plot::series_colour(1), "measured");
+    both.line(model, {plot::series_colour(0)}, "model");
+    plot::Figure rest(t, axis("model - data", residual), 160.0);
+    rest.level(0.0, {"var(--soft)", true, 1.0});
+    rest.markers(residual, plot::series_colour(1), "residual");
+    picture.panels.push_back({"fit-" + column, column + ", measured and of the model", both});
+    picture.panels.push_back({"residual-" + column, column + ": model less data", rest});
+  }
+  return picture;
+}
+
+}  // namespace
+
+std::string fit_json(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
+  const std::size_t n = result.parameters.size();
+  Json json;
+  json["title"] = scene.run.scene.title;
+  json["method"] = name(scene.run.method);
+  json["parameters"] = Json::object();
+  for (std::size_t k = 0; k < n; ++k) {
+    const Estimate& one = result.parameters[k];
+    const FittedParameter& asked = study.parameters[k];
+    json["parameters"][one.key] = {{"estimate", one.estimate}, {"standard_deviation", one.standard_deviation},
+                                   {"at_bound", one.at_bound}, {"start", asked.start},
+                                   {"low", asked.low},         {"high", asked.high}};
+  }
+  json["covariance"] = matrix(result.covariance, n);
+  json["correlation"] = matrix(result.correlation, n);
+  json["residual"] = result.residual;
+  json["residuals"] = Json::object();
+  for (std::size_t i = 0; i < study.traces.size(); ++i)
+    json["residuals"][std::string(name(study.traces[i].column))] = {
+        {"root_mean_square", root_mean_square(study.traces[i], result.traces[i])},
+        {"deviation", study.traces[i].deviation}};
+  if (!study.changes.empty()) json["residuals"]["events"] = {{"deviation", study.change_deviation}};
+  json["measured"] = result.measured;
+  json["runs"] = result.runs;
+  json["iterations"] = result.iterations;
+  json["converged"] = result.converged;
+  json["reason"] = result.reason;
+  json["starts"] = result.sums;
+  json["singular_values"] = result.singular_values;
+  json["undetermined"] = Json::array();
+  for (const Undetermined& lack : result.undetermined) {
+    Json shares = Json::object();
+    for (std::size_t k = 0; k < n; ++k) shares[study.parameters[k].key] = lack.shares[k];
+    json["undetermined"].push_back({{"singular_value", lack.singular_value}, {"shares", shares}});
+  }
+  json["warnings"] = remarks(study, result);
+  json["scene"] = Json::parse(scene.complete());
+  json["version"] = versions().viscobar;
+  json["platform"] = versions().platform;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string fit_text(const FitStudy& study, const FitResult& result) {
+  std::string out = text(estimates(result));
+  out += fmt::format("\n{} numbers, {} runs of the model: {}.\n", result.measured, result.runs, result.reason);
+  for (std::size_t i = 0; i < study.traces.size(); ++i)
+    out += fmt::format("{}: root mean square of model less data {:.3g}.\n", name(study.traces[i].column),
+                       root_mean_square(study.traces[i], result.traces[i]));
+  for (const std::string& line : remarks(study, result)) out += line + ".\n";
+  return out;
+}
+
+PicturedPage fit_page(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
+  const Scene& of = scene.run.scene;
+  Page page((of.title.empty() ? "A scene" : of.title) + ": fit", of);
+  page.add_head(html(estimates(result)));
+  Numbers numbers;
+  numbers.add("Numbers measured", result.measured);
+  numbers.add("Runs of the model", result.runs);
+  numbers.add("Residual", readable(result.residual, 3), "in the standard deviations of the data");
+  page.add(numbers.html("The fit"));
+  page.add(traces_picture(study, result));
+  std::string notes;
+  for (const std::string& line : remarks(study, result))
+    notes += fmt::format("<p class=\"note\">{}.</p>\n", escaped(line));
+  if (!notes.empty()) page.add(section_html("What the data do not tell", notes));
+  return page.with_figures();
+}
+
+}  // namespace viscobar
