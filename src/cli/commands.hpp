@@ -18,6 +18,7 @@ struct SceneOptions {
   std::string file;
   std::vector<std::string> overrides;
   bool json = false;
+  bool takes_accuracy = false;  ///< the command keeps an error that the scene asks for; others warn that they do not
 
   explicit SceneOptions(CLI::App& command);
   /// The scene, values of `defaults` and `settings` ("table.key=value") put before and after the user's own,

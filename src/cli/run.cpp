@@ -159,6 +159,7 @@ RunCommand::RunCommand(CLI::App& app)
                   "Make checkpoints to go on from with resume: in the time of the scene, such as 0.5, or on the clock, "
                   "such as 30s, 5min or 1h")
       ->type_name("INTERVAL");
+  scene_.takes_accuracy = true;
   command_
       .add_option(
           "--error", error_,

@@ -52,9 +52,12 @@ RunRecord record_with_estimate(const SceneFile& scene, const std::filesystem::pa
   observe(own, options, probe);
   own.estimate = [&](Outcome& outcome) {
     constexpr double patience = 2.0;  // of the time that the run took
-    const accuracy::Sample sample = probe.take(*outcome.statistics);
-    outcome.error_estimate =
-        accuracy::quick_estimate(scene.run, sample, patience * outcome.statistics->integration_seconds, options.stop);
+    try {
+      const accuracy::Sample sample = probe.take(*outcome.statistics);
+      outcome.error_estimate =
+          accuracy::quick_estimate(scene.run, sample, patience * outcome.statistics->integration_seconds, options.stop);
+    } catch (const std::exception&) {  // nobody asked for it: the run is whole without
+    }
   };
   return record_run(scene, directory, own);
 }
@@ -87,7 +90,7 @@ RunRecord record_to_accuracy(const SceneFile& scene, const std::filesystem::path
             failure.empty() ? plan.judge(probe.take(*outcome.statistics)) : no_estimate(study.request, failure);
       } catch (const accuracy::Stopped&) {
         outcome.error_estimate = no_estimate(study.request, "it was interrupted");
-      } catch (const IntegrationError& error) {
+      } catch (const std::exception& error) {
         outcome.error_estimate = no_estimate(study.request, error.what());
       }
       if (const std::string& doubt = outcome.error_estimate->doubt; !doubt.empty() && !plan.again())

@@ -55,7 +55,8 @@ TEST(AccuracyOnRequest, AManufacturedContactKeepsTheDisplacementAskedForAtEveryN
     AccuracyStudy study;
     study.scene.scene = known.scene;
     study.scene.method = MethodName::rigid;
-    study.scene.end = 1.5;
+    study.scene.end =
+        1.3;  // the next contact begins at 1.5, by grazing: up to there no mesh knows whether it has begun
     study.scene.output_every = 0.05;
     study.request.error = error;
     const AccuracyResult result = solve(study);

@@ -22,6 +22,7 @@ Probe::Probe(const Case& run) {
 void Probe::add(const Snapshot& snapshot) {
   const bool last = snapshot.time == sample_.end;
   if (seen_++ % time_stride_ != 0 && !last) return;
+  sample_.times.push_back(snapshot.time);
   for (std::size_t j = 0; j < snapshot.u.size(); j += node_stride_) sample_.u.push_back(snapshot.u[j]);
   sample_.speed[0] = std::max(sample_.speed[0], std::abs(snapshot.v.front()));
   sample_.speed[1] = std::max(sample_.speed[1], std::abs(snapshot.v.back()));
@@ -49,6 +50,14 @@ std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& st
   const Statistics done = simulate(plain, system, observers);
   if (!done.completed) return std::nullopt;
   return probe.take(done);
+}
+
+Sample sample_of(const Case& run, const Recording& recording) {
+  Probe probe(run);
+  for (std::size_t k = 0; k < recording.times.size(); ++k)
+    probe.add(Snapshot{recording.times[k], recording.displacement(k), recording.velocity(k)});
+  for (const Event& event : recording.events) probe.add(event);
+  return probe.take(recording.statistics);
 }
 
 double largest(const Sample& sample, Goal of) {
@@ -97,6 +106,18 @@ std::vector<Contact> contacts_of(const Sample& sample, Where end) {
   return contacts;
 }
 
+// By how much the end moves over the output times within a flight.
+double travel(const Sample& sample, Where end, double from, double to) {
+  const auto first = std::lower_bound(sample.times.begin(), sample.times.end(), from) - sample.times.begin();
+  double low = 1e300, high = -1e300;
+  for (auto k = static_cast<std::size_t>(first); k < sample.rows() && sample.times[k] <= to; ++k) {
+    const double u = sample.row(k)[end == Where::left ? 0 : sample.x.size() - 1];
+    low = std::min(low, u);
+    high = std::max(high, u);
+  }
+  return std::max(0.0, high - low);
+}
+
 }  // namespace
 
 Changes changes_that_matter(const Sample& sample, Where end, const Grain& grain) {
@@ -104,7 +125,9 @@ Changes changes_that_matter(const Sample& sample, Where end, const Grain& grain)
   std::vector<Contact> merged;
   for (const Contact& next : contacts_of(sample, end)) {
     const double flight = merged.empty() ? 0.0 : next.begin - merged.back().end;
-    if (merged.empty() || (flight * next.closing_speed >= grain.height && flight >= grain.duration)) {
+    const bool high = merged.empty() || flight * next.closing_speed >= grain.height ||
+                      travel(sample, end, merged.back().end, next.begin) >= grain.height;
+    if (merged.empty() || (high && flight >= grain.duration)) {
       merged.push_back(next);
       continue;
     }

@@ -7,12 +7,14 @@
 
 #include "viscobar/case/accuracy.hpp"
 #include "viscobar/case/case.hpp"
+#include "viscobar/case/recording.hpp"
 
 namespace viscobar::accuracy {
 
 /// What a run says of the goals: the field at some nodes and output times, the ends, the contacts.
 struct Sample {
   std::vector<double> x;            ///< places that are kept
+  std::vector<double> times;        ///< that are kept, K
   std::vector<double> u;            ///< of them, K times, row by row
   std::vector<Event> events;        ///< contact changes
   std::array<double, 2> impulse{};  ///< of both ends
@@ -44,11 +46,15 @@ class Probe {
 /// Runs a case in memory. Absent when `stop` said so. @throws IntegrationError
 std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& stop);
 
+/// What a recording with its account says, as a probe would have told it.
+Sample sample_of(const Case& run, const Recording& recording);
+
 /// The largest value of the goal.
 double largest(const Sample& sample, Goal of);
 
-/// Contact changes at an end that matter to an error of `height`, a displacement: without flights lower than it and
-/// contacts whose impulse moves the bar by less, J / sqrt(rho E). With `span` of time in place of it, without flights
+/// Contact changes at an end that matter to an error of `height`, a displacement: without flights lower than it, as far
+/// as the speed at their end and the output times within them show, and contacts whose impulse moves the bar by less,
+/// J / sqrt(rho E). With `span` of time in place of it, without flights
 /// and contacts that last less.
 struct Grain {
   double height = 0.0;
