@@ -73,6 +73,10 @@ PythonCase parse(const std::string& text, const std::string& source, const py::d
     if (functions.contains("initial.displacement")) run.scene.displacement = function("initial.displacement");
     if (functions.contains("initial.velocity")) run.scene.velocity = function("initial.velocity");
     put_load(run, functions, function);
+    // Of functions that are no formulas; they know no parameters.
+    if (!functions.empty())
+      for (Direction& along : run.directions)
+        if (along.key == "bar.length") along = direction(run, along.key);
     if (study == "limit" || (study == "compare" && is_penalised(run.method))) run.method = penalised_method(run);
   };
   try {
@@ -240,6 +244,22 @@ void bind_runs(py::module_& m) {
                              [](const py::object& self) { return rows_of(self, &Recording::reaction_left); })
       .def_property_readonly("reaction_right",
                              [](const py::object& self) { return rows_of(self, &Recording::reaction_right); })
+      .def_property_readonly("sensitivity",
+                             [](const Kept& self) {
+                               py::dict all;
+                               const auto rows = static_cast<py::ssize_t>(self.rows());
+                               const auto nodes = static_cast<py::ssize_t>(self.recording.mesh.nodes());
+                               for (const RecordedSensitivity& one : self.recording.sensitivities) {
+                                 const auto field = [&](const std::vector<double>& values) {
+                                   return py::array_t<double>({rows, nodes}, values.data());
+                                 };
+                                 all[py::str(one.key)] =
+                                     py::dict(py::arg("u") = field(one.u), py::arg("v") = field(one.v),
+                                              py::arg("reaction_left") = array_of(one.reaction_left),
+                                              py::arg("reaction_right") = array_of(one.reaction_right));
+                               }
+                               return all;
+                             })
       .def_property_readonly("x",
                              [](const Kept& self) {
                                const Mesh& mesh = self.recording.mesh;

@@ -85,13 +85,8 @@ Observers filling(Recording& recording, const Case& run) {
   recording.v.reserve(values);
   Observers observers;
   observers.energy = observers.account = true;
-  observers.snapshot = [&recording](const Snapshot& s) {
-    recording.times.push_back(s.time);
-    recording.u.insert(recording.u.end(), s.u.begin(), s.u.end());
-    recording.v.insert(recording.v.end(), s.v.begin(), s.v.end());
-    recording.reaction_left.push_back(s.reaction_left);
-    recording.reaction_right.push_back(s.reaction_right);
-  };
+  observers.directions = run.directions;
+  observers.snapshot = [&recording, &run](const Snapshot& s) { recording.keep(s, run.directions); };
   observers.event = [&recording](const Event& event) { recording.events.push_back(event); };
   return observers;
 }
@@ -137,6 +132,7 @@ Observers Run::observers(py::object& self, py::object& observer, py::object& on_
   observers.event = [this, ask, &on_event, &run, keep = std::move(observers.event),
                      chatter = ChatterWatch(system_)](const Event& event) mutable {
     keep(event);
+    if (!event.sensitivities.empty()) outcome_.changes.push_back(event.sensitivities);
     if (run.method != MethodName::characteristics)
       if (const auto first = chatter.heard(event)) warn(chatter_warning(run, system_, *first));
     if (!on_event.is_none() && !stopping_)
@@ -236,13 +232,17 @@ std::array<std::vector<double>, 3> Run::energies() const {
     const auto unknowns = [&](const std::vector<double>& field) {
       return std::span(field).subspan(k * nodes + system_.first_node(), system_.size());
     };
-    const auto u = unknowns(recording.u), v = unknowns(recording.v);
-    columns[0].push_back(0.5 * system_.inertia().quadratic_form(v));
-    columns[1].push_back(0.5 * system_.bar().modulus * system_.squared_strain(u));
+    const auto u = unknowns(recording.u);
+    const auto nodal = [&](const std::vector<double>& field) { return std::span(field).subspan(k * nodes, nodes); };
+    const auto [kinetic, elastic] = system_.nodal_energy(nodal(recording.u), nodal(recording.v));
+    columns[0].push_back(kinetic);
+    columns[1].push_back(elastic);
+    const Lift lift = system_.moving() ? system_.lift(recording.times[k], 0) : Lift{};
     double contact = 0.0;
     if (springs)
       for (const Contact& one : system_.contacts())
-        contact += PenaltyLaw{one.weight / effective_epsilon(run)}.energy(-one.clearance(u[one.unknown]));
+        contact += PenaltyLaw{one.weight / effective_epsilon(run)}.energy(
+            -one.clearance(u[one.unknown] - lift.at(system_.share(one.unknown))));
     columns[2].push_back(contact);
   }
   return columns;

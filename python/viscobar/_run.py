@@ -103,6 +103,24 @@ class Result(Recorded):
     reached_time = property(lambda self: self._core.reached_time, doc="How far the run came.")
 
     @cached_property
+    def sensitivity(self) -> dict[str, dict[str, Any]]:
+        """Derivatives by the keys of [sensitivity], NaN or None where there are none (docs/sensitivity.md): for each key
+        u and v (K, J+1), ends (as ends, without t), contact_times and contact_velocities (one for each of events),
+        impulse_left, impulse_right, energy_final, and until."""
+        keys = {}
+        for key, told in self._core.sensitivity.items():
+            ends = {}
+            for side, node in (("left", 0), ("right", -1)):
+                ends[f"u_{side}"] = told["u"][:, node]
+                ends[f"v_{side}"] = told["v"][:, node]
+                ends[f"reaction_{side}"] = told[f"reaction_{side}"]
+            account = dict(self.summary["sensitivity"][key])
+            for name in ("contact_times", "contact_velocities"):
+                account[name] = np.array(account[name], dtype=float)
+            keys[key] = {"u": told["u"], "v": told["v"], "ends": ends, **account}
+        return keys
+
+    @cached_property
     def stress(self) -> np.ndarray:
         """E u_x + eta u_xt of each element, (K, J)."""
         modulus, viscosity = self._core.material

@@ -34,8 +34,17 @@ namespace {
 
 bool ends_meet_obstacles(const Scene& scene) { return is_obstacle(scene.left) || is_obstacle(scene.right); }
 
+// An end whose spring or dashpot wants its mass.
+bool mounts_a_contact(const Scene& scene) {
+  const auto mounted = [](const EndCondition& end, const EndInput& input) {
+    return is_obstacle(end) && (input.stiffness > 0.0 || input.dashpot > 0.0);
+  };
+  return mounted(scene.left, scene.left_input) || mounted(scene.right, scene.right_input);
+}
+
 bool redistributes(const Case& run) {
   const Scene& scene = run.scene;
+  if (mounts_a_contact(scene)) return false;
   const std::size_t contacts = std::size_t{is_obstacle(scene.left)} + std::size_t{is_obstacle(scene.right)};
   return contacts > 0 && !scene.span && run.elements > contacts;
 }

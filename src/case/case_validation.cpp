@@ -64,6 +64,27 @@ void check_massless(const Case& run, Findings& findings) {
     findings.report("mesh.elements", fmt::format("mass \"redistributed\" needs at least {} elements here", needed));
 }
 
+void check_inputs(const Case& run, Findings& findings) {
+  const Scene& scene = run.scene;
+  const auto each_end = [&](auto&& check) {
+    check("left", scene.left, scene.left_input);
+    check("right", scene.right, scene.right_input);
+  };
+  each_end([&](const std::string& table, const EndCondition& end, const EndInput& input) {
+    const std::string key = table + (is_obstacle(end) ? ".gap" : ".motion");
+    if (input.motion && scene.span)
+      findings.report(key,
+                      "moves, and an obstacle under the whole span stands still: the two do not go together yet; "
+                      "take the number that it begins with, or leave [span] out");
+    if (is_obstacle(end) && (input.stiffness > 0.0 || input.dashpot > 0.0) &&
+        effective_mass(run) == Mass::redistributed && findings.sound({"mesh.mass", "method.name"}))
+      findings.report("mesh.mass",
+                      fmt::format("\"redistributed\" takes the mass that the spring and the dashpot of [{}] "
+                                  "want from the node; use \"fourth_order\", \"consistent\" or \"lumped\"",
+                                  table));
+  });
+}
+
 void check_end_rows(const Case& run, Findings& findings) {
   if (run.elements < 3)
     findings.report("mesh.elements", "mass \"fourth_order\" needs at least 3 elements: its end rows reach three nodes");
@@ -137,6 +158,7 @@ std::vector<Finding> validate(const Case& run, const std::vector<std::string>& f
     check_massless(run, findings);
   if (effective_mass(run) == Mass::fourth_order && findings.sound({"mesh.mass", "method.name"}))
     check_end_rows(run, findings);
+  check_inputs(run, findings);
   check_grading(run, findings);
   check_memory(run, findings);
   check_initial_nodes(run, findings);

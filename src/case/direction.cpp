@@ -55,6 +55,9 @@ Direction direction(const Case& run, std::string_view key) {
     if (!of) refuse("the scene has no such obstacle");
     of->gap = 1.0;
   };
+  for (const EndInput& input : {scene.left_input, scene.right_input})
+    if (input.force || input.motion || input.stiffness != 0.0 || input.dashpot != 0.0)
+      refuse("forces, springs, dashpots and motion of ends have no derivatives yet; leave them out of the scene");
   const bool contact = is_obstacle(scene.left) || is_obstacle(scene.right) || scene.span;
   if (key == "bar.density") {
     along.bar.density = 1.0;

@@ -30,7 +30,12 @@ std::optional<std::vector<FirstImpact>> first_impacts(const Case& run) {
   observers.event = [&](const Event& event) {
     if (event.change != Change::closing) return;
     if (std::any_of(found.begin(), found.end(), [&](const FirstImpact& f) { return f.where == event.where; })) return;
-    found.push_back({event.where, event.time, std::abs(event.velocity)});
+    const std::optional<EndMotion> still;
+    const auto& motion = event.where == Where::left    ? run.scene.left_input.motion
+                         : event.where == Where::right ? run.scene.right_input.motion
+                                                       : still;
+    const double obstacle = motion ? motion->velocity(event.time) : 0.0;
+    found.push_back({event.where, event.time, std::abs(event.velocity - obstacle)});
   };
   observers.progress = [&](double) { return found.size() == places ? RunControl::stop : RunControl::go_on; };
   if (places == 0) return found;

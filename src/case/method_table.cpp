@@ -44,10 +44,15 @@ double exponential_vectors(const Case&, double nodes) { return 4.0 * 4.0 * nodes
 
 // What its steppers cannot take follows from the whole system.
 void refuse_odeint(const Case& run, Findings& findings) {
-  if (!findings.sound({"bar.length", "bar.density", "bar.modulus", "bar.viscosity", "left.kind", "left.gap",
-                       "right.kind", "right.gap", "span.gap", "initial.displacement", "initial.velocity", "time.end",
-                       "mesh.elements", "mesh.grading", "mesh.mass", "contact.epsilon", "contact.restitution",
-                       "method.stepper", "method.step"}))
+  if (!findings.sound({"bar.length",           "bar.density",         "bar.modulus",
+                       "bar.viscosity",        "left.kind",           "left.gap",
+                       "right.kind",           "right.gap",           "left.stiffness",
+                       "left.dashpot",         "left.motion",         "right.stiffness",
+                       "right.dashpot",        "right.motion",        "span.gap",
+                       "initial.displacement", "initial.velocity",    "time.end",
+                       "mesh.elements",        "mesh.grading",        "mesh.mass",
+                       "contact.epsilon",      "contact.restitution", "method.stepper",
+                       "method.step"}))
     return;
   const BarSystem system = make_system(run);
   const OdeintPlan what = plan(system, run.end, odeint(run));
@@ -55,9 +60,12 @@ void refuse_odeint(const Case& run, Findings& findings) {
   switch (*what.refusal) {
     case Refusal::viscosity:
       return findings.report("method.stepper",
-                             fmt::format("symplectic conserves what bar.viscosity = {} dissipates; use dopri5 or "
-                                         "rosenbrock4",
-                                         run.scene.bar.viscosity));
+                             run.scene.bar.viscosity > 0.0
+                                 ? fmt::format("symplectic conserves what bar.viscosity = {} dissipates; use dopri5 "
+                                               "or rosenbrock4",
+                                               run.scene.bar.viscosity)
+                                 : "symplectic conserves what the dashpot of an end dissipates; use dopri5 or "
+                                   "rosenbrock4");
     case Refusal::restitution:
       return findings.report("method.stepper",
                              fmt::format("symplectic conserves what contact.restitution = {} dissipates; use dopri5 or "
@@ -104,6 +112,10 @@ void refuse_characteristics(const Case& run, Findings& findings) {
     findings.report("method.name",
                     "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; "
                     "use fully_discrete, or one of the penalised methods");
+  if (why == Refusal::end_springs)
+    findings.report(run.scene.left_input.stiffness != 0.0 ? "left.stiffness" : "right.stiffness",
+                    "is not for characteristics: a spring remembers what has arrived, and waves return as no "
+                    "polynomials; use rigid, or fully_discrete");
   if (why == Refusal::many_steps)
     findings.report(
         "time.end",

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "characteristics/driven_end.hpp"
 #include "characteristics/end.hpp"
 #include "characteristics/field.hpp"
 #include "characteristics/initial_waves.hpp"
@@ -91,7 +92,9 @@ class Run {
         schedule_(observers, times, t_),
         data_(initial_data(scene_)),
         left_(end_of(scene.left, data_.displacement.polynomial(0)(data_.displacement[0].z(0.0)), passage_)),
-        right_(end_of(scene.right, last_value(data_.displacement), passage_)) {
+        right_(end_of(scene.right, last_value(data_.displacement), passage_)),
+        driven_left_(scene_.left_input, impedance_, passage_, times.front()),
+        driven_right_(scene_.right_input, impedance_, passage_, times.front()) {
     if (scene.load) load_ = LoadGain::of(*scene_.load, scene.bar, passage_, times.front(), times.back());
     if (observers_.snapshot) u_.resize(mesh.nodes()), v_.resize(mesh.nodes());
     const double until = (times.back() - times.front()) / passage_;
@@ -123,7 +126,8 @@ class Run {
   static void members(auto& run, auto&& each) {
     each(run.nodes_, run.k_, run.sent_left_before_, run.sent_right_before_, run.left_begin_, run.right_begin_,
          run.work_begin_, run.error_begin_, run.gain_errors_begin_, run.velocity_scale_begin_, run.place_scale_begin_,
-         run.simplified_left_, run.simplified_right_, run.initial_moment_, run.told_, run.largest_);
+         run.simplified_left_, run.simplified_right_, run.initial_moment_, run.told_, run.largest_,
+         run.driven_left_begin_, run.driven_right_begin_);
   }
 
  private:
@@ -144,27 +148,28 @@ class Run {
     statistics_.unknowns = largest_;
     telling_.count_seconds();
     if (statistics_.account) {
-      account(statistics_.account->left, left_, scene_.left);
-      account(statistics_.account->right, right_, scene_.right);
+      account(statistics_.account->left, left_, driven_left_, scene_.left);
+      account(statistics_.account->right, right_, driven_right_, scene_.right);
     }
     const double duration = t_ - times_.front();
     const double passages = static_cast<double>(k_) + 1.0;
-    const double velocity_error =
-        data_.velocity_error + error_ + (load_ ? load_->errors().arrivals + load_->errors().looked_at : 0.0);
+    const double velocity_error = data_.velocity_error + error_ + driven_left_.error() + driven_right_.error() +
+                                  (load_ ? load_->errors().arrivals + load_->errors().looked_at : 0.0);
     statistics_.representation = {data_.displacement_error + duration * velocity_error,
                                   rounding * passages * (place_scale_ + duration * velocity_scale_), velocity_scale_};
     return statistics_;
   }
 
   // Of R = impedance * (what arrives), over the passages so far.
-  void account(EndAccount& account, const End& end, const EndCondition& condition) const {
+  void account(EndAccount& account, const End& end, const DrivenEnd& driven, const EndCondition& condition) const {
     const Borne& borne = end.borne();
-    account.displacement = displacement_at(condition, end.place());
+    account.displacement = displacement_at(condition, end.place()) + driven.displacement(t_);
     account.lowest = displacement_at(condition, borne.lowest);
     account.highest = displacement_at(condition, borne.highest);
     if (sign_of(condition) < 0.0) std::swap(account.lowest, account.highest);
-    account.impulse = impedance_ * passage_ * end.impulse();
-    account.peak_reaction = impedance_ * borne.max_reaction;
+    if (driven.moves()) account.lowest = driven.account().lowest, account.highest = driven.account().highest;
+    account.impulse = impedance_ * driven.force_factor() * passage_ * end.impulse();
+    account.peak_reaction = impedance_ * driven.force_factor() * borne.max_reaction;
   }
 
   [[noreturn]] void fail(Failure why, const std::string& what) {
@@ -235,6 +240,8 @@ class Run {
     right_ = right_begin_;
     work_ = work_begin_;
     error_ = error_begin_;
+    driven_left_.restore(driven_left_begin_);
+    driven_right_.restore(driven_right_begin_);
     velocity_scale_ = velocity_scale_begin_;
     place_scale_ = place_scale_begin_;
     next_output_ = checkpoint.outputs;
@@ -251,19 +258,24 @@ class Run {
     right_begin_ = right_;
     work_begin_ = work_;
     error_begin_ = error_;
+    driven_left_begin_ = driven_left_.account();
+    driven_right_begin_ = driven_right_.account();
     if (load_) gain_errors_begin_ = load_->errors();
     velocity_scale_begin_ = velocity_scale_;
     place_scale_begin_ = place_scale_;
     const double until = last() ? std::clamp(part_at(times_.back()), least_passage, 1.0) : 1.0;
     if (load_) load_->enter(k_);
-    answer(left_, sent_right_before_, load_ ? &load_->arriving_left() : nullptr, until, sent_left_);
-    answer(right_, sent_left_before_, load_ ? &load_->arriving_right() : nullptr, until, sent_right_);
+    answer(left_, driven_left_, sent_right_before_, load_ ? &load_->arriving_left() : nullptr, until, moved_left_,
+           sent_left_);
+    answer(right_, driven_right_, sent_left_before_, load_ ? &load_->arriving_right() : nullptr, until, moved_right_,
+           sent_right_);
     error_ += sent_left_.left_out() + sent_right_.left_out();
     largest_ = std::max(largest_, sent_left_.coefficients() + sent_right_.coefficients());
     merge_turns();
   }
 
-  void answer(End& end, const Piecewise& sent, const Piecewise* gain, double until, Piecewise& answer) {
+  void answer(End& end, DrivenEnd& driven, const Piecewise& sent, const Piecewise* gain, double until, Piecewise& moved,
+              Piecewise& answer) {
     const Piecewise* arriving = &sent;
     if (gain) {
       combine(sent, 1.0, *gain, 1.0, arriving_);
@@ -272,7 +284,25 @@ class Run {
     }
     if (gain || k_ == 0) velocity_scale_ = std::max(velocity_scale_, arriving->bound());
     place_scale_ = std::max(place_scale_, std::abs(end.place()));
-    end.answer(*arriving, until, {place_scale_ + passage_ * velocity_scale_, velocity_scale_}, answer);
+    const auto scale = [&] { return End::Scale{place_scale_ + passage_ * velocity_scale_, velocity_scale_}; };
+    if (!driven.active()) return end.answer(*arriving, until, scale(), answer);
+    driven.enter(k_);
+    const Piecewise& relative = driven.relative(*arriving);
+    velocity_scale_ = std::max(velocity_scale_, relative.bound());
+    end.answer(relative, until, scale(), moved);
+    driven.send(moved, *arriving, answer);
+    if (!observers_.energy && !observers_.account) return;
+    const EndCondition& condition = &end == &left_ ? scene_.left : scene_.right;
+    Cursor along(moved);
+    driven.add(end, moved, [&](double s) {
+      return displacement_at(condition, end.place_at(s, along)) + driven.displacement(time_at(s));
+    });
+  }
+
+  // What an end sends against what holds or bounds it, by which it moves.
+  const Piecewise& moved(bool left) const {
+    if (left) return driven_left_.active() ? moved_left_ : sent_left_;
+    return driven_right_.active() ? moved_right_ : sent_right_;
   }
 
   // (w + g)^2 - w^2 of what has arrived.
@@ -343,41 +373,44 @@ class Run {
     ++statistics_.events;
     if (!observers_.event && !statistics_.account) return;
     const bool left = event.where == Where::left;
-    Event told{time_of(event), event.where, left ? 0 : mesh_.elements, event.change, event.velocity};
+    const DrivenEnd& driven = left ? driven_left_ : driven_right_;
+    const double t = time_of(event);
+    Event told{t, event.where, left ? 0 : mesh_.elements, event.change, event.velocity + driven.velocity(t)};
     if (statistics_.account) {
-      Cursor sent(left ? sent_left_ : sent_right_);
-      told.impulse = impedance_ * passage_ * (left ? left_ : right_).impulse_at(event.s, sent);
+      Cursor sent(moved(left));
+      told.impulse = impedance_ * driven.force_factor() * passage_ * (left ? left_ : right_).impulse_at(event.s, sent);
       statistics_.account->count(told);
     }
     telling_.told(told);
   }
 
-  Field field(double s) {
-    Cursor left(sent_left_), right(sent_right_);
+  Field field(double s, double t) {
+    Cursor left(moved(true)), right(moved(false));
     if (load_) load_->look(s);
     return Field({sent_left_, sent_left_before_, sent_right_, sent_right_before_, load_ ? &load_->rightward() : nullptr,
                   load_ ? &load_->leftward() : nullptr},
-                 s, displacement_at(scene_.left, left_.place_at(s, left)),
-                 displacement_at(scene_.right, right_.place_at(s, right)), passage_);
+                 s, displacement_at(scene_.left, left_.place_at(s, left)) + driven_left_.displacement(t),
+                 displacement_at(scene_.right, right_.place_at(s, right)) + driven_right_.displacement(t), passage_);
   }
 
   void tell_output() {
     const double t = times_[next_output_++];
     if (!observers_.snapshot) return;
     const double s = std::clamp(part_at(t), 0.0, sent_left_.end());
-    Field now = field(s);
+    Field now = field(s, t);
     for (std::size_t j = 0; j < u_.size(); ++j) {
       const double place = mesh_.node(j) / mesh_.length;
       u_[j] = now.displacement(place);
       v_[j] = now.velocity(place);
     }
-    Cursor left(sent_left_), right(sent_right_);
-    u_.front() = displacement_at(scene_.left, left_.place_at(s, left));
-    u_.back() = displacement_at(scene_.right, right_.place_at(s, right));
-    v_.front() = left_.velocity_at(s, left);
-    v_.back() = right_.velocity_at(s, right);
+    Cursor left(moved(true)), right(moved(false));
+    u_.front() = displacement_at(scene_.left, left_.place_at(s, left)) + driven_left_.displacement(t);
+    u_.back() = displacement_at(scene_.right, right_.place_at(s, right)) + driven_right_.displacement(t);
+    v_.front() = left_.velocity_at(s, left) + driven_left_.velocity(t);
+    v_.back() = right_.velocity_at(s, right) + driven_right_.velocity(t);
     for (const double u : {u_.front(), u_.back()}) place_scale_ = std::max(place_scale_, std::abs(u));
-    const Snapshot snapshot{t, u_, v_, impedance_ * left_.force_at(s, left), impedance_ * right_.force_at(s, right)};
+    const Snapshot snapshot{t, u_, v_, impedance_ * driven_left_.force_factor() * left_.force_at(s, left),
+                            impedance_ * driven_right_.force_factor() * right_.force_at(s, right)};
     telling_.snapshot(snapshot);
   }
 
@@ -406,7 +439,7 @@ class Run {
     statistics_.completed = true;
     if (!statistics_.energy) return;
     const double s = sent_left_.end();
-    Field now = field(s);
+    Field now = field(s, t_);
     std::vector<double> breaks{s, 1.0 - s};
     for (std::size_t i = 0; i < sent_left_.size(); ++i) breaks.push_back(s - sent_left_[i].begin);
     for (std::size_t i = 0; i < sent_right_.size(); ++i) breaks.push_back(1.0 - (s - sent_right_[i].begin));
@@ -424,16 +457,18 @@ class Run {
                      const double a = now.rightward(place), b = now.leftward(place);
                      return a * a + b * b;
                    });
+    energy.dissipated = driven_left_.account().dissipated + driven_right_.account().dissipated;
+    energy.work = driven_left_.account().work + driven_right_.account().work;
     if (!load_) return;
     if (load_->steady()) {
-      energy.work = moment([&] { return [&](double place) { return now.displacement(place); }; }) - initial_moment_;
+      energy.work += moment([&] { return [&](double place) { return now.displacement(place); }; }) - initial_moment_;
       return;
     }
     Cursor right_gain(load_->rightward()), left_gain(load_->leftward());
-    energy.work = work_ + share * integral(moment_breaks_, [&](double place) {
-                            const double g = right_gain.value(place), h = left_gain.value(place);
-                            return g * (2.0 * now.rightward(place) - g) + h * (2.0 * now.leftward(place) - h);
-                          });
+    energy.work += work_ + share * integral(moment_breaks_, [&](double place) {
+                             const double g = right_gain.value(place), h = left_gain.value(place);
+                             return g * (2.0 * now.rightward(place) - g) + h * (2.0 * now.leftward(place) - h);
+                           });
   }
 
   const Scene scene_;  // formulas are called by one run at a time
@@ -455,6 +490,8 @@ class Run {
 
   std::size_t k_ = 0, last_passage_ = 0;
   End left_, right_;
+  DrivenEnd driven_left_, driven_right_;
+  Piecewise moved_left_, moved_right_;  // of ends that are given something
   Piecewise sent_left_, sent_left_before_, sent_right_, sent_right_before_, arriving_;
   std::size_t simplified_left_ = 0, simplified_right_ = 0;  // pieces after the last time
   double velocity_scale_ = 0.0, place_scale_ = 0.0;
@@ -465,6 +502,7 @@ class Run {
   End left_begin_ = left_, right_begin_ = right_;
   double velocity_scale_begin_ = 0.0, place_scale_begin_ = 0.0, work_begin_ = 0.0, error_begin_ = 0.0;
   LoadGain::Errors gain_errors_begin_;
+  DrivenEnd::Account driven_left_begin_, driven_right_begin_;
 
   std::vector<Told> events_;
   std::size_t told_ = 0, skip_ = 0, next_output_ = 0;

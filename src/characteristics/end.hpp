@@ -59,6 +59,9 @@ class End {
   double impulse_at(double s, Cursor& sent) const;           ///< from the beginning on, likewise
   double impulse() const { return sign_ * borne_.impulse; }  ///< so far
 
+  /// Whether it is fixed, or in contact.
+  bool held_at(double s) const { return kind_ == Kind::fixed || mark_at(s).closed; }
+
   const std::vector<Turn>& turns() const { return turns_; }  ///< of that passage, in order
   const Borne& borne() const { return borne_; }              ///< from the beginning on
   std::size_t searched() const { return searched_; }         ///< pieces, for turns

@@ -84,6 +84,10 @@ int CheckCommand::operator()() const {
                                                                               system.mesh().smallest())));
   text += row("damping", system.damped() ? fmt::format("eta = {}", run.scene.bar.viscosity) : "none");
   text += row("load", load_kind(run.scene));
+  for (const std::string& words : inputs_text(system.bar(), run.scene.left, run.scene.left_input))
+    text += row("left end", words);
+  for (const std::string& words : inputs_text(system.bar(), run.scene.right, run.scene.right_input))
+    text += row("right end", words);
   text += row("contact", system.contacts().empty() ? "none" : contact_kind(run));
   text += row("event functions", events(run, system));
   text += row("memory", fmt::format("about {} vectors of {} numbers, {}", check.memory.vectors, system.size(),

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
+#include <tuple>
+#include <utility>
 
 #include "scene/end_kinds.hpp"
 
@@ -92,7 +94,9 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(me
   massless_right_ = redistributed && right.obstacle;
   if (!mesh.uniform())
     for (std::size_t j = 0; j < mesh.elements; ++j) inverse_spacing_.push_back(1.0 / mesh.element(j));
-  inertia_ = restrict_to(inertia_matrix(mesh, mass, massless_left_, massless_right_), first, n);
+  inputs_ = {scene.left_input, scene.right_input};
+  SymmetricTridiagonal whole = inertia_matrix(mesh, mass, massless_left_, massless_right_);
+  inertia_ = restrict_to(whole, first, n);
   for (double& entry : inertia_.diagonal) entry *= bar_.density;
   for (double& entry : inertia_.off_diagonal) entry *= bar_.density;
   inertia_.end_rows = scaled_end_rows(bar_.density);
@@ -119,6 +123,22 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(me
     initial_.v[i] = scene.velocity(mesh.node(i + first));
   }
 
+  for (const auto& [input, fixed_end, unknown] :
+       {std::tuple{&scene.left_input, left_fixed(), std::size_t{0}}, {&scene.right_input, right_fixed(), n - 1}})
+    if (!fixed_end && (input->stiffness != 0.0 || input->dashpot != 0.0))
+      mounts_.push_back({unknown, input->stiffness, input->dashpot});
+  for (const Mount& mount : mounts_)
+    if (mount.unknown < massive_begin() || mount.unknown >= massive_end())
+      throw std::invalid_argument(
+          "mass \"redistributed\" does not fit a spring or a dashpot at an end with an obstacle, which want its mass");
+  if (moving() && scene.span)
+    throw std::invalid_argument("a span obstacle stands still, and does not fit ends that are moved");
+  if (moving()) {
+    const EndCondition& other = inputs_[0].motion ? scene.right : scene.left;
+    rigid_frame_ = std::holds_alternative<Free>(other);
+    enter_frame(std::move(whole));
+  }
+
   if (scene.load) {
     const SymmetricTridiagonal load_mass = mass_matrix(mesh, mass);
     const auto weighted = [&](const SpaceFunction& profile) {
@@ -133,10 +153,31 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(me
     if (const auto* general = std::get_if<GeneralLoad>(&*scene.load))
       load_ = GeneralVector{general->density, general->breaks, general->breaks_at, load_mass};
   }
+  take_forces();
+}
+
+// Forces that are always the same become part of a load that is.
+void BarSystem::take_forces() {
+  if (!inputs_[0].force && !inputs_[1].force) return;
+  varying_forces_ = (load_ && !std::holds_alternative<SteadyVector>(*load_)) ||
+                    std::ranges::any_of(inputs_, [](const EndInput& one) { return one.force && !one.force->steady; });
+  if (varying_forces_) return;
+  if (!load_) load_ = SteadyVector{std::vector<double>(size(), 0.0)};
+  std::vector<double>& weighted = std::get<SteadyVector>(*load_).weighted;
+  if (inputs_[0].force && !left_fixed()) weighted.front() += inputs_[0].force->value(0.0);
+  if (inputs_[1].force && !right_fixed()) weighted.back() += inputs_[1].force->value(0.0);
 }
 
 void BarSystem::internal_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
-  if (!inverse_spacing_.empty()) return graded_force(u, w, out);
+  if (inverse_spacing_.empty())
+    uniform_force(u, w, out);
+  else
+    graded_force(u, w, out);
+  for (const Mount& mount : mounts_)
+    out[mount.unknown] -= mount.stiffness * u[mount.unknown] + mount.dashpot * w[mount.unknown];
+}
+
+void BarSystem::uniform_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
   const std::size_t n = size();
   const double stiffness = bar_.modulus / mesh_.spacing();
   const double damping = bar_.viscosity / mesh_.spacing();
@@ -191,9 +232,16 @@ double BarSystem::end_power(std::span<const double> w, std::span<const double> a
 }
 
 void BarSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const {
-  if (!inverse_spacing_.empty()) return graded_stiffness(m, c * bar_.viscosity + k * bar_.modulus, out);
-  const std::size_t n = size();
   const double scale = c * bar_.viscosity + k * bar_.modulus;
+  if (inverse_spacing_.empty())
+    uniform_stiffness(m, scale, out);
+  else
+    graded_stiffness(m, scale, out);
+  for (const Mount& mount : mounts_) out.diagonal[mount.unknown] += c * mount.dashpot + k * mount.stiffness;
+}
+
+void BarSystem::uniform_stiffness(double m, double scale, SymmetricTridiagonal& out) const {
+  const std::size_t n = size();
   const double off = -scale / mesh_.spacing();
   out.diagonal.resize(n);
   out.off_diagonal.resize(n - 1);
@@ -233,7 +281,19 @@ double BarSystem::squared_strain_rate(std::span<const double> w) const {
 }
 
 double BarSystem::energy(std::span<const double> u, std::span<const double> w) const {
-  return 0.5 * inertia_.quadratic_form(w) + 0.5 * bar_.modulus * squared_strain(u);
+  double sum = 0.5 * inertia_.quadratic_form(w) + 0.5 * bar_.modulus * squared_strain(u);
+  for (const Mount& mount : mounts_) sum += 0.5 * mount.stiffness * u[mount.unknown] * u[mount.unknown];
+  return sum;
+}
+
+double BarSystem::dashpot_power(std::span<const double> w) const {
+  double power = 0.0;
+  for (const Mount& mount : mounts_) power += mount.dashpot * w[mount.unknown] * w[mount.unknown];
+  return power;
+}
+
+bool BarSystem::has_dashpots() const {
+  return std::ranges::any_of(mounts_, [](const Mount& mount) { return mount.dashpot > 0.0; });
 }
 
 void BarSystem::expand_displacement(std::span<const double> u, std::span<double> nodal) const {

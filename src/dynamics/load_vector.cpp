@@ -1,58 +1,50 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <exception>
 #include <limits>
 
+#include "dynamics/finite_load.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 
 namespace viscobar {
 
 namespace {
 
-// Of a load at `place`, which says where and when: what is no number, or throws, stops a run for the same reason.
-template <class Load>
-double finite(double t, Load&& load, auto&& place) {
-  double value = 0.0;
-  try {
-    value = load();
-  } catch (const std::exception& error) {
-    throw LoadError(t, fmt::format("{} cannot be evaluated: {}", place(), error.what()));
-  } catch (...) {
-    throw LoadError(t, fmt::format("{} cannot be evaluated", place()));
-  }
-  if (!std::isfinite(value))
-    throw LoadError(t, fmt::format("{} is {}", place(), std::isnan(value) ? "not a number" : "infinite"));
-  return value;
-}
-
 double history_at(const TimeFunction& history, double t) {
-  return finite(
+  return finite_load(
       t, [&] { return history(t); }, [&] { return fmt::format("the history of the load at t = {}", t); });
 }
 
 double density_at(const SpaceTimeFunction& density, double x, double t) {
-  return finite(
+  return finite_load(
       t, [&] { return density(x, t); }, [&] { return fmt::format("the load at x = {}, t = {}", x, t); });
 }
 
 }  // namespace
 
-LoadVector::LoadVector(const BarSystem& system) : system_(system) {
-  if (std::holds_alternative<BarSystem::SteadyVector>(*system.load_)) return;
-  weighted_.resize(system.size());
-  if (const auto* separable = std::get_if<BarSystem::SeparableVector>(&*system.load_)) breaks_ = separable->breaks;
-  if (const auto* general = std::get_if<BarSystem::GeneralVector>(&*system.load_)) {
+LoadVector::LoadVector(const BarSystem& system, double step) : system_(system), step_(step) {
+  const auto& load = system.load_;
+  const auto& inputs = system.inputs_;
+  steady_ =
+      load && std::holds_alternative<BarSystem::SteadyVector>(*load) && !system.varying_forces_ && !system.moving();
+  if (load)
+    if (const auto* separable = std::get_if<BarSystem::SeparableVector>(&*load)) breaks_.push_back(separable->breaks);
+  if (const auto* general = load ? std::get_if<BarSystem::GeneralVector>(&*load) : nullptr) {
     nodal_.resize(2 * system.mesh().nodes());
-    breaks_ = general->breaks;
+    breaks_.push_back(general->breaks);
     breaks_at_ = general->breaks_at;
   }
-  if (breaks_ || breaks_at_)
-    next_.assign(1 + (breaks_at_ ? system.mesh().nodes() : 0), -std::numeric_limits<double>::infinity());
+  for (const EndInput& input : inputs) {
+    if (input.force && system.varying_forces_) breaks_.push_back(input.force->breaks);
+    if (input.motion) breaks_.push_back(input.motion->breaks);
+  }
+  std::erase_if(breaks_, [](const NextBreak& one) { return !one; });
+  if (!breaks_.empty() || breaks_at_)
+    next_.assign(breaks_.size() + (breaks_at_ ? system.mesh().nodes() : 0), -std::numeric_limits<double>::infinity());
+  if (!steady_) weighted_.resize(system.size());
 }
 
-bool LoadVector::steady() const { return weighted_.empty(); }
+bool LoadVector::steady() const { return steady_; }
 
 // Each break is searched for once, when the one before it at its place has been passed.
 double LoadVector::next_break(double after, double until) {
@@ -61,10 +53,9 @@ double LoadVector::next_break(double after, double until) {
   double first = never;
   for (std::size_t k = 0; k < next_.size(); ++k) {
     if (next_[k] <= after) {
-      if (k > 0)
-        next_[k] = breaks_at_(mesh.node(k - 1), after, until).value_or(never);
-      else
-        next_[k] = breaks_ ? breaks_(after, until).value_or(never) : never;
+      const std::size_t whole = breaks_.size();
+      next_[k] =
+          (k < whole ? breaks_[k](after, until) : breaks_at_(mesh.node(k - whole), after, until)).value_or(never);
     }
     first = std::min(first, next_[k]);
   }
@@ -84,11 +75,22 @@ double LoadVector::enter(double t, double end) {
 }
 
 std::span<const double> LoadVector::at(double t) {
-  if (const auto* steady = std::get_if<BarSystem::SteadyVector>(&*system_.load_)) return steady->weighted;
+  if (steady_) return std::get<BarSystem::SteadyVector>(*system_.load_).weighted;
   t = inside(t);
   if (time_ == t) return weighted_;
   ++evaluations_;
-  if (const auto* separable = std::get_if<BarSystem::SeparableVector>(&*system_.load_)) {
+  find_distributed(t);
+  add_inputs(t);
+  time_ = t;
+  return weighted_;
+}
+
+void LoadVector::find_distributed(double t) {
+  if (!system_.load_) {
+    std::ranges::fill(weighted_, 0.0);
+  } else if (const auto* steady = std::get_if<BarSystem::SteadyVector>(&*system_.load_)) {
+    std::ranges::copy(steady->weighted, weighted_.begin());
+  } else if (const auto* separable = std::get_if<BarSystem::SeparableVector>(&*system_.load_)) {
     const double history = history_at(separable->history, t);
     std::transform(separable->weighted.begin(), separable->weighted.end(), weighted_.begin(),
                    [history](double profile) { return history * profile; });
@@ -101,13 +103,76 @@ std::span<const double> LoadVector::at(double t) {
     std::copy_n(product.begin() + static_cast<std::ptrdiff_t>(system_.first_node()), weighted_.size(),
                 weighted_.begin());
   }
-  time_ = t;
-  return weighted_;
+}
+
+// Of the forces alone; at a fixed end there is none.
+std::array<double, 2> LoadVector::end_forces(double t) const {
+  std::array<double, 2> forces{};
+  if (!system_.varying_forces_) return forces;
+  for (const bool right : {false, true})
+    if (const auto& force = system_.inputs_[right].force)
+      forces[right] = finite_load(
+          t, [&] { return force->value(t); },
+          [&] { return fmt::format("the force at the {} end at t = {}", right ? "right" : "left", t); });
+  return forces;
+}
+
+// A step back from the start there is no motion.
+Lift LoadVector::lift(double t, int derivative) const {
+  return step_ > 0.0 && t >= step_ ? system_.lift(t, derivative, step_) : system_.lift(t, derivative);
+}
+
+// -(E K + eta K) of what is linear, and what it does to the mounts.
+std::array<double, 2> LoadVector::lift_forces(const Lift& lift, const Lift& rate) const {
+  const Bar& bar = system_.bar();
+  const double stress =
+      (bar.modulus * (lift.right - lift.left) + bar.viscosity * (rate.right - rate.left)) / bar.length;
+  std::array<double, 2> forces = {stress, -stress};
+  for (const Mount& mount : system_.mounts()) {
+    const bool right = mount.unknown > 0 || system_.left_fixed();
+    forces[right] -= right ? mount.stiffness * lift.right + mount.dashpot * rate.right
+                           : mount.stiffness * lift.left + mount.dashpot * rate.left;
+  }
+  return forces;
+}
+
+void LoadVector::add_inputs(double t) {
+  std::array<double, 2> forces = end_forces(t);
+  if (system_.moving()) {
+    const auto of_lift = lift_forces(lift(t, 0), lift(t, 1));
+    for (std::size_t end = 0; end < 2; ++end) forces[end] += of_lift[end];
+    const Lift acceleration = lift(t, 2);
+    const auto& [left, right] = system_.lift_inertia_;
+    for (std::size_t i = 0; i < weighted_.size(); ++i)
+      weighted_[i] -= acceleration.left * left[i] + acceleration.right * right[i];
+  }
+  if (!system_.left_fixed()) weighted_.front() += forces[0];
+  if (!system_.right_fixed()) weighted_.back() += forces[1];
 }
 
 double LoadVector::at(double t, std::size_t unknown) const {
-  if (const auto* steady = std::get_if<BarSystem::SteadyVector>(&*system_.load_)) return steady->weighted[unknown];
+  if (steady_) return std::get<BarSystem::SteadyVector>(*system_.load_).weighted[unknown];
   t = inside(t);
+  double sum = distributed(t, unknown);
+  const bool left = unknown == 0 && !system_.left_fixed();
+  const bool right = unknown + 1 == system_.size() && !system_.right_fixed();
+  if (left || right) {
+    std::array<double, 2> forces = end_forces(t);
+    if (system_.moving()) {
+      const auto of_lift = lift_forces(lift(t, 0), lift(t, 1));
+      for (std::size_t end = 0; end < 2; ++end) forces[end] += of_lift[end];
+    }
+    sum += (left ? forces[0] : 0.0) + (right ? forces[1] : 0.0);
+  }
+  if (!system_.moving()) return sum;
+  const Lift acceleration = lift(t, 2);
+  return sum - (acceleration.left * system_.lift_inertia_[0][unknown] +
+                acceleration.right * system_.lift_inertia_[1][unknown]);
+}
+
+double LoadVector::distributed(double t, std::size_t unknown) const {
+  if (!system_.load_) return 0.0;
+  if (const auto* steady = std::get_if<BarSystem::SteadyVector>(&*system_.load_)) return steady->weighted[unknown];
   if (const auto* separable = std::get_if<BarSystem::SeparableVector>(&*system_.load_))
     return history_at(separable->history, t) * separable->weighted[unknown];
   const auto& general = std::get<BarSystem::GeneralVector>(*system_.load_);

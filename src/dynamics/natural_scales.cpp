@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <numeric>
 #include <span>
 
 namespace viscobar {
 
 namespace {
+
+constexpr int looks_at_varying = 64;
 
 double largest(std::span<const double> values) {
   double most = 0.0;
@@ -20,13 +23,37 @@ double largest(std::span<const double> values) {
 double mean_load(const BarSystem& system, double end) {
   if (!system.loaded()) return 0.0;
   LoadVector load(system);
-  const int looks = load.steady() ? 1 : 64;
+  const int looks = load.steady() ? 1 : looks_at_varying;
+  // A force on an end is none along the bar.
+  const auto& [left, right] = system.inputs();
+  const bool ends = left.force || right.force || system.moving();
   double sum = 0.0;
   for (int k = 0; k < looks; ++k) try {
-      sum += largest(load.at(end * (k + 0.5) / looks)) / looks;
+      const std::span<const double> all = load.at(end * (k + 0.5) / looks);
+      sum += largest(ends && all.size() > 2 ? all.subspan(1, all.size() - 2) : all) / looks;
     } catch (const LoadError&) {  // a run that comes there says so
     }
   return sum / system.mesh().spacing();
+}
+
+// The displacement that forces on the ends and their motion make, by their means over time: F / (rho c) is the velocity
+// of the wave that a force sends, which goes on for tau.
+double moved_by_ends(const BarSystem& system, double tau, double end) {
+  const Bar& bar = system.bar();
+  double most = 0.0;
+  for (const EndInput& input : system.inputs()) {
+    const auto mean = [&](const TimeFunction& f) {
+      double sum = 0.0;
+      for (int k = 0; k < looks_at_varying; ++k) try {
+          if (const double value = std::abs(f(end * (k + 0.5) / looks_at_varying)); std::isfinite(value)) sum += value;
+        } catch (const std::exception&) {  // as above
+        }
+      return sum / looks_at_varying;
+    };
+    if (input.force) most = std::max(most, tau * mean(input.force->value) / std::sqrt(bar.density * bar.modulus));
+    if (input.motion) most = std::max(most, mean(input.motion->displacement));
+  }
+  return most;
 }
 
 }  // namespace
@@ -38,7 +65,8 @@ NaturalScales natural_scales(const BarSystem& system, double end) {
   const double mean = std::accumulate(start.u.begin(), start.u.end(), 0.0) / static_cast<double>(start.u.size());
   double deviation = 0.0;
   for (const double u : start.u) deviation = std::max(deviation, std::abs(u - mean));
-  const double scale = std::max({deviation, tau * largest(start.v), tau * tau * mean_load(system, end) / bar.density});
+  const double scale = std::max({deviation, tau * largest(start.v), tau * tau * mean_load(system, end) / bar.density,
+                                 moved_by_ends(system, tau, end)});
   return {crossing, scale > 0.0 && std::isfinite(scale) ? scale : bar.length};
 }
 

@@ -13,10 +13,11 @@ struct NaturalScales {
 
 /// Of the initial data and the load, with tau = min(L / c, end):
 ///
-///     U = max( max |u_0 - its mean|, tau max |u_1|, tau^2 max_x |f| / rho ), |f| its mean over time,
+///     U = max( max |u_0 - its mean|, tau max |u_1|, tau^2 max_x |f| / rho, tau |F| / (rho c), |d| ),
 ///
-/// and L where all three vanish. A gap is no scale: a far obstacle says nothing about the motion. Of a load that
-/// varies, the mean is that of 64 times up to `end`; where it is not finite it counts for nothing here.
+/// |f|, |F| of forces on the ends and |d| of their motion being means over time, and L where all vanish. A gap is no
+/// scale: a far obstacle says nothing about the motion. Of a load that varies, the mean is that of 64 times up to
+/// `end`; where it is not finite it counts for nothing here.
 NaturalScales natural_scales(const BarSystem& system, double end);
 
 }  // namespace viscobar

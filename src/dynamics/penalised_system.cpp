@@ -151,7 +151,10 @@ std::array<double, 2> PenalisedSystem::inertia_beside(std::size_t end) const {
 double PenalisedSystem::indicator_offset(std::size_t i, double t) {
   const std::size_t node = contact(i).unknown;
   if (!follows(i) && !(holds(i) && closed(i))) return offsets_[i];
-  const double neighbours = contact(i).clearance(origin_at(neighbour(node)));
+  double neighbours = contact(i).clearance(origin_at(neighbour(node)));
+  for (const Mount& mount : bar_.mounts())
+    if (mount.unknown == node)
+      neighbours += mount.stiffness * contact(i).gap * bar_.spacing_at(node) / bar_.bar().modulus;
   if (!load_) return neighbours;
   return neighbours + contact(i).sign * load_->at(t)[node] * bar_.spacing_at(node) / bar_.bar().modulus;
 }
@@ -365,6 +368,11 @@ PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_in
     row.rate += laws_[c].stiffness, damping += laws_[c].damping;
     row.constant -= contact(c).sign * laws_[c].stiffness * offsets_[c];
   }
+  for (const Mount& mount : bar_.mounts()) {
+    if (mount.unknown != i) continue;
+    row.rate += mount.stiffness, damping += mount.dashpot;
+    row.constant -= mount.stiffness * origin_at(i);
+  }
   row.inertia = bar_.inertia().diagonal_entry(i) / row.rate;
   const double scale = 1.0 / std::max(damping, row.rate / (1e3 * rates_[contact_index]));
   for (RelaxingRow::Neighbour& n : row.neighbours) n.u_share *= scale, n.w_share *= scale, n.a_share *= scale;
@@ -437,8 +445,16 @@ double PenalisedSystem::energy(std::span<const double> u, std::span<const double
   return sum;
 }
 
+double PenalisedSystem::frame_energy(double t, std::span<const double> u, std::span<const double> w) const {
+  if (!bar_.moving()) return 0.0;
+  std::vector<double> displacement(u.begin(), u.end());
+  for (std::size_t i = 0; i < origin_.size(); ++i) displacement[i] += origin_[i];
+  return bar_.lifted_energy(bar_.lift(t, 0), bar_.lift(t, 1), displacement, w).total() - bar_.energy(displacement, w);
+}
+
 double PenalisedSystem::dissipated_power(std::span<const double> w) const {
   double power = bar_.damped() ? bar_.bar().viscosity * bar_.squared_strain_rate(w) : 0.0;
+  power += bar_.dashpot_power(w);
   if (dashpots_)
     for (std::size_t i = 0; i < laws_.size(); ++i)
       if (closed(i)) power += laws_[i].damping * w[contact(i).unknown] * w[contact(i).unknown];

@@ -201,18 +201,26 @@ class PenalisedSystem {
   /// That of a closed contact that holds(), as its row gives it, of either sign.
   double holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
 
-  /// Kinetic, elastic and contact energy.
+  /// Kinetic, elastic and contact energy, in the frame of the system.
   double energy(std::span<const double> u, std::span<const double> w) const;
-  /// eta w.K w + sum b_i w_i^2
+  /// What a frame that moves adds to it, 0 otherwise. The work of what moves it is the increase of that, the power of
+  /// the load, and frame_loss(): the balance of energy is then the frame's.
+  double frame_energy(double t, std::span<const double> u, std::span<const double> w) const;
+  /// eta w.K w + sum c_e w_e^2 + sum b_i w_i^2
   double dissipated_power(std::span<const double> w) const;
+  /// What a frame that moves adds to it (see BarSystem::lift_loss).
+  double frame_loss(double t, std::span<const double> w) const {
+    return bar_.moving() ? bar_.lift_loss(bar_.lift(t, 1), w) : 0.0;
+  }
   /// w.M f(t)
   double load_power(double t, std::span<const double> w);
   /// Power of the end rows of the mass (see BarSystem::end_power), the acceleration being that of F(t, u, w).
   double end_power(double t, std::span<const double> u, std::span<const double> w);
-  bool dissipates() const { return bar_.damped() || dashpots_; }   ///< by viscosity or a dashpot
-  bool takes_energy() const { return dissipates() || collides_; }  ///< by those, or by impacts
-  bool loaded() const { return load_.has_value(); }                ///< f is not zero
-  bool load_varies() const { return load_ && !load_->steady(); }   ///< f depends on time
+  bool dissipates() const { return bar_.damped() || dashpots_; }  ///< by viscosity or a contact's dashpot
+  /// By those, a mount's dashpot, or impacts.
+  bool takes_energy() const { return dissipates() || collides_ || bar_.has_dashpots(); }
+  bool loaded() const { return load_.has_value(); }               ///< f is not zero
+  bool load_varies() const { return load_ && !load_->steady(); }  ///< f depends on time
 
   /// Of the load's functions of time so far.
   std::size_t load_evaluations() const { return load_ ? load_->evaluations() : 0; }

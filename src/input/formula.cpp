@@ -11,6 +11,7 @@
 
 #include "input/formula_derivative.hpp"
 #include "input/formula_switches.hpp"
+#include "input/formula_taylor.hpp"
 #include "input/text_check.hpp"
 #include "scene/printable.hpp"
 #include "text/nearest_name.hpp"
@@ -217,6 +218,13 @@ SpaceFunction Formula::of_x() const {
 TimeFunction Formula::of_t() const {
   if (is_constant()) return [value = constant_](double) { return value; };
   return [f = Compiled(text_, parameters_)](double t) mutable { return f(0.0, t); };
+}
+
+TimeFunction Formula::derivative_of_t(int order) const {
+  if (is_constant()) return [](double) { return 0.0; };
+  return [f = FormulaTaylor(parse_formula(text_, parameters_)), k = static_cast<std::size_t>(order)](double t) mutable {
+    return f(t)[k];
+  };
 }
 
 SpaceTimeFunction Formula::of_x_t() const {

@@ -38,6 +38,8 @@ class Formula {
   SpaceFunction of_x() const;
   TimeFunction of_t() const;
   SpaceTimeFunction of_x_t() const;
+  /// The first or second derivative of a formula in t.
+  TimeFunction derivative_of_t(int order) const;
 
   /// Where it is not a smooth function of t, for all x at once, and what depends on x, too (see FormulaSwitches); empty
   /// functions where there is nothing of the kind.

@@ -34,11 +34,38 @@ EndCondition end_of(const SceneEntries& entries, const std::string& side) {
     if (word != kind.name) continue;
     EndCondition end = kind.harmless;
     for (const EndNumber& number : kind.numbers)
-      if (const auto value = entries.number(fmt::format("{}.{}", side, number.key))) number.of(end) = *value;
+      if (const auto value = entries.formula(fmt::format("{}.{}", side, number.key)))
+        number.of(end) = value->is_constant() ? value->constant() : value->of_t()(0.0);
     if (auto* obstacle = std::get_if<Obstacle>(&end)) obstacle->side = side_of(entries, side);
     return end;
   }
   return Free{};
+}
+
+// What scale f(t) + offset is to an end.
+EndMotion motion_of(const Formula& f, double scale, double offset) {
+  const auto scaled = [scale](const TimeFunction& of, double plus) -> TimeFunction {
+    return [of, scale, plus](double t) { return scale * of(t) + plus; };
+  };
+  return {scaled(f.of_t(), offset), scaled(f.derivative_of_t(1), 0.0), scaled(f.derivative_of_t(2), 0.0), f.breaks()};
+}
+
+EndInput input_of(const SceneEntries& entries, const std::string& side, const EndCondition& end) {
+  EndInput input;
+  const auto formula = [&](const char* key) { return entries.formula(fmt::format("{}.{}", side, key)); };
+  const auto number = [&](const char* key) { return entries.number(fmt::format("{}.{}", side, key)).value_or(0.0); };
+  input.stiffness = number("stiffness");
+  input.dashpot = number("dashpot");
+  if (const auto force = formula("force"); force && !(force->is_constant() && force->constant() == 0.0))
+    input.force = EndForce{force->of_t(), force->breaks(), force->is_constant()};
+  if (const auto motion = formula("motion"); motion && !(motion->is_constant() && motion->constant() == 0.0))
+    input.motion = motion_of(*motion, 1.0, 0.0);
+  if (const auto* obstacle = std::get_if<Obstacle>(&end))
+    if (const auto gap = formula("gap"); gap && !gap->is_constant()) {
+      const double sign = obstacle->side == Side::above ? -1.0 : 1.0;
+      input.motion = motion_of(*gap, -sign, sign * obstacle->gap);
+    }
+  return input;
 }
 
 // The narrowest kind of load that the formulas allow, and none at all for one that is zero.
@@ -76,6 +103,8 @@ Case case_of(const SceneEntries& entries, std::vector<std::string>& refusals) {
                    number("bar.viscosity", 1.0)};
   run.scene.left = end_of(entries, "left");
   run.scene.right = end_of(entries, "right");
+  run.scene.left_input = input_of(entries, "left", run.scene.left);
+  run.scene.right_input = input_of(entries, "right", run.scene.right);
   if (entries.present("span.gap")) run.scene.span = Obstacle{number("span.gap", 1e100), side_of(entries, "span")};
   run.scene.displacement = function("initial.displacement");
   run.scene.velocity = function("initial.velocity");
@@ -127,6 +156,13 @@ void check_end(SceneEntries& entries, const std::string& side) {
                               ? fmt::format("is missing: {} has a {}, {}", kind.in_words, number.key, number.meaning)
                               : fmt::format("belongs to {}; this end is {}", kind.in_words, *word));
     }
+  for (const EndKind& kind : end_kinds)
+    for (const std::string_view key : kind.inputs) {
+      const std::string name = fmt::format("{}.{}", side, key);
+      if (entries.present(name) && !entries.faulty(name) && !belongs_to_end(*word, key))
+        entries.report(name, fmt::format("belongs to {}; this end is {}",
+                                         key == "motion" ? "a fixed end" : "a free end or an obstacle", *word));
+    }
   if (entries.present(side + ".side") && !belongs_to_end(*word, "side"))
     entries.report(side + ".side", fmt::format("belongs to an obstacle; this end is {}", *word));
 }
@@ -146,7 +182,8 @@ void check_load_keys(SceneEntries& entries) {
 std::vector<Finding> check_load_values(const SceneEntries& entries, const Mesh& mesh) {
   std::vector<Finding> findings;
   if (entries.faulty("bar.length")) return findings;
-  for (const char* key : {"load.density", "load.profile", "load.history"}) {
+  for (const char* key : {"load.density", "load.profile", "load.history", "left.force", "right.force", "left.gap",
+                          "right.gap", "left.motion", "right.motion"}) {
     const auto formula = entries.formula(key);
     if (!formula) continue;
     const SpaceTimeFunction f = formula->of_x_t();
@@ -164,9 +201,16 @@ std::vector<Finding> check_load_values(const SceneEntries& entries, const Mesh& 
 
 // What moves the bar.
 void check_motion(SceneEntries& entries) {
-  if (!entries.given("initial.displacement") && !entries.given("initial.velocity") && !entries.has_table("load"))
-    entries.report("initial.displacement",
-                   "is missing, and so are initial.velocity and a load: nothing would move the bar");
+  const auto moves = [&](const char* key) {
+    const auto formula = entries.formula(key);
+    return entries.faulty(key) || (formula && !formula->is_constant());
+  };
+  if (entries.given("initial.displacement") || entries.given("initial.velocity") || entries.has_table("load") ||
+      entries.present("left.force") || entries.present("right.force") || moves("left.motion") ||
+      moves("right.motion") || moves("left.gap") || moves("right.gap"))
+    return;
+  entries.report("initial.displacement",
+                 "is missing, and so are initial.velocity and a load: nothing would move the bar");
 }
 
 // The values of keys that the scene leaves out and the program chooses.

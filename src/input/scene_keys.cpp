@@ -137,27 +137,47 @@ std::span<const Choice> own_choices(std::string_view key) {
   return key == "method.name" ? methods : ends;
 }
 
-// The keys of an end's numbers, whose texts live as long as the program.
-void add_end_numbers(std::string_view end, std::vector<SceneKey>& keys) {
+// The keys of an end but its kind, whose texts live as long as the program.
+void add_end_keys(std::string_view end, std::vector<SceneKey>& keys) {
   static std::list<std::string> texts;
   const auto kept = [](std::string text) { return std::string_view(texts.emplace_back(std::move(text))); };
+  const auto key = [&](std::string_view leaf) { return kept(fmt::format("{}.{}", end, leaf)); };
   for (const EndKind& kind : end_kinds)
     for (const EndNumber& of_end : kind.numbers)
-      keys.push_back({kept(fmt::format("{}.{}", end, of_end.key)),
-                      number,
+      keys.push_back({key(of_end.key),
+                      formula,
                       optional,
                       "",
                       of_end.unit,
                       kept(fmt::format("{}; {} needs it, no other end has one", of_end.meaning, kind.in_words)),
-                      {of_end.low, of_end.high, of_end.range}});
-  keys.push_back({kept(fmt::format("{}.side", end)),
-                  choice,
+                      {of_end.low, of_end.high, of_end.range},
+                      {},
+                      "t"});
+  keys.push_back(
+      {key("side"), choice, optional, "", "", "from where the obstacle bounds u; absent: below", {}, end_sides});
+  keys.push_back({key("force"),
+                  formula,
                   optional,
                   "",
-                  "",
-                  "from where the obstacle bounds u; absent: below",
+                  "stress",
+                  "force on a free end or one with an obstacle, in the direction of u",
                   {},
-                  end_sides});
+                  {},
+                  "t"});
+  keys.push_back({key("motion"),
+                  formula,
+                  optional,
+                  "",
+                  "length",
+                  "motion d(t) of a fixed end, u = u_0 + d, with d(0) = 0",
+                  {},
+                  {},
+                  "t"});
+  keys.push_back({key("stiffness"), number, optional, "", "stress / length",
+                  "spring between a free end, or one with an obstacle, and the ground, at rest at u = 0",
+                  not_negative});
+  keys.push_back(
+      {key("dashpot"), number, optional, "", "stress x time / length", "dashpot beside that spring", not_negative});
 }
 
 template <class Condition>
@@ -176,7 +196,9 @@ std::string type_words(const SceneKey& key) {
     case number: return key.range.words.empty() ? "number" : fmt::format("number {}", key.range.words);
     case count: return fmt::format("whole number {}", key.range.words);
     case amount: return fmt::format("number {}, or percentage in quotes", key.range.words);
-    case formula: return fmt::format("number, or formula in {}", key.variables == "xt" ? "x and t" : key.variables);
+    case formula:
+      return fmt::format("number{}{}, or formula in {}", key.range.words.empty() ? "" : " ", key.range.words,
+                         key.variables == "xt" ? "x and t" : key.variables);
     case list: return "list of keys";
   }
   return {};
@@ -208,7 +230,7 @@ std::span<const SceneKey> scene_keys() {
     for (SceneKey key : rows) {
       if (key.type == choice && key.choices.empty()) key.choices = own_choices(key.name);
       all.push_back(key);
-      if (key.leaf() == "kind") add_end_numbers(key.table(), all);
+      if (key.leaf() == "kind") add_end_keys(key.table(), all);
     }
     return all;
   }();

@@ -42,7 +42,7 @@ struct SceneKey {
   std::string_view fallback;  ///< value when the key is absent, as TOML; empty: none
   std::string_view unit;
   std::string_view meaning;
-  Range range{};                      ///< of a number or count
+  Range range{};                      ///< of a number or count, or of a formula where it is a number
   std::span<const Choice> choices{};  ///< of a choice
   std::string_view variables{};       ///< of a formula: "x", "t" or "xt"
 

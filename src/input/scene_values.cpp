@@ -71,7 +71,8 @@ std::string number_advice(const std::string& text) {
     return "; leave the quotes out";
   if (std::count(text.begin(), text.end(), ',') == 1 && text.find_first_not_of("0123456789+-,eE") == text.npos)
     return "; write it without quotes, with a decimal point";
-  if (text.find_first_of("*/^()") != text.npos) return "; formulas are for initial data and loads only";
+  if (text.find_first_of("*/^()") != text.npos)
+    return "; formulas are for initial data, loads, and what moves the ends";
   const std::size_t after = text.find_first_not_of("0123456789+-.eE");
   if (after == text.npos && text.size() > 18) return "; it is too large";
   const auto begins_unit = [](char c) { return c == ' ' || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
@@ -94,12 +95,16 @@ std::string choice_problem(const SceneKey& key, const std::string& value) {
 }
 
 std::string formula_problem(const SceneKey& key, const TomlValue& value, const Parameters& parameters) {
-  if (const auto number = number_of(value))
-    return std::isfinite(*number) ? "" : fmt::format("must be finite, is {}", *number);
+  const auto number_problem = [&key](double number) {
+    if (!key.range.words.empty()) return range_problem(key.range, number);
+    return std::isfinite(number) ? "" : fmt::format("must be finite, is {}", number);
+  };
+  if (const auto number = number_of(value)) return number_problem(*number);
   const auto* text = std::get_if<std::string>(&value);
   if (!text) return fmt::format("must be a number or a formula in quotes, is {}", kind_of(value));
   try {
-    Formula(*text, key.variables, parameters);
+    const Formula formula(*text, key.variables, parameters);
+    if (formula.is_constant()) return number_problem(formula.constant());
   } catch (const FormulaError& error) {
     return error.what();
   }

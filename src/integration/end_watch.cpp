@@ -15,11 +15,15 @@ void stand(EndAccount& account, double u) { account.displacement = account.lowes
 
 EndWatch::EndWatch(PenalisedSystem& system, RunAccount& account) : system_(system), bar_(system.bar()) {
   const std::size_t last = system.size() - 1;
-  if (bar_.left_fixed())
+  if (bar_.left_fixed() && bar_.moving())
+    follow(account.left, *bar_.left_displacement(), false);
+  else if (bar_.left_fixed())
     stand(account.left, *bar_.left_displacement());
   else
     watch(account.left, 0, last > 0 ? std::optional<std::size_t>(1) : std::nullopt, bar_.right_displacement());
-  if (bar_.right_fixed())
+  if (bar_.right_fixed() && bar_.moving())
+    follow(account.right, *bar_.right_displacement(), true);
+  else if (bar_.right_fixed())
     stand(account.right, *bar_.right_displacement());
   else
     watch(account.right, last, last > 0 ? std::optional(last - 1) : std::nullopt, bar_.left_displacement());
@@ -39,11 +43,11 @@ void EndWatch::begin(double t, std::span<const double> y) {
 }
 
 bool EndWatch::concerned(double to, double fastest) const {
-  return std::ranges::any_of(ends_, [&](const End& end) {
-    const EndAccount& account = *end.account;
-    const double room = std::min(account.highest - account.displacement, account.displacement - account.lowest);
-    return fastest * (to - seen_) >= room || closed(end);
-  });
+  return bar_.moving() || std::ranges::any_of(ends_, [&](const End& end) {
+           const EndAccount& account = *end.account;
+           const double room = std::min(account.highest - account.displacement, account.displacement - account.lowest);
+           return fastest * (to - seen_) >= room || closed(end);
+         });
 }
 
 void EndWatch::look_at(std::size_t j, double t, std::span<const double> y) {
@@ -100,6 +104,15 @@ void EndWatch::add() {
   }
 }
 
+// An end that is fixed in a frame that moves.
+void EndWatch::follow(EndAccount& account, double displacement, bool right) {
+  End end{};
+  end.account = &account;
+  end.wall = displacement;
+  end.right = right;
+  ends_.push_back(std::move(end));
+}
+
 void EndWatch::watch(EndAccount& account, std::size_t unknown, std::optional<std::size_t> next,
                      std::optional<double> wall) {
   const std::size_t n = system_.size();
@@ -121,6 +134,9 @@ void EndWatch::watch(EndAccount& account, std::size_t unknown, std::optional<std
           coupled ? inertia.off_diagonal[std::min(unknown, *next)] + row[1] : 0.0,
           row[2],
           {}};
+  end.right = unknown > 0 || bar_.left_fixed();
+  for (const Mount& mount : bar_.mounts())
+    if (mount.unknown == unknown) end.stiffness = mount.stiffness, end.dashpot = mount.dashpot;
   for (std::size_t i = 0; i < system_.contact_count(); ++i)
     if (system_.contact(i).unknown == unknown) end.contacts.push_back(i);
   end.entries = {unknown};
@@ -151,22 +167,24 @@ inline bool EndWatch::holds_mass(const End& end) const {
 
 inline double EndWatch::stored(const End& end, std::span<const double> y) const {
   if (end.follows || end.contacts.empty()) return 0.0;
-  return bar_.damped() ? momentum(end, y) + end.viscosity * end.stretch(y) : momentum(end, y);
+  const double without_viscosity = momentum(end, y) + end.dashpot * (y[0] + end.origin);
+  return bar_.damped() ? without_viscosity + end.viscosity * end.stretch(y) : without_viscosity;
 }
 
 // (E / h) p of a contact that the neighbour decides on, from its u and w.
 inline double EndWatch::pull(const End& end, double t, double u, double w, std::size_t i) const {
   const Contact& contact = system_.contact(i);
-  return end.modulus * (contact.sign * u + contact.clearance(end.origin_next)) +
+  return end.modulus * (contact.sign * u + contact.clearance(end.origin_next)) + end.stiffness * contact.gap +
          contact.sign * (end.viscosity * w + system_.load_alone(end.unknown, t));
 }
 
 inline double EndWatch::displacement(const End& end, double t, std::span<const double> y) const {
-  if (!end.follows) return y[0] + end.origin;
+  if (end.entries.empty()) return end.wall + lift(end, t);
+  if (!end.follows) return y[0] + end.origin + lift(end, t);
   const std::size_t i = end.contacts.front();
   const double share = system_.closed(i) ? system_.penetration_share(i) : 1.0;
   const Contact& contact = system_.contact(i);
-  return contact.sign * (share * pull(end, t, y[0], 0.0, i) / end.modulus - contact.gap);
+  return contact.sign * (share * pull(end, t, y[0], 0.0, i) / end.modulus - contact.gap) + lift(end, t);
 }
 
 inline double EndWatch::reaction(const End& end, double t, std::span<const double> y) const {
@@ -191,7 +209,9 @@ inline void EndWatch::look_at(End& end, std::size_t j, double t, std::span<const
   if (!closed(end)) return;
   end.force[j] = reaction(end, t, y);
   if (holds_mass(end)) end.momentum[j] = momentum(end, y);
-  end.rate[j] = end.follows ? end.force[j] : end.modulus * end.stretch(y) - system_.load_alone(end.unknown, t);
+  end.rate[j] = end.follows ? end.force[j]
+                            : end.modulus * end.stretch(y) + end.stiffness * (y[0] + end.origin) -
+                                  system_.load_alone(end.unknown, t);
 }
 
 // What the polynomial cannot pass, above and below.

@@ -79,6 +79,16 @@ class EndWatch {
   /// Whether the samples are those of polynomials, to about 1e-10: the last difference is far below the values.
   bool resolved() const;
 
+  /// The velocities of a frame that moves have changed at once by that: no force has done it.
+  void pass_kink(std::span<const double> change) {
+    for (End& end : ends_) {
+      if (end.follows || end.contacts.empty()) continue;
+      std::array<double, 5> values{};
+      for (std::size_t k = 2; k < end.entries.size(); ++k) values[k] = change[end.entries[k] - change.size()];
+      end.stored += momentum(end, values);
+    }
+  }
+
   /// Adds the impulse of an impact of contact i.
   void strike(std::size_t i, double impulse);
 
@@ -97,10 +107,13 @@ class EndWatch {
     bool follows;                       // its neighbour: massless and undamped
     double modulus, viscosity;          // of the element beside it, over its length
     double mass, coupling, beyond;      // of its row of rho M, which an end row takes one further
-    std::vector<std::size_t> entries;   // u_n alone where it follows, u_e, or u_e, u_n, w_e, w_n, and the w beyond
+    std::vector<std::size_t> entries;   // none of one that is fixed in a moving frame; u_n alone where it follows, u_e,
+                                        // or u_e, u_n, w_e, w_n, and the w beyond
     double origin = 0.0, origin_next = 0.0, stored = 0.0, stored_now = 0.0;
     Samples u{}, force{}, rate{};  // over the step looked at; the last two of a closed contact
     Samples momentum{};            // of its row, where inertia has a share in the force
+    bool right = false;
+    double stiffness = 0.0, dashpot = 0.0;  // of its mount
 
     double stretch(std::span<const double> y) const {
       return next ? y[0] - y[1] + (origin - origin_next) : y[0] + (origin - wall);
@@ -108,6 +121,13 @@ class EndWatch {
   };
 
   void watch(EndAccount& account, std::size_t unknown, std::optional<std::size_t> next, std::optional<double> wall);
+  void follow(EndAccount& account, double displacement, bool right);
+  // What is to be added to displacements of the frame.
+  double lift(const End& end, double t) const {
+    if (!bar_.moving()) return 0.0;
+    const Lift lift = bar_.lift(t, 0);
+    return end.right ? lift.right : lift.left;
+  }
   bool closed(const End& end) const;
   bool holds_mass(const End& end) const;
   double momentum(const End& end, std::span<const double> y) const {

@@ -25,8 +25,9 @@ void add_energy_flow(PenalisedSystem& system, const Layout& layout, double from,
     motion_at(t, y);
     const std::span<double> w = layout.w(y);
     system.complete_velocity(t, layout.u(y), w);
-    if (layout.dissipated) account[*layout.dissipated - first] += half * weight * system.dissipated_power(w);
-    if (layout.work) account[*layout.work - first] += half * weight * system.load_power(t, w);
+    const double loss = system.frame_loss(t, w);
+    if (layout.dissipated) account[*layout.dissipated - first] += half * weight * (system.dissipated_power(w) + loss);
+    if (layout.work) account[*layout.work - first] += half * weight * (system.load_power(t, w) + loss);
     if (layout.end_inertia) account[*layout.end_inertia - first] += half * weight * system.end_power(t, layout.u(y), w);
   }
 }

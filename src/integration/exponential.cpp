@@ -109,6 +109,23 @@ class Run {
     load_.enter(t_, times_.back());
   }
 
+  // Where what holds or bounds an end changes its velocity at once.
+  void pass_kink() {
+    const auto jump = system_.kink(t_, times_.back());
+    if (!jump) return;
+    std::vector<double> w(system_.size(), 0.0);
+    const auto first = static_cast<std::ptrdiff_t>(system_.massive_begin());
+    const auto velocities = y_.tail(leg().size() - leg().displacements());
+    std::ranges::copy(velocities, w.begin() + first);
+    std::vector<double> change = w;
+    const double gained = system_.pass_kink(*jump, w);
+    for (std::size_t i = 0; i < w.size(); ++i) change[i] = w[i] - change[i];
+    if (ends_) ends_->pass_kink(change);
+    for (Index k = 0; k < velocities.size(); ++k)
+      y_[leg().displacements() + k] = w[static_cast<std::size_t>(first + k)];
+    if (statistics_.energy) statistics_.energy->work += gained;
+  }
+
   void begin(const State& start) {
     State state = start;
     enter_piece();
@@ -135,7 +152,12 @@ class Run {
     }
     begin_leg();
     statistics_.unknowns = static_cast<std::size_t>(y_.size());
-    if (observers_.energy) statistics_.energy = {.initial = energy_scale_ = penalised_.energy(state.u, state.v)};
+    if (observers_.energy) {
+      energy_scale_ = penalised_.energy(state.u, state.v);
+      const double of_frame = penalised_.frame_energy(t_, state.u, state.v);
+      statistics_.energy = {.initial = energy_scale_ + of_frame, .work = -of_frame};
+    }
+    pass_kink();
   }
 
   void go_on(const Checkpoint& checkpoint) {
@@ -148,6 +170,7 @@ class Run {
     for (std::size_t c = 0; c < contacts(); ++c)
       if (measured_[c]) propagators_.measure_from_obstacle(c);
     begin_leg();
+    pass_kink();
   }
 
   void watch_ends() {
@@ -193,7 +216,10 @@ class Run {
 
   // Whether it made a step; else the next one is to be shorter.
   bool advance() {
-    if (t_ >= piece_end_) enter_piece();
+    if (t_ >= piece_end_) {
+      enter_piece();
+      pass_kink();
+    }
     largest_displacement_ = std::max(
         largest_displacement_,
         (y_.head(leg().displacements()) + propagators_.origin().head(leg().displacements())).cwiseAbs().maxCoeff());
@@ -280,7 +306,7 @@ class Run {
       if (system_.loaded()) loads.push_back(load_.total(p[k]).col(0));
       if (leg().has_end_rows()) accelerations.push_back(motion[k].col(2) * (2.0 / (tau * tau)));
     }
-    auto [flow, error] = sampled_flow(leg(), velocities, loads, accelerations, tau);
+    auto [flow, error] = sampled_flow(leg(), velocities, loads, accelerations, tau, frame_loss(tau));
     // As a bar at rest sets in motion, its energy is so small that a share of it would be below the flow's own
     // rounding.
     const double share = 1e-12 * energy_scale_ * tau / (times_.back() - times_.front());
@@ -294,6 +320,11 @@ class Run {
     if (error > std::max({share, known, std::numeric_limits<double>::min()})) return false;
     add(flow);
     return true;
+  }
+
+  FrameLoss frame_loss(double tau) const {
+    if (!system_.moving()) return {};
+    return [this, tau](double sigma, const VectorXd& v) { return penalised_.frame_loss(t_ + sigma * tau, entries(v)); };
   }
 
   // In a long flight: of the row (rho h / 24) (3, 4, 1) times accelerations, which are forces, differences of rounded
@@ -333,7 +364,7 @@ class Run {
       if (penalised_.closed(c))
         statistics_.max_penetration =
             std::max(statistics_.max_penetration, distance_.penetration_share(c) * largest_value(distances[c], sigma));
-    if (energy_flows()) add(gauss_flow(leg(), series, load_.total(p_), tau, sigma));
+    if (energy_flows()) add(gauss_flow(leg(), series, load_.total(p_), tau, sigma, frame_loss(tau)));
     if (ends_) {
       // Of that degree the series is the motion to rounding, since (rate bound) * step <= 1.
       ends_->look_at(t_, t, Bernstein::max_degree,
@@ -369,6 +400,7 @@ class Run {
 
   void tell_change(std::size_t c, double velocity) {
     watchdog_.change(t_, c);
+    if (system_.moving()) velocity += system_.lift(t_, 1).at(system_.share(penalised_.contact(c).unknown));
     telling_.event(t_, system_, penalised_.contact(c), penalised_.closed(c) ? Change::closing : Change::opening,
                    velocity);
   }
@@ -396,7 +428,11 @@ class Run {
       const Series series = propagator_->expand(y, p, width);
       const VectorXd u = leg().displacement(series, s / width) + propagators_.origin();
       const VectorXd v = leg().velocity(series, s / width, width);
-      if (last && statistics_.energy) statistics_.energy->final = penalised_.energy(entries(u), entries(v));
+      if (last && statistics_.energy) {
+        const double of_frame = penalised_.frame_energy(times_.back(), entries(u), entries(v));
+        statistics_.energy->final = penalised_.energy(entries(u), entries(v)) + of_frame;
+        statistics_.energy->work += of_frame;
+      }
       if (observers_.snapshot) tell_snapshot(times_[next_output_], u, v, series, p, s / width);
     }
   }
@@ -421,7 +457,7 @@ class Run {
 
   // Whether energy flows that somebody wants to know.
   bool energy_flows() const {
-    return statistics_.energy && (penalised_.dissipates() || system_.loaded() || system_.has_end_rows());
+    return statistics_.energy && (penalised_.takes_energy() || system_.loaded() || system_.has_end_rows());
   }
 
   void add(const EnergyFlow& flow) {

@@ -113,15 +113,15 @@ double Sensitivities::indicator_rate(const Moment& at, std::size_t i) {
   return time_.motion().holding_force(i, at.t, at.w, acceleration_);
 }
 
-// With delta what is promised of the indicator, phi + phi' tau + phi'' tau^2 / 2 = +-delta has no root where phi'^2 is
+// With delta ten tolerances of the indicator, phi + phi' tau + phi'' tau^2 / 2 = +-delta has no root where phi'^2 is
 // less than 2 |phi''| delta. Of a reaction phi'' is not known: a bar's own time is L / c.
-bool Sensitivities::grazes(const Moment&, std::size_t i, double rate) const {
+bool Sensitivities::grazes(std::size_t i, double rate) const {
   const BarSystem& bar = system_.bar();
-  const double u = weights_->promised_displacement() / promised_multiple;
-  const double w = weights_->promised_velocity() / promised_multiple;
+  const double tolerances = 10.0 / promised_multiple;
+  const double u = tolerances * weights_->promised_displacement(), w = tolerances * weights_->promised_velocity();
   const std::size_t node = system_.contact(i).unknown;
   if (!system_.closed(i) || !system_.holds(i))
-    return std::abs(rate) <= 10.0 * w || rate * rate <= 2.0 * std::abs(acceleration_[node]) * u;
+    return std::abs(rate) <= w || rate * rate <= 2.0 * std::abs(acceleration_[node]) * u;
   const double h = bar.spacing_at(node), length = bar.bar().length;
   const double reaction = ErrorWeights::inertial_share * (u + bar.bar().viscosity / bar.bar().modulus * w);
   const double speed = std::sqrt(bar.bar().modulus / bar.bar().density);
@@ -139,7 +139,7 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, std::size_t i, st
   const std::size_t n = layout_->nodes, node = system_.contact(i).unknown;
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
   const double rate = indicator_rate(at, i);
-  const bool graze = grazes(at, i, rate), held = system_.closed(i) && system_.holds(i);
+  const bool graze = grazes(i, rate), held = system_.closed(i) && system_.holds(i);
   old_velocity_ = w_;
   old_acceleration_ = acceleration_;
   bool moves = false;

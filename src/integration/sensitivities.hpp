@@ -55,7 +55,7 @@ class Sensitivities {
   Moment look_at(double t, std::span<const double> u, std::span<const double> w);
   void complete(Derivative& derivative, const Moment& at, std::span<double> s);
   double indicator_rate(const Moment& at, std::size_t i);
-  bool grazes(const Moment& at, std::size_t i, double rate) const;
+  bool grazes(std::size_t i, double rate) const;
   bool jumps(std::size_t i) const;
 
   PenalisedSystem& system_;

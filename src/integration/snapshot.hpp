@@ -19,6 +19,10 @@ class SnapshotBuilder {
     const std::span<const double> origin = system_.origin();
     for (std::size_t i = 0; i < origin.size(); ++i) u_[bar.first_node() + i] += origin[i];
     bar.expand_velocity(w, v_);
+    if (bar.moving()) {
+      bar.add_lift(bar.lift(t, 0), u_);
+      bar.add_lift(bar.lift(t, 1), v_);
+    }
     Snapshot snapshot{t, u_, v_, 0.0, 0.0};
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
       const Contact& contact = system_.contact(i);

@@ -157,7 +157,11 @@ class StepwiseRun {
     const std::vector<double> approach(w().begin(), w().end());
     if (sensitivities_) sensitivities_->begin(t, times_.back(), y_);
     system_.settle(t, u(), w());
-    if (observers_.energy) statistics_.energy = EnergyAccount{.initial = system_.energy(u(), w())};
+    if (observers_.energy) {
+      const double of_frame = system_.frame_energy(t, u(), w());
+      statistics_.energy = EnergyAccount{.initial = system_.energy(u(), w()) + of_frame};
+      if (layout_.work) y_[*layout_.work] = -of_frame;
+    }
     for (std::size_t i = 0; i < system_.contact_count(); ++i)
       if (system_.closed(i)) {
         if (system_.collides(i)) system_.set_closed(i, false);
@@ -228,6 +232,7 @@ class StepwiseRun {
     for (std::size_t i = 0; i < system_.contact_count(); ++i)
       if (system_.closed(i)) system_.measure_from_obstacle(i, u());
     leg_end_ = system_.begin_leg(t, times_.back());
+    if (const auto jump = system_.bar().kink(t, times_.back())) pass_kink(t, *jump);
     system_.complete_displacement(t, u());
     system_.complete_velocity(t, u(), w());
     if (sensitivities_) sensitivities_->begin_leg(t, times_.back());
@@ -236,6 +241,22 @@ class StepwiseRun {
       ends_->begin(t, y_);
     }
     stepper_.restart(t, leg_end_, y_);
+  }
+
+  // What holds or bounds an end changes its velocity at once. A rigid contact that is closed then has an impact, or
+  // opens.
+  void pass_kink(double t, const Lift& jump) {
+    const double gained = system_.bar().pass_kink(jump, w());
+    if (layout_.work) y_[*layout_.work] += gained;
+    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
+      const std::size_t node = system_.contact(i).unknown;
+      if (!system_.collides(i) || !system_.closed(i) || w()[node] == 0.0) continue;
+      system_.set_closed(i, false);
+      if (system_.contact(i).sign * w()[node] < 0.0)
+        close(t, i);
+      else
+        tell_event(t, i, Change::opening, w()[node]);
+    }
   }
 
   void outputs_until(double limit) {
@@ -254,9 +275,10 @@ class StepwiseRun {
     if (ends_) ends_->begin(end, y_);
     if (sensitivities_) sensitivities_->sum_up(end, y_);
     if (statistics_.energy) {
-      statistics_.energy->final = system_.energy(u(), w());
+      const double of_frame = system_.frame_energy(end, u(), w());
+      statistics_.energy->final = system_.energy(u(), w()) + of_frame;
       if (layout_.dissipated) statistics_.energy->dissipated = y_[*layout_.dissipated];
-      if (layout_.work) statistics_.energy->work = y_[*layout_.work];
+      if (layout_.work) statistics_.energy->work = y_[*layout_.work] + of_frame;
       if (layout_.end_inertia) statistics_.energy->end_inertia = y_[*layout_.end_inertia];
     }
     statistics_.completed = true;
@@ -345,7 +367,9 @@ class StepwiseRun {
   }
 
   void tell_event(double t, std::size_t i, Change change, double velocity) {
-    telling_.event(t, system_.bar(), system_.contact(i), change, velocity, changes_);
+    const BarSystem& bar = system_.bar();
+    if (bar.moving()) velocity += bar.lift(t, 1).at(bar.share(system_.contact(i).unknown));
+    telling_.event(t, bar, system_.contact(i), change, velocity, changes_);
   }
 
   void tell_snapshot(double t) {

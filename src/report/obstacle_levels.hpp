@@ -15,6 +15,12 @@ struct ObstacleLevel {
   bool touched(double at, double slack) const { return above ? at >= u - slack : at <= u + slack; }
 };
 
+/// Where the obstacle of an end is at t.
+inline double surface_at(const Obstacle& obstacle, const EndInput& input, double t) {
+  return (obstacle.side == Side::above ? obstacle.gap : -obstacle.gap) +
+         (input.motion ? input.motion->displacement(t) : 0.0);
+}
+
 /// One, or the two of a slit; none without an obstacle.
 inline std::vector<ObstacleLevel> levels_of(const Obstacle* obstacle) {
   std::vector<ObstacleLevel> levels;

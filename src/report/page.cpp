@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "report/end_words.hpp"
 #include "report/obstacle_levels.hpp"
 #include "report/page_files.hpp"
 #include "scene/end_kinds.hpp"
@@ -16,12 +17,13 @@ namespace viscobar {
 
 namespace {
 
-std::string end_text(EndCondition end) {
+std::string end_text(EndCondition end, const EndInput& input) {
   const EndKind& kind = end_kind(end);
   std::string text(kind.in_words);
   for (const EndNumber& number : kind.numbers)
     text += fmt::format(", {}\u00a0{}", number.key, readable(number.of(end)));
   if (const auto* obstacle = std::get_if<Obstacle>(&end); obstacle && obstacle->side == Side::above) text += ", above";
+  for (const std::string& one : words_of(input, is_obstacle(end))) text += ", " + one;
   return text;
 }
 
@@ -44,8 +46,8 @@ std::string model_html(const Scene& scene) {
       "<i>E</i> = {}{}. "
       "Left end {}; right end {}",
       damped ? " − <i>η u<sub>xxt</sub></i>" : "", load, readable(bar.length), readable(bar.density),
-      readable(bar.modulus), damped ? ", <i>η</i> = " + readable(bar.viscosity) : "", end_text(scene.left),
-      end_text(scene.right));
+      readable(bar.modulus), damped ? ", <i>η</i> = " + readable(bar.viscosity) : "",
+      end_text(scene.left, scene.left_input), end_text(scene.right, scene.right_input));
   for (const ObstacleLevel& level : levels_of(scene.span ? &*scene.span : nullptr))
     text += fmt::format("; {} the whole span <i>u</i>\u00a0{}\u00a0{}", level.above ? "above" : "under",
                         level.above ? "≤" : "≥", readable(level.u));

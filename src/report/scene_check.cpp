@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "case/chatter.hpp"
 #include "dynamics/natural_scales.hpp"
@@ -35,6 +36,23 @@ std::string_view load_kind(const Scene& scene) {
   if (!scene.load) return "none";
   if (std::holds_alternative<SteadyLoad>(*scene.load)) return "steady";
   return std::holds_alternative<SeparableLoad>(*scene.load) ? "profile times history" : "general";
+}
+
+std::vector<std::string> inputs_text(const Bar& bar, const EndCondition& end, const EndInput& input) {
+  std::vector<std::string> text;
+  if (input.force)
+    text.push_back(input.force->steady ? fmt::format("force {:.6g}", input.force->value(0.0))
+                                       : "force F(t), on the row of the end");
+  if (input.stiffness > 0.0)
+    text.push_back(fmt::format("spring k = {:.6g} = {:.3g} E/L, at rest at u = 0", input.stiffness,
+                               input.stiffness * bar.length / bar.modulus));
+  if (input.dashpot > 0.0)
+    text.push_back(fmt::format("dashpot c = {:.6g} = {:.3g} sqrt(E rho)", input.dashpot,
+                               input.dashpot / std::sqrt(bar.modulus * bar.density)));
+  if (input.motion)
+    text.push_back(is_obstacle(end) ? "the obstacle moves: the bar is computed in a frame that moves with it"
+                                    : "motion d(t): the bar is computed in a frame that moves with it");
+  return text;
 }
 
 std::string contact_kind(const Case& run) {
@@ -79,12 +97,21 @@ std::vector<std::string> warnings_of(const Case& run, const BarSystem& system,
                                      const std::vector<ContactRegime>& regimes) {
   std::vector<std::string> found;
   if (!run.reservation.empty()) found.push_back(run.reservation);
-  const auto held = [&](const EndCondition& end, double x, const char* where) {
-    if (const double v = run.scene.velocity(x); is_fixed(end) && v != 0.0)
+  const auto held = [&](const EndCondition& end, const EndInput& input, double x, const char* where) {
+    if (!is_fixed(end)) return;
+    const double v = run.scene.velocity(x);
+    if (!input.motion && v != 0.0)
       found.push_back(fmt::format("the {} end is fixed, but its initial velocity is {}: it is held still", where, v));
+    const double begins = input.motion ? input.motion->velocity(0.0) : 0.0;
+    const double scale = std::max(std::abs(v), std::abs(begins));
+    if (input.motion && std::abs(v - begins) > 1e-9 * scale)
+      found.push_back(
+          fmt::format("the motion of the {} end begins with the velocity {:.6g}, but its initial velocity is "
+                      "{:.6g}: the end goes with its motion at once, and sends a front",
+                      where, begins, v));
   };
-  held(run.scene.left, 0.0, "left");
-  held(run.scene.right, run.scene.bar.length, "right");
+  held(run.scene.left, run.scene.left_input, 0.0, "left");
+  held(run.scene.right, run.scene.right_input, run.scene.bar.length, "right");
   for (const ContactRegime& regime : regimes)
     if (regime.chatters) found.push_back(advice(run, regime));
   const double displacement = natural_scales(system, run.end).displacement;
@@ -164,6 +191,9 @@ std::string check_json(const SceneFile& scene, const SceneCheck& check) {
                    {"damping", system.damped()},
                    {"load", load_kind(run.scene)},
                    {"contact", system.contacts().empty() ? Json(nullptr) : Json(contact_kind(run))}};
+  for (const auto& [table, end, input] : {std::tuple{"left", &run.scene.left, &run.scene.left_input},
+                                          {"right", &run.scene.right, &run.scene.right_input}})
+    if (const auto words = inputs_text(system.bar(), *end, *input); !words.empty()) json["terms"][table] = words;
   json["contact_nodes"] = system.contacts().size();
   json["event_functions"] = is_scheme(run.method) ? 0 : system.contacts().size();
   json["memory"] = {{"vectors", std::llround(check.memory.vectors)}, {"bytes", std::llround(check.memory.bytes)}};

@@ -32,6 +32,8 @@ std::string check_json(const SceneFile& scene, const SceneCheck& check);
 std::string_view name(Where where);
 std::string_view name(ImpactPrediction::Layer layer);
 std::string_view load_kind(const Scene& scene);
+/// What an end is given and what that adds to the model, a sentence for each.
+std::vector<std::string> inputs_text(const Bar& bar, const EndCondition& end, const EndInput& input);
 std::string contact_kind(const Case& run);
 
 }  // namespace viscobar

@@ -10,6 +10,7 @@ const char* words(Refusal why) {
     case Refusal::viscosity: return "it conserves what viscosity dissipates";
     case Refusal::restitution: return "it conserves what a restitution below 1 dissipates";
     case Refusal::span: return "it takes contacts at the ends only";
+    case Refusal::end_springs: return "it takes ends without a spring";
     case Refusal::rigid_contacts: return "it needs a positive epsilon";
     case Refusal::many_unknowns: return "its matrices are dense, and the unknown nodes are too many";
     case Refusal::many_steps: return "it would make too many steps";

@@ -31,8 +31,9 @@ struct EndKind {
   std::string_view name;      ///< in a scene file
   std::string_view in_words;  ///< completes "the end is ..."
   std::string_view meaning;
-  EndCondition harmless;  ///< with numbers that no other check can take offence at
-  bool sided;             ///< whether it has a side
+  EndCondition harmless;                     ///< with numbers that no other check can take offence at
+  bool sided;                                ///< whether it has a side
+  std::span<const std::string_view> inputs;  ///< keys of what it may be given beside (see EndInput)
   std::span<const EndNumber> numbers;
   EndNode (*node)(const EndCondition&, double initial_displacement);
 };
@@ -42,23 +43,28 @@ inline constexpr EndNumber obstacle_numbers[] = {
      [](EndCondition& end) -> double& { return std::get<Obstacle>(end).gap; }},
 };
 
+inline constexpr std::string_view inputs_of_free_ends[] = {"force", "stiffness", "dashpot"};
+inline constexpr std::string_view inputs_of_fixed_ends[] = {"motion"};
+
 inline constexpr EndKind end_kinds[] = {
     {"obstacle", "an obstacle",
      "u >= -gap, or u <= gap with the side above; the reaction pushes, never pulls, and only in contact; wants a gap",
-     Obstacle{1e100}, true, obstacle_numbers,
+     Obstacle{1e100}, true, inputs_of_free_ends, obstacle_numbers,
      [](const EndCondition& end, double) { return EndNode{.obstacle = std::get<Obstacle>(end)}; }},
     {"free",
      "free",
-     "no stress, E u_x + eta u_xt = 0",
+     "no stress, E u_x + eta u_xt = 0, but what force, stiffness and dashpot make",
      Free{},
      false,
+     inputs_of_free_ends,
      {},
      [](const EndCondition&, double) { return EndNode{}; }},
     {"fixed",
      "fixed",
-     "keeps its initial displacement",
+     "keeps its initial displacement, unless it has a motion",
      Fixed{},
      false,
+     inputs_of_fixed_ends,
      {},
      [](const EndCondition&, double initial) { return EndNode{.held = initial}; }},
 };
@@ -74,7 +80,7 @@ inline bool belongs_to_end(std::string_view kind, std::string_view key) {
   const auto known =
       std::find_if(std::begin(end_kinds), std::end(end_kinds), [&](const EndKind& one) { return one.name == kind; });
   if (known == std::end(end_kinds)) return false;
-  return (known->sided && key == "side") ||
+  return (known->sided && key == "side") || std::ranges::find(known->inputs, key) != known->inputs.end() ||
          std::any_of(known->numbers.begin(), known->numbers.end(), [&](const EndNumber& n) { return n.key == key; });
 }
 

@@ -15,8 +15,35 @@ void require(std::vector<Finding>& findings, bool sound, std::string key, std::s
   if (!sound) findings.push_back({std::move(key), std::move(problem)});
 }
 
+void check_input(std::vector<Finding>& findings, const std::string& table, const EndCondition& end,
+                 const EndInput& input, double length) {
+  const auto check_number = [&](const char* key, double value) {
+    require(findings, std::isfinite(value) && value >= 0.0, fmt::format("{}.{}", table, key),
+            fmt::format("must be finite and not negative, is {}", value));
+    require(findings, !is_fixed(end) || value == 0.0, fmt::format("{}.{}", table, key),
+            "belongs to a free end or an obstacle; a fixed end does not feel it");
+  };
+  check_number("stiffness", input.stiffness);
+  check_number("dashpot", input.dashpot);
+  if (input.force) {
+    require(findings, !is_fixed(end), table + ".force",
+            "belongs to a free end or an obstacle; a fixed end does not feel it, and has a motion");
+    require(findings, bool(input.force->value), table + ".force", "is no function");
+  }
+  if (!input.motion) return;
+  const std::string key = table + (is_obstacle(end) ? ".gap" : ".motion");
+  const EndMotion& motion = *input.motion;
+  require(findings, !std::holds_alternative<Free>(end), key, "belongs to a fixed end; a free one is moved by a force");
+  if (!motion.displacement || !motion.velocity || !motion.acceleration)
+    return findings.push_back({key, "has to be given with its first and second derivative in time"});
+  const double start = motion.displacement(0.0);
+  require(findings, std::abs(start) <= 1e-12 * length, key,
+          fmt::format("must be 0 at t = 0, where the end is at its initial displacement, is {}", start));
+}
+
 void check_end(std::vector<Finding>& findings, const std::string& table, const Scene& scene, EndCondition end,
-               double x) {
+               const EndInput& input, double x) {
+  check_input(findings, table, end, input, scene.bar.length);
   const std::size_t before = findings.size();
   for (const EndNumber& number : end_kind(end).numbers) {
     const double value = number.of(end);
@@ -53,8 +80,8 @@ std::vector<Finding> validate(const Scene& scene) {
   positive("bar.modulus", bar.modulus);
   require(findings, std::isfinite(bar.viscosity) && bar.viscosity >= 0.0, "bar.viscosity",
           fmt::format("must be finite and not negative, is {}", bar.viscosity));
-  check_end(findings, "left", scene, scene.left, 0.0);
-  check_end(findings, "right", scene, scene.right, bar.length);
+  check_end(findings, "left", scene, scene.left, scene.left_input, 0.0);
+  check_end(findings, "right", scene, scene.right, scene.right_input, bar.length);
   if (scene.span)
     require(findings, std::isfinite(scene.span->gap) && scene.span->gap >= 0.0, "span.gap",
             fmt::format("must be finite and not negative, is {}", scene.span->gap));

@@ -114,7 +114,10 @@ class Run {
   }
 
   void begin_accounts(const State& start) {
-    if (observers_.energy) statistics_.energy = EnergyAccount{.initial = step_->energy()};
+    if (observers_.energy) {
+      const double of_frame = step_->frame_energy(time(1));
+      statistics_.energy = EnergyAccount{.initial = step_->energy() + of_frame, .work = -of_frame};
+    }
     if (!observers_.account) return;
     RunAccount& account = statistics_.account.emplace();
     const auto begin = [&](EndAccount& end, std::optional<double> fixed, std::size_t i) {
@@ -145,9 +148,11 @@ class Run {
   // Over (t_{n-1}, t_n], where u and lambda are linear; before t_1 lambda^0 has its part in what the start took.
   void account_ends(std::size_t n) {
     const double dt = scheme_.step, theta = n < steps_ ? 1.0 : std::min((times_.back() - time(n - 1)) / dt, 1.0);
+    const Lift lift = system_.moving() ? system_.lift(std::min(time(n), times_.back()), 0) : Lift{};
     const auto add = [&](EndAccount& end, std::optional<double> fixed, std::size_t i) {
-      if (fixed) return;
-      end.displacement = step_->u()[i] - (1.0 - theta) * dt * step_->p()[i];
+      if (fixed && !system_.moving()) return;
+      end.displacement = fixed ? *fixed : step_->u()[i] - (1.0 - theta) * dt * step_->p()[i];
+      end.displacement += &end == &statistics_.account->left ? lift.left : lift.right;
       end.lowest = std::min(end.lowest, end.displacement);
       end.highest = std::max(end.highest, end.displacement);
       each_contact_at(fixed, i, [&](std::size_t k) {
@@ -189,6 +194,10 @@ class Run {
   void write(std::span<const double> u, std::span<const double> v, double theta) {
     system_.expand_displacement(u, u_nodal_);
     system_.expand_velocity(v, v_nodal_);
+    if (system_.moving()) {
+      system_.add_lift(system_.lift(times_[written_], 0), u_nodal_);
+      system_.add_lift(system_.lift(times_[written_], 1), v_nodal_);
+    }
     const Snapshot snapshot{times_[written_++], u_nodal_, v_nodal_, left_reaction(theta), right_reaction(theta)};
     telling_.snapshot(snapshot);
   }
@@ -237,6 +246,7 @@ class Run {
   void tell(double t, std::size_t k, Change change, double velocity) {
     if (t > times_.back()) return;
     const Contact& contact = step_->contacts()[k];
+    if (system_.moving()) velocity += system_.lift(t, 1).at(system_.share(contact.unknown));
     Event event{t, contact.where, contact.unknown + system_.first_node(), change, velocity};
     count_change(statistics_, event);
     if (!observers_.event) return;
@@ -255,6 +265,14 @@ class Run {
     const auto p = step_->p(), a = step_->acceleration();
     EnergyAccount& energy = *statistics_.energy;
     if (system_.damped()) energy.dissipated += dt * system_.bar().viscosity * step_->squared_strain_rate();
+    if (system_.has_dashpots()) energy.dissipated += dt * step_->dashpot_power();
+    if (system_.moving()) {
+      const double left = system_.left_fixed() ? 0.0 : step_->mean_velocity(0);
+      const double right = system_.right_fixed() ? 0.0 : step_->mean_velocity(p.size() - 1);
+      const double loss = dt * system_.lift_loss(system_.lift(time(n_), 1, dt), left, right);
+      energy.dissipated += loss;
+      energy.work += loss;
+    }
     const auto& contacts = step_->contacts();
     double taken = 0.0;
     for (std::size_t k = 0; k < contacts.size(); ++k) {
@@ -296,7 +314,10 @@ class Run {
 
   void close_account() {
     count();
-    if (step_ && statistics_.energy) statistics_.energy->final = step_->energy();
+    if (!step_ || !statistics_.energy) return;
+    const double of_frame = step_->frame_energy(time(n_));
+    statistics_.energy->final = step_->energy() + of_frame;
+    statistics_.energy->work += of_frame;
   }
 
   void count() {

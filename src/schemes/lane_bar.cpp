@@ -101,6 +101,9 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
   const double right = right_end ? *right_end - u[n - 1] - relaxation * w[n - 1] : 0.0;
   const auto run = [&](const auto& stress) {
     end_forces(order_, stress, stiffness(system_), left, right, interface);
+    for (const Mount& mount : system_.mounts())
+      (mount.unknown == 0 ? interface.front() : interface.back()) -=
+          mount.stiffness * u[mount.unknown] + mount.dashpot * w[mount.unknown];
     if (order_.rows > 0) return eliminate(factor, stress, stiffness(system_), load, y, interface);
     for (std::size_t i = 0; i < load.size(); ++i) interface[i] += load[i];
   };

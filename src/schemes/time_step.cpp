@@ -68,7 +68,7 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
       solves_ = ends.size();
     }
   }
-  if (system.loaded()) load_.emplace(system);
+  if (system.loaded()) load_.emplace(system, dt_);
   for (std::vector<double>* values : {&lower_, &bound_, &reaction_, &reaction_before_, &start_impulse_})
     values->resize(contacts_.size());
 
@@ -304,6 +304,26 @@ double TimeStep::end_power() const {
   const std::size_t last = a_.size() - 1;
   const auto v = [&](std::size_t i) { return p_[i] - dt_ / 2 * a_[i]; };
   return v(0) * rows.first_times(a_) + v(last) * rows.last_times(a_);
+}
+
+double TimeStep::dashpot_power() const {
+  double power = 0.0;
+  for (const Mount& mount : system_.mounts())
+    power += mount.dashpot * mean_velocity(mount.unknown) * mean_velocity(mount.unknown);
+  return power;
+}
+
+double TimeStep::frame_energy(double t) const {
+  if (!system_.moving()) return 0.0;
+  std::vector<double> u(u_.size()), u_before(u_.size()), p(u_.size());
+  order_.to_nodes([&](std::size_t i) { return u_[i]; }, u);
+  order_.to_nodes([&](std::size_t i) { return u_[i] - dt_ * p_[i]; }, u_before);
+  order_.to_nodes([&](std::size_t i) { return p_[i]; }, p);
+  const Lift now = system_.lift(t, 0), before = system_.lift(t - dt_, 0);
+  const Lift rate{(now.left - before.left) / dt_, (now.right - before.right) / dt_};
+  return (system_.lifted_energy(now, rate, u, p).total() + system_.lifted_energy(before, rate, u_before, p).total()) /
+             2 -
+         energy();
 }
 
 double TimeStep::energy() const {

@@ -70,6 +70,11 @@ class TimeStep {
   double squared_strain_rate() const { return bar_.squared_strain_rate(p_, -dt_ / 2, a_); }
   double load_power() const { return power(load_now_, p_, -dt_ / 2, a_); }
 
+  /// After advance(): v^n of a node that is stored at i, an end's at either end.
+  double mean_velocity(std::size_t i) const { return p_[i] - dt_ / 2 * a_[i]; }
+  /// After advance(): sum c_e v_e^2 of v^n.
+  double dashpot_power() const;
+
   /// After advance(): v^n . rho (M - Q) a^n, of a mass with end rows. Three nodes at either end, in any order stored
   /// first and last, make it.
   double end_power() const;
@@ -79,6 +84,9 @@ class TimeStep {
 
   /// E^{n-1/2} = 1/2 p.rho M p + 1/4 E (a(u^n, u^n) + a(u^{n-1}, u^{n-1}))
   double energy() const;
+
+  /// What a frame that moves adds to it, t being t_n; 0 otherwise.
+  double frame_energy(double t) const;
 
   std::size_t linear_solves() const;
   std::size_t factorisations() const;

@@ -1,4 +1,5 @@
-// What a fit on sensitivities is worth, and what they save against differences of runs: docs/fit.md.
+// What a fit on sensitivities is worth, what they save against differences of runs, and what they cost: docs/fit.md,
+// docs/sensitivity.md.
 //
 //     cmake --build --preset release --target measure_fit && build/release/tests/measure_fit
 #include "viscobar/studies/fit/fit.hpp"
@@ -34,6 +35,38 @@ Case bar(std::span<const double> values) {
   run.output_every = 0.01;
   for (const char* key : keys) run.directions.push_back(direction(run, key));
   return run;
+}
+
+double seconds_since(std::clock_t started) { return static_cast<double>(std::clock() - started) / CLOCKS_PER_SEC; }
+
+// The median time of a run with so many parameters; its steps and factorisations do not depend on them.
+void print_costs(MethodName method, std::size_t elements) {
+  constexpr const char* all[] = {"bar.viscosity", "left.gap", "bar.modulus", "bar.density", "bar.length"};
+  double without = 0.0;
+  for (const std::size_t count : {0, 1, 3, 5}) {
+    Case run = bar(std::vector{0.05, 0.1, 1.0});
+    run.method = method;
+    run.epsilon = 1e-4;
+    run.elements = elements;
+    run.end = 3.0;
+    run.directions.clear();
+    for (std::size_t k = 0; k < count; ++k) run.directions.push_back(direction(run, all[k]));
+    const BarSystem system = make_system(run);
+    Observers observers;
+    observers.energy = observers.account = true;
+    observers.directions = run.directions;
+    std::vector<double> seconds;
+    Statistics done;
+    for (int k = 0; k < 25; ++k) {
+      const auto started = std::clock();
+      done = simulate(run, system, observers);
+      seconds.push_back(seconds_since(started));
+    }
+    std::ranges::sort(seconds);
+    if (count == 0) without = seconds[12];
+    fmt::print("| {} | {} | {} | {} | {} | {} | {:.2f} | {:.1f} |\n", name(method), elements, count, done.steps,
+               done.linear_solves, done.matrix_factorisations, 1e3 * seconds[12], seconds[12] / without);
+  }
 }
 
 struct Tally {
@@ -84,7 +117,7 @@ int main(int argc, char** argv) {
         study.parameters.push_back({keys[k], truth[k] * factor(random), 1e-3 * truth[k], 1e3 * truth[k]});
       const auto started = std::clock();
       const FitResult result = fit(study);
-      tally.seconds += static_cast<double>(std::clock() - started) / CLOCKS_PER_SEC;
+      tally.seconds += seconds_since(started);
       tally.runs.push_back(result.runs);
       tally.converged += result.converged ? 1 : 0;
       bool within = true;
@@ -98,4 +131,8 @@ int main(int argc, char** argv) {
                tally.runs.front(), tally.runs[tally.runs.size() / 2], tally.runs.back(), tally.converged, tally.within,
                tally.seconds);
   }
+  fmt::print("\n| method | elements | parameters | steps | solves | factorisations | milliseconds | runs without |\n");
+  fmt::print("|---|---|---|---|---|---|---|---|\n");
+  for (const MethodName method : {MethodName::rigid, MethodName::cvode})
+    for (const std::size_t elements : {50, 1000}) print_costs(method, elements);
 }

@@ -85,6 +85,24 @@ class AccuracyTest(Test):
 
 
 class ArraysTest(Test):
+    def test_of_a_dictionary_with_driven_ends_have_their_motion_and_energy(self):
+        tables = {
+            "bar": {"length": 1.0, "viscosity": 0.05},
+            "left": {"kind": "obstacle", "gap": "0.1-0.05*sin(3*t)", "force": "-sin(t)", "stiffness": 0.5, "dashpot": 0.2},
+            "right": {"kind": "fixed", "motion": "0.05*(1-cos(2*t))"},
+            "time": {"end": 2.0},
+            "mesh": {"elements": 10, "mass": "consistent"},
+            "contact": {"epsilon": 1e-3},
+            "method": {"name": "cvode"},
+        }
+        result = viscobar.run(tables)
+        self.assertTrue(np.array_equal(result.ends["u_right"][[0, -1]], [0.0, 0.05 * (1 - np.cos(4.0))]))
+        energy = result.energy
+        account = result.summary["energy"]
+        total = energy["kinetic"] + energy["elastic"] + energy["contact"]
+        self.assertLess(abs(total[-1] - account["final"]), 1e-12)
+        self.assertLess(abs(account["balance_error"]), 1e-6)
+
     def test_have_the_shapes_that_the_docs_say(self):
         result = viscobar.run(thrown())
         self.assertEqual((result.t.shape, result.x.shape, result.u.shape, result.v.shape, result.stress.shape),

@@ -22,6 +22,8 @@ struct Mirrored {
       if (at != turned.npos) turned.replace(at, 4, sign > 0 ? "below" : "above");
       const auto other = turned.find("OTHER");
       if (other != turned.npos) turned.replace(other, 5, sign > 0 ? "above" : "below");
+      for (auto at_sign = turned.find("SIGN"); at_sign != turned.npos; at_sign = turned.find("SIGN"))
+        turned.replace(at_sign, 4, sign > 0 ? "1" : "-1");
       return turned;
     };
     const std::string text = fmt::format(
@@ -38,6 +40,11 @@ struct Mirrored {
 const std::string left = "[left]\nkind = \"obstacle\"\ngap = 0.1\nside = \"SIDE\"\n";
 const std::string right = "[right]\nkind = \"obstacle\"\ngap = 0.15\nside = \"SIDE\"\n";
 const std::string walls = "[right]\nkind = \"obstacle\"\ngap = 0.15\nside = \"OTHER\"\n";
+// A stop that vibrates under an end that is pushed, and a fixed end in motion: its displacement is 0 at the start.
+const std::string pushed =
+    "[left]\nkind = \"obstacle\"\ngap = \"0.1-0.03*sin(7*t)\"\nside = \"SIDE\"\nforce = \"SIGN*(0.3*cos(3*t))\"\n";
+const std::string damped = "dashpot = 0.4\n";
+const std::string driven = "[right]\nkind = \"fixed\"\nmotion = \"SIGN*(0.05*sin(2*t)^2)\"\n";
 const Mirrored ends[] = {
     {"left", left, "", ""}, {"right", "", right, ""}, {"both ends", left, right, ""}, {"two walls", left, walls, ""}};
 const Mirrored spans[] = {{"span", "", "", "[span]\ngap = 0.1\nside = \"SIDE\"\n"},
@@ -85,6 +92,11 @@ TEST_P(Sides, AnObstacleAboveIsOneBelowWithAllSignsTurnedBitForBit) {
       expect_turned(scene.at(1, method, mass), scene.at(-1, method, mass));
       if (HasFailure()) return;
     }
+  }
+  const Mirrored moved[] = {{"moved", pushed, driven, ""}, {"moved, free", pushed + damped, "", ""}};
+  for (const Mirrored& scene : moved) {
+    SCOPED_TRACE(scene.name);
+    expect_turned(scene.at(1, method, "lumped"), scene.at(-1, method, "lumped"));
   }
   if (method == "rigid" || method == "characteristics") return;
   for (const Mirrored& scene : spans) {

@@ -65,13 +65,22 @@ class RandomText {
     add("modulus = " + number(modulus, a_stress));
     add("viscosity = " + number(viscosity, {-1, 1, -1}));
     const bool span = coin(0.2);
-    bool meets = false;
+    bool meets = false, mounted = false;
     for (const char* side : {"left", "right"}) {
       const std::size_t kind = pick(span ? 2 : 4);
       add(fmt::format("[{}]\nkind = \"{}\"", side, kind >= 2 ? "obstacle" : kind == 1 ? "fixed" : "free"));
+      const auto wave = [&](double size, const Dimension& of) {
+        return fmt::format("{}*(1-cos({}*(t/{})))", number(size, of), 1 + pick(4), number(crossing, a_time));
+      };
+      if (kind == 1 && !span && coin(0.3)) add("motion = \"" + wave(0.1 * length, a_length) + '"');
+      if (kind != 1 && coin(0.3)) add("force = \"" + wave(uniform(-0.5, 0.5) * modulus, a_stress) + '"');
+      if (kind != 1 && coin(0.2)) mounted = true, add("stiffness = " + number(modulus / length, {-2, 1, -2}));
+      if (kind != 1 && coin(0.2))
+        add("dashpot = " + number(uniform(0.2, 2.0) * std::sqrt(modulus * density), {-2, 1, -1}));
       if (kind < 2) continue;
       meets = true;
-      add("gap = " + number(uniform(0.8, 1.2) * length, a_length));
+      const std::string gap = number(uniform(0.8, 1.2) * length, a_length);
+      add(coin(0.7) || span ? "gap = " + gap : "gap = \"" + gap + '+' + wave(0.1 * length, a_length) + '"');
       if (coin()) add("side = \"above\"");
     }
     if (span) {
@@ -92,7 +101,8 @@ class RandomText {
     const char* methods[] = {"automatic",       "cvode",          "ida",         "arkode",           "odeint", "rigid",
                              "characteristics", "fully_discrete", "exponential", "finite_difference"};
     std::string method = methods[pick(10)];
-    if ((method == "rigid" && span) || (method == "characteristics" && (span || viscosity > 0.0))) method = "automatic";
+    if ((method == "rigid" && span) || (method == "characteristics" && (span || mounted || viscosity > 0.0)))
+      method = "automatic";
     const std::size_t elements = 5 + pick(10);
     add(fmt::format("[mesh]\nelements = {}", elements));
     const char* masses[] = {"consistent", "lumped", "fourth_order"};

@@ -127,8 +127,11 @@ Verdict judge(ComplexBar bar, const Parameter& parameter, MethodName method, dou
   for (std::size_t i = 0; i < events.size(); ++i) {
     const double exact = truth.changes[i].time.imag() / tiny;
     if (std::isnan(events[i].sensitivities[0].time)) continue;
-    verdict.times =
-        std::max(verdict.times, std::abs(events[i].sensitivities[0].time - exact) / std::max(1.0, std::abs(exact)));
+    // Near a graze, where phi' is small, the time is wrong by 1 / phi' and its derivative by the square of that.
+    const double magnified =
+        std::max(1.0, std::abs(events[i].time - truth.changes[i].time.real()) / (tolerance * bar.end));
+    verdict.times = std::max(verdict.times, std::abs(events[i].sensitivities[0].time - exact) /
+                                                (magnified * magnified * std::max(1.0, std::abs(exact))));
   }
   const auto account = [&](double value, Number exact) {
     const double slope = exact.imag() / tiny;
@@ -163,14 +166,14 @@ void expect_agreement(const Verdict& found, double within, const std::string& wh
 }
 
 // The promise of methods: 100 tolerances.
-constexpr double tolerance = 1e-9, promised = 100.0 * tolerance;
+constexpr double tight = 1e-9, promised = 100.0 * tight;
 
 TEST(Referee, AgreesInEachParameterThroughContactWithASpring) {
   const ComplexBar bar = thrown(ComplexBar::Law::spring);
   for (const MethodName method : {MethodName::cvode, MethodName::ida, MethodName::arkode})
     for (const Parameter& parameter : parameters())
       if (parameter.key != "contact.restitution")
-        expect_agreement(judge(bar, parameter, method, tolerance), promised,
+        expect_agreement(judge(bar, parameter, method, tight), promised,
                          fmt::format("{} by {}", parameter.key, name(method)));
 }
 
@@ -178,7 +181,7 @@ TEST(Referee, AgreesInEachParameterWithADashpotBesideTheSpring) {
   ComplexBar bar = thrown(ComplexBar::Law::spring);
   bar.restitution = 0.4;
   for (const Parameter& parameter : parameters())
-    expect_agreement(judge(bar, parameter, MethodName::cvode, tolerance), promised, parameter.key);
+    expect_agreement(judge(bar, parameter, MethodName::cvode, tight), promised, parameter.key);
 }
 
 TEST(Referee, AgreesInEachParameterOfARigidContactThatStopsDead) {
@@ -188,7 +191,7 @@ TEST(Referee, AgreesInEachParameterOfARigidContactThatStopsDead) {
     bar.inertia = inertia;
     for (const Parameter& parameter : parameters())
       if (!parameter.key.starts_with("contact."))
-        expect_agreement(judge(bar, parameter, MethodName::rigid, tolerance), promised, parameter.key);
+        expect_agreement(judge(bar, parameter, MethodName::rigid, tight), promised, parameter.key);
   }
 }
 
@@ -200,7 +203,7 @@ TEST(Referee, AgreesInEachParameterOfARigidContactThatRebounds) {
   bar.end = 0.113;
   for (const Parameter& parameter : parameters())
     if (parameter.key != "contact.epsilon")
-      expect_agreement(judge(bar, parameter, MethodName::rigid, tolerance), promised, parameter.key);
+      expect_agreement(judge(bar, parameter, MethodName::rigid, tight), promised, parameter.key);
 }
 
 TEST(Referee, AgreesWhereTheBarIsInTouchAtTheStart) {
@@ -210,7 +213,7 @@ TEST(Referee, AgreesWhereTheBarIsInTouchAtTheStart) {
     for (const Parameter& parameter : parameters())
       if (!parameter.key.starts_with("contact."))
         expect_agreement(
-            judge(bar, parameter, law == ComplexBar::Law::rigid ? MethodName::rigid : MethodName::cvode, tolerance),
+            judge(bar, parameter, law == ComplexBar::Law::rigid ? MethodName::rigid : MethodName::cvode, tight),
             promised, parameter.key);
   }
 }
@@ -221,9 +224,9 @@ TEST(Referee, AgreesOnRandomScenes) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
   constexpr double loose = 1e-8;
-  std::size_t compared = 0, beyond = 0, lost = 0, elsewhere = 0, most_changes = 0;
+  std::size_t compared = 0, lost = 0, elsewhere = 0, most_changes = 0;
   double worst = 0.0;
-  for (int scene = 0; scene < 200; ++scene) {
+  for (int scene = 0; compared < 200 && scene < 400; ++scene) {
     ComplexBar bar;
     bar.law = scene % 2 == 0 ? ComplexBar::Law::spring : ComplexBar::Law::rigid;
     bar.inertia = static_cast<ComplexBar::Inertia>(random() % 3);
@@ -260,18 +263,14 @@ TEST(Referee, AgreesOnRandomScenes) {
     most_changes = std::max(most_changes, found.changes);
     const double of = std::max({found.traces, found.times, found.accounts});
     worst = std::max(worst, of);
-    beyond += of < 100.0 * loose ? 0 : 1;
-    EXPECT_LT(of, 1000.0 * loose) << fmt::format(
+    EXPECT_LT(of, 100.0 * loose) << fmt::format(
         "scene {}: {} by {}, {} changes; traces {:.2g}, times {:.2g}, accounts {:.2g}", scene, parameter.key,
         name(method), found.changes, found.traces, found.times, found.accounts);
   }
   RecordProperty("compared", static_cast<int>(compared));
-  RecordProperty("beyond", static_cast<int>(beyond));
-  fmt::print("{} compared, worst {:.1e}, {} beyond 100 tolerances, up to {} changes; {} lost, {} with other contacts\n",
-             compared, worst, beyond, most_changes, lost, elsewhere);
-  // A contact time that is ill determined, and a chain of fifty contacts, magnify what the tolerance allows.
-  EXPECT_LE(beyond, compared / 50);
-  EXPECT_GT(compared, 120u);
+  fmt::print("{} compared, worst {:.1e}, up to {} changes; {} lost, {} with other contacts\n", compared, worst,
+             most_changes, lost, elsewhere);
+  EXPECT_EQ(compared, 200u);
   EXPECT_GT(most_changes, 20u);
   EXPECT_LT(lost + elsewhere, compared / 10);
 }

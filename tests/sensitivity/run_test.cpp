@@ -115,7 +115,7 @@ Case turned_back(double gap) {
 }
 
 TEST(Sensitivities, EndWhereARigidContactGrazes) {
-  Case run = turned_back(0.5 - 1e-13);
+  Case run = turned_back(0.5 - 2e-11);
   run.directions = directions(run, {"left.gap"});
   const Recording found = record(run);
   ASSERT_FALSE(found.events.empty());

@@ -34,6 +34,9 @@ struct Recording {
   Statistics statistics;                                ///< of the run
   std::vector<RecordedSensitivity> sensitivities = {};  ///< an entry for each direction of the case
 
+  /// Adds what a snapshot of a run with these directions tells.
+  void keep(const Snapshot& snapshot, std::span<const Direction> directions);
+
   /// Displacement of the J+1 nodes at times[k].
   std::span<const double> displacement(std::size_t k) const {
     return std::span(u).subspan(k * mesh.nodes(), mesh.nodes());

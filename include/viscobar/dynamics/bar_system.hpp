@@ -1,6 +1,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -45,16 +47,46 @@ struct State {
   std::vector<double> v;  ///< velocity
 };
 
+/// A displacement, or its rate, that is linear in x.
+struct Lift {
+  double left = 0.0;   ///< at x = 0
+  double right = 0.0;  ///< at x = L
+  /// At x = share L.
+  double at(double share) const { return std::lerp(left, right, share); }
+};
+
+/// The energy of a bar and of the springs at its ends.
+struct BarEnergy {
+  double kinetic = 0.0;  ///< of the bar
+  double elastic = 0.0;  ///< of both
+  double total() const { return kinetic + elastic; }
+};
+
+/// A spring and a dashpot between an end and the ground.
+struct Mount {
+  std::size_t unknown = 0;  ///< of the end
+  double stiffness = 0.0;   ///< k
+  double dashpot = 0.0;     ///< c
+};
+
 /// The P1 semi-discretisation without its contact forces,
 ///
-///     rho M u'' = F(t, u, u') = M f(t) - E K u - eta K u',
+///     rho M u'' = F(t, u, u') = M f(t) - E K u - eta K u' + sum over the ends of (F_e(t) - k_e u - c_e u') e_e,
 ///
 /// over the nodes that are not fixed, with only the terms that the scene has. Contact constraints are listed, not
 /// applied: the penalised system and the fully discrete schemes each do that in their way.
+///
+/// Where an end is held or bounded by something that moves, u everywhere here is measured in a frame that moves with
+/// it: the displacement is u + lift(t), linear in x, so that fixed ends stand still and gaps are constant, and
+///
+///     - rho M lift'' - E K lift - eta K lift' - sum over the ends of (k_e lift + c_e lift') e_e
+///
+/// is part of the load. P1 holds what is linear: the semi-discrete solution is the same.
 class BarSystem {
  public:
   /// @throws std::invalid_argument when the mesh cannot carry the scene (no unknown node left; too few elements to
-  /// redistribute the mass; span obstacle with redistributed mass).
+  /// redistribute the mass; redistributed mass with a span obstacle, or with a spring or dashpot at a contact; a span
+  /// obstacle with an end that moves).
   BarSystem(const Scene& scene, const Mesh& mesh, Mass mass);
 
   std::size_t size() const { return inertia_.size(); }            ///< n, number of unknown nodes
@@ -64,13 +96,54 @@ class BarSystem {
   double spacing_at(std::size_t unknown) const {
     return mesh_.element(std::min(unknown + first_node(), mesh_.elements - 1));
   }
-  Mass mass() const { return mass_; }                            ///< how inertia is integrated
-  const Bar& bar() const { return bar_; }                        ///< its material
-  bool damped() const { return bar_.viscosity > 0.0; }           ///< eta > 0
-  bool loaded() const { return load_.has_value(); }              ///< f is not zero
+  Mass mass() const { return mass_; }                   ///< how inertia is integrated
+  const Bar& bar() const { return bar_; }               ///< its material
+  bool damped() const { return bar_.viscosity > 0.0; }  ///< eta > 0
+  /// Whether there is a load: f, a force on an end, or a frame that moves.
+  bool loaded() const { return load_ || inputs_[0].force || inputs_[1].force || moving(); }
   bool left_fixed() const { return left_fixed_.has_value(); }    ///< node 0 is no unknown
   bool right_fixed() const { return right_fixed_.has_value(); }  ///< node J is no unknown
-  /// Displacement of a fixed end.
+  /// Springs and dashpots at the ends.
+  const std::vector<Mount>& mounts() const { return mounts_; }
+  /// sum c_e w_e^2
+  double dashpot_power(std::span<const double> w) const;
+  bool has_dashpots() const;  ///< whether a mount has one
+
+  /// What the left and the right end are given.
+  const std::array<EndInput, 2>& inputs() const { return inputs_; }
+
+  /// Whether the frame moves.
+  bool moving() const { return inputs_[0].motion || inputs_[1].motion; }
+  /// Of the frame, or its first or second derivative in time. @throws LoadError where it is not finite
+  Lift lift(double t, int derivative) const;
+  /// The same as lift(), from displacements a time `step` before and after t alone, as scheme (2.8) takes them: their
+  /// mean, and the quotients of differences.
+  Lift lift(double t, int derivative, double step) const;
+  /// The jump of its velocity at t, where a motion has a kink; absent: none. Sides of t are as those of
+  /// LoadVector::enter(). @throws LoadError where a motion jumps itself
+  std::optional<Lift> kink(double t, double end) const;
+  /// What a jump of the frame's velocity does to velocities in it, w -= (rho M)^{-1} rho M jump: without fixed ends
+  /// nothing to those of the bar. Returns the gain of energy().
+  double pass_kink(const Lift& jump, std::span<double> w) const;
+  /// x / L of an unknown, for Lift::at().
+  double share(std::size_t unknown) const { return mesh_.node(unknown + first_node()) / mesh_.length; }
+  /// What u and u' are to be added to a field over all mesh nodes.
+  void add_lift(const Lift& lift, std::span<double> nodal) const;
+  /// That of displacements and velocities over all mesh nodes, not in the frame: the inertia of ends that are moved
+  /// included.
+  BarEnergy nodal_energy(std::span<const double> u, std::span<const double> v) const;
+  /// That of u + lift and w + its rate.
+  BarEnergy lifted_energy(const Lift& lift, const Lift& rate, std::span<const double> u,
+                          std::span<const double> w) const;
+  /// What the frame's velocity adds to the power that viscosity and mounts take at the velocities `left` and `right` of
+  /// the ends in it, 0 of a fixed one.
+  double lift_loss(const Lift& rate, double left, double right) const;
+  /// The same of a field.
+  double lift_loss(const Lift& rate, std::span<const double> w) const {
+    return lift_loss(rate, left_fixed() ? 0.0 : w.front(), right_fixed() ? 0.0 : w.back());
+  }
+
+  /// Displacement of a fixed end, in the frame.
   std::optional<double> left_displacement() const { return left_fixed_; }
   std::optional<double> right_displacement() const { return right_fixed_; }  ///< likewise of the right one
 
@@ -100,7 +173,7 @@ class BarSystem {
   double squared_strain(std::span<const double> u) const;
   double squared_strain_rate(std::span<const double> w) const;  ///< likewise
 
-  /// Energy 1/2 w.rho Q w + 1/2 E int u_x^2, the contacts' apart.
+  /// Energy 1/2 w.rho Q w + 1/2 E int u_x^2 + 1/2 sum k_e u_e^2, the contacts' apart.
   double energy(std::span<const double> u, std::span<const double> w) const;
 
   /// Whether M is not symmetric, so that forces do not do all that changes the energy.
@@ -147,8 +220,12 @@ class BarSystem {
   };
 
   std::optional<EndRows> scaled_end_rows(double factor) const;
+  void take_forces();
+  void enter_frame(SymmetricTridiagonal whole_inertia);
+  void uniform_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
+  void uniform_stiffness(double m, double scale, SymmetricTridiagonal& out) const;  // scale K + m rho M
   void graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
-  void graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const;  // scale K + m rho M
+  void graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const;  // likewise
 
   Mesh mesh_;
   Mass mass_;
@@ -161,13 +238,20 @@ class BarSystem {
   std::vector<Contact> contacts_;
   State initial_;
   std::optional<std::variant<SteadyVector, SeparableVector, GeneralVector>> load_;
+  std::array<EndInput, 2> inputs_;                   // left, right
+  bool varying_forces_ = false;                      // whether their forces are to be added to the load
+  bool rigid_frame_ = false;                         // moves as a whole, since the other end is free
+  std::vector<Mount> mounts_;                        // of ends that have one
+  SymmetricTridiagonal whole_inertia_;               // of all nodes, where the frame moves
+  std::array<std::vector<double>, 2> lift_inertia_;  // rho M (1 - x/L) and rho M x/L, likewise
 };
 
-/// M f(t) of a system, with the buffers that its evaluation needs: one per integration, so that a BarSystem can be
-/// shared. Exists only where the scene has a load.
+/// M f(t) of a system, its forces on the ends and the frame's part included, with the buffers that its evaluation
+/// needs: one per integration, so that a BarSystem can be shared. Exists only where the system is loaded().
 class LoadVector {
  public:
-  explicit LoadVector(const BarSystem& system);  ///< of a loaded system, which outlives it
+  /// Of a loaded system, which outlives it. With a step the frame's part is by BarSystem::lift(t, derivative, step).
+  explicit LoadVector(const BarSystem& system, double step = 0.0);
 
   /// M f(t) over the unknowns (n entries), valid until the next call.
   /// @throws LoadError when the load is not finite at t.
@@ -189,13 +273,21 @@ class LoadVector {
 
  private:
   double next_break(double after, double until);
+  void find_distributed(double t);
+  double distributed(double t, std::size_t unknown) const;
+  void add_inputs(double t);
+  std::array<double, 2> end_forces(double t) const;
+  Lift lift(double t, int derivative) const;
+  std::array<double, 2> lift_forces(const Lift& lift, const Lift& rate) const;
 
   const BarSystem& system_;  // outlives this
+  double step_;
+  bool steady_;
   std::vector<double> nodal_, weighted_;
   std::optional<double> time_;
-  NextBreak breaks_;
+  std::vector<NextBreak> breaks_;
   NextBreakAt breaks_at_;
-  std::vector<double> next_;  // break of the whole load; of it at each node, where that has its own
+  std::vector<double> next_;  // breaks of the whole load, and of it at each node, where that has its own
   double first_ = -std::numeric_limits<double>::infinity(), last_ = std::numeric_limits<double>::infinity();
   std::size_t evaluations_ = 0;
 };

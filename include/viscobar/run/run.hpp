@@ -49,10 +49,10 @@ struct Event {
 
 /// initial + work = final + dissipated + end_inertia + balance_error, the error being that of the time integration.
 struct EnergyAccount {
-  double initial = 0.0;     ///< kinetic, elastic and contact energy at the start
+  double initial = 0.0;     ///< kinetic and elastic energy, that of springs included, at the start
   double final = 0.0;       ///< the same at the end
-  double dissipated = 0.0;  ///< by viscosity, by the dashpots of contacts, and by impacts in a scheme
-  double work = 0.0;        ///< of the load
+  double dissipated = 0.0;  ///< by viscosity, by the dashpots of contacts and ends, and by impacts
+  double work = 0.0;        ///< of the load, of forces on the ends, and of what moves ends and obstacles
   /// Taken by the end rows of the mass `fourth_order`, whose inertia has no energy of its own: int v.(M - Q) v' dt, Q
   /// the symmetric part that the kinetic energy is made of. O(h^2); 0 for other masses.
   double end_inertia = 0.0;
@@ -196,6 +196,7 @@ enum class Refusal {
   viscosity,       ///< the method conserves energy
   restitution,     ///< likewise, and a dashpot takes some
   span,            ///< it takes contacts at the ends only
+  end_springs,     ///< it takes ends without springs
   rigid_contacts,  ///< it penalises, and epsilon is not positive
   many_unknowns,   ///< for its dense matrices
   many_steps,      ///< that it would make

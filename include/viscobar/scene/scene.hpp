@@ -21,7 +21,7 @@ struct Bar {
 /// Stress-free end (Neumann): s = E u_x + eta u_xt = 0.
 struct Free {};
 
-/// End that keeps its initial displacement (Dirichlet): u = u_0(X) for all times.
+/// End that keeps its initial displacement (Dirichlet), u = u_0(X) for all times, unless EndInput moves it.
 struct Fixed {};
 
 /// From where an obstacle bounds the displacement: u >= -gap, the paper's reading at either end, u <= gap, or both,
@@ -34,7 +34,7 @@ std::string_view name(Side side);  ///< in a scene file
 /// Unilateral obstacle (Signorini): 0 <= s u + gap, reaction s R with R >= 0, and one of the two vanishes, s = 1 below
 /// and s = -1 above [Petrov 2010, (1.3)].
 struct Obstacle {
-  double gap = 0.0;         ///< >= 0
+  double gap = 0.0;         ///< >= 0, at the start where EndInput moves it
   Side side = Side::below;  ///< s
 
   /// Whether it bounds u from that side, `below` or `above`.
@@ -86,6 +86,31 @@ struct GeneralLoad {
 /// The density f of a load, in the narrowest kind that holds it.
 using Load = std::variant<SteadyLoad, SeparableLoad, GeneralLoad>;
 
+/// A force on an end of the bar, in the direction of u.
+struct EndForce {
+  TimeFunction value;     ///< F(t)
+  NextBreak breaks = {};  ///< of it; empty: it is smooth
+  bool steady = false;    ///< whether it is the same at all times
+};
+
+/// How far what holds or bounds an end has moved since the start, in the direction of u. It does not jump.
+struct EndMotion {
+  TimeFunction displacement;  ///< d(t), d(0) = 0
+  TimeFunction velocity;      ///< d'(t)
+  TimeFunction acceleration;  ///< d''(t); the fully discrete schemes do without
+  NextBreak breaks = {};      ///< of any of the three; empty: it is smooth
+};
+
+/// What an end is given beside its condition. With the outward stress s at the end, -s at x = 0, and the reaction R,
+///
+///     s = F(t) - k u - c u_t + R    at a free end, R = 0, or one with an obstacle.
+struct EndInput {
+  std::optional<EndForce> force{};    ///< F
+  std::optional<EndMotion> motion{};  ///< of a fixed end, u = u_0 + d(t), or of an obstacle, gap(t) = gap - s d(t)
+  double stiffness = 0.0;             ///< k >= 0, of a spring to the ground at rest at u = 0
+  double dashpot = 0.0;               ///< c >= 0, of a dashpot beside it
+};
+
 /// The physical problem, free of any discretisation [Petrov 2010, (1.1)-(1.3)].
 struct Scene {
   std::string title;             ///< free text, for reports
@@ -96,6 +121,8 @@ struct Scene {
   SpaceFunction displacement;    ///< u_0(x)
   SpaceFunction velocity;        ///< u_1(x)
   std::optional<Load> load;      ///< f; absent: none
+  EndInput left_input{};         ///< what the left end is given
+  EndInput right_input{};        ///< likewise the right one
 };
 
 /// A fault of the user's input: the key (as in the scene file) and the problem.

@@ -12,12 +12,15 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Leg = LinearLeg<double>;
 
-EnergyFlow gauss_flow(const Leg& leg, const Leg::Series& series, const MatrixXd& load, double tau, double sigma) {
+EnergyFlow gauss_flow(const Leg& leg, const Leg::Series& series, const MatrixXd& load, double tau, double sigma,
+                      const FrameLoss& frame_loss) {
   EnergyFlow flow;
   for (const auto [node, weight] : gauss<8>()) {
     const double at = sigma * (1.0 + node) / 2, share = tau * sigma * weight / 2;
     const VectorXd v = Leg::velocity(series, at, tau);
-    flow.dissipated += share * leg.dissipation(v);
+    const double of_frame = frame_loss ? frame_loss(at, v) : 0.0;
+    flow.dissipated += share * (leg.dissipation(v) + of_frame);
+    flow.work += share * of_frame;
     if (load.cols() > 0) flow.work += share * v.dot(Leg::displacement(load, at));
     if (leg.has_end_rows()) flow.end_inertia += share * leg.end_power(v, Leg::acceleration(series, at, tau));
   }
@@ -25,15 +28,16 @@ EnergyFlow gauss_flow(const Leg& leg, const Leg::Series& series, const MatrixXd&
 }
 
 SampledFlow sampled_flow(const Leg& leg, std::span<const VectorXd> velocities, std::span<const VectorXd> loads,
-                         std::span<const VectorXd> accelerations, double tau) {
+                         std::span<const VectorXd> accelerations, double tau, const FrameLoss& frame_loss) {
   constexpr std::array<double, 5> fine = {989.0 / 28350, 5888.0 / 28350, -928.0 / 28350, 10496.0 / 28350,
                                           -4540.0 / 28350};
   constexpr std::array<double, 5> coarse = {217.0 / 5670, 1024.0 / 5670, 352.0 / 5670, 1024.0 / 5670, 436.0 / 5670};
   EnergyFlow flow, other;
   for (std::size_t k = 0; k <= 8; ++k) {
     const std::size_t weight = std::min(k, 8 - k);
-    const double loss = tau * leg.dissipation(velocities[k]);
-    const double power = loads.empty() ? 0.0 : tau * velocities[k].dot(loads[k]);
+    const double of_frame = frame_loss ? tau * frame_loss(static_cast<double>(k) / 8.0, velocities[k]) : 0.0;
+    const double loss = tau * leg.dissipation(velocities[k]) + of_frame;
+    const double power = (loads.empty() ? 0.0 : tau * velocities[k].dot(loads[k])) + of_frame;
     const double end = accelerations.empty() ? 0.0 : tau * leg.end_power(velocities[k], accelerations[k]);
     flow.end_inertia += fine[weight] * end;
     other.end_inertia += coarse[weight] * end;

@@ -15,7 +15,7 @@ using Eigen::Index;
 /// Terms of the Taylor series of a step with (rate bound) * step <= 1: 1 / 22! < 2^-64.
 inline constexpr Index taylor_order = 22;
 
-/// A closed contact: its node, where u is zero penetration, and its law.
+/// A closed contact: its node, where u is zero penetration, and its law. A mount is one, too, that is always closed.
 struct ClosedContact {
   Index unknown = 0;
   double surface = 0.0;

@@ -62,6 +62,10 @@ Propagator& PropagatorCache::present() {
     std::vector<ClosedContact> closed;
     for (std::size_t c = 0; c < state.size(); ++c)
       if (state[c]) closed.push_back({node(c), surface(c), system_.law(c)});
+    for (const Mount& mount : system_.bar().mounts()) {
+      const auto at = static_cast<Index>(mount.unknown);
+      closed.push_back({at, -origin_[at], {mount.stiffness, mount.dashpot}});
+    }
     entries_.push_back({state, std::make_unique<Propagator>(system_.bar(), origin_, inverse_inertia_, load_,
                                                             std::move(closed), exponentials_)});
     // Twenty levels of (2n)^2 numbers, and one of twice the length; a quarter of a GiB for all states.

@@ -54,6 +54,10 @@ Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
     contact_square = std::max(contact_square, law.stiffness / mass);
     contact_decay = std::max(contact_decay, law.damping / mass);
   }
+  for (const Mount& mount : system.mounts()) {
+    contact_square = std::max(contact_square, mount.stiffness / masses[mount.unknown]);
+    contact_decay = std::max(contact_decay, mount.dashpot / masses[mount.unknown]);
+  }
   if (system.has_massless() && bar.viscosity > 0.0) decay = std::max(decay, bar.modulus / bar.viscosity);
   return {std::sqrt(square + contact_square), decay + contact_decay};
 }
@@ -80,7 +84,7 @@ double symplectic_stability() {
 }
 
 std::optional<Refusal> symplectic_refusal(const BarSystem& system, const Odeint& method, double longest_step) {
-  if (system.damped()) return Refusal::viscosity;
+  if (system.damped() || system.has_dashpots()) return Refusal::viscosity;
   if (!system.contacts().empty() && method.penalty.restitution < 1.0) return Refusal::restitution;
   if (!method.step) return Refusal::no_step;
   if (*method.step > longest_step) return Refusal::unstable_step;

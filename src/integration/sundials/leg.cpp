@@ -129,8 +129,9 @@ void Leg::subtract_inertia(double factor, std::span<const double> x, std::span<d
 }
 
 void Leg::account_rates(double t, std::span<const double> w, std::span<const double> a, std::span<double> y_rate) {
-  if (layout.dissipated) y_rate[*layout.dissipated] = system.dissipated_power(w);
-  if (layout.work) y_rate[*layout.work] = system.load_power(t, w);
+  const double loss = system.frame_loss(t, w);
+  if (layout.dissipated) y_rate[*layout.dissipated] = system.dissipated_power(w) + loss;
+  if (layout.work) y_rate[*layout.work] = system.load_power(t, w) + loss;
   if (layout.end_inertia) y_rate[*layout.end_inertia] = system.bar().end_power(w, a);
 }
 

@@ -57,7 +57,7 @@ void draw(Figure& figure, const std::vector<const MethodRun*>& runs, const std::
 
 Picture ends_picture(const Scene& scene, const Comparison& check) {
   const auto runs = finished(check);
-  const auto panel = [&](const EndCondition& end, bool left, const char* axis) -> Panel {
+  const auto panel = [&](const EndCondition& end, const EndInput& input, bool left, const char* axis) -> Panel {
     std::vector<std::vector<Point>> lines;
     Range range;
     for (const MethodRun* run : runs) {
@@ -66,10 +66,17 @@ Picture ends_picture(const Scene& scene, const Comparison& check) {
           trace(r, [&](std::size_t k) { return left ? r.displacement(k).front() : r.displacement(k).back(); }));
       range.add(lines.back());
     }
-    const std::vector<ObstacleLevel> levels = levels_of(std::get_if<Obstacle>(&end));
+    const auto* obstacle = std::get_if<Obstacle>(&end);
+    const bool moves = obstacle && input.motion;
+    std::vector<Point> surface;
+    if (moves)
+      for (const double t : runs.front()->recording->times) surface.push_back({t, surface_at(*obstacle, input, t)});
+    range.add(surface);
+    const std::vector<ObstacleLevel> levels = levels_of(moves ? nullptr : obstacle);
     const bool shown = !levels.empty() && range.reach(levels.front().u);
     Figure figure(time_axis(check), range.axis(axis), 240.0);
     if (shown) figure.level(levels.front().u, {"var(--ink)", true, 1.2}, "obstacle");
+    if (moves) figure.line(surface, {"var(--ink)", true, 1.2}, "obstacle");
     draw(figure, runs, lines);
     return {left ? "left-end" : "right-end", std::string("Displacement over time by each method: ") + axis, figure};
   };
@@ -77,7 +84,7 @@ Picture ends_picture(const Scene& scene, const Comparison& check) {
       "Ends",
       "Displacement of the left and of the right end. Lines lie over each other from wide to narrow, so that all show "
       "where the methods agree.",
-      {panel(scene.left, true, "u(0, t)"), panel(scene.right, false, "u(L, t)")}};
+      {panel(scene.left, scene.left_input, true, "u(0, t)"), panel(scene.right, scene.right_input, false, "u(L, t)")}};
 }
 
 Picture differences_picture(const Comparison& check) {

@@ -1,5 +1,7 @@
 #include "report/run/run_data.hpp"
 
+#include <algorithm>
+
 #include "viscobar/dynamics/penalty_law.hpp"
 
 namespace viscobar {
@@ -8,10 +10,13 @@ ReportData::ReportData(const Case& run, const BarSystem& system) : field(system.
   if (is_penalised(run.method) && !system.contacts().empty()) epsilon_ = effective_epsilon(run);
 }
 
-double ReportData::spring_energy(std::span<const double> u) const {
+double ReportData::spring_energy(double t, std::span<const double> u) const {
+  const Lift lift = system_.moving() ? system_.lift(t, 0) : Lift{};
   double sum = 0.0;
-  for (const Contact& contact : system_.contacts())
-    sum += PenaltyLaw{contact.weight / *epsilon_}.energy(-contact.clearance(u[contact.unknown]));
+  for (const Contact& contact : system_.contacts()) {
+    const double at = u[contact.unknown] - lift.at(system_.share(contact.unknown));
+    sum += PenaltyLaw{contact.weight / *epsilon_}.energy(-contact.clearance(at));
+  }
   return sum;
 }
 
@@ -32,11 +37,14 @@ void ReportData::add(const Snapshot& at) {
   right.displacement.add({at.time, at.u.back()});
   left.reaction.add({at.time, at.reaction_left});
   right.reaction.add({at.time, at.reaction_right});
+  sensitivities.resize(std::max(sensitivities.size(), at.sensitivities.size()));
+  for (std::size_t k = 0; k < at.sensitivities.size(); ++k) {
+    sensitivities[k].left.add({at.time, at.sensitivities[k].u.front()});
+    sensitivities[k].right.add({at.time, at.sensitivities[k].u.back()});
+  }
   const auto u = at.u.subspan(system_.first_node(), system_.size());
-  const auto v = at.v.subspan(system_.first_node(), system_.size());
-  const double kinetic = 0.5 * system_.inertia().quadratic_form(v);
-  const double elastic = 0.5 * system_.bar().modulus * system_.squared_strain(u);
-  const double contact = epsilon_ ? spring_energy(u) : 0.0;
+  const auto [kinetic, elastic] = system_.nodal_energy(at.u, at.v);
+  const double contact = epsilon_ ? spring_energy(at.time, u) : 0.0;
   energy.kinetic.add({at.time, kinetic});
   energy.elastic.add({at.time, elastic});
   if (epsilon_) energy.contact.add({at.time, contact});

@@ -39,23 +39,30 @@ class ReportData {
       each(energy.kinetic, energy.elastic, energy.contact, energy.total);
     }
   };
+  /// Derivatives of the ends' displacements by a parameter.
+  struct Slopes {
+    plot::ThinnedLine left{buckets}, right{buckets};
+    static void members(auto& slopes, auto&& each) { each(slopes.left, slopes.right); }
+  };
   static constexpr std::size_t most_events = 50;
 
   std::size_t snapshots = 0;
   ThinnedField field;
   End left, right;
   Energy energy;
+  std::vector<Slopes> sensitivities;  // of each direction
   std::vector<Event> first_events;
   ThinnedEvents marked_events;
   static void members(auto& data, auto&& each) {
-    each(data.snapshots, data.field, data.left, data.right, data.energy, data.first_events, data.marked_events);
+    each(data.snapshots, data.field, data.left, data.right, data.energy, data.sensitivities, data.first_events,
+         data.marked_events);
   }
 
   /// Contact springs exist: an obstacle and a penalised method.
   bool has_springs() const { return epsilon_.has_value(); }
 
  private:
-  double spring_energy(std::span<const double> u) const;
+  double spring_energy(double t, std::span<const double> u) const;
 
   const BarSystem& system_;
   std::optional<double> epsilon_;

@@ -121,6 +121,7 @@ Page report_page(const Case& run, const BarSystem& system, const Outcome& outcom
     page.add(end_traces(run, outcome, data));
     page.add(reactions(run, data));
     page.add(energies(data));
+    page.add(sensitivities(run, data));
     page.add_data("field", field_json(data, colours));
     page.add_data("events", events_json(data, outcome.events));
     page.add_data("supports", supports_json(run.scene, outcome, data));

@@ -18,5 +18,6 @@ Picture profiles(const Case& run, const ReportData& data);
 Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& data);
 Picture reactions(const Case& run, const ReportData& data);
 Picture energies(const ReportData& data);
+Picture sensitivities(const Case& run, const ReportData& data);
 
 }  // namespace viscobar

@@ -51,6 +51,17 @@ std::string obstacle_text(const ObstacleLevel& level) { return "obstacle " + rea
 
 const Obstacle* obstacle(const EndCondition& end) { return std::get_if<Obstacle>(&end); }
 
+// Of an obstacle that moves; none of one that does not.
+std::vector<Point> moving_surface(const EndCondition& end, const EndInput& input, const ReportData& data) {
+  std::vector<Point> surface;
+  if (!is_obstacle(end) || !input.motion) return surface;
+  for (std::size_t row = 0; row < data.field.rows(); ++row) {
+    const double t = data.field.time(row);
+    surface.push_back({t, surface_at(*obstacle(end), input, t)});
+  }
+  return surface;
+}
+
 }  // namespace
 
 FieldColours field_colours(const Case& run, const ReportData& data) {
@@ -146,6 +157,19 @@ Picture profiles(const Case& run, const ReportData& data) {
   const auto with_obstacles = [&](Range range, double height, double room_below) {
     std::vector<std::pair<ObstacleLevel, Interval>> bodies;
     hidden.clear();
+    bool moves = false;
+    const auto place_moving = [&](const EndCondition& end, const EndInput& input, const char* where) {
+      const std::vector<Point> surface = moving_surface(end, input, data);
+      if (surface.empty()) return false;
+      Range way;
+      way.add(surface);
+      Range with_it = range;
+      const bool near = with_it.reach(way.low) && with_it.reach(way.high);
+      if (near) range = with_it, moves = true;
+      hidden += fmt::format(" The obstacle {} moves{}, between {} and {}.", where, near ? "" : " outside",
+                            readable(way.low), readable(way.high));
+      return true;
+    };
     const auto place = [&](const Obstacle* body, Interval part, const char* where) {
       for (const ObstacleLevel& level : levels_of(body))
         if (range.reach(level.u))
@@ -153,16 +177,18 @@ Picture profiles(const Case& run, const ReportData& data) {
         else
           hidden += fmt::format(" The obstacle {} lies outside, at {}.", where, readable(level.u));
     };
-    place(obstacle(run.scene.left), {-depth, depth}, "at the left end");
-    place(obstacle(run.scene.right), {length - depth, length + depth}, "at the right end");
+    if (!place_moving(run.scene.left, run.scene.left_input, "at the left end"))
+      place(obstacle(run.scene.left), {-depth, depth}, "at the left end");
+    if (!place_moving(run.scene.right, run.scene.right_input, "at the right end"))
+      place(obstacle(run.scene.right), {length - depth, length + depth}, "at the right end");
     place(run.scene.span ? &*run.scene.span : nullptr, {-depth, length + depth}, "of the span");
-    has_bodies = !bodies.empty();
+    has_bodies = moves || !bodies.empty();
     const double room = room_below * (range.high - range.low), low = range.low, high = range.high;
     const auto any = [&](bool above) {
       return std::ranges::any_of(bodies, [&](const auto& body) { return body.first.above == above; });
     };
-    if (any(false)) range.add(low - room);
-    if (any(true)) range.add(high + room);
+    if (moves || any(false)) range.add(low - room);
+    if (moves || any(true)) range.add(high + room);
     Figure figure(position, range.axis("displacement u"), height);
     for (const auto& [level, part] : bodies) figure.body(level.u, part, level.above);
     return figure;
@@ -194,36 +220,56 @@ Picture profiles(const Case& run, const ReportData& data) {
 
 Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& data) {
   std::vector<Panel> panels;
-  const auto panel = [&](const char* name, const EndCondition& end, const ReportData::End& trace, std::size_t colour,
-                         const char* label) {
-    if (is_fixed(end)) return;
+  const auto panel = [&](const char* name, const EndCondition& end, const EndInput& input, const ReportData::End& trace,
+                         std::size_t colour, const char* label) {
+    if (is_fixed(end) && !input.motion) return;
     const std::vector<Point> points = trace.displacement.points();
     Range range;
     range.add(points);
     const Obstacle* body = obstacle(end);
+    const std::vector<Point> surface = moving_surface(end, input, data);
+    range.add(surface);
     std::vector<ObstacleLevel> shown, span_shown;
-    for (const ObstacleLevel& level : levels_of(body))
+    for (const ObstacleLevel& level : levels_of(surface.empty() ? body : nullptr))
       if (range.reach(level.u)) shown.push_back(level);
     for (const ObstacleLevel& level : levels_of(run.scene.span ? &*run.scene.span : nullptr))
       if (range.reach(level.u)) span_shown.push_back(level);
     Figure figure(time_axis(data), range.axis(label), 220.0);
     if (body) figure.shade(trace.in_contact(outcome.reached_time), plot::series_colour(colour), "in contact");
     for (const ObstacleLevel& level : shown) figure.level(level.u, {"var(--ink)", true, 1.2}, obstacle_text(level));
-    if (body && shown.empty()) figure.legend_note(obstacle_text(levels_of(body).front()) + " (outside)");
+    if (!surface.empty()) figure.line(surface, {"var(--ink)", true, 1.2}, "obstacle");
+    if (body && surface.empty() && shown.empty())
+      figure.legend_note(obstacle_text(levels_of(body).front()) + " (outside)");
     for (const ObstacleLevel& level : span_shown)
       figure.level(level.u, {"var(--soft)", true, 1.2}, "span at " + readable(level.u));
     figure.line(points, {plot::series_colour(colour)}, label);
     panels.push_back({name, std::string("Displacement over time: ") + label, figure});
   };
-  panel("left-end", run.scene.left, data.left, 0, "u(0, t)");
-  panel("right-end", run.scene.right, data.right, 1, "u(L, t)");
+  panel("left-end", run.scene.left, run.scene.left_input, data.left, 0, "u(0, t)");
+  panel("right-end", run.scene.right, run.scene.right_input, data.right, 1, "u(L, t)");
   return {
       "Ends",
-      std::string(is_fixed(run.scene.left) || is_fixed(run.scene.right) ? "Displacement of the end that moves."
-                                                                        : "Displacement of the two ends.") +
+      std::string(panels.size() < 2 ? "Displacement of the end that moves." : "Displacement of the two ends.") +
           (is_obstacle(run.scene.left) || is_obstacle(run.scene.right) ? " Dashed: obstacle; shaded: times in contact."
                                                                        : ""),
       panels};
+}
+
+Picture sensitivities(const Case& run, const ReportData& data) {
+  Picture picture{"Sensitivities", "Derivatives of the ends' displacements with respect to numbers of the scene.", {}};
+  for (std::size_t k = 0; k < data.sensitivities.size() && k < run.directions.size(); ++k) {
+    const std::vector<Point> left = data.sensitivities[k].left.points(), right = data.sensitivities[k].right.points();
+    Range range;
+    range.add(0.0);
+    range.add(left);
+    range.add(right);
+    const std::string& key = run.directions[k].key;
+    Figure figure(time_axis(data), range.axis("du / d " + key), 220.0);
+    figure.line(left, {plot::series_colour(0)}, "left end");
+    figure.line(right, {plot::series_colour(1)}, "right end");
+    picture.panels.push_back({fmt::format("sensitivity-{}", k + 1), "Sensitivity of the ends to " + key, figure});
+  }
+  return picture;
 }
 
 Picture reactions(const Case& run, const ReportData& data) {

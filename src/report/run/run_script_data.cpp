@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 
+#include "report/obstacle_levels.hpp"
 #include "report/plot/base64.hpp"
 #include "report/plot/range.hpp"
 #include "results/csv.hpp"
@@ -31,9 +32,16 @@ std::string sides_json(const Obstacle& obstacle) {
   return fmt::format(R"(,"gap":{:.9g}{})", obstacle.gap, obstacle.side == Side::above ? R"(,"above":true)" : "");
 }
 
-std::string support_json(const EndCondition& end, const ReportData::End& trace, double reached) {
+std::string support_json(const EndCondition& end, const EndInput& input, const ReportData& data,
+                         const ReportData::End& trace, double reached) {
   std::string text = fmt::format(R"({{"kind":"{}")", kind(end));
   if (const auto* body = std::get_if<Obstacle>(&end)) text += sides_json(*body);
+  if (const auto* body = std::get_if<Obstacle>(&end); body && input.motion) {
+    std::vector<double> surface;
+    for (std::size_t row = 0; row < data.field.rows(); ++row)
+      surface.push_back(surface_at(*body, input, data.field.time(row)));
+    text += R"(,"surface":)" + json_numbers(surface, itself, digits_of_time);
+  }
   if (is_obstacle(end)) {
     std::vector<double> ends;
     for (const plot::Interval& part : trace.in_contact(reached)) ends.insert(ends.end(), {part.begin, part.end});
@@ -94,8 +102,10 @@ std::string events_json(const ReportData& data, std::size_t happened) {
 }
 
 std::string supports_json(const Scene& scene, const Outcome& outcome, const ReportData& data) {
-  std::string text = fmt::format(R"({{"left":{},"right":{})", support_json(scene.left, data.left, outcome.reached_time),
-                                 support_json(scene.right, data.right, outcome.reached_time));
+  const double reached = outcome.reached_time;
+  std::string text =
+      fmt::format(R"({{"left":{},"right":{})", support_json(scene.left, scene.left_input, data, data.left, reached),
+                  support_json(scene.right, scene.right_input, data, data.right, reached));
   if (scene.span) text += fmt::format(R"(,"span":{{"side":"{}"{}}})", name(scene.span->side), sides_json(*scene.span));
   return text + '}';
 }

@@ -26,7 +26,8 @@ std::string field_json(const ReportData& data, const FieldColours& colours);
 /// The contact changes that the page marks, as columns.
 std::string events_json(const ReportData& data, std::size_t happened);
 
-/// What holds the ends and the span: kind, gap, and the times in contact.
+/// What holds the ends and the span: kind, gap, and the times in contact. An obstacle that moves has its surface at the
+/// times of the field.
 std::string supports_json(const Scene& scene, const Outcome& outcome, const ReportData& data);
 
 }  // namespace viscobar

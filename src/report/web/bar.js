@@ -82,6 +82,12 @@ class BarPicture {
       { css: "var(--ink)", align: inLeftHalf ? "left" : "right", halo: true });
   }
 
+  /// Of an obstacle that moves, linear in between output times.
+  surfaceAt({ surface }, time) {
+    const [row, part] = Field.locate(this.field.t, time);
+    return surface[row] + (part > 0 ? part * (surface[row + 1] - surface[row]) : 0);
+  }
+
   drawEnd(chart, context, side, profile, time) {
     const end = side === "left" ? 0 : profile.length - 1, u = profile[end];
     const support = this.supports[side], at = chart.px(this.field.x[end]), foot = chart.py(u), unit = chart.ratio;
@@ -91,7 +97,11 @@ class BarPicture {
     }
     if (support.kind !== "obstacle") return;
     const outwards = side === "left" ? 1 : -1, words = { css: "var(--ink)", align: side === "left" ? "left" : "right", halo: true };
-    const sign = signOf(support), surface = chart.py(-sign * support.gap);
+    const sign = signOf(support), gap = support.surface ? -sign * this.surfaceAt(support, time) : support.gap, surface = chart.py(-sign * gap);
+    if (support.surface) {
+      const { x } = this.field, place = x[end], depth = 0.03 * (x[x.length - 1] - x[0]);
+      layerPainters.body(chart, context, { y: -sign * gap, from: place - depth, to: place + depth, above: sign < 0 });
+    }
     if (inParts(support.contact, time)) {
       const force = this.reactions[side], size = force ? Math.max(0, sign * force.at(time)) : 0, most = force ? force.most : 0;
       const length = (16 + (most > 0 ? (46 * size) / most : 0)) * unit;
@@ -108,7 +118,7 @@ class BarPicture {
       }
     } else if (surface > chart.box.top && surface < chart.box.top + chart.box.height) {
       doubleArrow(chart, context, at, foot, surface);
-      write(chart, context, `gap ${readable(sign * u + support.gap, 3)}`, at + 12 * outwards * unit, surface + sign * 26 * unit, words);
+      write(chart, context, `gap ${readable(sign * u + gap, 3)}`, at + 12 * outwards * unit, surface + sign * 26 * unit, words);
     }
   }
 }

@@ -1,0 +1,96 @@
+#include "characteristics/driven_end.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "characteristics/gauss_legendre.hpp"
+#include "dynamics/finite_load.hpp"
+
+namespace viscobar::characteristics {
+
+DrivenEnd::DrivenEnd(const EndInput& input, double impedance, double passage, double start)
+    : input_(input),
+      impedance_(impedance),
+      passage_(passage),
+      start_(start),
+      factor_(1.0 + input.dashpot / impedance),
+      active_(input.force || input.motion || input.dashpot != 0.0) {}
+
+void DrivenEnd::enter(std::size_t passage) {
+  if (!active_) return;
+  now_ = passage;
+  force_.clear();
+  velocity_.clear();
+  if (input_.force) {
+    const auto per_impedance = [this](double t) { return input_.force->value(t) / impedance_; };
+    force_ = fitted(fit_, per_impedance, input_.force->breaks, "the force at an end");
+  }
+  if (input_.motion) velocity_ = fitted(fit_, input_.motion->velocity, input_.motion->breaks, "the velocity of an end");
+  for (Piecewise* none : {&force_, &velocity_})
+    if (none->empty()) none->append(1.0, 0.0, 1.0, Chebyshev::constant(0.0));
+}
+
+const Piecewise& DrivenEnd::fitted(PiecewiseFit& fit, const TimeFunction& f, const NextBreak& breaks,
+                                   const char* what) {
+  const double begin = start_ + passage_ * static_cast<double>(now_), end = begin + passage_;
+  breaks_.clear();
+  // What breaks twice within so little breaks once.
+  const double apart = 64.0 * rounding * std::abs(end);
+  if (breaks)
+    for (auto at = breaks(begin, end); at && *at < end; at = breaks(*at + apart, end)) {
+      const double s = (*at - begin) / passage_;
+      if (s > 1e-14 && s < 1.0 - 1e-14 && (breaks_.empty() || s > breaks_.back() + 1e-14)) breaks_.push_back(s);
+    }
+  const auto of_s = [&](double s) {
+    const double t = begin + passage_ * s;
+    return finite_load(
+        t, [&] { return f(t); }, [&] { return fmt::format("{} at t = {}", what, t); });
+  };
+  const Piecewise& pieces = fit.of(of_s, {.breaks = breaks_, .argument = static_cast<double>(now_) + 1.0});
+  error_ += fit.error();
+  return pieces;
+}
+
+const Piecewise& DrivenEnd::relative(const Piecewise& arriving) {
+  combine(arriving, 1.0 / factor_, force_, 1.0 / factor_, scratch_);
+  combine(scratch_, 1.0, velocity_, -1.0, relative_);
+  return relative_;
+}
+
+// 2 v - w: with m what is answered to w_r, v = V + w_r where the end moves, m = w_r, and v = V where it is held,
+// m = -w_r; either way 2 v = 2 V + w_r + m.
+void DrivenEnd::send(const Piecewise& moved, const Piecewise& arriving, Piecewise& sent) {
+  Piecewise sum;
+  combine(moved, 1.0, relative_, 1.0, scratch_);
+  combine(scratch_, 1.0, velocity_, 2.0, sum);
+  combine(sum, 1.0, arriving, -1.0, sent);
+}
+
+void DrivenEnd::add_piece(double from, double to, bool held, const Chebyshev& moved, double u) {
+  const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
+  Cursor force(force_), velocity(velocity_);
+  for (const auto [node, weight] : gauss_legendre(Chebyshev::most_terms)) {
+    const double s = middle + half * node, frame = velocity.value(s), answered = moved(node);
+    const double v = held ? frame : answered + frame;
+    const double share = half * weight * passage_ * impedance_;
+    account_.work += share * (force.value(s) * v + (held ? factor_ * answered * frame : 0.0));
+    account_.dissipated += share * (factor_ - 1.0) * v * v;
+  }
+  if (!moves()) return;
+  std::array<double, Chebyshev::fitted_terms> values{};
+  const std::span<const double> points = Chebyshev::points(values.size());
+  for (std::size_t k = 0; k < values.size(); ++k)
+    values[k] = velocity.value(middle + half * points[k]) + (held ? 0.0 : moved(points[k]));
+  Chebyshev path = Chebyshev::through(values).antiderivative();
+  path *= half * passage_;
+  path += u;
+  const double tolerance = 64.0 * rounding * path.bound();
+  account_.highest = maximum(path, std::max({account_.highest, path(-1.0), path(1.0)}), tolerance);
+  account_.lowest = std::min({account_.lowest, path(-1.0), path(1.0)});
+  path *= -1.0;
+  account_.lowest = -maximum(path, -account_.lowest, tolerance);
+}
+
+}  // namespace viscobar::characteristics

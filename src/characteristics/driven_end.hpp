@@ -1,0 +1,73 @@
+#pragma once
+
+#include <limits>
+
+#include "characteristics/end.hpp"
+#include "characteristics/piecewise_fit.hpp"
+#include "viscobar/scene/scene.hpp"
+
+namespace viscobar::characteristics {
+
+/// What an end is given, a spring apart: a force F, a dashpot c, and the velocity V of what holds or bounds it. With Z
+/// = rho c the impedance of the bar and w what arrives, an end that is free to move has Z (v - w) = F - c v,
+///
+///     v = (Z w + F) / (Z + c),     and, in contact or fixed,     v = V,   R = (Z + c) (V - (Z w + F) / (Z + c)).
+///
+/// So the end answers to w_r = (Z w + F) / (Z + c) - V as one that is given nothing answers to w (see End): what it
+/// would send is its velocity against V, or R / (Z + c), and what it does send is 2 v - w.
+class DrivenEnd {
+ public:
+  /// `impedance` is rho c, `passage` is L / c, `start` the time of passage 0. Refers to `input`.
+  DrivenEnd(const EndInput& input, double impedance, double passage, double start);
+
+  /// Whether it is given anything.
+  bool active() const { return active_; }
+  /// To be called for each passage. @throws LoadError
+  void enter(std::size_t passage);
+  /// w_r of `arriving`; valid until the next call.
+  const Piecewise& relative(const Piecewise& arriving);
+  /// What it sends while `arriving` arrives, if w_r is answered by `moved`.
+  void send(const Piecewise& moved, const Piecewise& arriving, Piecewise& sent);
+
+  double force_factor() const { return factor_; }  ///< (Z + c) / Z
+  double displacement(double t) const { return input_.motion ? input_.motion->displacement(t) : 0.0; }
+  double velocity(double t) const { return input_.motion ? input_.motion->velocity(t) : 0.0; }
+  bool moves() const { return input_.motion.has_value(); }
+  double error() const { return error_; }  ///< of F and V over the passages, as velocities
+
+  /// What it has done since the start.
+  struct Account {
+    double work = 0.0, dissipated = 0.0;
+    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;  // u, where it moves
+    static void members(auto& account, auto&& each) {
+      each(account.work, account.dissipated, account.lowest, account.highest);
+    }
+  };
+  const Account& account() const { return account_; }
+  void restore(const Account& account) { account_ = account; }
+  /// Adds the passage in which `end` moved so; `displacement_at(s)` gives its displacements.
+  template <class Displacement>
+  void add(const End& end, const Piecewise& moved, Displacement&& displacement_at);
+
+ private:
+  const Piecewise& fitted(PiecewiseFit& fit, const TimeFunction& f, const NextBreak& breaks, const char* what);
+  void add_piece(double from, double to, bool held, const Chebyshev& moved, double u);
+
+  const EndInput& input_;
+  double impedance_, passage_, start_, factor_ = 1.0, error_ = 0.0;
+  bool active_;
+  std::size_t now_ = 0;
+  PiecewiseFit fit_;
+  Piecewise force_, velocity_, relative_, scratch_;  // force_ is F / Z
+  std::vector<double> breaks_;
+  Account account_;
+};
+
+template <class Displacement>
+void DrivenEnd::add(const End& end, const Piecewise& moved, Displacement&& displacement_at) {
+  for_common_pieces(velocity_, moved, moved.end(), [&](double from, double to, std::size_t, std::size_t j) {
+    add_piece(from, to, end.held_at(0.5 * (from + to)), moved.on(j, from, to), displacement_at(from));
+  });
+}
+
+}  // namespace viscobar::characteristics

@@ -1,0 +1,145 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "dynamics/finite_load.hpp"
+#include "viscobar/dynamics/bar_system.hpp"
+
+// What a BarSystem does in a frame that moves with what holds or bounds its ends.
+
+namespace viscobar {
+
+namespace {
+
+double motion_at(const EndMotion& motion, double t, int derivative, bool left) {
+  constexpr std::array<std::string_view, 3> words = {"displacement", "velocity", "acceleration"};
+  const TimeFunction& f = derivative == 0   ? motion.displacement
+                          : derivative == 1 ? motion.velocity
+                                            : motion.acceleration;
+  return finite_load(
+      t, [&] { return f(t); },
+      [&] {
+        return fmt::format("the {} of the motion at the {} end at t = {}", words[static_cast<std::size_t>(derivative)],
+                           left ? "left" : "right", t);
+      });
+}
+
+}  // namespace
+
+// With the initial data at hand.
+void BarSystem::enter_frame(SymmetricTridiagonal whole_inertia) {
+  whole_inertia_ = std::move(whole_inertia);
+  for (std::vector<double>* entries : {&whole_inertia_.diagonal, &whole_inertia_.off_diagonal})
+    for (double& entry : *entries) entry *= bar_.density;
+  if (whole_inertia_.end_rows)
+    for (auto* row : {&whole_inertia_.end_rows->first, &whole_inertia_.end_rows->last})
+      for (double& entry : *row) entry *= bar_.density;
+  std::vector<double> share(mesh_.nodes()), product(mesh_.nodes());
+  for (const bool right : {false, true}) {
+    for (std::size_t j = 0; j < share.size(); ++j)
+      share[j] = right ? mesh_.node(j) / mesh_.length : (mesh_.length - mesh_.node(j)) / mesh_.length;
+    whole_inertia_.multiply(share, product);
+    const auto begin = product.begin() + static_cast<std::ptrdiff_t>(first_node());
+    lift_inertia_[right ? 1 : 0].assign(begin, begin + static_cast<std::ptrdiff_t>(size()));
+  }
+  const Lift rate = lift(0.0, 1);
+  for (std::size_t i = 0; i < size(); ++i) initial_.v[i] -= rate.at(this->share(i));
+}
+
+Lift BarSystem::lift(double t, int derivative) const {
+  Lift lift;
+  if (inputs_[0].motion) lift.left = motion_at(*inputs_[0].motion, t, derivative, true);
+  if (inputs_[1].motion) lift.right = motion_at(*inputs_[1].motion, t, derivative, false);
+  if (rigid_frame_) lift.left = lift.right = inputs_[0].motion ? lift.left : lift.right;
+  return lift;
+}
+
+Lift BarSystem::lift(double t, int derivative, double step) const {
+  const Lift before = lift(t - step, 0), after = lift(t + step, 0);
+  if (derivative == 0) return {(before.left + after.left) / 2, (before.right + after.right) / 2};
+  if (derivative == 1) return {(after.left - before.left) / (2 * step), (after.right - before.right) / (2 * step)};
+  const Lift now = lift(t, 0);
+  const auto second = [step](double a, double b, double c) { return ((c - b) - (b - a)) / (step * step); };
+  return {second(before.left, now.left, after.left), second(before.right, now.right, after.right)};
+}
+
+std::optional<Lift> BarSystem::kink(double t, double end) const {
+  if (!moving()) return std::nullopt;
+  const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end));
+  const double before = t > 0.0 ? std::max(t - rounding, 0.0) : 0.0, after = t + rounding;
+  // What a smooth motion does between the two sides is less.
+  const auto jumps = [&](double Lift::*side, int derivative) {
+    const double early = lift(before, derivative).*side, late = lift(after, derivative).*side;
+    const double rate = std::abs(lift(before, derivative + 1).*side) + std::abs(lift(after, derivative + 1).*side);
+    return std::abs(late - early) > 8.0 * rate * (after - before) + 1e-12 * (std::abs(early) + std::abs(late));
+  };
+  if (const bool left = jumps(&Lift::left, 0); left || jumps(&Lift::right, 0))
+    throw LoadError(t, fmt::format("the motion at the {} end jumps at t = {}",
+                                   inputs_[0].motion && (left || rigid_frame_) ? "left" : "right", t));
+  if (!jumps(&Lift::left, 1) && !jumps(&Lift::right, 1)) return std::nullopt;
+  const Lift early = lift(before, 1), late = lift(after, 1);
+  return Lift{late.left - early.left, late.right - early.right};
+}
+
+double BarSystem::pass_kink(const Lift& jump, std::span<double> w) const {
+  const double before = 0.5 * inertia_.quadratic_form(w);
+  std::vector<double> change(size());
+  for (std::size_t i = 0; i < change.size(); ++i)
+    change[i] = jump.left * lift_inertia_[0][i] + jump.right * lift_inertia_[1][i];
+  accelerate(change);
+  for (std::size_t i = 0; i < change.size(); ++i) w[i] -= change[i];
+  return 0.5 * inertia_.quadratic_form(w) - before;
+}
+
+void BarSystem::add_lift(const Lift& lift, std::span<double> nodal) const {
+  for (std::size_t j = 0; j < nodal.size(); ++j) nodal[j] += lift.at(mesh_.node(j) / mesh_.length);
+}
+
+BarEnergy BarSystem::nodal_energy(std::span<const double> u, std::span<const double> v) const {
+  BarEnergy energy;
+  if (moving()) {
+    energy.kinetic = 0.5 * whole_inertia_.quadratic_form(v);
+    for (std::size_t j = 0; j < mesh_.elements; ++j) {
+      const double stretch = u[j + 1] - u[j];
+      energy.elastic += 0.5 * bar_.modulus * stretch * stretch / mesh_.element(j);
+    }
+  } else {
+    energy.kinetic = 0.5 * inertia_.quadratic_form(v.subspan(first_node(), size()));
+    energy.elastic = 0.5 * bar_.modulus * squared_strain(u.subspan(first_node(), size()));
+  }
+  for (const Mount& mount : mounts_) {
+    const double at = u[mount.unknown + first_node()];
+    energy.elastic += 0.5 * mount.stiffness * at * at;
+  }
+  return energy;
+}
+
+BarEnergy BarSystem::lifted_energy(const Lift& lift, const Lift& rate, std::span<const double> u,
+                                   std::span<const double> w) const {
+  std::vector<double> displacement(mesh_.nodes()), velocity(mesh_.nodes());
+  expand_displacement(u, displacement);
+  expand_velocity(w, velocity);
+  add_lift(lift, displacement);
+  add_lift(rate, velocity);
+  return nodal_energy(displacement, velocity);
+}
+
+double BarSystem::lift_loss(const Lift& rate, double left, double right) const {
+  const double strain_rate = (rate.right - rate.left) / mesh_.length;
+  double sum = bar_.viscosity * strain_rate * (2.0 * (right - left) + strain_rate * mesh_.length);
+  for (const Mount& mount : mounts_) {
+    const bool at_left = mount.unknown == 0 && !left_fixed();
+    const double frame = at_left ? rate.left : rate.right;
+    sum += mount.dashpot * frame * (2.0 * (at_left ? left : right) + frame);
+  }
+  return sum;
+}
+
+}  // namespace viscobar

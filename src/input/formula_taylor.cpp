@@ -1,0 +1,111 @@
+#include "input/formula_taylor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace viscobar {
+
+namespace {
+
+using Operation = FormulaTree::Operation;
+
+// g(f), of g and its derivatives at f: (g, g' f', g'' f'^2 + g' f''). What does not change makes no derivative, even
+// where that of g is infinite.
+Taylor chain(const Taylor& f, double g, double slope, double bend) {
+  const auto product = [](double a, double b) { return b == 0.0 ? 0.0 : a * b; };
+  return {g, product(slope, f[1]), product(bend, f[1] * f[1]) + product(slope, f[2])};
+}
+
+Taylor sum(const Taylor& a, double factor, const Taylor& b) {
+  return {a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]};
+}
+
+Taylor product(const Taylor& a, const Taylor& b) {
+  return {a[0] * b[0], a[1] * b[0] + a[0] * b[1], a[2] * b[0] + 2.0 * a[1] * b[1] + a[0] * b[2]};
+}
+
+Taylor inverse(const Taylor& a) {
+  const double one = 1.0 / a[0];
+  return chain(a, one, -one * one, 2.0 * one * one * one);
+}
+
+Taylor logarithm(const Taylor& a) { return chain(a, std::log(a[0]), 1.0 / a[0], -1.0 / (a[0] * a[0])); }
+
+Taylor exponential(const Taylor& a) {
+  const double value = std::exp(a[0]);
+  return chain(a, value, value, value);
+}
+
+Taylor power(const Taylor& a, const Taylor& b) {
+  if (b[1] != 0.0 || b[2] != 0.0) {
+    Taylor result = exponential(product(b, logarithm(a)));
+    result[0] = std::pow(a[0], b[0]);
+    return result;
+  }
+  const double n = b[0];
+  const double slope = n == 0.0 ? 0.0 : n * std::pow(a[0], n - 1.0);
+  const double bend = n == 0.0 || n == 1.0 ? 0.0 : n * (n - 1.0) * std::pow(a[0], n - 2.0);
+  return chain(a, std::pow(a[0], n), slope, bend);
+}
+
+Taylor truth(bool value) { return {value ? 1.0 : 0.0, 0.0, 0.0}; }
+
+Taylor computed(Operation operation, const Taylor& a, const Taylor& b, const Taylor& c) {
+  switch (operation) {
+    case Operation::number:
+    case Operation::x:
+    case Operation::t: break;
+    case Operation::negate: return {-a[0], -a[1], -a[2]};
+    case Operation::add: return sum(a, 1.0, b);
+    case Operation::subtract: return sum(a, -1.0, b);
+    case Operation::multiply: return product(a, b);
+    case Operation::divide: return product(a, inverse(b));
+    case Operation::power: return power(a, b);
+    case Operation::less: return truth(a[0] < b[0]);
+    case Operation::at_most: return truth(a[0] <= b[0]);
+    case Operation::greater: return truth(a[0] > b[0]);
+    case Operation::at_least: return truth(a[0] >= b[0]);
+    case Operation::equal: return truth(a[0] == b[0]);
+    case Operation::unequal: return truth(a[0] != b[0]);
+    case Operation::both: return truth(a[0] != 0.0 && b[0] != 0.0);
+    case Operation::either: return truth(a[0] != 0.0 || b[0] != 0.0);
+    case Operation::choose: return a[0] != 0.0 ? b : c;
+    case Operation::sin: return chain(a, std::sin(a[0]), std::cos(a[0]), -std::sin(a[0]));
+    case Operation::cos: return chain(a, std::cos(a[0]), -std::sin(a[0]), -std::cos(a[0]));
+    case Operation::tan: {
+      const double tangent = std::tan(a[0]), slope = 1.0 + tangent * tangent;
+      return chain(a, tangent, slope, 2.0 * tangent * slope);
+    }
+    case Operation::exp: return exponential(a);
+    case Operation::log: return logarithm(a);
+    case Operation::sqrt: {
+      const double root = std::sqrt(a[0]);
+      return chain(a, root, 0.5 / root, -0.25 / (root * a[0]));
+    }
+    case Operation::abs: return a[0] < 0.0 ? Taylor{-a[0], -a[1], -a[2]} : a;
+    case Operation::min: return b[0] < a[0] ? b : a;
+    case Operation::max: return b[0] > a[0] ? b : a;
+  }
+  return {};
+}
+
+}  // namespace
+
+FormulaTaylor::FormulaTaylor(FormulaTree tree) : tree_(std::move(tree)), of_nodes_(tree_.nodes.size()) {}
+
+Taylor FormulaTaylor::operator()(double t) {
+  for (std::size_t i = 0; i < tree_.nodes.size(); ++i) {
+    const FormulaTree::Node& node = tree_.nodes[i];
+    const auto operand = [&](int index) { return index < 0 ? Taylor{} : of_nodes_[static_cast<std::size_t>(index)]; };
+    if (node.operation == Operation::number)
+      of_nodes_[i] = {node.number, 0.0, 0.0};
+    else if (node.operation == Operation::t)
+      of_nodes_[i] = {t, 1.0, 0.0};
+    else
+      of_nodes_[i] = computed(node.operation, operand(node.a), operand(node.b), operand(node.c));
+  }
+  return of_nodes_.back();
+}
+
+}  // namespace viscobar
