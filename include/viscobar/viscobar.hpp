@@ -2,6 +2,7 @@
 
 // The whole library. viscobar/testing/ is apart: it needs GoogleTest.
 
+#include "viscobar/case/accuracy.hpp"
 #include "viscobar/case/case.hpp"
 #include "viscobar/case/end_traces.hpp"
 #include "viscobar/case/recorder.hpp"
@@ -23,6 +24,7 @@
 #include "viscobar/run/run.hpp"
 #include "viscobar/scene/scene.hpp"
 #include "viscobar/schemes/schemes.hpp"
+#include "viscobar/studies/accuracy/accuracy.hpp"
 #include "viscobar/studies/compare/compare.hpp"
 #include "viscobar/studies/compare/difference.hpp"
 #include "viscobar/studies/compare/examine.hpp"

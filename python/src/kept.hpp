@@ -54,6 +54,8 @@ class Run : public Kept {
   std::array<std::vector<double>, 6> energies() const;
 
  private:
+  void solve(py::object& self, py::object& observer, py::object& on_event);
+  void solve_to_accuracy(py::object& self, py::object& observer, py::object& on_event);
   Observers observers(py::object& self, py::object& observer, py::object& on_event);
   void warn(const std::string& warning) { outcome_.warnings.push_back(warning); }
 

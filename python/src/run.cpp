@@ -7,11 +7,13 @@
 
 #include "case/chatter.hpp"
 #include "case/memory.hpp"
+#include "input/described_scene.hpp"
 #include "kept.hpp"
 #include "record/run_outcome.hpp"
 #include "report/run/run_page.hpp"
 #include "results/csv.hpp"
 #include "results/summary.hpp"
+#include "studies/accuracy/plan.hpp"
 #include "viscobar/record/record_run.hpp"
 
 namespace viscobar::python {
@@ -150,14 +152,56 @@ Observers Run::observers(py::object& self, py::object& observer, py::object& on_
   return observers;
 }
 
+void Run::solve(py::object& self, py::object& observer, py::object& on_event) {
+  const Observers all = observers(self, observer, on_event);
+  const py::gil_scoped_release released;
+  simulate_into(outcome_, case_.scene.run, system_, std::nullopt, all);
+  judge(outcome_, case_.scene.run, system_, [this](const std::string& warning) { warn(warning); });
+}
+
+void Run::solve_to_accuracy(py::object& self, py::object& observer, py::object& on_event) {
+  AccuracyStudy study;
+  study.scene = case_.scene.run;
+  study.request = *case_.scene.accuracy;
+  study.threads = 1;  // functions of the scene may be Python's
+  study.stop = [signals = Signals(*case_.faults)]() mutable { return signals.heard(); };
+  const SceneFile asked = case_.scene;
+  std::optional<accuracy::Plan> plan;
+  const auto fail_with = [&](const std::string& why) { fail(outcome_, Ending::failed, why); };
+  do {
+    try {
+      const py::gil_scoped_release released;
+      if (!plan) plan.emplace(study);
+      const Case chosen = plan->next();
+      case_.scene = with_settings(asked, chosen);
+      system_ = make_system(chosen);
+    } catch (const accuracy::Stopped&) {
+      return fail(outcome_, Ending::interrupted, "interrupted");
+    } catch (const IntegrationError& error) {
+      return fail_with(error.what());
+    } catch (const Raised&) {
+      return fail_with("a Python function raised an exception");
+    }
+    recording = {};
+    outcome_ = {};
+    solve(self, observer, on_event);
+    if (outcome_.ending != Ending::completed) return;
+    try {
+      const py::gil_scoped_release released;
+      recording.statistics = *outcome_.statistics;
+      outcome_.error_estimate = plan->judge(accuracy::sample_of(case_.scene.run, recording));
+    } catch (const accuracy::Stopped&) {
+      return fail(outcome_, Ending::interrupted, "interrupted");
+    } catch (const IntegrationError& error) {
+      return warn(fmt::format("error: there is no estimate: {}", error.what()));
+    }
+  } while (plan->again());
+  if (!outcome_.error_estimate->doubt.empty()) warn("error: " + outcome_.error_estimate->doubt);
+}
+
 void Run::go(py::object self, py::object observer, py::object on_event) {
   const auto started = std::chrono::steady_clock::now();
-  const Observers all = observers(self, observer, on_event);
-  {
-    const py::gil_scoped_release released;
-    simulate_into(outcome_, case_.scene.run, system_, std::nullopt, all);
-    judge(outcome_, case_.scene.run, system_, [this](const std::string& warning) { warn(warning); });
-  }
+  case_.scene.accuracy ? solve_to_accuracy(self, observer, on_event) : solve(self, observer, on_event);
   if (!outcome_.statistics && rows() > 0) outcome_.reached_time = recording.times.back();
   outcome_.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   case_.faults->rethrow();

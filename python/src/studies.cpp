@@ -144,7 +144,7 @@ std::vector<PythonCase> refined(const PythonCase& self, const std::string& what,
   if (!run.step) run.step = scheme_step(run);
   std::vector<PythonCase> all;
   for (Case& one : refinements(run, refine_of(what), levels))
-    all.push_back({{std::move(one), self.scene.description}, self.faults});
+    all.push_back({{std::move(one), self.scene.description, "{}", std::nullopt}, self.faults});
   return all;
 }
 

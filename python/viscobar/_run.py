@@ -150,6 +150,11 @@ class Result(Recorded):
                 summary["scene"][table][leaf] = function_name(function)
         return summary
 
+    @property
+    def error_estimate(self) -> dict[str, Any] | None:
+        """How far the result is from the bar itself, as in summary.json; None where no error was asked for."""
+        return self.summary["error_estimate"]
+
     def page(self) -> str:
         """report.html of the run: a self-contained page with the pictures."""
         return self._core.page()
@@ -182,6 +187,7 @@ def run(
     method: str | None = None,
     *,
     set: Mapping[str, Any] | None = None,
+    error: float | str | None = None,
     observer: Callable[[float, np.ndarray, np.ndarray], Any] | None = None,
     on_event: Callable[[dict[str, Any]], Any] | None = None,
 ) -> Result:
@@ -193,6 +199,8 @@ def run(
               where it names none
     set       further values in place of the scene's: {"contact.restitution": 0, "method.relative_tolerance": 1e-8}; None
               removes a key
+    error     the error that is bearable, a number or a percentage such as "0.01 %", of what accuracy.of names in the
+              scene (displacements): what the scene leaves open is chosen for it, and .error_estimate tells what is left
     observer  called as observer(t, u, v) at each output time, u and v arrays of J+1 nodes; a true value stops the run
     on_event  called with each contact change, a dictionary with t, where, change, velocity; a true value stops the run
 
@@ -202,6 +210,7 @@ def run(
         .ends .energy                                          mappings of arrays (K), as ends.csv
         .events                                                structured array: t, where, change, velocity
         .summary                                               as summary.json
+        .error_estimate                                        with error=...: total, space, penalty, time, kept, ...
         .plot()  .page()  .frame()                             matplotlib figure, HTML page, pandas DataFrame of the ends
 
     A run that an observer stopped has completed = False and the rows that it reached. Other threads of Python go on
@@ -211,6 +220,8 @@ def run(
     method gives up, and whatever a function of the scene or an observer raises. KeyboardInterrupt stops a run after the
     step at hand. The exception then has the part that was reached as its attribute `result`.
     """
+    if error is not None:
+        set = {**(set or {}), "accuracy.error": error}
     scene = as_scene(scene, method, set)
     core = _core.Run(parse(scene))
     result = Result(core, scene)

@@ -93,6 +93,10 @@ int CheckCommand::operator()() const {
   text += row("memory", fmt::format("about {} vectors of {} numbers, {}", check.memory.vectors, system.size(),
                                     byte_number(check.memory.bytes)));
   if (!system.contacts().empty()) text += row("first impacts", impact_text(run, check.impacts));
+  if (check.error)
+    text += row("error", fmt::format("about {:.1g} of displacements (space {:.1g}, penalty {:.1g}, time {:.1g}), by "
+                                     "theory and two coarser runs",
+                                     check.error->total, check.error->space, check.error->penalty, check.error->time));
   for (const ContactRegime& regime : check.regimes)
     text += row(fmt::format("{} contact", name(regime.where)), to_text(regime));
   print(text);

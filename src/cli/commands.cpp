@@ -38,6 +38,9 @@ SceneFile SceneOptions::read(const std::vector<std::string>& defaults, const std
                         ? parse_scene(input_text(std::cin, "standard input"), "standard input", all, adapt)
                         : read_scene(file, all, adapt);
   const Case& run = scene.run;
+  if (scene.accuracy && !takes_accuracy)
+    warn(
+        "[accuracy] is for run and sweep: this command takes mesh, method, epsilon and tolerance as the scene has them");
   detail(fmt::format("read {}: \"{}\", {} elements, {} to t = {}", file, run.scene.title, run.elements,
                      name(run.method), run.end));
   return scene;

@@ -18,6 +18,7 @@ struct SceneOptions {
   std::string file;
   std::vector<std::string> overrides;
   bool json = false;
+  bool takes_accuracy = false;  ///< the command keeps an error that the scene asks for; others warn that they do not
 
   explicit SceneOptions(CLI::App& command);
   bool from_standard_input() const { return file == "-"; }
@@ -69,7 +70,8 @@ class RunCommand : public Command {
  private:
   SceneOptions scene_;
   PictureOptions output_;
-  std::string checkpoint_, wall_time_, sensitivity_;
+  std::string checkpoint_, wall_time_, error_, sensitivity_;
+  bool no_estimate_ = false;
 };
 
 class ResumeCommand : public Command {

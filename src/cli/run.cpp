@@ -16,6 +16,7 @@
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
 #include "cli/progress.hpp"
+#include "report/run/estimate_text.hpp"
 #include "results/csv.hpp"
 #include "results/result_directory.hpp"
 #include "scene/unit_names.hpp"
@@ -108,6 +109,8 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
       const auto remark = peak_remark(run, make_system(run));
       if (remark && account->left.closings + account->right.closings > 0) text += row("peak reaction", *remark);
     }
+    if (outcome.error_estimate)
+      for (const auto& [what, value] : estimate_rows(*outcome.error_estimate)) text += row(what, value);
     text += row("integration", fmt::format("{:.3g} s", statistics->integration_seconds));
   }
   text += row("whole run", fmt::format("{:.3g} s", outcome.wall_seconds));
@@ -154,16 +157,22 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
     detail(fmt::format("t = {:.9g}: {} {}, velocity {:.6g}", event.time, place(event),
                        event.change == Change::closing ? "closes" : "opens", event.velocity));
   };
+  options.message = [](const std::string& what) { detail("accuracy: " + what); };
   options.warning = [&](const std::string& warning) { quiet ? detail("warning: " + warning) : warn(warning); };
   const RunRecord recorded = record(options);
   progress.reset();
 
   const Outcome& outcome = recorded.outcome;
+  // Of several runs those of the last.
+  events.erase(events.begin(), events.end() - static_cast<std::ptrdiff_t>(std::min(events.size(), outcome.events)));
   if (outcome.ending != Ending::completed)
     complain(fmt::format(
         "stopped at t = {}: {}", outcome.reached_time,
         out_of_time && outcome.ending == Ending::interrupted ? "the time of --wall-time is over" : outcome.error));
-  if (outcome.ending == Ending::interrupted)
+  const auto& estimate = outcome.error_estimate;
+  const bool missed = outcome.ending == Ending::completed && estimate && estimate->requested && !estimate->kept;
+  if (missed) complain(fmt::format("the error that was asked for is not kept: {}", estimate->doubt));
+  if (outcome.ending == Ending::interrupted && outcome.statistics)
     say(fmt::format("viscobar resume {} goes on with it.", directory.string()));
   if (recorded.directory != directory)
     say(fmt::format("The earlier result in {} is as it was; what this run reached is in {}.", directory.string(),
@@ -171,8 +180,8 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
   if (json)
     print(recorded.summary);
   else if (!quiet)
-    print(table(scene.run, outcome, events, recorded.directory));
-  return exit_code(outcome.ending);
+    print(table(recorded.run ? *recorded.run : scene.run, outcome, events, recorded.directory));
+  return missed ? run_failed : exit_code(outcome.ending);
 }
 
 /// A positive number, with the unit of a clock or without one.
@@ -247,6 +256,15 @@ RunCommand::RunCommand(CLI::App& app)
                   "such as 30s, 5min or 1h")
       ->type_name("INTERVAL");
   add_wall_time(command_, wall_time_);
+  scene_.takes_accuracy = true;
+  command_
+      .add_option(
+          "--error", error_,
+          "Choose what the scene leaves open so that this error is kept, such as 1e-4 or \"0.01 %\"; the same as "
+          "--set accuracy.error=...")
+      ->type_name("ERROR");
+  command_.add_flag("--no-estimate", no_estimate_,
+                    "Make no runs on coarser meshes to estimate the error of a scene that asks for none");
   command_
       .add_option("--sensitivity", sensitivity_,
                   "Tell derivatives of the results with respect to these keys, such as bar.viscosity,left.gap")
@@ -258,7 +276,9 @@ int RunCommand::operator()() const {
   if (!checkpoint_.empty()) options.checkpoint = checkpoint_every(checkpoint_);
   options.figures = output_.figures;
   const auto wall_time = wall_time_of(wall_time_);
-  const SceneFile scene = scene_.read({}, sensitivity_settings(sensitivity_));
+  std::vector<std::string> settings = sensitivity_settings(sensitivity_);
+  if (!error_.empty()) settings.push_back("accuracy.error=" + error_);
+  const SceneFile scene = scene_.read({}, settings);
   // Each checkpoint holds the times of all before it: these write 8 n^2 / 2 bytes for that, 40 GB.
   constexpr double most_checkpoints = 1e5;
   if (options.checkpoint && options.checkpoint->clock == CheckpointEvery::Clock::simulated &&
@@ -268,8 +288,10 @@ int RunCommand::operator()() const {
                     checkpoint_, most_checkpoints, scene.run.end, scene.run.end / most_checkpoints));
   const fs::path directory = output_.directory(scene_);
   if (!output_.quiet) warn_of_other_scenes(directory, scene, "summary.json");
-  return shown(scene, directory, scene_.json, output_.quiet, wall_time, options,
-               [&](const RecordOptions& chosen) { return record_run(scene, directory, chosen); });
+  return shown(scene, directory, scene_.json, output_.quiet, wall_time, options, [&](const RecordOptions& chosen) {
+    if (scene.accuracy) return record_to_accuracy(scene, directory, chosen);
+    return no_estimate_ ? record_run(scene, directory, chosen) : record_with_estimate(scene, directory, chosen);
+  });
 }
 
 ResumeCommand::ResumeCommand(CLI::App& app)

@@ -37,4 +37,30 @@ SceneFile described_scene(const std::string& description, const std::string& sou
   return parse_scene(scene_text(description), source);
 }
 
+SceneFile with_settings(const SceneFile& scene, const Case& chosen) {
+  const Json before = Json::parse(scene.description);
+  Json after = before, new_keys = Json::object();
+  const auto set = [&](const char* table, const char* key, const Json& value) {
+    after[table][key] = value;
+    if (!before.contains(table) || !before[table].contains(key) || before[table][key] != value)
+      new_keys[table][key] = value;
+  };
+  set("mesh", "elements", chosen.elements);
+  if (chosen.method != MethodName::characteristics) set("mesh", "mass", name(effective_mass(chosen)));
+  if (is_penalised(chosen.method) && chosen.epsilon) set("contact", "epsilon", *chosen.epsilon);
+  if (chosen.restitution) set("contact", "restitution", *chosen.restitution);
+  set("method", "name", name(chosen.method));
+  if (is_adaptive(chosen.method)) {
+    set("method", "relative_tolerance", chosen.tolerance.relative);
+    if (chosen.tolerance.absolute) set("method", "absolute_tolerance", *chosen.tolerance.absolute);
+  }
+  if (is_scheme(chosen.method)) set("method", "step", scheme_step(chosen));
+  SceneFile result = described_scene(after.dump(), "the chosen settings");
+  Json all = Json::parse(result.chosen);
+  all.merge_patch(new_keys);
+  result.chosen = all.dump(2);
+  result.run = chosen;
+  return result;
+}
+
 }  // namespace viscobar

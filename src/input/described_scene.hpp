@@ -12,4 +12,8 @@ std::string scene_text(const std::string& description);
 /// The scene whose SceneFile::description this is; `source` names it in diagnostics. @throws SceneError
 SceneFile described_scene(const std::string& description, const std::string& source);
 
+/// The same scene with the settings of another case of it: elements, mass, epsilon, restitution, method, tolerances and
+/// step. They count as chosen where the scene does not have them.
+SceneFile with_settings(const SceneFile& scene, const Case& chosen);
+
 }  // namespace viscobar

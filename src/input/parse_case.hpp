@@ -7,9 +7,8 @@
 
 namespace viscobar {
 
-/// The case of parse_scene() without its description, which nobody reads of the thousands of a sweep.
-/// @throws SceneError
-Case parse_case(const std::string& text, const std::string& source, std::span<const std::string> overrides,
-                const Adaptation& adapt = {});
+/// parse_scene() without the description, which nobody reads of the thousands of a sweep. @throws SceneError
+SceneFile parse_case(const std::string& text, const std::string& source, std::span<const std::string> overrides,
+                     const Adaptation& adapt = {});
 
 }  // namespace viscobar

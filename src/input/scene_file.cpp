@@ -269,6 +269,27 @@ Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
   return run;
 }
 
+std::optional<AccuracyRequest> accuracy_of(SceneEntries& entries, const Case& run) {
+  if (!entries.present("accuracy.error") || entries.faulty("accuracy.error")) return std::nullopt;
+  AccuracyRequest request;
+  const auto* share = std::get_if<std::string>(&entries.value("accuracy.error"));
+  request.relative = share != nullptr;
+  request.error = share ? *percentage(*share) : *entries.number("accuracy.error");
+  const auto of = entries.text("accuracy.of");
+  for (const Goal goal : all_goals)
+    if (of == name(goal)) request.of = goal;
+  request.given = {entries.given("mesh.elements"),
+                   entries.given("mesh.mass"),
+                   entries.given("method.name") && !run.automatic,
+                   entries.given("contact.epsilon"),
+                   entries.given("contact.restitution"),
+                   entries.given("method.relative_tolerance"),
+                   entries.given("method.step")};
+  if (entries.diagnostics().empty())
+    if (const auto found = fault(request, run)) entries.report(found->key, found->problem);
+  return request;
+}
+
 std::string describe(const SceneEntries& entries, const Case& run) {
   // Made as objects: where memory ends while null becomes one, the library would destroy what is not there.
   Json json = Json::object();
@@ -317,32 +338,32 @@ std::string SceneFile::complete() const {
 
 namespace {
 
-Case checked_case(SceneEntries& entries, const Adaptation& adapt) {
-  Case run;
+SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt) {
+  SceneFile scene;
   if (entries.readable()) {
     check_end(entries, "left");
     check_end(entries, "right");
     check_load_keys(entries);
     check_motion(entries);
-    run = validated_case(entries, adapt);
+    scene.run = validated_case(entries, adapt);
+    scene.accuracy = accuracy_of(entries, scene.run);
   }
   if (auto found = entries.diagnostics(); !found.empty()) throw SceneError(std::move(found));
-  return run;
+  return scene;
 }
 
 }  // namespace
 
-Case parse_case(const std::string& text, const std::string& source, std::span<const std::string> overrides,
-                const Adaptation& adapt) {
+SceneFile parse_case(const std::string& text, const std::string& source, std::span<const std::string> overrides,
+                     const Adaptation& adapt) {
   SceneEntries entries(text, source, overrides);
-  return checked_case(entries, adapt);
+  return checked_scene(entries, adapt);
 }
 
 SceneFile parse_scene(const std::string& text, const std::string& source, std::span<const std::string> overrides,
                       const Adaptation& adapt) {
   SceneEntries entries(text, source, overrides);
-  SceneFile scene;
-  scene.run = checked_case(entries, adapt);
+  SceneFile scene = checked_scene(entries, adapt);
   scene.description = describe(entries, scene.run);
   scene.chosen = choose(entries, scene.run);
   return scene;

@@ -11,6 +11,7 @@
 #include "input/synonyms.hpp"
 #include "scene/end_kinds.hpp"
 #include "text/nearest_name.hpp"
+#include "viscobar/case/accuracy.hpp"
 
 namespace viscobar {
 
@@ -105,6 +106,9 @@ constexpr SceneKey rows[] = {
     {"method.start", choice, optional, "\"first_order\"", "", "first step of the two schemes: u_0 + dt u_1, or with the term dt^2/2 u'' too", {}, starts},
     {"method.impact", choice, optional, "\"paoli_schatzman\"", "", "law of restitution of the two schemes: a bound on the mean of displacements, or on the velocity, which never gives energy", {}, impacts},
 
+    {"accuracy.error", amount, required_in_table, "", "of what `accuracy.of` names", "the error that is bearable: method, mass, elements, epsilon and tolerance are chosen for it where the scene leaves them out; a number, or a percentage of the largest value, such as \"0.01 %\"", positive},
+    {"accuracy.of", choice, optional, "", "", "what it is an error of; absent: displacement"},
+
     {"parameters.NAME", number, optional, "", "", "a number that formulas may use by its name, such as amplitude", {-largest, largest, ""}},
 
     {"sensitivity.of", list, optional, "", "", "keys with respect to which derivatives of the whole result are told, such as bar.viscosity; also --sensitivity"},
@@ -120,8 +124,9 @@ constexpr SceneKey rows[] = {
 };
 // clang-format on
 
-constexpr std::string_view tables[] = {"bar",  "left",    "right",  "span",       "initial",     "load",  "time",
-                                       "mesh", "contact", "method", "parameters", "sensitivity", "units", "output"};
+constexpr std::string_view tables[] = {"bar",      "left",       "right",       "span",    "initial",
+                                       "load",     "time",       "mesh",        "contact", "method",
+                                       "accuracy", "parameters", "sensitivity", "units",   "output"};
 
 constexpr std::string_view any_parameter = "parameters.NAME";
 
@@ -134,6 +139,7 @@ std::vector<Choice> choices_of(const Rows& rows_of_all, Word word) {
 
 std::span<const Choice> own_choices(std::string_view key) {
   static const auto masses = choices_of(all_masses, [](Mass mass) { return Choice{name(mass), meaning(mass)}; });
+  static const auto goals = choices_of(all_goals, [](Goal goal) { return Choice{name(goal), meaning(goal)}; });
   static constexpr auto words = [](const auto& row) { return Choice{row.name, row.meaning}; };
   static const auto ends = choices_of(end_kinds, words);
   static const auto methods = [] {
@@ -143,6 +149,7 @@ std::span<const Choice> own_choices(std::string_view key) {
     return all;
   }();
   if (key == "mesh.mass") return masses;
+  if (key == "accuracy.of") return goals;
   return key == "method.name" ? methods : ends;
 }
 
@@ -204,6 +211,7 @@ std::string type_words(const SceneKey& key) {
     case choice: return fmt::format("`{}`", fmt::join(key.choice_names(), "`, `"));
     case number: return key.range.words.empty() ? "number" : fmt::format("number {}", key.range.words);
     case count: return fmt::format("whole number {}", key.range.words);
+    case amount: return fmt::format("number {}, or percentage in quotes", key.range.words);
     case formula:
       return fmt::format("number{}{}, or formula in {}", key.range.words.empty() ? "" : " ", key.range.words,
                          key.variables == "xt" ? "x and t" : key.variables);

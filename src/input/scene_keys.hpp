@@ -7,7 +7,15 @@
 
 namespace viscobar {
 
-enum class KeyType { text, choice, number, count, formula, list };
+enum class KeyType {
+  text,
+  choice,
+  number,
+  count,
+  formula,
+  list,
+  amount  ///< a number, or a percentage as a text
+};
 
 enum class Presence {
   required,           ///< in every scene

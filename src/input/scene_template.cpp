@@ -52,6 +52,8 @@ constexpr Example examples[] = {
     {"method.name", "\"automatic\""},
     {"method.absolute_tolerance", "1e-9", not_set},
     {"method.step", "1e-3", not_set},
+    {"accuracy.error", "1e-4", not_set},
+    {"accuracy.of", "\"displacement\"", not_set},
     {"units.length", "\"m\"", not_set},
     {"units.time", "\"s\"", not_set},
     {"units.mass", "\"kg\"", not_set},

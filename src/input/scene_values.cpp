@@ -158,6 +158,15 @@ std::string list_problem(const SceneKey& key, const TomlValue& value) {
 
 }  // namespace
 
+std::optional<double> percentage(std::string_view text) {
+  if (!text.ends_with('%')) return std::nullopt;
+  text = trimmed(text.substr(0, text.size() - 1));
+  double value = 0.0;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || rest != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value / 100.0;
+}
+
 std::string problem_with(const SceneKey& key, const TomlValue& value, const Parameters& parameters) {
   switch (key.type) {
     case KeyType::text:
@@ -172,6 +181,16 @@ std::string problem_with(const SceneKey& key, const TomlValue& value, const Para
       if (const auto number = number_of(value)) return range_problem(key.range, *number);
       return fmt::format("must be a {}, is {}{}", key.type == KeyType::count ? "whole number" : "number",
                          kind_of(value), advice_on(value));
+    case KeyType::amount: {
+      if (const auto number = number_of(value)) return range_problem(key.range, *number);
+      const auto* text = std::get_if<std::string>(&value);
+      const auto share = text ? percentage(*text) : std::nullopt;
+      if (!share)
+        return fmt::format("must be a number, or a percentage such as \"0.01 %\", is {}",
+                           text ? fmt::format("\"{}\"", *text) : std::string(kind_of(value)));
+      return *share > 0.0 && *share <= 1.0 ? ""
+                                           : fmt::format("must be more than 0 and at most 100 %, is \"{}\"", *text);
+    }
     case KeyType::formula: return formula_problem(key, value, parameters);
     case KeyType::list: return list_problem(key, value);
   }

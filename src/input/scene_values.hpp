@@ -20,6 +20,9 @@ namespace viscobar {
 /// Formulas may use the parameters.
 std::string problem_with(const SceneKey& key, const TomlValue& value, const Parameters& parameters = {});
 
+/// The share that a text such as "0.01 %" means, 1e-4; absent where it is not of that form.
+std::optional<double> percentage(std::string_view text);
+
 /// The article and kind of a value, such as "a whole number".
 std::string_view kind_of(const TomlValue& value);
 

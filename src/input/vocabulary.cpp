@@ -35,6 +35,7 @@ std::string_view name(KeyType type) {
     case KeyType::number: return "number";
     case KeyType::count: return "count";
     case KeyType::formula: return "formula";
+    case KeyType::amount: return "amount";
     case KeyType::list: return "list";
   }
   return {};
@@ -56,7 +57,7 @@ Json to_json(const SceneKey& key) {
   Json json = {
       {"key", key.name},  {"type", name(key.type)}, {"required", name(key.presence)}, {"default", fallback_value(key)},
       {"unit", key.unit}, {"meaning", key.meaning}};
-  if (key.type == KeyType::number || key.type == KeyType::count)
+  if (key.type == KeyType::number || key.type == KeyType::count || key.type == KeyType::amount)
     json["limits"] = {{"low", key.range.low}, {"high", key.range.high}};
   if (!key.choices.empty()) json["choices"] = key.choice_names();
   if (key.type == KeyType::formula) json["variables"] = key.variables;

@@ -63,6 +63,7 @@ class RecordedRun {
     close("sensitivity.csv", files_->sensitivity);
     close("field.h5", files_->field);
     if (written_.contains("field.h5")) written_["field.xdmf"] = files_->field->xdmf_checksum();
+    if (options_.estimate && outcome().ending == Ending::completed) options_.estimate(outcome());
     write_report();
     finish();
     return std::move(record_);
@@ -126,6 +127,7 @@ class RecordedRun {
     observers.snapshot = [this](const Snapshot& snapshot) {
       files_->append(snapshot);
       data_.add(snapshot);
+      if (options_.snapshot) options_.snapshot(snapshot);
     };
     observers.event = [this](const Event& event) {
       ++outcome().events;

@@ -9,6 +9,7 @@
 
 #include "case/chatter.hpp"
 #include "dynamics/natural_scales.hpp"
+#include "studies/accuracy/quick_estimate.hpp"
 
 namespace viscobar {
 
@@ -161,9 +162,11 @@ Json to_json(const ContactRegime& regime) {
 }  // namespace
 
 SceneCheck check_scene(const Case& run) {
-  SceneCheck check{make_system(run), first_impacts(run), {}, memory_need(run), {}};
+  SceneCheck check{make_system(run), first_impacts(run), {}, memory_need(run), {}, {}};
   check.regimes = contact_regimes(run, check.system);
   for (ContactRegime& regime : check.regimes) predict(regime, check.impacts, run, check.system);
+  constexpr double patience = 0.5;  // seconds
+  check.error = accuracy::forecast(run, patience);
   check.warnings = warnings_of(run, check.system, check.regimes);
   return check;
 }
@@ -199,6 +202,10 @@ std::string check_json(const SceneFile& scene, const SceneCheck& check) {
   json["first_impacts"] = check.impacts ? Json::array() : Json(nullptr);
   if (check.impacts)
     for (const FirstImpact& impact : *check.impacts) json["first_impacts"].push_back(to_json(impact));
+  json["error"] = nullptr;
+  if (const auto& error = check.error)
+    json["error"] = {
+        {"total", error->total}, {"space", error->space}, {"penalty", error->penalty}, {"time", error->time}};
   json["warnings"] = check.warnings;
   json["scene"] = Json::parse(scene.complete());
   json["chosen"] = Json::parse(scene.chosen);

@@ -8,6 +8,7 @@
 #include "case/first_impact.hpp"
 #include "case/memory.hpp"
 #include "case/regime.hpp"
+#include "viscobar/case/accuracy.hpp"
 #include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {
@@ -18,6 +19,7 @@ struct SceneCheck {
   std::optional<std::vector<FirstImpact>> impacts;  ///< predicted; absent where the scene is large
   std::vector<ContactRegime> regimes;               ///< of the contacts of a penalised method
   MemoryNeed memory;                                ///< of the run
+  std::optional<ErrorEstimate> error;               ///< forecast; absent for exact methods and large scenes
   std::vector<std::string> warnings;                ///< what to change, in sentences
 };
 

@@ -67,6 +67,31 @@ Json to_json(const EnergyAccount& energy) {
   return json;
 }
 
+Json to_json(const ErrorEstimate& estimate) {
+  const auto known = [](const auto& value) { return value ? Json(*value) : Json(nullptr); };
+  Json json = {{"of", name(estimate.of)},
+               {"total", estimate.total},
+               {"space", estimate.space},
+               {"penalty", estimate.penalty},
+               {"time", estimate.time},
+               {"requested", known(estimate.requested)},
+               {"kept", estimate.requested ? Json(estimate.kept) : Json(nullptr)},
+               {"largest", estimate.largest},
+               {"order", known(estimate.order)},
+               {"effectivity", estimate.effectivity},
+               {"doubt", estimate.doubt.empty() ? Json(nullptr) : Json(estimate.doubt)},
+               {"reasons", estimate.reasons},
+               {"seconds", estimate.seconds},
+               {"runs", Json::array()}};
+  for (const ErrorEstimate::Run& run : estimate.runs)
+    json["runs"].push_back({{"elements", run.elements},
+                            {"setting", known(run.setting)},
+                            {"epsilon", known(run.epsilon)},
+                            {"changes", run.changes},
+                            {"seconds", run.seconds}});
+  return json;
+}
+
 std::string_view name(Ending ending) {
   switch (ending) {
     case Ending::completed: return "completed";
@@ -110,6 +135,7 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
   if (outcome.statistics && outcome.statistics->representation)
     json["representation"] = {{"error", outcome.statistics->representation->error},
                               {"rounding", outcome.statistics->representation->rounding}};
+  json["error_estimate"] = outcome.error_estimate ? to_json(*outcome.error_estimate) : Json(nullptr);
   if (!scene.run.directions.empty()) json["sensitivity"] = sensitivity_json(scene.run, outcome);
   json["contact"] = contact_json(scene.run.scene, outcome);
   json["scene"] = Json::parse(scene.complete());

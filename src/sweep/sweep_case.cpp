@@ -5,6 +5,7 @@
 #include "case/alarm.hpp"
 #include "input/parse_case.hpp"
 #include "input/text_check.hpp"
+#include "studies/accuracy/plan.hpp"
 #include "text/printable_text.hpp"
 #include "text/utf8.hpp"
 #include "viscobar/record/record_run.hpp"
@@ -55,13 +56,18 @@ void tell(SweepRow& row, const Scene& scene, const Statistics& done) {
 }
 
 // Whether nothing interrupted it.
-bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& interrupted) {
+bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& interrupted,
+                   accuracy::Probe* probe = nullptr, Statistics* statistics = nullptr) {
   const BarSystem system = make_system(run);
   std::size_t steps = 0, events = 0;
   double reached = 0.0;
   Observers observers;
   observers.energy = observers.account = true;
-  observers.event = [&](const Event&) { ++events; };
+  observers.event = [&](const Event& event) {
+    ++events;
+    if (probe) probe->add(event);
+  };
+  if (probe) observers.snapshot = [probe](const Snapshot& snapshot) { probe->add(snapshot); };
   observers.progress = [&](double time) {
     reached = time;
     ++steps;
@@ -70,6 +76,7 @@ bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
   try {
     const Statistics done = simulate(run, system, observers);
     if (!done.completed) return false;
+    if (statistics) *statistics = done;
     tell(row, run.scene, done);
     row.completed = true;
     for (const Alarm& alarm : alarms(run, system, done)) {
@@ -89,6 +96,33 @@ bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
   return true;
 }
 
+// The same of a scene that asks for an error: whose estimate does not keep it is not completed.
+bool solve_into(SweepRow& row, const SceneFile& scene, const std::function<bool()>& interrupted) {
+  AccuracyStudy study;
+  study.scene = scene.run;
+  study.request = *scene.accuracy;
+  study.threads = 1;
+  study.stop = interrupted;
+  try {
+    accuracy::Plan plan(study);
+    while (true) {
+      const Case run = plan.next();
+      accuracy::Probe probe(run);
+      Statistics done;
+      row.error.clear();
+      if (!simulate_into(row, run, interrupted, &probe, &done)) return false;
+      if (!row.completed) return true;
+      const ErrorEstimate estimate = plan.judge(probe.take(done));
+      if (plan.again()) continue;
+      row.completed = estimate.kept;
+      if (!estimate.kept) row.error = "the error that was asked for is not kept: " + estimate.doubt;
+      return true;
+    }
+  } catch (const accuracy::Stopped&) {
+    return false;
+  }
+}
+
 std::string fitting(std::string text) {
   constexpr std::string_view cut_off = "...";
   if (text.size() <= longest_error) return text;
@@ -106,7 +140,9 @@ std::optional<SweepRow> run_case(const std::string& scene_text, const SweepCase&
   row.index = one.index;
   row[Quantity::steps] = row[Quantity::events] = row[Quantity::reached_time] = 0.0;
   try {
-    if (!simulate_into(row, parse_case(scene_text, "scene", one.overrides), interrupted)) return std::nullopt;
+    const SceneFile scene = parse_case(scene_text, "scene", one.overrides);
+    if (!(scene.accuracy ? solve_into(row, scene, interrupted) : simulate_into(row, scene.run, interrupted)))
+      return std::nullopt;
   } catch (const SceneError& error) {
     for (const Diagnostic& found : error.diagnostics)
       row.error += (row.error.empty() ? "" : "; ") + found.key + ": " + found.message;

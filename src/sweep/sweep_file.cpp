@@ -204,9 +204,9 @@ double cost_of(const std::string& scene_text, const std::string& source, const S
   constexpr std::size_t coarse = 32;
   std::size_t elements = 0;
   Case run = parse_case(scene_text, source, one.overrides, [&](Case& read) {
-    elements = read.elements;
-    read.elements = std::min(read.elements, coarse);
-  });
+               elements = read.elements;
+               read.elements = std::min(read.elements, coarse);
+             }).run;
   run.elements = elements;
   return estimated_seconds(run);
 }

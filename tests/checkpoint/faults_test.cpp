@@ -52,8 +52,8 @@ class Faults : public testing::Test {
   std::string err() const { return read_text(scratch / "err.txt"); }
 
   static std::vector<std::string> command(const std::string& method, const std::string& directory) {
-    return {"run",          "bouncing.toml", "--quiet", "--set",  "method.name=" + method,
-            "--checkpoint", "0.2",           "-o",      directory};
+    return {"run", "--no-estimate", "bouncing.toml", "--quiet", "--set", "method.name=" + method, "--checkpoint", "0.2",
+            "-o",  directory};
   }
 
   /// Numbers up to `last`: all of the first ones, and `count` more, spread evenly.

@@ -57,6 +57,33 @@ class NumbersTest(Test):
         self.assertTrue(np.array_equal(one.u, other.u))
 
 
+class AccuracyTest(Test):
+    SCENE = {
+        "bar": {"length": 1.0, "viscosity": 0.1},
+        "left": {"kind": "obstacle", "gap": 0.0},
+        "initial": {"velocity": -1.0},
+        "time": {"end": 2.5},
+    }
+
+    def test_on_request_is_kept_and_told(self):
+        result = viscobar.run(self.SCENE, error=1e-6, set={"accuracy.of": "contact_times"})
+        self.assertTrue(result.error_estimate["kept"])
+        self.assertLessEqual(abs(result.events["t"][-1] - 1.9124710098), 1e-6)
+        self.assertEqual(len(result.x), result.summary["scene"]["mesh"]["elements"] + 1)
+
+    def test_that_the_scene_forbids_is_a_warning_and_not_kept(self):
+        result = viscobar.run(self.SCENE, error=1e-6, set={"mesh.elements": 10})
+        self.assertFalse(result.error_estimate["kept"])
+        self.assertIn("mesh.elements = 10 is kept", result.warnings[-1])
+
+    def test_of_initial_data_as_functions_is_kept(self):
+        scene = viscobar.Scene(self.SCENE).changed({"initial.velocity": lambda x: -1.0})
+        self.assertTrue(viscobar.run(scene, error="0.01 %").error_estimate["kept"])
+
+    def test_is_not_estimated_where_nothing_was_asked_for(self):
+        self.assertIsNone(viscobar.run(self.SCENE).error_estimate)
+
+
 class ArraysTest(Test):
     def test_of_a_dictionary_with_driven_ends_have_their_motion_and_energy(self):
         tables = {

@@ -50,7 +50,7 @@ def program_result(scene, *arguments):
 
     with tempfile.TemporaryDirectory() as directory:
         out = pathlib.Path(directory) / "out"
-        program("run", scene, "-o", out, "--quiet", *arguments)
+        program("run", scene, "-o", out, "--quiet", "--no-estimate", *arguments)
         lines = (out / "ends.csv").read_text().splitlines()
         rows = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
         events = [line.split(",") for line in (out / "events.csv").read_text().splitlines()[1:]]

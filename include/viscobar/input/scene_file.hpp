@@ -3,11 +3,13 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "viscobar/case/accuracy.hpp"
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {
@@ -36,6 +38,8 @@ struct SceneFile {
   Case run;                   ///< sound
   std::string description;    ///< the JSON object
   std::string chosen = "{}";  ///< another one: keys that the scene leaves out, with the values that the program chose
+
+  std::optional<AccuracyRequest> accuracy;  ///< where the scene asks for an error
 
   /// Both together: what was run.
   std::string complete() const;

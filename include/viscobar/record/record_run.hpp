@@ -24,6 +24,12 @@ struct RecordOptions {
   std::optional<CheckpointEvery> checkpoint;
   /// After each contact change.
   std::function<void(const Event& event)> event;
+  /// At each output time.
+  std::function<void(const Snapshot& snapshot)> snapshot;
+  /// When a run is over, before its summary and report are written: may add an estimate of its error, and warnings.
+  std::function<void(Outcome& outcome)> estimate;
+  /// What a run to an accuracy does before its solution.
+  std::function<void(const std::string& what)> message;
   /// For each warning, once, as soon as it arises.
   std::function<void(const std::string& warning)> warning;
   /// Each picture of the report also as figures/NAME.svg.
@@ -36,6 +42,7 @@ struct RecordOptions {
 struct RunRecord {
   Outcome outcome;                  ///< how far it came
   std::string summary;              ///< summary.json as written
+  std::optional<Case> run;          ///< what was run, where record_to_accuracy() chose it
   std::filesystem::path directory;  ///< where its files are: the one given, or `unfinished` in it
 };
 
@@ -46,6 +53,18 @@ struct RunRecord {
 /// @throws std::invalid_argument when the directory holds anything but an earlier result; nothing was changed
 /// @throws IoError when the directory is in use, or files cannot be created; later failures are in the outcome
 RunRecord record_run(const SceneFile& scene, const std::filesystem::path& directory, const RecordOptions& options = {});
+
+/// record_run(), and an estimate of the error of what was run, in outcome and summary, from runs on coarser meshes that
+/// take no longer than twice the run itself; absent where they would, or fail. The files are the same.
+RunRecord record_with_estimate(const SceneFile& scene, const std::filesystem::path& directory,
+                               const RecordOptions& options = {});
+
+/// Runs a scene that asks for an error: chooses what the scene leaves open (see solve()), records the solution as
+/// record_run(), with the estimate in outcome and summary, and again with better settings while the estimate does not
+/// keep what is asked for and there are any. The finest solution stays. A scene that asks for nothing is recorded as it
+/// is. When it is stopped before a solution was begun, nothing is written, and the summary says no more than that.
+RunRecord record_to_accuracy(const SceneFile& scene, const std::filesystem::path& directory,
+                             const RecordOptions& options = {});
 
 /// The scene of an unfinished run in a directory of results, from its checkpoint.
 /// @throws std::invalid_argument when there is no checkpoint

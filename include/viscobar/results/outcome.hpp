@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "viscobar/case/accuracy.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
@@ -26,9 +27,10 @@ struct Outcome {
   std::size_t events = 0;                               ///< contact changes
   std::vector<std::vector<ChangeSensitivity>> changes;  ///< of each contact change, where directions are asked for
   std::vector<double> checkpoints;  ///< times at which checkpoints were made, in all parts of a run that was stopped
-  std::optional<Statistics> statistics;  ///< absent when the run could not begin
-  double wall_seconds = 0.0;             ///< of all, reading and writing included
-  std::vector<std::string> warnings;     ///< such as chatter
+  std::optional<Statistics> statistics;         ///< absent when the run could not begin
+  double wall_seconds = 0.0;                    ///< of all, reading and writing included
+  std::vector<std::string> warnings;            ///< such as chatter
+  std::optional<ErrorEstimate> error_estimate;  ///< where one was made
 };
 
 /// How often a recorded run makes a checkpoint.

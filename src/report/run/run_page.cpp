@@ -8,6 +8,7 @@
 #include "case/peak_remark.hpp"
 #include "report/page.hpp"
 #include "report/plot/figure.hpp"
+#include "report/run/estimate_text.hpp"
 #include "results/csv.hpp"
 #include "text/number.hpp"
 #include "text/printable_text.hpp"
@@ -132,6 +133,7 @@ Page report_page(const Case& run, const BarSystem& system, const Outcome& outcom
     page.add_data("supports", supports_json(run.scene, outcome, data));
   }
   page.add(numbers(run, system, outcome, data));
+  if (outcome.error_estimate) page.add(estimate_section(*outcome.error_estimate));
   page.add(contact_table(run, system, outcome));
   page.add(event_table(outcome, data));
   return page;

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+
+#include "viscobar/case/accuracy.hpp"
+#include "viscobar/case/recording.hpp"
+
+namespace viscobar {
+
+/// A case to be solved to an error that is asked for. What `request.given` names stays as it is in `scene`; the rest is
+/// chosen.
+struct AccuracyStudy {
+  Case scene;                                       ///< sound
+  AccuracyRequest request;                          ///< what is asked for
+  std::size_t threads = 0;                          ///< runs side by side; 0: one a core
+  std::size_t most_elements = 20'000;               ///< of a mesh that is tried
+  double most_seconds = 60.0;                       ///< on the clock, for the search of a mesh
+  std::function<void(const std::string&)> message;  ///< what is being done; may be empty
+  std::function<bool()> stop;                       ///< asked after each step; may be empty
+};
+
+/// The finest solution.
+struct AccuracyResult {
+  Case run;                ///< with what was chosen
+  Recording recording;     ///< of it
+  ErrorEstimate estimate;  ///< of the recording
+};
+
+/// Chooses method, mass, elements, penalty and tolerance, runs, estimates the error, and goes on until the estimate
+/// keeps what is asked for or `estimate.doubt` says why it cannot.
+///
+///     total = space + penalty + time,   about 80, 10 and 10 % of the request,
+///
+/// each from runs that differ in one setting: h and 2h, two penalties, two tolerances.
+/// @throws std::invalid_argument where the goal has no limit, or the case nothing of its kind (no obstacle)
+/// @throws IntegrationError when no run came to its end
+AccuracyResult solve(const AccuracyStudy& study);
+
+}  // namespace viscobar

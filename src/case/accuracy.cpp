@@ -1,0 +1,46 @@
+#include "viscobar/case/accuracy.hpp"
+
+#include <fmt/format.h>
+
+#include "case/peak_remark.hpp"
+
+namespace viscobar {
+
+std::string_view name(Goal goal) {
+  switch (goal) {
+    case Goal::displacement: return "displacement";
+    case Goal::end_traces: return "end_traces";
+    case Goal::contact_times: return "contact_times";
+    case Goal::impulse: return "impulse";
+    case Goal::peak_reaction: return "peak_reaction";
+  }
+  return {};
+}
+
+std::string_view meaning(Goal goal) {
+  switch (goal) {
+    case Goal::displacement: return "displacements, the largest error of all nodes and output times";
+    case Goal::end_traces: return "displacements of the two ends, the largest error of all output times";
+    case Goal::contact_times: return "times of the contact changes at the ends, the worst of them";
+    case Goal::impulse: return "impulses of the reactions, the worse end's";
+    case Goal::peak_reaction: return "greatest reactions, the worse end's; only where they have a limit";
+  }
+  return {};
+}
+
+std::optional<Finding> fault(const AccuracyRequest& request, const Case& run) {
+  const bool obstacle = is_obstacle(run.scene.left) || is_obstacle(run.scene.right);
+  if (request.of != Goal::displacement && request.of != Goal::end_traces && !obstacle)
+    return Finding{"accuracy.of", fmt::format("is \"{}\", and no end has an obstacle; use \"displacement\" or "
+                                              "\"end_traces\"",
+                                              name(request.of))};
+  if (request.of == Goal::peak_reaction)
+    if (const auto why = peak_remark(run, make_system(run)))
+      return Finding{"accuracy.of", fmt::format("is \"peak_reaction\": {}; use \"impulse\" or \"displacement\"", *why)};
+  if (run.method == MethodName::odeint && run.stepper == Stepper::symplectic)
+    return Finding{"method.stepper",
+                   "symplectic has a fixed step and no tolerance to choose for accuracy.error; leave it out"};
+  return std::nullopt;
+}
+
+}  // namespace viscobar

@@ -1,0 +1,21 @@
+#include "viscobar/studies/accuracy/accuracy.hpp"
+
+#include <stdexcept>
+#include <utility>
+
+#include "studies/accuracy/plan.hpp"
+
+namespace viscobar {
+
+AccuracyResult solve(const AccuracyStudy& study) {
+  accuracy::Plan plan(study);
+  AccuracyResult result;
+  do {
+    result.run = plan.next();
+    result.recording = record(result.run);
+    result.estimate = plan.judge(accuracy::sample_of(result.run, result.recording));
+  } while (plan.again());
+  return result;
+}
+
+}  // namespace viscobar

@@ -1,0 +1,135 @@
+#include "studies/accuracy/quick_estimate.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <vector>
+
+#include "studies/accuracy/space_error.hpp"
+#include "studies/parallel.hpp"
+
+namespace viscobar::accuracy {
+
+namespace {
+
+constexpr std::size_t fewest = 3;  // elements of the coarsest mesh
+constexpr double least_seconds = 0.5;
+
+double theory(const Case& run) { return effective_mass(run) == Mass::fourth_order ? 4.0 : 2.0; }
+
+// Of half and of a quarter as many elements; for a scheme, the latter with twice the step, too.
+struct Coarser {
+  Sample half, quarter;
+  std::optional<Sample> longer_steps;
+  std::size_t elements_half = 0, elements_quarter = 0;
+  double seconds = 0.0;
+};
+
+std::optional<Coarser> coarser_runs(const Case& run, double seconds, const std::function<bool()>& stop) {
+  Coarser result;
+  result.elements_half = (run.elements + 1) / 2;
+  result.elements_quarter = (result.elements_half + 1) / 2;
+  if (result.elements_quarter < fewest) return std::nullopt;
+  std::vector<Case> cases(2, run);
+  cases[0].elements = result.elements_half;
+  cases[1].elements = result.elements_quarter;
+  for (Case& one : cases) {
+    if (is_penalised(run.method)) one.epsilon = effective_epsilon(run);
+    one.mass = effective_mass(run);
+    if (is_scheme(run.method)) one.step = scheme_step(run);
+  }
+  if (is_scheme(run.method)) {
+    cases.push_back(cases[1]);
+    *cases[2].step *= 2.0;
+  }
+  for (const Case& one : cases)
+    if (!validate(one).empty()) return std::nullopt;
+  const auto began = std::chrono::steady_clock::now();
+  const auto passed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
+  std::vector<std::optional<Sample>> found(cases.size());
+  try {
+    parallel_for(cases.size(), [&](std::size_t i) {
+      found[i] = sample_of(cases[i], [&] { return (stop && stop()) || passed() > std::max(seconds, least_seconds); });
+    });
+  } catch (const IntegrationError&) {
+    return std::nullopt;
+  }
+  if (!std::all_of(found.begin(), found.end(), [](const auto& one) { return one.has_value(); })) return std::nullopt;
+  result.half = std::move(*found[0]);
+  result.quarter = std::move(*found[1]);
+  if (found.size() > 2) result.longer_steps = std::move(found[2]);
+  result.seconds = passed();
+  return result;
+}
+
+double time_error(const Case& run, const Coarser& runs, double largest_u) {
+  if (runs.longer_steps) return distance(runs.quarter, *runs.longer_steps, Goal::displacement, {}).value;
+  if (!is_adaptive(run.method)) return 0.0;
+  const double absolute = allowance(run.tolerance, make_system(run), run.end).displacement;
+  const double steps_alone = run.tolerance.control == ErrorControl::local ? 1000.0 : 2.0;
+  return steps_alone * (run.tolerance.relative * largest_u + absolute);
+}
+
+ErrorEstimate estimate_of(const Case& run, const Coarser& runs, const Sample& finest) {
+  ErrorEstimate estimate;
+  estimate.largest = largest(finest, Goal::displacement);
+  estimate.time = time_error(run, runs, estimate.largest);
+  if (is_penalised(run.method)) estimate.penalty = finest.statistics.max_penetration;
+  estimate.seconds = runs.seconds;
+  for (const auto& [elements, sample] :
+       {std::pair{runs.elements_quarter, &runs.quarter}, {runs.elements_half, &runs.half}}) {
+    ErrorEstimate::Run made;
+    made.elements = elements;
+    if (is_adaptive(run.method)) made.setting = run.tolerance.relative;
+    if (is_scheme(run.method)) made.setting = scheme_step(run);
+    if (is_penalised(run.method)) made.epsilon = effective_epsilon(run);
+    made.seconds = sample->statistics.integration_seconds;
+    made.changes = sample->statistics.events;
+    estimate.runs.push_back(made);
+  }
+  return estimate;
+}
+
+}  // namespace
+
+std::optional<ErrorEstimate> quick_estimate(const Case& run, const Sample& solution, double seconds,
+                                            const std::function<bool()>& stop) {
+  if (const auto& waves = solution.statistics.representation) {
+    ErrorEstimate estimate;
+    estimate.largest = largest(solution, Goal::displacement);
+    estimate.space = waves->error;
+    estimate.time = waves->rounding;
+    estimate.total = estimate.space + estimate.time;
+    return estimate;
+  }
+  const auto runs = coarser_runs(run, seconds, stop);
+  if (!runs) return std::nullopt;
+  ErrorEstimate estimate = estimate_of(run, *runs, solution);
+  const double first = distance(runs->quarter, runs->half, Goal::displacement, {}).value;
+  const double last = distance(runs->half, solution, Goal::displacement, {}).value;
+  const MeshStep steps[] = {{runs->elements_quarter, runs->elements_half, first},
+                            {runs->elements_half, run.elements, last,
+                             alignment(runs->quarter, runs->half, solution, Goal::displacement, {})}};
+  const SpaceError space = space_error(steps, theory(run));
+  estimate.space = space.error;
+  estimate.order = space.trusted;
+  estimate.effectivity = space.effectivity;
+  estimate.total = estimate.space + estimate.penalty + estimate.time;
+  return estimate;
+}
+
+std::optional<ErrorEstimate> forecast(const Case& run, double seconds) {
+  if (run.method == MethodName::characteristics) return std::nullopt;
+  const auto runs = coarser_runs(run, seconds, {});
+  if (!runs) return std::nullopt;
+  ErrorEstimate estimate = estimate_of(run, *runs, runs->half);
+  const MeshStep steps[] = {
+      {runs->elements_quarter, runs->elements_half, distance(runs->quarter, runs->half, Goal::displacement, {}).value}};
+  // Without viscosity kinks stay kinks.
+  const double order = run.scene.bar.viscosity > 0.0 ? theory(run) : 1.0;
+  estimate.space = steps[0].distance / (std::exp2(order) * std::max(1.0, std::exp2(order) - 1.0));
+  estimate.total = estimate.space + estimate.penalty + estimate.time;
+  return estimate;
+}
+
+}  // namespace viscobar::accuracy

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "studies/accuracy/sample.hpp"
+
+namespace viscobar::accuracy {
+
+/// The estimate for a run as it is, nothing chosen:
+///
+///     space     runs on half and a quarter as many elements, see space_error()
+///     penalty   the largest penetration
+///     time      twice what the tolerances promise of the displacement; of a scheme, the difference that twice the step
+///               makes on the mesh of a quarter as many elements
+///
+/// and of `characteristics` what it tells of itself, without a run. Absent where the mesh is too coarse to be halved
+/// twice, where the coarser runs fail, would take longer than `seconds`, or `stop` says so.
+std::optional<ErrorEstimate> quick_estimate(const Case& run, const Sample& solution, double seconds,
+                                            const std::function<bool()>& stop = {});
+
+/// The same before the run, from the two coarser meshes alone: the order of theory takes the place of the third.
+std::optional<ErrorEstimate> forecast(const Case& run, double seconds);
+
+}  // namespace viscobar::accuracy

@@ -1,0 +1,231 @@
+#include "studies/accuracy/sample.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace viscobar::accuracy {
+
+Probe::Probe(const Case& run) {
+  constexpr double most_times = 20'000.0, most_values = 1e6;
+  const double outputs = std::ceil(run.end / run.output_every) + 1.0;
+  time_stride_ = static_cast<std::size_t>(std::ceil(outputs / most_times));
+  const double rows = outputs / static_cast<double>(time_stride_);
+  constexpr std::size_t enough = 32;
+  while (run.elements / (2 * node_stride_) >= enough && run.elements % (2 * node_stride_) == 0 &&
+         rows * static_cast<double>(run.elements / node_stride_) > most_values)
+    node_stride_ *= 2;
+  const Mesh mesh = run.mesh();
+  for (std::size_t j = 0; j < mesh.nodes(); j += node_stride_) sample_.x.push_back(mesh.node(j));
+  sample_.end = run.end;
+}
+
+void Probe::add(const Snapshot& snapshot) {
+  const bool last = snapshot.time == sample_.end;
+  if (seen_++ % time_stride_ != 0 && !last) return;
+  sample_.times.push_back(snapshot.time);
+  for (std::size_t j = 0; j < snapshot.u.size(); j += node_stride_) sample_.u.push_back(snapshot.u[j]);
+  sample_.speed[0] = std::max(sample_.speed[0], std::abs(snapshot.v.front()));
+  sample_.speed[1] = std::max(sample_.speed[1], std::abs(snapshot.v.back()));
+}
+
+Sample Probe::take(const Statistics& statistics) {
+  if (statistics.account) {
+    sample_.impulse = {statistics.account->left.impulse, statistics.account->right.impulse};
+    sample_.peak = {statistics.account->left.peak_reaction, statistics.account->right.peak_reaction};
+  }
+  sample_.statistics = statistics;
+  return std::move(sample_);
+}
+
+std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& stop) {
+  Case plain = run;
+  plain.directions.clear();
+  const BarSystem system = make_system(plain);
+  Probe probe(plain);
+  Observers observers;
+  observers.account = true;
+  observers.snapshot = [&](const Snapshot& snapshot) { probe.add(snapshot); };
+  observers.event = [&](const Event& event) { probe.add(event); };
+  if (stop) observers.progress = [&](double) { return stop() ? RunControl::stop : RunControl::go_on; };
+  const Statistics done = simulate(plain, system, observers);
+  if (!done.completed) return std::nullopt;
+  return probe.take(done);
+}
+
+Sample sample_of(const Case& run, const Recording& recording) {
+  Probe probe(run);
+  for (std::size_t k = 0; k < recording.times.size(); ++k)
+    probe.add(Snapshot{recording.times[k], recording.displacement(k), recording.velocity(k)});
+  for (const Event& event : recording.events) probe.add(event);
+  return probe.take(recording.statistics);
+}
+
+double largest(const Sample& sample, Goal of) {
+  double most = 0.0;
+  switch (of) {
+    case Goal::displacement:
+      for (const double u : sample.u) most = std::max(most, std::abs(u));
+      return most;
+    case Goal::end_traces:
+      for (std::size_t k = 0; k < sample.rows(); ++k)
+        most = std::max({most, std::abs(sample.row(k)[0]), std::abs(sample.row(k)[sample.x.size() - 1])});
+      return most;
+    case Goal::contact_times: return sample.events.empty() ? sample.end : sample.events.back().time;
+    case Goal::impulse: return std::max(std::abs(sample.impulse[0]), std::abs(sample.impulse[1]));
+    case Goal::peak_reaction: return std::max(sample.peak[0], sample.peak[1]);
+  }
+  return most;
+}
+
+namespace {
+
+// A time in contact, up to the end of the run for the last one.
+struct Contact {
+  double begin = 0.0, end = 0.0, impulse = 0.0, closing_speed = 0.0;
+  bool from_start = false, to_end = false;
+};
+
+std::vector<Contact> contacts_of(const Sample& sample, Where end) {
+  std::vector<Contact> contacts;
+  double before = 0.0;
+  for (const Event& event : sample.events) {
+    if (event.where != end) continue;
+    const double impulse = event.impulse.value_or(0.0);
+    if (event.change == Change::closing) {
+      before = impulse;
+      contacts.push_back({event.time, sample.end, 0.0, std::abs(event.velocity), false, true});
+      continue;
+    }
+    if (contacts.empty()) contacts.push_back({.from_start = true});
+    contacts.back().end = event.time;
+    contacts.back().impulse = impulse - before;
+    contacts.back().to_end = false;
+  }
+  if (!contacts.empty() && contacts.back().to_end)
+    contacts.back().impulse = sample.impulse[end == Where::left ? 0 : 1] - before;
+  return contacts;
+}
+
+// By how much the end moves over the output times within a flight.
+double travel(const Sample& sample, Where end, double from, double to) {
+  const auto first = std::lower_bound(sample.times.begin(), sample.times.end(), from) - sample.times.begin();
+  double low = 1e300, high = -1e300;
+  for (auto k = static_cast<std::size_t>(first); k < sample.rows() && sample.times[k] <= to; ++k) {
+    const double u = sample.row(k)[end == Where::left ? 0 : sample.x.size() - 1];
+    low = std::min(low, u);
+    high = std::max(high, u);
+  }
+  return std::max(0.0, high - low);
+}
+
+}  // namespace
+
+Changes changes_that_matter(const Sample& sample, Where end, const Grain& grain) {
+  // A flight that is too low makes one contact of its neighbours.
+  std::vector<Contact> merged;
+  for (const Contact& next : contacts_of(sample, end)) {
+    const double flight = merged.empty() ? 0.0 : next.begin - merged.back().end;
+    const bool high = merged.empty() || flight * next.closing_speed >= grain.height ||
+                      travel(sample, end, merged.back().end, next.begin) >= grain.height;
+    if (merged.empty() || (high && flight >= grain.duration)) {
+      merged.push_back(next);
+      continue;
+    }
+    Contact& one = merged.back();
+    one.end = next.end;
+    one.impulse += next.impulse;
+    one.to_end = next.to_end;
+  }
+  Changes changes;
+  const double speed = sample.speed[end == Where::left ? 0 : 1];
+  for (const Contact& contact : merged) {
+    if (std::abs(contact.impulse) < grain.height * grain.impedance || contact.end - contact.begin < grain.duration)
+      continue;
+    if (changes.times.empty()) changes.first_closes = !contact.from_start;
+    if (!contact.from_start) changes.times.push_back(contact.begin);
+    const double rest = sample.end - contact.end;
+    if (!contact.to_end && rest >= grain.duration && rest * speed >= grain.height) changes.times.push_back(contact.end);
+  }
+  return changes;
+}
+
+namespace {
+
+// sum w_i u_i at a place between six nodes around it: Lagrange's polynomial. Where it is a node, that one.
+struct Interpolant {
+  std::size_t begin = 0;
+  std::vector<double> weights;
+};
+
+Interpolant interpolant(const std::vector<double>& x, double at) {
+  const double close = 1e-9 * (x.back() - x.front());
+  const auto right = std::lower_bound(x.begin(), x.end(), at - close);
+  const auto index = static_cast<std::size_t>(std::min(right, x.end() - 1) - x.begin());
+  if (std::abs(x[index] - at) <= close) return {index, {1.0}};
+  const std::size_t count = std::min<std::size_t>(6, x.size());
+  const std::size_t half = count / 2, begin = std::min(index < half ? 0 : index - half, x.size() - count);
+  Interpolant result{begin, std::vector<double>(count, 1.0)};
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t j = 0; j < count; ++j)
+      if (i != j) result.weights[i] *= (at - x[begin + j]) / (x[begin + i] - x[begin + j]);
+  return result;
+}
+
+// What the goal is of, at the given places: vectors of two runs can be subtracted.
+std::vector<double> values(const Sample& sample, const std::vector<double>& places, Goal of, const Grain& grain) {
+  std::vector<double> all;
+  const auto field = [&](const std::vector<double>& at) {
+    std::vector<Interpolant> rules;
+    for (const double x : at) rules.push_back(interpolant(sample.x, x));
+    all.reserve(rules.size() * sample.rows());
+    for (std::size_t k = 0; k < sample.rows(); ++k)
+      for (const auto& [begin, weights] : rules) {
+        double u = 0.0;
+        for (std::size_t i = 0; i < weights.size(); ++i) u += weights[i] * sample.row(k)[begin + i];
+        all.push_back(u);
+      }
+  };
+  switch (of) {
+    case Goal::displacement: field(places); break;
+    case Goal::end_traces: field({places.front(), places.back()}); break;
+    case Goal::contact_times:
+      for (const Where end : {Where::left, Where::right}) {
+        const Changes changes = changes_that_matter(sample, end, grain);
+        all.insert(all.end(), changes.times.begin(), changes.times.end());
+      }
+      break;
+    case Goal::impulse: all.assign(sample.impulse.begin(), sample.impulse.end()); break;
+    case Goal::peak_reaction: all.assign(sample.peak.begin(), sample.peak.end()); break;
+  }
+  return all;
+}
+
+}  // namespace
+
+Distance distance(const Sample& coarse, const Sample& fine, Goal of, const Grain& grain) {
+  Distance result;
+  for (const Where end : {Where::left, Where::right}) {
+    const Changes a = changes_that_matter(coarse, end, grain), b = changes_that_matter(fine, end, grain);
+    result.first += a.times.size();
+    result.other += b.times.size();
+    if (a.times.size() != b.times.size() || a.first_closes != b.first_closes) result.same_changes = false;
+  }
+  const auto a = values(coarse, coarse.x, of, grain), b = values(fine, coarse.x, of, grain);
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+    result.value = std::max(result.value, std::abs(a[i] - b[i]));
+  return result;
+}
+
+double alignment(const Sample& first, const Sample& second, const Sample& third, Goal of, const Grain& grain) {
+  const auto a = values(first, first.x, of, grain), b = values(second, first.x, of, grain),
+             c = values(third, first.x, of, grain);
+  double product = 0.0, before = 0.0, after = 0.0;
+  for (std::size_t i = 0; i < std::min({a.size(), b.size(), c.size()}); ++i) {
+    product += (b[i] - a[i]) * (c[i] - b[i]);
+    before += (b[i] - a[i]) * (b[i] - a[i]);
+    after += (c[i] - b[i]) * (c[i] - b[i]);
+  }
+  return before > 0.0 && after > 0.0 ? product / std::sqrt(before * after) : 1.0;
+}
+
+}  // namespace viscobar::accuracy

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "viscobar/case/accuracy.hpp"
+#include "viscobar/case/case.hpp"
+#include "viscobar/case/recording.hpp"
+
+namespace viscobar::accuracy {
+
+/// What a run says of the goals: the field at some nodes and output times, the ends, the contacts.
+struct Sample {
+  std::vector<double> x;            ///< places that are kept
+  std::vector<double> times;        ///< that are kept, K
+  std::vector<double> u;            ///< of them, K times, row by row
+  std::vector<Event> events;        ///< contact changes
+  std::array<double, 2> impulse{};  ///< of both ends
+  std::array<double, 2> peak{};     ///< max |R| of both ends
+  std::array<double, 2> speed{};    ///< max |v| of both ends at the output times
+  Statistics statistics;            ///< of the run
+  double end = 0.0;                 ///< T
+
+  std::size_t rows() const { return x.empty() ? 0 : u.size() / x.size(); }
+  const double* row(std::size_t k) const { return u.data() + k * x.size(); }
+};
+
+/// Collects a sample while a run goes on. Of a run with many nodes and outputs it keeps some: each 2^k-th node, so that
+/// those of a mesh with half as many elements are among those of the finer one, and each n-th time.
+class Probe {
+ public:
+  explicit Probe(const Case& run);
+
+  void add(const Snapshot& snapshot);
+  void add(const Event& event) { sample_.events.push_back(event); }
+  /// The sample, of a run that is over.
+  Sample take(const Statistics& statistics);
+
+ private:
+  std::size_t node_stride_ = 1, time_stride_ = 1, seen_ = 0;
+  Sample sample_;
+};
+
+/// Runs a case in memory. Absent when `stop` said so. @throws IntegrationError
+std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& stop);
+
+/// What a recording with its account says, as a probe would have told it.
+Sample sample_of(const Case& run, const Recording& recording);
+
+/// The largest value of the goal.
+double largest(const Sample& sample, Goal of);
+
+/// Contact changes at an end that matter to an error of `height`, a displacement: without flights lower than it, as far
+/// as the speed at their end and the output times within them show, and contacts whose impulse moves the bar by less,
+/// J / sqrt(rho E). With `span` of time in place of it, without flights
+/// and contacts that last less.
+struct Grain {
+  double height = 0.0;
+  double duration = 0.0;
+  double impedance = 1.0;  ///< sqrt(rho E)
+};
+/// Times of the changes that matter, closings and openings in turns; `closed` is whether the first one closes.
+struct Changes {
+  bool first_closes = true;
+  std::vector<double> times;
+};
+Changes changes_that_matter(const Sample& sample, Where end, const Grain& grain);
+
+/// How far two runs are apart.
+struct Distance {
+  double value = 0.0;                ///< in the unit of the goal
+  bool same_changes = true;          ///< whether the same contacts change in the same order at each end
+  std::size_t first = 0, other = 0;  ///< contact changes of the two that matter
+};
+/// At the places of the first, whose mesh is the coarser one; where they are no nodes of the other, by interpolation
+/// with six of its nodes.
+Distance distance(const Sample& coarse, const Sample& fine, Goal of, const Grain& grain);
+
+/// Cosine of the angle between two changes of a solution, from the first run to the second and from that to the third,
+/// as vectors of what the goal is of, at the places of the first. 1 where one of them vanishes.
+double alignment(const Sample& first, const Sample& second, const Sample& third, Goal of, const Grain& grain);
+
+}  // namespace viscobar::accuracy

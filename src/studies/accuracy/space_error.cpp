@@ -1,0 +1,64 @@
+#include "studies/accuracy/space_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace viscobar::accuracy {
+
+namespace {
+
+constexpr double agreement = 0.75;  // of orders
+constexpr double safety = 1.5;      // of an error that relies on an order
+constexpr double least_order = 0.3, least_believable = 1.0, much_faster = 1.5;
+
+double ratio(const MeshStep& step) { return static_cast<double>(step.fine) / static_cast<double>(step.coarse); }
+
+// log(d_1 / d_2) / log(h_1 / h_2), h of the finer meshes.
+std::optional<double> observed(const MeshStep& first, const MeshStep& second) {
+  if (!(first.distance > 0.0) || !(second.distance > 0.0) || !std::isfinite(first.distance)) return std::nullopt;
+  const double finer = static_cast<double>(second.fine) / static_cast<double>(first.fine);
+  return std::log(first.distance / second.distance) / std::log(finer);
+}
+
+}  // namespace
+
+SpaceError space_error(std::span<const MeshStep> ladder, double theory) {
+  SpaceError result;
+  result.order = theory;
+  if (ladder.empty()) return result;
+  const MeshStep& last = ladder.back();
+  const double most = std::pow(ratio(last), theory) - 1.0;
+  std::optional<double> late, early;
+  if (ladder.size() >= 2) late = observed(ladder[ladder.size() - 2], last);
+  if (ladder.size() >= 3) early = observed(ladder[ladder.size() - 3], ladder[ladder.size() - 2]);
+  if (late) result.order = *late;
+  const double least_alignment = late && *late > theory + agreement ? 0.9 : 0.5;
+  const bool steady = late && last.alignment >= least_alignment && (!early || *late >= *early - agreement);
+  const double order = steady ? std::min({*late, early.value_or(*late), theory}) : 0.0;
+  const double seen = late ? std::clamp(*late, least_order, theory) : 1.0;
+  double apart = last.distance;
+  if (late) apart = std::max(apart, ladder[ladder.size() - 2].distance / (most + 1.0));
+  result.error = apart * std::max(1.0, 1.0 / (std::pow(ratio(last), seen) - 1.0));
+  if (order >= least_believable) {
+    const bool explained = *late <= theory + much_faster;
+    result.trusted = order;
+    result.error = std::min(result.error, (explained ? safety * last.distance : 2.0 * safety * apart) /
+                                              (std::pow(ratio(last), order) - 1.0));
+  }
+  result.effectivity = last.distance > 0.0 ? result.error / (last.distance / most) : 1.0;
+  return result;
+}
+
+SpaceError predicted_error(std::span<const MeshStep> ladder, double theory, std::size_t elements) {
+  if (ladder.empty()) return {};
+  const MeshStep& last = ladder.back();
+  const double order = std::clamp(space_error(ladder, theory).order, least_order, theory);
+  std::vector<MeshStep> longer(ladder.begin(), ladder.end());
+  const double finer = static_cast<double>(elements) / static_cast<double>(last.fine);
+  longer.push_back({last.fine, elements, last.distance * std::pow(finer, -order)});
+  // The step to it may be longer than the last one: its distance is then nearer to the error of the coarser mesh.
+  return space_error(longer, theory);
+}
+
+}  // namespace viscobar::accuracy

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+namespace viscobar::accuracy {
+
+/// Two neighbouring meshes of a ladder and how far their runs are apart.
+struct MeshStep {
+  std::size_t coarse = 0, fine = 0;  ///< elements
+  double distance = 0.0;             ///< of their runs
+  double alignment = 1.0;            ///< cosine of the change of the solution in it and in the step before
+};
+
+/// The error of the finest mesh of a ladder.
+///
+/// With e = C h^p and d = e(coarse) - e(fine), r the ratio of the two meshes, e(fine) = d / (r^p - 1). Three meshes
+/// show an order, log(d_1 / d_2) / log(r). The least of the last two such orders and that of theory P is believed where
+///
+///     it is 1 or more,   the orders do not fall from step to step by more than 3/4,
+///     the last two changes of the solution point the same way: cosine >= 1/2, and 9/10 where the last order is above
+///     P,
+///
+/// and the error is then taken half as large again, 3/2 d / (r^p - 1); where the last order is above P + 3/2, twice
+/// that, with d no less than d_1 / r^P, for a difference that falls so fast may have met a zero. Elsewhere the error
+/// is that d, and more where the last order is below 1.
+struct SpaceError {
+  double error = 0.0;             ///< of the finest mesh
+  double order = 1.0;             ///< that was observed; of theory where none could be
+  std::optional<double> trusted;  ///< the order that the error relies on
+  double effectivity = 1.0;       ///< error / (d / (r^P - 1)), P the order of theory
+};
+SpaceError space_error(std::span<const MeshStep> ladder, double theory);
+
+/// The same for a mesh that has not been run, next in the ladder: d falls by the observed order once more.
+SpaceError predicted_error(std::span<const MeshStep> ladder, double theory, std::size_t elements);
+
+}  // namespace viscobar::accuracy

@@ -1,0 +1,260 @@
+// Prints the tables of docs/accuracy-on-request.md. Run:
+// build/release/tests/measure_requests [rebound | gallery | random COUNT SEED TIGHTEST]
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <functional>
+#include <iterator>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "studies/accuracy/plan.hpp"
+#include "viscobar/case/end_traces.hpp"
+#include "viscobar/input/scene_file.hpp"
+#include "viscobar/studies/accuracy/accuracy.hpp"
+#include "viscobar/studies/exact/exact_solutions.hpp"
+
+namespace {
+
+using namespace viscobar;
+
+// Of the processor, all threads together: the clock on the wall tells what else the machine does.
+double seconds_of(auto&& work) {
+  const std::clock_t began = std::clock();
+  work();
+  return static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+}
+
+std::string setting(const Case& run) {
+  if (run.method == MethodName::characteristics) return "characteristics";
+  std::string text = fmt::format("{}, {} {}", name(run.method), run.elements, name(effective_mass(run)));
+  text +=
+      is_scheme(run.method) ? fmt::format(", dt {:.1e}", *run.step) : fmt::format(", {:.1e}", run.tolerance.relative);
+  return is_penalised(run.method) ? text + fmt::format(", eps {:.1e}", *run.epsilon) : text;
+}
+
+// Contact time of the rebound of a Kelvin-Voigt bar.
+void rebound() {
+  fmt::print("| viscosity | request | setting | estimate | error | estimate / error | seconds, all | the solution |\n");
+  fmt::print("|---|---|---|---|---|---|---|---|\n");
+  for (const auto& [viscosity, exact] : {std::pair{1.0, 1.3692116746}, {0.1, 1.9124710098}, {0.01, 1.9912495450}})
+    for (const double request : {1e-4, 1e-6, 1e-8}) {
+      AccuracyStudy study;
+      study.scene = parse_scene(fmt::format("[bar]\nlength=1\nviscosity={}\n[left]\nkind=\"obstacle\"\ngap=0\n"
+                                            "[initial]\nvelocity=-1\n[time]\nend=2.5\n",
+                                            viscosity),
+                                "rebound")
+                        .run;
+      study.request = {request, false, Goal::contact_times, {}};
+      AccuracyResult result;
+      const double seconds = seconds_of([&] { result = solve(study); });
+      double error = 1.0;
+      for (const Event& event : result.recording.events)
+        if (event.change == Change::opening) error = std::abs(event.time - exact);
+      fmt::print("| {} | {:.0e} | {} | {:.1e}{} | {:.1e} | {:.2g} | {:.3f} | {:.3f} |\n", viscosity, request,
+                 setting(result.run), result.estimate.total, result.estimate.kept ? "" : " not kept", error,
+                 result.estimate.total / error, seconds, result.recording.statistics.integration_seconds);
+      if (std::getenv("VERBOSE")) {
+        for (const auto& made : result.estimate.runs)
+          fmt::print("    {} {:.1e} {} {:.4f}\n", made.elements, made.setting.value_or(0.0), made.changes,
+                     made.seconds);
+        fmt::print("    space {:.1e} time {:.1e} order {} {}\n", result.estimate.space, result.estimate.time,
+                   result.estimate.order.value_or(0.0), result.estimate.doubt);
+      }
+    }
+}
+
+struct Verdict {
+  double effectivity = 0.0, over = 0.0;  // estimate / error, error / request
+  bool kept = false, known = false;
+  double seconds = 0.0, own_seconds = 0.0, truth_seconds = 0.0;
+};
+
+// A bar with random ends, data and load, smooth in x; k/16 mostly.
+std::string random_scene(std::mt19937_64& random) {
+  const auto pick = [&](int low, int high) { return std::uniform_int_distribution<int>(low, high)(random); };
+  const auto real = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  const double length = pick(16, 40) / 16.0, viscosity = std::pow(10.0, real(-2.5, 0.3));
+  std::string text = fmt::format("[bar]\nlength={}\ndensity={}\nmodulus={}\nviscosity={}\n", length,
+                                 pick(16, 32) / 16.0, pick(16, 32) / 16.0, viscosity);
+  bool obstacle = false;
+  for (const char* end : {"left", "right"}) {
+    const int kind = pick(0, 3);
+    if (kind >= 2 || (!obstacle && end[0] == 'r')) {
+      obstacle = true;
+      text += fmt::format("[{}]\nkind=\"obstacle\"\ngap={}\nside=\"{}\"\n", end, pick(0, 6) / 16.0, "below");
+    } else {
+      text += fmt::format("[{}]\nkind=\"{}\"\n", end, kind == 0 ? "free" : "fixed");
+    }
+  }
+  const double wave = pick(0, 8) / 16.0;
+  text += fmt::format("[initial]\ndisplacement=\"{}+{}*cos({}*pi*x/{})\"\nvelocity=\"{}+{}*cos({}*pi*x/{})\"\n",
+                      pick(0, 4) / 16.0 + 1.0625 * wave, wave, pick(0, 4), length, pick(-32, 8) / 16.0,
+                      pick(1, 16) / 16.0, pick(0, 4), length);
+  if (pick(0, 1) == 1)
+    text += fmt::format("[load]\nprofile=\"{}+{}*cos({}*pi*x/{})\"\nhistory=\"{}\"\n", pick(-32, 16) / 16.0,
+                        pick(0, 16) / 16.0, pick(0, 3), length,
+                        pick(0, 1) == 0 ? "1" : fmt::format("sin({}*t)", pick(1, 64) / 8.0));
+  const double end = pick(8, 48) / 16.0;
+  return text + fmt::format("[time]\nend={}\n[output]\nevery={}\n", end, end / pick(10, 60));
+}
+
+Verdict judged(const AccuracyStudy& study, std::string* text) {
+  Verdict verdict;
+  AccuracyResult result;
+  verdict.seconds = seconds_of([&] { result = solve(study); });
+  verdict.own_seconds = result.recording.statistics.integration_seconds;
+  verdict.kept = result.estimate.kept;
+  *text = fmt::format("{}, of {}: estimate {:.2e} ({:.1e} {:.1e} {:.1e}) request {:.2e}, order {:.3g}; {}",
+                      setting(result.run), name(result.estimate.of), result.estimate.total, result.estimate.space,
+                      result.estimate.penalty, result.estimate.time, *result.estimate.requested,
+                      result.estimate.order.value_or(0.0), result.estimate.doubt);
+  if (result.run.elements > 2100) return verdict;
+  Case truth = result.run;
+  truth.method = MethodName::rigid;
+  truth.mass = Mass::fourth_order;
+  truth.restitution.reset();
+  truth.elements *= 4;
+  truth.tolerance = Tolerance{std::clamp(std::min(result.run.tolerance.relative, 1e-8) / 30.0, 1e-13, 1e-7)};
+  const auto sample = [&](const Case& run) { return *accuracy::sample_of(run, std::function<bool()>{}); };
+  accuracy::Sample exact;
+  verdict.truth_seconds = seconds_of([&] { exact = sample(truth); });
+  accuracy::Grain grain;
+  grain.impedance = std::sqrt(truth.scene.bar.density * truth.scene.bar.modulus);
+  const accuracy::Distance found = accuracy::distance(sample(result.run), exact, study.request.of, grain);
+  verdict.known = true;
+  verdict.effectivity = result.estimate.total / found.value;
+  verdict.over = found.value / *result.estimate.requested;
+  *text += fmt::format("; error {:.2e}{}", found.value, found.same_changes ? "" : " (other changes)");
+  return verdict;
+}
+
+void random_scenes(int count, unsigned seed, double tightest) {
+  std::vector<double> effectivities, over;
+  int kept = 0, above = 0, far_above = 0, warned = 0, failed = 0;
+  double seconds = 0.0, own = 0.0;
+  for (int k = 0; k < count; ++k) {
+    std::mt19937_64 random(seed * 100003u + static_cast<unsigned>(k));
+    const std::string scene = random_scene(random);
+    AccuracyStudy study;
+    std::string text;
+    try {
+      study.scene = parse_scene(scene, "random").run;
+      const Goal goals[] = {Goal::displacement, Goal::displacement, Goal::end_traces, Goal::contact_times,
+                            Goal::impulse};
+      study.request = {std::pow(10.0, std::uniform_real_distribution<double>(-tightest, -2.0)(random)),
+                       true,
+                       goals[std::uniform_int_distribution<int>(0, 4)(random)],
+                       {}};
+      study.most_elements = 2048;
+      const Verdict verdict = judged(study, &text);
+      seconds += verdict.seconds;
+      own += verdict.own_seconds;
+      kept += verdict.kept;
+      warned += !verdict.kept;
+      if (verdict.known && std::isfinite(verdict.effectivity)) effectivities.push_back(verdict.effectivity);
+      if (verdict.known && verdict.kept) {
+        over.push_back(verdict.over);
+        above += verdict.over > 1.0;
+        far_above += verdict.over > 2.0;
+      }
+      const bool odd = verdict.kept ? verdict.over > 1.0 : true;
+      if (odd || std::getenv("VERBOSE"))
+        fmt::print("{} {}{}: {:.2f} s ({:.2f}, truth {:.2f}), eff {:.2g}, {}\n", k, verdict.kept ? "" : "NOT KEPT ",
+                   verdict.over > 1.0 ? "ABOVE " : "", verdict.seconds, verdict.own_seconds, verdict.truth_seconds,
+                   verdict.effectivity, text);
+    } catch (const std::exception& error) {
+      ++failed;
+      fmt::print("{} FAILED: {}\n{}\n", k, error.what(), scene);
+    }
+    std::fflush(stdout);
+  }
+  std::sort(effectivities.begin(), effectivities.end());
+  const auto quantile = [&](double q) {
+    return effectivities.empty()
+               ? 0.0
+               : effectivities[static_cast<std::size_t>(q * static_cast<double>(effectivities.size() - 1))];
+  };
+  constexpr double edges[] = {0.0, 0.5, 1.0, 2.0, 3.0, 10.0, 100.0, 1e300};
+  fmt::print("\n| estimate / error | scenes |\n|---|---|\n");
+  for (std::size_t k = 0; k + 1 < std::size(edges); ++k)
+    fmt::print("| {:g} to {:g} | {} |\n", edges[k], edges[k + 1],
+               std::count_if(effectivities.begin(), effectivities.end(),
+                             [&](double e) { return e >= edges[k] && e < edges[k + 1]; }));
+  fmt::print(
+      "\n{} scenes: kept {}, warned {}, failed {}; above the request {}, by more than 2 {}; effectivity 1 % {:.2g}, 10 % {:.2g}, median "
+      "{:.2g}, 90 % {:.2g}, 99 % {:.2g}; seconds {:.1f}, of the solutions {:.1f}\n",
+      count, kept, warned, failed, above, far_above, quantile(0.01), quantile(0.1), quantile(0.5), quantile(0.9),
+      quantile(0.99), seconds, own);
+}
+
+// Hand-tuned: the fastest of a grid of meshes and tolerances of rigid on fourth_order whose error, against a run far
+// finer, is below the request; integration alone.
+void gallery() {
+  fmt::print(
+      "| scene | request, of max abs u | setting | estimate / request | error / request | seconds, all | hand-tuned | ratio |\n");
+  fmt::print("|---|---|---|---|---|---|---|---|\n");
+  for (const char* file : {"rebound", "bouncing", "nonsmooth-mode", "impacting-bar", "period-3", "steel-impact",
+                           "unit-both-ends", "unit-left-end-loaded"})
+    for (const double share : {1e-3, 1e-6, 1e-9}) {
+      AccuracyStudy study;
+      // The scene as its file has it, without what it says of mesh, contact and method.
+      std::vector<std::string> settings;
+      for (const char* key : {"mesh.elements", "mesh.mass", "contact.epsilon", "contact.restitution", "method.name",
+                              "method.step", "method.relative_tolerance", "method.absolute_tolerance", "method.start"})
+        settings.push_back(fmt::format("{}=", key));
+      const SceneFile scene = read_scene(fmt::format(VISCOBAR_SOURCE_DIR "/examples/scenes/{}.toml", file), settings);
+      study.scene = scene.run;
+      study.request.error = share;
+      study.request.relative = true;
+      AccuracyResult result;
+      const double seconds = seconds_of([&] { result = solve(study); });
+      const auto sample = [&](const Case& run) { return *accuracy::sample_of(run, std::function<bool()>{}); };
+      double error = 0.0, best = seconds;
+      std::string hand = "the same";
+      if (result.run.method == MethodName::characteristics) {
+        best = seconds_of([&] { sample(result.run); });
+        error = result.estimate.total;
+      } else {
+        Case truth = result.run;
+        truth.elements = std::min<std::size_t>(4 * truth.elements, 4096);
+        truth.tolerance = Tolerance{std::max(1e-13, truth.tolerance.relative / 30.0)};
+        const accuracy::Sample exact = sample(truth);
+        error = accuracy::distance(sample(result.run), exact, Goal::displacement, {}).value;
+        best = 1e300;
+        for (std::size_t elements = 8; elements <= 2 * result.run.elements; elements *= 2)
+          for (double tolerance = 1e-2; tolerance >= 1e-11; tolerance /= 10.0) {
+            Case run = result.run;
+            run.elements = elements;
+            run.tolerance = Tolerance{tolerance};
+            accuracy::Sample found;
+            double time = seconds_of([&] { found = sample(run); });
+            if (time > best ||
+                accuracy::distance(found, exact, Goal::displacement, {}).value > *result.estimate.requested)
+              continue;
+            for (int again = 0; again < 2; ++again) time = std::min(time, seconds_of([&] { sample(run); }));
+            best = std::min(best, time);
+          }
+      }
+      fmt::print("| {} | {:.0e} | {} | {:.2g}{} | {:.2g} | {:.4f} | {:.4f} | {:.1f} |\n", file, share,
+                 setting(result.run), result.estimate.total / *result.estimate.requested,
+                 result.estimate.kept ? "" : " not kept", error / *result.estimate.requested, seconds, best,
+                 seconds / best);
+      std::fflush(stdout);
+    }
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  const std::string what = count > 1 ? words[1] : "rebound";
+  if (what == "rebound") rebound();
+  if (what == "gallery") gallery();
+  if (what == "random")
+    random_scenes(count > 2 ? std::atoi(words[2]) : 100, count > 3 ? static_cast<unsigned>(std::atoi(words[3])) : 1,
+                  count > 4 ? std::atof(words[4]) : 9.0);
+}

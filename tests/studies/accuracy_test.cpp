@@ -1,0 +1,175 @@
+// Accuracy on request, against solutions that are known. docs/accuracy-on-request.md has the estimate.
+#include "viscobar/studies/accuracy/accuracy.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "studies/accuracy/sample.hpp"
+#include "studies/accuracy/space_error.hpp"
+#include "viscobar/input/scene_file.hpp"
+#include "viscobar/studies/exact/exact_solutions.hpp"
+
+namespace viscobar {
+namespace {
+
+using accuracy::MeshStep;
+
+constexpr const char* rebound =
+    "[bar]\nlength=1\nviscosity=0.1\n[left]\nkind=\"obstacle\"\ngap=0\n[initial]\nvelocity=-1\n[time]\nend=2.5\n";
+
+AccuracyStudy study_of(const std::string& text, const std::vector<std::string>& settings) {
+  const SceneFile scene = parse_scene(text, "scene", settings);
+  AccuracyStudy study;
+  study.scene = scene.run;
+  study.request = *scene.accuracy;
+  return study;
+}
+
+double opening_of(const Recording& recording) {
+  for (const Event& event : recording.events)
+    if (event.change == Change::opening) return event.time;
+  return -1.0;
+}
+
+// Contact times to ten digits, from the solution in Laplace space.
+TEST(AccuracyOnRequest, TheReboundOfAViscousBarHasTheContactTimeToTheErrorAskedFor) {
+  for (const auto& [viscosity, exact] : {std::pair{1.0, 1.3692116746}, {0.1, 1.9124710098}, {0.01, 1.9912495450}})
+    for (const double error : {1e-3, 1e-5, 1e-8}) {
+      const AccuracyResult result =
+          solve(study_of(rebound, {fmt::format("bar.viscosity={}", viscosity), fmt::format("accuracy.error={}", error),
+                                   "accuracy.of=contact_times"}));
+      const double wrong = std::abs(opening_of(result.recording) - exact);
+      EXPECT_TRUE(result.estimate.kept) << viscosity << " " << error << result.estimate.doubt;
+      EXPECT_LE(wrong, error) << viscosity;
+      EXPECT_LE(wrong, result.estimate.total + 1e-10) << viscosity << " " << error;
+    }
+}
+
+TEST(AccuracyOnRequest, AManufacturedContactKeepsTheDisplacementAskedForAtEveryNode) {
+  const exact::ManufacturedContact contact;
+  const exact::Solution known = exact::solution(contact);
+  for (const double error : {1e-3, 1e-6}) {
+    AccuracyStudy study;
+    study.scene.scene = known.scene;
+    study.scene.method = MethodName::rigid;
+    study.scene.end =
+        1.3;  // the next contact begins at 1.5, by grazing: up to there no mesh knows whether it has begun
+    study.scene.output_every = 0.05;
+    study.request.error = error;
+    const AccuracyResult result = solve(study);
+    EXPECT_TRUE(result.estimate.kept) << result.estimate.doubt;
+    double wrong = 0.0;
+    for (std::size_t k = 0; k < result.recording.times.size(); ++k)
+      for (std::size_t j = 0; j < result.recording.mesh.nodes(); ++j)
+        wrong = std::max(wrong, std::abs(result.recording.displacement(k)[j] -
+                                         known.u(result.recording.mesh.node(j), result.recording.times[k])));
+    EXPECT_LE(wrong, error);
+    EXPECT_LE(wrong, result.estimate.total);
+  }
+}
+
+TEST(AccuracyOnRequest, APercentageIsOfTheLargestValue) {
+  const AccuracyResult result = solve(study_of(rebound, {"accuracy.error=0.01 %"}));
+  EXPECT_DOUBLE_EQ(*result.estimate.requested, 1e-4 * result.estimate.largest);
+  EXPECT_TRUE(result.estimate.kept);
+}
+
+TEST(AccuracyOnRequest, AMethodThatPenalisesStaysAndItsEpsilonIsChosen) {
+  for (const char* method : {"arkode", "cvode"}) {
+    const AccuracyResult result = solve(
+        study_of(rebound, {"accuracy.error=1e-6", "accuracy.of=contact_times", fmt::format("method.name={}", method)}));
+    EXPECT_EQ(name(result.run.method), method);
+    EXPECT_TRUE(result.estimate.kept) << result.estimate.doubt;
+    EXPECT_GT(result.estimate.penalty, 0.0);
+    EXPECT_LE(std::abs(opening_of(result.recording) - 1.9124710098), 1e-6);
+  }
+}
+
+TEST(AccuracyOnRequest, WhatTheSceneFixesIsKeptAndNamedWhereItForbidsTheError) {
+  const std::pair<const char*, const char*> fixed[] = {{"mesh.elements=20", "mesh.elements"},
+                                                       {"method.relative_tolerance=0.1", "method.relative_tolerance"},
+                                                       {"contact.epsilon=1e-3", "contact.epsilon"}};
+  for (const auto& [setting, key] : fixed) {
+    const AccuracyResult result = solve(study_of(rebound, {"accuracy.error=1e-6", setting}));
+    EXPECT_FALSE(result.estimate.kept) << setting;
+    EXPECT_NE(result.estimate.doubt.find(key), std::string::npos) << result.estimate.doubt;
+    EXPECT_TRUE(result.recording.statistics.completed);
+  }
+}
+
+TEST(AccuracyOnRequest, AnUndampedBarIsFollowedByItsWavesAndTellsItsOwnError) {
+  const AccuracyResult result = solve(study_of(rebound, {"bar.viscosity=0", "accuracy.error=1e-12"}));
+  EXPECT_EQ(result.run.method, MethodName::characteristics);
+  EXPECT_TRUE(result.estimate.kept) << result.estimate.doubt;
+  EXPECT_NEAR(opening_of(result.recording), 2.0, 1e-12);
+}
+
+TEST(AccuracyOnRequest, APeakThatHasNoLimitIsRefused) {
+  EXPECT_THROW(study_of(rebound, {"accuracy.error=1e-3", "accuracy.of=peak_reaction"}), SceneError);
+  const AccuracyResult undamped =
+      solve(study_of(rebound, {"bar.viscosity=0", "accuracy.error=1e-9", "accuracy.of=peak_reaction"}));
+  EXPECT_TRUE(undamped.estimate.kept) << undamped.estimate.doubt;
+  EXPECT_NEAR(undamped.estimate.largest, 1.0, 1e-9);
+}
+
+// An undamped bar pressed back to two obstacles: each change of contact magnifies what is wrong.
+TEST(AccuracyOnRequest, ASceneThatNoMeshFollowsIsReportedAsSuchAndItsBestSolutionKept) {
+  AccuracyStudy study = study_of(
+      "[bar]\nlength=1\n[left]\nkind=\"obstacle\"\ngap=0.1\n[right]\nkind=\"obstacle\"\ngap=0.1\n[initial]\n"
+      "displacement=\"x*(1-x)\"\nvelocity=\"-x*(1-x)\"\n[load]\ndensity=-1\n[time]\nend=6\n",
+      {"contact.epsilon=1e-4", "accuracy.error=1e-4"});
+  study.most_elements = 256;
+  const AccuracyResult result = solve(study);
+  EXPECT_FALSE(result.estimate.kept);
+  EXPECT_FALSE(result.estimate.doubt.empty());
+  EXPECT_TRUE(result.recording.statistics.completed);
+}
+
+TEST(SpaceErrorOfALadder, IsThatOfAnOrderThatIsSeenTwiceHalfAsLargeAgain) {
+  const MeshStep steps[] = {{8, 16, 256e-6}, {16, 32, 16e-6}, {32, 64, 1e-6}};
+  const accuracy::SpaceError error = accuracy::space_error(steps, 4.0);
+  EXPECT_NEAR(*error.trusted, 4.0, 1e-12);
+  EXPECT_NEAR(error.error, 1.5 * 1e-6 / 15.0, 1e-18);
+  EXPECT_NEAR(error.effectivity, 1.5, 1e-12);
+}
+
+TEST(SpaceErrorOfALadder, IsTheDifferenceItselfWhereTheOrdersFallOrChangesPointApart) {
+  const MeshStep falling[] = {{8, 16, 256e-6}, {16, 32, 16e-6}, {32, 64, 4e-6}};
+  EXPECT_DOUBLE_EQ(accuracy::space_error(falling, 4.0).error, 4e-6);
+  const MeshStep apart[] = {{8, 16, 256e-6}, {16, 32, 16e-6}, {32, 64, 1e-6, -1.0}};
+  EXPECT_FALSE(accuracy::space_error(apart, 4.0).trusted);
+  EXPECT_DOUBLE_EQ(accuracy::space_error(apart, 4.0).error, 1e-6);
+}
+
+// 7e-6 after 2e-2 is a zero that was met, not an error: the one before, at best of order 4, leaves more.
+TEST(SpaceErrorOfALadder, DoesNotBelieveADifferenceThatFallsFasterThanTheTheory) {
+  const MeshStep met[] = {{8, 16, 2.2e-2}, {16, 32, 7e-6, -1.0}};
+  EXPECT_DOUBLE_EQ(accuracy::space_error(met, 4.0).error, 2.2e-2 / 16.0);
+}
+
+TEST(ChangesThatMatter, LeaveOutFlightsAndContactsBelowTheGrain) {
+  accuracy::Sample sample;
+  sample.end = 10.0;
+  sample.speed = {1.0, 0.0};
+  const auto add = [&](double time, Change change, double velocity, double impulse) {
+    Event event{time, Where::left, 0, change, velocity};
+    event.impulse = impulse;
+    sample.events.push_back(event);
+  };
+  add(1.0, Change::closing, -1.0, 0.0);
+  add(2.0, Change::opening, 0.0, 1.0);
+  add(2.001, Change::closing, -0.001, 1.0);  // a flight of 1e-6
+  add(3.0, Change::opening, 0.0, 2.0);
+  add(5.0, Change::closing, -1.0, 2.0);
+  add(5.001, Change::opening, 0.0, 2.0 + 1e-7);  // a contact of 1e-7
+  sample.impulse = {2.0 + 1e-7, 0.0};
+  const accuracy::Grain coarse{.height = 1e-5}, fine{.height = 1e-8};
+  EXPECT_EQ(accuracy::changes_that_matter(sample, Where::left, coarse).times, (std::vector<double>{1.0, 3.0}));
+  EXPECT_EQ(accuracy::changes_that_matter(sample, Where::left, fine).times.size(), 6u);
+}
+
+}  // namespace
+}  // namespace viscobar
