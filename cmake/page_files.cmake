@@ -1,6 +1,6 @@
 # The scripts and styles of result pages, as C++ strings. A page's own script is these files, in this order, in one scope.
 set(page_script)
-foreach(file number palette buttons link field layers map bar curves chart legend events player page)
+foreach(file number palette buttons link field layers map bar curves chart legend events player sweep page)
   list(APPEND page_script src/report/web/${file}.js)
 endforeach()
 set(page_style src/report/web/page.css src/report/web/live.css)

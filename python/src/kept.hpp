@@ -50,8 +50,8 @@ class Run : public Kept {
   const Outcome& outcome() const { return outcome_; }
   std::string summary() const;
   std::string page() const;
-  /// Kinetic, elastic and contact energy at the output times.
-  std::array<std::vector<double>, 3> energies() const;
+  /// The columns of energy.csv but for the time.
+  std::array<std::vector<double>, 6> energies() const;
 
  private:
   void solve(py::object& self, py::object& observer, py::object& on_event);

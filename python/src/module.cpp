@@ -295,8 +295,9 @@ void bind_runs(py::module_& m) {
       .def("summary", &Run::summary)
       .def("page", &Run::page)
       .def("energies", [](const Run& self) {
-        const auto [kinetic, elastic, contact] = self.energies();
-        return py::make_tuple(array_of(kinetic), array_of(elastic), array_of(contact));
+        py::list columns;
+        for (const auto& column : self.energies()) columns.append(array_of(column));
+        return columns;
       });
 }
 

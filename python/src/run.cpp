@@ -215,35 +215,21 @@ std::string Run::page() const {
   auto event = recording.events.begin();
   for (std::size_t k = 0; k < rows(); ++k) {
     for (; event != recording.events.end() && event->time <= recording.times[k]; ++event) data.add(*event);
-    data.add(Snapshot{recording.times[k], std::span(recording.u).subspan(k * nodes, nodes),
-                      std::span(recording.v).subspan(k * nodes, nodes), recording.reaction_left[k],
-                      recording.reaction_right[k]});
+    Snapshot at{recording.times[k], std::span(recording.u).subspan(k * nodes, nodes),
+                std::span(recording.v).subspan(k * nodes, nodes), recording.reaction_left[k],
+                recording.reaction_right[k]};
+    if (k < recording.energy.size()) at.energy = recording.energy[k];
+    data.add(at);
   }
   for (; event != recording.events.end(); ++event) data.add(*event);
   return report_page(case_.scene.run, system_, outcome_, data).html();
 }
 
-std::array<std::vector<double>, 3> Run::energies() const {
-  std::array<std::vector<double>, 3> columns;
-  const Case& run = case_.scene.run;
-  const bool springs = is_penalised(run.method) && !system_.contacts().empty();
-  const std::size_t nodes = recording.mesh.nodes();
-  for (std::size_t k = 0; k < rows(); ++k) {
-    const auto unknowns = [&](const std::vector<double>& field) {
-      return std::span(field).subspan(k * nodes + system_.first_node(), system_.size());
-    };
-    const auto u = unknowns(recording.u);
-    const auto nodal = [&](const std::vector<double>& field) { return std::span(field).subspan(k * nodes, nodes); };
-    const auto [kinetic, elastic] = system_.nodal_energy(nodal(recording.u), nodal(recording.v));
-    columns[0].push_back(kinetic);
-    columns[1].push_back(elastic);
-    const Lift lift = system_.moving() ? system_.lift(recording.times[k], 0) : Lift{};
-    double contact = 0.0;
-    if (springs)
-      for (const Contact& one : system_.contacts())
-        contact += PenaltyLaw{one.weight / effective_epsilon(run)}.energy(
-            -one.clearance(u[one.unknown] - lift.at(system_.share(one.unknown))));
-    columns[2].push_back(contact);
+std::array<std::vector<double>, 6> Run::energies() const {
+  std::array<std::vector<double>, 6> columns;
+  for (const EnergyState& at : recording.energy) {
+    const double row[] = {at.kinetic, at.elastic, at.contact, at.dissipated + at.end_inertia, at.work, at.total()};
+    for (std::size_t k = 0; k < columns.size(); ++k) columns[k].push_back(row[k]);
   }
   return columns;
 }

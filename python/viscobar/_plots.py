@@ -27,9 +27,10 @@ def plot_run(result: Any) -> Any:
     ends, energy = result.ends, result.energy
     for side in ("left", "right"):
         axes[0, 1].plot(ends["t"], ends[f"u_{side}"], label=f"{side} end")
-        axes[1, 0].plot(ends["t"], ends[f"reaction_{side}"], label=f"{side} end")
-    for name in ("kinetic", "elastic", "contact", "total"):
-        if name != "contact" or np.any(energy[name]):
+        style = "-" if side == "left" else "--"  # seen where both are equal
+        axes[1, 0].plot(ends["t"], ends[f"reaction_{side}"], style, label=f"{side} end")
+    for name in ("kinetic", "elastic", "contact", "dissipated", "work", "total"):
+        if name in ("kinetic", "elastic", "total") or np.any(energy[name]):
             axes[1, 1].plot(energy["t"], energy[name], label=name)
     for axis, what in ((axes[0, 1], "u"), (axes[1, 0], "reaction"), (axes[1, 1], "energy")):
         axis.set(xlabel="t", ylabel=what)

@@ -84,7 +84,7 @@ class Result(Recorded):
     """What viscobar.run() returns; see Recorded for label, t, x, u, v, ends and events.
 
     stress    (K, J)  E u_x + eta u_xt, the mean of each element
-    energy    mapping of (K) arrays: t, kinetic, elastic, contact, total
+    energy    mapping of (K) arrays, as energy.csv: t, kinetic, elastic, contact, dissipated, work, total
     summary   as summary.json: method, counts, energy, contact, scene as understood, ...
     warnings  what the run has to say about itself, in sentences
     method    name of the method that ran
@@ -122,23 +122,21 @@ class Result(Recorded):
 
     @cached_property
     def stress(self) -> np.ndarray:
-        """E u_x + eta u_xt of each element, (K, J)."""
+        """E u_x + eta u_xt, the mean of each element, (K, J)."""
         modulus, viscosity = self._core.material
-        size = np.diff(self.x)
-        stress = modulus * np.diff(self.u) / size
+        stress = modulus * np.diff(self.u)
         if viscosity > 0.0:
-            stress += viscosity * np.diff(self.v) / size
-        return stress
+            stress += viscosity * np.diff(self.v)
+        return stress / np.diff(self.x)
 
     @cached_property
     def energy(self) -> dict[str, np.ndarray]:
-        """Energies at the output times, (K) each: t, kinetic, elastic, contact (in penalty springs), total.
+        """The columns of energy.csv, (K) each: t, kinetic, elastic, contact (in penalty springs), dissipated, work, total.
 
-        summary["energy"] has what was dissipated in the whole run, and the work of the load.
+        total + dissipated - work keeps its value, up to the error of the time integration.
         """
-        kinetic, elastic, contact = self._core.energies()
-        total = kinetic + elastic + contact
-        return {"t": self.t, "kinetic": kinetic, "elastic": elastic, "contact": contact, "total": total}
+        names = ("kinetic", "elastic", "contact", "dissipated", "work", "total")
+        return {"t": self.t, **dict(zip(names, self._core.energies()))}
 
     @cached_property
     def summary(self) -> dict[str, Any]:

@@ -188,6 +188,6 @@ def _value(name: str, value: Any) -> str:
         return repr(value) if math.isfinite(value) else str(value)
     if isinstance(value, str):
         return _text(value)
-    if isinstance(value, (list, tuple)) and all(isinstance(one, str) for one in value):
-        return "[" + ", ".join(_text(one) for one in value) + "]"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(_value(name, entry) for entry in value)}]"
     raise SceneError([Finding(name, f"is of type {type(value).__name__}", "a number or a text is meant")])

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <limits>
 
 #include "case/method_table.hpp"
 
@@ -23,9 +24,11 @@ double memory_limit() {
   double limit = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   if (rlimit own{}; ::getrlimit(RLIMIT_AS, &own) == 0 && own.rlim_cur != RLIM_INFINITY)
     limit = std::min(limit, static_cast<double>(own.rlim_cur));
-  double of_group = 0.0;  // the file says "max" where there is none
-  if (std::ifstream("/sys/fs/cgroup/memory.max") >> of_group) limit = std::min(limit, of_group);
-  return limit;
+  static const double of_group = [] {
+    double bytes = 0.0;  // the file says "max" where there is none
+    return std::ifstream("/sys/fs/cgroup/memory.max") >> bytes ? bytes : std::numeric_limits<double>::infinity();
+  }();
+  return std::min(limit, of_group);
 }
 
 }  // namespace viscobar

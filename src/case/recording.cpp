@@ -8,6 +8,7 @@ void Recording::keep(const Snapshot& s, std::span<const Direction> directions) {
   v.insert(v.end(), s.v.begin(), s.v.end());
   reaction_left.push_back(s.reaction_left);
   reaction_right.push_back(s.reaction_right);
+  if (s.energy) energy.push_back(*s.energy);
   for (std::size_t k = sensitivities.size(); k < directions.size(); ++k)
     sensitivities.push_back({directions[k].key, {}, {}, {}, {}});
   for (std::size_t k = 0; k < s.sensitivities.size(); ++k) {

@@ -52,9 +52,9 @@ End end_of(const EndCondition& end, double displacement, double passage) {
   return {End::Kind::obstacle, clearance <= touch ? 0.0 : clearance, passage, sign};
 }
 
-// Integral of f of a place over [0, 1], polynomial of degree 2 * 36 - 1 between the breaks.
+// Integral of f of a place over [0, 1], polynomial of degree 2 points - 1 between the breaks.
 template <class Function>
-double integral(std::vector<double>& breaks, Function&& f) {
+double integral(std::vector<double>& breaks, Function&& f, std::size_t points = 36) {
   breaks.push_back(0.0);
   breaks.push_back(1.0);
   std::ranges::sort(breaks);
@@ -62,7 +62,7 @@ double integral(std::vector<double>& breaks, Function&& f) {
   for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
     const double half = 0.5 * (breaks[k + 1] - breaks[k]), middle = 0.5 * (breaks[k + 1] + breaks[k]);
     if (!(half > 0.0)) continue;
-    for (const auto [node, weight] : gauss_legendre(36)) sum += half * weight * f(middle + half * node);
+    for (const auto [node, weight] : gauss_legendre(points)) sum += half * weight * f(middle + half * node);
   }
   return sum;
 }
@@ -280,7 +280,7 @@ class Run {
     if (gain) {
       combine(sent, 1.0, *gain, 1.0, arriving_);
       arriving = &arriving_;
-      if (observers_.energy && !load_->steady()) add_work(sent, *gain, until);
+      if (observers_.energy && !load_->steady()) work_ += arrived_work(sent, *gain, until);
     }
     if (gain || k_ == 0) velocity_scale_ = std::max(velocity_scale_, arriving->bound());
     place_scale_ = std::max(place_scale_, std::abs(end.place()));
@@ -306,7 +306,7 @@ class Run {
   }
 
   // (w + g)^2 - w^2 of what has arrived.
-  void add_work(const Piecewise& sent, const Piecewise& gain, double until) {
+  double arrived_work(const Piecewise& sent, const Piecewise& gain, double until) const {
     double sum = 0.0;
     for_common_pieces(sent, gain, until, [&](double from, double to, std::size_t i, std::size_t j) {
       const Chebyshev w = sent.polynomial(i), g = gain.polynomial(j);
@@ -316,7 +316,79 @@ class Run {
         sum += half * weight * gained * (2.0 * w(sent[i].z(s)) + gained);
       }
     });
-    work_ += 0.25 * scene_.bar.density * scene_.bar.length * sum;
+    return 0.25 * scene_.bar.density * scene_.bar.length * sum;
+  }
+
+  // Places between which the field of this passage is polynomial, at s.
+  std::vector<double> breaks_at(double s) const {
+    std::vector<double> breaks{s, 1.0 - s};
+    for (std::size_t i = 0; i < sent_left_.size(); ++i) breaks.push_back(s - sent_left_[i].begin);
+    for (std::size_t i = 0; i < sent_right_.size(); ++i) breaks.push_back(1.0 - (s - sent_right_[i].begin));
+    for (std::size_t i = 0; i < sent_left_before_.size(); ++i) breaks.push_back(1.0 + s - sent_left_before_[i].begin);
+    for (std::size_t i = 0; i < sent_right_before_.size(); ++i) breaks.push_back(sent_right_before_[i].begin - s);
+    if (load_) {
+      add_breaks(load_->rightward(), breaks);
+      add_breaks(load_->leftward(), breaks);
+    }
+    std::erase_if(breaks, [](double place) { return !(place > 0.0 && place < 1.0); });
+    return breaks;
+  }
+
+  // Of the load, up to s in this passage: of a varying one what it has given the waves that have arrived, and those on
+  // their way.
+  double work_at(double s, Field& now) {
+    if (load_->steady())
+      return moment([&] { return [&](double place) { return now.displacement(place); }; }) - initial_moment_;
+    Cursor right_gain(load_->rightward()), left_gain(load_->leftward());
+    const double arrived = work_begin_ + arrived_work(sent_right_before_, load_->arriving_left(), s) +
+                           arrived_work(sent_left_before_, load_->arriving_right(), s);
+    return arrived + 0.25 * scene_.bar.density * scene_.bar.length * integral(moment_breaks_, [&](double place) {
+                       const double g = right_gain.value(place), h = left_gain.value(place);
+                       return g * (2.0 * now.rightward(place) - g) + h * (2.0 * now.leftward(place) - h);
+                     });
+  }
+
+  // The most terms of a polynomial in the field.
+  std::size_t most_terms() const {
+    std::size_t most = 1;
+    const auto look = [&](const Piecewise& f) {
+      for (std::size_t i = 0; i < f.size(); ++i) most = std::max<std::size_t>(most, f[i].terms);
+    };
+    for (const Piecewise* sent : {&sent_left_, &sent_right_, &sent_left_before_, &sent_right_before_}) look(*sent);
+    if (load_) look(load_->rightward()), look(load_->leftward());
+    return most;
+  }
+
+  EnergyState energy_at(double s, Field& now) {
+    std::vector<double> breaks = moment_breaks_ = breaks_at(s);
+    const double share = 0.125 * scene_.bar.density * scene_.bar.length;
+    const std::size_t points = std::min<std::size_t>(most_terms(), 36);
+    EnergyState energy;
+    energy.kinetic = share * integral(
+                                 breaks,
+                                 [&](double place) {
+                                   const double v = now.rightward(place) + now.leftward(place);
+                                   return v * v;
+                                 },
+                                 points);
+    breaks = moment_breaks_;
+    energy.elastic = share * integral(
+                                 breaks,
+                                 [&](double place) {
+                                   const double e = now.rightward(place) - now.leftward(place);
+                                   return e * e;
+                                 },
+                                 points);
+    if (load_) energy.work = work_at(s, now);
+    for (const bool left : {true, false}) {
+      const DrivenEnd& driven = left ? driven_left_ : driven_right_;
+      if (!driven.active()) continue;
+      const DrivenEnd::Account& begin = left ? driven_left_begin_ : driven_right_begin_;
+      const DrivenEnd::Flow since = driven.flow(left ? left_ : right_, moved(left), s);
+      energy.work += begin.work + since.work;
+      energy.dissipated += begin.dissipated + since.dissipated;
+    }
+    return energy;
   }
 
   struct Told {
@@ -409,8 +481,9 @@ class Run {
     v_.front() = left_.velocity_at(s, left) + driven_left_.velocity(t);
     v_.back() = right_.velocity_at(s, right) + driven_right_.velocity(t);
     for (const double u : {u_.front(), u_.back()}) place_scale_ = std::max(place_scale_, std::abs(u));
-    const Snapshot snapshot{t, u_, v_, impedance_ * driven_left_.force_factor() * left_.force_at(s, left),
-                            impedance_ * driven_right_.force_factor() * right_.force_at(s, right)};
+    Snapshot snapshot{t, u_, v_, impedance_ * driven_left_.force_factor() * left_.force_at(s, left),
+                      impedance_ * driven_right_.force_factor() * right_.force_at(s, right)};
+    if (observers_.energy) snapshot.energy = energy_at(s, now);
     telling_.snapshot(snapshot);
   }
 
@@ -440,17 +513,7 @@ class Run {
     if (!statistics_.energy) return;
     const double s = sent_left_.end();
     Field now = field(s, t_);
-    std::vector<double> breaks{s, 1.0 - s};
-    for (std::size_t i = 0; i < sent_left_.size(); ++i) breaks.push_back(s - sent_left_[i].begin);
-    for (std::size_t i = 0; i < sent_right_.size(); ++i) breaks.push_back(1.0 - (s - sent_right_[i].begin));
-    for (std::size_t i = 0; i < sent_left_before_.size(); ++i) breaks.push_back(1.0 + s - sent_left_before_[i].begin);
-    for (std::size_t i = 0; i < sent_right_before_.size(); ++i) breaks.push_back(sent_right_before_[i].begin - s);
-    if (load_) {
-      add_breaks(load_->rightward(), breaks);
-      add_breaks(load_->leftward(), breaks);
-    }
-    std::erase_if(breaks, [](double place) { return !(place > 0.0 && place < 1.0); });
-    moment_breaks_ = breaks;
+    std::vector<double> breaks = moment_breaks_ = breaks_at(s);
     const double share = 0.25 * scene_.bar.density * scene_.bar.length;
     EnergyAccount& energy = *statistics_.energy;
     energy.final = share * integral(breaks, [&](double place) {
@@ -459,16 +522,7 @@ class Run {
                    });
     energy.dissipated = driven_left_.account().dissipated + driven_right_.account().dissipated;
     energy.work = driven_left_.account().work + driven_right_.account().work;
-    if (!load_) return;
-    if (load_->steady()) {
-      energy.work += moment([&] { return [&](double place) { return now.displacement(place); }; }) - initial_moment_;
-      return;
-    }
-    Cursor right_gain(load_->rightward()), left_gain(load_->leftward());
-    energy.work += work_ + share * integral(moment_breaks_, [&](double place) {
-                             const double g = right_gain.value(place), h = left_gain.value(place);
-                             return g * (2.0 * now.rightward(place) - g) + h * (2.0 * now.leftward(place) - h);
-                           });
+    if (load_) energy.work += work_at(s, now);
   }
 
   const Scene scene_;  // formulas are called by one run at a time

@@ -68,17 +68,27 @@ void DrivenEnd::send(const Piecewise& moved, const Piecewise& arriving, Piecewis
   combine(sum, 1.0, arriving, -1.0, sent);
 }
 
-void DrivenEnd::add_piece(double from, double to, bool held, const Chebyshev& moved, double u) {
-  const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
+DrivenEnd::Flow DrivenEnd::flow(const End& end, const Piecewise& moved, double until) const {
+  Flow sum;
   Cursor force(force_), velocity(velocity_);
-  for (const auto [node, weight] : gauss_legendre(Chebyshev::most_terms)) {
-    const double s = middle + half * node, frame = velocity.value(s), answered = moved(node);
-    const double v = held ? frame : answered + frame;
-    const double share = half * weight * passage_ * impedance_;
-    account_.work += share * (force.value(s) * v + (held ? factor_ * answered * frame : 0.0));
-    account_.dissipated += share * (factor_ - 1.0) * v * v;
-  }
-  if (!moves()) return;
+  for_common_pieces(velocity_, moved, until, [&](double from, double to, std::size_t, std::size_t j) {
+    const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
+    const bool held = end.held_at(middle);
+    const Chebyshev answer = moved.on(j, from, to);
+    for (const auto [node, weight] : gauss_legendre(Chebyshev::most_terms)) {
+      const double s = middle + half * node, frame = velocity.value(s), answered = answer(node);
+      const double v = held ? frame : answered + frame;
+      const double share = half * weight * passage_ * impedance_;
+      sum.work += share * (force.value(s) * v + (held ? factor_ * answered * frame : 0.0));
+      sum.dissipated += share * (factor_ - 1.0) * v * v;
+    }
+  });
+  return sum;
+}
+
+void DrivenEnd::add_range(double from, double to, bool held, const Chebyshev& moved, double u) {
+  const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
+  Cursor velocity(velocity_);
   std::array<double, Chebyshev::fitted_terms> values{};
   const std::span<const double> points = Chebyshev::points(values.size());
   for (std::size_t k = 0; k < values.size(); ++k)

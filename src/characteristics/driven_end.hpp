@@ -35,6 +35,12 @@ class DrivenEnd {
   bool moves() const { return input_.motion.has_value(); }
   double error() const { return error_; }  ///< of F and V over the passages, as velocities
 
+  /// What it does from the beginning of the passage to `until`.
+  struct Flow {
+    double work = 0.0, dissipated = 0.0;
+  };
+  Flow flow(const End& end, const Piecewise& moved, double until) const;
+
   /// What it has done since the start.
   struct Account {
     double work = 0.0, dissipated = 0.0;
@@ -51,7 +57,7 @@ class DrivenEnd {
 
  private:
   const Piecewise& fitted(PiecewiseFit& fit, const TimeFunction& f, const NextBreak& breaks, const char* what);
-  void add_piece(double from, double to, bool held, const Chebyshev& moved, double u);
+  void add_range(double from, double to, bool held, const Chebyshev& moved, double u);
 
   const EndInput& input_;
   double impedance_, passage_, start_, factor_ = 1.0, error_ = 0.0;
@@ -65,8 +71,12 @@ class DrivenEnd {
 
 template <class Displacement>
 void DrivenEnd::add(const End& end, const Piecewise& moved, Displacement&& displacement_at) {
+  const Flow whole = flow(end, moved, moved.end());
+  account_.work += whole.work;
+  account_.dissipated += whole.dissipated;
+  if (!moves()) return;
   for_common_pieces(velocity_, moved, moved.end(), [&](double from, double to, std::size_t, std::size_t j) {
-    add_piece(from, to, end.held_at(0.5 * (from + to)), moved.on(j, from, to), displacement_at(from));
+    add_range(from, to, end.held_at(0.5 * (from + to)), moved.on(j, from, to), displacement_at(from));
   });
 }
 

@@ -2,14 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "cli/messages.hpp"
+#include "input/input_text.hpp"
 #include "input/scene_keys.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/results/io_error.hpp"
@@ -17,7 +22,7 @@
 namespace viscobar::cli {
 
 SceneOptions::SceneOptions(CLI::App& command) {
-  command.add_option("scene", file, "The scene file (TOML)")->required()->type_name("SCENE");
+  command.add_option("scene", file, "The scene file (TOML), - for standard input")->required()->type_name("SCENE");
   command.add_option("--set", overrides, "Replace a value of the scene, such as contact.epsilon=1e-5 (repeatable)")
       ->type_name("TABLE.KEY=VALUE")
       ->allow_extra_args(false);
@@ -29,7 +34,9 @@ SceneFile SceneOptions::read(const std::vector<std::string>& defaults, const std
   std::vector<std::string> all = defaults;
   all.insert(all.end(), overrides.begin(), overrides.end());
   all.insert(all.end(), settings.begin(), settings.end());
-  SceneFile scene = read_scene(file, all, adapt);
+  SceneFile scene = from_standard_input()
+                        ? parse_scene(input_text(std::cin, "standard input"), "standard input", all, adapt)
+                        : read_scene(file, all, adapt);
   const Case& run = scene.run;
   if (scene.accuracy && !takes_accuracy)
     warn(
@@ -46,13 +53,34 @@ OutputOptions::OutputOptions(CLI::App& command) {
           "Directory of the results; an earlier result there is replaced when the new one is complete (default: the "
           "scene's name with \".out\", in the working directory)")
       ->type_name("DIR");
-  command.add_flag("--quiet", quiet, "Print nothing but errors");
+  command.add_flag("-q,--quiet", quiet, "Print nothing but errors");
 }
 
 std::filesystem::path OutputOptions::directory(const SceneOptions& scene) const {
-  const auto chosen = where.empty() ? std::filesystem::path(scene.file).stem() += ".out" : std::filesystem::path(where);
+  const std::filesystem::path name = scene.from_standard_input() ? "stdin" : std::filesystem::path(scene.file).stem();
+  const std::filesystem::path chosen =
+      where.empty() ? std::filesystem::path(name) += ".out" : std::filesystem::path(where);
   detail("results go to " + chosen.string());
   return chosen;
+}
+
+void warn_of_other_scenes(const std::filesystem::path& directory, const SceneFile& scene, std::string_view own) {
+  using Json = nlohmann::json;
+  const Json ours = Json::parse(scene.complete());
+  for (const std::string_view name : {"summary.json", "compare.json", "limit.json", "precision.json"}) {
+    std::ifstream stream(directory / name);
+    if (name == own || !stream) continue;
+    const Json summary = Json::parse(stream, nullptr, false);
+    if (!summary.is_object() || !summary.contains("scene") || !summary["scene"].is_object()) continue;
+    const Json& theirs = summary["scene"];
+    const auto differs = [&](const char* table) {
+      return ours.value(table, Json::object()) != theirs.value(table, Json::object());
+    };
+    constexpr const char* problem[] = {"bar", "left", "right", "span", "initial", "load"};
+    if (std::ranges::any_of(problem, differs))
+      warn(fmt::format("{} also holds {} of another scene, \"{}\"; it stays there, and `viscobar info` tells both",
+                       directory.string(), name, one_line(theirs.value("title", ""))));
+  }
 }
 
 PictureOptions::PictureOptions(CLI::App& command) : OutputOptions(command) { add_figures(command, figures); }

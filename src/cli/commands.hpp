@@ -21,6 +21,7 @@ struct SceneOptions {
   bool takes_accuracy = false;  ///< the command keeps an error that the scene asks for; others warn that they do not
 
   explicit SceneOptions(CLI::App& command);
+  bool from_standard_input() const { return file == "-"; }
   /// The scene, values of `defaults` and `settings` ("table.key=value") put before and after the user's own,
   /// `adapt` applied before it is validated.
   SceneFile read(const std::vector<std::string>& defaults = {}, const std::vector<std::string>& settings = {},
@@ -69,7 +70,7 @@ class RunCommand : public Command {
  private:
   SceneOptions scene_;
   PictureOptions output_;
-  std::string checkpoint_, error_, sensitivity_;
+  std::string checkpoint_, wall_time_, error_, sensitivity_;
   bool no_estimate_ = false;
 };
 
@@ -79,7 +80,7 @@ class ResumeCommand : public Command {
   int operator()() const override;
 
  private:
-  std::string directory_;
+  std::string directory_, wall_time_;
   bool json_ = false, quiet_ = false, figures_ = false;
 };
 
@@ -217,6 +218,20 @@ class ManCommand : public Command {
  private:
   const CLI::App& app_;
 };
+
+class HelpCommand : public Command {
+ public:
+  explicit HelpCommand(CLI::App& app);
+  int operator()() const override;
+
+ private:
+  CLI::App& app_;
+  std::string topic_;
+};
+
+/// Warns of results of other commands in the directory that are of another bar, ends, initial data or load; `own` is
+/// the summary that this command writes.
+void warn_of_other_scenes(const std::filesystem::path& directory, const SceneFile& scene, std::string_view own);
 
 /// --figures, the same for all commands that draw.
 void add_figures(CLI::App& command, bool& figures);

@@ -58,6 +58,7 @@ int CompareCommand::operator()() const {
   check_memory(scene.run, choice.cases.size());
   const std::filesystem::path directory = output_.directory(scene_);
   const ResultDirectory results(directory, ResultKind::compare);
+  if (!output_.quiet) warn_of_other_scenes(directory, scene, "compare.json");
 
   end_on_interrupt();
   const Comparison check = compare(choice.cases, threads_);

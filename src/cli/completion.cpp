@@ -119,7 +119,7 @@ _viscobar() {{
   local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD - 1]}}
   COMPREPLY=()
   if ((COMP_CWORD == 1)); then
-    _viscobar_words "{names}--help --version"
+    _viscobar_words "{names}--help --version -V"
     return
   fi
   if [[ $word == = ]]; then
@@ -167,7 +167,7 @@ _viscobar() {{
 {commands}  )
   if ((CURRENT == 2)); then
     _describe -t commands command commands
-    _arguments '--help[Print this help and exit]' '--version[Print the versions and exit]'
+    _arguments '--help[Print this help and exit]' '(-V --version)'{{-V,--version}}'[Print the versions and exit]'
     return
   fi
   shift words
@@ -181,16 +181,62 @@ if [[ $zsh_eval_context[-1] == loadautofunc ]]; then _viscobar "$@"; else compde
                      fmt::arg("cases", cases));
 }
 
+// Of fish: a quoted word, in which a backslash and a quote stand for themselves.
+static std::string fish_quoted(std::string_view text) {
+  std::string out = "'";
+  for (const char c : text) {
+    if (c == '\'' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + "'";
+}
+
+std::string fish_completion(const CLI::App& app) {
+  std::string lines, keys;
+  for (const SceneKey& key : scene_keys()) {
+    if (key.choices.empty() || key.type == KeyType::list) keys += fmt::format("{}= ", key.name);
+    if (key.type == KeyType::choice)
+      for (const std::string_view word : key.choice_names()) keys += fmt::format("{}={} ", key.name, word);
+  }
+  keys.pop_back();
+  for (const CommandText& command : command_texts(app)) {
+    lines += fmt::format("complete -c viscobar -n __fish_use_subcommand -f -a {} -d {}\n", command.name,
+                         fish_quoted(command.description));
+    for (const OptionText& option : command.options) {
+      const auto words = option.words();
+      std::string action = "-f";
+      if (!words.empty())
+        action = fmt::format("-x -a {}", fish_quoted(fmt::format("{}", fmt::join(words, " "))));
+      else if (option.repeatable)
+        action = "-x -a \"$__viscobar_keys\"";
+      else if (option.type == "SCENE")
+        action = "-k -x -a '(__fish_complete_suffix .toml)'";
+      else if (option.type == "DIR")
+        action = "-x -a '(__fish_complete_directories)'";
+      else if (!option.type.empty())
+        action = option.type.find("FILE") == std::string::npos ? "-x" : "-r -F";
+      std::string names;
+      for (const std::string& name : option.names)
+        names += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
+      lines += fmt::format("complete -c viscobar -n '__fish_seen_subcommand_from {}'{} {} -d {}\n", command.name, names,
+                           action, fish_quoted(option.description));
+    }
+  }
+  return fmt::format(
+      "# fish completion of viscobar; made by: viscobar completion fish\ncomplete -c viscobar -f\n"
+      "set -g __viscobar_keys {}\n{}",
+      fish_quoted(keys), lines);
+}
+
 CompletionCommand::CompletionCommand(CLI::App& app)
     : Command(app, "completion", "Print the completions for a shell"), app_(app) {
-  command_.group("");
-  command_.add_option("shell", shell_, "The shell")->required()->type_name("bash|zsh");
+  command_.add_option("shell", shell_, "The shell")->required()->type_name("bash|zsh|fish");
 }
 
 int CompletionCommand::operator()() const {
-  if (shell_ != "bash" && shell_ != "zsh")
-    throw std::invalid_argument(fmt::format("completion: there is none for {}, only for bash and zsh", shell_));
-  print(shell_ == "bash" ? bash_completion(app_) : zsh_completion(app_));
+  if (shell_ != "bash" && shell_ != "zsh" && shell_ != "fish")
+    throw std::invalid_argument(fmt::format("completion: there is none for {}, only for bash, zsh and fish", shell_));
+  print(shell_ == "bash" ? bash_completion(app_) : shell_ == "zsh" ? zsh_completion(app_) : fish_completion(app_));
   return success;
 }
 

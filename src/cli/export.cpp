@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "cli/commands.hpp"
@@ -10,21 +11,21 @@
 namespace viscobar::cli {
 
 ExportCommand::ExportCommand(CLI::App& app)
-    : Command(app, "export", "Write the field and the end traces of a run as CSV or NumPy arrays") {
+    : Command(app, "export", "Write the field and the end traces of a run as CSV, NumPy arrays or XDMF") {
   command_.add_option("directory", directory_, "The directory of results of `viscobar run`")
       ->required()
       ->type_name("DIR");
-  command_.add_option("--format", format_, "Of the files")->type_name("csv|npy")->capture_default_str();
+  command_.add_option("--format", format_, "Of the files")->type_name("csv|npy|xdmf")->capture_default_str();
   command_
       .add_option("-o,--output", where_,
-                  "Directory of the files; an earlier export there is replaced (default: DIR/csv or DIR/npy)")
+                  "Directory of the files; an earlier export there is replaced (default: DIR/csv, DIR/npy or DIR/xdmf)")
       ->type_name("DIR");
-  command_.add_flag("--quiet", quiet_, "Print nothing but errors");
+  command_.add_flag("-q,--quiet", quiet_, "Print nothing but errors");
 }
 
 int ExportCommand::operator()() const {
-  const std::vector<std::string_view> known = {"csv", "npy"};
-  if (format_ != "csv" && format_ != "npy") {
+  const std::vector<std::string_view> known = {"csv", "npy", "xdmf"};
+  if (std::ranges::find(known, format_) == known.end()) {
     const auto nearest = nearest_name(format_, known);
     throw std::invalid_argument(fmt::format(
         "--format: there is no format \"{}\"{}", format_,
@@ -32,7 +33,10 @@ int ExportCommand::operator()() const {
   }
   const std::filesystem::path target =
       where_.empty() ? std::filesystem::path(directory_) / format_ : std::filesystem::path(where_);
-  const auto files = export_result(directory_, format_ == "csv" ? ExportFormat::csv : ExportFormat::npy, target);
+  const ExportFormat format = format_ == "csv"   ? ExportFormat::csv
+                              : format_ == "npy" ? ExportFormat::npy
+                                                 : ExportFormat::xdmf;
+  const auto files = export_result(directory_, format, target);
   if (!quiet_)
     for (const auto& file : files) print(one_line(file.string()) + "\n");
   return success;

@@ -85,6 +85,7 @@ int LimitCommand::operator()() const {
                                             meshes, meshes == 1 ? "" : "es"));
   const std::filesystem::path directory = output_.directory(scene_);
   const ResultDirectory results(directory, ResultKind::limit);
+  if (!output_.quiet) warn_of_other_scenes(directory, scene, "limit.json");
 
   end_on_interrupt();
   StatusLine status;

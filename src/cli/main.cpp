@@ -82,13 +82,12 @@ std::vector<std::unique_ptr<const Command>> add_commands(CLI::App& app) {
 
 int run(int argc, char** argv) {
   CLI::App app("Motion of a viscoelastic bar against rigid obstacles", "viscobar");
-  app.set_version_flag("--version", version_text(), "Print the versions and exit");
+  app.set_version_flag("-V,--version", version_text(), "Print the versions and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.require_subcommand(1);
-  const auto commands =
-      add_commands<RunCommand, ResumeCommand, CheckCommand, CompareCommand, LimitCommand, PrecisionCommand, FitCommand,
-                   SweepCommand, ListCommand, NewCommand, InfoCommand, ExportCommand, CompletionCommand, ManCommand>(
-          app);
+  const auto commands = add_commands<RunCommand, ResumeCommand, CheckCommand, CompareCommand, LimitCommand,
+                                     PrecisionCommand, FitCommand, SweepCommand, ListCommand, NewCommand, InfoCommand,
+                                     ExportCommand, CompletionCommand, ManCommand, HelpCommand>(app);
   MessageOptions messages;
   for (CLI::App* command : app.get_subcommands({})) {
     messages.add_to(*command);

@@ -64,6 +64,7 @@ A run leaves in its directory
 .IR summary.json ,
 .IR ends.csv ,
 .IR events.csv ,
+.IR energy.csv ,
 .I field.h5
 with
 .I field.xdmf
@@ -96,7 +97,7 @@ a run failed (integrator, disk); what was reached is kept
 the input is wrong: command line or scene file
 .TP
 .B 130
-interrupted
+interrupted, or stopped by \-\-wall\-time; what was reached is kept
 .SH EXAMPLES
 .EX
 viscobar new scene.toml
@@ -125,7 +126,7 @@ std::string man_page(const CLI::App& app) {
   return text + std::string(closing);
 }
 
-ManCommand::ManCommand(CLI::App& app) : Command(app, "man", "Print the man page"), app_(app) { command_.group(""); }
+ManCommand::ManCommand(CLI::App& app) : Command(app, "man", "Print the man page"), app_(app) {}
 
 int ManCommand::operator()() const {
   print(man_page(app_));

@@ -83,6 +83,7 @@ int PrecisionCommand::operator()() const {
   study.scene = scene.run;
   const std::filesystem::path directory = output_.directory(scene_);
   const ResultDirectory results(directory, ResultKind::precision);
+  if (!output_.quiet) warn_of_other_scenes(directory, scene, "precision.json");
 
   end_on_interrupt();
   StatusLine status;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -8,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "case/peak_remark.hpp"
 #include "cli/commands.hpp"
@@ -17,6 +19,7 @@
 #include "report/run/estimate_text.hpp"
 #include "results/csv.hpp"
 #include "results/result_directory.hpp"
+#include "scene/unit_names.hpp"
 #include "viscobar/record/record_run.hpp"
 
 namespace viscobar::cli {
@@ -25,11 +28,47 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string table(const Case& run, const Outcome& outcome, const fs::path& directory) {
+std::string with_unit(double value, const Units& units, Dimension dimension) {
+  const std::string unit = unit_name(units, dimension);
+  return fmt::format("{:.6g}{}{}", value, unit.empty() ? "" : " ", unit);
+}
+
+/// The first contacts of the ends, each from its closing to its opening, with the impulse between.
+std::string contact_rows(const Case& run, const std::vector<Event>& events) {
+  constexpr std::size_t most = 6;
+  std::string text;
+  std::size_t shown = 0, more = 0;
+  std::optional<Event> closed[2];
+  const auto tell = [&](const Event& from, const Event* to) {
+    if (shown == most) return void(++more);
+    ++shown;
+    std::string words = "t = " + with_unit(from.time, run.scene.units, Dimension::time);
+    words += to ? " to " + with_unit(to->time, run.scene.units, Dimension::time) : " on";
+    if (to && from.impulse && to->impulse)
+      words += ", impulse " + with_unit(*to->impulse - *from.impulse, run.scene.units, Dimension::impulse);
+    text += row(fmt::format("contact {}", place(from)), words);
+  };
+  for (const Event& event : events) {
+    if (event.where == Where::span) continue;
+    auto& begun = closed[event.where == Where::right];
+    if (event.change == Change::closing)
+      begun = event;
+    else if (begun)
+      tell(*begun, &event), begun.reset();
+  }
+  for (const auto& lasting : closed)
+    if (lasting) tell(*lasting, nullptr);
+  if (more > 0) text += row("", fmt::format("and {} more contacts", more));
+  return text;
+}
+
+std::string table(const Case& run, const Outcome& outcome, const std::vector<Event>& events,
+                  const fs::path& directory) {
+  const Units& units = run.scene.units;
   std::string text = heading(run.scene.title, "Run") + "\n";
   text += row("method", method_words(run));
   if (outcome.ending == Ending::completed)
-    text += row("simulated time", fmt::format("{:.6g}", outcome.reached_time));
+    text += row("simulated time", with_unit(outcome.reached_time, units, Dimension::time));
   else
     text += row("simulated time", fmt::format("{:.6g} of {:.6g}: not completed", outcome.reached_time, run.end));
   text += row("steps", fmt::format("{}", outcome.steps));
@@ -40,7 +79,7 @@ std::string table(const Case& run, const Outcome& outcome, const fs::path& direc
     text += row("linear solves",
                 fmt::format("{}, {} factorisations", statistics->linear_solves, statistics->matrix_factorisations));
     if (statistics->max_penetration > 0.0)
-      text += row("largest penetration", fmt::format("{:.3g}", statistics->max_penetration));
+      text += row("largest penetration", with_unit(statistics->max_penetration, units, Dimension::length));
     if (const auto& energy = statistics->energy)
       text += row("energy", fmt::format("{:.6g} to {:.6g}, dissipated {:.6g}, work {:.6g}{}, balance error {:.2g}",
                                         energy->initial, energy->final, energy->dissipated, energy->work,
@@ -51,12 +90,22 @@ std::string table(const Case& run, const Outcome& outcome, const fs::path& direc
     if (const auto& account = statistics->account) {
       const auto contact = [&](const char* where, const EndCondition& kind, const EndAccount& end) {
         if (is_obstacle(kind))
-          text += row(where, fmt::format("{} closings, in contact for {:.6g}, impulse {:.6g}, peak reaction {:.6g}",
-                                         end.closings, end.contact.total(outcome.reached_time), end.impulse,
-                                         end.peak_reaction));
+          text += row(where, fmt::format("{} closings, in contact for {}, impulse {}, peak reaction {}", end.closings,
+                                         with_unit(end.contact.total(outcome.reached_time), units, Dimension::time),
+                                         with_unit(end.impulse, units, Dimension::impulse),
+                                         with_unit(end.peak_reaction, units, Dimension::stress)));
       };
       contact("left obstacle", run.scene.left, account->left);
       contact("right obstacle", run.scene.right, account->right);
+      // A resumed run has not heard of those before.
+      if (events.size() == outcome.events) text += contact_rows(run, events);
+      const auto motion = [&](const char* where, const EndCondition& kind, const EndAccount& end) {
+        if (!is_fixed(kind) && end.lowest <= end.highest)
+          text += row(where, fmt::format("u from {} to {}", with_unit(end.lowest, units, Dimension::length),
+                                         with_unit(end.highest, units, Dimension::length)));
+      };
+      motion("left end", run.scene.left, account->left);
+      motion("right end", run.scene.right, account->right);
       const auto remark = peak_remark(run, make_system(run));
       if (remark && account->left.closings + account->right.closings > 0) text += row("peak reaction", *remark);
     }
@@ -65,7 +114,8 @@ std::string table(const Case& run, const Outcome& outcome, const fs::path& direc
     text += row("integration", fmt::format("{:.3g} s", statistics->integration_seconds));
   }
   text += row("whole run", fmt::format("{:.3g} s", outcome.wall_seconds));
-  return text + row("pictures", (directory / "report.html").string());
+  return text + (run.files.report ? row("pictures", (directory / "report.html").string())
+                                  : row("results", directory.string()));
 }
 
 int exit_code(Ending ending) {
@@ -80,16 +130,30 @@ int exit_code(Ending ending) {
 
 /// Runs it or goes on with it: what `run` and `resume` have in common.
 template <class Record>
-int shown(const SceneFile& scene, const fs::path& directory, bool json, bool quiet, RecordOptions options,
-          Record&& record) {
+int shown(const SceneFile& scene, const fs::path& directory, bool json, bool quiet, std::optional<double> wall_time,
+          RecordOptions options, Record&& record) {
+  if (options.figures && !scene.run.files.report)
+    throw std::invalid_argument(
+        "--figures draws the pictures of the report, which output.write leaves out: name "
+        "\"report\" there, too");
   catch_interrupts();
   std::optional<Progress> progress;
   if (!quiet && !json && on_terminal()) progress.emplace(scene.run.end);
   options.progress = [&](double time, std::size_t steps) {
     if (progress) (*progress)(time, steps);
   };
-  options.stop = interrupt_asked;
-  options.event = [](const Event& event) {
+  bool out_of_time = false;
+  options.stop = [&] {
+    out_of_time =
+        out_of_time ||
+        (wall_time &&
+         std::chrono::duration<double>(std::chrono::steady_clock::now() - options.started).count() >= *wall_time);
+    return out_of_time || interrupt_asked();
+  };
+  std::vector<Event> events;
+  constexpr std::size_t most_events = 10'000;
+  options.event = [&](const Event& event) {
+    if (events.size() < most_events) events.push_back(event);
     detail(fmt::format("t = {:.9g}: {} {}, velocity {:.6g}", event.time, place(event),
                        event.change == Change::closing ? "closes" : "opens", event.velocity));
   };
@@ -100,7 +164,9 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
 
   const Outcome& outcome = recorded.outcome;
   if (outcome.ending != Ending::completed)
-    complain(fmt::format("stopped at t = {}: {}", outcome.reached_time, outcome.error));
+    complain(fmt::format(
+        "stopped at t = {}: {}", outcome.reached_time,
+        out_of_time && outcome.ending == Ending::interrupted ? "the time of --wall-time is over" : outcome.error));
   const auto& estimate = outcome.error_estimate;
   const bool missed = outcome.ending == Ending::completed && estimate && estimate->requested && !estimate->kept;
   if (missed) complain(fmt::format("the error that was asked for is not kept: {}", estimate->doubt));
@@ -112,8 +178,28 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
   if (json)
     print(recorded.summary);
   else if (!quiet)
-    print(table(recorded.run ? *recorded.run : scene.run, outcome, recorded.directory));
+    print(table(recorded.run ? *recorded.run : scene.run, outcome, events, recorded.directory));
   return missed ? run_failed : exit_code(outcome.ending);
+}
+
+/// A positive number, with the unit of a clock or without one.
+struct Duration {
+  double value = 0.0;  ///< in seconds where it has a unit
+  bool on_the_clock = false;
+};
+std::optional<Duration> read_duration(const std::string& text) {
+  constexpr std::pair<std::string_view, double> units[] = {{"s", 1.0}, {"min", 60.0}, {"m", 60.0}, {"h", 3600.0}};
+  Duration duration;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), duration.value);
+  const std::string_view unit(rest, static_cast<std::size_t>(text.data() + text.size() - rest));
+  for (const auto& [name, seconds] : units) {
+    if (unit != name) continue;
+    duration.on_the_clock = true;
+    duration.value *= seconds;
+  }
+  const bool known = unit.empty() || duration.on_the_clock;
+  if (error != std::errc{} || !known || !(duration.value > 0.0) || !std::isfinite(duration.value)) return std::nullopt;
+  return duration;
 }
 
 /// Of [sensitivity], for a list of keys with commas.
@@ -130,22 +216,30 @@ std::vector<std::string> sensitivity_settings(const std::string& keys) {
 
 /// A plain number is simulated time; with a unit it is time on the clock.
 CheckpointEvery checkpoint_every(const std::string& text) {
-  constexpr std::pair<std::string_view, double> units[] = {{"s", 1.0}, {"min", 60.0}, {"h", 3600.0}};
-  CheckpointEvery every;
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), every.interval);
-  const std::string_view unit(rest, static_cast<std::size_t>(text.data() + text.size() - rest));
-  bool known = unit.empty();
-  for (const auto& [name, seconds] : units) {
-    if (unit != name) continue;
-    known = true;
-    every.clock = CheckpointEvery::Clock::wall;
-    every.interval *= seconds;
-  }
-  if (error != std::errc{} || !known || !(every.interval > 0.0) || !std::isfinite(every.interval))
+  const auto every = read_duration(text);
+  if (!every)
     throw std::invalid_argument(fmt::format(
         "--checkpoint: {} is neither a time of the scene, such as 0.5, nor one on the clock, such as 30s, 5min or 1h",
         text));
-  return every;
+  return {every->on_the_clock ? CheckpointEvery::Clock::wall : CheckpointEvery::Clock::simulated, every->value};
+}
+
+/// Seconds; absent where the option was not given.
+std::optional<double> wall_time_of(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const auto limit = read_duration(text);
+  if (!limit || !limit->on_the_clock)
+    throw std::invalid_argument(
+        fmt::format("--wall-time: {} is no time on the clock, such as 30s, 10m (or 10min) or 2h", text));
+  return limit->value;
+}
+
+void add_wall_time(CLI::App& command, std::string& text) {
+  command
+      .add_option("--wall-time", text,
+                  "Stop after this time on the clock, such as 30s, 10m or 2h, with a checkpoint from which resume goes "
+                  "on; exit code 130 as after an interrupt")
+      ->type_name("TIME");
 }
 
 }  // namespace
@@ -168,6 +262,7 @@ RunCommand::RunCommand(CLI::App& app)
       ->type_name("ERROR");
   command_.add_flag("--no-estimate", no_estimate_,
                     "Make no runs on coarser meshes to estimate the error of a scene that asks for none");
+  add_wall_time(command_, wall_time_);
   command_
       .add_option("--sensitivity", sensitivity_,
                   "Tell derivatives of the results with respect to these keys, such as bar.viscosity,left.gap")
@@ -178,6 +273,7 @@ int RunCommand::operator()() const {
   RecordOptions options;
   if (!checkpoint_.empty()) options.checkpoint = checkpoint_every(checkpoint_);
   options.figures = output_.figures;
+  const auto wall_time = wall_time_of(wall_time_);
   std::vector<std::string> settings = sensitivity_settings(sensitivity_);
   if (!error_.empty()) settings.push_back("accuracy.error=" + error_);
   const SceneFile scene = scene_.read({}, settings);
@@ -189,7 +285,8 @@ int RunCommand::operator()() const {
         fmt::format("--checkpoint: {} makes more than {} checkpoints until t = {}; the shortest interval is {:.3g}",
                     checkpoint_, most_checkpoints, scene.run.end, scene.run.end / most_checkpoints));
   const fs::path directory = output_.directory(scene_);
-  return shown(scene, directory, scene_.json, output_.quiet, options, [&](const RecordOptions& chosen) {
+  if (!output_.quiet) warn_of_other_scenes(directory, scene, "summary.json");
+  return shown(scene, directory, scene_.json, output_.quiet, wall_time, options, [&](const RecordOptions& chosen) {
     if (scene.accuracy) return record_to_accuracy(scene, directory, chosen);
     return no_estimate_ ? record_run(scene, directory, chosen) : record_with_estimate(scene, directory, chosen);
   });
@@ -199,14 +296,16 @@ ResumeCommand::ResumeCommand(CLI::App& app)
     : Command(app, "resume", "Continue a run that was stopped, from its last checkpoint") {
   command_.add_option("directory", directory_, "Where the run put its results")->required()->type_name("DIR");
   command_.add_flag("--json", json_, "Print one JSON document on standard output, and nothing else there");
-  command_.add_flag("--quiet", quiet_, "Print nothing but errors");
+  command_.add_flag("-q,--quiet", quiet_, "Print nothing but errors");
   add_figures(command_, figures_);
+  add_wall_time(command_, wall_time_);
 }
 
 int ResumeCommand::operator()() const {
   const fs::path directory = directory_;
   RecordOptions options;
   options.figures = figures_;
+  const auto wall_time = wall_time_of(wall_time_);
   if (clear_whole_run(directory)) {
     std::ifstream summary(directory / "summary.json");
     if (json_)
@@ -216,7 +315,7 @@ int ResumeCommand::operator()() const {
     return success;
   }
   const SceneFile scene = scene_of_checkpoint(directory);
-  return shown(scene, directory, json_, quiet_, options,
+  return shown(scene, directory, json_, quiet_, wall_time, options,
                [&](const RecordOptions& chosen) { return resume_run(scene, directory, chosen, warn); });
 }
 

@@ -15,6 +15,7 @@
 #include "results/output_file.hpp"
 #include "results/result_directory.hpp"
 #include "sweep/ranks.hpp"
+#include "sweep/sweep_page.hpp"
 #include "sweep/sweep_results.hpp"
 #include "sweep/sweep_workers.hpp"
 
@@ -88,6 +89,14 @@ std::string table(const SweepFile& sweep, const SweepResults& results, std::size
                            : fmt::format("{} of {}, {} of them from before", results.size(), sweep.plan.size(), kept));
   if (const std::size_t failed = results.failed(); failed > 0) text += row("failed", fmt::format("{}", failed));
   text += row("whole sweep", fmt::format("{:.3g} s", seconds));
+  constexpr std::size_t most_rows = 30;
+  const auto rows = results.rows();
+  if (!rows.empty()) {
+    text += "\n" + viscobar::text(sweep_text_table(sweep, rows, most_rows));
+    if (rows.size() > most_rows) text += fmt::format("  and {} more\n", rows.size() - most_rows);
+    text += "\n";
+  }
+  text += row("page", (directory / "sweep.html").string());
   return text +
          row("rows", fmt::format("{}, {}", (directory / "sweep.h5").string(), (directory / "sweep.csv").string()));
 }
@@ -161,9 +170,13 @@ int SweepCommand::operator()() const {
       order.empty() || (several ? ranks->run(work) : run_on_threads(work, std::min(threads, order.size())));
   progress.reset();
   results.close();
+  const std::string page = sweep_page(sweep, results.rows());
+  write_atomically(directory / "sweep.html", page);
 
+  FileChecksums checksums = results.checksums();
+  checksums["sweep.html"] = Checksum::of(page);
   const std::string json =
-      sealed_summary(description(sweep, results, kept, workers, seconds_since(started)), results.checksums());
+      sealed_summary(description(sweep, results, kept, workers, seconds_since(started)), checksums);
   write_atomically(directory / "sweep.json", json);
   if (json_)
     print(json);

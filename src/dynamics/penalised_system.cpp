@@ -439,7 +439,11 @@ double PenalisedSystem::holding_force(std::size_t i, double t, std::span<const d
 double PenalisedSystem::energy(std::span<const double> u, std::span<const double> w) const {
   std::vector<double> displacement(u.begin(), u.end());
   for (std::size_t i = 0; i < origin_.size(); ++i) displacement[i] += origin_[i];
-  double sum = bar_.energy(displacement, w);
+  return bar_.energy(displacement, w) + contact_energy(u);
+}
+
+double PenalisedSystem::contact_energy(std::span<const double> u) const {
+  double sum = 0.0;
   for (std::size_t i = 0; i < laws_.size(); ++i)
     if (!holds(i)) sum += laws_[i].energy(-clearance(i, u));
   return sum;

@@ -201,6 +201,8 @@ class PenalisedSystem {
   /// That of a closed contact that holds(), as its row gives it, of either sign.
   double holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
 
+  /// Energy of the springs of closed contacts.
+  double contact_energy(std::span<const double> u) const;
   /// Kinetic, elastic and contact energy, in the frame of the system.
   double energy(std::span<const double> u, std::span<const double> w) const;
   /// What a frame that moves adds to it, 0 otherwise. The work of what moves it is the increase of that, the power of

@@ -19,7 +19,7 @@ std::string line(const std::string& key, const Json& value) {
 
 }  // namespace
 
-SceneFile described_scene(const std::string& description, const std::string& source) {
+std::string scene_text(const std::string& description) {
   std::string top, tables;
   const Json scene = Json::parse(description);
   for (const auto& [name, value] : scene.items()) {
@@ -30,7 +30,11 @@ SceneFile described_scene(const std::string& description, const std::string& sou
     tables += fmt::format("[{}]\n", name);
     for (const auto& [key, entry] : value.items()) tables += line(key, entry);
   }
-  return parse_scene(top + tables, source);
+  return top + tables;
+}
+
+SceneFile described_scene(const std::string& description, const std::string& source) {
+  return parse_scene(scene_text(description), source);
 }
 
 SceneFile with_settings(const SceneFile& scene, const Case& chosen) {

@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
+#include <tuple>
+#include <utility>
 
 #include "input/formula_derivative.hpp"
 #include "input/formula_switches.hpp"
@@ -42,31 +45,36 @@ void define_names(mu::Parser& parser) {
   parser.DefineConst("pi", std::numbers::pi);
 }
 
-// The parser reads its variables through pointers; a copy compiles anew, over variables of its own.
+// The parser reads its variables through pointers, so a copy has one of its own. It is made when the copy is called
+// first: most copies of a scene's functions never are.
 class Compiled {
  public:
-  Compiled(std::string text, const Parameters& parameters) : text_(std::move(text)), parameters_(parameters) {
-    define_names(parser_);
-    for (const auto& [name, value] : parameters_) parser_.DefineConst(name, value);
-    parser_.DefineVar("x", &x_);
-    parser_.DefineVar("t", &t_);
-    parser_.SetExpr(text_);
-  }
+  Compiled(std::string text, const Parameters& parameters) : text_(std::move(text)), parameters_(parameters) {}
   Compiled(const Compiled& other) : Compiled(other.text_, other.parameters_) {}
   Compiled& operator=(const Compiled&) = delete;
   ~Compiled() = default;
 
   double operator()(double x, double t) {
+    if (!parser_) compile();
     x_ = x;
     t_ = t;
-    return parser_.Eval();
+    return parser_->Eval();
   }
 
  private:
+  void compile() {
+    mu::Parser& parser = parser_.emplace();
+    define_names(parser);
+    for (const auto& [name, value] : parameters_) parser.DefineConst(name, value);
+    parser.DefineVar("x", &x_);
+    parser.DefineVar("t", &t_);
+    parser.SetExpr(text_);
+  }
+
   std::string text_;
   Parameters parameters_;
   double x_ = 0.0, t_ = 0.0;
-  mu::Parser parser_;
+  std::optional<mu::Parser> parser_;
 };
 
 // muParser's time grows with the square of the length, its stack with the depth.
@@ -190,6 +198,18 @@ std::string parameter_name_problem(std::string_view name) {
 
 Formula::Formula(std::string text, std::string_view variables, const Parameters& parameters)
     : parameters_(parameters), text_(std::move(text)) {
+  // A scene asks for each of its formulas several times, and a sweep for those of thousands of scenes.
+  struct Known {
+    std::string used;
+    double constant;
+  };
+  thread_local std::map<std::tuple<std::string, std::string, Parameters>, Known> all_known;
+  const auto key = std::tuple(text_, std::string(variables), parameters_);
+  if (const auto known = all_known.find(key); known != all_known.end()) {
+    used_ = known->second.used;
+    constant_ = known->second.constant;
+    return;
+  }
   check_size(text_);
   check_characters(text_);
   mu::Parser parser;
@@ -208,6 +228,9 @@ Formula::Formula(std::string text, std::string_view variables, const Parameters&
   if (uses('t')) parse_formula(text_, parameters_);  // breaks() will
   if (is_constant() && !std::isfinite(constant_))
     throw FormulaError(fmt::format("must be finite, is {}", printable(constant_)));
+  constexpr std::size_t most = 100;
+  if (all_known.size() >= most) all_known.clear();
+  all_known.emplace(key, Known{used_, constant_});
 }
 
 SpaceFunction Formula::of_x() const {

@@ -3,18 +3,23 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <istream>
 
 #include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {
 
 std::string input_text(const std::filesystem::path& file) {
-  constexpr std::size_t largest_file = 1 << 20;  // bytes; a scene takes about one thousand
-  const auto fail = [&](const std::string& problem) {
-    throw SceneError({{file.string(), 1, 1, "", "cannot be read: " + problem}});
-  };
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
+  return input_text(stream, file.string());
+}
+
+std::string input_text(std::istream& stream, const std::string& name) {
+  constexpr std::size_t largest_file = 1 << 20;  // bytes; a scene takes about one thousand
+  const auto fail = [&](const std::string& problem) {
+    throw SceneError({{name, 1, 1, "", "cannot be read: " + problem}});
+  };
   std::string text(largest_file + 1, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!stream.eof()) fail(errno != 0 ? std::strerror(errno) : "it is longer than 1 MiB");

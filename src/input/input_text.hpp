@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
 #include <string>
 #include <string_view>
 
@@ -8,6 +9,8 @@ namespace viscobar {
 
 /// The text of a file that the user wrote. @throws SceneError when it cannot be read or is longer than 1 MiB
 std::string input_text(const std::filesystem::path& file);
+/// The same of a stream, which `name` names in the error.
+std::string input_text(std::istream& stream, const std::string& name);
 
 /// Without blanks, tabs and carriage returns at both ends.
 std::string_view trimmed(std::string_view text);

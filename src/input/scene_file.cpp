@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "case/method_table.hpp"
 #include "input/input_text.hpp"
+#include "input/parse_case.hpp"
 #include "input/scene_direction.hpp"
 #include "input/scene_values.hpp"
 #include "scene/end_kinds.hpp"
@@ -84,6 +86,13 @@ std::optional<Load> load_of(const SceneEntries& entries) {
   return SeparableLoad{profile->of_x(), history->of_t(), history->breaks()};
 }
 
+OutputFiles files_of(const SceneEntries& entries) {
+  if (!entries.present("output.write") || entries.faulty("output.write")) return {};
+  const auto words = entries.list("output.write");
+  const auto named = [&](std::string_view file) { return std::ranges::find(words, file) != words.end(); };
+  return {named("ends"), named("events"), named("field"), named("energy"), named("report")};
+}
+
 // The case that the sound keys make; a faulty one gets a value that does no harm.
 Case case_of(const SceneEntries& entries, std::vector<std::string>& refusals) {
   const auto number = [&](const char* key, double otherwise) { return entries.number(key).value_or(otherwise); };
@@ -109,6 +118,9 @@ Case case_of(const SceneEntries& entries, std::vector<std::string>& refusals) {
   run.scene.displacement = function("initial.displacement");
   run.scene.velocity = function("initial.velocity");
   run.scene.load = load_of(entries);
+  const auto unit = [&](const char* key) { return entries.text(key).value_or(""); };
+  run.scene.units = {unit("units.length"), unit("units.time"), unit("units.mass"), unit("units.force"),
+                     unit("units.stress")};
 
   run.elements =
       entries.faulty("mesh.elements") ? 1 : static_cast<std::size_t>(number("mesh.elements", default_elements));
@@ -141,6 +153,7 @@ Case case_of(const SceneEntries& entries, std::vector<std::string>& refusals) {
     run.reservation = std::move(choice.reservation);
   }
   run.output_every = number("output.every", run.end / 100.0);
+  run.files = files_of(entries);
   run.step = entries.number("method.step");
   return run;
 }
@@ -323,19 +336,35 @@ std::string SceneFile::complete() const {
   return json.dump(2);
 }
 
-SceneFile parse_scene(const std::string& text, const std::string& source, std::span<const std::string> overrides,
-                      const Adaptation& adapt) {
-  SceneEntries entries(text, source, overrides);
-  SceneFile scene;
+namespace {
+
+Case checked_case(SceneEntries& entries, const Adaptation& adapt, std::optional<AccuracyRequest>* accuracy = nullptr) {
+  Case run;
   if (entries.readable()) {
     check_end(entries, "left");
     check_end(entries, "right");
     check_load_keys(entries);
     check_motion(entries);
-    scene.run = validated_case(entries, adapt);
-    scene.accuracy = accuracy_of(entries, scene.run);
+    run = validated_case(entries, adapt);
+    if (const auto request = accuracy_of(entries, run); accuracy) *accuracy = request;
   }
   if (auto found = entries.diagnostics(); !found.empty()) throw SceneError(std::move(found));
+  return run;
+}
+
+}  // namespace
+
+Case parse_case(const std::string& text, const std::string& source, std::span<const std::string> overrides,
+                const Adaptation& adapt) {
+  SceneEntries entries(text, source, overrides);
+  return checked_case(entries, adapt);
+}
+
+SceneFile parse_scene(const std::string& text, const std::string& source, std::span<const std::string> overrides,
+                      const Adaptation& adapt) {
+  SceneEntries entries(text, source, overrides);
+  SceneFile scene;
+  scene.run = checked_case(entries, adapt, &scene.accuracy);
   scene.description = describe(entries, scene.run);
   scene.chosen = choose(entries, scene.run);
   return scene;

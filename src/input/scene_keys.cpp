@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <list>
+#include <unordered_map>
 #include <vector>
 
 #include "case/method_table.hpp"
@@ -52,6 +53,13 @@ constexpr Choice controls[] = {
     {"global", "the error of the solution"},
     {"local", "the error of each step"},
 };
+constexpr Choice files[] = {
+    {"ends", "ends.csv, the motion of the ends"},
+    {"events", "events.csv, the contact changes"},
+    {"field", "field.h5 and field.xdmf, displacement, velocity and stress of the whole bar"},
+    {"energy", "energy.csv, where the energy is"},
+    {"report", "report.html, the page with the pictures"},
+};
 constexpr Choice formulas[] = {
     {"automatic", "chosen leg by leg, by the bar's stiffness"},
     {"adams", "Adams-Moulton, for bars that are not stiff"},
@@ -89,7 +97,7 @@ constexpr SceneKey rows[] = {
     {"contact.restitution", number, optional, "", "1", "restitution of a contact node; absent: undamped spring in penalised methods, implicit constraint in the others", {0.0, 1.0, "0 to 1"}},
 
     {"method.name", choice, optional, "\"automatic\"", "", "method of time integration"},
-    {"method.relative_tolerance", number, optional, "1e-6", "1", "adaptive methods: error allowed, relative to the largest displacement and velocity", {smallest, 0.1, "> 0, <= 0.1"}},
+    {"method.relative_tolerance", number, optional, "1e-6", "1", "adaptive methods: error allowed, relative to the largest displacement and velocity", {1e-15, 0.1, ">= 1e-15, <= 0.1"}},
     {"method.absolute_tolerance", number, optional, "", "length", "adaptive methods: error allowed in addition, the same number for the velocity; absent: relative_tolerance / 1000 of the displacement and of the velocity that the scene has, see below", positive},
     {"method.error_control", choice, optional, "\"global\"", "", "whether the tolerances bound the error of the solution or of each step", {}, controls},
     {"method.formulas", choice, optional, "\"automatic\"", "", "multistep formulas of cvode", {}, formulas},
@@ -105,12 +113,20 @@ constexpr SceneKey rows[] = {
 
     {"sensitivity.of", list, optional, "", "", "keys with respect to which derivatives of the whole result are told, such as bar.viscosity; also --sensitivity"},
 
+    {"units.length", text, optional, "", "", "name of the unit of length, such as \"m\", for axes and attributes"},
+    {"units.time", text, optional, "", "", "likewise of time, such as \"s\""},
+    {"units.mass", text, optional, "", "", "likewise of mass, such as \"kg\""},
+    {"units.force", text, optional, "", "", "likewise of force, such as \"N\""},
+    {"units.stress", text, optional, "", "", "likewise of stress, such as \"Pa\"; absent: made of force and length, or of mass, length and time"},
+
     {"output.every", number, optional, "", "time", "interval of the output times; absent: time.end / 100", positive},
+    {"output.write", list, optional, "", "", "files to write beside summary.json; absent: all", {}, files},
 };
 // clang-format on
 
-constexpr std::string_view tables[] = {"bar",  "left",    "right",  "span",     "initial",    "load",        "time",
-                                       "mesh", "contact", "method", "accuracy", "parameters", "sensitivity", "output"};
+constexpr std::string_view tables[] = {"bar",      "left",       "right",       "span",    "initial",
+                                       "load",     "time",       "mesh",        "contact", "method",
+                                       "accuracy", "parameters", "sensitivity", "units",   "output"};
 
 constexpr std::string_view any_parameter = "parameters.NAME";
 
@@ -199,7 +215,8 @@ std::string type_words(const SceneKey& key) {
     case formula:
       return fmt::format("number{}{}, or formula in {}", key.range.words.empty() ? "" : " ", key.range.words,
                          key.variables == "xt" ? "x and t" : key.variables);
-    case list: return "list of keys";
+    case list:
+      return key.choices.empty() ? "list of keys" : fmt::format("list of `{}`", fmt::join(key.choice_names(), "`, `"));
   }
   return {};
 }
@@ -250,12 +267,19 @@ bool is_scene_table(std::string_view name) {
 
 const SceneKey* find_scene_key(std::string_view name) {
   if (is_parameter(name)) name = any_parameter;
-  return first_key([&](const SceneKey& key) { return key.name == name; });
+  static const auto by_name = [] {
+    std::unordered_map<std::string_view, const SceneKey*> all;
+    for (const SceneKey& key : scene_keys()) all.emplace(key.name, &key);
+    return all;
+  }();
+  const auto found = by_name.find(name);
+  return found == by_name.end() ? nullptr : found->second;
 }
 
 const SceneKey* find_scene_key(std::string_view table, std::string_view leaf) {
   if (table == "parameters" && !leaf.empty()) return find_scene_key(any_parameter);
-  return first_key([&](const SceneKey& key) { return key.table() == table && key.leaf() == leaf; });
+  if (leaf.find('.') != leaf.npos) return nullptr;  // a key in quotes
+  return find_scene_key(table.empty() ? std::string(leaf) : fmt::format("{}.{}", table, leaf));
 }
 
 const SceneKey* nearest_scene_key(std::string_view table, std::string_view leaf) {

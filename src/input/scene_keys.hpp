@@ -43,7 +43,7 @@ struct SceneKey {
   std::string_view unit;
   std::string_view meaning;
   Range range{};                      ///< of a number or count, or of a formula where it is a number
-  std::span<const Choice> choices{};  ///< of a choice
+  std::span<const Choice> choices{};  ///< of a choice, or of the words of a list
   std::string_view variables{};       ///< of a formula: "x", "t" or "xt"
 
   std::string_view table() const;  ///< empty above the first table

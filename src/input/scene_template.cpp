@@ -54,7 +54,13 @@ constexpr Example examples[] = {
     {"method.step", "1e-3", not_set},
     {"accuracy.error", "1e-4", not_set},
     {"accuracy.of", "\"displacement\"", not_set},
+    {"units.length", "\"m\"", not_set},
+    {"units.time", "\"s\"", not_set},
+    {"units.mass", "\"kg\"", not_set},
+    {"units.force", "\"N\"", not_set},
+    {"units.stress", "\"Pa\"", not_set},
     {"output.every", "0.01"},
+    {"output.write", "[\"ends\", \"events\", \"field\", \"energy\", \"report\"]", not_set},
 };
 
 Example example(const SceneKey& key) {

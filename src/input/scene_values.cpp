@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "input/input_text.hpp"
 #include "input/synonyms.hpp"
@@ -19,8 +20,39 @@ namespace {
 
 constexpr std::string_view override_source = "--set";
 
+// A number as TOML writes it, without underscores: most values of a sweep are.
+std::optional<TomlValue> plain_number(std::string_view text) {
+  const std::size_t digits = text.starts_with('-') ? 1 : 0;
+  if (text.size() > 20 || text.find_first_not_of("0123456789.e-", digits) != text.npos) return std::nullopt;
+  const std::size_t point = text.find('.'), exponent = text.find('e');
+  const std::string_view whole = text.substr(digits, std::min({point, exponent, text.size()}) - digits);
+  if (whole.empty() || (whole.size() > 1 && whole.front() == '0') || whole.find('-') != whole.npos) return std::nullopt;
+  if (point != text.npos && (point + 1 == text.size() || text[point + 1] == 'e')) return std::nullopt;
+  const char* const end = text.data() + text.size();
+  if (point == text.npos && exponent == text.npos) {
+    std::int64_t value = 0;
+    const auto [at, error] = std::from_chars(text.data(), end, value);
+    return error == std::errc() && at == end ? std::optional<TomlValue>(value) : std::nullopt;
+  }
+  double value = 0.0;
+  const auto [at, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && at == end ? std::optional<TomlValue>(value) : std::nullopt;
+}
+
+// The text of a sweep's scene is read again and again.
+const TomlDocument& document_of(const std::string& text) {
+  thread_local std::pair<std::string, TomlDocument> last;
+  if (last.first != text || last.second.entries.empty()) {
+    last.first.clear();
+    last.second = parse_toml(text);
+    last.first = text;
+  }
+  return last.second;
+}
+
 // A TOML value, or else the text itself.
 TomlValue value_of(std::string_view text) {
+  if (auto number = plain_number(text)) return *std::move(number);
   try {
     const TomlDocument document = parse_toml("value = " + std::string(text));
     if (document.tables.empty() && document.entries.size() == 1) return document.entries.front().value;
@@ -111,6 +143,19 @@ std::string formula_problem(const SceneKey& key, const TomlValue& value, const P
   return {};
 }
 
+std::string list_problem(const SceneKey& key, const TomlValue& value) {
+  const auto* words = std::get_if<std::vector<std::string>>(&value);
+  if (!words)
+    return fmt::format(
+        "must be a list of strings, such as {}, is {}",
+        key.choices.empty() ? "[\"bar.viscosity\", \"left.gap\"]" : fmt::format("[\"{}\"]", key.choices.front().name),
+        kind_of(value));
+  if (key.choices.empty()) return {};
+  for (const std::string& word : *words)
+    if (const std::string problem = choice_problem(key, word); !problem.empty()) return "an entry " + problem;
+  return {};
+}
+
 }  // namespace
 
 std::optional<double> percentage(std::string_view text) {
@@ -147,11 +192,7 @@ std::string problem_with(const SceneKey& key, const TomlValue& value, const Para
                                            : fmt::format("must be more than 0 and at most 100 %, is \"{}\"", *text);
     }
     case KeyType::formula: return formula_problem(key, value, parameters);
-    case KeyType::list:
-      return std::holds_alternative<std::vector<std::string>>(value)
-                 ? ""
-                 : fmt::format("must be a list of strings, such as [\"bar.viscosity\", \"left.gap\"], is {}",
-                               kind_of(value));
+    case KeyType::list: return list_problem(key, value);
   }
   return {};
 }
@@ -175,14 +216,15 @@ SceneEntries::SceneEntries(const std::string& text, const std::string& source, s
 }
 
 void SceneEntries::add_text(const std::string& text) {
-  TomlDocument document;
+  const TomlDocument* read = nullptr;
   try {
-    document = parse_toml(text);
+    read = &document_of(text);
   } catch (const TextError& error) {
     readable_ = false;
     report_at({end_.source, error.at}, "", error.what());
     return;
   }
+  const TomlDocument& document = *read;
   end_.at = position_in(text, text.size());
 
   // A misspelt table or key stands for the one it resembles, unless that one is there, too: so its values are checked,

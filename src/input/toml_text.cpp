@@ -39,7 +39,15 @@ TomlValue plain_value(const toml::node& node) {
   if (const auto* number = node.as_floating_point()) return number->get();
   if (const auto* boolean = node.as_boolean()) return boolean->get();
   if (node.is_table()) return OtherValue{"a table"};
-  if (node.is_array()) return OtherValue{"an array"};
+  if (const auto* array = node.as_array()) {
+    std::vector<std::string> texts;
+    for (const toml::node& element : *array) {
+      const auto* text = element.as_string();
+      if (!text) return OtherValue{"an array"};
+      texts.push_back(text->get());
+    }
+    return texts;
+  }
   return OtherValue{"a date or time"};
 }
 

@@ -44,7 +44,7 @@ struct TomlNode {
   enum class Kind { plain, array, table };
   std::string key;  ///< empty in an array and at the root
   Kind kind = Kind::plain;
-  TomlValue value;  ///< of an array or a table an OtherValue
+  TomlValue value;  ///< of a table an OtherValue
   std::vector<TomlNode> inside;
   TextPosition key_at, value_at;
 };

@@ -59,7 +59,7 @@ Json to_json(const SceneKey& key) {
       {"unit", key.unit}, {"meaning", key.meaning}};
   if (key.type == KeyType::number || key.type == KeyType::count || key.type == KeyType::amount)
     json["limits"] = {{"low", key.range.low}, {"high", key.range.high}};
-  if (key.type == KeyType::choice) json["choices"] = key.choice_names();
+  if (!key.choices.empty()) json["choices"] = key.choice_names();
   if (key.type == KeyType::formula) json["variables"] = key.variables;
   return json;
 }

@@ -288,9 +288,11 @@ class Run {
       ends_->look_at(t_, t_ + tau, pieces, [&](std::size_t k, double) { return end_sample(motion[k], 0.0, tau); });
       if (!ends_->resolved()) return false;
     }
-    if (energy_flows() && !add_sampled_flow(motion, p, tau, penetration)) return false;
+    std::optional<SampledFlow> flow;
+    if (energy_flows() && !(flow = resolved_flow(motion, p, tau, penetration))) return false;
     if (ends_) ends_->add();
-    output_until(t_ + tau, tau);
+    output_until(t_ + tau, tau, [&](double sigma) { return flow ? flow->until(sigma) : EnergyFlow{}; });
+    if (flow) add(flow->flow);
     statistics_.max_penetration = penetration;
     y_ = std::move(y);
     t_ += tau;
@@ -298,28 +300,32 @@ class Run {
     return true;
   }
 
-  bool add_sampled_flow(const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p, double tau,
-                        double penetration) {
+  // Over a long step; absent where the step may hide some of it.
+  std::optional<SampledFlow> resolved_flow(const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p,
+                                           double tau, double penetration) const {
     std::vector<VectorXd> velocities, loads, accelerations;
     for (std::size_t k = 0; k < motion.size(); ++k) {
       velocities.push_back(motion[k].col(1) / tau);
       if (system_.loaded()) loads.push_back(load_.total(p[k]).col(0));
       if (leg().has_end_rows()) accelerations.push_back(motion[k].col(2) * (2.0 / (tau * tau)));
     }
-    auto [flow, error] = sampled_flow(leg(), velocities, loads, accelerations, tau, frame_loss(tau));
+    SampledFlow sampled = sampled_flow(leg(), velocities, loads, accelerations, tau, frame_loss(tau));
+    EnergyFlow& flow = sampled.flow;
     // As a bar at rest sets in motion, its energy is so small that a share of it would be below the flow's own
     // rounding.
     const double share = 1e-12 * energy_scale_ * tau / (times_.back() - times_.front());
     // What may be rounding alone would add up in a long flight.
     const double ends = end_power_rounding(velocities) * tau;
-    if (std::abs(flow.end_inertia) <= ends) flow.end_inertia = 0.0;
+    if (std::abs(flow.end_inertia) <= ends) {
+      flow.end_inertia = 0.0;
+      for (EnergyFlow& power : sampled.powers) power.end_inertia = 0.0;
+    }
     const double known = 64.0 * rounding *
                              (std::abs(flow.dissipated) + std::abs(flow.work) + std::abs(flow.end_inertia) +
                               distance_.cancelled_power(penetration) * tau) +
                          ends;
-    if (error > std::max({share, known, std::numeric_limits<double>::min()})) return false;
-    add(flow);
-    return true;
+    if (sampled.error > std::max({share, known, std::numeric_limits<double>::min()})) return std::nullopt;
+    return sampled;
   }
 
   FrameLoss frame_loss(double tau) const {
@@ -359,7 +365,9 @@ class Run {
       if (passage && (!changing || *passage < sigma)) sigma = *passage, changing = c;
     }
     const double t = t_ + tau * sigma;
-    output_until(t, tau);
+    output_until(t, tau, [&](double at) {
+      return energy_flows() ? gauss_flow(leg(), series, load_.total(p_), tau, at, frame_loss(tau)) : EnergyFlow{};
+    });
     for (std::size_t c = 0; c < contacts(); ++c)
       if (penalised_.closed(c))
         statistics_.max_penetration =
@@ -406,8 +414,9 @@ class Run {
   }
 
   // Solution at the output times up to t of the current step, of length tau, by bisection of the step: that of the run
-  // goes its way undisturbed.
-  void output_until(double t, double tau) {
+  // goes its way undisturbed. `flow_until` gives the energy that has flown at a part of the step.
+  template <class FlowUntil>
+  void output_until(double t, double tau, FlowUntil&& flow_until) {
     for (; next_output_ < times_.size() && times_[next_output_] <= t; ++next_output_) {
       const bool last = next_output_ + 1 == times_.size();
       if (!observers_.snapshot && !(last && statistics_.energy)) continue;
@@ -428,18 +437,34 @@ class Run {
       const Series series = propagator_->expand(y, p, width);
       const VectorXd u = leg().displacement(series, s / width) + propagators_.origin();
       const VectorXd v = leg().velocity(series, s / width, width);
+      const double of_frame =
+          statistics_.energy ? penalised_.frame_energy(times_[next_output_], entries(u), entries(v)) : 0.0;
       if (last && statistics_.energy) {
-        const double of_frame = penalised_.frame_energy(times_.back(), entries(u), entries(v));
         statistics_.energy->final = penalised_.energy(entries(u), entries(v)) + of_frame;
         statistics_.energy->work += of_frame;
       }
-      if (observers_.snapshot) tell_snapshot(times_[next_output_], u, v, series, p, s / width);
+      if (!observers_.snapshot) continue;
+      std::optional<EnergyState> energy;
+      if (statistics_.energy) {
+        const EnergyFlow flow = flow_until((times_[next_output_] - t_) / tau);
+        energy = EnergyState{.dissipated = statistics_.energy->dissipated + flow.dissipated,
+                             .work = statistics_.energy->work + flow.work + (last ? 0.0 : of_frame),
+                             .end_inertia = statistics_.energy->end_inertia + flow.end_inertia};
+      }
+      tell_snapshot(times_[next_output_], u, v, series, p, s / width, energy);
     }
   }
 
   void tell_snapshot(double t, const VectorXd& u, const VectorXd& v, const Series& series, const LoadPolynomial& p,
-                     double sigma) {
+                     double sigma, std::optional<EnergyState> energy) {
     Snapshot snapshot = snapshot_(t, entries(u), entries(v));
+    if (energy) {
+      const EnergyState held = snapshot_.energy(entries(u));
+      energy->kinetic = held.kinetic;
+      energy->elastic = held.elastic;
+      energy->contact = held.contact;
+      snapshot.energy = energy;
+    }
     // Again from the penetration itself, which has more digits than the displacement.
     const auto reaction = [&](Index end) {
       double sum = 0.0;

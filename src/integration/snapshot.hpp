@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/element_stress.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "viscobar/run/run.hpp"
 
@@ -23,7 +24,7 @@ class SnapshotBuilder {
       bar.add_lift(bar.lift(t, 0), u_);
       bar.add_lift(bar.lift(t, 1), v_);
     }
-    Snapshot snapshot{t, u_, v_, 0.0, 0.0};
+    Snapshot snapshot{t, u_, v_};
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
       const Contact& contact = system_.contact(i);
       if (!bar.left_fixed() && contact.unknown == 0) snapshot.reaction_left += system_.reaction(i, t, u, w);
@@ -35,11 +36,15 @@ class SnapshotBuilder {
     return snapshot;
   }
 
+  /// Of the state that a snapshot was made of last; what came and went is the method's to add.
+  EnergyState energy(std::span<const double> u) const {
+    const BarEnergy bar = system_.bar().nodal_energy(u_, v_);
+    return {.kinetic = bar.kinetic, .elastic = bar.elastic, .contact = system_.contact_energy(u)};
+  }
+
  private:
   double stress(std::size_t element) const {
-    const Bar& bar = system_.bar().bar();
-    const double strain = u_[element + 1] - u_[element], rate = v_[element + 1] - v_[element];
-    return (bar.modulus * strain + bar.viscosity * rate) / system_.bar().mesh().element(element);
+    return element_stress(system_.bar().bar(), system_.bar().mesh(), u_, v_, element);
   }
 
   PenalisedSystem& system_;

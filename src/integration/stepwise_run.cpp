@@ -74,8 +74,12 @@ class StepwiseRun {
         change.reset();
       }
       if (ends_) watch_ends(t, limit, system_.contact_count() > 0 && !search_.selects() && limit == reached);
-      if (layout_.account() > 0 && account_doubtful(t, reached)) correct_account(t, limit);
-      outputs_until(limit);
+      if (layout_.account() > 0 && account_doubtful(t, reached)) {
+        outputs_until(limit, [&](double at) { return corrected_account(t, at); });
+        account_shift_ = corrected_account(t, limit);
+      } else {
+        outputs_until(limit, [&](double) { return account_shift_; });
+      }
       t = limit;
       statistics_.reached_time = t;
       watchdog_.step(t, statistics_.events);
@@ -111,7 +115,7 @@ class StepwiseRun {
     const double t = statistics_.reached_time;
     if (!observers_.snapshot || next_output_ == 0 || t <= times_[next_output_ - 1]) return;
     try {
-      stepper_.interpolate(t, y_);
+      reach(t);
       system_.complete_velocity(t, u(), w());
     } catch (const std::exception&) {
       return;  // what failed there may fail again
@@ -191,9 +195,11 @@ class StepwiseRun {
   }
 
   // The state where the run is.
-  void reach(double t) {
+  void reach(double t) { interpolate(t, account_shift_); }
+
+  void interpolate(double t, const std::array<double, 3>& shift) {
     stepper_.interpolate(t, y_);
-    for (std::size_t k = 0; k < layout_.account(); ++k) y_[2 * layout_.nodes + k] += account_shift_[k];
+    for (std::size_t k = 0; k < layout_.account(); ++k) y_[2 * layout_.nodes + k] += shift[k];
   }
 
   // Over a step; `looked` says that the search has sampled what they need.
@@ -216,15 +222,16 @@ class StepwiseRun {
 
   // The power of a motion of frequency omega has one of 2 omega: where the formulas just resolve omega at a high order,
   // their account of the power may be a thousand times worse. Gauss' formula integrates it over the step instead.
-  void correct_account(double from, double to) {
+  std::array<double, 3> corrected_account(double from, double to) {
     const std::size_t first = 2 * layout_.nodes, count = layout_.account();
+    std::array<double, 3> shift = account_shift_;
     for (const auto& [at, sign] : {std::pair{to, -1.0}, {from, 1.0}}) {
       stepper_.interpolate(at, inner_);
-      for (std::size_t k = 0; k < count; ++k) account_shift_[k] += sign * inner_[first + k];
+      for (std::size_t k = 0; k < count; ++k) shift[k] += sign * inner_[first + k];
     }
     add_energy_flow<5>(
-        system_, layout_, from, to, [&](double t, std::span<double> y) { stepper_.interpolate(t, y); }, inner_,
-        account_shift_);
+        system_, layout_, from, to, [&](double t, std::span<double> y) { stepper_.interpolate(t, y); }, inner_, shift);
+    return shift;
   }
 
   void restart(double t) {
@@ -259,10 +266,12 @@ class StepwiseRun {
     }
   }
 
-  void outputs_until(double limit) {
+  // `shift_at` gives what the account of the leg is shifted by at a time of the step.
+  template <class ShiftAt>
+  void outputs_until(double limit, ShiftAt&& shift_at) {
     for (; next_output_ < times_.size() && times_[next_output_] <= limit; ++next_output_) {
       if (!observers_.snapshot) continue;
-      stepper_.interpolate(times_[next_output_], y_);
+      interpolate(times_[next_output_], shift_at(times_[next_output_]));
       system_.complete_velocity(times_[next_output_], u(), w());
       tell_snapshot(times_[next_output_]);
     }
@@ -374,9 +383,16 @@ class StepwiseRun {
 
   void tell_snapshot(double t) {
     if (!observers_.snapshot) return;
-    Snapshot snapshot = snapshot_(t, u(), w());
-    if (sensitivities_) snapshot.sensitivities = sensitivities_->fields(t, y_, snapshot);
-    telling_.snapshot(snapshot);
+    Snapshot now = snapshot_(t, u(), w());
+    if (sensitivities_) now.sensitivities = sensitivities_->fields(t, y_, now);
+    if (observers_.energy) {
+      const auto entry = [&](std::optional<std::size_t> at) { return at ? y_[*at] : 0.0; };
+      now.energy = snapshot_.energy(u());
+      now.energy->dissipated = entry(layout_.dissipated);
+      now.energy->work = entry(layout_.work) + system_.frame_energy(t, u(), w());
+      now.energy->end_inertia = entry(layout_.end_inertia);
+    }
+    telling_.snapshot(now);
   }
 
   PenalisedSystem& system_;

@@ -57,15 +57,12 @@ class RecordedRun {
     simulate_into(outcome(), scene_.run, system_, last_.motion, observers());
     judge(outcome(), scene_.run, system_, [this](const std::string& warning) { warn(warning); });
     // Each for itself: what one cannot write, another may.
-    attempt(outcome(), [&] { files_->ends.close(), written_["ends.csv"] = files_->ends.checksum(); });
-    attempt(outcome(), [&] { files_->events.close(), written_["events.csv"] = files_->events.checksum(); });
-    if (auto& sensitivity = files_->sensitivity)
-      attempt(outcome(), [&] { sensitivity->close(), written_["sensitivity.csv"] = sensitivity->checksum(); });
-    attempt(outcome(), [&] {
-      files_->field.close();
-      written_["field.h5"] = files_->field.checksum();
-      written_["field.xdmf"] = files_->field.xdmf_checksum();
-    });
+    close("ends.csv", files_->ends);
+    close("events.csv", files_->events);
+    close("energy.csv", files_->energy);
+    close("sensitivity.csv", files_->sensitivity);
+    close("field.h5", files_->field);
+    if (written_.contains("field.h5")) written_["field.xdmf"] = files_->field->xdmf_checksum();
     if (options_.estimate && outcome().ending == Ending::completed) options_.estimate(outcome());
     write_report();
     finish();
@@ -77,6 +74,15 @@ class RecordedRun {
   bool simulated() const { return last_.schedule && last_.schedule->clock == CheckpointEvery::Clock::simulated; }
   double wall_seconds() const { return last_.wall_seconds + seconds_since(options_.started); }
 
+  template <class File>
+  void close(const char* name, std::optional<File>& file) {
+    if (!file) return;
+    attempt(outcome(), [&] {
+      file->close();
+      written_[name] = file->checksum();
+    });
+  }
+
   void write_summary(const char* name = "summary.json") {
     record_.summary = summary_json(scene_, system_, outcome(), written_);
     write_atomically(place_ / name, record_.summary);
@@ -84,14 +90,21 @@ class RecordedRun {
 
   // Until the new files take their places, those of an earlier run that was stopped can be resumed.
   void begin() {
-    files_.emplace(place_, scene_.run, last_.motion ? &last_.files : nullptr);
+    files_.emplace(place_, scene_, last_.motion ? &last_.files : nullptr);
     // A run that is killed leaves this one, and no report of an earlier run beside its own files.
     outcome().ending = Ending::interrupted;
     outcome().error = "the run is going on, or was killed";
     write_summary();
     outcome() = {};
     for (const char* old : {"report.html", ResultDirectory::final_summary}) remove_file(place_ / old);
-    if (!files_->sensitivity) remove_file(place_ / "sensitivity.csv");
+    // Those of the run before that this one does not write.
+    for (const auto& [old, replaced] : {std::pair("ends.csv", files_->ends.has_value()),
+                                        {"events.csv", files_->events.has_value()},
+                                        {"energy.csv", files_->energy.has_value()},
+                                        {"sensitivity.csv", files_->sensitivity.has_value()},
+                                        {"field.h5", files_->field.has_value()},
+                                        {"field.xdmf", files_->field.has_value()}})
+      if (!replaced) remove_file(place_ / old);
     if (!last_.motion) {
       remove_checkpoints(place_);
       files_->take_places();
@@ -112,15 +125,13 @@ class RecordedRun {
     observers.energy = observers.account = true;
     observers.directions = scene_.run.directions;
     observers.snapshot = [this](const Snapshot& snapshot) {
-      files_->ends.append(snapshot);
-      if (files_->sensitivity) files_->sensitivity->append(snapshot);
-      files_->field.append(snapshot);
+      files_->append(snapshot);
       data_.add(snapshot);
       if (options_.snapshot) options_.snapshot(snapshot);
     };
     observers.event = [this](const Event& event) {
       ++outcome().events;
-      files_->events.append(event);
+      files_->append(event);
       if (!event.sensitivities.empty()) outcome().changes.push_back(event.sensitivities);
       data_.add(event);
       if (options_.event) options_.event(event);
@@ -170,6 +181,7 @@ class RecordedRun {
 
   void write_report() {
     outcome().wall_seconds = wall_seconds();
+    if (!scene_.run.files.report) return;
     attempt(outcome(), [&] {
       const Page page = report_page(scene_.run, system_, outcome(), data_);
       written_.merge(write_page(place_, "report.html",
@@ -184,7 +196,7 @@ class RecordedRun {
     const bool replaces = place_ != directory_.path();
     if (outcome().ending == Ending::completed)
       attempt(outcome(), [&] {
-        check_run_files(place_);
+        check_run_files(place_, written_);
         write_summary(replaces ? ResultDirectory::final_summary : "summary.json");
         if (replaces) directory_.replace_by_finished();
         remove_checkpoints(place_);

@@ -94,7 +94,7 @@ std::string Page::html() const {
   std::string styles = plot::palette_css(), scripts;
   styles += plot::drawing_css();
   styles += page_files::style;
-  if (!live_.empty()) {
+  if (!live_.empty() || !data_.empty()) {
     (styles += page_files::chart_style) += '\n';
     scripts = fmt::format(
         "<script type=\"application/json\" id=\"data\">{{\"figures\":{{\n{}}}{}}}</script>\n"
@@ -105,11 +105,11 @@ std::string Page::html() const {
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n"
-      "<header>\n<h1>{0}</h1>\n<p class=\"model\">{2}</p>\n{3}</header>\n{4}"
+      "<header>\n<h1>{0}</h1>\n{2}{3}</header>\n{4}"
       "<footer>viscobar {5}, SUNDIALS {6}, HDF5 {7}, Eigen {8}; {9}. All quantities in the units of the "
       "scene.</footer>\n</main>\n{10}</body>\n</html>\n",
-      escaped(title_), styles, model_, head_, body_, used.viscobar, used.sundials, used.hdf5, used.eigen,
-      escaped(used.platform), scripts);
+      escaped(title_), styles, model_.empty() ? "" : fmt::format("<p class=\"model\">{}</p>\n", model_), head_, body_,
+      used.viscobar, used.sundials, used.hdf5, used.eigen, escaped(used.platform), scripts);
 }
 
 std::vector<FigureFile> Page::figure_files() const {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "report/plot/figure.hpp"
@@ -48,6 +49,8 @@ struct Picture {
 class Page {
  public:
   Page(std::string title, const Scene& scene);
+  /// One without an equation.
+  explicit Page(std::string title) : title_(std::move(title)) {}
 
   /// HTML below the equation.
   void add_head(std::string_view html) { head_ += html; }

@@ -33,7 +33,7 @@ struct RunCheckpoint {
 
 /// The bytes of a checkpoint:
 ///
-///     "viscobar" | format 2 | length of what follows up to the checksum | version, build | payload | CRC-64
+///     "viscobar" | format 3 | length of what follows up to the checksum | version, build | payload | CRC-64
 ///
 /// each number of 8 bytes. The length finds every truncation, the Checksum other damage.
 std::string encoded(const RunCheckpoint& checkpoint);

@@ -2,34 +2,26 @@
 
 namespace viscobar {
 
-namespace {
-
-LineFile line_file(const std::filesystem::path& path, const std::optional<Checksum>& keep) {
-  return keep ? LineFile(path, *keep) : LineFile(path);
-}
-
-}  // namespace
-
-EndsCsv::EndsCsv(const std::filesystem::path& path, const std::optional<Checksum>& keep)
-    : file_(line_file(path, keep)) {
-  if (!keep) file_.print("t,u_left,v_left,reaction_left,u_right,v_right,reaction_right");
-}
-
 void EndsCsv::append(const Snapshot& at) {
   file_.print("{},{},{},{},{},{},{}", at.time, at.u.front(), at.v.front(), at.reaction_left, at.u.back(), at.v.back(),
               at.reaction_right);
 }
 
-SensitivityCsv::SensitivityCsv(const std::filesystem::path& path, std::span<const Direction> directions,
-                               const std::optional<Checksum>& keep)
-    : file_(line_file(path, keep)) {
-  if (keep) return;
+namespace {
+
+std::string sensitivity_header(std::span<const Direction> directions) {
   std::string header = "t";
   for (const Direction& along : directions)
     for (const char* column : {"u_left", "v_left", "reaction_left", "u_right", "v_right", "reaction_right"})
       header += fmt::format(",{}/{}", column, along.key);
-  file_.print("{}", header);
+  return header;
 }
+
+}  // namespace
+
+SensitivityCsv::SensitivityCsv(const std::filesystem::path& path, std::span<const Direction> directions,
+                               const std::optional<Checksum>& keep)
+    : GrowingTable(path, sensitivity_header(directions), keep) {}
 
 void SensitivityCsv::append(const Snapshot& at) {
   std::string line = fmt::format("{}", at.time);
@@ -39,14 +31,16 @@ void SensitivityCsv::append(const Snapshot& at) {
   file_.print("{}", line);
 }
 
-EventsCsv::EventsCsv(const std::filesystem::path& path, const std::optional<Checksum>& keep)
-    : file_(line_file(path, keep)) {
-  if (!keep) file_.print("t,where,change,velocity");
-}
-
 void EventsCsv::append(const Event& event) {
   file_.print("{},{},{},{}", event.time, place(event), event.change == Change::closing ? "closing" : "opening",
               event.velocity);
+}
+
+void EnergyCsv::append(const Snapshot& at) {
+  if (!at.energy) return;
+  const EnergyState& energy = *at.energy;
+  file_.print("{},{},{},{},{},{},{}", at.time, energy.kinetic, energy.elastic, energy.contact,
+              energy.dissipated + energy.end_inertia, energy.work, energy.total());
 }
 
 std::string place(const Event& event) {

@@ -6,10 +6,12 @@
 #include <array>
 #include <charconv>
 #include <fstream>
-#include <initializer_list>
+#include <optional>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
+#include "results/export_xdmf.hpp"
 #include "results/field/field_reader.hpp"
 #include "results/npy_file.hpp"
 #include "results/output_file.hpp"
@@ -26,10 +28,10 @@ using Quantity = FieldReader::Quantity;
 /// Calls `take` with the rows of a field in blocks of about 1 MiB.
 template <class Take>
 void for_each_block(const FieldReader& field, Quantity quantity, Take&& take) {
-  const std::size_t most = std::max<std::size_t>(1, (1 << 17) / field.nodes());
+  const std::size_t width = field.width(quantity), most = std::max<std::size_t>(1, (1 << 17) / width);
   std::vector<double> block;
   for (std::size_t row = 0; row < field.rows(); row += most) {
-    block.resize(std::min(most, field.rows() - row) * field.nodes());
+    block.resize(std::min(most, field.rows() - row) * width);
     field.read(quantity, row, block);
     take(row, std::span<const double>(block));
   }
@@ -42,15 +44,19 @@ void write_npy(const fs::path& path, std::span<const double> values) {
 }
 
 void write_npy(const fs::path& path, const FieldReader& field, Quantity quantity) {
-  NpyFile file(path, std::array{field.rows(), field.nodes()});
+  NpyFile file(path, std::array{field.rows(), field.width(quantity)});
   for_each_block(field, quantity, [&](std::size_t, std::span<const double> block) { file.append(block); });
   file.close();
 }
 
 void write_csv(const fs::path& path, const FieldReader& field, Quantity quantity) {
   LineFile file(path);
-  const std::size_t n = field.nodes();
-  file.print("t,{}", fmt::join(field.x(), ","));
+  const std::size_t n = field.width(quantity);
+  std::vector<double> x = field.x();
+  if (quantity == Quantity::stress)  // of the middle of each element
+    for (std::size_t j = 0; j < n; ++j) x[j] = 0.5 * (x[j] + x[j + 1]);
+  x.resize(n);
+  file.print("t,{}", fmt::join(x, ","));
   for_each_block(field, quantity, [&](std::size_t first, std::span<const double> block) {
     for (std::size_t row = 0; row < block.size() / n; ++row)
       file.print("{},{}", field.times()[first + row], fmt::join(block.subspan(row * n, n), ","));
@@ -58,13 +64,13 @@ void write_csv(const fs::path& path, const FieldReader& field, Quantity quantity
   file.close();
 }
 
-/// The numbers of ends.csv. A last line that a killed run left half written is not one of them.
+/// The numbers of a table such as ends.csv. A last line that a killed run left half written is not one of them.
 struct Columns {
   std::size_t count = 0;
   std::vector<double> values;
 };
 
-Columns read_ends(const fs::path& path) {
+Columns read_table(const fs::path& path) {
   std::ifstream stream(path);
   if (!stream) throw IoError(path, "cannot be read");
   Columns columns;
@@ -95,49 +101,83 @@ void write_npy(const fs::path& path, const Columns& columns) {
 }
 
 /// What is there is replaced where it begins as an earlier export does. @throws std::invalid_argument
-void check_targets(const fs::path& target, std::initializer_list<const char*> names, std::string_view beginning) {
-  for (const char* name : names) {
-    if (!fs::is_regular_file(target / name)) continue;  // OutputFile refuses what is none
+void check_targets(const std::vector<fs::path>& targets, std::string_view beginning) {
+  for (const fs::path& target : targets) {
+    if (!fs::is_regular_file(target)) continue;  // OutputFile refuses what is none
     std::string begin(beginning.size(), '\0');
-    std::ifstream stream(target / name, std::ios::binary);
+    std::ifstream stream(target, std::ios::binary);
     stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
     if (stream.gcount() > 0 && begin != beginning)
-      throw std::invalid_argument(
-          fmt::format("{} is not an earlier export of a result; nothing was changed, choose another place",
-                      (target / name).string()));
+      throw std::invalid_argument(fmt::format(
+          "{} is not an earlier export of a result; nothing was changed, choose another place", target.string()));
   }
+}
+
+void create(const fs::path& directory) {
+  std::error_code error;
+  fs::create_directories(directory, error);
+  if (error) throw IoError(directory, "cannot be created: " + error.message());
+}
+
+void copy_table(const fs::path& from, const fs::path& to) {
+  NewFile copy(to);
+  std::error_code error;
+  fs::copy_file(from, copy.part(), error);
+  if (error) throw IoError(to, "cannot be written: " + error.message());
+  copy.take_place();
 }
 
 }  // namespace
 
 std::vector<fs::path> export_result(const fs::path& result, ExportFormat format, const fs::path& target) {
   settle_result_directory(result);
-  for (const char* needed : {"field.h5", "ends.csv"})
-    if (!fs::exists(result / needed))
-      throw std::invalid_argument(fmt::format("{} holds no result of `viscobar run` (no {})", result.string(), needed));
-  format == ExportFormat::npy ? check_targets(target, {"x.npy", "t.npy", "u.npy", "v.npy", "ends.npy"}, "\x93NUMPY")
-                              : check_targets(target, {"u.csv", "v.csv", "ends.csv"}, "t,");
-  const FieldReader field(result / "field.h5");
-  std::error_code error;
-  fs::create_directories(target, error);
-  if (error) throw IoError(target, "cannot be created: " + error.message());
-  if (format == ExportFormat::npy) {
-    write_npy(target / "x.npy", field.x());
-    write_npy(target / "t.npy", field.times());
-    write_npy(target / "u.npy", field, Quantity::displacement);
-    write_npy(target / "v.npy", field, Quantity::velocity);
-    write_npy(target / "ends.npy", read_ends(result / "ends.csv"));
-    return {target / "x.npy", target / "t.npy", target / "u.npy", target / "v.npy", target / "ends.npy"};
+  const bool npy = format == ExportFormat::npy;
+  std::vector<std::string> tables;
+  for (const char* table : {"ends", "energy"})
+    if (fs::exists(result / fmt::format("{}.csv", table))) tables.push_back(table);
+  std::optional<FieldReader> field;
+  if (fs::exists(result / "field.h5")) field.emplace(result / "field.h5");
+  if (!field && tables.empty())
+    throw std::invalid_argument(
+        fmt::format("{} holds no result of `viscobar run` with numbers to export (no field.h5, ends.csv or energy.csv)",
+                    result.string()));
+  std::vector<std::pair<std::string, Quantity>> fields;
+  for (const auto& [name, quantity] :
+       {std::pair("u", Quantity::displacement), {"v", Quantity::velocity}, {"stress", Quantity::stress}})
+    if (field && field->has(quantity)) fields.emplace_back(name, quantity);
+
+  if (format == ExportFormat::xdmf) {
+    if (!field) throw std::invalid_argument(fmt::format("{} has no field.h5 to export", result.string()));
+    if (fs::exists(target) && fs::equivalent(result, target))
+      throw std::invalid_argument(
+          "an export of this format has files of the same names as the result: choose another directory");
+    const std::vector<fs::path> files = {target / "field.h5", target / "field.xdmf"};
+    check_targets({files[0]}, "\x89HDF");
+    check_targets({files[1]}, "<?xml");
+    create(target);
+    export_xdmf(*field, target);
+    return files;
   }
-  write_csv(target / "u.csv", field, Quantity::displacement);
-  write_csv(target / "v.csv", field, Quantity::velocity);
-  if (!fs::equivalent(result, target)) {
-    NewFile copy(target / "ends.csv");
-    fs::copy_file(result / "ends.csv", copy.part(), error);
-    if (error) throw IoError(target / "ends.csv", "cannot be written: " + error.message());
-    copy.take_place();
+  std::vector<fs::path> targets;
+  const auto path_of = [&](const std::string& name) { return target / (name + (npy ? ".npy" : ".csv")); };
+  if (field && npy) targets = {path_of("x"), path_of("t")};
+  for (const auto& [name, quantity] : fields) targets.push_back(path_of(name));
+  for (const std::string& table : tables) targets.push_back(path_of(table));
+  check_targets(targets, npy ? "\x93NUMPY" : "t,");
+  create(target);
+  if (field && npy) {
+    write_npy(path_of("x"), field->x());
+    write_npy(path_of("t"), field->times());
   }
-  return {target / "u.csv", target / "v.csv", target / "ends.csv"};
+  for (const auto& [name, quantity] : fields)
+    npy ? write_npy(path_of(name), *field, quantity) : write_csv(path_of(name), *field, quantity);
+  for (const std::string& table : tables) {
+    if (npy)
+      write_npy(path_of(table), read_table(result / (table + ".csv")));
+    else if (!fs::equivalent(result, target))
+      copy_table(result / (table + ".csv"), path_of(table));
+  }
+  return targets;
 }
 
 }  // namespace viscobar

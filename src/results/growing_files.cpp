@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
 #include <system_error>
 
+#include "input/described_scene.hpp"
 #include "viscobar/results/io_error.hpp"
 
 namespace viscobar {
@@ -33,11 +35,55 @@ void check_begin(const fs::path& file, const Checksum& expected) {
 }
 
 void GrowingFiles::Mark::check(const fs::path& directory) const {
-  check_length(directory / "field.h5", field.length);
-  check_begin(directory / "ends.csv", ends);
-  check_begin(directory / "events.csv", events);
+  if (field) check_length(directory / "field.h5", field->length);
+  if (ends) check_begin(directory / "ends.csv", *ends);
+  if (events) check_begin(directory / "events.csv", *events);
+  if (energy) check_begin(directory / "energy.csv", *energy);
   if (sensitivity) check_begin(directory / "sensitivity.csv", *sensitivity);
-  field.check_values(directory / "field.h5");
+  if (field) field->check_values(directory / "field.h5");
+}
+
+GrowingFiles::GrowingFiles(const fs::path& directory, const SceneFile& scene, const Mark* mark) {
+  const Case& run = scene.run;
+  const auto kept = [&](const std::optional<Checksum> Mark::*file) { return mark ? mark->*file : std::nullopt; };
+  if (run.files.ends) ends.emplace(directory / "ends.csv", kept(&Mark::ends));
+  if (run.files.events) events.emplace(directory / "events.csv", kept(&Mark::events));
+  if (run.files.energy) energy.emplace(directory / "energy.csv", kept(&Mark::energy));
+  if (!run.directions.empty())
+    sensitivity.emplace(directory / "sensitivity.csv", run.directions, kept(&Mark::sensitivity));
+  if (run.files.field)
+    field.emplace(
+        directory, run.mesh(), static_cast<std::size_t>(run.end / run.output_every) + 2,
+        mark && mark->field ? &*mark->field : nullptr,
+        FieldOrigin{run.scene.bar, run.scene.units, run.scene.title, mark ? "" : scene_text(scene.description)});
+}
+
+void GrowingFiles::take_places() {
+  const auto take = [](auto& file) {
+    if (file) file->take_place();
+  };
+  take(ends), take(events), take(energy), take(sensitivity), take(field);
+}
+
+void GrowingFiles::append(const Snapshot& snapshot) {
+  if (ends) ends->append(snapshot);
+  if (energy) energy->append(snapshot);
+  if (sensitivity) sensitivity->append(snapshot);
+  if (field) field->append(snapshot);
+}
+
+void GrowingFiles::append(const Event& event) {
+  if (events) events->append(event);
+}
+
+GrowingFiles::Mark GrowingFiles::mark() {
+  Mark mark;
+  if (ends) mark.ends = ends->mark();
+  if (events) mark.events = events->mark();
+  if (energy) mark.energy = energy->mark();
+  if (sensitivity) mark.sensitivity = sensitivity->mark();
+  if (field) mark.field = field->mark();
+  return mark;
 }
 
 }  // namespace viscobar

@@ -40,17 +40,15 @@ const std::array<Files, 6>& all_files() {
   static const std::array<Files, 6> files = {
       Files{"summary.json",
             {R"("versions")", R"("viscobar")", R"("method")"},
-            {"ends.csv", "events.csv", "sensitivity.csv", "field.h5", "field.xdmf", "report.html", "checkpoint.bin",
-             "checkpoint.previous.bin"}},
+            {"ends.csv", "events.csv", "energy.csv", "sensitivity.csv", "field.h5", "field.xdmf", "report.html",
+             "checkpoint.bin", "checkpoint.previous.bin"}},
       Files{"compare.json", {R"("pairs")", R"("version")"}, {"compare.html"}},
       Files{"limit.json", {R"("verdict")", R"("version")"}, {"limit.html"}},
       Files{"precision.json", {R"("reference")", R"("version")"}, {"precision.html"}},
-      Files{"sweep.h5", {"viscobar", "\x89HDF"}, {"sweep.csv", "timings.csv", "sweep.json"}, true},
+      Files{"sweep.h5", {"viscobar", "\x89HDF"}, {"sweep.csv", "timings.csv", "sweep.json", "sweep.html"}, true},
       Files{"fit.json", {R"("covariance")", R"("version")"}, {"fit.html"}}};
   return files;
 }
-
-bool of_every_run(std::string_view file) { return !file.starts_with("checkpoint") && file != "sensitivity.csv"; }
 
 const Files& files_of(ResultKind kind) { return all_files()[static_cast<std::size_t>(kind)]; }
 
@@ -173,11 +171,7 @@ void take_places(const fs::path& directory) {
     // First the one that says the run is going on: nothing may be called completed meanwhile.
     if (fs::exists(from / "summary.json")) rename_file(from / "summary.json", directory / "summary.json");
     for (const std::string_view name : files_of(ResultKind::run).others) {
-      if (!fs::exists(from / name)) {
-        // What is not of every run would stay from the one before.
-        if (!of_every_run(name) && fs::exists(from / "field.h5")) remove_file(directory / name);
-        continue;
-      }
+      if (!fs::exists(from / name)) continue;
       if (name.starts_with("checkpoint"))
         fs::remove(from / name);
       else
@@ -189,6 +183,12 @@ void take_places(const fs::path& directory) {
         rename_file(entry.path(), directory / "figures" / entry.path().filename());
       fs::remove(from / "figures");
     }
+    // Files of the earlier result that the later run did not write.
+    const FileChecksums written = viscobar::files_of(content(from / ResultDirectory::final_summary));
+    for (const std::string_view name : files_of(ResultKind::run).others)
+      if (!name.starts_with("checkpoint") && !written.contains(std::string(name)) &&
+          type(directory / name) == fs::file_type::regular)
+        remove_file(directory / name);
     rename_file(from / ResultDirectory::final_summary, directory / "summary.json");
   }
   std::error_code ignored;
@@ -231,15 +231,15 @@ fs::path ResultDirectory::place_of_new_run() const {
   return place;
 }
 
-void check_run_files(const fs::path& place) {
-  for (const std::string_view name : files_of(ResultKind::run).others)
-    if (of_every_run(name) && type(place / name) != fs::file_type::regular)
+void check_run_files(const fs::path& place, const FileChecksums& written) {
+  for (const auto& [name, checksum] : written)
+    if (type(place / name) != fs::file_type::regular)
       throw IoError(place / name, "was removed or replaced while it was written");
 }
 
 void ResultDirectory::replace_by_finished() const {
   // What is missing later has been moved already; what is missing now has been removed by somebody.
-  check_run_files(unfinished_);
+  check_run_files(unfinished_, viscobar::files_of(content(unfinished_ / final_summary)));
   rename_file(unfinished_, directory_ / finished);
   take_places(directory_);
 }

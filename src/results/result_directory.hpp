@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "results/directory_lock.hpp"
+#include "results/sealed_summary.hpp"
 
 namespace viscobar {
 
@@ -49,8 +50,8 @@ class ResultDirectory {
 /// about it. Readers call it first.
 void settle_result_directory(const std::filesystem::path& directory);
 
-/// @throws IoError when one of the files of a run that has ended is not there
-void check_run_files(const std::filesystem::path& place);
+/// @throws IoError when one of the files that a run has written is not there
+void check_run_files(const std::filesystem::path& place, const FileChecksums& written);
 
 /// Removes the checkpoints of a run that was killed when its result was whole but for that; whether there were any.
 /// @throws IoError when it is in use

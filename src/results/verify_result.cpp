@@ -145,9 +145,9 @@ class Verification {
         tell(name, FileState::sound, error.what());
       }
     }
-    const auto growing = [&](const char* name, auto&& check) {
+    const auto growing = [&](const char* name, bool marked, auto&& check) {
       if (found_.contains(name) && found_[name].state != FileState::foreign) return;
-      if (!newest || !newest->motion) {
+      if (!marked) {
         if (found_.contains(name)) tell(name, FileState::unchecked, unknown);
         return;
       }
@@ -158,12 +158,13 @@ class Verification {
         tell(name, found_.contains(name) ? FileState::damaged : FileState::missing, error.what());
       }
     };
-    growing("ends.csv", [&] { check_begin(directory_ / "ends.csv", newest->files.ends); });
-    growing("events.csv", [&] { check_begin(directory_ / "events.csv", newest->files.events); });
-    if (found_.contains("sensitivity.csv") || (newest && newest->files.sensitivity))
-      growing("sensitivity.csv",
-              [&] { check_begin(directory_ / "sensitivity.csv", newest->files.sensitivity.value_or(Checksum{})); });
-    growing("field.h5", [&] { newest->files.field.check_values(directory_ / "field.h5"); });
+    const GrowingFiles::Mark marks = newest ? newest->files : GrowingFiles::Mark{};
+    for (const auto& [name, mark] : {std::pair("ends.csv", marks.ends),
+                                     {"events.csv", marks.events},
+                                     {"energy.csv", marks.energy},
+                                     {"sensitivity.csv", marks.sensitivity}})
+      growing(name, mark.has_value(), [&] { check_begin(directory_ / name, *mark); });
+    growing("field.h5", marks.field.has_value(), [&] { marks.field->check_values(directory_ / "field.h5"); });
     for (const char* name : {"field.xdmf", "report.html"})
       if (found_.contains(name) && found_[name].state == FileState::foreign) tell(name, FileState::unchecked, unknown);
   }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "dynamics/element_stress.hpp"
 #include "dynamics/lost_inertia.hpp"
 #include "run/parts.hpp"
 #include "run/telling.hpp"
@@ -194,11 +195,19 @@ class Run {
   void write(std::span<const double> u, std::span<const double> v, double theta) {
     system_.expand_displacement(u, u_nodal_);
     system_.expand_velocity(v, v_nodal_);
+    const double t = times_[written_++];
     if (system_.moving()) {
-      system_.add_lift(system_.lift(times_[written_], 0), u_nodal_);
-      system_.add_lift(system_.lift(times_[written_], 1), v_nodal_);
+      system_.add_lift(system_.lift(t, 0), u_nodal_);
+      system_.add_lift(system_.lift(t, 1), v_nodal_);
     }
-    const Snapshot snapshot{times_[written_++], u_nodal_, v_nodal_, left_reaction(theta), right_reaction(theta)};
+    Snapshot snapshot{t, u_nodal_, v_nodal_, left_reaction(theta), right_reaction(theta)};
+    if (observers_.energy) {
+      const double now = time(n_);
+      snapshot.energy = step_->energies(now);
+      snapshot.energy->dissipated = statistics_.energy->dissipated;
+      snapshot.energy->work = statistics_.energy->work + step_->frame_energy(now);
+      snapshot.energy->end_inertia = statistics_.energy->end_inertia;
+    }
     telling_.snapshot(snapshot);
   }
 
@@ -220,10 +229,7 @@ class Run {
   }
 
   double stress(std::size_t element) const {
-    const Bar& bar = system_.bar();
-    return (bar.modulus * (u_nodal_[element + 1] - u_nodal_[element]) +
-            bar.viscosity * (v_nodal_[element + 1] - v_nodal_[element])) /
-           system_.mesh().element(element);
+    return element_stress(system_.bar(), system_.mesh(), u_nodal_, v_nodal_, element);
   }
 
   // u^{n+1} is known now. A contact closes at the first t_{n+1} that it holds, with the velocity before, and opens at

@@ -313,18 +313,22 @@ double TimeStep::dashpot_power() const {
   return power;
 }
 
-double TimeStep::frame_energy(double t) const {
-  if (!system_.moving()) return 0.0;
+EnergyState TimeStep::energies(double t) const {
   std::vector<double> u(u_.size()), u_before(u_.size()), p(u_.size());
   order_.to_nodes([&](std::size_t i) { return u_[i]; }, u);
   order_.to_nodes([&](std::size_t i) { return u_[i] - dt_ * p_[i]; }, u_before);
   order_.to_nodes([&](std::size_t i) { return p_[i]; }, p);
-  const Lift now = system_.lift(t, 0), before = system_.lift(t - dt_, 0);
-  const Lift rate{(now.left - before.left) / dt_, (now.right - before.right) / dt_};
-  return (system_.lifted_energy(now, rate, u, p).total() + system_.lifted_energy(before, rate, u_before, p).total()) /
-             2 -
-         energy();
+  Lift now, before, rate;
+  if (system_.moving()) {
+    now = system_.lift(t, 0), before = system_.lift(t - dt_, 0);
+    rate = {(now.left - before.left) / dt_, (now.right - before.right) / dt_};
+  }
+  const BarEnergy at_end = system_.lifted_energy(now, rate, u, p);
+  return {.kinetic = at_end.kinetic,
+          .elastic = (at_end.elastic + system_.lifted_energy(before, rate, u_before, p).elastic) / 2};
 }
+
+double TimeStep::frame_energy(double t) const { return system_.moving() ? energies(t).total() - energy() : 0.0; }
 
 double TimeStep::energy() const {
   std::vector<double> u(u_.size()), u_before(u_.size()), p(u_.size());

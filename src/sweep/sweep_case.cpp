@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "case/alarm.hpp"
+#include "input/parse_case.hpp"
 #include "input/text_check.hpp"
 #include "studies/accuracy/plan.hpp"
 #include "text/printable_text.hpp"
@@ -139,9 +140,14 @@ std::optional<SweepRow> run_case(const std::string& scene_text, const SweepCase&
   row.index = one.index;
   row[Quantity::steps] = row[Quantity::events] = row[Quantity::reached_time] = 0.0;
   try {
-    const SceneFile scene = parse_scene(scene_text, "scene", one.overrides);
-    if (!(scene.accuracy ? solve_into(row, scene, interrupted) : simulate_into(row, scene.run, interrupted)))
+    const auto asks = [](const std::string& text) { return text.find("accuracy") != text.npos; };
+    if (asks(scene_text) || std::any_of(one.overrides.begin(), one.overrides.end(), asks)) {
+      const SceneFile scene = parse_scene(scene_text, "scene", one.overrides);
+      if (!(scene.accuracy ? solve_into(row, scene, interrupted) : simulate_into(row, scene.run, interrupted)))
+        return std::nullopt;
+    } else if (!simulate_into(row, parse_case(scene_text, "scene", one.overrides), interrupted)) {
       return std::nullopt;
+    }
   } catch (const SceneError& error) {
     for (const Diagnostic& found : error.diagnostics)
       row.error += (row.error.empty() ? "" : "; ") + found.key + ": " + found.message;

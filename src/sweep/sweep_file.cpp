@@ -6,6 +6,7 @@
 
 #include "case/cost_estimate.hpp"
 #include "input/input_text.hpp"
+#include "input/parse_case.hpp"
 #include "input/scene_values.hpp"
 #include "studies/parallel.hpp"
 #include "sweep/varied_values.hpp"
@@ -202,10 +203,10 @@ class SweepReader {
 double cost_of(const std::string& scene_text, const std::string& source, const SweepCase& one) {
   constexpr std::size_t coarse = 32;
   std::size_t elements = 0;
-  Case run = parse_scene(scene_text, source, one.overrides, [&](Case& read) {
-               elements = read.elements;
-               read.elements = std::min(read.elements, coarse);
-             }).run;
+  Case run = parse_case(scene_text, source, one.overrides, [&](Case& read) {
+    elements = read.elements;
+    read.elements = std::min(read.elements, coarse);
+  });
   run.elements = elements;
   return estimated_seconds(run);
 }

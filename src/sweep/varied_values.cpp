@@ -186,7 +186,10 @@ VariedKey varied_key(const SceneKey& key, const TomlNode& node, const Report& re
     if (sound || node.kind == TomlNode::Kind::array) report(at, problem);  // of a range the first one says enough
     sound = false;
   };
-  if (node.kind == TomlNode::Kind::array) {
+  if (key.type == KeyType::list) {
+    report(node.key_at, "is the same for all cases: it belongs into [set]");
+    sound = false;
+  } else if (node.kind == TomlNode::Kind::array) {
     for (const TomlNode& element : node.inside) add(element.value, element.value_at);
     if (node.inside.empty()) report(node.value_at, "is an empty list");
   } else if (node.kind == TomlNode::Kind::table) {

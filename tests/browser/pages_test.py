@@ -198,6 +198,28 @@ class ARunsReport(Browsed):
             self.assertAlmostEqual(t, 3.0, delta=0.02)
             self.assertAlmostEqual(u, self.value("viscobar.field.value(3.0, 0.5)"), delta=1e-3)
 
+    def test_stress_map_says_the_stress_under_the_pointer(self):
+        subprocess.run([program, "export", self.run_directory, "--quiet"], check=True)
+        with open(os.path.join(self.run_directory, "csv", "stress.csv"), newline="") as file:
+            (_, *middles), *rows = csv.reader(file)
+        time, *row = rows[len(rows) // 3]
+        self.browser.move(*self.place("stress", time, middles[7]))
+        text = self.value("document.querySelector('[data-picture=stress] .legend .value').textContent")
+        s = float(re.match(r"s\(.*\) = (.*)$", text).group(1).replace("−", "-").split("\u2009")[0])
+        largest = max(abs(float(value)) for one in rows for value in one[1:])
+        self.assertAlmostEqual(s, float(row[7]), delta=0.02 * largest)  # a pixel or two
+
+    def test_the_bar_as_it_lies_moves_between_its_walls(self):
+        # At x + s u of the ends the frame of the bar, and its colour beside it.
+        for time in (0.5, 2.0):
+            self.value(f"viscobar.player.go({time})")
+            self.browser.settle()
+            place = "viscobar.axial.magnification * viscobar.field.value(viscobar.player.time, 0)"
+            x, y = self.place("axial", place, 0.5)
+            inside = self.value("viscobar.ofStress.palette[viscobar.ofStress.index(viscobar.stress.value(viscobar.player.time, 0))]")
+            self.assertAlike(self.browser.pixel(x + 4, y), inside)
+        self.assertEqual(self.value("viscobar.charts.get('axial').figure.layers.filter(({ kind }) => kind === 'wall').length"), 2)
+
     def test_dragging_zooms_all_pictures_over_time_and_a_double_click_shows_the_whole(self):
         end = self.value("viscobar.field.t.at(-1)")
         begin, stop = self.place("energy", end / 4, 0), self.place("energy", end / 2, 0)
@@ -234,7 +256,7 @@ class ARunsReport(Browsed):
 
     def test_has_its_still_pictures_without_scripts(self):
         self.open(self.page, scripts=False)
-        self.assertEqual(self.shown(".panel > svg"), 6)
+        self.assertEqual(self.shown(".panel > svg"), 9)
         self.assertEqual(self.shown(".live"), 0)
         self.assertSound()
 
@@ -245,7 +267,8 @@ class ARunsReport(Browsed):
     def test_figures_are_svg_files_without_anything_from_the_page(self):
         folder = os.path.join(self.run_directory, "figures")
         names = sorted(os.listdir(folder))
-        self.assertEqual(names, ["bar.svg", "displacement.svg", "energy.svg", "left-end.svg", "reactions.svg", "right-end.svg"])
+        self.assertEqual(names, ["axial.svg", "bar.svg", "displacement.svg", "end-stress.svg", "energy.svg", "left-end.svg",
+                                 "reactions.svg", "right-end.svg", "stress.svg"])
         for name in names:
             tree = xml.etree.ElementTree.parse(os.path.join(folder, name)).getroot()
             self.assertEqual(tree.tag, "{http://www.w3.org/2000/svg}svg")
@@ -340,6 +363,56 @@ class Studies(Browsed):
         self.value("viscobar.charts.get('right-end').host.focus()")
         self.browser.key("End")
         self.assertEqual(self.value("viscobar.links.t.place"), 6.0)
+
+
+class ASweepsPage(Browsed):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        with open(os.path.join(cls.scratch.name, "sweep.toml"), "w") as file:
+            file.write(f"""title = "A sweep"
+scene = "{os.path.join(scenes, 'unit-both-ends.toml')}"
+[set]
+time.end = 2.0
+[vary]
+bar.viscosity = [0.01, 0.1, 1.0]
+left.gap = [0.1, 0.2]
+mesh.elements = [10, 20]
+""")
+        cls.directory = os.path.join(cls.scratch.name, "out")
+        subprocess.run([program, "sweep", os.path.join(cls.scratch.name, "sweep.toml"), "-o", cls.directory, "--quiet"], check=True)
+
+    def setUp(self):
+        self.open(os.path.join(self.directory, "sweep.html"))
+
+    def count(self, selector):
+        return self.value(f"document.querySelectorAll('{selector}').length")
+
+    def choose(self, label, option):
+        self.value(f"""(() => {{ const menu = document.querySelector("select[aria-label='{label}']");
+            menu.value = {option!r}; menu.dispatchEvent(new Event("change")); }})()""")
+
+    def test_draws_a_mark_for_each_case_that_the_filters_leave(self):
+        self.assertSound()
+        self.assertEqual(self.count(".sweep .mark"), 6)  # three viscosities for two gaps, on the first mesh
+        self.choose("for each", "")
+        self.assertEqual(self.count(".sweep .mark"), 3)
+
+    def test_a_map_has_a_cell_for_each_pair(self):
+        self.choose("as", "1")
+        self.assertEqual(self.count(".sweep .cell"), 6)
+
+    def test_a_click_shows_the_run_behind_a_point(self):
+        rows = rows_of(self.directory, "sweep.csv")
+        self.value("document.querySelectorAll('#sweep tbody tr')[1].click()")
+        text = self.value("document.querySelector('.case').textContent")
+        number = int(re.search(r"Case (\d+)", text).group(1))
+        self.assertIn(f"--set 'bar.viscosity={float(rows[number]['bar.viscosity']):g}'", text)
+        self.assertIn("viscobar run", text)
+
+    def test_without_scripts_is_a_table(self):
+        self.open(self.page, scripts=False)
+        self.assertEqual(self.count("table tbody tr"), 12)
 
 
 if __name__ == "__main__":

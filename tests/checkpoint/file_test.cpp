@@ -19,7 +19,7 @@ TEST(CheckpointBytes, GiveBackWhatTheyWereMadeOf) {
   EXPECT_EQ(read.description, example_checkpoint().description);
   EXPECT_EQ(read.schedule->interval, 30.0);
   EXPECT_EQ(read.motion->statistics.energy->dissipated, 0.25);
-  EXPECT_EQ(read.files.field.regions[1].begin, 2000u);
+  EXPECT_EQ(read.files.field->regions[1].begin, 2000u);
   EXPECT_EQ(encoded(read), bytes);
   RunCheckpoint beginning;
   beginning.description = "{}";

@@ -70,7 +70,7 @@ class Resume : public testing::Test {
   }
 
   void expect_same_results(const std::string& one, const std::string& other) const {
-    for (const char* file : {"ends.csv", "events.csv", "field.xdmf"})
+    for (const char* file : {"ends.csv", "events.csv", "energy.csv", "field.xdmf"})
       EXPECT_EQ(read_text(scratch / one / file) == read_text(scratch / other / file), true) << file;
     EXPECT_EQ(field(scratch / one / "field.h5"), field(scratch / other / "field.h5"));
     EXPECT_EQ(without_seconds(read_text(scratch / one / "report.html")) ==

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* files_of_a_run[] = {"summary.json", "ends.csv",   "events.csv",
+constexpr const char* files_of_a_run[] = {"summary.json", "ends.csv",   "events.csv", "energy.csv",
                                           "field.h5",     "field.xdmf", "report.html"};
 
 /// Every file below a directory, with its content; a link with where it points.
@@ -176,7 +176,7 @@ TEST_F(ResultDirectories, ARunThatFailsForAFullDiskLeavesTheWholeResult) {
 TEST_F(ResultDirectories, AFileThatIsMissingAtTheEndIsNotTakenFromTheResultBefore) {
   record_run(bouncing_bar(), out);
   const auto before = all_of(out);
-  for (const char* file : {"ends.csv", "events.csv", "field.h5", "field.xdmf", "report.html"}) {
+  for (const char* file : {"ends.csv", "events.csv", "energy.csv", "field.h5", "field.xdmf", "report.html"}) {
     const ResultDirectory directory(out, ResultKind::run);
     record_run(shorter(), scratch / "next");
     fs::rename(scratch / "next", directory.place_of_new_run());
@@ -190,7 +190,7 @@ TEST_F(ResultDirectories, AFileThatIsMissingAtTheEndIsNotTakenFromTheResultBefor
 
 // The renames of a finished run, ended by a kill before each of them.
 TEST_F(ResultDirectories, AKillWhileTheFilesTakeTheirPlacesIsMadeGoodByTheNext) {
-  for (std::size_t moved = 0; moved <= 7; ++moved) {
+  for (std::size_t moved = 0; moved <= 8; ++moved) {
     SCOPED_TRACE(moved);
     fs::remove_all(out);
     record_run(shorter(), out);
@@ -200,23 +200,18 @@ TEST_F(ResultDirectories, AKillWhileTheFilesTakeTheirPlacesIsMadeGoodByTheNext) 
     std::ofstream(out / "finished/summary.json")
         << R"({"versions": {"viscobar": ""}, "method": "", "completed": false})";
     const auto whole = all_of(out / "finished");
-    const char* order[] = {"summary.json",
-                           "ends.csv",
-                           "events.csv",
-                           "field.h5",
-                           "field.xdmf",
-                           "report.html",
-                           ResultDirectory::final_summary};
+    const char* order[] = {"summary.json", "ends.csv",   "events.csv",  "energy.csv",
+                           "field.h5",     "field.xdmf", "report.html", ResultDirectory::final_summary};
     for (std::size_t i = 0; i < moved; ++i) {
-      fs::rename(out / "finished" / order[i], out / (i == 6 ? "summary.json" : order[i]));
-      if (i < 6) {
+      fs::rename(out / "finished" / order[i], out / (i == 7 ? "summary.json" : order[i]));
+      if (i < 7) {
         EXPECT_FALSE(completed(out));
       }
     }
     settle_result_directory(out);
     EXPECT_TRUE(completed(out));
     EXPECT_EQ(all_of(out).size(), std::size(files_of_a_run));
-    for (const char* file : {"ends.csv", "events.csv", "field.h5", "field.xdmf", "report.html"})
+    for (const char* file : {"ends.csv", "events.csv", "energy.csv", "field.h5", "field.xdmf", "report.html"})
       EXPECT_TRUE(read_text(out / file) == whole.at(file)) << file;
     EXPECT_TRUE(read_text(out / "summary.json") == whole.at(ResultDirectory::final_summary));
   }

@@ -73,7 +73,7 @@ TEST(Report, CarriesTheDisplacementToAPartIn65535OfItsRange) {
     for (std::size_t j = 0; j < u.size(); ++j) u[j] = displacement(k, j);
     data.add(Snapshot{.time = 0.1 * k, .u = u, .v = v});
   }
-  const auto field = nlohmann::json::parse(field_json(data, field_colours(scene.run, data)));
+  const auto field = nlohmann::json::parse(field_json(data.field, field_colours(scene.run, data)));
   const double low = field["low"], high = field["high"];
   // Base64 by its definition, four digits to three bytes.
   const std::string text = field["u"], digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

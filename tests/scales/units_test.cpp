@@ -10,6 +10,7 @@
 #include <regex>
 
 #include "cli/command.hpp"
+#include "viscobar/sweep/sweep.hpp"
 
 namespace viscobar {
 namespace {
@@ -239,6 +240,27 @@ TEST_P(UnitsTest, AStudyHasTheSameDigitsInAllUnits) {
     expect_same(seed, "compare --json -o out --methods cvode,fully_discrete", true);
     expect_same(seed, "limit --json -o out --budget 0", true);
     if (HasFatalFailure() || HasFailure()) return;
+  }
+}
+
+// By the units that the columns of the table name.
+TEST_P(UnitsTest, ARowOfASweepHasTheSameDigitsInAllUnits) {
+  const std::map<std::string_view, Dimension> of_unit = {{"1", none},          {"time", a_time},
+                                                         {"length", a_length}, {"energy", an_energy},
+                                                         {"stress", a_stress}, {"stress x time", {-1, 1, -1}}};
+  const Units units{5, -3, 8};
+  for (unsigned seed = 20 * GetParam(); seed < 20 * GetParam() + 20; ++seed) {
+    RandomText scene(seed);
+    const auto plain = run_case(scene.in({}), {0, {}}), other = run_case(scene.in(units), {0, {}});
+    ASSERT_TRUE(plain && other);
+    ASSERT_EQ(plain->completed, other->completed) << plain->error << other->error;
+    for (std::size_t k = 0; k < quantities; ++k) {
+      const QuantityColumn& column = quantity_columns()[k];
+      const double a = plain->values[k], b = other->values[k];
+      if (std::isnan(a) && std::isnan(b)) continue;
+      EXPECT_EQ(std::ldexp(a, of_unit.at(column.unit).shift(units)), b) << column.name << "\n" << scene.in({});
+    }
+    if (HasFailure()) return;
   }
 }
 

@@ -28,6 +28,15 @@ bool is_scheme(MethodName method);         ///< uses the step
 /// Elements of a scene that says nothing: docs/scene-file.md has what they are good for.
 inline constexpr std::size_t default_elements = 100;
 
+/// The files that a run leaves beside summary.json.
+struct OutputFiles {
+  bool ends = true;    ///< ends.csv
+  bool events = true;  ///< events.csv
+  bool field = true;   ///< field.h5 and field.xdmf
+  bool energy = true;  ///< energy.csv
+  bool report = true;  ///< report.html, and its pictures
+};
+
 /// A scene together with everything that a run of it needs. Values that the chosen method does not use may be set:
 /// another method can then be chosen without editing the scene.
 struct Case {
@@ -55,6 +64,7 @@ struct Case {
 
   double end = 1.0;           ///< T
   double output_every = 0.1;  ///< interval of the output times
+  OutputFiles files;          ///< that are written
 
   /// graded towards the ends that have an obstacle.
   Mesh mesh() const {

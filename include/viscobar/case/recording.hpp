@@ -33,6 +33,7 @@ struct Recording {
   std::vector<Event> events;                            ///< contact changes in order of time
   Statistics statistics;                                ///< of the run
   std::vector<RecordedSensitivity> sensitivities = {};  ///< an entry for each direction of the case
+  std::vector<EnergyState> energy = {};                 ///< K, or empty where it is not known
 
   /// Adds what a snapshot of a run with these directions tells.
   void keep(const Snapshot& snapshot, std::span<const Direction> directions);

@@ -71,7 +71,8 @@ struct Allowance {
 ///
 ///     U = max( max |u_0 - its mean|, tau max |u_1|, tau^2 max_x |f| / rho, tau |F| / (rho c), |d| ),
 ///
-/// the load, forces on the ends and their motion by means over time; L where all vanish. `end` is the time at which the run ends.
+/// the load, forces on the ends and their motion by means over time; L where all vanish. `end` is the time at which the
+/// run ends.
 Allowance allowance(const Tolerance& tolerance, const BarSystem& system, double end);
 
 /// Families of multistep formulas; `automatic` chooses by leg (docs/methods.md).

@@ -17,6 +17,22 @@
 
 namespace viscobar {
 
+/// Where the energy is at one time, and what came and went since the start of the run:
+///
+///     kinetic + elastic + contact + dissipated + end_inertia = initial + work + balance error
+///
+/// Of a scheme it is that of the step in which the time lies, E^{n-1/2}, whose balance is exact.
+struct EnergyState {
+  double kinetic = 0.0;      ///< 1/2 w.rho Q w
+  double elastic = 0.0;      ///< 1/2 E int u_x^2
+  double contact = 0.0;      ///< in the springs of a penalty
+  double dissipated = 0.0;   ///< since the start, as in EnergyAccount
+  double work = 0.0;         ///< likewise
+  double end_inertia = 0.0;  ///< likewise
+  /// What the bar and its contacts hold.
+  double total() const { return kinetic + elastic + contact; }
+};
+
 /// The solution at one output time, over all J+1 nodes of the mesh.
 struct Snapshot {
   double time = 0.0;          ///< t
@@ -29,6 +45,7 @@ struct Snapshot {
   double reaction_right = 0.0;  ///< likewise
   /// An entry for each direction that was asked for, valid during the call.
   std::span<const FieldSensitivity> sensitivities{};
+  std::optional<EnergyState> energy = std::nullopt;  ///< where Observers asked for the account
 };
 
 /// What a contact does: closing, the node reaches the obstacle; opening, it leaves.

@@ -111,6 +111,15 @@ struct EndInput {
   double dashpot = 0.0;               ///< c >= 0, of a dashpot beside it
 };
 
+/// Names of the units of a scene, for labels alone: any may be empty.
+struct Units {
+  std::string length;  ///< such as "m"
+  std::string time;    ///< such as "s"
+  std::string mass;    ///< such as "kg"; a stress is then "kg/(m s^2)"
+  std::string force;   ///< such as "N"; a stress is then "N/m^2"
+  std::string stress;  ///< such as "Pa"
+};
+
 /// The physical problem, free of any discretisation [Petrov 2010, (1.1)-(1.3)].
 struct Scene {
   std::string title;             ///< free text, for reports
@@ -123,6 +132,7 @@ struct Scene {
   std::optional<Load> load;      ///< f; absent: none
   EndInput left_input{};         ///< what the left end is given
   EndInput right_input{};        ///< likewise the right one
+  Units units;                   ///< of its numbers
 };
 
 /// A fault of the user's input: the key (as in the scene file) and the problem.

@@ -32,13 +32,15 @@ SampledFlow sampled_flow(const Leg& leg, std::span<const VectorXd> velocities, s
   constexpr std::array<double, 5> fine = {989.0 / 28350, 5888.0 / 28350, -928.0 / 28350, 10496.0 / 28350,
                                           -4540.0 / 28350};
   constexpr std::array<double, 5> coarse = {217.0 / 5670, 1024.0 / 5670, 352.0 / 5670, 1024.0 / 5670, 436.0 / 5670};
-  EnergyFlow flow, other;
+  SampledFlow sampled;
+  EnergyFlow &flow = sampled.flow, other;
   for (std::size_t k = 0; k <= 8; ++k) {
     const std::size_t weight = std::min(k, 8 - k);
     const double of_frame = frame_loss ? tau * frame_loss(static_cast<double>(k) / 8.0, velocities[k]) : 0.0;
     const double loss = tau * leg.dissipation(velocities[k]) + of_frame;
     const double power = (loads.empty() ? 0.0 : tau * velocities[k].dot(loads[k])) + of_frame;
     const double end = accelerations.empty() ? 0.0 : tau * leg.end_power(velocities[k], accelerations[k]);
+    sampled.powers[k] = {loss, power, end};
     flow.end_inertia += fine[weight] * end;
     other.end_inertia += coarse[weight] * end;
     flow.dissipated += fine[weight] * loss;
@@ -46,8 +48,25 @@ SampledFlow sampled_flow(const Leg& leg, std::span<const VectorXd> velocities, s
     other.dissipated += coarse[weight] * loss;
     other.work += coarse[weight] * power;
   }
-  return {flow, std::max({std::abs(flow.dissipated - other.dissipated), std::abs(flow.work - other.work),
-                          std::abs(flow.end_inertia - other.end_inertia)})};
+  sampled.error = std::max({std::abs(flow.dissipated - other.dissipated), std::abs(flow.work - other.work),
+                            std::abs(flow.end_inertia - other.end_inertia)});
+  return sampled;
+}
+
+EnergyFlow SampledFlow::until(double sigma) const {
+  EnergyFlow sum;
+  for (const auto [node, weight] : gauss<5>()) {  // exact for degree 8
+    const double at = sigma * (1.0 + node) / 2;
+    for (std::size_t k = 0; k <= 8; ++k) {
+      double share = sigma * weight / 2;
+      for (std::size_t j = 0; j <= 8; ++j)
+        if (j != k) share *= (8.0 * at - static_cast<double>(j)) / (static_cast<double>(k) - static_cast<double>(j));
+      sum.dissipated += share * powers[k].dissipated;
+      sum.work += share * powers[k].work;
+      sum.end_inertia += share * powers[k].end_inertia;
+    }
+  }
+  return sum;
 }
 
 }  // namespace viscobar::exponential

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <span>
 
@@ -27,6 +28,10 @@ EnergyFlow gauss_flow(const LinearLeg<double>& leg, const LinearLeg<double>::Ser
 struct SampledFlow {
   EnergyFlow flow;
   double error = 0.0;
+  std::array<EnergyFlow, 9> powers;  ///< at the eighths, times the length of the step
+
+  /// The flow over the part [0, sigma] of the step: the integral of the polynomial through the powers.
+  EnergyFlow until(double sigma) const;
 };
 SampledFlow sampled_flow(const LinearLeg<double>& leg, std::span<const Eigen::VectorXd> velocities,
                          std::span<const Eigen::VectorXd> loads, std::span<const Eigen::VectorXd> accelerations,

@@ -51,7 +51,7 @@ Axis time_axis(const Comparison& check) {
 /// Lines over each other, each thinner than the one below, so that all show where they coincide.
 void draw(Figure& figure, const std::vector<const MethodRun*>& runs, const std::vector<std::vector<Point>>& lines) {
   for (std::size_t i = 0; i < runs.size(); ++i)
-    figure.line(lines[i], {colour(*runs[i]), false, 1.4 + 1.1 * static_cast<double>(runs.size() - 1 - i)},
+    figure.line(lines[i], {colour(*runs[i]), false, 1.4 + 1.1 * static_cast<double>(runs.size() - 1 - i), i},
                 label(*runs[i]));
 }
 
@@ -109,7 +109,8 @@ Picture differences_picture(const Comparison& check) {
   if (!(high > 0.0)) return {};
   // Equal but for rounding at the start: the picture needs not show how equal.
   Figure figure(time_axis(check), plot::fitted_decades("difference, L2 norm", std::max(low, 1e-9 * high), high), 300.0);
-  for (std::size_t i = 0; i < runs.size(); ++i) figure.line(lines[i], {colour(*runs[i])}, label(*runs[i]));
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    figure.line(lines[i], {colour(*runs[i]), false, 1.6, i}, label(*runs[i]));
   return {"Difference to " + label(reference),
           "‖<i>u</i> − <i>u</i><sub>" + label(reference) + "</sub>‖ in <i>L</i>² over the bar, at the output times.",
           {{"difference", "Difference of each method to the reference over time", figure}}};

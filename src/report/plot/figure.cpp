@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 #include <iterator>
 
@@ -44,8 +46,38 @@ std::string json(std::span<const Point> points, const Axis& y) {
 }
 
 std::string json(const Style& style, std::string_view legend) {
-  return fmt::format(R"("colour":{},"width":{}{},"label":{})", json_string(style.colour), style.width,
-                     style.dashed ? R"(,"dashed":true)" : "", json_string(legend));
+  return fmt::format(R"("colour":{},"width":{}{}{},"label":{})", json_string(style.colour), style.width,
+                     style.dashed ? R"(,"dashed":true)" : "",
+                     style.shape > 0 ? fmt::format(R"(,"shape":{})", style.shape) : "", json_string(legend));
+}
+
+// The script has the same: src/report/web/layers.js.
+constexpr std::array dashes = {"", "7 4", "2 3", "9 3 2 3", "4 2", "12 4"};
+
+std::string dash_css(const Style& style) {
+  const std::string_view dash = style.dashed ? "6 4" : dashes[style.shape % dashes.size()];
+  return dash.empty() ? "" : fmt::format(";stroke-dasharray:{}", dash);
+}
+
+std::string marker_path(std::size_t shape, double x, double y, double r) {
+  switch (shape % 6) {
+    case 1: return fmt::format("M{:.1f} {:.1f}h{}v{}h{}z", x - r, y - r, 2 * r, 2 * r, -2 * r);
+    case 2: return fmt::format("M{:.1f} {:.1f}l{} {}h{}z", x, y - 1.2 * r, 1.2 * r, 2.1 * r, -2.4 * r);
+    case 3: return fmt::format("M{0:.1f} {1:.1f}l{2} {3}l-{2} {3}l-{2} -{3}z", x, y - 1.35 * r, 1.2 * r, 1.35 * r);
+    case 4: return fmt::format("M{0:.1f} {1:.1f}l{2} {2}M{3:.1f} {1:.1f}l-{2} {2}", x - r, y - r, 2 * r, x + r);
+    case 5: return fmt::format("M{:.1f} {:.1f}l{} {}h{}z", x, y + 1.2 * r, 1.2 * r, -2.1 * r, -2.4 * r);
+    default: return fmt::format("M{0:.1f} {1:.1f}a{2} {2} 0 1 0 {3} 0a{2} {2} 0 1 0 -{3} 0z", x - r, y, r, 2 * r);
+  }
+}
+
+// The gradients of all figures of a page share one name space; svg() puts the picture's title into their names.
+constexpr char place_of_title = '\x01';
+
+std::string named_after(std::string text, std::string_view title) {
+  std::string name;
+  for (const char c : title) name += std::isalnum(static_cast<unsigned char>(c)) ? c : '-';
+  for (std::size_t at = 0; (at = text.find(place_of_title, at)) != text.npos;) text.replace(at, 1, name);
+  return text;
 }
 
 }  // namespace
@@ -112,7 +144,7 @@ std::string Figure::path(std::span<const Point> points) const {
 
 void Figure::stroke(std::span<const Point> points, const Style& style) {
   content_ += fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}{}\" d=\"{}\"/>\n", style.colour,
-                          style.width, style.dashed ? ";stroke-dasharray:6 4" : "", path(points));
+                          style.width, dash_css(style), path(points));
 }
 
 void Figure::line(std::span<const Point> points, const Style& style, std::string_view legend) {
@@ -125,14 +157,17 @@ void Figure::line(std::span<const Point> points, const Style& style, std::string
   if (!legend.empty()) legend_line(style, legend);
 }
 
-void Figure::markers(std::span<const Point> points, const std::string& colour, std::string_view legend) {
-  live_layer(fmt::format(R"({{"kind":"marks","colour":{},"label":{},{}}})", json_string(colour), json_string(legend),
-                         json(points, y_)));
+void Figure::markers(std::span<const Point> points, const std::string& colour, std::string_view legend,
+                     std::size_t shape) {
+  constexpr double radius = 3.5;
+  live_layer(fmt::format(R"({{"kind":"marks","colour":{},"label":{},"shape":{},{}}})", json_string(colour),
+                         json_string(legend), shape, json(points, y_)));
   for (const Point& point : points)
-    content_ += fmt::format("<circle style=\"fill:{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\"/>\n", colour,
-                            place_x(point.x), place_y(point.y));
+    content_ += fmt::format("<path class=\"marker\" style=\"fill:{0};stroke:{0}\" d=\"{1}\"/>\n", colour,
+                            marker_path(shape, place_x(point.x), place_y(point.y), radius));
   if (legend.empty()) return;
-  legend_ += fmt::format("<circle style=\"fill:{}\" cx=\"{}\" cy=\"{}\" r=\"3.5\"/>", colour, right + 24, legend_y_);
+  legend_ += fmt::format("<path class=\"marker\" style=\"fill:{0};stroke:{0}\" d=\"{1}\"/>", colour,
+                         marker_path(shape, right + 24, legend_y_, radius));
   legend_text(legend);
 }
 
@@ -173,16 +208,54 @@ void Figure::image(const std::string& uri, Point low, Point high) {
       x, y, place_x(high.x) - x, place_y(low.y) - y, uri);
 }
 
+// Defines one from 0 to 1 and returns what to fill with.
+std::string Figure::gradient(std::span<const ColourStop> stops, std::string_view direction) {
+  std::string text;
+  for (const ColourStop& stop : stops)
+    text += fmt::format("<stop offset=\"{:.4f}\" stop-color=\"{}\"/>", stop.at, hex(stop.colour));
+  const std::string id = fmt::format("{}-{}", place_of_title, gradients_++);
+  content_ += fmt::format("<defs><linearGradient id=\"{}\"{}>{}</linearGradient></defs>\n", id, direction, text);
+  return fmt::format("url(#{})", id);
+}
+
+void Figure::strip(double from, double to, double y, std::span<const ColourStop> stops, std::string_view words) {
+  constexpr double thickness = 18.0;
+  const double left_end = place_x(from), size = place_x(to) - left_end;
+  std::vector<ColourStop> parts(stops.begin(), stops.end());
+  for (ColourStop& stop : parts)
+    stop.at = size > 0.0 ? std::clamp((place_x(stop.at) - left_end) / size, 0.0, 1.0) : 0.0;
+  const std::string fill = gradient(parts, "");
+  content_ += fmt::format(
+      "<rect class=\"solid\" style=\"fill:{}\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{}\"/>\n", fill,
+      left_end, place_y(y) - thickness / 2, std::max(0.0, size), thickness);
+  legend_ +=
+      fmt::format("<text x=\"{}\" y=\"{:.1f}\" dy=\".35em\">{}</text>\n", right + 14, place_y(y), escaped(words));
+}
+
+void Figure::walls(std::span<const Wall> walls) {
+  constexpr double depth = 12.0, pitch = 8.0;
+  const double bottom = height_ - below;
+  for (const Wall& wall : walls) {
+    const double x = place_x(wall.at), far = x + (wall.to_the_right ? depth : -depth);
+    std::string hatches;
+    for (double y = top + depth; y <= bottom; y += pitch)
+      fmt::format_to(std::back_inserter(hatches), "M{:.2f} {:.2f}L{:.2f} {:.2f}", std::min(x, far), y, std::max(x, far),
+                     y - depth);
+    content_ += fmt::format("<path class=\"hatch\" d=\"{}\"/><path class=\"surface\"{} d=\"M{:.2f} {}V{}\"/>\n",
+                            hatches, wall.open ? " style=\"stroke-dasharray:5 4\"" : "", x, top, bottom);
+    live_layer(
+        fmt::format(R"({{"kind":"wall","x":{:.9g},"right":{},"open":{}}})", wall.at, wall.to_the_right, wall.open));
+  }
+}
+
 void Figure::colour_bar(const ColourMap& map, const Axis& values) {
   const double bar = right + 20, bottom = height_ - below - 44, length = bottom - top;
-  std::string stops;
+  std::vector<ColourStop> stops;
   for (std::size_t i = 0; i < map.anchors.size(); ++i)
-    stops += fmt::format("<stop offset=\"{:.4f}\" stop-color=\"{}\"/>",
-                         static_cast<double>(i) / static_cast<double>(map.anchors.size() - 1), hex(map.anchors[i]));
-  legend_ += fmt::format(
-      "<defs><linearGradient id=\"scale\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">{}</linearGradient></defs>"
-      "<rect class=\"frame\" style=\"fill:url(#scale)\" x=\"{}\" y=\"{}\" width=\"16\" height=\"{}\"/>\n",
-      stops, bar, top, length);
+    stops.push_back({static_cast<double>(i) / static_cast<double>(map.anchors.size() - 1), map.anchors[i]});
+  const std::string fill = gradient(stops, R"( x1="0" y1="1" x2="0" y2="0")");
+  legend_ += fmt::format("<rect class=\"frame\" style=\"fill:{}\" x=\"{}\" y=\"{}\" width=\"16\" height=\"{}\"/>\n",
+                         fill, bar, top, length);
   const Ticks marks = ticks(values, 6);
   for (const Tick& tick : marks.ticks) {
     const double y = bottom - values.position(tick.value) * length;
@@ -193,7 +266,7 @@ void Figure::colour_bar(const ColourMap& map, const Axis& values) {
   const std::string factor = marks.exponent ? " / " + power_of_ten(marks.exponent) : "";
   legend_ +=
       fmt::format("<text class=\"axis\" transform=\"rotate(-90)\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                  -(top + bottom) / 2, bar + 78, values.label + factor);
+                  -(top + bottom) / 2, bar + 78, escaped(values.label) + factor);
   legend_y_ = bottom + 22;
 }
 
@@ -209,9 +282,8 @@ void Figure::legend_note(std::string_view text) {
 }
 
 void Figure::legend_line(const Style& style, std::string_view text) {
-  legend_ +=
-      fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}{}\" d=\"M{} {}h20\"/>", style.colour,
-                  std::max(1.6, style.width), style.dashed ? ";stroke-dasharray:6 4" : "", right + 14, legend_y_);
+  legend_ += fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}{}\" d=\"M{} {}h20\"/>", style.colour,
+                         std::max(1.6, style.width), dash_css(style), right + 14, legend_y_);
   legend_text(text);
 }
 
@@ -240,16 +312,18 @@ std::string Figure::svg(std::string_view title) const {
     axes +=
         fmt::format("<text x=\"{}\" y=\"{:.1f}\" dy=\".35em\" text-anchor=\"end\">{}</text>", left - 9, y, tick.label);
   }
-  return fmt::format(
-      "<svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"{2}\">\n"
-      "<path class=\"grid\" d=\"{3}\"/>\n<svg x=\"{4}\" y=\"{5}\" width=\"{6}\" height=\"{7}\" "
-      "viewBox=\"{4} {5} {6} {7}\">\n{8}</svg>\n"
-      "<rect class=\"frame\" x=\"{4}\" y=\"{5}\" width=\"{6}\" height=\"{7}\"/>\n{9}\n"
-      "<text class=\"axis\" x=\"{10}\" y=\"{11}\" text-anchor=\"middle\">{12}</text>\n"
-      "<text class=\"axis\" transform=\"rotate(-90)\" x=\"{13}\" y=\"16\" "
-      "text-anchor=\"middle\">{14}</text>\n{15}</svg>\n",
-      width, height_, escaped(title), grid, left, top, right - left, bottom - top, content_, axes, (left + right) / 2,
-      height_ - 8, escaped(x_.label) + factor(along), -(top + bottom) / 2, escaped(y_.label) + factor(up), legend_);
+  return named_after(
+      fmt::format("<svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"{2}\">\n"
+                  "<path class=\"grid\" d=\"{3}\"/>\n<svg x=\"{4}\" y=\"{5}\" width=\"{6}\" height=\"{7}\" "
+                  "viewBox=\"{4} {5} {6} {7}\">\n{8}</svg>\n"
+                  "<rect class=\"frame\" x=\"{4}\" y=\"{5}\" width=\"{6}\" height=\"{7}\"/>\n{9}\n"
+                  "<text class=\"axis\" x=\"{10}\" y=\"{11}\" text-anchor=\"middle\">{12}</text>\n"
+                  "<text class=\"axis\" transform=\"rotate(-90)\" x=\"{13}\" y=\"16\" "
+                  "text-anchor=\"middle\">{14}</text>\n{15}</svg>\n",
+                  width, height_, escaped(title), grid, left, top, right - left, bottom - top, content_, axes,
+                  (left + right) / 2, height_ - 8, escaped(x_.label) + factor(along), -(top + bottom) / 2,
+                  escaped(y_.label) + factor(up), legend_),
+      title);
 }
 
 std::string Figure::live(std::string_view title) const {
@@ -277,6 +351,8 @@ svg .frame { stroke: var(--soft); fill: none; }
 svg .line { fill: none; stroke-linejoin: round; stroke-linecap: butt; }
 svg .band { opacity: .2; stroke: none; }
 svg .body { fill: var(--soft); opacity: .25; }
+svg .solid { stroke: var(--ink); stroke-width: 1; }
+svg .hatch { stroke: var(--soft); stroke-width: 1; fill: none; }
 svg .surface { stroke: var(--ink); stroke-width: 1.6; fill: none; }
 )css";
 }

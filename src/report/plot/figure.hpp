@@ -19,6 +19,7 @@ struct Style {
   std::string colour;
   bool dashed = false;
   double width = 1.6;
+  std::size_t shape = 0;  ///< tells series apart without colour: dashes of a line, outline of a marker; 0: plain, round
 };
 
 /// Height of a figure of bars() on a bare y axis from rows - 1/2 down to -1/2: each bar stands beside its legend.
@@ -38,12 +39,25 @@ class Figure {
   /// A solid body below y over the part of x, or above it.
   void body(double y, Interval part, bool above = false);
   void line(std::span<const Point> points, const Style& style, std::string_view legend = {});
-  void markers(std::span<const Point> points, const std::string& colour, std::string_view legend = {});
+  void markers(std::span<const Point> points, const std::string& colour, std::string_view legend = {},
+               std::size_t shape = 0);
   void label(Point at, std::string_view text);
   /// A vertical line through the frame, the text at its top.
   void marker_line(double x, const Style& style, std::string_view text);
   /// Horizontal bars of one height in y, a line of the legend as high as they are.
   void bars(std::span<const Interval> parts, double y, const std::string& colour, std::string_view legend);
+  /// A body along x at the height y, in colours that change along it, its words in the legend beside.
+  struct ColourStop {
+    double at;
+    Colour colour;
+  };
+  void strip(double from, double to, double y, std::span<const ColourStop> stops, std::string_view words);
+  /// Upright walls over the whole height, hatched to the right or to the left; `open` ones leave the middle free.
+  struct Wall {
+    double at;
+    bool to_the_right, open;
+  };
+  void walls(std::span<const Wall> walls);
   /// An image over the rectangle between two corners of the frame's coordinates.
   void image(const std::string& uri, Point low, Point high);
   /// A colour bar in place of a legend.
@@ -70,11 +84,13 @@ class Figure {
   void stroke(std::span<const Point> points, const Style& style);
   void legend_line(const Style& style, std::string_view text);
   void legend_text(std::string_view text, double indent = 41.0);
+  std::string gradient(std::span<const ColourStop> stops, std::string_view direction);
 
   Axis x_, y_;
   double height_;
   std::string content_, legend_, layers_;
   double legend_y_;
+  std::size_t gradients_ = 0;
 };
 
 /// How the SVG of every figure looks.

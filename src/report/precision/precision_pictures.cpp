@@ -36,7 +36,8 @@ std::vector<MethodName> methods_in(const PrecisionResult& result) {
 Style style_of(const PrecisionResult& result, MethodName method) {
   const auto methods = methods_in(result);
   const auto place = std::find(methods.begin(), methods.end(), method) - methods.begin();
-  return {plot::series_colour(static_cast<std::size_t>(place)), is_scheme(method), 1.8};
+  return {plot::series_colour(static_cast<std::size_t>(place)), is_scheme(method), 1.8,
+          static_cast<std::size_t>(place)};
 }
 
 template <class X, class Y>
@@ -62,7 +63,7 @@ Axis decades_of(std::string label, const Range& range) {
 
 void draw(Figure& figure, const std::vector<Point>& points, const Style& style, std::string_view legend) {
   figure.line(points, style, legend);
-  figure.markers(points, style.colour);
+  figure.markers(points, style.colour, {}, style.shape);
 }
 
 /// Labels in the frame, those that would lie on each other joined.
@@ -125,7 +126,7 @@ std::optional<Figure> diagram(const PrecisionResult& result, std::span<const std
 Picture error_picture(const PrecisionResult& result) {
   if (!result.reference) return {};
   const auto meshes = meshes_in(result);
-  const auto figure = diagram(result, meshes, "error", error, result.reference->error);
+  const auto figure = diagram(result, meshes, "error: largest |u − u*|", error, result.reference->error);
   if (!figure) return {};
   std::string caption =
       "Largest |<i>u</i> − <i>u</i><sub>∗</sub>| over times and nodes, over the median time of the integration: "
@@ -167,7 +168,8 @@ Picture parts_picture(const PrecisionResult& result) {
     const double least = y.low / 100.0;
     for (const auto& level : {parts.space, parts.penalty})
       if (level && *level > least) y.add(*level);
-    Figure figure(decades_of(is_scheme(parts.method) ? "step" : "tolerance", x), decades_of("error", y), 300.0);
+    Figure figure(decades_of(is_scheme(parts.method) ? "step" : "tolerance", x),
+                  decades_of("error: largest |u − u*|", y), 300.0);
     figure.legend_note(name(parts.method));
     figure.line(total, {"var(--rule)", false, 7.0}, "in all");
     if (*parts.space > least) figure.level(*parts.space, {plot::series_colour(2), true, 1.8}, "space");

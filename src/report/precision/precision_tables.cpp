@@ -65,7 +65,7 @@ Table precision_table(const PrecisionResult& result, NumberText number) {
   Table table{{"method"}, several ? 3U : 2U, {}};
   if (several) table.header.emplace_back("elements");
   table.header.emplace_back("setting");
-  table.header.insert(table.header.end(), {"seconds", "steps", "error", "space"});
+  table.header.insert(table.header.end(), {"seconds", "steps", "error (max)", "space"});
   if (penalised) table.header.emplace_back("penalty");
   table.header.insert(table.header.end(), {"time", "largest part"});
   const double reference_error = result.reference ? result.reference->error : 0.0;

@@ -2,22 +2,13 @@
 
 #include <algorithm>
 
-#include "viscobar/dynamics/penalty_law.hpp"
+#include "dynamics/element_stress.hpp"
 
 namespace viscobar {
 
-ReportData::ReportData(const Case& run, const BarSystem& system) : field(system.mesh()), system_(system) {
+ReportData::ReportData(const Case& run, const BarSystem& system)
+    : field(system.mesh()), stress(system.mesh(), ThinnedField::At::elements), system_(system) {
   if (is_penalised(run.method) && !system.contacts().empty()) epsilon_ = effective_epsilon(run);
-}
-
-double ReportData::spring_energy(double t, std::span<const double> u) const {
-  const Lift lift = system_.moving() ? system_.lift(t, 0) : Lift{};
-  double sum = 0.0;
-  for (const Contact& contact : system_.contacts()) {
-    const double at = u[contact.unknown] - lift.at(system_.share(contact.unknown));
-    sum += PenaltyLaw{contact.weight / *epsilon_}.energy(-contact.clearance(at));
-  }
-  return sum;
 }
 
 std::vector<plot::Interval> ReportData::End::in_contact(double now) const {
@@ -32,7 +23,11 @@ void ReportData::add(const Snapshot& at) {
     if (at.reaction_left != 0.0) left.closed_since = at.time;
     if (at.reaction_right != 0.0) right.closed_since = at.time;
   }
+  const auto stress_of = [&](std::size_t j) { return element_stress(system_.bar(), system_.mesh(), at.u, at.v, j); };
   field.add(at.time, at.u);
+  stress.add_each(at.time, stress_of);
+  left.traction.add({at.time, stress_of(0)});
+  right.traction.add({at.time, stress_of(system_.mesh().elements - 1)});
   left.displacement.add({at.time, at.u.front()});
   right.displacement.add({at.time, at.u.back()});
   left.reaction.add({at.time, at.reaction_left});
@@ -42,13 +37,13 @@ void ReportData::add(const Snapshot& at) {
     sensitivities[k].left.add({at.time, at.sensitivities[k].u.front()});
     sensitivities[k].right.add({at.time, at.sensitivities[k].u.back()});
   }
-  const auto u = at.u.subspan(system_.first_node(), system_.size());
-  const auto [kinetic, elastic] = system_.nodal_energy(at.u, at.v);
-  const double contact = epsilon_ ? spring_energy(at.time, u) : 0.0;
-  energy.kinetic.add({at.time, kinetic});
-  energy.elastic.add({at.time, elastic});
-  if (epsilon_) energy.contact.add({at.time, contact});
-  energy.total.add({at.time, kinetic + elastic + contact});
+  if (!at.energy) return;
+  energy.kinetic.add({at.time, at.energy->kinetic});
+  energy.elastic.add({at.time, at.energy->elastic});
+  if (has_springs()) energy.contact.add({at.time, at.energy->contact});
+  energy.total.add({at.time, at.energy->total()});
+  energy.dissipated.add({at.time, at.energy->dissipated + at.energy->end_inertia});
+  energy.work.add({at.time, at.energy->work});
 }
 
 void ReportData::add(const Event& event) {

@@ -22,21 +22,22 @@ class ReportData {
   /// Some more than a picture of the whole can show, to zoom into.
   static constexpr std::size_t buckets = 800;
   struct End {
-    plot::ThinnedLine displacement{buckets}, reaction{buckets};
+    plot::ThinnedLine displacement{buckets}, reaction{buckets}, traction{buckets};
     plot::ThinnedIntervals contacts;     // that are over
     std::optional<double> closed_since;  // of the one that is not
 
     /// Times in contact up to `now`, as far as a picture shows them.
     std::vector<plot::Interval> in_contact(double now) const;
     static void members(auto& end, auto&& each) {
-      each(end.displacement, end.reaction, end.contacts, end.closed_since);
+      each(end.displacement, end.reaction, end.traction, end.contacts, end.closed_since);
     }
   };
-  /// Of the bar, and stored in the contacts' penalty springs.
+  /// The columns of energy.csv.
   struct Energy {
-    plot::ThinnedLine kinetic{buckets}, elastic{buckets}, contact{buckets}, total{buckets};
+    plot::ThinnedLine kinetic{buckets}, elastic{buckets}, contact{buckets}, dissipated{buckets}, work{buckets},
+        total{buckets};
     static void members(auto& energy, auto&& each) {
-      each(energy.kinetic, energy.elastic, energy.contact, energy.total);
+      each(energy.kinetic, energy.elastic, energy.contact, energy.dissipated, energy.work, energy.total);
     }
   };
   /// Derivatives of the ends' displacements by a parameter.
@@ -47,23 +48,21 @@ class ReportData {
   static constexpr std::size_t most_events = 50;
 
   std::size_t snapshots = 0;
-  ThinnedField field;
+  ThinnedField field, stress;
   End left, right;
   Energy energy;
   std::vector<Slopes> sensitivities;  // of each direction
   std::vector<Event> first_events;
   ThinnedEvents marked_events;
   static void members(auto& data, auto&& each) {
-    each(data.snapshots, data.field, data.left, data.right, data.energy, data.sensitivities, data.first_events,
-         data.marked_events);
+    each(data.snapshots, data.field, data.stress, data.left, data.right, data.energy, data.sensitivities,
+         data.first_events, data.marked_events);
   }
 
   /// Contact springs exist: an obstacle and a penalised method.
   bool has_springs() const { return epsilon_.has_value(); }
 
  private:
-  double spring_energy(double t, std::span<const double> u) const;
-
   const BarSystem& system_;
   std::optional<double> epsilon_;
 };

@@ -113,16 +113,22 @@ Page report_page(const Case& run, const BarSystem& system, const Outcome& outcom
     page.add_head(fmt::format("<p class=\"failed\"><b>The run did not complete.</b> It reached t = {}: {}</p>\n",
                               readable(outcome.reached_time), escaped(outcome.error)));
   for (const std::string& warning : outcome.warnings)
-    page.add_head(fmt::format("<p class=\"note\">{}</p>\n", escaped(warning)));
+    page.add_head(fmt::format("<p class=\"warning\"><b>Warning.</b> {}</p>\n", escaped(warning)));
   if (data.field.rows() >= 2) {
     const FieldColours colours = field_colours(run, data);
+    const FieldColours of_stress = stress_colours(run, data);
     page.add(profiles(run, data));
+    page.add(axial_bar(run, data, of_stress));
     page.add(displacement_map(run, data, colours));
+    page.add(stress_map(run, data, of_stress));
     page.add(end_traces(run, outcome, data));
     page.add(reactions(run, data));
-    page.add(energies(data));
+    page.add(end_tractions(run, data));
+    page.add(energies(run, data));
     page.add(sensitivities(run, data));
-    page.add_data("field", field_json(data, colours));
+    page.add_data("field", field_json(data.field, colours));
+    page.add_data("stress", field_json(data.stress, of_stress));
+    page.add_data("magnification", fmt::format("{}", axial_magnification(run, data)));
     page.add_data("events", events_json(data, outcome.events));
     page.add_data("supports", supports_json(run.scene, outcome, data));
   }

@@ -52,8 +52,7 @@ std::string support_json(const EndCondition& end, const EndInput& input, const R
 
 }  // namespace
 
-std::string field_json(const ReportData& data, const FieldColours& colours) {
-  const ThinnedField& field = data.field;
+std::string field_json(const ThinnedField& field, const FieldColours& colours) {
   plot::Range range;
   std::vector<double> times;
   for (std::size_t row = 0; row < field.rows(); ++row) {

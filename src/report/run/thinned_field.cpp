@@ -4,16 +4,17 @@
 
 namespace viscobar {
 
-ThinnedField::ThinnedField(const Mesh& mesh) : node_stride_((mesh.elements + most - 1) / most) {
-  for (std::size_t j = 0; j < mesh.elements; j += node_stride_) nodes_.push_back(j);
-  nodes_.push_back(mesh.elements);
-  for (const std::size_t j : nodes_) x_.push_back(mesh.node(j));
+ThinnedField::ThinnedField(const Mesh& mesh, At at) : node_stride_((mesh.elements + most - 1) / most) {
+  const bool nodal = at == At::nodes;
+  const std::size_t last = nodal ? mesh.elements : mesh.elements - 1;
+  for (std::size_t j = 0; j < last; j += node_stride_) nodes_.push_back(j);
+  nodes_.push_back(last);
+  for (const std::size_t j : nodes_) x_.push_back(nodal ? mesh.node(j) : 0.5 * (mesh.node(j) + mesh.node(j + 1)));
   last_.resize(nodes_.size());
 }
 
-void ThinnedField::add(double time, std::span<const double> u) {
+void ThinnedField::keep(double time) {
   last_time_ = time;
-  std::transform(nodes_.begin(), nodes_.end(), last_.begin(), [&](std::size_t j) { return u[j]; });
   if (count_++ % stride_ != 0) return;
   if (times_.size() == most) {
     const auto width = static_cast<std::ptrdiff_t>(nodes_.size());

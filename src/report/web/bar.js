@@ -160,3 +160,44 @@ function doubleArrow(chart, context, x, from, to) {
   const middle = (from + to) / 2;
   for (const head of [from, to]) arrow(chart, context, x, middle, head, colour("var(--ink)"), 1);
 }
+
+/// The bar as it lies, its points at x + s u between its walls, coloured by the stress.
+class AxialPicture {
+  static thickness = 44;
+
+  constructor(field, stress, colours, supports, magnification) {
+    Object.assign(this, { field, stress, colours, supports, magnification });
+  }
+
+  draw(chart, context, time) {
+    const { field, stress, magnification: s } = this, { x } = field, u = field.profile(time), values = stress.profile(time);
+    const { top, height } = chart.box, half = (AxialPicture.thickness / 2) * chart.ratio, middle = top + height / 2;
+    const place = (at) => {
+      const [node, part] = Field.locate(x, at);
+      return chart.px(at + s * Field.between(u, node, part));
+    };
+    const left = place(x[0]), right = place(x.at(-1)), size = Math.max(right - left, 1e-9);
+    const gradient = context.createLinearGradient(left, 0, right, 0), stride = Math.max(1, Math.floor(values.length / 120));
+    for (let j = 0; j < values.length; j += stride)
+      gradient.addColorStop(Math.min(1, Math.max(0, (place(stress.x[j]) - left) / size)), this.colours.shade(values[j]));
+    context.fillStyle = gradient;
+    context.fillRect(left, middle - half, size, 2 * half);
+    strokeStyle(chart, context, "var(--ink)", 1);
+    context.strokeRect(left, middle - half, size, 2 * half);
+    // Sections at equal distances of the bar at rest.
+    context.globalAlpha = 0.35;
+    context.beginPath();
+    for (let k = 1; k < 20; ++k) {
+      const at = place(x[0] + ((x.at(-1) - x[0]) * k) / 20);
+      context.moveTo(at, middle - half);
+      context.lineTo(at, middle + half);
+    }
+    context.stroke();
+    context.globalAlpha = 1;
+    for (const [side, at] of [["left", left], ["right", right]]) {
+      const support = this.supports[side];
+      context.fillStyle = support.kind === "fixed" ? colour("var(--ink)") : this.colours.touching;
+      if (support.kind === "fixed" || inParts(support.contact, time)) context.fillRect(at - 2.5 * chart.ratio, middle - half, 5 * chart.ratio, 2 * half);
+    }
+  }
+}

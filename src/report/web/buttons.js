@@ -7,6 +7,14 @@ const element = (tag, attributes = {}, ...children) => {
   return node;
 };
 
+/// The same of a picture.
+function svgElement(name, attributes = {}, ...children) {
+  const node = document.createElementNS("http://www.w3.org/2000/svg", name);
+  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+  node.append(...children);
+  return node;
+}
+
 /// Paths in a square of 16.
 const icons = {
   play: "M4 2.5v11l9.5-5.5z",

@@ -36,7 +36,7 @@ class Chart {
       time: false, auto: false, distr: axis.log ? 3 : 1, dir: axis.low > axis.high ? -1 : 1, range: () => this.shown(key) });
     const series = this.lines.map((line) => ({
       facets: [{ scale: "x", auto: false }, { scale: "y", auto: false }],
-      stroke: () => colour(line.colour), width: line.width, dash: line.dashed ? [6, 4] : undefined,
+      stroke: () => colour(line.colour), width: line.width, dash: dashOf(line).length > 0 ? dashOf(line) : undefined,
       paths: uPlot.paths.linear(), points: { show: false } }));
     const none = { facets: [{ scale: "x", auto: false }, { scale: "y", auto: false }], paths: () => null, points: { show: false } };
     return {
@@ -64,7 +64,8 @@ class Chart {
   axis(axis, key) {
     const ticks = axis.log
       ? { splits: (plot, i, low, high) => decadeTicks(low, high),
-          values: (plot, ticks) => decadeLabels(ticks, plot.scales[key].min, plot.scales[key].max, key === "x" ? 12 : 7),
+          values: (plot, ticks) => decadeLabels(ticks, plot.scales[key].min, plot.scales[key].max,
+            key === "x" ? Math.max(2, Math.min(12, Math.floor((this.width - Chart.leftAxis) / 44))) : 7),
           filter: (plot, ticks) => ticks }
       : axis.bare ? { splits: () => [], values: () => [] }
       : { incrs: tickSteps, values: (plot, ticks, i, space, step) => linearLabels(ticks, step) };

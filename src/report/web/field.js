@@ -1,4 +1,4 @@
-// The displacement over space and time, as thinned and rounded by the program (io/report_script_data.hpp).
+// A field over space and time, the displacement at nodes or the stress of elements, as thinned and rounded by the program (io/report_script_data.hpp).
 
 class Field {
   constructor({ t, x, low, high, u }) {
@@ -23,7 +23,7 @@ class Field {
     return [low, Math.min(1, Math.max(0, part))];
   }
 
-  /// Displacement of every node, linear in between output times.
+  /// The values of every place, linear in between output times.
   profile(time) {
     const [row, part] = Field.locate(this.t, time), width = this.x.length, at = row * width;
     const profile = this.u.slice(at, at + width);
@@ -33,7 +33,10 @@ class Field {
 
   value(time, x) {
     const [node, part] = Field.locate(this.x, x), profile = this.profile(time);
-    return profile[node] + part * (profile[node + 1] - profile[node]);
+    return Field.between(profile, node, part);
+  }
+  static between(profile, node, part) {
+    return part > 0 ? profile[node] + part * (profile[node + 1] - profile[node]) : profile[node];
   }
 
   /// The least and the greatest displacement of every node.

@@ -1,6 +1,18 @@
 // How the layers of a picture (plot::Figure::live) are drawn, the lines apart, which uPlot draws. Lengths are in pixels of
 // the canvas, `chart.ratio` of them in one of the page.
 
+/// Dashes and markers tell series apart without colour; the still pictures have the same (plot/figure.cpp).
+const lineDashes = [[], [7, 4], [2, 3], [9, 3, 2, 3], [4, 2], [12, 4]];
+const dashOf = ({ dashed, shape = 0 }) => (dashed ? [6, 4] : lineDashes[shape % lineDashes.length]);
+const markerPath = (shape, x, y, r) => [
+  `M${x - r} ${y}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0z`,
+  `M${x - r} ${y - r}h${2 * r}v${2 * r}h${-2 * r}z`,
+  `M${x} ${y - 1.2 * r}l${1.2 * r} ${2.1 * r}h${-2.4 * r}z`,
+  `M${x} ${y - 1.35 * r}l${1.2 * r} ${1.35 * r}l${-1.2 * r} ${1.35 * r}l${-1.2 * r} ${-1.35 * r}z`,
+  `M${x - r} ${y - r}l${2 * r} ${2 * r}M${x + r} ${y - r}l${-2 * r} ${2 * r}`,
+  `M${x} ${y + 1.2 * r}l${1.2 * r} ${-2.1 * r}h${-2.4 * r}z`,
+][shape % 6];
+
 const layerPainters = {
   bands(chart, context, { parts, colour: css }) {
     const { top, height } = chart.box;
@@ -56,12 +68,35 @@ const layerPainters = {
     context.stroke();
   },
 
-  marks(chart, context, { x, y, colour: css }) {
+  /// Upright, hatched on the side where the material is; an open one lets the bar pass.
+  wall(chart, context, { x, right, open }) {
+    const { top, height } = chart.box, at = chart.px(x), depth = (right ? 11 : -11) * chart.ratio;
+    context.save();
+    context.beginPath();
+    context.rect(Math.min(at, at + depth), top, Math.abs(depth), height);
+    context.clip();
+    strokeStyle(chart, context, "var(--soft)", 1);
+    context.beginPath();
+    for (let y = top; y < top + height + 12 * chart.ratio; y += 7 * chart.ratio) {
+      context.moveTo(Math.min(at, at + depth), y);
+      context.lineTo(Math.max(at, at + depth), y - 11 * chart.ratio);
+    }
+    context.stroke();
+    context.restore();
+    strokeStyle(chart, context, "var(--ink)", 1.6, open);
+    context.beginPath();
+    context.moveTo(at, top);
+    context.lineTo(at, top + height);
+    context.stroke();
+  },
+
+  marks(chart, context, { x, y, shape = 0, colour: css }) {
+    strokeStyle(chart, context, css, 1.2);
     context.fillStyle = colour(css);
     for (let i = 0; i < x.length; ++i) {
-      context.beginPath();
-      context.arc(chart.px(x[i]), chart.py(y[i]), 3.5 * chart.ratio, 0, 2 * Math.PI);
-      context.fill();
+      const path = new Path2D(markerPath(shape, chart.px(x[i]), chart.py(y[i]), 3.5 * chart.ratio));
+      context.fill(path);
+      context.stroke(path);
     }
   },
 
@@ -81,7 +116,7 @@ const layerPainters = {
 };
 
 /// Below the lines; the others above.
-const lowerLayers = new Set(["bands", "bars", "level", "body", "map", "envelope"]);
+const lowerLayers = new Set(["bands", "bars", "level", "body", "map", "stress-map", "wall", "envelope"]);
 
 function strokeStyle(chart, context, css, width, dashed = false) {
   context.strokeStyle = colour(css);

@@ -1,6 +1,6 @@
-// The displacement as a colour map over time (to the right) and space (upwards).
+// A field as a colour map over time (to the right) and space (upwards).
 
-class DisplacementMap {
+class FieldMap {
   constructor(field, colours) {
     this.field = field;
     this.colours = colours;
@@ -32,7 +32,7 @@ class DisplacementMap {
       const profile = field.profile(begin + ((end - begin) * (i + 0.5)) / width);
       for (let j = 0; j < height; ++j) {
         const [node, part] = places[j];
-        pixels[j * width + i] = words[colours.index(profile[node] + part * (profile[node + 1] - profile[node]))];
+        pixels[j * width + i] = words[colours.index(Field.between(profile, node, part))];
       }
     }
     context.putImageData(image, 0, 0);

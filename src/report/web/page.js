@@ -4,7 +4,12 @@ const charts = new Map();
 const resetAll = () => charts.forEach((chart) => chart.reset());
 
 function startPage() {
-  const { figures, field: fieldData, events: eventData, supports } = JSON.parse(document.getElementById("data").textContent);
+  const { figures, sweep, field: fieldData, stress: stressData, magnification, events: eventData, supports } =
+    JSON.parse(document.getElementById("data").textContent);
+  if (sweep) {
+    window.viscobar = { sweep: new SweepPage(sweep, document.getElementById("sweep")) };
+    return;
+  }
   const links = { t: new Link(), x: new Link(), epsilon: new Link(true) };
   const reference = { links, charts, figures };
   root.style.setProperty("--touching", fieldData?.colours.touching ?? "#e0218a");
@@ -13,13 +18,17 @@ function startPage() {
   const special = {};
   if (fieldData) {
     const field = new Field(fieldData), colours = new FieldColours(fieldData.colours, field);
-    const map = new DisplacementMap(field, colours);
+    const map = new FieldMap(field, colours);
     const bar = new BarPicture(field, colours, supports, reactionsOf(figures));
     figures.bar.layers.unshift({ kind: "envelope" });
     special.map = (chart, context) => map.draw(chart, context);
     special.envelope = (chart, context) => bar.drawEnvelope(chart, context);
     special.bar = (chart, context) => bar.draw(chart, context, shownTime() ?? field.t[0]);
-    Object.assign(reference, { field, colours, bar });
+    const stress = new Field(stressData), ofStress = new FieldColours(stressData.colours, stress);
+    const stressMap = new FieldMap(stress, ofStress), axial = new AxialPicture(field, stress, ofStress, supports, magnification);
+    special["stress-map"] = (chart, context) => stressMap.draw(chart, context);
+    special.axial = (chart, context) => axial.draw(chart, context, shownTime() ?? field.t[0]);
+    Object.assign(reference, { field, colours, bar, stress, ofStress, axial });
     links.t.rest = field.t[0];
   }
 
@@ -30,10 +39,10 @@ function startPage() {
       ariaLabel: figure.title + (fieldData || overTime ? ". Arrow keys move in time" : ". Arrow keys read points") });
     const live = element("div", { className: "live" }, host);
     panel.append(live);
-    const chart = new Chart(host, name, figure, links, { special, dragY: Boolean(figure.y.log) || name === "displacement" });
+    const chart = new Chart(host, name, figure, links, { special, dragY: Boolean(figure.y.log) || name === "displacement" || name === "stress" });
     charts.set(name, chart);
     live.prepend(new Legend(chart, { values: overTime }).node);
-    if (!overTime && name !== "bar") new PointReader(chart);
+    if (!overTime && name !== "bar" && name !== "axial") new PointReader(chart);
   }
   if (fieldData) startRun(reference, eventData);
   else startStudy(links);
@@ -42,7 +51,7 @@ function startPage() {
 
 /// A run: slider, events, the bar that follows them.
 function startRun(reference, eventData) {
-  const { links, field, colours } = reference, events = new Events(eventData);
+  const { links, field, colours, stress, ofStress } = reference, events = new Events(eventData);
   const player = new Player(links.t, field.t, events, resetAll);
   Object.assign(reference, { events, player });
   document.querySelector("figure").before(player.node);
@@ -63,15 +72,18 @@ function startRun(reference, eventData) {
     events.onChosen.add(() => chart.redraw());
   }
   const bar = charts.get("bar");
-  links.t.onPlace.add(() => bar.redraw());
-  addReadout(addColourScale(charts.get("displacement"), reference), reference);
-  addReadout(bar.host.previousElementSibling, reference);
+  const axial = charts.get("axial");
+  links.t.onPlace.add(() => { bar.redraw(); axial.redraw(); });
+  addReadout(addColourScale(charts.get("displacement"), "u", colours), "u", field, links);
+  addReadout(addColourScale(charts.get("stress"), "s", ofStress), "s", stress, links);
+  addColourScale(axial, "s", ofStress);
+  addReadout(bar.host.previousElementSibling, "u", field, links);
   const section = document.getElementById("events");
   if (section) events.table(section, (event) => player.jump(event));
   document.querySelector("footer").before(element("p", { className: "live note", textContent:
     "Keys, on the slider or a picture: arrows and page keys move in time, Home and End go to its ends, space plays, N and P go " +
-    "to contact changes, + − 0 zoom. Drag to zoom, shift and drag to move the view, double click to see it all. Bar and map are " +
-    "drawn with displacements rounded to 1/65535 of their range, lines with the least and greatest value of neighbouring output " +
+    "to contact changes, + − 0 zoom. Drag to zoom, shift and drag to move the view, double click to see it all. Bar and maps are " +
+    "drawn with values rounded to 1/65535 of their range, lines with the least and greatest value of neighbouring output " +
     "times where there are many; ends.csv, events.csv and field.h5 have everything." }));
 }
 
@@ -106,12 +118,12 @@ function reactionsOf(figures) {
   return { left: find("left end"), right: find("right end") };
 }
 
-/// The scale of the map.
-function addColourScale(chart, { colours }) {
+/// The scale of a map.
+function addColourScale(chart, name, colours) {
   const shades = Array.from({ length: 17 }, (_, i) => `rgb(${colours.palette[Math.round((i * 254) / 16)]})`);
   const ramp = element("span", { className: "ramp", ariaHidden: "true" });
   ramp.style.background = `linear-gradient(to right, ${shades.join(", ")})`;
-  const scale = element("div", { className: "legend scale" }, element("span", { textContent: `u from ${readable(colours.low, 3)}` }), ramp,
+  const scale = element("div", { className: "legend scale" }, element("span", { textContent: `${name} from ${readable(colours.low, 3)}` }), ramp,
     element("span", { textContent: `to ${readable(colours.high, 3)}` }));
   if (colours.contactLevel > -Infinity || colours.contactFrom < Infinity) {
     const box = element("span", { className: "swatch bars" });
@@ -122,14 +134,14 @@ function addColourScale(chart, { colours }) {
   return scale;
 }
 
-/// The displacement where the pointer is.
-function addReadout(node, { field, links }) {
-  const value = element("span", { className: "value" }), [begin, end] = [field.x[0], field.x.at(-1)];
+/// The value of a field where the pointer is.
+function addReadout(node, name, field, links) {
+  const value = element("span", { className: "value" }), [begin, end] = links.x.bounds;
   node.append(value);
   const read = () => {
     const t = links.t.place, x = links.x.pointed;
     value.textContent = x === null || x < begin || x > end ? "\u00a0" :
-      `u(${readable(x, 4)}, ${readable(t, 4)}) = ${readable(field.value(t, x), 4)}`;
+      `${name}(${readable(x, 4)}, ${readable(t, 4)}) = ${readable(field.value(t, x), 4)}`;
   };
   links.t.onPlace.add(read);
   links.x.onPlace.add(read);

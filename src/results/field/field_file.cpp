@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <span>
 #include <string_view>
 #include <utility>
+
+#include "dynamics/element_stress.hpp"
+#include "scene/unit_names.hpp"
+#include "viscobar/results/versions.hpp"
 
 namespace viscobar {
 
@@ -38,6 +41,19 @@ std::string_view bytes_of(const auto& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof values.front()};
 }
 
+/// A string of variable length, as readers take it most easily.
+void write_attribute(const std::filesystem::path& path, hid_t object, const char* name, const std::string& text) {
+  const Hdf5Type type(H5Tcopy(H5T_C_S1));
+  H5Tset_size(type.get(), H5T_VARIABLE);
+  H5Tset_cset(type.get(), H5T_CSET_UTF8);
+  const Hdf5Dataspace scalar(H5Screate(H5S_SCALAR));
+  const Hdf5Attribute attribute(hdf5_checked(path, "cannot create an attribute", [&] {
+    return H5Acreate2(object, name, type.get(), scalar.get(), H5P_DEFAULT, H5P_DEFAULT);
+  }));
+  const char* value = text.c_str();
+  hdf5_checked(path, "cannot write an attribute", [&] { return H5Awrite(attribute.get(), type.get(), &value); });
+}
+
 /// Returns where the values are.
 template <class Value>
 FieldMark::Region write_all(const std::filesystem::path& path, hid_t file, const char* name, hid_t stored, hid_t type,
@@ -51,37 +67,72 @@ FieldMark::Region write_all(const std::filesystem::path& path, hid_t file, const
 }  // namespace
 
 FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, std::size_t expected_rows,
-                     const FieldMark* mark)
+                     const FieldMark* mark, const FieldOrigin& of)
     : path_(directory / "field.h5"),
+      mesh_(mesh),
+      bar_(of.bar),
       nodes_(mesh.nodes()),
       block_rows_(std::max<std::size_t>(1, std::min(block_bytes / (sizeof(double) * nodes_), expected_rows))),
       xdmf_(directory / "field.xdmf", "field.h5", nodes_),
       t_{"t", 1, std::clamp<std::size_t>(expected_rows, 1, 4096)},
       u_{"u", nodes_, block_rows_},
-      v_{"v", nodes_, block_rows_} {
+      v_{"v", nodes_, block_rows_},
+      stress_{"stress", nodes_ - 1, block_rows_} {
   if (mark)
     go_on(*mark);
   else
-    create(mesh);
+    create(of);
 }
 
-void FieldFile::create(const Mesh& mesh) {
+void FieldFile::create(const FieldOrigin& of) {
   new_.emplace(path_);
   file_.reset(create_file(new_->part()));
   using One = std::array<hsize_t, 1>;
   using Two = std::array<hsize_t, 2>;
   t_.dataset.reset(create_dataset(path_, file_.get(), t_.name, H5T_IEEE_F64LE, One{0}, One{t_.chunk_rows}).release());
-  for (Growing* grown : {&u_, &v_})
-    grown->dataset.reset(
-        create_dataset(path_, file_.get(), grown->name, H5T_IEEE_F64LE, Two{0, nodes_}, Two{block_rows_, nodes_})
-            .release());
+  for (Growing* grown : {&u_, &v_, &stress_})
+    grown->dataset.reset(create_dataset(path_, file_.get(), grown->name, H5T_IEEE_F64LE, Two{0, grown->row_values},
+                                        Two{block_rows_, grown->row_values})
+                             .release());
   std::vector<double> x(nodes_), points(3 * nodes_, 0.0);
-  for (std::size_t j = 0; j < nodes_; ++j) points[3 * j] = x[j] = mesh.node(j);
-  std::vector<int> line(nodes_);
-  std::iota(line.begin(), line.end(), 0);
+  for (std::size_t j = 0; j < nodes_; ++j) points[3 * j] = x[j] = mesh_.node(j);
+  std::vector<int> line(2 * (nodes_ - 1));
+  for (std::size_t k = 0; k < line.size(); ++k) line[k] = static_cast<int>((k + 1) / 2);
   fixed_ = {write_all(path_, file_.get(), "x", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, One{nodes_}, x),
             write_all(path_, file_.get(), "points", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, Two{nodes_, 3}, points),
-            write_all(path_, file_.get(), "line", H5T_STD_I32LE, H5T_NATIVE_INT, One{nodes_}, line)};
+            write_all(path_, file_.get(), "line", H5T_STD_I32LE, H5T_NATIVE_INT, Two{nodes_ - 1, 2}, line)};
+  describe(of);
+}
+
+void FieldFile::describe(const FieldOrigin& of) {
+  const hid_t file = file_.get();
+  // The format takes no more in one attribute.
+  constexpr std::size_t most = 60'000;
+  const auto of_file = [&](const char* name, const std::string& text) {
+    if (!text.empty()) write_attribute(path_, file, name, text.size() <= most ? text : "too long: see summary.json");
+  };
+  of_file("title", of.title);
+  of_file("scene", of.scene);
+  of_file("units", named_units(of.units));
+  of_file("version", "viscobar " + versions().viscobar);
+  struct Meaning {
+    const char *dataset, *long_name;
+    std::optional<Dimension> quantity;
+  };
+  const Meaning meanings[] = {{"t", "output times", Dimension::time},
+                              {"x", "nodes", Dimension::length},
+                              {"u", "displacement of the nodes, times x nodes", Dimension::length},
+                              {"v", "velocity of the nodes, times x nodes", Dimension::velocity},
+                              {"stress", "mean stress of each element, times x elements", Dimension::stress},
+                              {"points", "nodes in space, for field.xdmf", Dimension::length},
+                              {"line", "the two nodes of each element, for field.xdmf", std::nullopt}};
+  for (const auto& [name, long_name, quantity] : meanings) {
+    const Hdf5Dataset dataset(
+        hdf5_checked(path_, "lacks a dataset", [&] { return H5Dopen2(file, name, H5P_DEFAULT); }));
+    write_attribute(path_, dataset.get(), "long_name", long_name);
+    const std::string unit = quantity ? unit_name(of.units, *quantity) : "";
+    if (!unit.empty()) write_attribute(path_, dataset.get(), "units", unit);
+  }
 }
 
 void FieldFile::take_place() {
@@ -96,8 +147,13 @@ void FieldFile::append(const Snapshot& snapshot) {
   times_.push_back(snapshot.time);
   us_.insert(us_.end(), snapshot.u.begin(), snapshot.u.end());
   vs_.insert(vs_.end(), snapshot.v.begin(), snapshot.v.end());
+  add_stress(snapshot);
   // Blocks begin where chunks begin, unless the clock cut one short.
   if ((rows_ + times_.size()) % block_rows_ == 0 || clock_.due()) flush();
+}
+
+void FieldFile::add_stress(const Snapshot& at) {
+  for (std::size_t j = 0; j + 1 < nodes_; ++j) stresses_.push_back(element_stress(bar_, mesh_, at.u, at.v, j));
 }
 
 void FieldFile::flush() {
@@ -107,6 +163,7 @@ void FieldFile::flush() {
   append_rows(t_, times_);
   append_rows(u_, us_);
   append_rows(v_, vs_);
+  append_rows(stress_, stresses_);
   hdf5_checked(path_, "cannot be flushed", [&] { return H5Fflush(file_.get(), H5F_SCOPE_GLOBAL); });
   // After the rows, so that it never names one that is not there.
   xdmf_.append(times_);
@@ -114,6 +171,7 @@ void FieldFile::flush() {
   times_.clear();
   us_.clear();
   vs_.clear();
+  stresses_.clear();
 }
 
 void FieldFile::append_rows(Growing& grown, const std::vector<double>& values) {
@@ -145,7 +203,7 @@ void FieldFile::go_on(const FieldMark& mark) {
       hdf5_checked(path_, "cannot be opened", [&] { return H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT); }));
   rows_ = mark.rows;
   auto end = mark.regions.end();  // of those of a dataset, in the order of regions()
-  for (Growing* grown : {&v_, &u_, &t_}) {
+  for (Growing* grown : {&stress_, &v_, &u_, &t_}) {
     grown->dataset.reset(
         hdf5_checked(path_, "lacks a dataset", [&] { return H5Dopen2(file_.get(), grown->name, H5P_DEFAULT); }));
     const auto begin = end - static_cast<std::ptrdiff_t>((rows_ + grown->chunk_rows - 1) / grown->chunk_rows);
@@ -178,7 +236,7 @@ void FieldFile::locate(Growing& grown) {
 
 std::vector<FieldMark::Region> FieldFile::regions() {
   std::vector<FieldMark::Region> all = fixed_;
-  for (Growing* grown : {&t_, &u_, &v_}) {
+  for (Growing* grown : growing()) {
     locate(*grown);
     all.insert(all.end(), grown->chunks.begin(), grown->chunks.end());
   }
@@ -195,7 +253,7 @@ FieldMark FieldFile::mark() {
 void FieldFile::close() {
   flush();
   std::vector<FieldMark::Region> values = regions();
-  for (Growing* grown : {&t_, &u_, &v_})
+  for (Growing* grown : growing())
     hdf5_checked(path_, "cannot be closed", [&] { return H5Dclose(grown->dataset.release()); });
   hdf5_checked(path_, "cannot be closed", [&] { return H5Fclose(file_.release()); });
   checksum_ = marked(path_, rows_, std::move(values)).checksum();

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "results/field/field_mark.hpp"
@@ -11,17 +13,30 @@
 #include "results/output_file.hpp"
 #include "viscobar/discretisation/mesh.hpp"
 #include "viscobar/run/run.hpp"
+#include "viscobar/scene/scene.hpp"
 
 namespace viscobar {
 
-/// field.h5 with x (J+1), t (K), u and v (K x J+1), K growing, and field.xdmf beside it. Rows are collected to blocks
-/// of about 1 MiB; a block that is written is flushed and readable. For ParaView there are also `points` (J+1 x 3) and
-/// `line`, the node numbers. @throws IoError
+/// What a field is of: the material that makes stresses of it, and what its attributes say.
+struct FieldOrigin {
+  Bar bar;
+  Units units;
+  std::string title, scene;  ///< the latter as a scene file; empty for a file that goes on
+};
+
+/// field.h5 with x (J+1), t (K), u and v (K x J+1), and stress (K x J), the mean over each element,
+///
+///     s_i = (E (u_{i+1} - u_i) + eta (v_{i+1} - v_i)) / h_i,
+///
+/// K growing, and field.xdmf beside it. Rows are collected to blocks of about 1 MiB; a block that is written is flushed
+/// and readable. For ParaView there are also `points` (J+1 x 3) and `line` (J x 2), the nodes of each element. The file
+/// has the attributes title, scene, units and version, each dataset long_name and units, where there are any.
+/// @throws IoError
 class FieldFile {
  public:
   /// `expected_rows` bounds the size of a block. With a mark the file is the one that is there, as it was then.
   FieldFile(const std::filesystem::path& directory, const Mesh& mesh, std::size_t expected_rows,
-            const FieldMark* mark = nullptr);
+            const FieldMark* mark = nullptr, const FieldOrigin& of = {});
 
   /// A new one is seen from now on as it grows; otherwise from its first block on. @throws IoError
   void take_place();
@@ -45,22 +60,27 @@ class FieldFile {
     std::size_t located = 0;  // chunks whose place is known; it stays
   };
 
-  void create(const Mesh& mesh);
+  void create(const FieldOrigin& of);
+  void describe(const FieldOrigin& of);
+  std::array<Growing*, 4> growing() { return {&t_, &u_, &v_, &stress_}; }
+  void add_stress(const Snapshot& snapshot);
   void go_on(const FieldMark& mark);
   void append_rows(Growing& grown, const std::vector<double>& values);
   void locate(Growing& grown);
   std::vector<FieldMark::Region> regions();
 
   std::filesystem::path path_;
+  Mesh mesh_;
+  Bar bar_;
   std::size_t nodes_, block_rows_;
   XdmfFile xdmf_;
   std::optional<NewFile> new_;  // while it is not in its place
   std::optional<FileIdentity> identity_;
   Hdf5File file_;
   std::vector<FieldMark::Region> fixed_;  // values that do not grow
-  Growing t_, u_, v_;
-  std::size_t rows_ = 0;                 // in the file
-  std::vector<double> times_, us_, vs_;  // not yet in the file
+  Growing t_, u_, v_, stress_;
+  std::size_t rows_ = 0;                            // in the file
+  std::vector<double> times_, us_, vs_, stresses_;  // not yet in the file
   FlushClock clock_;
   Checksum checksum_;
 };

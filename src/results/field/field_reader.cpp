@@ -46,18 +46,26 @@ FieldReader::FieldReader(const std::filesystem::path& file)
       v_(open(path_, file_, "v")),
       x_(vector(path_, file_, "x")),
       times_(vector(path_, file_, "t")) {
+  if (H5Lexists(file_.get(), "stress", H5P_DEFAULT) > 0) stress_.emplace(open(path_, file_, "stress"));
   // A run that was killed may have left a time without its row.
   for (const Hdf5Dataset* dataset : {&u_, &v_}) {
     const auto [rows, nodes] = extent<2>(path_, *dataset);
     if (nodes != x_.size()) throw IoError(path_, "is no field file of viscobar: x and the field differ in length");
     times_.resize(std::min<std::size_t>(times_.size(), rows));
   }
+  if (stress_) {
+    const auto [rows, elements] = extent<2>(path_, *stress_);
+    if (elements + 1 != x_.size())
+      throw IoError(path_, "is no field file of viscobar: x and the stress do not fit each other");
+    times_.resize(std::min<std::size_t>(times_.size(), rows));
+  }
 }
 
 void FieldReader::read(Quantity quantity, std::size_t first, std::span<double> values) const {
-  assert(values.size() % nodes() == 0 && first + values.size() / nodes() <= rows());
-  const Hdf5Dataset& dataset = quantity == Quantity::displacement ? u_ : v_;
-  const std::array<hsize_t, 2> begin{first, 0}, count{values.size() / nodes(), nodes()};
+  const std::size_t n = width(quantity);
+  assert(has(quantity) && values.size() % n == 0 && first + values.size() / n <= rows());
+  const Hdf5Dataset& dataset = quantity == Quantity::displacement ? u_ : quantity == Quantity::velocity ? v_ : *stress_;
+  const std::array<hsize_t, 2> begin{first, 0}, count{values.size() / n, n};
   const Hdf5Dataspace source(H5Dget_space(dataset.get())), target(H5Screate_simple(2, count.data(), nullptr));
   H5Sselect_hyperslab(source.get(), H5S_SELECT_SET, begin.data(), nullptr, count.data(), nullptr);
   hdf5_checked(path_, "cannot be read", [&] {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,14 +19,19 @@ class FieldReader {
   std::size_t rows() const { return times_.size(); }
   std::size_t nodes() const { return x_.size(); }
 
-  enum class Quantity { displacement, velocity };
-  /// Values at the nodes for the output times first, first + 1, ..., as many as `values` has room for.
+  enum class Quantity { displacement, velocity, stress };
+  /// Whether the file has it: one of an earlier version has no stress.
+  bool has(Quantity quantity) const { return quantity != Quantity::stress || stress_; }
+  /// Values of a row: one a node, of the stress one an element.
+  std::size_t width(Quantity quantity) const { return nodes() - (quantity == Quantity::stress ? 1 : 0); }
+  /// Values for the output times first, first + 1, ..., as many as `values` has room for.
   void read(Quantity quantity, std::size_t first, std::span<double> values) const;
 
  private:
   std::filesystem::path path_;
   Hdf5File file_;
   Hdf5Dataset u_, v_;
+  std::optional<Hdf5Dataset> stress_;
   std::vector<double> x_, times_;
 };
 

@@ -25,7 +25,7 @@ std::string hdf5_cause() {
 }
 
 void begin_hdf5() {
-  // Its tables take one megabyte, the cache of each of four datasets another, a block of rows to pass on one more.
+  // Its tables take one megabyte, the cache of each of five datasets another, a block of rows to pass on one more.
   constexpr std::size_t needed = 8 << 20;
   void* const room = mmap(nullptr, needed, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (room == MAP_FAILED) throw std::bad_alloc();

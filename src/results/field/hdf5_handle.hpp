@@ -35,6 +35,7 @@ class Hdf5Handle {
 
 using Hdf5File = Hdf5Handle<H5Fclose>;
 using Hdf5Dataset = Hdf5Handle<H5Dclose>;
+using Hdf5Attribute = Hdf5Handle<H5Aclose>;
 
 using Hdf5Dataspace = Hdf5Handle<H5Sclose>;
 using Hdf5Properties = Hdf5Handle<H5Pclose>;

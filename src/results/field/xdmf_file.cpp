@@ -4,6 +4,7 @@
 
 #include <iterator>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "results/output_file.hpp"
@@ -72,25 +73,27 @@ Checksum XdmfFile::checksum() const {
 }
 
 std::string XdmfFile::grid(std::size_t row, double time) const {
-  std::string text = fmt::format("<Grid Name=\"{}\"><Time Value=\"{}\"/>\n", row, time);
+  std::string text = fmt::format("<Grid Name=\"{}\" GridType=\"Uniform\"><Time Value=\"{}\"/>\n", row, time);
   if (row == 0)
     fmt::format_to(std::back_inserter(text),
-                   "<Topology TopologyType=\"Polyline\" NumberOfElements=\"1\" NodesPerElement=\"{0}\">"
-                   "<DataItem Dimensions=\"1 {0}\" Format=\"HDF\" NumberType=\"Int\" "
+                   "<Topology TopologyType=\"Polyline\" NumberOfElements=\"{2}\" NodesPerElement=\"2\">"
+                   "<DataItem Dimensions=\"{2} 2\" Format=\"HDF\" NumberType=\"Int\" "
                    "Precision=\"4\">{1}:/line</DataItem></Topology>\n"
                    "<Geometry GeometryType=\"XYZ\"><DataItem Dimensions=\"{0} 3\" Format=\"HDF\" NumberType=\"Float\" "
                    "Precision=\"8\">{1}:/points</DataItem></Geometry>\n",
-                   nodes_, field_file_);
+                   nodes_, field_file_, nodes_ - 1);
   else
     text += of_first;
-  for (const auto& [name, dataset] : {std::pair{"displacement", "u"}, std::pair{"velocity", "v"}})
+  for (const auto& [name, dataset, center, size] : {std::tuple("displacement", "u", "Node", nodes_),
+                                                    {"velocity", "v", "Node", nodes_},
+                                                    {"stress", "stress", "Cell", nodes_ - 1}})
     // A row of the dataset, as start:stride:count:extent; it grows while the run lasts, so its extent is given as far
     // as this row.
     fmt::format_to(std::back_inserter(text),
-                   "<Attribute Name=\"{0}\" Center=\"Node\">"
+                   "<Attribute Name=\"{0}\" Center=\"{6}\">"
                    "<DataItem Dimensions=\"{1}\" Format=\"HDF\" NumberType=\"Float\" Precision=\"8\">"
                    "{2}:/{3}|{4} 0:1 1:1 {1}:{5} {1}</DataItem></Attribute>\n",
-                   name, nodes_, field_file_, dataset, row, row + 1);
+                   name, size, field_file_, dataset, row, row + 1, center);
   return text + "</Grid>\n";
 }
 

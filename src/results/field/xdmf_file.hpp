@@ -11,8 +11,9 @@
 
 namespace viscobar {
 
-/// The description that lets ParaView open field.h5: a temporal collection of polylines with displacement and velocity
-/// at the nodes, whose mesh stands in the first and is referred to by the others. A new one is made from the old and
+/// The description that lets ParaView open field.h5: a temporal collection of grids whose cells are the elements, with
+/// displacement and velocity at the nodes and the stress of each cell. Their mesh stands in the first and is referred
+/// to by the others. A new one is made from the old and
 /// takes its place at once, so whatever happens to a run there is a whole one; that costs a copy, and is done so often
 /// that it takes a twentieth of the time. @throws IoError
 class XdmfFile {

@@ -44,8 +44,8 @@ Misfit measure(const FitStudy& study, const Eigen::VectorXd& values, bool deriva
   Case run = study.model({values.data(), static_cast<std::size_t>(values.size())});
   double end = study.times.empty() ? 0.0 : study.times.back();
   for (const Event& change : study.changes) end = std::max(end, change.time);
-  // A change that the model has a little later than the data counts, too.
-  if (!study.changes.empty()) end *= 1.02;
+  // A change that the model has later than the data counts, too.
+  if (!study.changes.empty()) end *= 1.5;
   run.end = end;
   std::vector<double> times = study.times;
   const bool from_start = !times.empty() && times.front() == 0.0;
@@ -87,7 +87,7 @@ Misfit measure(const FitStudy& study, const Eigen::VectorXd& values, bool deriva
     const auto same = std::ranges::find_if(
         misfit.changes, [&](const Event& event) { return kind(event) == kind(measured) && skip-- == 0; });
     Eigen::VectorXd row = Eigen::VectorXd::Zero(parameters);
-    double time = end;
+    double time = 2.0 * end;
     if (same != misfit.changes.end()) {
       time = same->time;
       for (Eigen::Index j = 0; j < parameters; ++j)

@@ -24,7 +24,7 @@ struct Misfit {
 };
 
 /// Runs the model, and counts its runs. A measured contact change that the model does not have, in the order of those
-/// of its kind, counts as one at the end of the run.
+/// of its kind, counts as one at twice the end of the run.
 Misfit measure_misfit(const FitStudy& study, const Eigen::VectorXd& values, std::size_t& runs);
 
 }  // namespace viscobar

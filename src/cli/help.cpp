@@ -1,0 +1,33 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "cli/command_line.hpp"
+#include "cli/commands.hpp"
+#include "text/nearest_name.hpp"
+
+namespace viscobar::cli {
+
+HelpCommand::HelpCommand(CLI::App& app) : Command(app, "help", "Print the help of a command"), app_(app) {
+  command_.add_option("command", topic_, "The command (default: the list of all)")->type_name("COMMAND");
+}
+
+int HelpCommand::operator()() const {
+  if (topic_.empty()) {
+    print(app_.help("", CLI::AppFormatMode::Normal));
+    return success;
+  }
+  std::vector<std::string> names;
+  for (const CommandText& command : command_texts(app_)) names.push_back(command.name);
+  if (std::find(names.begin(), names.end(), topic_) == names.end()) {
+    const auto nearest = nearest_name(topic_, names);
+    throw std::invalid_argument(fmt::format(
+        "help: there is no command {}{}", topic_,
+        nearest ? fmt::format("; did you mean {}?", *nearest) : fmt::format(", only {}", fmt::join(names, ", "))));
+  }
+  print(app_.get_subcommand(topic_)->help("viscobar", CLI::AppFormatMode::Normal));
+  return success;
+}
+
+}  // namespace viscobar::cli

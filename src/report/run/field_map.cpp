@@ -1,0 +1,123 @@
+#include "report/run/field_map.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "report/plot/png.hpp"
+#include "report/plot/range.hpp"
+#include "scene/unit_names.hpp"
+#include "text/number.hpp"
+
+namespace viscobar {
+
+namespace {
+
+double mixed(double a, double b, double weight) { return a + weight * (b - a); }
+
+/// Where a position lies among increasing values: the index below it and the part of the way to the next.
+struct Place {
+  std::size_t index;
+  double weight;
+};
+template <class Values>
+Place locate(const Values& values, std::size_t count, double at, std::size_t from) {
+  if (count < 2) return {0, 0.0};
+  std::size_t i = from;
+  while (i + 2 < count && values(i + 1) <= at) ++i;
+  return {i, std::clamp((at - values(i)) / (values(i + 1) - values(i)), 0.0, 1.0)};
+}
+
+}  // namespace
+
+FieldColours colours_of(const ThinnedField& field, const std::string& label) {
+  plot::Range range;
+  for (std::size_t row = 0; row < field.rows(); ++row)
+    for (const double value : field.row(row)) range.add(value);
+  const bool two_signs = std::min(range.high, -range.low) > 0.1 * std::max(range.high, -range.low);
+  if (two_signs) {
+    range.add(-range.low);
+    range.add(-range.high);
+  }
+  plot::Axis values{label, range.low, range.high};
+  if (!(range.high - range.low > 1e-12 * std::max(std::abs(range.low), std::abs(range.high))))
+    values = range.axis(values.label);
+  return {two_signs ? plot::diverging() : plot::sequential(), values};
+}
+
+plot::Axis time_axis(const ThinnedField& field, const Units& units) {
+  return {.label = with_unit("time t", units, Dimension::time),
+          .low = field.time(0),
+          .high = field.time(field.rows() - 1),
+          .link = "t"};
+}
+
+plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldColours& colours_of_field,
+                        const std::string& layer) {
+  constexpr std::size_t width = 480, height = 300, colours = 255, touching = 255;
+  const auto& [map, values, contact_up_to, contact_from] = colours_of_field;
+  std::array<plot::Colour, 256> palette{};
+  for (std::size_t i = 0; i < colours; ++i) palette[i] = map.at(static_cast<double>(i) / (colours - 1));
+  palette[touching] = FieldColours::touching;
+  bool touched = false;
+  std::vector<std::uint8_t> pixels(width * height);
+  const plot::Axis time = time_axis(field, run.scene.units);
+  const double length = run.scene.bar.length;
+  Place in_time{0, 0.0};
+  for (std::size_t i = 0; i < width; ++i) {
+    const double t = mixed(time.low, time.high, (static_cast<double>(i) + 0.5) / width);
+    in_time = locate([&](std::size_t k) { return field.time(k); }, field.rows(), t, in_time.index);
+    const auto before = field.row(in_time.index), after = field.row(in_time.index + 1);
+    Place in_space{0, 0.0};
+    for (std::size_t j = 0; j < height; ++j) {
+      const double x = length * (static_cast<double>(j) + 0.5) / height;
+      in_space = locate([&](std::size_t k) { return field.x()[k]; }, field.x().size(), x, in_space.index);
+      const std::size_t next = std::min(in_space.index + 1, field.x().size() - 1);
+      const auto at = [&](std::span<const double> row) {
+        return mixed(row[in_space.index], row[next], in_space.weight);
+      };
+      const double value = mixed(at(before), at(after), in_time.weight);
+      std::uint8_t& pixel = pixels[(height - 1 - j) * width + i];
+      pixel = static_cast<std::uint8_t>(std::lround(std::clamp(values.position(value), 0.0, 1.0) * (colours - 1)));
+      if (value <= contact_up_to || value >= contact_from) {
+        pixel = touching;
+        touched = true;
+      }
+    }
+  }
+  const plot::Axis position{
+      .label = with_unit("position x", run.scene.units, Dimension::length), .low = 0.0, .high = length, .link = "x"};
+  plot::Figure figure(time, position, 400.0);
+  figure.image(plot::png_data_uri(width, height, palette, pixels), {time.low, 0.0}, {time.high, length});
+  figure.colour_bar(map, values);
+  if (touched) figure.legend_box(plot::hex(palette[touching]), "in contact");
+  figure.live_layer(fmt::format(R"({{"kind":"{}"}})", layer));
+  return figure;
+}
+
+std::string map_remark(const Case& run, const ThinnedField& field, const FieldColours& colours, const char* what) {
+  std::string text;
+  if (colours.values.low == -colours.values.high) text += " The pale middle of the scale is zero.";
+  const auto every = [](std::size_t stride, const char* one) {
+    return stride == 1 ? fmt::format("every {}", one) : fmt::format("every {} {}", ordinal(stride), one);
+  };
+  if (field.time_stride() > 1 || field.node_stride() > 1)
+    text += fmt::format(" Drawn from {} and {}{}.", every(field.time_stride(), "output time"),
+                        every(field.node_stride(), what), run.files.field ? "; field.h5 has them all" : "");
+  return text;
+}
+
+std::vector<std::size_t> rows_of_few_times(const ThinnedField& field, std::size_t count) {
+  std::vector<std::size_t> rows;
+  const double begin = field.time(0), end = field.time(field.rows() - 1);
+  for (std::size_t k = 0, row = 0; k < count; ++k) {
+    const double t = mixed(begin, end, static_cast<double>(k) / static_cast<double>(count - 1));
+    while (row + 1 < field.rows() && std::abs(field.time(row + 1) - t) <= std::abs(field.time(row) - t)) ++row;
+    if (rows.empty() || rows.back() != row) rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace viscobar

@@ -1,0 +1,150 @@
+// What the stress shows: its map, the tractions of the ends, and the bar as it lies, coloured by it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "report/obstacle_levels.hpp"
+#include "report/plot/range.hpp"
+#include "report/run/run_page.hpp"
+#include "scene/unit_names.hpp"
+#include "text/number.hpp"
+
+namespace viscobar {
+
+namespace {
+
+using plot::Axis;
+using plot::Figure;
+using plot::Point;
+using plot::Range;
+
+/// 1, 2 or 5 times a power of ten, not above `most`.
+double rounded_down(double most) {
+  const double power = std::pow(10.0, std::floor(std::log10(most)));
+  for (const double digit : {5.0, 2.0})
+    if (digit * power <= most) return digit * power;
+  return power;
+}
+
+}  // namespace
+
+FieldColours stress_colours(const Case& run, const ReportData& data) {
+  return colours_of(data.stress, with_unit("stress s", run.scene.units, Dimension::stress));
+}
+
+Picture stress_map(const Case& run, const ReportData& data, const FieldColours& colours) {
+  const char* formula =
+      run.scene.bar.viscosity > 0.0 ? "<i>E u<sub>x</sub></i> + <i>η u<sub>xt</sub></i>" : "<i>E u<sub>x</sub></i>";
+  return {
+      "Stress over space and time",
+      fmt::format("Mean stress <i>s</i> = {} of each element; tension is positive.{}", formula,
+                  map_remark(run, data.stress, colours, "element")),
+      {{"stress", "Stress over time and space as a colour map", map_figure(run, data.stress, colours, "stress-map")}}};
+}
+
+Picture end_tractions(const Case& run, const ReportData& data) {
+  const std::vector<Point> left = data.left.traction.points(), right = data.right.traction.points();
+  Range range;
+  range.add(0.0);
+  range.add(left);
+  range.add(right);
+  Figure figure(time_axis(data.field, run.scene.units),
+                range.axis(with_unit("stress s", run.scene.units, Dimension::stress)), 240.0);
+  figure.line(left, {plot::series_colour(0), false, 2.4}, "s(0, t)");
+  figure.line(right, {plot::series_colour(1), true, 1.6}, "s(L, t)");
+  return {"End tractions",
+          "Mean stress of the first and of the last element; tension is positive.",
+          {{"end-stress", "Stress of the first and the last element over time", figure}}};
+}
+
+double axial_magnification(const Case& run, const ReportData& data) {
+  const ThinnedField& field = data.field;
+  const double length = run.scene.bar.length;
+  double largest = 0.0, strain = 0.0;
+  for (std::size_t row = 0; row < field.rows(); ++row) {
+    const auto u = field.row(row);
+    for (std::size_t j = 0; j < u.size(); ++j) {
+      if (std::isfinite(u[j])) largest = std::max(largest, std::abs(u[j]));
+      if (j > 0 && std::isfinite(u[j] - u[j - 1]))
+        strain = std::max(strain, std::abs(u[j] - u[j - 1]) / (field.x()[j] - field.x()[j - 1]));
+    }
+  }
+  // Walls are to be seen, too, as far as they are near.
+  for (const EndCondition* end : {&run.scene.left, &run.scene.right})
+    if (const auto* wall = std::get_if<Obstacle>(end)) largest = std::max(largest, std::min(wall->gap, 3.0 * largest));
+  if (!(largest > 0.0)) return 1.0;
+  // The order of the points stays, and the bar keeps most of the picture.
+  const double most = std::min(0.2 * length / largest, strain > 0.0 ? 0.6 / strain : 1e300);
+  return std::isfinite(most) && most > 0.0 ? rounded_down(most) : 1.0;
+}
+
+Picture axial_bar(const Case& run, const ReportData& data, const FieldColours& colours) {
+  const ThinnedField &field = data.field, &stress = data.stress;
+  const double length = run.scene.bar.length, s = axial_magnification(run, data);
+  Range range;
+  for (std::size_t row = 0; row < field.rows(); ++row) {
+    const auto u = field.row(row);
+    for (const std::size_t j : {std::size_t{0}, u.size() - 1}) range.add(field.x()[j] + s * u[j]);
+  }
+  std::vector<Figure::Wall> walls;
+  std::string hidden;
+  const auto add = [&](const EndCondition& end, double x, const char* where) {
+    const auto* obstacle = std::get_if<Obstacle>(&end);
+    if (!obstacle) return;
+    const bool above = obstacle->side == Side::above;
+    const double at = x + s * (above ? obstacle->gap : -obstacle->gap);
+    if (!range.reach(at)) {
+      hidden += fmt::format(" The wall of the {} end lies outside.", where);
+      return;
+    }
+    // A wall that bounds the end on its outer side stands there whole; one on the inner side lets the bar pass.
+    walls.push_back({at, above, above != (x > 0.0)});
+  };
+  add(run.scene.left, 0.0, "left");
+  add(run.scene.right, length, "right");
+  const double room = 0.05 * (range.high - range.low);
+  const Axis place{.label = with_unit(s == 1.0 ? "place x + u" : fmt::format("place x + {} u", readable(s)),
+                                      run.scene.units, Dimension::length),
+                   .low = range.low - room,
+                   .high = range.high + room};
+  const std::vector<std::size_t> rows = rows_of_few_times(field, 6);
+  const Axis down{.label = "", .low = static_cast<double>(rows.size()) - 0.5, .high = -0.5, .bare = true};
+  Figure figure(place, down, 60.0 + 42.0 * static_cast<double>(rows.size()));
+  const auto place_at = [&](std::size_t row, double x) {  // linear between the nodes
+    const auto u = field.row(row);
+    const auto& nodes = field.x();
+    const auto above = std::upper_bound(nodes.begin(), nodes.end() - 1, x);
+    const auto j = static_cast<std::size_t>(std::max<std::ptrdiff_t>(above - nodes.begin(), 1));
+    const double part = (x - nodes[j - 1]) / (nodes[j] - nodes[j - 1]);
+    return x + s * (u[j - 1] + part * (u[j] - u[j - 1]));
+  };
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    std::vector<Figure::ColourStop> stops;
+    const auto values = stress.row(rows[k]);
+    const std::size_t stride = std::max<std::size_t>(1, values.size() / 60);
+    for (std::size_t j = 0; j < values.size(); j += stride)
+      stops.push_back({place_at(rows[k], stress.x()[j]), colours.map.at(colours.values.position(values[j]))});
+    figure.strip(place_at(rows[k], 0.0), place_at(rows[k], length), static_cast<double>(k), stops,
+                 "t = " + readable(field.time(rows[k])));
+  }
+  figure.walls(walls);
+  figure.live_layer(R"({"kind":"axial"})");
+  Figure live(place, {.label = "", .low = 0.0, .high = 1.0, .bare = true}, 150.0);
+  live.walls(walls);
+  live.live_layer(R"({"kind":"axial"})");
+  const std::string said = s == 1.0 ? "Displacements are drawn as they are."
+                                    : fmt::format("Displacements are magnified by {}.", readable(s));
+  std::string hatched;
+  if (!walls.empty()) hatched = " Hatched: walls.";
+  if (std::ranges::any_of(walls, &Figure::Wall::open))
+    hatched += " A dashed one lets the bar pass and holds its end back.";
+  return {"The bar as it lies",
+          fmt::format("<span class=\"still\">The bar along its axis at a few times, time downwards, coloured by the "
+                      "stress. {0}{1}{2}</span><span class=\"live\">The bar along its axis at the time of the "
+                      "slider, coloured by the stress. {0}{1}{2}</span>",
+                      said, hatched, hidden),
+          {{"axial", "The bar along its axis, coloured by its stress", figure, live}}};
+}
+
+}  // namespace viscobar

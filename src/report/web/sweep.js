@@ -1,0 +1,243 @@
+// The page of a sweep: any column over one or two of the varied keys, as lines or as a map, and the run behind a point.
+
+/// An axis between two pixels, linear or logarithmic, or of places without numbers.
+class SweepAxis {
+  constructor(values, from, to, { log = false, words = null } = {}) {
+    Object.assign(this, { from, to, log, words });
+    if (words) return Object.assign(this, { low: -0.5, high: words.length - 0.5 });
+    const finite = values.filter((value) => value !== null && Number.isFinite(value) && (!log || value > 0));
+    let [low, high] = finite.length > 0 ? [Math.min(...finite), Math.max(...finite)] : [0, 1];
+    if (log) {
+      if (high / low < 1.5) [low, high] = [low / 1.5, high * 1.5];
+      [this.low, this.high] = [low / (high / low) ** 0.04, high * (high / low) ** 0.04];
+    } else {
+      const room = high > low ? 0.05 * (high - low) : Math.abs(high) * 0.1 || 1;
+      [this.low, this.high] = [low - room, high + room];
+    }
+  }
+  part(value) {
+    return this.log ? Math.log(value / this.low) / Math.log(this.high / this.low) : (value - this.low) / (this.high - this.low);
+  }
+  at(value) { return this.from + this.part(value) * (this.to - this.from); }
+  /// Pairs of value and label, at least `space` pixels apart.
+  ticks(space) {
+    const most = Math.max(2, Math.floor(Math.abs(this.to - this.from) / space));
+    if (this.words) {
+      const stride = Math.ceil(this.words.length / most);
+      return this.words.map((word, i) => [i, word]).filter(([i]) => i % stride === 0);
+    }
+    if (this.log) {
+      const ticks = decadeTicks(this.low, this.high), labels = decadeLabels(ticks, this.low, this.high, most);
+      return ticks.map((tick, i) => [tick, labels[i]]);
+    }
+    const step = tickSteps.find((size) => size * most >= this.high - this.low), ticks = [];
+    for (let k = Math.ceil(this.low / step); k * step <= this.high; ++k) ticks.push(k * step);
+    const labels = linearLabels(ticks, step);
+    return ticks.map((tick, i) => [tick, labels[i]]);
+  }
+}
+
+/// Whether values ask for a logarithmic axis: positive, over more than a decade and a half.
+const isGeometric = (values) => {
+  const numbers = values.filter((value) => typeof value === "number");
+  return numbers.length > 2 && Math.min(...numbers) > 0 && Math.max(...numbers) / Math.min(...numbers) > 30;
+};
+
+class SweepPage {
+  static height = 430;
+  get width() { return Math.max(320, Math.min(960, this.host.clientWidth)); }
+
+  /// @param data what src/sweep/sweep_page.cpp writes
+  constructor(data, host) {
+    Object.assign(this, { data, host });
+    this.keys = data.keys.map((key, place) => ({ ...key, place, numeric: key.values.every((value) => typeof value === "number") }));
+    const varying = this.keys.filter(({ values }) => values.length > 1);
+    const x = varying.filter(({ numeric }) => numeric).sort((a, b) => b.values.length - a.values.length)[0] ?? varying[0] ?? this.keys[0];
+    const second = data.zip ? null : varying.find((key) => key !== x) ?? null;
+    this.state = { column: Math.max(0, data.columns.findIndex(({ name }) => name === data.first)), x: x.place, second: second?.place ?? null,
+      map: false, log: false, filters: this.keys.map(() => 0), chosen: null };
+    this.build();
+    this.draw();
+    let width = this.width;
+    new ResizeObserver(() => {
+      if (this.width === width) return;
+      width = this.width;
+      this.draw();
+    }).observe(host);
+  }
+
+  select(label, options, value, action) {
+    const node = element("select", { ariaLabel: label }, ...options.map(([option, text]) =>
+      element("option", { value: option, textContent: text, selected: String(option) === String(value) })));
+    node.addEventListener("change", () => { action(node.value); this.build(); this.draw(); });
+    return element("label", { className: "choice" }, element("span", { textContent: label }), node);
+  }
+
+  build() {
+    const { data, state, keys } = this, number = (text) => (text === "" ? null : Number(text));
+    const names = keys.map(({ name, place }) => [place, name]);
+    const controls = [
+      this.select("Column", data.columns.map(({ name }, i) => [i, name]), state.column, (value) => { state.column = Number(value); }),
+      this.select("over", names, state.x, (value) => {
+        state.x = Number(value);
+        if (state.second === state.x) state.second = null;
+      })];
+    if (!data.zip && keys.length > 1) {
+      controls.push(this.select("for each", [["", "–"], ...names.filter(([place]) => place !== state.x)], state.second ?? "",
+        (value) => { state.second = number(value); }));
+      if (state.second !== null)
+        controls.push(this.select("as", [["", "lines"], ["1", "map"]], state.map ? "1" : "", (value) => { state.map = value === "1"; }));
+      else state.map = false;
+      for (const { name, values, place } of keys)
+        if (place !== state.x && place !== state.second && values.length > 1)
+          controls.push(this.select(name, values.map((value, i) => [i, this.valueText(value)]), state.filters[place],
+            (value) => { state.filters[place] = Number(value); }));
+    }
+    controls.push(this.select("scale", [["", "linear"], ["1", "logarithmic"]], state.log ? "1" : "", (value) => { state.log = value === "1"; }));
+    this.picture = element("div", { className: "sweep" });
+    this.meaning = element("p", { className: "note" });
+    this.detail = element("div", { className: "case", ariaLive: "polite" });
+    this.list = element("div", { className: "tables scroller" });
+    this.host.replaceChildren(element("div", { className: "controls" }, ...controls), this.picture, this.meaning, this.detail, this.list);
+  }
+
+  valueText(value, digits = 6) { return typeof value === "number" ? readable(value, digits) : value; }
+
+  /// Cases that the filters leave: their place in the data, x, second key and value.
+  points() {
+    const { data, state, keys } = this, values = data.columns[state.column].values;
+    const free = data.zip ? keys.map(({ place }) => place) : [state.x, state.second];
+    return data.choice.map((choice, row) => ({ row, choice, x: choice[state.x], second: state.second === null ? 0 : choice[state.second], value: values[row] }))
+      .filter(({ choice }) => choice.every((chosen, place) => free.includes(place) || chosen === state.filters[place]));
+  }
+
+  draw() {
+    const { data, state } = this, column = data.columns[state.column], points = this.points();
+    const unit = column.unit === "1" ? "" : ` (${column.unit})`;
+    this.meaning.textContent = `${column.name}: ${column.meaning}${unit}. Point at a mark for its numbers, click on it for its run.`;
+    const svg = svgElement("svg", { viewBox: `0 0 ${this.width} ${SweepPage.height}`, role: "img", "aria-label": `${column.name} over ${this.keys[state.x].name}` });
+    this.picture.replaceChildren(svg);
+    state.map && state.second !== null ? this.drawMap(svg, points, column) : this.drawLines(svg, points, column);
+    this.showList(points, column);
+    this.showCase();
+  }
+
+  axisOf(key, from, to) {
+    return key.numeric ? new SweepAxis(key.values, from, to, { log: isGeometric(key.values) })
+      : new SweepAxis([], from, to, { words: key.values.map((value) => this.valueText(value, 3)) });
+  }
+  placeOn(axis, key, index) { return axis.at(key.numeric ? key.values[index] : index); }
+
+  frame(svg, x, y, xLabel, yLabel) {
+    const bottom = y.from, left = x.from;
+    for (const [value, label] of x.ticks(70)) {
+      svg.append(svgElement("path", { class: "grid", d: `M${x.at(value)} ${y.to}V${bottom}` }),
+        svgElement("text", { x: x.at(value), y: bottom + 19, "text-anchor": "middle" }, label));
+    }
+    for (const [value, label] of y.ticks(34)) {
+      svg.append(svgElement("path", { class: "grid", d: `M${left} ${y.at(value)}H${x.to}` }),
+        svgElement("text", { x: left - 9, y: y.at(value), dy: ".35em", "text-anchor": "end" }, label));
+    }
+    svg.append(svgElement("rect", { class: "frame", x: left, y: y.to, width: x.to - left, height: bottom - y.to }),
+      svgElement("text", { class: "axis", x: (left + x.to) / 2, y: bottom + 42, "text-anchor": "middle" }, xLabel),
+      svgElement("text", { class: "axis", transform: "rotate(-90)", x: -(y.to + bottom) / 2, y: 16, "text-anchor": "middle" }, yLabel));
+  }
+
+  drawLines(svg, points, column) {
+    const { state, keys } = this, key = keys[state.x], second = state.second === null ? null : keys[state.second];
+    const right = this.width - (second ? 0.1 * this.width + 84 : 20), x = this.axisOf(key, 92, right);
+    const y = new SweepAxis(points.map(({ value }) => value), SweepPage.height - 56, 14, { log: state.log });
+    this.frame(svg, x, y, key.name, column.name);
+    const of = (index) => points.filter((point) => point.second === index);
+    const count = second ? second.values.length : 1;
+    for (let k = 0; k < count; ++k) {
+      const own = of(k).filter(({ value }) => value !== null && (!state.log || value > 0))
+        .sort((a, b) => this.placeOn(x, key, a.x) - this.placeOn(x, key, b.x));
+      const css = `var(--series-${k % 8})`, dash = dashOf({ shape: k }).join(" ");
+      const places = own.map((point) => [this.placeOn(x, key, point.x), y.at(point.value)]);
+      if (key.numeric && places.length > 1)
+        svg.append(svgElement("path", { class: "line", style: `stroke:${css};stroke-width:1.6;stroke-dasharray:${dash || "none"}`, d: `M${places.map((place) => place.map((v) => v.toFixed(1)).join(" ")).join("L")}` }));
+      own.forEach((point, i) => svg.append(this.mark(point, column, markerPath(k, ...places[i], own.length > 120 ? 2 : 4), css)));
+      if (!second || k > 18) continue;
+      const height = 24 + 19 * k;
+      svg.append(svgElement("path", { class: "line", style: `stroke:${css};stroke-width:1.6;stroke-dasharray:${dash || "none"}`, d: `M${right + 12} ${height}h26` }),
+        svgElement("path", { style: `fill:${css};stroke:${css}`, d: markerPath(k, right + 25, height, 4) }),
+        svgElement("text", { x: right + 46, y: height, dy: ".35em" }, k === 18 ? "…" : this.valueText(second.values[k])));
+    }
+    if (second) svg.append(svgElement("text", { class: "note", x: right + 12, y: 10 }, second.name));
+  }
+
+  mark(point, column, d, css) {
+    const node = svgElement("path", { class: `mark${point.row === this.state.chosen ? " chosen" : ""}`, style: `fill:${css};stroke:${css}`, d },
+      svgElement("title", {}, `${this.words(point)}: ${column.name} = ${readable(point.value, 6)}`));
+    node.addEventListener("click", () => this.choose(point.row));
+    return node;
+  }
+
+  words({ choice, row }) {
+    return `case ${this.data.index[row]}, ${this.keys.map(({ name, values }, k) => `${name} = ${this.valueText(values[choice[k]])}`).join(", ")}`;
+  }
+
+  drawMap(svg, points, column) {
+    const { state, keys, data } = this, key = keys[state.x], second = keys[state.second];
+    const x = new SweepAxis([], 92, this.width - 110, { words: key.values.map((value) => this.valueText(value, 3)) });
+    const y = new SweepAxis([], SweepPage.height - 56, 14, { words: second.values.map((value) => this.valueText(value, 3)) });
+    const scale = new SweepAxis(points.map(({ value }) => value), 0, 1, { log: state.log });
+    const anchors = data.anchors.map((hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16)));
+    const shade = (part) => {
+      const scaled = Math.min(1, Math.max(0, part)) * (anchors.length - 1), at = Math.min(Math.floor(scaled), anchors.length - 2);
+      return `rgb(${anchors[at].map((from, k) => Math.round(from + (scaled - at) * (anchors[at + 1][k] - from)))})`;
+    };
+    const width = Math.abs(x.at(1) - x.at(0)), height = Math.abs(y.at(1) - y.at(0));
+    this.frame(svg, x, y, key.name, second.name);
+    for (const point of points) {
+      const known = point.value !== null && (!state.log || point.value > 0);
+      const node = svgElement("rect", { class: `cell${point.row === state.chosen ? " chosen" : ""}`, x: x.at(point.x) - width / 2, y: y.at(point.second) - height / 2,
+        width, height, style: known ? `fill:${shade(scale.part(point.value))}` : "fill:var(--faint)" },
+        svgElement("title", {}, `${this.words(point)}: ${column.name} = ${readable(point.value, 6)}`));
+      node.addEventListener("click", () => this.choose(point.row));
+      svg.append(node);
+    }
+    const steps = 60, [top, bottom] = [14, SweepPage.height - 56];
+    for (let k = 0; k < steps; ++k)
+      svg.append(svgElement("rect", { x: this.width - 96, width: 16, y: top + ((bottom - top) * k) / steps, height: (bottom - top) / steps + 0.5, style: `fill:${shade(1 - (k + 0.5) / steps)}` }));
+    const ramp = Object.assign(Object.create(SweepAxis.prototype), scale, { from: bottom, to: top });
+    for (const [value, label] of ramp.ticks(34)) svg.append(svgElement("text", { x: this.width - 74, y: ramp.at(value), dy: ".35em" }, label));
+  }
+
+  choose(row) {
+    this.state.chosen = row;
+    this.draw();
+    this.detail.scrollIntoView({ block: "nearest" });
+  }
+
+  /// The run behind the chosen point.
+  showCase() {
+    const { chosen } = this.state, { data, keys } = this;
+    this.detail.replaceChildren();
+    if (chosen === null) return;
+    const entries = [...keys.map(({ name, values }, k) => [name, this.valueText(values[data.choice[chosen][k]])]),
+      ...data.columns.filter(({ values }) => values[chosen] !== null).map(({ name, values }) => [name, readable(values[chosen], 8)])];
+    const settings = keys.map(({ name, values }, k) => `--set '${name}=${values[data.choice[chosen][k]]}'`).join(" ");
+    const error = data.errors[chosen];
+    this.detail.append(element("h3", { textContent: `Case ${data.index[chosen]}` }),
+      ...(error ? [element("p", { className: "failed", textContent: error })] : []),
+      element("dl", {}, ...entries.map(([name, value]) => element("div", {}, element("dt", { textContent: name }), element("dd", { textContent: value })))),
+      element("p", { className: "note", textContent: "To see this run:" }),
+      element("pre", { textContent: `${data.command} ${settings} -o case-${data.index[chosen]}` }));
+  }
+
+  showList(points, column) {
+    const most = 200, { keys, data } = this;
+    const head = element("tr", {}, ...["case", ...keys.map(({ name }) => name), column.name].map((name) => element("th", { textContent: name })));
+    const rows = points.slice(0, most).map((point) => {
+      const cells = [data.index[point.row], ...keys.map(({ values }, k) => this.valueText(values[point.choice[k]])),
+        data.errors[point.row] ? "failed" : readable(point.value, 6)];
+      const row = element("tr", { ariaSelected: String(point.row === this.state.chosen) }, ...cells.map((cell) => element("td", { textContent: cell })));
+      row.addEventListener("click", () => this.choose(point.row));
+      return row;
+    });
+    this.list.replaceChildren(element("table", {}, element("thead", {}, head), element("tbody", {}, ...rows)),
+      ...(points.length > most ? [element("p", { className: "note", textContent: `and ${points.length - most} more, in sweep.csv` })] : []));
+  }
+}

@@ -1,0 +1,78 @@
+#include "scene/unit_names.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <optional>
+#include <utility>
+
+namespace viscobar {
+
+namespace {
+
+/// Powers of length, time, mass, force and stress.
+using Powers = std::array<int, 5>;
+
+/// Of a stress, in units that are named.
+std::optional<Powers> stress_powers(const Units& units) {
+  const bool length = !units.length.empty();
+  if (!units.stress.empty()) return Powers{0, 0, 0, 0, 1};
+  if (!units.force.empty() && length) return Powers{-2, 0, 0, 1, 0};
+  if (!units.mass.empty() && !units.time.empty() && length) return Powers{-1, -2, 1, 0, 0};
+  return std::nullopt;
+}
+
+std::string power(std::string_view name, int exponent) {
+  return exponent == 1 ? std::string(name) : fmt::format("{}^{}", name, exponent);
+}
+
+}  // namespace
+
+std::string unit_name(const Units& units, Dimension quantity) {
+  constexpr std::array<std::array<int, 3>, 6> powers = {
+      {{1, 0, 0}, {0, 1, 0}, {1, -1, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 1}}};  // of length, time and stress
+  const auto [length, time, stress] = powers[static_cast<std::size_t>(quantity)];
+  Powers all{length, time, 0, 0, 0};
+  if (stress != 0) {
+    const auto parts = stress_powers(units);
+    if (!parts) return {};
+    for (std::size_t k = 0; k < all.size(); ++k) all[k] += (*parts)[k];
+  }
+  // The force first, and the mass: "N s/m^2", "kg/s^2".
+  const std::pair<std::string_view, int> names[] = {{units.stress, all[4]},
+                                                    {units.force, all[3]},
+                                                    {units.mass, all[2]},
+                                                    {units.length, all[0]},
+                                                    {units.time, all[1]}};
+  std::string above, below;
+  int divisors = 0;
+  for (const auto& [name, exponent] : names) {
+    if (exponent == 0) continue;
+    if (name.empty()) return {};
+    std::string& part = exponent > 0 ? above : below;
+    if (exponent < 0) ++divisors;
+    part += (part.empty() ? "" : " ") + power(name, exponent > 0 ? exponent : -exponent);
+  }
+  if (below.empty()) return above;
+  return fmt::format("{}/{}", above.empty() ? "1" : above, divisors > 1 ? "(" + below + ")" : below);
+}
+
+std::string with_unit(std::string_view words, const Units& units, Dimension quantity) {
+  std::string unit = unit_name(units, quantity);
+  if (unit.empty()) return std::string(words);
+  for (std::size_t at = 0; (at = unit.find("^2", at)) != unit.npos;) unit.replace(at, 2, "²");
+  return fmt::format("{} [{}]", words, unit);
+}
+
+std::string named_units(const Units& units) {
+  std::string all;
+  for (const auto& [what, name] : {std::pair("length", &units.length),
+                                   {"time", &units.time},
+                                   {"mass", &units.mass},
+                                   {"force", &units.force},
+                                   {"stress", &units.stress}})
+    if (!name->empty()) all += fmt::format("{}{}: {}", all.empty() ? "" : ", ", what, *name);
+  return all;
+}
+
+}  // namespace viscobar

@@ -1,0 +1,172 @@
+#include "sweep/sweep_page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "report/page.hpp"
+#include "report/plot/colour_map.hpp"
+#include "report/plot/range.hpp"
+#include "text/json_text.hpp"
+#include "text/number.hpp"
+#include "text/printable_text.hpp"
+
+namespace viscobar {
+
+namespace {
+
+using plot::json_string;
+
+/// The columns whose values are not all the same, or not all missing.
+std::vector<std::size_t> telling_columns(std::span<const SweepRow* const> rows) {
+  std::vector<std::size_t> shown;
+  for (std::size_t k = 0; k < quantities; ++k) {
+    const auto differs = [&](const SweepRow* row) {
+      const double a = row->values[k], b = rows.front()->values[k];
+      return !(a == b || (std::isnan(a) && std::isnan(b)));
+    };
+    if (!rows.empty() && std::ranges::any_of(rows, differs)) shown.push_back(k);
+  }
+  return shown;
+}
+
+/// The first column to look at: one that says what the bar did.
+constexpr Quantity by_interest[] = {Quantity::events,
+                                    Quantity::max_reaction_left,
+                                    Quantity::max_reaction_right,
+                                    Quantity::impulse_left,
+                                    Quantity::impulse_right,
+                                    Quantity::max_penetration,
+                                    Quantity::energy_final,
+                                    Quantity::u_left_min,
+                                    Quantity::u_right_max,
+                                    Quantity::u_left_final,
+                                    Quantity::u_right_final,
+                                    Quantity::time_in_contact_left,
+                                    Quantity::time_in_contact_right,
+                                    Quantity::steps};
+
+std::string word(const VariedKey& key, std::size_t choice, bool for_json) {
+  return std::visit(
+      [&](const auto& values) {
+        using Value = std::decay_t<decltype(values[choice])>;
+        if constexpr (std::is_same_v<Value, std::string>)
+          return for_json ? json_string(values[choice]) : values[choice];
+        else if constexpr (std::is_same_v<Value, double>)
+          return for_json ? fmt::format("{}", values[choice]) : fmt::format("{:.6g}", values[choice]);
+        else
+          return fmt::format("{}", values[choice]);
+      },
+      key.values);
+}
+
+std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.7g}", value) : "null"; }
+
+template <class Values, class Text>
+std::string list(const Values& values, Text&& text) {
+  std::string all = "[";
+  for (const auto& value : values) all += (all.size() > 1 ? "," : "") + text(value);
+  return all + "]";
+}
+
+std::vector<std::size_t> first_numbers(std::size_t count) {
+  std::vector<std::size_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+  return numbers;
+}
+
+std::string settings_text(const SweepFile& sweep) {
+  std::string text = fmt::format("viscobar run {}", sweep.scene_source);
+  for (const std::string& setting : sweep.settings) text += fmt::format(" --set '{}'", setting);
+  return text;
+}
+
+std::string data_json(const SweepFile& sweep, std::span<const SweepRow* const> rows,
+                      const std::vector<std::size_t>& shown) {
+  const auto& keys = sweep.plan.keys;
+  std::string errors;
+  for (std::size_t row = 0; row < rows.size(); ++row)
+    if (!rows[row]->completed)
+      errors += fmt::format("{}\"{}\":{}", errors.empty() ? "" : ",", row, json_string(rows[row]->error));
+  const auto key_json = [&](const VariedKey& key) {
+    return fmt::format(R"({{"name":{},"values":{}}})", json_string(key.key),
+                       list(first_numbers(key.size()), [&](std::size_t i) { return word(key, i, true); }));
+  };
+  const auto column_json = [&](std::size_t k) {
+    const QuantityColumn& column = quantity_columns()[k];
+    return fmt::format(R"({{"name":{},"unit":{},"meaning":{},"values":{}}})", json_string(column.name),
+                       json_string(column.unit), json_string(column.meaning),
+                       list(rows, [&](const SweepRow* row) { return number(row->values[k]); }));
+  };
+  const auto first = std::ranges::find_if(by_interest, [&](Quantity quantity) {
+    return std::ranges::find(shown, static_cast<std::size_t>(quantity)) != shown.end();
+  });
+  return fmt::format(
+      R"({{"zip":{},"first":{},"command":{},"keys":{},"columns":{},"index":{},"choice":{},"errors":{{{}}},"anchors":{}}})",
+      sweep.plan.combine == Combine::zip,
+      json_string(first == std::end(by_interest) ? "" : quantity_columns()[static_cast<std::size_t>(*first)].name),
+      json_string(settings_text(sweep)), list(keys, key_json), list(shown, column_json),
+      list(rows, [](const SweepRow* row) { return fmt::format("{}", row->index); }),
+      list(rows,
+           [&](const SweepRow* row) {
+             return list(sweep.plan.choice(row->index), [](std::size_t i) { return fmt::format("{}", i); });
+           }),
+      errors, list(plot::sequential().anchors, [](plot::Colour colour) { return json_string(plot::hex(colour)); }));
+}
+
+}  // namespace
+
+Table sweep_text_table(const SweepFile& sweep, std::span<const SweepRow* const> rows, std::size_t most) {
+  const auto& keys = sweep.plan.keys;
+  Table table{{"case"}, 1 + keys.size(), {}};
+  for (const VariedKey& key : keys) table.header.push_back(key.key);
+  const std::vector<std::size_t> telling = telling_columns(rows);
+  std::vector<std::size_t> shown;
+  constexpr std::size_t most_columns = 4;
+  for (const Quantity quantity : by_interest)
+    if (shown.size() < most_columns && std::ranges::find(telling, static_cast<std::size_t>(quantity)) != telling.end())
+      shown.push_back(static_cast<std::size_t>(quantity));
+  for (const std::size_t k : shown) table.header.emplace_back(quantity_columns()[k].name);
+  table.header.emplace_back("seconds");
+  for (const SweepRow* row : rows.first(std::min(rows.size(), most))) {
+    std::vector<std::string> cells{fmt::format("{}", row->index)};
+    const std::vector<std::size_t> chosen = sweep.plan.choice(row->index);
+    for (std::size_t k = 0; k < keys.size(); ++k) cells.push_back(one_line(word(keys[k], chosen[k], false)));
+    for (const std::size_t k : shown)
+      cells.push_back(!row->completed              ? "failed"
+                      : std::isnan(row->values[k]) ? ""
+                                                   : fmt::format("{:.5g}", row->values[k]));
+    cells.push_back(plain_number(row->seconds));
+    table.rows.push_back(std::move(cells));
+  }
+  return table;
+}
+
+std::string sweep_page(const SweepFile& sweep, std::span<const SweepRow* const> all) {
+  const auto rows = all.first(std::min(all.size(), most_on_page));
+  Page page(sweep.title.empty() ? "A sweep of viscobar" : sweep.title);
+  std::string keys;
+  for (const VariedKey& key : sweep.plan.keys)
+    keys += fmt::format("{}{} ({} values)", keys.empty() ? "" : ", ", escaped(key.key), key.size());
+  page.add_head(fmt::format(
+      "<p class=\"model\">{} over {}: {} of {} cases are done{}.</p>\n", escaped(sweep.scene_source), keys, all.size(),
+      sweep.plan.size(),
+      all.size() > rows.size() ? fmt::format("; this page has the first {}, sweep.csv has all", rows.size()) : ""));
+  const std::vector<std::size_t> shown = telling_columns(rows);
+  if (shown.empty() || sweep.plan.keys.empty()) {
+    page.add("<section><p>Nothing differs from case to case.</p></section>\n");
+    return page.html();
+  }
+  Table still = sweep_text_table(sweep, rows, 100);
+  for (auto& row : still.rows) row.pop_back();  // a page does not depend on the machine
+  still.header.pop_back();
+  page.add(fmt::format("<section class=\"still\"><h2>Cases</h2>\n{}</section>\n", html(still)));
+  page.add("<section class=\"live\" id=\"sweep\"></section>\n");
+  page.add_data("sweep", data_json(sweep, rows, shown));
+  return page.html();
+}
+
+}  // namespace viscobar

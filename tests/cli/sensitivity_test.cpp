@@ -1,0 +1,128 @@
+// viscobar run --sensitivity, and viscobar fit.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "cli/command.hpp"
+
+namespace {
+
+using namespace viscobar;
+using Sensitivity = testing_cli::Command;
+
+constexpr const char* scene_text = R"(
+[bar]
+length = 1.0
+viscosity = 0.08
+[left]
+kind = "obstacle"
+gap = 0.1
+[initial]
+velocity = "-speed"
+[parameters]
+speed = 1.0
+[time]
+end = 3.0
+[mesh]
+elements = 20
+[output]
+every = 0.02
+)";
+
+TEST_F(Sensitivity, HasAFileAndAPartOfTheSummary) {
+  std::ofstream(directory_ / "bar.toml") << scene_text;
+  const auto run = viscobar("run bar.toml --sensitivity left.gap,parameters.speed -o results --json --figures");
+  ASSERT_EQ(run.code, 0) << run.error;
+  const auto told = run.json()["sensitivity"];
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_EQ(told["left.gap"]["contact_times"].size(), 2u);
+  EXPECT_NEAR(told["left.gap"]["contact_times"][0], 1.0, 1e-6);
+  EXPECT_NEAR(told["parameters.speed"]["contact_times"][0], -0.1, 1e-6);
+  EXPECT_NEAR(told["parameters.speed"]["impulse_left"], run.json()["contact"]["left"]["impulse"], 1e-5);
+  EXPECT_TRUE(told["left.gap"]["until"].is_null());
+  std::istringstream csv(read_text(directory_ / "results/sensitivity.csv"));
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_TRUE(line.starts_with("t,u_left/left.gap,v_left/left.gap,reaction_left/left.gap,u_right/left.gap,")) << line;
+  EXPECT_TRUE(line.ends_with("reaction_right/parameters.speed"));
+  std::size_t rows = 0;
+  while (std::getline(csv, line)) ++rows;
+  EXPECT_EQ(rows, 151u);
+  EXPECT_TRUE(testing_cli::fs::exists(directory_ / "results/figures/sensitivity-1.svg"));
+  EXPECT_EQ(viscobar("info --verify results").code, 0);
+  // The next run has none, and leaves no old one behind.
+  ASSERT_EQ(viscobar("run bar.toml -o results --quiet").code, 0);
+  EXPECT_FALSE(testing_cli::fs::exists(directory_ / "results/sensitivity.csv"));
+  EXPECT_EQ(viscobar("info --verify results").code, 0);
+}
+
+TEST_F(Sensitivity, IsNoNumberBeyondAGrazeAndAWarningSaysSo) {
+  std::ofstream(directory_ / "bar.toml") << scene_text;
+  // Thrown up from the obstacle's edge under a load that turns it back just above it.
+  const auto run = viscobar(
+      "run bar.toml --sensitivity left.gap -o results --json --set left.gap=0.49999999998 --set load.density=1.0 "
+      "--set method.relative_tolerance=1e-11 --set mesh.mass=consistent");
+  ASSERT_EQ(run.code, 0) << run.error;
+  EXPECT_TRUE(run.json()["sensitivity"]["left.gap"]["impulse_left"].is_null());
+  EXPECT_NEAR(run.json()["sensitivity"]["left.gap"]["until"], 1.0, 1e-3);
+  EXPECT_NE(run.error.find("sensitivities: there are none from t = "), std::string::npos) << run.error;
+  EXPECT_NE(read_text(directory_ / "results/sensitivity.csv").find(",nan,"), std::string::npos);
+}
+
+TEST_F(Sensitivity, GoesOnFromACheckpointWithTheSameBits) {
+  std::ofstream(directory_ / "bar.toml") << scene_text;
+  const std::string options = " --sensitivity left.gap --checkpoint 1 --quiet --set method.name=cvode";
+  ASSERT_EQ(viscobar("run bar.toml -o whole" + options).code, 0);
+  viscobar("run bar.toml -o part" + options + " & sleep 0.001; kill -9 $!; wait $!; true");
+  if (testing_cli::fs::exists(directory_ / "part/checkpoint.bin")) {
+    ASSERT_EQ(viscobar("resume part --quiet").code, 0);
+    EXPECT_EQ(read_text(directory_ / "part/sensitivity.csv"), read_text(directory_ / "whole/sensitivity.csv"));
+  }
+}
+
+TEST_F(Sensitivity, OfAFitFindsWhatMadeTheTrace) {
+  std::ofstream(directory_ / "bar.toml") << scene_text;
+  ASSERT_EQ(viscobar("run bar.toml -o made --quiet").code, 0);
+  const auto found = viscobar(
+      "fit bar.toml --data made/ends.csv --parameters bar.viscosity,parameters.speed --set bar.viscosity=0.2 "
+      "--set parameters.speed=1.2 -o fitted --json");
+  ASSERT_EQ(found.code, 0) << found.error;
+  const auto json = found.json();
+  EXPECT_NEAR(json["parameters"]["bar.viscosity"]["estimate"], 0.08, 1e-4);
+  EXPECT_NEAR(json["parameters"]["parameters.speed"]["estimate"], 1.0, 1e-4);
+  EXPECT_EQ(json["covariance"].size(), 2u);
+  EXPECT_TRUE(json["residual"].is_number());
+  EXPECT_GE(json["runs"], 3);
+  EXPECT_TRUE(testing_cli::fs::exists(directory_ / "fitted/fit.html"));
+  EXPECT_EQ(viscobar("info fitted").code, 0);
+  const auto times =
+      viscobar("fit bar.toml --events made/events.csv --parameters left.gap --set left.gap=0.2 -o times --json");
+  ASSERT_EQ(times.code, 0) << times.error;
+  EXPECT_NEAR(times.json()["parameters"]["left.gap"]["estimate"], 0.1, 1e-6);
+}
+
+TEST_F(Sensitivity, OfAFitSaysWhatIsWrongWithItsData) {
+  std::ofstream(directory_ / "bar.toml") << scene_text;
+  const auto refused = [&](const std::string& data, const std::string& what, const std::string& more = "") {
+    std::ofstream(directory_ / "data.csv") << data;
+    const auto run = viscobar("fit bar.toml --data data.csv --parameters left.gap " + more);
+    EXPECT_EQ(run.code, 2) << data;
+    EXPECT_NE(run.error.find(what), std::string::npos) << run.error;
+  };
+  refused("t,u_lefft\n0,1\n", "data.csv:1:2: u_lefft: unknown column; nearest is \"u_left\"");
+  refused("u_left\n1\n", "t: is missing");
+  refused("t,u_left\n0,1\n1,x\n", "data.csv:3:2: u_left: \"x\" is no number");
+  refused("t,u_left\n0,1\n1\n", "has 1 values for 2 columns");
+  refused("t,u_left\n1,1\n0,1\n", "must not fall");
+  refused("t,u_left\n0,1\n0,1\n", "is there twice");
+  refused("t,u_left\n", "holds no data");
+  refused("t\n0\n", "has no column of values");
+  refused("t,u_left\n0,1\n1,1\n", "is no LOW:HIGH", "--bounds left.gap=0.5");
+  refused("t,u_left\n0,1\n1,1\n", "is none of left.gap", "--bounds bar.modulus=1:2");
+  EXPECT_EQ(viscobar("fit bar.toml --parameters left.gap").code, 2);
+}
+
+}  // namespace
