@@ -214,7 +214,10 @@ VariedKey varied_key(const SceneKey& key, const TomlNode& node, const Report& re
            "value belongs into [set]");
   }
   if (!sound) values.clear();
-  if (key.type == KeyType::number) return converted<double>(key, values);
+  // A gap is a formula that mostly is a number: as such its values have an order, and a place on an axis.
+  const bool numbers = key.type == KeyType::formula && !values.empty() &&
+                       std::ranges::all_of(values, [](const TomlValue& value) { return number_of(value).has_value(); });
+  if (key.type == KeyType::number || numbers) return converted<double>(key, values);
   if (key.type == KeyType::count) return converted<std::int64_t>(key, values);
   return converted<std::string>(key, values);
 }

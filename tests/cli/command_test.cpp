@@ -99,8 +99,6 @@ TEST_F(Command, MisspeltWordsGetTheNearestKnownOne) {
   EXPECT_EQ(run("run falling.toml second.toml"), 2);
   EXPECT_TRUE(has(err(), "second.toml")) << err();
   EXPECT_EQ(run("run"), 2);
-  EXPECT_EQ(run("help"), 2);
-  EXPECT_TRUE(has(err(), "did you mean --help?")) << err();
   EXPECT_EQ(run(""), 2);
   EXPECT_TRUE(has(err(), "there are run, resume, check")) << err();
   EXPECT_TRUE(out().empty());

@@ -28,7 +28,7 @@ TEST_F(Info, TellsOfARunWhatItsSummarySays) {
     EXPECT_EQ(file["bytes"], testing_cli::fs::file_size(directory_ / "out" / file["name"].get<std::string>()));
     ++files;
   }
-  EXPECT_EQ(files, 6u);
+  EXPECT_EQ(files, 7u);
   const auto text = viscobar("info out");
   EXPECT_TRUE(has(text.out, "A bar between two obstacles")) << text.out;
   EXPECT_TRUE(has(text.out, "field.h5")) << text.out;
@@ -118,7 +118,7 @@ TEST_F(Info, VerifiesAResultAgainstItsChecksums) {
   const auto sound = viscobar("info out --verify --json");
   EXPECT_EQ(sound.code, 0) << sound.out;
   EXPECT_EQ(sound.json()["verdict"], "sound");
-  EXPECT_EQ(sound.json()["files"].size(), 6u);
+  EXPECT_EQ(sound.json()["files"].size(), 7u);
   for (const auto& file : sound.json()["files"]) EXPECT_EQ(file["state"], "sound") << file;
 
   std::ofstream(directory_ / "out/notes.txt") << "my own";

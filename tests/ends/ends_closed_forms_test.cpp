@@ -58,7 +58,7 @@ struct Orders {
 };
 const Orders all_orders[] = {{"cvode", "fourth_order", 4},        {"ida", "lumped", 2},
                              {"arkode", "consistent", 2},         {"odeint", "lumped", 2},
-                             {"rigid", "fourth_order", 4},        {"exponential", "fourth_order", 4},
+                             {"rigid", "fourth_order", 4},        {"exponential", "consistent", 2},
                              {"fully_discrete", "consistent", 2}, {"finite_difference", "lumped", 2}};
 
 // v = F / (rho c) behind the front, and twice that from each return on.
@@ -123,7 +123,9 @@ TEST(EndForce, ThatIsSteadyMovesAFixedBarBetweenZeroAndTwiceItsStaticPull) {
   for (std::size_t k = 0; k < done.times.size(); ++k) {
     const double phase = std::fmod(done.times[k] * c / length, 4.0);
     if (std::abs(phase - 2.0) < 0.4 || std::abs(phase - 2.0) > 1.6) continue;  // dispersion rounds the corners off
-    EXPECT_NEAR(done.displacement(k)[0], pull * std::min(phase, 4.0 - phase), 1e-3 * pull) << done.times[k];
+    // The scheme's start is of first order: its velocity F / Z sets in up to a step late, and so do the echoes.
+    EXPECT_NEAR(done.displacement(k)[0], pull * std::min(phase, 4.0 - phase), 2.0 * 0.5 / impedance * *magic.step)
+        << done.times[k];
   }
   EXPECT_NEAR(done.statistics.account->left.highest, 2.0 * pull, 0.02 * pull);
 }
@@ -180,7 +182,8 @@ TEST(EndMotion, OfAFixedEndSendsItsDisplacementAsAWave) {
                            right ? "right" : "left", numerics(n, mass, method, 3.0));
       };
       expect_order(
-          order, scene, [&](double x, double t) { return train(d, -1.0, right ? length - x : x, t); }, 16);
+          order, scene, [&](double x, double t) { return train(d, -1.0, right ? length - x : x, t); },
+          order > 2 ? 48 : 16);
     }
   }
 }

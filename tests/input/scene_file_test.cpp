@@ -69,7 +69,8 @@ TEST_P(Example, RunsByEveryMethodButThoseThatCannotTakeItsMassOrMesh) {
   const auto cannot = [&](MethodName method) {
     const bool massless = run.mass == Mass::redistributed;
     if (method == MethodName::rigid) return run.scene.span.has_value();
-    if (method == MethodName::characteristics) return run.scene.bar.viscosity > 0.0 || run.scene.span;
+    const bool springs = run.scene.left_input.stiffness > 0.0 || run.scene.right_input.stiffness > 0.0;
+    if (method == MethodName::characteristics) return run.scene.bar.viscosity > 0.0 || run.scene.span || springs;
     if (method == MethodName::exponential) return run.elements >= Exponential::most_unknowns;
     const bool differential = method == MethodName::cvode || method == MethodName::odeint;
     return massless && (method == MethodName::finite_difference || (differential && run.scene.bar.viscosity == 0.0));

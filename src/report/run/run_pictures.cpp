@@ -237,12 +237,12 @@ Picture energies(const Case& run, const ReportData& data) {
   figure.line(elastic, {plot::series_colour(1)}, "elastic");
   if (data.has_springs()) figure.line(contact, {plot::series_colour(2)}, "contact springs");
   if (moves(dissipated)) figure.line(dissipated, {plot::series_colour(3)}, "dissipated");
-  if (moves(work)) figure.line(work, {plot::series_colour(4)}, "work of the load");
+  if (moves(work)) figure.line(work, {plot::series_colour(4)}, "work");
   figure.line(total, {"var(--ink)", true, 1.6}, "total");
   return {"Energy",
           std::string(data.has_springs() ? "Energy of the bar and that stored in the penalty springs of the contacts."
                                          : "Kinetic and elastic energy of the bar.") +
-              " The total and what was dissipated grow by the work of the load alone." +
+              " The total and what was dissipated grow by the work that is done on the bar alone." +
               (run.files.energy ? " energy.csv has the numbers." : ""),
           {{"energy", "Energy over time", figure}}};
 }

@@ -89,9 +89,13 @@ Picture axial_bar(const Case& run, const ReportData& data, const FieldColours& c
   }
   std::vector<Figure::Wall> walls;
   std::string hidden;
-  const auto add = [&](const EndCondition& end, double x, const char* where) {
+  const auto add = [&](const EndCondition& end, const EndInput& given, double x, const char* where) {
     const auto* obstacle = std::get_if<Obstacle>(&end);
     if (!obstacle) return;
+    if (given.motion) {
+      hidden += fmt::format(" The wall of the {} end moves and is not drawn.", where);
+      return;
+    }
     const bool above = obstacle->side == Side::above;
     const double at = x + s * (above ? obstacle->gap : -obstacle->gap);
     if (!range.reach(at)) {
@@ -101,8 +105,8 @@ Picture axial_bar(const Case& run, const ReportData& data, const FieldColours& c
     // A wall that bounds the end on its outer side stands there whole; one on the inner side lets the bar pass.
     walls.push_back({at, above, above != (x > 0.0)});
   };
-  add(run.scene.left, 0.0, "left");
-  add(run.scene.right, length, "right");
+  add(run.scene.left, run.scene.left_input, 0.0, "left");
+  add(run.scene.right, run.scene.right_input, length, "right");
   const double room = 0.05 * (range.high - range.low);
   const Axis place{.label = with_unit(s == 1.0 ? "place x + u" : fmt::format("place x + {} u", readable(s)),
                                       run.scene.units, Dimension::length),
