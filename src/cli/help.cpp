@@ -15,7 +15,8 @@ HelpCommand::HelpCommand(CLI::App& app) : Command(app, "help", "Print the help o
 
 int HelpCommand::operator()() const {
   if (topic_.empty()) {
-    print(app_.help("", CLI::AppFormatMode::Normal));
+    // App::help() would be that of the command that is asked, this one.
+    print(app_.get_formatter()->make_help(&app_, "viscobar", CLI::AppFormatMode::Normal));
     return success;
   }
   std::vector<std::string> names;

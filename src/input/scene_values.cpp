@@ -41,13 +41,12 @@ std::optional<TomlValue> plain_number(std::string_view text) {
 
 // The text of a sweep's scene is read again and again.
 const TomlDocument& document_of(const std::string& text) {
-  thread_local std::pair<std::string, TomlDocument> last;
-  if (last.first != text || last.second.entries.empty()) {
-    last.first.clear();
-    last.second = parse_toml(text);
-    last.first = text;
+  thread_local std::optional<std::pair<std::string, TomlDocument>> last;
+  if (!last || last->first != text) {
+    last.reset();  // of a text that is none nothing is kept
+    last.emplace(text, parse_toml(text));
   }
-  return last.second;
+  return last->second;
 }
 
 // A TOML value, or else the text itself.

@@ -291,7 +291,8 @@ class OtherReports(Browsed):
 
     def test_of_a_bar_under_a_span_obstacle_shows_where_it_touches(self):
         self.report("unit-span")
-        self.assertIn("in contact", self.value("document.querySelector('.scale').textContent"))
+        self.assertIn("in contact", self.value(
+            "[...document.querySelectorAll('.scale')].map(one => one.textContent).join(' ')"))
 
     def test_of_a_bar_without_contact_has_no_controls_for_contact_changes(self):
         with open(os.path.join(scenes, "unit-both-ends.toml")) as file:

@@ -57,9 +57,9 @@ struct Lift {
 
 /// The energy of a bar and of the springs at its ends.
 struct BarEnergy {
-  double kinetic = 0.0;  ///< of the bar
-  double elastic = 0.0;  ///< of both
-  double total() const { return kinetic + elastic; }
+  double kinetic = 0.0;                               ///< of the bar
+  double elastic = 0.0;                               ///< of both
+  double total() const { return kinetic + elastic; }  ///< their sum
 };
 
 /// A spring and a dashpot between an end and the ground.
