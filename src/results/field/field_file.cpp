@@ -126,11 +126,11 @@ void FieldFile::describe(const FieldOrigin& of) {
                               {"stress", "mean stress of each element, times x elements", Dimension::stress},
                               {"points", "nodes in space, for field.xdmf", Dimension::length},
                               {"line", "the two nodes of each element, for field.xdmf", std::nullopt}};
-  for (const auto& [name, long_name, quantity] : meanings) {
+  for (const Meaning& of_one : meanings) {
     const Hdf5Dataset dataset(
-        hdf5_checked(path_, "lacks a dataset", [&] { return H5Dopen2(file, name, H5P_DEFAULT); }));
-    write_attribute(path_, dataset.get(), "long_name", long_name);
-    const std::string unit = quantity ? unit_name(of.units, *quantity) : "";
+        hdf5_checked(path_, "lacks a dataset", [&] { return H5Dopen2(file, of_one.dataset, H5P_DEFAULT); }));
+    write_attribute(path_, dataset.get(), "long_name", of_one.long_name);
+    const std::string unit = of_one.quantity ? unit_name(of.units, *of_one.quantity) : "";
     if (!unit.empty()) write_attribute(path_, dataset.get(), "units", unit);
   }
 }
