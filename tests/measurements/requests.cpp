@@ -196,7 +196,7 @@ void random_scenes(int count, unsigned seed, double tightest) {
 // finer, is below the request; integration alone.
 void gallery() {
   fmt::print(
-      "| scene | request, of max abs u | setting | estimate / request | error / request | seconds, all | hand-tuned | ratio |\n");
+      "| scene | request, of the largest value | setting | estimate / request | error / request | processor seconds of all runs | of the best setting found by search | ratio |\n");
   fmt::print("|---|---|---|---|---|---|---|---|\n");
   for (const char* file : {"rebound", "bouncing", "nonsmooth-mode", "impacting-bar", "period-3", "steel-impact",
                            "unit-both-ends", "unit-left-end-loaded"})
