@@ -72,6 +72,11 @@ class Resume : public testing::Test {
   void expect_same_results(const std::string& one, const std::string& other) const {
     for (const char* file : {"ends.csv", "events.csv", "energy.csv", "field.xdmf"})
       EXPECT_EQ(read_text(scratch / one / file) == read_text(scratch / other / file), true) << file;
+    const auto text = [&](const std::string& of) {
+      const fs::path file = scratch / of / "sensitivity.csv";
+      return fs::exists(file) ? read_text(file) : "";
+    };
+    EXPECT_EQ(text(one) == text(other), true) << "sensitivity.csv";
     EXPECT_EQ(field(scratch / one / "field.h5"), field(scratch / other / "field.h5"));
     EXPECT_EQ(without_seconds(read_text(scratch / one / "report.html")) ==
                   without_seconds(read_text(scratch / other / "report.html")),
@@ -140,12 +145,15 @@ TEST_F(Resume, AfterKillsAtRandomMomentsEverythingEndsAsWithoutThem) {
 }
 
 TEST_F(Resume, AnInterruptLeavesTheLastScheduledCheckpointAndTheSameEnd) {
-  const std::vector<std::string> begin = {"run", "thrown.toml", "--quiet", "--checkpoint", "1.5", "-o"};
-  auto whole = begin, stopped = begin;
-  whole.push_back("whole");
-  stopped.push_back("stopped");
-  ASSERT_EQ(run(whole), 0) << err();
   for (const int signal : {SIGINT, SIGTERM}) {
+    std::vector<std::string> begin = {"run", "thrown.toml", "--quiet", "--checkpoint", "1.5"};
+    // Then with sensitivities, whose file is one more.
+    if (signal == SIGTERM) begin.insert(begin.end(), {"--sensitivity", "left.gap,bar.modulus"});
+    auto whole = begin, stopped = begin;
+    whole.insert(whole.end(), {"-o", "whole"});
+    stopped.insert(stopped.end(), {"-o", "stopped"});
+    ASSERT_EQ(run(whole), 0) << err();
+    EXPECT_EQ(fs::exists(scratch / "whole/sensitivity.csv"), signal == SIGTERM);
     fs::remove_all(scratch / "stopped");
     Process process(scratch.path(), stopped);
     while (!fs::exists(scratch / "stopped/checkpoint.previous.bin") && !process.ended())

@@ -72,17 +72,6 @@ TEST_F(Sensitivity, IsNoNumberBeyondAGrazeAndAWarningSaysSo) {
   EXPECT_NE(read_text(directory_ / "results/sensitivity.csv").find(",nan,"), std::string::npos);
 }
 
-TEST_F(Sensitivity, GoesOnFromACheckpointWithTheSameBits) {
-  std::ofstream(directory_ / "bar.toml") << scene_text;
-  const std::string options = " --sensitivity left.gap --checkpoint 1 --quiet --set method.name=cvode";
-  ASSERT_EQ(viscobar("run bar.toml -o whole" + options).code, 0);
-  viscobar("run bar.toml -o part" + options + " & sleep 0.001; kill -9 $!; wait $!; true");
-  if (testing_cli::fs::exists(directory_ / "part/checkpoint.bin")) {
-    ASSERT_EQ(viscobar("resume part --quiet").code, 0);
-    EXPECT_EQ(read_text(directory_ / "part/sensitivity.csv"), read_text(directory_ / "whole/sensitivity.csv"));
-  }
-}
-
 TEST_F(Sensitivity, OfAFitFindsWhatMadeTheTrace) {
   std::ofstream(directory_ / "bar.toml") << scene_text;
   ASSERT_EQ(viscobar("run bar.toml -o made --quiet").code, 0);
