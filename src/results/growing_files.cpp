@@ -51,11 +51,13 @@ GrowingFiles::GrowingFiles(const fs::path& directory, const SceneFile& scene, co
   if (run.files.energy) energy.emplace(directory / "energy.csv", kept(&Mark::energy));
   if (!run.directions.empty())
     sensitivity.emplace(directory / "sensitivity.csv", run.directions, kept(&Mark::sensitivity));
+  std::vector<std::string> keys;
+  for (const Direction& direction : run.directions) keys.push_back(direction.key);
   if (run.files.field)
     field.emplace(
         directory, run.mesh(), static_cast<std::size_t>(run.end / run.output_every) + 2,
         mark && mark->field ? &*mark->field : nullptr,
-        FieldOrigin{run.scene.bar, run.scene.units, run.scene.title, mark ? "" : scene_text(scene.description)});
+        FieldOrigin{run.scene.bar, run.scene.units, run.scene.title, mark ? "" : scene_text(scene.description), keys});
 }
 
 void GrowingFiles::take_places() {
