@@ -12,7 +12,6 @@
 #include <tuple>
 #include <utility>
 
-#include "input/formula_derivative.hpp"
 #include "input/formula_switches.hpp"
 #include "input/formula_taylor.hpp"
 #include "input/text_check.hpp"
@@ -27,7 +26,7 @@ constexpr std::array<std::string_view, 10> functions = {"sin",  "cos", "tan", "e
                                                         "sqrt", "abs", "min", "max", "pi"};
 
 // Binds the names a formula knows, and nothing else of what the library would offer.
-void define_names(mu::Parser& parser) {
+void define_names(mu::Parser& parser, const Parameters& parameters) {
   parser.ClearFun();
   parser.ClearConst();
   using Unary = double (*)(double);
@@ -43,6 +42,7 @@ void define_names(mu::Parser& parser) {
   parser.DefineFun(
       "max", +[](const double* values, int n) { return *std::max_element(values, values + n); });
   parser.DefineConst("pi", std::numbers::pi);
+  for (const auto& [name, value] : parameters) parser.DefineConst(name, value);
 }
 
 // The parser reads its variables through pointers, so a copy has one of its own. It is made when the copy is called
@@ -64,8 +64,7 @@ class Compiled {
  private:
   void compile() {
     mu::Parser& parser = parser_.emplace();
-    define_names(parser);
-    for (const auto& [name, value] : parameters_) parser.DefineConst(name, value);
+    define_names(parser, parameters_);
     parser.DefineVar("x", &x_);
     parser.DefineVar("t", &t_);
     parser.SetExpr(text_);
@@ -213,8 +212,7 @@ Formula::Formula(std::string text, std::string_view variables, const Parameters&
   check_size(text_);
   check_characters(text_);
   mu::Parser parser;
-  define_names(parser);
-  for (const auto& [name, number] : parameters_) parser.DefineConst(name, number);
+  define_names(parser, parameters_);
   double value = 0.0;
   for (const char variable : variables) parser.DefineVar(std::string(1, variable), &value);
   try {
@@ -245,9 +243,8 @@ TimeFunction Formula::of_t() const {
 
 TimeFunction Formula::derivative_of_t(int order) const {
   if (is_constant()) return [](double) { return 0.0; };
-  return [f = FormulaTaylor(parse_formula(text_, parameters_)), k = static_cast<std::size_t>(order)](double t) mutable {
-    return f(t)[k];
-  };
+  return [f = FormulaTaylor(parse_formula(text_, parameters_), "t"),
+          k = static_cast<std::size_t>(order)](double t) mutable { return f(0.0, t)[k]; };
 }
 
 SpaceTimeFunction Formula::of_x_t() const {
@@ -271,13 +268,13 @@ NextBreakAt Formula::breaks_at() const {
 
 SpaceTimeFunction Formula::derivative(std::string_view by) const {
   if (text_.empty()) return {};
-  FormulaDerivative derivative(parse_formula(text_, parameters_), by);
-  if (derivative.vanishes()) return {};
-  return [derivative](double x, double t) mutable { return derivative(x, t); };
+  FormulaTaylor derivative(parse_formula(text_, parameters_), by);
+  if (derivative.is_zero()) return {};
+  return [derivative](double x, double t) mutable { return derivative(x, t)[1]; };
 }
 
 bool Formula::moves_jump(std::string_view by) const {
-  return !text_.empty() && FormulaDerivative(parse_formula(text_, parameters_), by).moves_jump();
+  return !text_.empty() && FormulaTaylor(parse_formula(text_, parameters_), by).moves_jump();
 }
 
 }  // namespace viscobar
