@@ -58,7 +58,7 @@ class FieldFile {
   struct Growing {
     std::string name;
     std::size_t row_values, chunk_rows;
-    int rank = 2;
+    std::size_t rank = 2;
     std::vector<double> waiting{};  // not yet in the file
     Hdf5Dataset dataset{};
     std::vector<FieldMark::Region> chunks{};
