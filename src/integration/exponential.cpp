@@ -49,7 +49,7 @@ class Run {
         statistics_(statistics_before(start)),
         load_evaluations_before_(statistics_.load_evaluations),
         telling_(observers, statistics_),
-        load_(system),
+        load_(system, times.front(), times.back()),
         propagators_(penalised_, load_, statistics_.matrix_factorisations),
         distance_(system_, penalised_, propagators_, load_),
         watchdog_(times.front(), times.back(), 10'000, 1e9),
