@@ -7,7 +7,7 @@ namespace viscobar {
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Rigid& method, const Observers& observers) {
   const Penalty rigid{0.0, method.restitution};
-  if (radau::takes(system) && observers.directions.empty())
+  if (radau::takes(system))
     return run_stepwise("rigid", system, rigid, start, times, observers,
                         [&](const StepperParts& parts) { return radau::make_stepper(parts, method.tolerance); });
   if (system.has_massless() || system.damped())

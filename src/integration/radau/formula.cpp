@@ -157,7 +157,7 @@ Formula::Formula() : nodes(radau_nodes()), weights_{}, rates_{} {
         sum += Real(m == 0 ? 2 : 4) * static_cast<Real>(n) * chebyshev[n];
       set(rates_[m], k, sum);
     }
-    set(error_, k, 3 * next_term * scale * std::pow(zeta, static_cast<int>(stages)));
+    set(error_, k, 30 * next_term * scale * std::pow(zeta, static_cast<int>(stages)));
     for (std::size_t m = 0; m < stages; ++m) {
       Number sum = 0;
       for (std::size_t j = 1; j <= stages; ++j)

@@ -45,8 +45,8 @@ class Formula {
   Parts weights(double theta, int derivative) const;
   /// The same, of X_k / zeta_k.
   Parts weights_over_pole(const Parts& weights) const;
-  /// Of what the step may be wrong by: 3 max |c_9| z^8 / Q(z), as if |z| were 3. It is the dense output's error; that
-  /// at the end of the step is far below it.
+  /// Of what the step may be wrong by: 30 max |c_9| z^8 / Q(z), as if |z| were 30, which modes have that the step does
+  /// not resolve. It is the dense output's error; that at the end of the step is far below it.
   const Parts& error() const { return error_; }
 
  private:

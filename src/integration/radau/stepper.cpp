@@ -10,6 +10,7 @@
 #include "integration/energy_flow.hpp"
 #include "integration/error_weights.hpp"
 #include "integration/radau/shifted_systems.hpp"
+#include "integration/radau/step_derivatives.hpp"
 #include "run/step_failure.hpp"
 
 namespace viscobar::radau {
@@ -48,6 +49,7 @@ class Stepper final : public LegStepper {
         x_(layout_.nodes),
         inner_(layout_.account() > 0 ? layout_.size : 0) {
     if (system_.load_varies()) load_change_.resize(layout_.nodes);
+    if (!run.derivatives.empty()) derivatives_.emplace(system_, layout_, run.derivatives);
   }
 
   void begin_run(std::vector<std::size_t> sampled_entries) override {
@@ -92,10 +94,13 @@ class Stepper final : public LegStepper {
   std::size_t order() const override { return stages; }
   ErrorWeights& weights() override { return weights_; }
 
+  void changes_at(std::span<const double> y) override { weights_.fill(y, weight_); }
+
   void interpolate(double t, std::span<double> y) override {
     if (t == end_t_ || t == begin_t_) return void(std::ranges::copy(t == end_t_ ? end_y_ : begin_y_, y.begin()));
     motion_at(t, y);
     add_account(t, y);
+    if (derivatives_) derivatives_->blocks_at((t - begin_t_) / h_, begin_y_, y);
   }
 
   std::span<const double> sample(double t, int derivative) override {
@@ -155,6 +160,7 @@ class Stepper final : public LegStepper {
     system_.force(end_t_, y.first(layout_.nodes), y.subspan(layout_.nodes, layout_.nodes), force_);
     systems_.multiply_stiffness(y.subspan(layout_.nodes, layout_.nodes), stiff_rate_);
     ++statistics_.rhs_evaluations;
+    if (derivatives_) derivatives_->evaluate(systems_, end_t_, end_y_);
   }
 
   // The new state, and the error in multiples of what is allowed.
@@ -219,6 +225,9 @@ class Stepper final : public LegStepper {
     system_.complete_displacement(end_t_, layout_.u(y));
     system_.complete_velocity(end_t_, layout_.u(y), layout_.w(y));
     add_account(end_t_, y);
+    if (derivatives_)
+      derivatives_->advance(systems_, begin_t_, h_, end_t_, begin_y_, end_y_, statistics_,
+                            [&](double t, std::span<double> inner) { motion_at(t, inner); });
     evaluate();
   }
 
@@ -263,6 +272,7 @@ class Stepper final : public LegStepper {
   std::vector<Complex> x_;
   std::vector<std::size_t> entries_;
   std::vector<double> sampled_, inner_;
+  std::optional<StepDerivatives> derivatives_;
 };
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace viscobar::radau {
 /// Unknowns that a system must have.
 bool takes(const BarSystem& system);
 
-/// Steps by Formula. For systems without directions that takes() holds of.
+/// Steps by Formula. For systems that takes() holds of.
 std::unique_ptr<LegStepper> make_stepper(const StepperParts& run, const Tolerance& tolerance);
 
 }  // namespace viscobar::radau
