@@ -58,7 +58,7 @@ void StepDerivatives::impulse_rates(Derivative& derivative, const Moment& at, st
   if (layout_.right) rates[entry++] = derivative.momentum_loss(layout_.nodes - 1, at, s);
 }
 
-void StepDerivatives::evaluate(const ShiftedSystems& systems, double t, std::span<double> y) {
+void StepDerivatives::evaluate(ShiftedSystems& systems, double t, std::span<double> y) {
   const std::size_t n = layout_.nodes;
   const Moment at = moment(t, y);
   for (std::size_t k = 0; k < parts_.size(); ++k) {
@@ -86,7 +86,7 @@ void StepDerivatives::add_force(std::size_t stage, const Moment& at, std::span<c
   }
 }
 
-void StepDerivatives::solve(const ShiftedSystems& systems, Statistics& statistics) {
+void StepDerivatives::solve(ShiftedSystems& systems, Statistics& statistics) {
   for (Part& part : parts_) {
     systems.solve(part.force, part.stiff_rate, true, part.x);
     statistics.linear_solves += lanes;

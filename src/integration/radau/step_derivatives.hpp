@@ -19,12 +19,12 @@ class StepDerivatives {
   StepDerivatives(PenalisedSystem& system, const Layout& layout, std::span<Derivative* const> derivatives);
 
   /// Of the state y at t, from which the next step begins; completes the velocities of massless nodes.
-  void evaluate(const ShiftedSystems& systems, double t, std::span<double> y);
+  void evaluate(ShiftedSystems& systems, double t, std::span<double> y);
 
   /// Advances the blocks of `begin` to those of `end`, over a step from t of length h whose last stage is at `reached`;
   /// motion_at(t, y) gives the motion within it.
   template <class Motion>
-  void advance(const ShiftedSystems& systems, double t, double h, double reached, std::span<const double> begin,
+  void advance(ShiftedSystems& systems, double t, double h, double reached, std::span<const double> begin,
                std::span<double> end, Statistics& statistics, Motion&& motion_at) {
     h_ = h;
     const Formula& formula = Formula::get();
@@ -54,7 +54,7 @@ class StepDerivatives {
   Moment moment(double t, std::span<const double> y);
   void impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::vector<double>& rates);
   void add_force(std::size_t stage, const Moment& at, std::span<const double> begin);
-  void solve(const ShiftedSystems& systems, Statistics& statistics);
+  void solve(ShiftedSystems& systems, Statistics& statistics);
   void add_impulse_rates(std::size_t stage, const Moment& at, std::span<const double> begin);
   void motion_of(std::size_t k, double theta, std::span<const double> begin, std::span<double> s) const;
 

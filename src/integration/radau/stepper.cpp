@@ -172,6 +172,9 @@ class Stepper final : public LegStepper {
       factorised_ = h;
       ++statistics_.matrix_factorisations;
     }
+    const double rounding = systems_.rounding();
+    systems_.refine(rounding * weights_.largest_displacement() > weights_.displacement_tolerance() ||
+                    rounding * weights_.largest_velocity() > weights_.velocity_tolerance());
     const bool loaded = system_.load_varies();
     if (loaded) gather_load(h);
     systems_.solve(force_, stiff_rate_, loaded, x_);
