@@ -108,7 +108,7 @@ void Plan::pilot() {
   if (!stepping_ && !exact_time_) {
     const Part found = time_error(coarse);
     pilot_error_ = found.error;
-    if (!loosen_time(found)) refine_time(found);
+    refine_time(found);
     looser_ = std::max(1.0, before / chosen_.fineness);
   }
   constexpr double sure = 1e-12;  // finer tolerances may not bring what they promise

@@ -107,8 +107,9 @@ void Plan::explain(ErrorEstimate& estimate, const Case& run) const {
           run.method == MethodName::rigid ? "rigid: no penalty, so nothing but mesh and tolerance is to be paid for"
                                           : fmt::format("{}: what suits the scene", name(run.method)));
   because(given.mass, fmt::format("{} mass", name(effective_mass(run))),
-          fmt::format("{} mass: errors fall with the power {:g} of the mesh where the motion is smooth",
-                      name(effective_mass(run)), theory_));
+          fmt::format("{} mass: errors fall with the power {:g} of the mesh{}", name(effective_mass(run)), theory_,
+                      starts_at_rest(run) ? " where the motion is smooth"
+                                          : ", since a fixed end has another initial velocity than the bar beside it"));
   because(given.elements, fmt::format("{} elements", run.elements),
           fmt::format("{} elements: from {}", run.elements,
                       estimate.order ? fmt::format("the observed power {:.2g} of the mesh", *estimate.order)
@@ -153,7 +154,7 @@ ErrorEstimate Plan::judge(Sample solution) {
   if (waves_) return judge_exact(solution);
   ErrorEstimate estimate;
   estimate.of = study_.request.of;
-  estimate.largest = largest(solution, study_.request.of);
+  estimate.largest = largest_ = largest(solution, study_.request.of);
   if (study_.request.relative) requested_ = study_.request.error * estimate.largest;
   estimate.requested = requested_;
   runs_.finish();

@@ -11,6 +11,9 @@ namespace viscobar::accuracy {
 namespace {
 
 constexpr double finest_tolerance = 1e-13, loosest_that_methods_take = 0.1;
+// Of the relative tolerance, what the methods usually leave of an error (docs/accuracy-on-request.md). Two
+// runs may be closer to each other than to the motion: this is the least that is said of a tolerance.
+constexpr double usual_error = 0.05;
 constexpr double least_order_of_penalty = 0.5, penalty_ratio = 10.0;
 
 double error_of(double apart, double ratio, double order) {
@@ -76,9 +79,11 @@ Plan::Part Plan::time_error(std::size_t elements) {
   const std::vector<Setting> pair = time_pair(elements);
   if (pair.empty()) return {};
   runs_.make(pair);
-  if (pair[1].fineness < pair[0].fineness)
-    return {apart(pair[0], pair[1]) / (1.0 - std::pow(ratio_, -time_order_)), time_order_};
-  return time_part(pair[0]);
+  if (stepping_) return time_part(pair[0]);
+  Part part{apart(pair[0], pair[1]) / (1.0 - std::pow(ratio_, -time_order_)), time_order_};
+  if (pair[1].fineness > pair[0].fineness) part = time_part(pair[0]);
+  part.error = std::max(part.error, usual_error * chosen_.fineness * largest_);
+  return part;
 }
 
 std::vector<Setting> Plan::penalty_pair(std::size_t elements) const {
@@ -103,19 +108,6 @@ bool Plan::refine_time(const Part& part) {
   double finer = chosen_.fineness * std::clamp(std::pow(share / part.error, 1.0 / order), least, 0.5);
   if (!stepping_) finer = std::max(finer, finest_tolerance);
   return finer < std::exchange(chosen_.fineness, std::min(finer, chosen_.fineness));
-}
-
-// One or two decades looser where the pilots' error leaves that much of the share: it grows no faster than the
-// tolerance, and a half is kept back.
-bool Plan::loosen_time(const Part& part) {
-  const double share = shares_.time * *requested_;
-  if (study_.request.given.tolerance || stepping_ || exact_time_) return false;
-  double looser = chosen_.fineness;
-  for (double error = part.error; looser < 99.0 * chosen_.fineness; looser *= ratio_) {
-    error *= ratio_;
-    if (2.0 * error > share || ratio_ * looser > loosest_tolerance) break;
-  }
-  return looser > std::exchange(chosen_.fineness, looser);
 }
 
 bool Plan::refine_penalty(const Part& part) {

@@ -13,7 +13,7 @@ namespace viscobar::accuracy {
 namespace {
 
 // Of the runs that tell what tolerance is needed.
-constexpr double finest_pilot = 1e-8;
+constexpr double finest_pilot = 1e-8, loosest_tolerance = 1e-3;
 
 bool has_obstacle(const Scene& scene) { return is_obstacle(scene.left) || is_obstacle(scene.right) || scene.span; }
 
@@ -49,7 +49,7 @@ Plan::Plan(const AccuracyStudy& study)
     better.restitution = 0.0;
     if ((scene.span || base_.grading == 1.0) && validate(better).empty()) base_ = better;
   }
-  theory_ = effective_mass(base_) == Mass::fourth_order ? 4.0 : 2.0;
+  theory_ = order_in_theory(base_);
   ratio_ = stepping_ ? 2.0 : 10.0;
   time_order_ = stepping_ ? 1.0 : 2.0 / 3.0;
   if (!study_.request.relative) requested_ = study_.request.error;

@@ -38,7 +38,6 @@ class Plan {
     double space = 0.65, penalty = 0.1, time = 0.25;
   };
   static constexpr double excess = 1.2;
-  static constexpr double loosest_tolerance = 1e-3;
   static constexpr double nudge_share = 1e-9;  ///< of the natural velocity
 
   Case with(const Setting& setting) const;
@@ -55,7 +54,6 @@ class Plan {
   Part time_error(std::size_t elements);
   Part penalty_error(std::size_t elements);
   bool refine_time(const Part& part);
-  bool loosen_time(const Part& part);
   bool refine_penalty(const Part& part);
   void settle(std::size_t elements);
 

@@ -15,8 +15,6 @@ namespace {
 constexpr std::size_t fewest = 3;  // elements of the coarsest mesh
 constexpr double least_seconds = 0.5;
 
-double theory(const Case& run) { return effective_mass(run) == Mass::fourth_order ? 4.0 : 2.0; }
-
 // Of half and of a quarter as many elements; for a scheme, the latter with twice the step, too.
 struct Coarser {
   Sample half, quarter;
@@ -110,7 +108,7 @@ std::optional<ErrorEstimate> quick_estimate(const Case& run, const Sample& solut
   const MeshStep steps[] = {{runs->elements_quarter, runs->elements_half, first},
                             {runs->elements_half, run.elements, last,
                              alignment(runs->quarter, runs->half, solution, Goal::displacement, {})}};
-  const SpaceError space = space_error(steps, theory(run));
+  const SpaceError space = space_error(steps, order_in_theory(run));
   estimate.space = space.error;
   estimate.order = space.trusted;
   estimate.effectivity = space.effectivity;
@@ -126,7 +124,7 @@ std::optional<ErrorEstimate> forecast(const Case& run, double seconds) {
   const MeshStep steps[] = {
       {runs->elements_quarter, runs->elements_half, distance(runs->quarter, runs->half, Goal::displacement, {}).value}};
   // Without viscosity kinks stay kinks.
-  const double order = run.scene.bar.viscosity > 0.0 ? theory(run) : 1.0;
+  const double order = run.scene.bar.viscosity > 0.0 ? order_in_theory(run) : 1.0;
   estimate.space = steps[0].distance / (std::exp2(order) * std::max(1.0, std::exp2(order) - 1.0));
   estimate.total = estimate.space + estimate.penalty + estimate.time;
   return estimate;
