@@ -7,12 +7,12 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <tuple>
 #include <utility>
 
-#include "input/formula_derivative.hpp"
 #include "input/formula_switches.hpp"
 #include "input/formula_taylor.hpp"
 #include "input/text_check.hpp"
@@ -27,7 +27,7 @@ constexpr std::array<std::string_view, 10> functions = {"sin",  "cos", "tan", "e
                                                         "sqrt", "abs", "min", "max", "pi"};
 
 // Binds the names a formula knows, and nothing else of what the library would offer.
-void define_names(mu::Parser& parser) {
+void define_names(mu::Parser& parser, const Parameters& parameters) {
   parser.ClearFun();
   parser.ClearConst();
   using Unary = double (*)(double);
@@ -43,38 +43,74 @@ void define_names(mu::Parser& parser) {
   parser.DefineFun(
       "max", +[](const double* values, int n) { return *std::max_element(values, values + n); });
   parser.DefineConst("pi", std::numbers::pi);
+  for (const auto& [name, value] : parameters) parser.DefineConst(name, value);
 }
 
-// The parser reads its variables through pointers, so a copy has one of its own. It is made when the copy is called
-// first: most copies of a scene's functions never are.
+// A parser reads its variables through pointers, so they are beside it and it does not move.
+struct Machine {
+  Machine(const std::string& of, const Parameters& with) : text(of), parameters(with) {
+    define_names(parser, parameters);
+    parser.DefineVar("x", &x);
+    parser.DefineVar("t", &t);
+    parser.SetExpr(text);
+  }
+  std::string text;
+  Parameters parameters;
+  double x = 0.0, t = 0.0;
+  mu::Parser parser;
+};
+
+// Parsers that nobody uses, of the thread. A sweep asks for those of the same few formulas thousands of times, and to
+// make one takes longer than to evaluate it on a small mesh.
+class IdleMachines {
+ public:
+  static std::unique_ptr<Machine> take(const std::string& text, const Parameters& parameters) {
+    if (IdleMachines* own = of_thread())
+      for (auto& idle : own->idle_)
+        if (idle && idle->text == text && idle->parameters == parameters) return std::move(idle);
+    return std::make_unique<Machine>(text, parameters);
+  }
+  static void give(std::unique_ptr<Machine> machine) {
+    if (IdleMachines* own = of_thread()) std::swap(own->idle_[own->next_++ % own->idle_.size()], machine);
+  }
+
+ private:
+  // None where the thread is about to end: functions that live longer than it own their parsers.
+  static IdleMachines* of_thread() {
+    thread_local bool ended = false;
+    struct Own : IdleMachines {
+      ~Own() { ended = true; }
+    };
+    if (ended) return nullptr;
+    thread_local Own own;
+    return &own;
+  }
+
+  std::array<std::unique_ptr<Machine>, 8> idle_;
+  std::size_t next_ = 0;
+};
+
+// A copy has a parser of its own. It gets it when it is called first: most copies of a scene's functions never are.
 class Compiled {
  public:
   Compiled(std::string text, const Parameters& parameters) : text_(std::move(text)), parameters_(parameters) {}
   Compiled(const Compiled& other) : Compiled(other.text_, other.parameters_) {}
   Compiled& operator=(const Compiled&) = delete;
-  ~Compiled() = default;
+  ~Compiled() {
+    if (machine_) IdleMachines::give(std::move(machine_));
+  }
 
   double operator()(double x, double t) {
-    if (!parser_) compile();
-    x_ = x;
-    t_ = t;
-    return parser_->Eval();
+    if (!machine_) machine_ = IdleMachines::take(text_, parameters_);
+    machine_->x = x;
+    machine_->t = t;
+    return machine_->parser.Eval();
   }
 
  private:
-  void compile() {
-    mu::Parser& parser = parser_.emplace();
-    define_names(parser);
-    for (const auto& [name, value] : parameters_) parser.DefineConst(name, value);
-    parser.DefineVar("x", &x_);
-    parser.DefineVar("t", &t_);
-    parser.SetExpr(text_);
-  }
-
   std::string text_;
   Parameters parameters_;
-  double x_ = 0.0, t_ = 0.0;
-  std::optional<mu::Parser> parser_;
+  std::unique_ptr<Machine> machine_;
 };
 
 // muParser's time grows with the square of the length, its stack with the depth.
@@ -213,8 +249,7 @@ Formula::Formula(std::string text, std::string_view variables, const Parameters&
   check_size(text_);
   check_characters(text_);
   mu::Parser parser;
-  define_names(parser);
-  for (const auto& [name, number] : parameters_) parser.DefineConst(name, number);
+  define_names(parser, parameters_);
   double value = 0.0;
   for (const char variable : variables) parser.DefineVar(std::string(1, variable), &value);
   try {
@@ -245,9 +280,8 @@ TimeFunction Formula::of_t() const {
 
 TimeFunction Formula::derivative_of_t(int order) const {
   if (is_constant()) return [](double) { return 0.0; };
-  return [f = FormulaTaylor(parse_formula(text_, parameters_)), k = static_cast<std::size_t>(order)](double t) mutable {
-    return f(t)[k];
-  };
+  return [f = FormulaTaylor(parse_formula(text_, parameters_), "t"),
+          k = static_cast<std::size_t>(order)](double t) mutable { return f(0.0, t)[k]; };
 }
 
 SpaceTimeFunction Formula::of_x_t() const {
@@ -271,13 +305,13 @@ NextBreakAt Formula::breaks_at() const {
 
 SpaceTimeFunction Formula::derivative(std::string_view by) const {
   if (text_.empty()) return {};
-  FormulaDerivative derivative(parse_formula(text_, parameters_), by);
-  if (derivative.vanishes()) return {};
-  return [derivative](double x, double t) mutable { return derivative(x, t); };
+  FormulaTaylor derivative(parse_formula(text_, parameters_), by);
+  if (derivative.is_zero()) return {};
+  return [derivative](double x, double t) mutable { return derivative(x, t)[1]; };
 }
 
 bool Formula::moves_jump(std::string_view by) const {
-  return !text_.empty() && FormulaDerivative(parse_formula(text_, parameters_), by).moves_jump();
+  return !text_.empty() && FormulaTaylor(parse_formula(text_, parameters_), by).moves_jump();
 }
 
 }  // namespace viscobar
