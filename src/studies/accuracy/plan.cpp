@@ -51,7 +51,7 @@ Plan::Plan(const AccuracyStudy& study)
   }
   theory_ = order_in_theory(base_);
   ratio_ = stepping_ ? 2.0 : 10.0;
-  time_order_ = stepping_ ? 1.0 : 2.0 / 3.0;
+  time_order_ = stepping_ ? 1.0 : base_.method == MethodName::rigid ? 0.85 : 2.0 / 3.0;
   if (!study_.request.relative) requested_ = study_.request.error;
 
   chosen_.elements = base_.elements;
