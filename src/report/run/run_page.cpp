@@ -64,14 +64,15 @@ std::string contact_table(const Case& run, const BarSystem& system, const Outcom
   if (!outcome.statistics || !outcome.statistics->account) return {};
   const RunAccount& account = *outcome.statistics->account;
   std::string rows;
-  const auto add = [&](const char* where, const EndCondition& kind, const EndAccount& end) {
-    if (is_obstacle(kind))
-      rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", where, end.closings,
-                          readable(end.contact.total(outcome.reached_time)), readable(end.impulse),
-                          readable(end.peak_reaction));
+  const auto add = [&](const char* where, bool there, const auto& obstacle) {
+    if (there)
+      rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", where,
+                          obstacle.closings, readable(obstacle.contact.total(outcome.reached_time)),
+                          readable(obstacle.impulse), readable(obstacle.peak_reaction));
   };
-  add("left end", run.scene.left, account.left);
-  add("right end", run.scene.right, account.right);
+  add("left end", is_obstacle(run.scene.left), account.left);
+  add("right end", is_obstacle(run.scene.right), account.right);
+  add("span, its nodes together", run.scene.span.has_value(), account.span);
   std::string html;
   if (!rows.empty())
     html =
@@ -79,12 +80,8 @@ std::string contact_table(const Case& run, const BarSystem& system, const Outcom
         "<th>greatest reaction</th></tr></thead><tbody>\n" +
         rows + "</tbody></table>\n";
   const auto remark = peak_remark(run, system);
-  if (remark && account.left.closings + account.right.closings > 0)
+  if (remark && account.left.closings + account.right.closings + account.span.closings > 0)
     html += fmt::format("<p class=\"note\">Greatest reaction: {}.</p>\n", escaped(*remark));
-  if (run.scene.span)
-    html += fmt::format(
-        "<p class=\"note\">Under the span: nodes closed {} times and opened {} times; time in contact {}.</p>\n",
-        account.span.closings, account.span.openings, readable(account.span.contact.total(outcome.reached_time)));
   return html.empty() ? html : "<section><h2>Contact</h2>\n<div class=\"tables\">" + html + "</div></section>\n";
 }
 
