@@ -40,7 +40,7 @@ SceneFile SceneOptions::read(const std::vector<std::string>& defaults, const std
   const Case& run = scene.run;
   if (scene.accuracy && !takes_accuracy)
     warn(
-        "[accuracy] is for run and sweep: this command takes mesh, method, epsilon and tolerance as the scene has them");
+        "[accuracy] is for run, sweep and limit: this command takes mesh, method, epsilon and tolerance as the scene has them");
   detail(fmt::format("read {}: \"{}\", {} elements, {} to t = {}", file, run.scene.title, run.elements,
                      name(run.method), run.end));
   return scene;

@@ -104,7 +104,7 @@ class LimitCommand : public Command {
  private:
   SceneOptions scene_;
   PictureOptions output_;
-  std::string epsilon_, mass_;
+  std::string epsilon_, mass_, error_;
   std::size_t per_decade_ = 1, threads_ = 0;
   std::vector<std::size_t> elements_;
   std::vector<double> steps_;
@@ -145,7 +145,7 @@ class SweepCommand : public Command {
   int operator()() const override;
 
  private:
-  std::string file_;
+  std::string file_, error_;
   std::vector<std::string> overrides_;
   bool json_ = false;
   OutputOptions output_;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <atomic>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -113,6 +114,7 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
     }
     if (outcome.error_estimate)
       for (const auto& [what, value] : estimate_rows(*outcome.error_estimate)) text += row(what, value);
+    if (!outcome.no_estimate.empty()) text += row("error", "there is no estimate: " + outcome.no_estimate);
     text += row("integration", fmt::format("{:.3g} s", statistics->integration_seconds));
   }
   text += row("whole run", fmt::format("{:.3g} s", outcome.wall_seconds));
@@ -144,12 +146,11 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
   options.progress = [&](double time, std::size_t steps) {
     if (progress) (*progress)(time, steps);
   };
-  bool out_of_time = false;
+  std::atomic<bool> out_of_time = false;  // asked by runs side by side
   options.stop = [&] {
-    out_of_time =
-        out_of_time ||
-        (wall_time &&
-         std::chrono::duration<double>(std::chrono::steady_clock::now() - options.started).count() >= *wall_time);
+    if (wall_time &&
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - options.started).count() >= *wall_time)
+      out_of_time = true;
     return out_of_time || interrupt_asked();
   };
   std::vector<Event> events;
@@ -320,7 +321,7 @@ int ResumeCommand::operator()() const {
   }
   const SceneFile scene = scene_of_checkpoint(directory);
   return shown(scene, directory, json_, quiet_, wall_time, options,
-               [&](const RecordOptions& chosen) { return resume_run(scene, directory, chosen, warn); });
+               [&](const RecordOptions& chosen) { return resume_to_accuracy(scene, directory, chosen, warn); });
 }
 
 }  // namespace viscobar::cli

@@ -162,11 +162,13 @@ Json to_json(const ContactRegime& regime) {
 }  // namespace
 
 SceneCheck check_scene(const Case& run) {
-  SceneCheck check{make_system(run), first_impacts(run), {}, memory_need(run), {}, {}};
+  SceneCheck check{make_system(run), first_impacts(run), {}, memory_need(run), {}, {}, {}};
   check.regimes = contact_regimes(run, check.system);
   for (ContactRegime& regime : check.regimes) predict(regime, check.impacts, run, check.system);
   constexpr double patience = 0.5;  // seconds
-  check.error = accuracy::forecast(run, patience);
+  accuracy::QuickEstimate forecast = accuracy::forecast(run, patience);
+  check.error = std::move(forecast.estimate);
+  check.no_error = std::move(forecast.why_not);
   check.warnings = warnings_of(run, check.system, check.regimes);
   return check;
 }

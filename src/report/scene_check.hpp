@@ -20,6 +20,7 @@ struct SceneCheck {
   std::vector<ContactRegime> regimes;               ///< of the contacts of a penalised method
   MemoryNeed memory;                                ///< of the run
   std::optional<ErrorEstimate> error;               ///< forecast; absent for exact methods and large scenes
+  std::string no_error;                             ///< why it is absent, in half a sentence; empty for exact methods
   std::vector<std::string> warnings;                ///< what to change, in sentences
 };
 

@@ -56,4 +56,9 @@ std::string estimate_section(const ErrorEstimate& estimate) {
   return html;
 }
 
+std::string no_estimate_section(const std::string& why) {
+  return fmt::format("<section><h2>How far from the bar itself</h2>\n<p>There is no estimate: {}</p>\n</section>\n",
+                     escaped(why));
+}
+
 }  // namespace viscobar

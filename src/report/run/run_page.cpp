@@ -131,6 +131,7 @@ Page report_page(const Case& run, const BarSystem& system, const Outcome& outcom
   }
   page.add(numbers(run, system, outcome, data));
   if (outcome.error_estimate) page.add(estimate_section(*outcome.error_estimate));
+  if (!outcome.no_estimate.empty()) page.add(no_estimate_section(outcome.no_estimate));
   page.add(contact_table(run, system, outcome));
   page.add(event_table(outcome, data));
   return page;
