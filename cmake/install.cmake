@@ -4,14 +4,19 @@ include(CMakePackageConfigHelpers)
 
 set_target_properties(viscobar PROPERTIES VERSION ${PROJECT_VERSION}
                                           SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+# One search path for the build and the installation: CMake pads another by empty entries, which the loader takes for the
+# directory that it is started in.
+set_target_properties(viscobar ${programs} PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH_USE_LINK_PATH ON)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/viscobar)
 install(TARGETS viscobar EXPORT viscobarTargets
         ARCHIVE COMPONENT development LIBRARY COMPONENT program NAMELINK_COMPONENT development)
 install(DIRECTORY include/viscobar TYPE INCLUDE COMPONENT development FILES_MATCHING PATTERN "*.hpp")
 install(EXPORT viscobarTargets NAMESPACE viscobar:: DESTINATION ${package_dir} COMPONENT development)
 if(TARGET viscobar_cli)
-  file(RELATIVE_PATH libraries_from_program ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
-  set_target_properties(${programs} PROPERTIES INSTALL_RPATH "$ORIGIN/${libraries_from_program}")
+  if(BUILD_SHARED_LIBS)  # installed, and as it is built, beside the program
+    file(RELATIVE_PATH libraries_from_program ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
+    set_target_properties(${programs} PROPERTIES INSTALL_RPATH "$ORIGIN/${libraries_from_program};$ORIGIN")
+  endif()
   install(TARGETS ${programs} COMPONENT program)
   # The program writes them itself, from the definition of its command line. Debian's zsh looks in vendor-completions.
   set(shell_dir ${PROJECT_BINARY_DIR}/shell)

@@ -13,7 +13,6 @@
 #include <tuple>
 #include <utility>
 
-#include "input/formula_derivative.hpp"
 #include "input/formula_switches.hpp"
 #include "input/formula_taylor.hpp"
 #include "input/text_check.hpp"
@@ -28,7 +27,7 @@ constexpr std::array<std::string_view, 10> functions = {"sin",  "cos", "tan", "e
                                                         "sqrt", "abs", "min", "max", "pi"};
 
 // Binds the names a formula knows, and nothing else of what the library would offer.
-void define_names(mu::Parser& parser) {
+void define_names(mu::Parser& parser, const Parameters& parameters) {
   parser.ClearFun();
   parser.ClearConst();
   using Unary = double (*)(double);
@@ -44,13 +43,13 @@ void define_names(mu::Parser& parser) {
   parser.DefineFun(
       "max", +[](const double* values, int n) { return *std::max_element(values, values + n); });
   parser.DefineConst("pi", std::numbers::pi);
+  for (const auto& [name, value] : parameters) parser.DefineConst(name, value);
 }
 
 // A parser reads its variables through pointers, so they are beside it and it does not move.
 struct Machine {
   Machine(const std::string& of, const Parameters& with) : text(of), parameters(with) {
-    define_names(parser);
-    for (const auto& [name, value] : parameters) parser.DefineConst(name, value);
+    define_names(parser, parameters);
     parser.DefineVar("x", &x);
     parser.DefineVar("t", &t);
     parser.SetExpr(text);
@@ -250,8 +249,7 @@ Formula::Formula(std::string text, std::string_view variables, const Parameters&
   check_size(text_);
   check_characters(text_);
   mu::Parser parser;
-  define_names(parser);
-  for (const auto& [name, number] : parameters_) parser.DefineConst(name, number);
+  define_names(parser, parameters_);
   double value = 0.0;
   for (const char variable : variables) parser.DefineVar(std::string(1, variable), &value);
   try {
@@ -282,9 +280,8 @@ TimeFunction Formula::of_t() const {
 
 TimeFunction Formula::derivative_of_t(int order) const {
   if (is_constant()) return [](double) { return 0.0; };
-  return [f = FormulaTaylor(parse_formula(text_, parameters_)), k = static_cast<std::size_t>(order)](double t) mutable {
-    return f(t)[k];
-  };
+  return [f = FormulaTaylor(parse_formula(text_, parameters_), "t"),
+          k = static_cast<std::size_t>(order)](double t) mutable { return f(0.0, t)[k]; };
 }
 
 SpaceTimeFunction Formula::of_x_t() const {
@@ -308,13 +305,13 @@ NextBreakAt Formula::breaks_at() const {
 
 SpaceTimeFunction Formula::derivative(std::string_view by) const {
   if (text_.empty()) return {};
-  FormulaDerivative derivative(parse_formula(text_, parameters_), by);
-  if (derivative.vanishes()) return {};
-  return [derivative](double x, double t) mutable { return derivative(x, t); };
+  FormulaTaylor derivative(parse_formula(text_, parameters_), by);
+  if (derivative.is_zero()) return {};
+  return [derivative](double x, double t) mutable { return derivative(x, t)[1]; };
 }
 
 bool Formula::moves_jump(std::string_view by) const {
-  return !text_.empty() && FormulaDerivative(parse_formula(text_, parameters_), by).moves_jump();
+  return !text_.empty() && FormulaTaylor(parse_formula(text_, parameters_), by).moves_jump();
 }
 
 }  // namespace viscobar

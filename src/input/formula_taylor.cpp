@@ -25,9 +25,9 @@ Taylor product(const Taylor& a, const Taylor& b) {
   return {a[0] * b[0], a[1] * b[0] + a[0] * b[1], a[2] * b[0] + 2.0 * a[1] * b[1] + a[0] * b[2]};
 }
 
-Taylor inverse(const Taylor& a) {
-  const double one = 1.0 / a[0];
-  return chain(a, one, -one * one, 2.0 * one * one * one);
+Taylor quotient(const Taylor& a, const Taylor& b) {
+  const double value = a[0] / b[0], slope = (a[1] - value * b[1]) / b[0];
+  return {value, slope, (a[2] - 2.0 * slope * b[1] - value * b[2]) / b[0]};
 }
 
 Taylor logarithm(const Taylor& a) { return chain(a, std::log(a[0]), 1.0 / a[0], -1.0 / (a[0] * a[0])); }
@@ -38,15 +38,14 @@ Taylor exponential(const Taylor& a) {
 }
 
 Taylor power(const Taylor& a, const Taylor& b) {
-  if (b[1] != 0.0 || b[2] != 0.0) {
-    Taylor result = exponential(product(b, logarithm(a)));
-    result[0] = std::pow(a[0], b[0]);
-    return result;
-  }
-  const double n = b[0];
+  const double n = b[0], value = std::pow(a[0], n);
   const double slope = n == 0.0 ? 0.0 : n * std::pow(a[0], n - 1.0);
   const double bend = n == 0.0 || n == 1.0 ? 0.0 : n * (n - 1.0) * std::pow(a[0], n - 2.0);
-  return chain(a, std::pow(a[0], n), slope, bend);
+  const Taylor of_base = chain(a, value, slope, bend);
+  if (b[1] == 0.0 && b[2] == 0.0) return of_base;
+  if (value == 0.0) return {value, of_base[1], 0.0};  // where the logarithm has no end
+  const Taylor whole = exponential(product(b, logarithm(a)));
+  return {value, of_base[1] + value * std::log(a[0]) * b[1], whole[2]};
 }
 
 Taylor truth(bool value) { return {value ? 1.0 : 0.0, 0.0, 0.0}; }
@@ -55,12 +54,12 @@ Taylor computed(Operation operation, const Taylor& a, const Taylor& b, const Tay
   switch (operation) {
     case Operation::number:
     case Operation::x:
-    case Operation::t: break;
+    case Operation::t: break;  // have no operands
     case Operation::negate: return {-a[0], -a[1], -a[2]};
     case Operation::add: return sum(a, 1.0, b);
     case Operation::subtract: return sum(a, -1.0, b);
     case Operation::multiply: return product(a, b);
-    case Operation::divide: return product(a, inverse(b));
+    case Operation::divide: return quotient(a, b);
     case Operation::power: return power(a, b);
     case Operation::less: return truth(a[0] < b[0]);
     case Operation::at_most: return truth(a[0] <= b[0]);
@@ -90,20 +89,32 @@ Taylor computed(Operation operation, const Taylor& a, const Taylor& b, const Tay
   return {};
 }
 
+bool is_condition(Operation operation) { return operation >= Operation::less && operation <= Operation::either; }
+
 }  // namespace
 
-FormulaTaylor::FormulaTaylor(FormulaTree tree) : tree_(std::move(tree)), of_nodes_(tree_.nodes.size()) {}
+FormulaTaylor::FormulaTaylor(FormulaTree tree, std::string_view by)
+    : tree_(std::move(tree)), of_nodes_(tree_.nodes.size()) {
+  for (const FormulaTree::Node& node : tree_.nodes) {
+    bool depends = (by == "x" && node.operation == Operation::x) || (by == "t" && node.operation == Operation::t) ||
+                   (node.parameter >= 0 && tree_.parameters[node.parameter] == by);
+    for (const int operand : {node.a, node.b, node.c})
+      if (operand >= 0) depends = depends || depends_[operand];
+    moves_jump_ |= depends && is_condition(node.operation);
+    // A number taken for a condition.
+    moves_jump_ |= node.operation == Operation::choose && depends_[node.a];
+    depends_.push_back(depends && !is_condition(node.operation));
+  }
+}
 
-Taylor FormulaTaylor::operator()(double t) {
+Taylor FormulaTaylor::operator()(double x, double t) {
   for (std::size_t i = 0; i < tree_.nodes.size(); ++i) {
     const FormulaTree::Node& node = tree_.nodes[i];
     const auto operand = [&](int index) { return index < 0 ? Taylor{} : of_nodes_[static_cast<std::size_t>(index)]; };
-    if (node.operation == Operation::number)
-      of_nodes_[i] = {node.number, 0.0, 0.0};
-    else if (node.operation == Operation::t)
-      of_nodes_[i] = {t, 1.0, 0.0};
-    else
-      of_nodes_[i] = computed(node.operation, operand(node.a), operand(node.b), operand(node.c));
+    const Taylor a = operand(node.a), b = operand(node.b);
+    const bool leaf = node.operation <= Operation::t;
+    const double value = node.operation == Operation::x ? x : node.operation == Operation::t ? t : node.number;
+    of_nodes_[i] = leaf ? Taylor{value, depends_[i] ? 1.0 : 0.0, 0.0} : computed(node.operation, a, b, operand(node.c));
   }
   return of_nodes_.back();
 }

@@ -4,6 +4,7 @@
 #include <iosfwd>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace viscobar {
 
@@ -14,5 +15,8 @@ std::string input_text(std::istream& stream, const std::string& name);
 
 /// Without blanks, tabs and carriage returns at both ends.
 std::string_view trimmed(std::string_view text);
+
+/// The parts between the separators, one more than there are of them.
+std::vector<std::string_view> split(std::string_view text, char separator);
 
 }  // namespace viscobar

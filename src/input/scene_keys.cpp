@@ -68,59 +68,67 @@ constexpr Choice formulas[] = {
 
 // The choices of ends, masses and methods, and the numbers of the ends, come from their own tables.
 constexpr SceneKey rows[] = {
-    {"title", text, optional, "", "", "free text, for reports"},
+    {"title", text, optional, "", "\"A bar between two obstacles\"", "", "free text, for reports"},
 
-    {"bar.length", number, required, "", "length", "length L of the bar, 0 < x < L", positive},
-    {"bar.density", number, optional, "1.0", "density", "rho", positive},
-    {"bar.modulus", number, optional, "1.0", "stress", "E", positive},
-    {"bar.viscosity", number, optional, "0.0", "stress x time", "eta, the paper's alpha; 0 means that no damping term exists", not_negative},
+    {"bar.length", number, required, "", "1.0", "length", "length L of the bar, 0 < x < L", positive},
+    {"bar.density", number, optional, "1.0", "", "density", "rho", positive},
+    {"bar.modulus", number, optional, "1.0", "", "stress", "E", positive},
+    {"bar.viscosity", number, optional, "0.0", "0.01", "stress x time", "eta, the paper's alpha; 0 means that no damping term exists", not_negative},
 
-    {"left.kind", choice, required_in_table, "\"free\"", "", "condition at the end x = 0"},
-    {"right.kind", choice, required_in_table, "\"free\"", "", "condition at the end x = L"},
-    {"span.gap", number, required_in_table, "", "length", "u(x,t) >= -gap along the whole bar, or as span.side says; without this table there is no such obstacle", not_negative},
-    {"span.side", choice, optional, "", "", "from where the obstacle bounds u; absent: below", {}, span_sides},
+    {"left.kind", choice, required_in_table, "\"free\"", "\"obstacle\"", "", "condition at the end x = 0"},
+    {"right.kind", choice, required_in_table, "\"free\"", "\"obstacle\"", "", "condition at the end x = L"},
+    {"span.gap", number, required_in_table, "", "0.2", "length", "u(x,t) >= -gap along the whole bar, or as span.side says; without this table there is no such obstacle", not_negative},
+    {"span.side", choice, optional, "", "\"below\"", "", "from where the obstacle bounds u; absent: below", {}, span_sides},
 
-    {"initial.displacement", formula, optional, "0.0", "length", "u_0; one of the two, or a load, must be there", {}, {}, "x"},
-    {"initial.velocity", formula, optional, "0.0", "length / time", "u_1", {}, {}, "x"},
+    {"initial.displacement", formula, optional, "0.0", "\"x*(1-x)\"", "length", "u_0; one of the two, or a load, must be there", {}, {}, "x"},
+    {"initial.velocity", formula, optional, "0.0", "\"-x*(1-x)\"", "length / time", "u_1", {}, {}, "x"},
 
-    {"load.density", formula, optional, "", "stress / length", "f, force per volume", {}, {}, "xt"},
-    {"load.profile", formula, optional, "", "stress / length", "f = profile history, instead of the density: evaluated once per node", {}, {}, "x"},
-    {"load.history", formula, optional, "", "1", "f = profile history: evaluated once per step", {}, {}, "t"},
+    {"load.density", formula, optional, "", "\"sin(t*sqrt(2))*cos(2*x)\"", "stress / length", "f, force per volume", {}, {}, "xt"},
+    {"load.profile", formula, optional, "", "\"cos(2*x)\"", "stress / length", "f = profile history, instead of the density: evaluated once per node", {}, {}, "x"},
+    {"load.history", formula, optional, "", "\"sin(t*sqrt(2))\"", "1", "f = profile history: evaluated once per step", {}, {}, "t"},
 
-    {"time.end", number, required, "", "time", "T, the end of the run, which begins at t = 0", positive},
+    {"time.end", number, required, "", "6.0", "time", "T, the end of the run, which begins at t = 0", positive},
 
-    {"mesh.elements", count, optional, "", "1", "number of elements of equal length; absent: 100", {1.0, 1e8, "1 to 1e8"}},
-    {"mesh.grading", number, optional, "1", "1", "ratio of the largest element to the smallest; elements shrink towards obstacles", {1.0, 1e6, "1 to 1e6"}},
-    {"mesh.mass", choice, optional, "", "", "mass matrix; absent: one whose contact nodes do not bounce by themselves, see below"},
+    {"mesh.elements", count, optional, "", "27", "1", "number of elements of equal length; absent: 100", {1.0, 1e8, "1 to 1e8"}},
+    {"mesh.grading", number, optional, "1", "", "1", "ratio of the largest element to the smallest; elements shrink towards obstacles", {1.0, 1e6, "1 to 1e6"}},
+    {"mesh.mass", choice, optional, "", "\"fourth_order\"", "", "mass matrix; absent: one whose contact nodes do not bounce by themselves, see below"},
 
-    {"contact.epsilon", number, optional, "", "length / stress", "reaction = penetration / epsilon, in penalised methods; absent: chosen by the accuracy of the mesh, see below", positive},
-    {"contact.restitution", number, optional, "", "1", "restitution of a contact node; absent: undamped spring in penalised methods, implicit constraint in the others", {0.0, 1.0, "0 to 1"}},
+    {"contact.epsilon", number, optional, "", "1e-6", "length / stress", "reaction = penetration / epsilon, in penalised methods; absent: chosen by the accuracy of the mesh, see below", positive},
+    {"contact.restitution", number, optional, "", "0.0", "1", "restitution of a contact node; absent: undamped spring in penalised methods, implicit constraint in the others", {0.0, 1.0, "0 to 1"}},
 
-    {"method.name", choice, optional, "\"automatic\"", "", "method of time integration"},
-    {"method.relative_tolerance", number, optional, "1e-6", "1", "adaptive methods: error allowed, relative to the largest displacement and velocity", {1e-15, 0.1, ">= 1e-15, <= 0.1"}},
-    {"method.absolute_tolerance", number, optional, "", "length", "adaptive methods: error allowed in addition, the same number for the velocity; absent: relative_tolerance / 1000 of the displacement and of the velocity that the scene has, see below", positive},
-    {"method.error_control", choice, optional, "\"global\"", "", "whether the tolerances bound the error of the solution or of each step", {}, controls},
-    {"method.formulas", choice, optional, "\"automatic\"", "", "multistep formulas of cvode", {}, formulas},
-    {"method.stepper", choice, optional, "\"automatic\"", "", "formulas of odeint", {}, steppers},
-    {"method.step", number, optional, "", "time", "time step of fully_discrete and finite_difference, absent: h / (100 c), and of odeint's symplectic stepper, which needs it", positive},
-    {"method.start", choice, optional, "\"first_order\"", "", "first step of the two schemes: u_0 + dt u_1, or with the term dt^2/2 u'' too", {}, starts},
-    {"method.impact", choice, optional, "\"paoli_schatzman\"", "", "law of restitution of the two schemes: a bound on the mean of displacements, or on the velocity, which never gives energy", {}, impacts},
+    {"method.name", choice, optional, "\"automatic\"", "\"automatic\"", "", "method of time integration"},
+    {"method.relative_tolerance", number, optional, "1e-6", "", "1", "adaptive methods: error allowed, relative to the largest displacement and velocity", {1e-15, 0.1, ">= 1e-15, <= 0.1"}},
+    {"method.absolute_tolerance", number, optional, "", "1e-9", "length", "adaptive methods: error allowed in addition, the same number for the velocity; absent: relative_tolerance / 1000 of the displacement and of the velocity that the scene has, see below", positive},
+    {"method.error_control", choice, optional, "\"global\"", "", "", "whether the tolerances bound the error of the solution or of each step", {}, controls},
+    {"method.formulas", choice, optional, "\"automatic\"", "", "", "multistep formulas of cvode", {}, formulas},
+    {"method.stepper", choice, optional, "\"automatic\"", "", "", "formulas of odeint", {}, steppers},
+    {"method.step", number, optional, "", "1e-3", "time", "time step of fully_discrete and finite_difference, absent: h / (100 c), and of odeint's symplectic stepper, which needs it", positive},
+    {"method.start", choice, optional, "\"first_order\"", "", "", "first step of the two schemes: u_0 + dt u_1, or with the term dt^2/2 u'' too", {}, starts},
+    {"method.impact", choice, optional, "\"paoli_schatzman\"", "", "", "law of restitution of the two schemes: a bound on the mean of displacements, or on the velocity, which never gives energy", {}, impacts},
 
-    {"accuracy.error", amount, required_in_table, "", "of what `accuracy.of` names", "the error that is bearable: method, mass, elements, epsilon and tolerance are chosen for it where the scene leaves them out; a number, or a percentage of the largest value, such as \"0.01 %\"", positive},
-    {"accuracy.of", choice, optional, "", "", "what it is an error of; absent: displacement"},
+    {"accuracy.error", amount, required_in_table, "", "1e-4", "of what `accuracy.of` names", "the error that is bearable: method, mass, elements, epsilon and tolerance are chosen for it where the scene leaves them out; a number, or a percentage of the largest value, such as \"0.01 %\"", positive},
+    {"accuracy.of", choice, optional, "", "\"displacement\"", "", "what it is an error of; absent: displacement"},
 
-    {"parameters.NAME", number, optional, "", "", "a number that formulas may use by its name, such as amplitude", {-largest, largest, ""}},
+    {"parameters.NAME", number, optional, "", "", "", "a number that formulas may use by its name, such as amplitude", {-largest, largest, ""}},
 
-    {"sensitivity.of", list, optional, "", "", "keys with respect to which derivatives of the whole result are told, such as bar.viscosity; also --sensitivity"},
+    {"sensitivity.of", list, optional, "", "", "", "keys with respect to which derivatives of the whole result are told, such as bar.viscosity; also --sensitivity"},
 
-    {"units.length", text, optional, "", "", "name of the unit of length, such as \"m\", for axes and attributes"},
-    {"units.time", text, optional, "", "", "likewise of time, such as \"s\""},
-    {"units.mass", text, optional, "", "", "likewise of mass, such as \"kg\""},
-    {"units.force", text, optional, "", "", "likewise of force, such as \"N\""},
-    {"units.stress", text, optional, "", "", "likewise of stress, such as \"Pa\"; absent: made of force and length, or of mass, length and time"},
+    {"units.length", text, optional, "", "\"m\"", "", "name of the unit of length, such as \"m\", for axes and attributes"},
+    {"units.time", text, optional, "", "\"s\"", "", "likewise of time, such as \"s\""},
+    {"units.mass", text, optional, "", "\"kg\"", "", "likewise of mass, such as \"kg\""},
+    {"units.force", text, optional, "", "\"N\"", "", "likewise of force, such as \"N\""},
+    {"units.stress", text, optional, "", "\"Pa\"", "", "likewise of stress, such as \"Pa\"; absent: made of force and length, or of mass, length and time"},
 
-    {"output.every", number, optional, "", "time", "interval of the output times; absent: time.end / 100", positive},
-    {"output.write", list, optional, "", "", "files to write beside summary.json; absent: all", {}, files},
+    {"output.every", number, optional, "", "0.01", "time", "interval of the output times; absent: time.end / 100", positive},
+    {"output.write", list, optional, "", "[\"ends\", \"events\", \"field\", \"energy\", \"report\"]", "", "files to write beside summary.json; absent: all", {}, files},
+};
+// Of either end, beside its kind and its numbers.
+constexpr SceneKey end_rows[] = {
+    {"side", choice, optional, "", "\"below\"", "", "from where the obstacle bounds u; absent: below", {}, end_sides},
+    {"force", formula, optional, "", "\"sin(2*t)\"", "stress", "force on a free end or one with an obstacle, in the direction of u", {}, {}, "t"},
+    {"motion", formula, optional, "", "\"0.1*sin(2*t)\"", "length", "motion d(t) of a fixed end, u = u_0 + d, with d(0) = 0", {}, {}, "t"},
+    {"stiffness", number, optional, "", "2.0", "stress / length", "spring between a free end, or one with an obstacle, and the ground, at rest at u = 0", not_negative},
+    {"dashpot", number, optional, "", "0.1", "stress x time / length", "dashpot beside that spring", not_negative},
 };
 // clang-format on
 
@@ -159,41 +167,15 @@ void add_end_keys(std::string_view end, std::vector<SceneKey>& keys) {
   const auto kept = [](std::string text) { return std::string_view(texts.emplace_back(std::move(text))); };
   const auto key = [&](std::string_view leaf) { return kept(fmt::format("{}.{}", end, leaf)); };
   for (const EndKind& kind : end_kinds)
-    for (const EndNumber& of_end : kind.numbers)
-      keys.push_back({key(of_end.key),
-                      formula,
-                      optional,
-                      "",
-                      of_end.unit,
-                      kept(fmt::format("{}; {} needs it, no other end has one", of_end.meaning, kind.in_words)),
-                      {of_end.low, of_end.high, of_end.range},
-                      {},
-                      "t"});
-  keys.push_back(
-      {key("side"), choice, optional, "", "", "from where the obstacle bounds u; absent: below", {}, end_sides});
-  keys.push_back({key("force"),
-                  formula,
-                  optional,
-                  "",
-                  "stress",
-                  "force on a free end or one with an obstacle, in the direction of u",
-                  {},
-                  {},
-                  "t"});
-  keys.push_back({key("motion"),
-                  formula,
-                  optional,
-                  "",
-                  "length",
-                  "motion d(t) of a fixed end, u = u_0 + d, with d(0) = 0",
-                  {},
-                  {},
-                  "t"});
-  keys.push_back({key("stiffness"), number, optional, "", "stress / length",
-                  "spring between a free end, or one with an obstacle, and the ground, at rest at u = 0",
-                  not_negative});
-  keys.push_back(
-      {key("dashpot"), number, optional, "", "stress x time / length", "dashpot beside that spring", not_negative});
+    for (const EndNumber& of_end : kind.numbers) {
+      const std::string meaning = fmt::format("{}; {} needs it, no other end has one", of_end.meaning, kind.in_words);
+      const Range range{of_end.low, of_end.high, of_end.range};
+      keys.push_back({key(of_end.key), formula, optional, "", "0.1", of_end.unit, kept(meaning), range, {}, "t"});
+    }
+  for (SceneKey row : end_rows) {
+    row.name = key(row.name);
+    keys.push_back(row);
+  }
 }
 
 template <class Condition>

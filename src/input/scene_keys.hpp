@@ -40,6 +40,7 @@ struct SceneKey {
   KeyType type;
   Presence presence;
   std::string_view fallback;  ///< value when the key is absent, as TOML; empty: none
+  std::string_view example;   ///< in the scene of `viscobar new`; empty: the fallback
   std::string_view unit;
   std::string_view meaning;
   Range range{};                      ///< of a number or count, or of a formula where it is a number

@@ -12,67 +12,15 @@ namespace viscobar {
 
 namespace {
 
-/// What the scene of the template says; `set` where it departs from what a bar without the key would do.
-struct Example {
-  std::string_view key, value;
-  bool set = true;
-};
+/// What the scene of the template has; the other keys are commented out.
+constexpr std::string_view given[] = {
+    "title",    "bar.length",    "bar.viscosity",        "left.kind",        "left.gap",    "right.kind",  "right.gap",
+    "time.end", "mesh.elements", "initial.displacement", "initial.velocity", "method.name", "output.every"};
 
-constexpr bool not_set = false;
-constexpr Example examples[] = {
-    {"title", "\"A bar between two obstacles\""},
-    {"bar.length", "1.0"},
-    {"bar.viscosity", "0.01"},
-    {"left.kind", "\"obstacle\""},
-    {"left.gap", "0.1"},
-    {"left.side", "\"below\"", not_set},
-    {"left.force", "\"sin(2*t)\"", not_set},
-    {"left.motion", "\"0.1*sin(2*t)\"", not_set},
-    {"left.stiffness", "2.0", not_set},
-    {"left.dashpot", "0.1", not_set},
-    {"right.kind", "\"obstacle\""},
-    {"right.gap", "0.1"},
-    {"right.side", "\"below\"", not_set},
-    {"right.force", "\"sin(2*t)\"", not_set},
-    {"right.motion", "\"0.1*sin(2*t)\"", not_set},
-    {"right.stiffness", "2.0", not_set},
-    {"right.dashpot", "0.1", not_set},
-    {"span.gap", "0.2", not_set},
-    {"span.side", "\"below\"", not_set},
-    {"initial.displacement", "\"x*(1-x)\""},
-    {"initial.velocity", "\"-x*(1-x)\""},
-    {"load.density", "\"sin(t*sqrt(2))*cos(2*x)\"", not_set},
-    {"load.profile", "\"cos(2*x)\"", not_set},
-    {"load.history", "\"sin(t*sqrt(2))\"", not_set},
-    {"time.end", "6.0"},
-    {"mesh.elements", "27"},
-    {"mesh.mass", "\"fourth_order\"", not_set},
-    {"contact.epsilon", "1e-6", not_set},
-    {"contact.restitution", "0.0", not_set},
-    {"method.name", "\"automatic\""},
-    {"method.absolute_tolerance", "1e-9", not_set},
-    {"method.step", "1e-3", not_set},
-    {"accuracy.error", "1e-4", not_set},
-    {"accuracy.of", "\"displacement\"", not_set},
-    {"units.length", "\"m\"", not_set},
-    {"units.time", "\"s\"", not_set},
-    {"units.mass", "\"kg\"", not_set},
-    {"units.force", "\"N\"", not_set},
-    {"units.stress", "\"Pa\"", not_set},
-    {"output.every", "0.01"},
-    {"output.write", "[\"ends\", \"events\", \"field\", \"energy\", \"report\"]", not_set},
-};
+bool is_given(const SceneKey& key) { return std::ranges::find(given, key.name) != std::end(given); }
 
-Example example(const SceneKey& key) {
-  const auto* found = std::find_if(std::begin(examples), std::end(examples),
-                                   [&](const Example& candidate) { return candidate.key == key.name; });
-  return found == std::end(examples) ? Example{key.name, key.fallback, not_set} : *found;
-}
-
-bool any_set(std::string_view table) {
-  const auto keys = scene_keys();
-  return std::any_of(keys.begin(), keys.end(),
-                     [&](const SceneKey& key) { return key.table() == table && example(key).set; });
+bool any_given(std::string_view table) {
+  return std::ranges::any_of(scene_keys(), [&](const SceneKey& key) { return key.table() == table && is_given(key); });
 }
 
 /// Lines of at most 100 characters that begin with "# ".
@@ -106,13 +54,13 @@ std::string scene_template() {
       "# `viscobar run FILE` computes it, docs/scene-file.md explains every key.\n\n";
   std::string_view table;
   for (const SceneKey& key : scene_keys()) {
-    const auto [name, value, set] = example(key);
     if (key.table() != table) {
       table = key.table();
-      text += fmt::format("\n{}[{}]\n", any_set(table) ? "" : "#", table);
+      text += fmt::format("\n{}[{}]\n", any_given(table) ? "" : "#", table);
     }
     text += comment(fmt::format("{} ({})", key.meaning, facts(key)));
-    text += fmt::format("{}{} = {}\n", set ? "" : "#", key.leaf(), value);
+    text += fmt::format("{}{} = {}\n", is_given(key) ? "" : "#", key.leaf(),
+                        key.example.empty() ? key.fallback : key.example);
   }
   return text;
 }

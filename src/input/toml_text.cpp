@@ -51,32 +51,6 @@ TomlValue plain_value(const toml::node& node) {
   return OtherValue{"a date or time"};
 }
 
-TomlValue value_in_table(const toml::node& node) {
-  const auto* array = node.as_array();
-  std::vector<std::string> list;
-  for (std::size_t i = 0; array && i < array->size(); ++i)
-    if (const auto* text = array->get(i)->as_string()) list.push_back(text->get());
-  return array && list.size() == array->size() ? TomlValue(list) : plain_value(node);
-}
-
-TomlDocument flatten(const toml::table& root) {
-  TomlDocument document;
-  const auto add = [&](const std::string& table, const toml::key& key, const toml::node& node) {
-    document.entries.push_back(
-        {table, std::string(key.str()), value_in_table(node), position(key.source()), position(node.source())});
-  };
-  for (const auto& [name, node] : root) {
-    const auto* table = node.as_table();
-    if (!table) {
-      add("", name, node);
-      continue;
-    }
-    document.tables.push_back({std::string(name.str()), position(table->source())});
-    for (const auto& [key, value] : *table) add(document.tables.back().name, key, value);
-  }
-  return document;
-}
-
 TomlNode tree(const toml::node& node, const toml::key* key = nullptr) {
   TomlNode copy;
   if (key) copy.key = key->str();
@@ -101,11 +75,12 @@ std::string_view line_of(std::string_view text, std::size_t number) {
   return text.substr(0, text.find('\n'));
 }
 
-template <class Result>
-Result parsed(std::string_view text, Result (*convert)(const toml::table&)) {
+}  // namespace
+
+TomlNode parse_toml_tree(std::string_view text) {
   check_text(text);
   try {
-    return convert(toml::parse(text));
+    return tree(toml::parse(text));
   } catch (const toml::parse_error& error) {
     const TextPosition at = position(error.source());
     const std::string_view advice = toml_advice(line_of(text, at.line));
@@ -115,12 +90,20 @@ Result parsed(std::string_view text, Result (*convert)(const toml::table&)) {
   }
 }
 
-}  // namespace
-
-TomlDocument parse_toml(std::string_view text) { return parsed<TomlDocument>(text, flatten); }
-
-TomlNode parse_toml_tree(std::string_view text) {
-  return parsed<TomlNode>(text, [](const toml::table& root) { return tree(root); });
+TomlDocument parse_toml(std::string_view text) {
+  TomlDocument document;
+  const auto add = [&](const std::string& table, const TomlNode& node) {
+    document.entries.push_back({table, node.key, node.value, node.key_at, node.value_at});
+  };
+  for (const TomlNode& node : parse_toml_tree(text).inside) {
+    if (node.kind != TomlNode::Kind::table) {
+      add("", node);
+      continue;
+    }
+    document.tables.push_back({node.key, node.value_at});
+    for (const TomlNode& entry : node.inside) add(node.key, entry);
+  }
+  return document;
 }
 
 }  // namespace viscobar

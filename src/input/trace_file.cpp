@@ -18,16 +18,8 @@ namespace {
 
 std::vector<std::string> cells_of(std::string_view line) {
   std::vector<std::string> cells;
-  while (true) {
-    const std::size_t comma = std::min(line.find(','), line.size());
-    std::string_view cell = line.substr(0, comma);
-    const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-    while (!cell.empty() && blank(cell.front())) cell.remove_prefix(1);
-    while (!cell.empty() && blank(cell.back())) cell.remove_suffix(1);
-    cells.emplace_back(cell);
-    if (comma == line.size()) return cells;
-    line.remove_prefix(comma + 1);
-  }
+  for (const std::string_view cell : split(line, ',')) cells.emplace_back(trimmed(cell));
+  return cells;
 }
 
 bool contains(const std::vector<std::string>& names, std::string_view name) {

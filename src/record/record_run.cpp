@@ -57,10 +57,7 @@ class RecordedRun {
     simulate_into(outcome(), scene_.run, system_, last_.motion, observers());
     judge(outcome(), scene_.run, system_, [this](const std::string& warning) { warn(warning); });
     // Each for itself: what one cannot write, another may.
-    close("ends.csv", files_->ends);
-    close("events.csv", files_->events);
-    close("energy.csv", files_->energy);
-    close("sensitivity.csv", files_->sensitivity);
+    for (std::size_t k = 0; k < files_->tables.size(); ++k) close(GrowingFiles::names[k], files_->tables[k]);
     close("field.h5", files_->field);
     if (written_.contains("field.h5")) written_["field.xdmf"] = files_->field->xdmf_checksum();
     if (options_.estimate && outcome().ending == Ending::completed) options_.estimate(outcome());
@@ -98,13 +95,10 @@ class RecordedRun {
     outcome() = {};
     for (const char* old : {"report.html", ResultDirectory::final_summary}) remove_file(place_ / old);
     // Those of the run before that this one does not write.
-    for (const auto& [old, replaced] : {std::pair("ends.csv", files_->ends.has_value()),
-                                        {"events.csv", files_->events.has_value()},
-                                        {"energy.csv", files_->energy.has_value()},
-                                        {"sensitivity.csv", files_->sensitivity.has_value()},
-                                        {"field.h5", files_->field.has_value()},
-                                        {"field.xdmf", files_->field.has_value()}})
-      if (!replaced) remove_file(place_ / old);
+    for (std::size_t k = 0; k < files_->tables.size(); ++k)
+      if (!files_->tables[k]) remove_file(place_ / GrowingFiles::names[k]);
+    for (const char* old : {"field.h5", "field.xdmf"})
+      if (!files_->field) remove_file(place_ / old);
     if (!last_.motion) {
       remove_checkpoints(place_);
       files_->take_places();

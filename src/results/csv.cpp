@@ -1,13 +1,23 @@
 #include "results/csv.hpp"
 
+#include <fmt/format.h>
+
 namespace viscobar {
 
-void EndsCsv::append(const Snapshot& at) {
-  file_.print("{},{},{},{},{},{},{}", at.time, at.u.front(), at.v.front(), at.reaction_left, at.u.back(), at.v.back(),
-              at.reaction_right);
+std::string ends_row(const Snapshot& at) {
+  return fmt::format("{},{},{},{},{},{},{}", at.time, at.u.front(), at.v.front(), at.reaction_left, at.u.back(),
+                     at.v.back(), at.reaction_right);
 }
 
-namespace {
+std::string events_row(const Event& event) {
+  return fmt::format("{},{},{},{}", event.time, place(event), event.change == Change::closing ? "closing" : "opening",
+                     event.velocity);
+}
+
+std::string energy_row(double t, const EnergyState& energy) {
+  return fmt::format("{},{},{},{},{},{},{}", t, energy.kinetic, energy.elastic, energy.contact,
+                     energy.dissipated + energy.end_inertia, energy.work, energy.total());
+}
 
 std::string sensitivity_header(std::span<const Direction> directions) {
   std::string header = "t";
@@ -17,30 +27,12 @@ std::string sensitivity_header(std::span<const Direction> directions) {
   return header;
 }
 
-}  // namespace
-
-SensitivityCsv::SensitivityCsv(const std::filesystem::path& path, std::span<const Direction> directions,
-                               const std::optional<Checksum>& keep)
-    : GrowingTable(path, sensitivity_header(directions), keep) {}
-
-void SensitivityCsv::append(const Snapshot& at) {
-  std::string line = fmt::format("{}", at.time);
+std::string sensitivity_row(const Snapshot& at) {
+  std::string row = fmt::format("{}", at.time);
   for (const FieldSensitivity& s : at.sensitivities)
     for (const double value : {s.u.front(), s.v.front(), s.reaction_left, s.u.back(), s.v.back(), s.reaction_right})
-      line += fmt::format(",{}", value);
-  file_.print("{}", line);
-}
-
-void EventsCsv::append(const Event& event) {
-  file_.print("{},{},{},{}", event.time, place(event), event.change == Change::closing ? "closing" : "opening",
-              event.velocity);
-}
-
-void EnergyCsv::append(const Snapshot& at) {
-  if (!at.energy) return;
-  const EnergyState& energy = *at.energy;
-  file_.print("{},{},{},{},{},{},{}", at.time, energy.kinetic, energy.elastic, energy.contact,
-              energy.dissipated + energy.end_inertia, energy.work, energy.total());
+      row += fmt::format(",{}", value);
+  return row;
 }
 
 std::string place(const Event& event) {

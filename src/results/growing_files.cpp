@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <cstddef>
+#include <string_view>
 #include <system_error>
 
 #include "input/described_scene.hpp"
+#include "results/csv.hpp"
 #include "viscobar/results/io_error.hpp"
 
 namespace viscobar {
@@ -36,21 +37,25 @@ void check_begin(const fs::path& file, const Checksum& expected) {
 
 void GrowingFiles::Mark::check(const fs::path& directory) const {
   if (field) check_length(directory / "field.h5", field->length);
-  if (ends) check_begin(directory / "ends.csv", *ends);
-  if (events) check_begin(directory / "events.csv", *events);
-  if (energy) check_begin(directory / "energy.csv", *energy);
-  if (sensitivity) check_begin(directory / "sensitivity.csv", *sensitivity);
+  for (std::size_t k = 0; k < tables.size(); ++k)
+    if (tables[k]) check_begin(directory / names[k], *tables[k]);
   if (field) field->check_values(directory / "field.h5");
 }
 
 GrowingFiles::GrowingFiles(const fs::path& directory, const SceneFile& scene, const Mark* mark) {
   const Case& run = scene.run;
-  const auto kept = [&](const std::optional<Checksum> Mark::*file) { return mark ? mark->*file : std::nullopt; };
-  if (run.files.ends) ends.emplace(directory / "ends.csv", kept(&Mark::ends));
-  if (run.files.events) events.emplace(directory / "events.csv", kept(&Mark::events));
-  if (run.files.energy) energy.emplace(directory / "energy.csv", kept(&Mark::energy));
-  if (!run.directions.empty())
-    sensitivity.emplace(directory / "sensitivity.csv", run.directions, kept(&Mark::sensitivity));
+  const auto add = [&](Table which, bool wanted, std::string_view header) {
+    if (!wanted) return;
+    const fs::path path = directory / names[which];
+    if (mark && mark->tables[which])
+      tables[which].emplace(path, *mark->tables[which]);
+    else
+      tables[which].emplace(path).print("{}", header);
+  };
+  add(ends, run.files.ends, ends_header);
+  add(events, run.files.events, events_header);
+  add(energy, run.files.energy, energy_header);
+  add(sensitivity, !run.directions.empty(), sensitivity_header(run.directions));
   if (run.files.field)
     field.emplace(
         directory, run.mesh(), static_cast<std::size_t>(run.end / run.output_every) + 2,
@@ -59,29 +64,26 @@ GrowingFiles::GrowingFiles(const fs::path& directory, const SceneFile& scene, co
 }
 
 void GrowingFiles::take_places() {
-  const auto take = [](auto& file) {
-    if (file) file->take_place();
-  };
-  take(ends), take(events), take(energy), take(sensitivity), take(field);
+  for (auto& table : tables)
+    if (table) table->take_place();
+  if (field) field->take_place();
 }
 
 void GrowingFiles::append(const Snapshot& snapshot) {
-  if (ends) ends->append(snapshot);
-  if (energy) energy->append(snapshot);
-  if (sensitivity) sensitivity->append(snapshot);
+  if (tables[ends]) tables[ends]->print("{}", ends_row(snapshot));
+  if (tables[energy] && snapshot.energy) tables[energy]->print("{}", energy_row(snapshot.time, *snapshot.energy));
+  if (tables[sensitivity]) tables[sensitivity]->print("{}", sensitivity_row(snapshot));
   if (field) field->append(snapshot);
 }
 
 void GrowingFiles::append(const Event& event) {
-  if (events) events->append(event);
+  if (tables[events]) tables[events]->print("{}", events_row(event));
 }
 
 GrowingFiles::Mark GrowingFiles::mark() {
   Mark mark;
-  if (ends) mark.ends = ends->mark();
-  if (events) mark.events = events->mark();
-  if (energy) mark.energy = energy->mark();
-  if (sensitivity) mark.sensitivity = sensitivity->mark();
+  for (std::size_t k = 0; k < tables.size(); ++k)
+    if (tables[k]) mark.tables[k] = tables[k]->mark();
   if (field) mark.field = field->mark();
   return mark;
 }

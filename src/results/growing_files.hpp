@@ -1,11 +1,12 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <filesystem>
 #include <optional>
-#include <string>
 
-#include "results/csv.hpp"
 #include "results/field/field_file.hpp"
+#include "results/output_file.hpp"
 #include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {
@@ -15,21 +16,22 @@ void check_begin(const std::filesystem::path& file, const Checksum& expected);
 
 /// The files that grow with a run, those that its scene asks for.
 struct GrowingFiles {
-  std::optional<EndsCsv> ends;
-  std::optional<EventsCsv> events;
-  std::optional<EnergyCsv> energy;
-  std::optional<SensitivityCsv> sensitivity;  ///< of a run with directions
+  enum Table : std::size_t { ends, events, energy, sensitivity };  ///< the last one of a run with directions
+  static constexpr std::array names = {"ends.csv", "events.csv", "energy.csv", "sensitivity.csv"};
+
+  std::array<std::optional<LineFile>, names.size()> tables;
   std::optional<FieldFile> field;
 
   /// As much of them as belongs to a checkpoint.
   struct Mark {
-    std::optional<Checksum> ends, events, energy, sensitivity;
+    std::array<std::optional<Checksum>, names.size()> tables;
     std::optional<FieldMark> field;
 
     /// @throws IoError when one of the files in the directory does not hold what it held then
     void check(const std::filesystem::path& directory) const;
     static void members(auto& mark, auto&& each) {
-      each(mark.ends, mark.events, mark.energy, mark.sensitivity, mark.field);
+      for (auto& table : mark.tables) each(table);
+      each(mark.field);
     }
   };
 

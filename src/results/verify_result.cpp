@@ -159,11 +159,9 @@ class Verification {
       }
     };
     const GrowingFiles::Mark marks = newest ? newest->files : GrowingFiles::Mark{};
-    for (const auto& [name, mark] : {std::pair("ends.csv", marks.ends),
-                                     {"events.csv", marks.events},
-                                     {"energy.csv", marks.energy},
-                                     {"sensitivity.csv", marks.sensitivity}})
-      growing(name, mark.has_value(), [&] { check_begin(directory_ / name, *mark); });
+    for (std::size_t k = 0; k < marks.tables.size(); ++k)
+      growing(GrowingFiles::names[k], marks.tables[k].has_value(),
+              [&] { check_begin(directory_ / GrowingFiles::names[k], *marks.tables[k]); });
     growing("field.h5", marks.field.has_value(), [&] { marks.field->check_values(directory_ / "field.h5"); });
     for (const char* name : {"field.xdmf", "report.html"})
       if (found_.contains(name) && found_[name].state == FileState::foreign) tell(name, FileState::unchecked, unknown);

@@ -39,6 +39,12 @@ class Command : public testing::Test {
   Scratch scratch;
 };
 
+// Of whoever can write there.
+TEST_F(Command, LoadsNoLibraryFromTheDirectoryThatItIsStartedIn) {
+  std::ofstream(scratch / "libz.so.1") << "not a library";
+  EXPECT_EQ(run("--version"), 0) << err();
+}
+
 TEST_F(Command, RunWritesEveryFileAndSaysWhereThePicturesAre) {
   ASSERT_EQ(run("run falling.toml -o results"), 0) << err();
   for (const char* file : {"summary.json", "ends.csv", "events.csv", "field.h5", "field.xdmf", "report.html"})

@@ -44,6 +44,16 @@ TEST_F(Precision, RowsHaveWhatScriptsRelyOn) {
   EXPECT_NE(result["norm"].get<std::string>().find("in the unit of u"), std::string::npos);
 }
 
+// The scene names no epsilon: the study tells which one each mesh ran with, and advises from there.
+TEST_F(Precision, AChosenPenaltyIsToldAndJudged) {
+  const Json result = study(scene("unit-both-ends") + few_ + " --methods cvode --set contact.epsilon= --elements 9,27");
+  ASSERT_EQ(result["parts"].size(), 2u);
+  EXPECT_GT(result["parts"][0]["epsilon"].get<double>(), result["parts"][1]["epsilon"].get<double>());
+  EXPECT_GT(result["parts"][1]["epsilon"].get<double>(), 0.0);
+  for (const Json& parts : result["parts"])
+    EXPECT_EQ(parts["advice"].get<std::string>().find("nan"), std::string::npos) << parts["advice"];
+}
+
 TEST_F(Precision, AnUndampedSceneIsMeasuredAgainstItsExactSolution) {
   const Json result = study(scene("period-3") + few_ + " --methods rigid,fully_discrete --set mesh.elements=20");
   EXPECT_EQ(result["reference"]["kind"], "closed form");

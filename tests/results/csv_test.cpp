@@ -7,6 +7,7 @@
 #include <cmath>
 #include <thread>
 
+#include "results/output_file.hpp"
 #include "support/file_size_limit.hpp"
 #include "support/scratch.hpp"
 #include "viscobar/results/io_error.hpp"
@@ -14,16 +15,10 @@
 namespace viscobar {
 namespace {
 
-TEST(EndsCsv, WritesNumbersThatReadBackAsTheSameDoubles) {
-  const Scratch scratch;
+TEST(EndsRow, WritesNumbersThatReadBackAsTheSameDoubles) {
   const std::vector<double> u = {0.1 + 0.2, 5.0, std::nextafter(1.0, 2.0)}, v = {-1e-300, 0.0, 1.0 / 3.0};
-  EndsCsv csv(scratch / "ends.csv");
-  csv.append({0.1, u, v, 2.0, 1e22});
-  csv.close();
-  const auto lines = read_lines(scratch / "ends.csv");
-  ASSERT_EQ(lines.size(), 2u);
-  EXPECT_EQ(lines[0], "t,u_left,v_left,reaction_left,u_right,v_right,reaction_right");
-  std::istringstream row(lines[1]);
+  EXPECT_EQ(ends_header, "t,u_left,v_left,reaction_left,u_right,v_right,reaction_right");
+  std::istringstream row(ends_row({0.1, u, v, 2.0, 1e22}));
   for (const double expected : {0.1, u[0], v[0], 2.0, u[2], v[2], 1e22}) {
     std::string cell;
     ASSERT_TRUE(std::getline(row, cell, ','));
@@ -31,15 +26,11 @@ TEST(EndsCsv, WritesNumbersThatReadBackAsTheSameDoubles) {
   }
 }
 
-TEST(EventsCsv, NamesTheEndsAndTheNodesOfTheSpan) {
-  const Scratch scratch;
-  EventsCsv csv(scratch / "events.csv");
-  csv.append({0.5, Where::left, 0, Change::closing, -2.0});
-  csv.append({0.75, Where::right, 10, Change::opening, 0.25});
-  csv.append({1.0, Where::span, 7, Change::closing, -1.0});
-  csv.close();
-  EXPECT_EQ(read_text(scratch / "events.csv"),
-            "t,where,change,velocity\n0.5,left,closing,-2\n0.75,right,opening,0.25\n1,span:7,closing,-1\n");
+TEST(EventsRow, NamesTheEndsAndTheNodesOfTheSpan) {
+  EXPECT_EQ(events_header, "t,where,change,velocity");
+  EXPECT_EQ(events_row({0.5, Where::left, 0, Change::closing, -2.0}), "0.5,left,closing,-2");
+  EXPECT_EQ(events_row({0.75, Where::right, 10, Change::opening, 0.25}), "0.75,right,opening,0.25");
+  EXPECT_EQ(events_row({1.0, Where::span, 7, Change::closing, -1.0}), "1,span:7,closing,-1");
 }
 
 TEST(LineFile, HoldsWholeLinesOnDiskWhileItGrows) {

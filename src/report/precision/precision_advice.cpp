@@ -42,23 +42,22 @@ double rough(double value) {
 }
 
 /// epsilon at which the penalty's part would be `wanted`, by its observed power; not far from what was measured.
-std::optional<double> epsilon_for(const ErrorParts& parts, double epsilon, double wanted) {
-  if (!parts.penalty_order || *parts.penalty_order < 0.1 || !(*parts.penalty > 0.0)) return std::nullopt;
+std::optional<double> epsilon_for(const ErrorParts& parts, double wanted) {
+  if (!parts.epsilon || !parts.penalty_order || *parts.penalty_order < 0.1 || !(*parts.penalty > 0.0))
+    return std::nullopt;
   const double factor = std::pow(wanted / *parts.penalty, 1.0 / *parts.penalty_order);
-  return rough(epsilon * std::clamp(factor, 1e-3, 1e3));
+  return rough(*parts.epsilon * std::clamp(factor, 1e-3, 1e3));
 }
 
 }  // namespace
 
-std::string advice(const PrecisionStudy& study, const PrecisionResult& result, const ErrorParts& parts,
-                   NumberText number) {
+std::string advice(const PrecisionResult& result, const ErrorParts& parts, NumberText number) {
   const auto rows = rows_of(result, parts);
   const auto time = smallest_time_error(rows);
   if (!time) return parts.problem.empty() ? "no run to judge by" : "the time error is not known: " + parts.problem;
   if (!parts.space) return fmt::format("the time error comes down to {}; the others are not known", number(*time));
   const double space = *parts.space, penalty = parts.penalty.value_or(0.0);
   const double rest = std::max(space, penalty);
-  const double epsilon = study.scene.epsilon.value_or(0.0);
   const char* setting = setting_word(parts.method);
   const double rounding = 100.0 * std::numeric_limits<double>::epsilon() * result.reference->largest_displacement;
   if (*time + rest <= rounding) return "nothing but rounding in any part, whatever is paid";
@@ -78,23 +77,22 @@ std::string advice(const PrecisionStudy& study, const PrecisionResult& result, c
   if (const auto setting_enough = enough(rows, negligible * rest); setting_enough && *setting_enough > 0.0)
     vain = fmt::format("a {} below {}", setting, number(*setting_enough));
   if (parts.penalty && penalty <= space)
-    if (const auto enough_epsilon = epsilon_for(parts, epsilon, negligible * space))
+    if (const auto enough_epsilon = epsilon_for(parts, negligible * space))
       vain += fmt::format("{}an epsilon below {}", vain.empty() ? "" : " or ", number(*enough_epsilon));
   if (!vain.empty()) text += fmt::format("; {} buys nothing", vain);
   if (penalty > space) {
-    const auto balanced = epsilon_for(parts, epsilon, space);
+    const auto balanced = epsilon_for(parts, space);
     text += balanced ? fmt::format("; below epsilon = {} the mesh is the larger part", number(*balanced))
                      : "; it does not fall with epsilon here, see viscobar check";
   }
   return text;
 }
 
-std::vector<Advice> advice_on_mesh(const PrecisionStudy& study, const PrecisionResult& result, std::size_t elements,
-                                   NumberText number) {
+std::vector<Advice> advice_on_mesh(const PrecisionResult& result, std::size_t elements, NumberText number) {
   std::vector<Advice> all;
   for (const ErrorParts& parts : result.parts) {
     if (parts.elements != elements) continue;
-    const std::string text = advice(study, result, parts, number), method(name(parts.method));
+    const std::string text = advice(result, parts, number), method(name(parts.method));
     const auto same = std::find_if(all.begin(), all.end(), [&](const Advice& known) { return known.text == text; });
     if (same == all.end())
       all.push_back({method, text});

@@ -48,10 +48,11 @@ Json to_json(const PrecisionResult& result, const PrecisionRow& row) {
   return json;
 }
 
-Json to_json(const PrecisionStudy& study, const PrecisionResult& result, const ErrorParts& parts) {
+Json to_json(const PrecisionResult& result, const ErrorParts& parts) {
   return {{"method", name(parts.method)},
           {"elements", parts.elements},
           {"mass", name(parts.mass)},
+          {"epsilon", value_or_null(parts.epsilon)},
           {"space", value_or_null(parts.space)},
           {"penalty", value_or_null(parts.penalty)},
           {"penalty_order", value_or_null(parts.penalty_order)},
@@ -59,7 +60,7 @@ Json to_json(const PrecisionStudy& study, const PrecisionResult& result, const E
           {"time_reference", text_or_null(parts.time_reference)},
           {"time_reference_error", parts.time_reference.empty() ? Json(nullptr) : Json(parts.time_reference_error)},
           {"problem", text_or_null(parts.problem)},
-          {"advice", advice(study, result, parts, plain_number)}};
+          {"advice", advice(result, parts, plain_number)}};
 }
 
 Json to_json(const PrecisionResult& result) {
@@ -92,11 +93,11 @@ std::string numbers(const PrecisionStudy& study, const PrecisionResult& result) 
   return all.html("The study");
 }
 
-std::string head(const PrecisionStudy& study, const PrecisionResult& result) {
+std::string head(const PrecisionResult& result) {
   const auto meshes = meshes_in(result);
   std::string out;
   for (const std::size_t elements : meshes)
-    for (const auto& [methods, text] : advice_on_mesh(study, result, elements, readable_number))
+    for (const auto& [methods, text] : advice_on_mesh(result, elements, readable_number))
       out += fmt::format("<b>{}{}</b>: {}.<br>\n", methods,
                          meshes.size() > 1 ? fmt::format(" on {} elements", elements) : "", escaped(text));
   return fmt::format("<p class=\"verdict\">{}</p>\n", out);
@@ -119,7 +120,7 @@ std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, 
   json["rows"] = Json::array();
   for (const PrecisionRow& row : result.rows) json["rows"].push_back(to_json(result, row));
   json["parts"] = Json::array();
-  for (const ErrorParts& parts : result.parts) json["parts"].push_back(to_json(study, result, parts));
+  for (const ErrorParts& parts : result.parts) json["parts"].push_back(to_json(result, parts));
   json["left_out"] = Json::array();
   for (const auto& [method, elements, what, reason] : result.left_out)
     json["left_out"].push_back(
@@ -138,7 +139,7 @@ std::string precision_text(const PrecisionStudy& study, const PrecisionResult& r
   std::string out = text(precision_table(result, plain_number)) + "\n";
   const auto meshes = meshes_in(result);
   for (const std::size_t elements : meshes)
-    for (const auto& [methods, advised] : advice_on_mesh(study, result, elements, plain_number))
+    for (const auto& [methods, advised] : advice_on_mesh(result, elements, plain_number))
       out += fmt::format("{}{}: {}.\n", methods, meshes.size() > 1 ? fmt::format(" on {} elements", elements) : "",
                          advised);
   out += fmt::format("\n{}\nThe error is the {}.\n", reference_sentence(result, plain_number), norm(result));
@@ -153,7 +154,7 @@ std::string precision_text(const PrecisionStudy& study, const PrecisionResult& r
 PicturedPage precision_page(const PrecisionStudy& study, const PrecisionResult& result) {
   const Scene& scene = study.scene.scene;
   Page page((scene.title.empty() ? "A scene" : scene.title) + ": speed against error", scene);
-  page.add_head(head(study, result));
+  page.add_head(head(result));
   page.add(numbers(study, result));
   page.add(error_picture(result));
   page.add(time_error_picture(result));

@@ -65,22 +65,25 @@ plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldC
   std::vector<std::uint8_t> pixels(width * height);
   const plot::Axis time = time_axis(field, run.scene.units);
   const double length = run.scene.bar.length;
+  std::vector<Place> in_space(height, Place{0, 0.0});
+  for (std::size_t j = 0; j < height; ++j)
+    in_space[j] = locate([&](std::size_t k) { return field.x()[k]; }, field.x().size(),
+                         length * (static_cast<double>(j) + 0.5) / height, j == 0 ? 0 : in_space[j - 1].index);
+  std::vector<double> column(field.x().size() + 1);  // over x; the last value twice, of a field of one
   Place in_time{0, 0.0};
   for (std::size_t i = 0; i < width; ++i) {
     const double t = mixed(time.low, time.high, (static_cast<double>(i) + 0.5) / width);
     in_time = locate([&](std::size_t k) { return field.time(k); }, field.rows(), t, in_time.index);
     const auto before = field.row(in_time.index), after = field.row(in_time.index + 1);
-    Place in_space{0, 0.0};
+    for (std::size_t k = 0; k < column.size(); ++k) {
+      const std::size_t node = std::min(k, before.size() - 1);
+      column[k] = mixed(before[node], after[node], in_time.weight);
+    }
     for (std::size_t j = 0; j < height; ++j) {
-      const double x = length * (static_cast<double>(j) + 0.5) / height;
-      in_space = locate([&](std::size_t k) { return field.x()[k]; }, field.x().size(), x, in_space.index);
-      const std::size_t next = std::min(in_space.index + 1, field.x().size() - 1);
-      const auto at = [&](std::span<const double> row) {
-        return mixed(row[in_space.index], row[next], in_space.weight);
-      };
-      const double value = mixed(at(before), at(after), in_time.weight);
+      const auto [k, weight] = in_space[j];
+      const double value = mixed(column[k], column[k + 1], weight);
       std::uint8_t& pixel = pixels[(height - 1 - j) * width + i];
-      pixel = static_cast<std::uint8_t>(std::lround(std::clamp(values.position(value), 0.0, 1.0) * (colours - 1)));
+      pixel = static_cast<std::uint8_t>(std::clamp(values.position(value), 0.0, 1.0) * (colours - 1) + 0.5);
       if (value <= contact_up_to || value >= contact_from) {
         pixel = touching;
         touched = true;

@@ -22,19 +22,18 @@ hid_t create_file(const std::filesystem::path& path) {
                       [&] { return H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT); });
 }
 
-Hdf5Dataset create_dataset(const std::filesystem::path& path, hid_t file, const char* name, hid_t type,
-                           std::span<const hsize_t> extent, std::span<const hsize_t> chunk = {}) {
-  const int rank = static_cast<int>(extent.size());
+// That grows by rows.
+hid_t create_growing(const std::filesystem::path& path, hid_t file, const char* name, std::span<const hsize_t> chunk) {
+  const int rank = static_cast<int>(chunk.size());
   const Hdf5Properties properties(H5Pcreate(H5P_DATASET_CREATE));
-  std::vector<hsize_t> largest(extent.begin(), extent.end());
-  if (!chunk.empty()) {
-    largest[0] = H5S_UNLIMITED;
-    H5Pset_chunk(properties.get(), rank, chunk.data());
-  }
+  H5Pset_chunk(properties.get(), rank, chunk.data());
+  std::vector<hsize_t> extent(chunk.begin(), chunk.end()), largest = extent;
+  extent[0] = 0;
+  largest[0] = H5S_UNLIMITED;
   const Hdf5Dataspace space(H5Screate_simple(rank, extent.data(), largest.data()));
-  return Hdf5Dataset(hdf5_checked(path, "cannot create a dataset", [&] {
-    return H5Dcreate2(file, name, type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT);
-  }));
+  return hdf5_checked(path, "cannot create a dataset", [&] {
+    return H5Dcreate2(file, name, H5T_IEEE_F64LE, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT);
+  });
 }
 
 std::string_view bytes_of(const auto& values) {
@@ -54,16 +53,6 @@ void write_attribute(const std::filesystem::path& path, hid_t object, const char
   hdf5_checked(path, "cannot write an attribute", [&] { return H5Awrite(attribute.get(), type.get(), &value); });
 }
 
-/// Returns where the values are.
-template <class Value>
-FieldMark::Region write_all(const std::filesystem::path& path, hid_t file, const char* name, hid_t stored, hid_t type,
-                            std::span<const hsize_t> extent, const std::vector<Value>& values) {
-  const Hdf5Dataset dataset = create_dataset(path, file, name, stored, extent);
-  hdf5_checked(path, "cannot be written",
-               [&] { return H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()); });
-  return {H5Dget_offset(dataset.get()), H5Dget_storage_size(dataset.get()), Checksum::of(bytes_of(values))};
-}
-
 }  // namespace
 
 FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, std::size_t expected_rows,
@@ -73,7 +62,7 @@ FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, s
       bar_(of.bar),
       nodes_(mesh.nodes()),
       block_rows_(std::max<std::size_t>(1, std::min(block_bytes / (sizeof(double) * nodes_), expected_rows))),
-      xdmf_(directory / "field.xdmf", "field.h5", nodes_),
+      xdmf_(directory / "field.xdmf", nodes_),
       t_{"t", 1, std::clamp<std::size_t>(expected_rows, 1, 4096)},
       u_{"u", nodes_, block_rows_},
       v_{"v", nodes_, block_rows_},
@@ -87,20 +76,22 @@ FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, s
 void FieldFile::create(const FieldOrigin& of) {
   new_.emplace(path_);
   file_.reset(create_file(new_->part()));
-  using One = std::array<hsize_t, 1>;
-  using Two = std::array<hsize_t, 2>;
-  t_.dataset.reset(create_dataset(path_, file_.get(), t_.name, H5T_IEEE_F64LE, One{0}, One{t_.chunk_rows}).release());
-  for (Growing* grown : {&u_, &v_, &stress_})
-    grown->dataset.reset(create_dataset(path_, file_.get(), grown->name, H5T_IEEE_F64LE, Two{0, grown->row_values},
-                                        Two{block_rows_, grown->row_values})
-                             .release());
-  std::vector<double> x(nodes_), points(3 * nodes_, 0.0);
-  for (std::size_t j = 0; j < nodes_; ++j) points[3 * j] = x[j] = mesh_.node(j);
-  std::vector<int> line(2 * (nodes_ - 1));
-  for (std::size_t k = 0; k < line.size(); ++k) line[k] = static_cast<int>((k + 1) / 2);
-  fixed_ = {write_all(path_, file_.get(), "x", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, One{nodes_}, x),
-            write_all(path_, file_.get(), "points", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, Two{nodes_, 3}, points),
-            write_all(path_, file_.get(), "line", H5T_STD_I32LE, H5T_NATIVE_INT, Two{nodes_ - 1, 2}, line)};
+  using Extent = std::array<hsize_t, 2>;
+  const auto grow = [&](Growing& grown, std::size_t rank) {
+    const Extent chunk{grown.chunk_rows, grown.row_values};
+    grown.dataset.reset(create_growing(path_, file_.get(), grown.name, std::span(chunk).first(rank)));
+  };
+  grow(t_, 1), grow(u_, 2), grow(v_, 2), grow(stress_, 2);
+  const auto fix = [&](const char* name, Extent extent, std::size_t rank, const auto& values) {
+    const Hdf5Dataset dataset = write_dataset(path_, file_.get(), name, std::span(extent).first(rank), values);
+    fixed_.push_back(
+        {H5Dget_offset(dataset.get()), H5Dget_storage_size(dataset.get()), Checksum::of(bytes_of(values))});
+  };
+  std::vector<double> x(nodes_);
+  for (std::size_t j = 0; j < nodes_; ++j) x[j] = mesh_.node(j);
+  fix("x", {nodes_, 0}, 1, x);
+  fix("points", {nodes_, 3}, 2, xdmf::points(x));
+  fix("line", {nodes_ - 1, 2}, 2, xdmf::line(nodes_));
   describe(of);
 }
 

@@ -3,8 +3,11 @@
 #include <hdf5.h>
 
 #include <filesystem>
+#include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "viscobar/results/io_error.hpp"
 
@@ -52,6 +55,25 @@ auto hdf5_checked(const std::filesystem::path& path, const char* what, Call&& ca
   H5E_END_TRY
   if (result < 0) throw IoError(path, std::string(what) + ": " + hdf5_cause());
   return result;
+}
+
+/// Writes a new dataset of doubles or whole numbers, in its final size. @throws IoError
+template <class Value>
+Hdf5Dataset write_dataset(const std::filesystem::path& path, hid_t file, const std::string& name,
+                          std::span<const hsize_t> extent, const std::vector<Value>& values,
+                          hid_t links = H5P_DEFAULT) {
+  constexpr bool real = std::is_same_v<Value, double>;
+  static_assert(real || std::is_same_v<Value, int>);
+  const Hdf5Dataspace space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr));
+  Hdf5Dataset dataset(hdf5_checked(path, "cannot create a dataset", [&] {
+    return H5Dcreate2(file, name.c_str(), real ? H5T_IEEE_F64LE : H5T_STD_I32LE, space.get(), links, H5P_DEFAULT,
+                      H5P_DEFAULT);
+  }));
+  hdf5_checked(path, "cannot be written", [&] {
+    return H5Dwrite(dataset.get(), real ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                    values.data());
+  });
+  return dataset;
 }
 
 /// Before HDF5 is used: it crashes at exit when it tries once more to write what a full disk refused, and nothing of

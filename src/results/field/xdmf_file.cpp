@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <iterator>
 #include <string_view>
-#include <tuple>
 #include <utility>
 
 #include "results/output_file.hpp"
@@ -12,20 +10,55 @@
 
 namespace viscobar {
 
-namespace {
+namespace xdmf {
 
 constexpr std::string_view head =
     "<?xml version=\"1.0\"?>\n<Xdmf xmlns:xi=\"http://www.w3.org/2001/XInclude\" Version=\"3.0\">\n<Domain>\n"
     "<Grid Name=\"bar\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-// The second and third child of the first grid: the mesh, which does not change.
-constexpr std::string_view of_first =
-    "<xi:include xpointer=\"element(/1/1/1/1/2)\"/><xi:include xpointer=\"element(/1/1/1/1/3)\"/>\n";
 constexpr std::string_view closing_tags = "</Grid>\n</Domain>\n</Xdmf>\n";
 
-}  // namespace
+std::string grid_head(std::size_t row, double time, std::size_t nodes) {
+  const std::string text = fmt::format("<Grid Name=\"{}\" GridType=\"Uniform\"><Time Value=\"{}\"/>\n", row, time);
+  // The second and third child of the first grid: the mesh, which does not change.
+  if (row > 0)
+    return text + "<xi:include xpointer=\"element(/1/1/1/1/2)\"/><xi:include xpointer=\"element(/1/1/1/1/3)\"/>\n";
+  return text + fmt::format(
+                    "<Topology TopologyType=\"Polyline\" NumberOfElements=\"{1}\" NodesPerElement=\"2\"><DataItem "
+                    "Dimensions=\"{1} 2\" Format=\"HDF\" NumberType=\"Int\" "
+                    "Precision=\"4\">field.h5:/line</DataItem></Topology>\n"
+                    "<Geometry GeometryType=\"XYZ\"><DataItem Dimensions=\"{0} 3\" Format=\"HDF\" "
+                    "NumberType=\"Float\" Precision=\"8\">field.h5:/points</DataItem></Geometry>\n",
+                    nodes, nodes - 1);
+}
 
-XdmfFile::XdmfFile(std::filesystem::path path, std::string field_file, std::size_t nodes)
-    : path_(std::move(path)), field_file_(std::move(field_file)), nodes_(nodes), written_(Checksum::of(head)) {}
+std::string attribute(std::string_view name, std::size_t values, std::string_view place) {
+  return fmt::format(
+      "<Attribute Name=\"{}\" Center=\"{}\"><DataItem Dimensions=\"{}\" Format=\"HDF\" NumberType=\"Float\" "
+      "Precision=\"8\">field.h5:/{}</DataItem></Attribute>\n",
+      name == "u"   ? "displacement"
+      : name == "v" ? "velocity"
+                    : name,
+      name == "stress" ? "Cell" : "Node", values, place);
+}
+
+std::vector<double> points(std::span<const double> x) {
+  std::vector<double> all(3 * x.size(), 0.0);
+  for (std::size_t j = 0; j < x.size(); ++j) all[3 * j] = x[j];
+  return all;
+}
+
+std::vector<int> line(std::size_t nodes) {
+  std::vector<int> all(2 * (nodes - 1));
+  for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<int>((k + 1) / 2);
+  return all;
+}
+
+}  // namespace xdmf
+
+using namespace xdmf;
+
+XdmfFile::XdmfFile(std::filesystem::path path, std::size_t nodes)
+    : path_(std::move(path)), nodes_(nodes), written_(Checksum::of(head)) {}
 
 void XdmfFile::begin() { write_atomically(path_, std::string(head) + std::string(closing_tags)); }
 
@@ -73,27 +106,13 @@ Checksum XdmfFile::checksum() const {
 }
 
 std::string XdmfFile::grid(std::size_t row, double time) const {
-  std::string text = fmt::format("<Grid Name=\"{}\" GridType=\"Uniform\"><Time Value=\"{}\"/>\n", row, time);
-  if (row == 0)
-    fmt::format_to(std::back_inserter(text),
-                   "<Topology TopologyType=\"Polyline\" NumberOfElements=\"{2}\" NodesPerElement=\"2\">"
-                   "<DataItem Dimensions=\"{2} 2\" Format=\"HDF\" NumberType=\"Int\" "
-                   "Precision=\"4\">{1}:/line</DataItem></Topology>\n"
-                   "<Geometry GeometryType=\"XYZ\"><DataItem Dimensions=\"{0} 3\" Format=\"HDF\" NumberType=\"Float\" "
-                   "Precision=\"8\">{1}:/points</DataItem></Geometry>\n",
-                   nodes_, field_file_, nodes_ - 1);
-  else
-    text += of_first;
-  for (const auto& [name, dataset, center, size] : {std::tuple("displacement", "u", "Node", nodes_),
-                                                    {"velocity", "v", "Node", nodes_},
-                                                    {"stress", "stress", "Cell", nodes_ - 1}})
+  std::string text = grid_head(row, time, nodes_);
+  for (const char* name : {"u", "v", "stress"}) {
+    const std::size_t values = name == std::string_view("stress") ? nodes_ - 1 : nodes_;
     // A row of the dataset, as start:stride:count:extent; it grows while the run lasts, so its extent is given as far
     // as this row.
-    fmt::format_to(std::back_inserter(text),
-                   "<Attribute Name=\"{0}\" Center=\"{6}\">"
-                   "<DataItem Dimensions=\"{1}\" Format=\"HDF\" NumberType=\"Float\" Precision=\"8\">"
-                   "{2}:/{3}|{4} 0:1 1:1 {1}:{5} {1}</DataItem></Attribute>\n",
-                   name, size, field_file_, dataset, row, row + 1, center);
+    text += attribute(name, values, fmt::format("{0}|{1} 0:1 1:1 {2}:{3} {2}", name, row, values, row + 1));
+  }
   return text + "</Grid>\n";
 }
 

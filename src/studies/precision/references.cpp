@@ -122,6 +122,7 @@ ErrorParts References::parts(const Timed& timed) const {
   parts.elements = timed.row.elements;
   parts.mass = timed.row.mass;
   const System own = system_of(timed.run);
+  if (penalised(own)) parts.epsilon = own.epsilon;
   const auto found = solved_.find(own);
   parts.problem = found == solved_.end() ? "every run failed" : found->second.problem;
   if (!field(own)) return parts;

@@ -61,6 +61,7 @@ struct ErrorParts {
   MethodName method = MethodName::cvode;  ///< which
   std::size_t elements = 0;               ///< J
   Mass mass = Mass::consistent;           ///< that it ran on
+  std::optional<double> epsilon;          ///< that it ran with; absent where nothing is penalised
   std::optional<double> space;            ///< of the mesh, the semi-discrete solution to u_*
   std::optional<double> penalty;          ///< absent where nothing is penalised
   std::optional<double> penalty_order;    ///< observed power of epsilon, over one decade
