@@ -234,17 +234,19 @@ void Figure::strip(double from, double to, double y, std::span<const ColourStop>
 
 void Figure::walls(std::span<const Wall> walls) {
   constexpr double depth = 12.0, pitch = 8.0;
-  const double bottom = height_ - below;
   for (const Wall& wall : walls) {
+    const double high = wall.part ? place_y(wall.part->begin) : top,
+                 low = wall.part ? place_y(wall.part->end) : height_ - below;
     const double x = place_x(wall.at), far = x + (wall.to_the_right ? depth : -depth);
     std::string hatches;
-    for (double y = top + depth; y <= bottom; y += pitch)
+    for (double y = high + depth; y <= low; y += pitch)
       fmt::format_to(std::back_inserter(hatches), "M{:.2f} {:.2f}L{:.2f} {:.2f}", std::min(x, far), y, std::max(x, far),
                      y - depth);
     content_ += fmt::format("<path class=\"hatch\" d=\"{}\"/><path class=\"surface\"{} d=\"M{:.2f} {}V{}\"/>\n",
-                            hatches, wall.open ? " style=\"stroke-dasharray:5 4\"" : "", x, top, bottom);
-    live_layer(
-        fmt::format(R"({{"kind":"wall","x":{:.9g},"right":{},"open":{}}})", wall.at, wall.to_the_right, wall.open));
+                            hatches, wall.open ? " style=\"stroke-dasharray:5 4\"" : "", x, high, low);
+    if (!wall.part)
+      live_layer(
+          fmt::format(R"({{"kind":"wall","x":{:.9g},"right":{},"open":{}}})", wall.at, wall.to_the_right, wall.open));
   }
 }
 

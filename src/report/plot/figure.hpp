@@ -52,10 +52,12 @@ class Figure {
     Colour colour;
   };
   void strip(double from, double to, double y, std::span<const ColourStop> stops, std::string_view words);
-  /// Upright walls over the whole height, hatched to the right or to the left; `open` ones leave the middle free.
+  /// Upright walls over the whole height, or over a part of y, hatched to the right or to the left; `open` ones leave
+  /// the middle free.
   struct Wall {
     double at;
     bool to_the_right, open;
+    std::optional<Interval> part{};
   };
   void walls(std::span<const Wall> walls);
   /// An image over the rectangle between two corners of the frame's coordinates.

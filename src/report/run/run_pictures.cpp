@@ -78,7 +78,7 @@ Picture profiles(const Case& run, const ReportData& data) {
 
   // The obstacles, and what is said of those that lie outside.
   std::string hidden;
-  bool has_bodies = false;
+  bool has_bodies = false, has_drawn = false;
   const auto with_obstacles = [&](Range range, double height, double room_below) {
     std::vector<std::pair<ObstacleLevel, Interval>> bodies;
     hidden.clear();
@@ -107,7 +107,8 @@ Picture profiles(const Case& run, const ReportData& data) {
     if (!place_moving(run.scene.right, run.scene.right_input, "at the right end"))
       place(obstacle(run.scene.right), {length - depth, length + depth}, "at the right end");
     place(run.scene.span ? &*run.scene.span : nullptr, {-depth, length + depth}, "of the span");
-    has_bodies = moves || !bodies.empty();
+    has_drawn = !bodies.empty();
+    has_bodies = moves || has_drawn;
     const double room = room_below * (range.high - range.low), low = range.low, high = range.high;
     const auto any = [&](bool above) {
       return std::ranges::any_of(bodies, [&](const auto& body) { return body.first.above == above; });
@@ -137,7 +138,7 @@ Picture profiles(const Case& run, const ReportData& data) {
   }
   const std::string still_caption =
       "The bar's displacement <i>u</i>(<i>x</i>, ·) at a few times, from the first (light) to the last (dark)." +
-      std::string(has_bodies ? " Grey: obstacles." : "") + hidden;
+      std::string(has_drawn ? " Grey: obstacles." : "") + hidden;
   return {"The bar",
           fmt::format("<span class=\"still\">{}</span><span class=\"live\">{}</span>", still_caption, live_caption),
           {{"bar", "Displacement over space at a few times", figure, live}}};

@@ -82,12 +82,6 @@ class BarPicture {
       { css: "var(--ink)", align: inLeftHalf ? "left" : "right", halo: true });
   }
 
-  /// Of an obstacle that moves, linear in between output times.
-  surfaceAt({ surface }, time) {
-    const [row, part] = Field.locate(this.field.t, time);
-    return surface[row] + (part > 0 ? part * (surface[row + 1] - surface[row]) : 0);
-  }
-
   drawEnd(chart, context, side, profile, time) {
     const end = side === "left" ? 0 : profile.length - 1, u = profile[end];
     const support = this.supports[side], at = chart.px(this.field.x[end]), foot = chart.py(u), unit = chart.ratio;
@@ -97,7 +91,7 @@ class BarPicture {
     }
     if (support.kind !== "obstacle") return;
     const outwards = side === "left" ? 1 : -1, words = { css: "var(--ink)", align: side === "left" ? "left" : "right", halo: true };
-    const sign = signOf(support), gap = support.surface ? -sign * this.surfaceAt(support, time) : support.gap, surface = chart.py(-sign * gap);
+    const sign = signOf(support), gap = support.surface ? -sign * surfaceAt(support, this.field, time) : support.gap, surface = chart.py(-sign * gap);
     if (support.surface) {
       const { x } = this.field, place = x[end], depth = 0.03 * (x[x.length - 1] - x[0]);
       layerPainters.body(chart, context, { y: -sign * gap, from: place - depth, to: place + depth, above: sign < 0 });
@@ -121,6 +115,12 @@ class BarPicture {
       write(chart, context, `gap ${readable(sign * u + gap, 3)}`, at + 12 * outwards * unit, surface + sign * 26 * unit, words);
     }
   }
+}
+
+/// Of an obstacle that moves, linear in between output times.
+function surfaceAt({ surface }, field, time) {
+  const [row, part] = Field.locate(field.t, time);
+  return Field.between(surface, row, part);
 }
 
 /// 1 for an obstacle below, -1 for one above.
@@ -176,6 +176,10 @@ class AxialPicture {
       const [node, part] = Field.locate(x, at);
       return chart.px(at + s * Field.between(u, node, part));
     };
+    for (const [side, end] of [["left", x[0]], ["right", x.at(-1)]]) {
+      const { surface, above = false } = this.supports[side];
+      if (surface) layerPainters.wall(chart, context, { x: end + s * surfaceAt(this.supports[side], field, time), right: above, open: above !== (side === "right") });
+    }
     const left = place(x[0]), right = place(x.at(-1)), size = Math.max(right - left, 1e-9);
     const gradient = context.createLinearGradient(left, 0, right, 0), stride = Math.max(1, Math.floor(values.length / 120));
     for (let j = 0; j < values.length; j += stride)
