@@ -62,7 +62,7 @@ class SweepProgress {
 };
 
 nlohmann::ordered_json description(const SweepFile& sweep, const SweepResults& results, std::size_t kept,
-                                   std::size_t workers, double seconds) {
+                                   std::size_t workers, double integration, double seconds) {
   nlohmann::ordered_json json;
   json["title"] = sweep.title;
   json["scene"] = sweep.scene_source;
@@ -77,6 +77,7 @@ nlohmann::ordered_json description(const SweepFile& sweep, const SweepResults& r
   for (const SweepRow* row : results.rows())
     if (!row->completed) failed.push_back({{"index", row->index}, {"error", row->error}});
   json["workers"] = workers;
+  json["integration_seconds"] = integration;
   json["wall_seconds"] = seconds;
   return json;
 }
@@ -152,11 +153,13 @@ int SweepCommand::operator()() const {
   // It has the checksums of tables that are about to change.
   if (!order.empty()) fs::remove(directory / "sweep.json");
 
+  double integration = 0.0;
   std::optional<SweepProgress> progress;
   if (!json_ && !output_.quiet && on_terminal()) progress.emplace(costs, order, kept);
   const SweepWork work{sweep, order,
                        [&](const SweepRow& row) {
                          results.add(row);
+                         integration += row.integration_seconds;
                          if (progress) progress->count(row);
                        },
                        [&] {
@@ -176,7 +179,7 @@ int SweepCommand::operator()() const {
   FileChecksums checksums = results.checksums();
   checksums["sweep.html"] = Checksum::of(page);
   const std::string json =
-      sealed_summary(description(sweep, results, kept, workers, seconds_since(started)), checksums);
+      sealed_summary(description(sweep, results, kept, workers, integration, seconds_since(started)), checksums);
   write_atomically(directory / "sweep.json", json);
   if (json_)
     print(json);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <tuple>
@@ -45,35 +46,71 @@ void define_names(mu::Parser& parser, const Parameters& parameters) {
   for (const auto& [name, value] : parameters) parser.DefineConst(name, value);
 }
 
-// The parser reads its variables through pointers, so a copy has one of its own. It is made when the copy is called
-// first: most copies of a scene's functions never are.
+// A parser reads its variables through pointers, so they are beside it and it does not move.
+struct Machine {
+  Machine(const std::string& of, const Parameters& with) : text(of), parameters(with) {
+    define_names(parser, parameters);
+    parser.DefineVar("x", &x);
+    parser.DefineVar("t", &t);
+    parser.SetExpr(text);
+  }
+  std::string text;
+  Parameters parameters;
+  double x = 0.0, t = 0.0;
+  mu::Parser parser;
+};
+
+// Parsers that nobody uses, of the thread. A sweep asks for those of the same few formulas thousands of times, and to
+// make one takes longer than to evaluate it on a small mesh.
+class IdleMachines {
+ public:
+  static std::unique_ptr<Machine> take(const std::string& text, const Parameters& parameters) {
+    if (IdleMachines* own = of_thread())
+      for (auto& idle : own->idle_)
+        if (idle && idle->text == text && idle->parameters == parameters) return std::move(idle);
+    return std::make_unique<Machine>(text, parameters);
+  }
+  static void give(std::unique_ptr<Machine> machine) {
+    if (IdleMachines* own = of_thread()) std::swap(own->idle_[own->next_++ % own->idle_.size()], machine);
+  }
+
+ private:
+  // None where the thread is about to end: functions that live longer than it own their parsers.
+  static IdleMachines* of_thread() {
+    thread_local bool ended = false;
+    struct Own : IdleMachines {
+      ~Own() { ended = true; }
+    };
+    if (ended) return nullptr;
+    thread_local Own own;
+    return &own;
+  }
+
+  std::array<std::unique_ptr<Machine>, 8> idle_;
+  std::size_t next_ = 0;
+};
+
+// A copy has a parser of its own. It gets it when it is called first: most copies of a scene's functions never are.
 class Compiled {
  public:
   Compiled(std::string text, const Parameters& parameters) : text_(std::move(text)), parameters_(parameters) {}
   Compiled(const Compiled& other) : Compiled(other.text_, other.parameters_) {}
   Compiled& operator=(const Compiled&) = delete;
-  ~Compiled() = default;
+  ~Compiled() {
+    if (machine_) IdleMachines::give(std::move(machine_));
+  }
 
   double operator()(double x, double t) {
-    if (!parser_) compile();
-    x_ = x;
-    t_ = t;
-    return parser_->Eval();
+    if (!machine_) machine_ = IdleMachines::take(text_, parameters_);
+    machine_->x = x;
+    machine_->t = t;
+    return machine_->parser.Eval();
   }
 
  private:
-  void compile() {
-    mu::Parser& parser = parser_.emplace();
-    define_names(parser, parameters_);
-    parser.DefineVar("x", &x_);
-    parser.DefineVar("t", &t_);
-    parser.SetExpr(text_);
-  }
-
   std::string text_;
   Parameters parameters_;
-  double x_ = 0.0, t_ = 0.0;
-  std::optional<mu::Parser> parser_;
+  std::unique_ptr<Machine> machine_;
 };
 
 // muParser's time grows with the square of the length, its stack with the depth.

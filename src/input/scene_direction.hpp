@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "input/scene_values.hpp"
+#include "input/scene_entries.hpp"
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {

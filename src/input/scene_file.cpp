@@ -11,6 +11,7 @@
 #include "input/input_text.hpp"
 #include "input/parse_case.hpp"
 #include "input/scene_direction.hpp"
+#include "input/scene_entries.hpp"
 #include "input/scene_values.hpp"
 #include "scene/end_kinds.hpp"
 #include "scene/printable.hpp"

@@ -7,6 +7,7 @@
 #include "case/cost_estimate.hpp"
 #include "input/input_text.hpp"
 #include "input/parse_case.hpp"
+#include "input/scene_entries.hpp"
 #include "input/scene_values.hpp"
 #include "studies/parallel.hpp"
 #include "sweep/varied_values.hpp"

@@ -21,18 +21,18 @@ class Inbox {
   void add(SweepRow row) {
     const std::lock_guard lock(mutex_);
     rows_.push_back(std::move(row));
-    changed_.notify_one();
   }
   void worker_left() {
     const std::lock_guard lock(mutex_);
     ++left_;
     changed_.notify_one();
   }
-  /// What has come, waiting a moment for it; the second is how many workers have left.
+  /// What has come within a moment; the second is how many workers have left. Rows wait for it: to wake the thread for
+  /// each would take longer than to write it.
   std::pair<std::vector<SweepRow>, std::size_t> fetch() {
     std::unique_lock lock(mutex_);
     const std::size_t known = left_;
-    changed_.wait_for(lock, std::chrono::milliseconds(100), [&] { return !rows_.empty() || left_ != known; });
+    changed_.wait_for(lock, std::chrono::milliseconds(20), [&] { return left_ != known; });
     return {std::exchange(rows_, {}), left_};
   }
 

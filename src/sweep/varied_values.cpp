@@ -28,7 +28,7 @@ double shifted(double value, int decades) {
   return std::strtod(fmt::format("{}e{}", text.substr(0, e), exponent).c_str(), nullptr);
 }
 
-std::optional<double> number_of(const TomlValue& value) {
+std::optional<double> finite_number(const TomlValue& value) {
   if (const auto* integer = std::get_if<std::int64_t>(&value)) return static_cast<double>(*integer);
   if (const auto* number = std::get_if<double>(&value); number && std::isfinite(*number)) return *number;
   return std::nullopt;
@@ -85,7 +85,7 @@ class RangeReader {
   std::optional<double> number(std::string_view name) {
     const TomlNode* entry = find(name);
     if (!entry) return std::nullopt;
-    const auto value = number_of(entry->value);
+    const auto value = finite_number(entry->value);
     if (!value) fail(entry->value_at, fmt::format("{} must be a finite number", name));
     return value;
   }
@@ -153,7 +153,7 @@ Value as(const TomlValue& value);
 
 template <>
 double as<double>(const TomlValue& value) {
-  return *number_of(value);
+  return *finite_number(value);
 }
 
 template <>
@@ -215,8 +215,9 @@ VariedKey varied_key(const SceneKey& key, const TomlNode& node, const Report& re
   }
   if (!sound) values.clear();
   // A gap is a formula that mostly is a number: as such its values have an order, and a place on an axis.
-  const bool numbers = key.type == KeyType::formula && !values.empty() &&
-                       std::ranges::all_of(values, [](const TomlValue& value) { return number_of(value).has_value(); });
+  const bool numbers =
+      key.type == KeyType::formula && !values.empty() &&
+      std::ranges::all_of(values, [](const TomlValue& value) { return finite_number(value).has_value(); });
   if (key.type == KeyType::number || numbers) return converted<double>(key, values);
   if (key.type == KeyType::count) return converted<std::int64_t>(key, values);
   return converted<std::string>(key, values);

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <signal.h>
 #include <sys/stat.h>
 
@@ -69,6 +70,22 @@ TEST_F(Sweep, ATerminalSeesHowManyCasesAreDoneAndHowLongTheOthersTake) {
   EXPECT_NE(text.find(" s left"), std::string::npos) << text;
   EXPECT_TRUE(text.ends_with("\r\033[K")) << text;  // nothing stays
   EXPECT_EQ(shown(" -o unseen --quiet"), "");
+}
+
+// A share of one and the same run, so that a busy machine slows both alike; the best of a few runs, where it did not.
+TEST_F(Sweep, OfSmallCasesTakesAtMostAFifthMoreThanItsIntegration) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "of the program as it is used";
+#endif
+  double best = 10.0;
+  for (int k = 0; k < 8 && best > 1.2; ++k) {
+    const Ended ended = viscobar(fmt::format(
+        "sweep '" VISCOBAR_SOURCE_DIR "/examples/sweeps/small-cases.toml' --threads 1 --json -o small{}", k));
+    ASSERT_EQ(ended.code, 0) << ended.error;
+    const Json json = ended.json();
+    best = std::min(best, json["wall_seconds"].get<double>() / json["integration_seconds"].get<double>());
+  }
+  EXPECT_LE(best, 1.2);
 }
 
 TEST_F(Sweep, RowsDoNotDependOnTheNumberOfThreads) {

@@ -5,19 +5,17 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <ctime>
-#include <deque>
 #include <exception>
 #include <limits>
-#include <mutex>
 #include <span>
 #include <stdexcept>
 
-#include "studies/limit/verdict.hpp"
+#include "studies/limit/mesh_runs.hpp"
 #include "studies/parallel.hpp"
-#include "viscobar/case/end_traces.hpp"
 
 namespace viscobar {
+
+using namespace limit;
 
 std::vector<double> decades(double first, double last, std::size_t per_decade) {
   std::vector<double> values;
@@ -28,39 +26,7 @@ std::vector<double> decades(double first, double last, std::size_t per_decade) {
 
 namespace {
 
-constexpr std::size_t comparison_intervals = 2000;
-
 bool has_obstacle(const Scene& scene) { return is_obstacle(scene.left) || is_obstacle(scene.right) || scene.span; }
-
-Case sound(Case run) {
-  const std::vector<Finding> findings = validate(run);
-  if (!findings.empty()) throw std::invalid_argument(fmt::format("{}: {}", findings[0].key, findings[0].problem));
-  return run;
-}
-
-Case penalised_case(const LimitStudy& study, std::size_t elements, double epsilon) {
-  Case run = study.scene;
-  run.elements = elements;
-  run.epsilon = epsilon;
-  run.method = penalised_method(run);
-  run.mass = effective_mass(run);  // of all partners
-  run.tolerance = run.tolerance.with_relative(std::min(run.tolerance.relative, 1e-10));
-  run.output_every = run.end;
-  return sound(std::move(run));
-}
-
-Case scheme_case(const LimitStudy& study, std::size_t elements, double step) {
-  Case run = penalised_case(study, elements, study.epsilons.front());
-  run.method = MethodName::fully_discrete;
-  run.step = step;
-  return sound(std::move(run));
-}
-
-Case rigid_case(const LimitStudy& study, std::size_t elements) {
-  Case run = penalised_case(study, elements, study.epsilons.front());
-  run.method = MethodName::rigid;
-  return run;
-}
 
 double largest_displacement(const EndTraces& traces) {
   double largest = 0.0;
@@ -84,125 +50,6 @@ std::optional<ObservedOrder> fit(std::span<const LimitRow> rows, Value value, do
   std::size_t first = 0;
   while (first < x.size() && x[first] > 1.01 * range * x.back()) ++first;
   return observed_order(std::span(x).subspan(first), std::span(y).subspan(first));
-}
-
-// From one step of the scheme to the next: a third of a decade. A half would put a contact that closes in the second
-// half of a step at the same time again.
-const double refinement = std::cbrt(10.0);
-
-/// Of the processor, of this thread: what a budget buys does not depend on who else is at work.
-double thread_seconds() {
-  std::timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-/// Counts runs for whoever watches.
-class Progress {
- public:
-  explicit Progress(const LimitStudy& study) : tell_(study.progress) {}
-  void expect(std::size_t runs) {
-    const std::lock_guard lock(mutex_);
-    all_ += runs;
-  }
-  void done() {
-    const std::lock_guard lock(mutex_);
-    ++done_;
-    if (tell_) tell_(done_, all_);
-  }
-
- private:
-  const std::function<void(std::size_t, std::size_t)>& tell_;
-  std::mutex mutex_;
-  std::size_t done_ = 0, all_ = 0;
-};
-
-struct Run {
-  Case run;
-  EndTraces traces = {};
-  std::exception_ptr error = {};
-  double seconds = 0.0;
-
-  void trace(std::span<const double> times) {
-    const double begin = thread_seconds();
-    traces = trace_ends(run, times);
-    seconds = thread_seconds() - begin;
-  }
-};
-
-// The rigid limit on massless contact nodes decides about the limit; on others it stands beside it, and may fail, as
-// bounces without end do.
-bool massless(const Run& rigid) { return rigid.run.mass == Mass::redistributed; }
-
-// The runs of one mesh. Those that a verdict asks for come later, so that references to the others must stay valid.
-struct MeshRuns {
-  std::deque<Run> scheme;  // dt decreasing
-  std::optional<Run> rigid;
-  std::vector<Run> penalised;  // epsilon decreasing
-  std::vector<double> times;
-  std::vector<Run> other_law;
-  std::optional<Run> without_obstacles;
-  Judgement judgement = {};
-
-  template <class Use>
-  void each(Use&& use) {
-    for (Run& run : scheme) use(run);
-    if (rigid) use(*rigid);
-    for (Run& run : penalised) use(run);
-  }
-  double step() const { return *scheme.back().run.step; }
-};
-
-MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step) {
-  MeshRuns runs;
-  for (const double factor : {refinement * refinement, refinement, 1.0})
-    runs.scheme.push_back({scheme_case(study, elements, factor * step)});
-  if (Case rigid = rigid_case(study, elements); validate(rigid).empty()) runs.rigid = Run{std::move(rigid)};
-  for (const double epsilon : study.epsilons) runs.penalised.push_back({penalised_case(study, elements, epsilon)});
-  return runs;
-}
-
-// All runs of all meshes, independent, in two passes: where contacts change, then the traces on times that show it.
-void carry_out(std::vector<MeshRuns>& meshes, const LimitStudy& study, Progress& progress) {
-  struct Task {
-    MeshRuns* mesh;
-    Run* run;
-  };
-  std::vector<Task> tasks;
-  for (MeshRuns& mesh : meshes) mesh.each([&](Run& run) { tasks.push_back({&mesh, &run}); });
-  progress.expect(2 * tasks.size());
-  const auto each = [&](const auto& work) {
-    parallel_for(
-        tasks.size(),
-        [&](std::size_t k) {
-          const auto [mesh, run] = tasks[k];
-          try {
-            if (!run->error) work(*mesh, *run);
-          } catch (const IntegrationError&) {
-            run->error = std::current_exception();
-          }
-          progress.done();
-        },
-        study.threads);
-  };
-  each([](MeshRuns&, Run& run) {
-    // A scheme's contacts change where those of its partners do.
-    if (run.run.method != MethodName::fully_discrete) run.traces.events = contact_changes(run.run);
-  });
-  for (MeshRuns& mesh : meshes) {
-    std::vector<Event> changes;
-    mesh.each(
-        [&](const Run& run) { changes.insert(changes.end(), run.traces.events.begin(), run.traces.events.end()); });
-    mesh.times = comparison_times(study.scene.end, comparison_intervals, changes);
-  }
-  each([](MeshRuns& mesh, Run& run) { run.trace(mesh.times); });
-  for (const MeshRuns& mesh : meshes) {
-    for (const Run& run : mesh.scheme)
-      if (run.error) std::rethrow_exception(run.error);
-    if (mesh.rigid && mesh.rigid->error && massless(*mesh.rigid)) std::rethrow_exception(mesh.rigid->error);
-    if (std::all_of(mesh.penalised.begin(), mesh.penalised.end(), [](const Run& run) { return run.error != nullptr; }))
-      std::rethrow_exception(mesh.penalised.front().error);
-  }
 }
 
 /// Another law of impact, as far from the case's own as there is.
@@ -297,8 +144,8 @@ void decide(std::vector<MeshRuns>& meshes, const LimitStudy& study, Progress& pr
           mesh.judgement = judge_mesh(mesh, study, progress);
           if (mesh.judgement.evidence.lack != Lack::smaller_step) return;
           const Run& last = mesh.scheme.back();
-          if (spent + refinement * last.seconds > study.budget) return;
-          Run next{scheme_case(study, last.run.elements, mesh.step() / refinement)};
+          if (spent + scheme_refinement * last.seconds > study.budget) return;
+          Run next{scheme_case(study, last.run.elements, mesh.step() / scheme_refinement)};
           progress.expect(1);
           try {
             next.trace(mesh.times);

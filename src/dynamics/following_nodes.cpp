@@ -1,0 +1,142 @@
+// Nodes of a PenalisedSystem that follow their neighbours: those without mass, and those that rest on a stiff spring.
+#include <algorithm>
+#include <cmath>
+
+#include "dynamics/penalised_system.hpp"
+
+namespace viscobar {
+
+double PenalisedSystem::stiffness_of_closed(std::size_t unknown) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < laws_.size(); ++i)
+    if (closed(i) && contact(i).unknown == unknown) sum += laws_[i].stiffness;
+  return sum;
+}
+
+void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<const double> u, std::span<double> w) {
+  if (held(end)) {
+    w[end] = 0.0;
+    return;
+  }
+  const double h = bar_.spacing_at(end);
+  const double modulus = bar_.bar().modulus / h, damping = bar_.bar().viscosity / h;
+  const std::size_t next = neighbour(end);
+  if (bar_.damped()) {
+    double force = modulus * (u[next] - u[end] + (origin_at(next) - origin_at(end))) + damping * w[next] + load(end, t);
+    for (std::size_t i = 0; i < laws_.size(); ++i)
+      if (closed(i) && contact(i).unknown == end) force -= contact(i).sign * laws_[i].stiffness * clearance(i, u);
+    w[end] = force / damping;
+    return;
+  }
+  double rate = modulus * w[next];
+  if (load_varies()) {
+    const auto [before, after] = beside(t);
+    const double early = load(end, before), late = load(end, after);
+    if (before < after) rate += (late - early) / (after - before);
+  }
+  rate += added_rates_[end == 0 ? 0 : 1];
+  w[end] = rate / (modulus + stiffness_of_closed(end));
+}
+
+std::pair<double, double> PenalisedSystem::beside(double t) const {
+  const double step = 1e-4 * bar_.mesh().spacing() * std::sqrt(bar_.bar().density / bar_.bar().modulus);
+  // No load is asked for before the start, where it need not exist.
+  return {load_->inside(std::max(0.0, t - step)), load_->inside(t + step)};
+}
+
+void PenalisedSystem::complete_velocity(double t, std::span<const double> u, std::span<double> w) {
+  if (bar_.massive_begin() == 1) complete_velocity_of(0, t, u, w);
+  if (bar_.massive_end() + 1 == size()) complete_velocity_of(size() - 1, t, u, w);
+}
+
+void PenalisedSystem::complete_displacement_of(std::size_t end, double t, std::span<double> u) {
+  if (held(end)) {
+    for (std::size_t i = 0; i < laws_.size(); ++i)
+      if (contact(i).unknown == end) place_on_obstacle(i, u);
+    return;
+  }
+  if (bar_.damped()) return;
+  const double modulus = bar_.bar().modulus / bar_.spacing_at(end);
+  const std::size_t next = neighbour(end);
+  double force = modulus * (u[next] + (origin_at(next) - origin_at(end))) + load(end, t), stiffness = modulus;
+  for (std::size_t i = 0; i < laws_.size(); ++i) {
+    if (!closed(i) || contact(i).unknown != end) continue;
+    force -= contact(i).sign * laws_[i].stiffness * offsets_[i];
+    stiffness += laws_[i].stiffness;
+  }
+  u[end] = force / stiffness;
+}
+
+void PenalisedSystem::complete_displacement(double t, std::span<double> u) {
+  if (bar_.massive_begin() == 1) complete_displacement_of(0, t, u);
+  if (bar_.massive_end() + 1 == size()) complete_displacement_of(size() - 1, t, u);
+}
+
+std::vector<PenalisedSystem::RelaxingRow> PenalisedSystem::relaxing_rows() const {
+  std::vector<RelaxingRow> rows;
+  if (!bar_.damped()) return rows;
+  const double modulus = bar_.bar().modulus, viscosity = bar_.bar().viscosity;
+  for (const std::size_t end : {std::size_t{0}, size() - 1}) {
+    if (!massless(end) || held(end)) continue;
+    const double h = bar_.spacing_at(end);
+    const std::size_t next = neighbour(end);
+    const double share = modulus / viscosity;
+    RelaxingRow row{
+        end, share, h / viscosity, share * (origin_at(next) - origin_at(end)), 0.0, {{{next, share, 1.0, 0.0}, {}}}, 1};
+    for (std::size_t i = 0; i < laws_.size(); ++i) {
+      if (!closed(i) || contact(i).unknown != end) continue;
+      row.rate += laws_[i].stiffness * h / viscosity;
+      row.constant -= contact(i).sign * laws_[i].stiffness * h / viscosity * offsets_[i];
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_index) const {
+  const std::size_t i = contact(contact_index).unknown, node = i + bar_.first_node();
+  RelaxingRow row{i, 0.0, 1.0, 0.0, 0.0, {}, 0};
+  double damping = 0.0;
+  const auto beside = [&](double element, std::optional<std::size_t> next, std::optional<double> wall) {
+    const double modulus = bar_.bar().modulus / element, viscosity = bar_.bar().viscosity / element;
+    row.rate += modulus, damping += viscosity;
+    if (!next) {
+      row.constant += modulus * (*wall - origin_at(i));
+      return;
+    }
+    row.constant += modulus * (origin_at(*next) - origin_at(i));
+    const auto& inertia = bar_.inertia().off_diagonal;
+    row.neighbours[row.count++] = {*next, modulus, viscosity, inertia.empty() ? 0.0 : inertia[std::min(i, *next)]};
+  };
+  const Mesh& mesh = bar_.mesh();
+  if (i > 0)
+    beside(mesh.element(node - 1), i - 1, {});
+  else if (bar_.left_fixed())
+    beside(mesh.element(node - 1), {}, bar_.left_displacement());
+  if (i + 1 < size())
+    beside(mesh.element(node), i + 1, {});
+  else if (bar_.right_fixed())
+    beside(mesh.element(node), {}, bar_.right_displacement());
+  if (const auto& rows = bar_.inertia().end_rows; rows && row.count == 1) {
+    const std::array<double, 3>& shares = i == 0 ? rows->first : rows->last;
+    row.neighbours[0].a_share += shares[1];
+    row.neighbours[row.count++] = {i == 0 ? 2 : i - 2, 0.0, 0.0, shares[2]};
+  }
+  for (std::size_t c = 0; c < laws_.size(); ++c) {
+    if (!closed(c) || contact(c).unknown != i) continue;
+    row.rate += laws_[c].stiffness, damping += laws_[c].damping;
+    row.constant -= contact(c).sign * laws_[c].stiffness * offsets_[c];
+  }
+  for (const Mount& mount : bar_.mounts()) {
+    if (mount.unknown != i) continue;
+    row.rate += mount.stiffness, damping += mount.dashpot;
+    row.constant -= mount.stiffness * origin_at(i);
+  }
+  row.inertia = bar_.inertia().diagonal_entry(i) / row.rate;
+  const double scale = 1.0 / std::max(damping, row.rate / (1e3 * rates_[contact_index]));
+  for (RelaxingRow::Neighbour& n : row.neighbours) n.u_share *= scale, n.w_share *= scale, n.a_share *= scale;
+  row.rate *= scale, row.load_share *= scale, row.constant *= scale;
+  return row;
+}
+
+}  // namespace viscobar

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "input/formula.hpp"
+#include "input/scene_keys.hpp"
+#include "input/toml_text.hpp"
+#include "viscobar/input/scene_file.hpp"
+
+namespace viscobar {
+
+/// What to say about "table.leaf", which is no key of a scene: the nearest one, or those of the table.
+std::string unknown_key(std::string_view table, std::string_view leaf);
+
+/// The keys of a scene with their values, as far as each is right by itself, where each one stands, and all that was
+/// found wrong so far. A key that something was found wrong with is faulty: it has no value any more, and whoever
+/// needs one goes on with a harmless one, so that what else is wrong comes to light in the same run.
+class SceneEntries {
+ public:
+  /// Reads the text, lays the overrides over it, checks every value against scene_keys(), fills in fallbacks.
+  SceneEntries(const std::string& text, const std::string& source, std::span<const std::string> overrides);
+
+  /// False when the text is not TOML: what it holds is unknown then.
+  bool readable() const { return readable_; }
+  bool has_table(std::string_view table) const { return tables_.contains(table); }
+  bool present(std::string_view key) const { return entries_.contains(key); }
+  /// Present, and not as a fallback.
+  bool given(std::string_view key) const { return present(key) && !filled_in_.contains(key); }
+  bool faulty(std::string_view key) const { return faulty_.contains(key); }
+  std::vector<std::string> faulty_keys() const { return {faulty_.begin(), faulty_.end()}; }
+
+  // Values of keys that are present and not faulty.
+  std::optional<double> number(std::string_view key) const;
+  std::optional<std::string> text(std::string_view key) const;
+  std::optional<Formula> formula(std::string_view key) const;
+  std::vector<std::string> list(std::string_view key) const;  ///< empty where the key is absent
+  /// Those of [parameters] that are sound, by name.
+  Parameters parameters() const;
+
+  /// As the user or the fallback put it.
+  const TomlValue& value(std::string_view key) const { return entries_.find(key)->second.value; }
+
+  /// Notes what is wrong with a key, at its value, or else at its table, or else at the end of the text.
+  void report(std::string_view key, const std::string& message);
+
+  /// All that was found, in the order of the text, overrides last.
+  std::vector<Diagnostic> diagnostics() const;
+
+ private:
+  struct Place {
+    std::string source;
+    TextPosition at;
+  };
+  struct Entry {
+    TomlValue value;
+    Place place;
+  };
+
+  void add_text(const std::string& text);
+  void add_override(const std::string& text);
+  void add(const TomlEntry& entry, std::string_view table, const std::string& source);
+  void unset(std::string_view name);
+  void drop_what_no_longer_belongs();
+  void check_values();
+  void fill_in();
+  const TomlValue* sound_value(std::string_view key) const;
+  Place place_of(std::string_view key) const;
+  void report_unknown_table(const Place& place, const std::string& key, std::optional<std::string_view> nearest);
+  void report_at(const Place& place, const std::string& key, const std::string& message);
+
+  Place end_;
+  bool readable_ = true;
+  std::map<std::string, Entry, std::less<>> entries_;
+  std::map<std::string, Place, std::less<>> tables_;
+  std::set<std::string, std::less<>> faulty_, filled_in_;
+  std::vector<Diagnostic> found_;
+};
+
+}  // namespace viscobar

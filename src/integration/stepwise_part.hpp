@@ -1,0 +1,386 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "dynamics/penalised_system.hpp"
+#include "integration/end_watch.hpp"
+#include "integration/energy_flow.hpp"
+#include "integration/event_search.hpp"
+#include "integration/late_opening.hpp"
+#include "integration/layout.hpp"
+#include "integration/sensitivities.hpp"
+#include "integration/snapshot.hpp"
+#include "integration/stepper.hpp"
+#include "run/contact_states.hpp"
+#include "run/parts.hpp"
+#include "run/telling.hpp"
+#include "run/watchdog.hpp"
+#include "viscobar/dynamics/bar_system.hpp"
+#include "viscobar/run/run.hpp"
+
+namespace viscobar {
+
+/// A part of a run: steps on legs, a leg ending where a contact changes, where the load breaks, or at a checkpoint.
+class StepwisePart {
+ public:
+  StepwisePart(PenalisedSystem& system, const Layout& layout, LegStepper& stepper, Statistics& statistics,
+               std::span<const double> times, const Observers& observers, double begin,
+               std::optional<Sensitivities>& sensitivities)
+      : system_(system),
+        layout_(layout),
+        stepper_(stepper),
+        statistics_(statistics),
+        times_(times),
+        observers_(observers),
+        telling_(observers, statistics),
+        schedule_(observers, times, begin),
+        search_(system, stepper),
+        watchdog_(begin, times.back()),
+        snapshot_(system),
+        y_(layout.size),
+        inner_(layout.size),
+        sensitivities_(sensitivities) {}
+
+  /// Up to the next checkpoint, which is returned, to where an observer stops it, or to the end.
+  std::optional<Checkpoint> operator()(const StartingPoint& start) {
+    const double end = times_.back();
+    const double begin = begin_at(start);
+    double t = begin;
+    while (t < end) {
+      stepper_.before_step();
+      const double step_begin = t, reached = stepper_.advance();
+      ++statistics_.steps;
+      watchdog_.attempt(t, reached);
+      if (reached <= t) continue;  // nothing can be interpolated
+      std::optional<double> change;
+      if (system_.contact_count() > 0) {
+        ++statistics_.event_evaluations;
+        change = search_.first_change(t, reached, ends_);
+        statistics_.max_penetration = std::max(statistics_.max_penetration, search_.max_penetration());
+      }
+      double limit = change.value_or(reached);
+      if (schedule_.next() && *schedule_.next() < limit) {
+        limit = *schedule_.next();
+        change.reset();
+      }
+      if (ends_) watch_ends(t, limit, system_.contact_count() > 0 && !search_.selects() && limit == reached);
+      if (layout_.account() > 0 && account_doubtful(t, reached)) {
+        outputs_until(limit, [&](double at) { return corrected_account(t, at); });
+        account_shift_ = corrected_account(t, limit);
+      } else {
+        outputs_until(limit, [&](double) { return account_shift_; });
+      }
+      t = limit;
+      statistics_.reached_time = t;
+      watchdog_.step(t, statistics_.events);
+      if (!telling_.progress(t)) return std::nullopt;
+      if (change) {
+        reach(t);
+        switch_contacts(t, step_begin, reached);
+        // What is left after a change at the very end is no leg.
+        if (end - t <= 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end))) break;
+      } else if (t >= leg_end_) {
+        reach(t);
+      }
+      if (t > begin && t < end && schedule_.due(t)) {
+        if (!change) reach(t);
+        return Checkpoint{t, next_output_, {}, archived(*this)};
+      }
+      if (change || (t >= leg_end_ && t < end)) restart(t);
+    }
+    statistics_.reached_time = end;
+    finish(end);
+    return std::nullopt;
+  }
+
+  /// What a checkpoint holds of it.
+  static void members(auto& run, auto&& each) {
+    each(std::span(run.y_), ContactStates{run.system_}, run.stepper_.weights(), run.watchdog_);
+  }
+
+  void count_seconds() { telling_.count_seconds(); }
+
+  /// Tells the state of a run that could not go on: one more snapshot, at the time reached, where none was told yet.
+  void tell_reached() {
+    const double t = statistics_.reached_time;
+    if (!observers_.snapshot || next_output_ == 0 || t <= times_[next_output_ - 1]) return;
+    try {
+      reach(t);
+      system_.complete_velocity(t, u(), w());
+    } catch (const std::exception&) {
+      return;  // what failed there may fail again
+    }
+    tell_snapshot(t);
+  }
+
+ private:
+  std::span<double> u() { return layout_.u(y_); }
+  std::span<double> w() { return layout_.w(y_); }
+
+  double begin_at(const StartingPoint& start) {
+    const auto* checkpoint = std::get_if<Checkpoint>(&start);
+    if (checkpoint) restore(*this, *checkpoint, times_, observers_);
+    std::vector<std::size_t> entries = search_.sampled_entries();
+    if (observers_.account) {
+      if (!checkpoint) statistics_.account.emplace();
+      ends_.emplace(system_, *statistics_.account);
+      ends_->ask_for(entries);
+    }
+    search_.share(entries.size());
+    stepper_.begin_run(std::move(entries));
+    if (sensitivities_) {
+      if (!checkpoint) statistics_.sensitivity.emplace();
+      sensitivities_->attach(layout_, *statistics_.sensitivity, stepper_.weights());
+    }
+    if (checkpoint) {
+      next_output_ = checkpoint->outputs;
+      distrust_toggling();
+      restart(checkpoint->time);
+      return checkpoint->time;
+    }
+    begin(times_.front(), std::get<State>(start));
+    return times_.front();
+  }
+
+  void begin(double t, const State& start) {
+    system_.begin_leg(t, times_.back());
+    std::ranges::copy(start.u, u().begin());
+    std::ranges::copy(start.v, w().begin());
+    system_.complete_displacement(t, u());
+    system_.complete_velocity(t, u(), w());
+    const std::vector<double> approach(w().begin(), w().end());
+    if (sensitivities_) sensitivities_->begin(t, times_.back(), y_);
+    system_.settle(t, u(), w());
+    if (observers_.energy) {
+      const double of_frame = system_.frame_energy(t, u(), w());
+      statistics_.energy = EnergyAccount{.initial = system_.energy(u(), w()) + of_frame};
+      if (layout_.work) y_[*layout_.work] = -of_frame;
+    }
+    for (std::size_t i = 0; i < system_.contact_count(); ++i)
+      if (system_.closed(i)) {
+        if (system_.collides(i)) system_.set_closed(i, false);
+        differentiate_closing(t, i, start, approach);
+        tell_event(t, i, Change::closing, approach[system_.contact(i).unknown]);
+        if (system_.collides(i)) close(t, i);
+        if (sensitivities_) sensitivities_->after(t, i, y_);
+      }
+    statistics_.reached_time = t;
+    tell_snapshot(t);
+    next_output_ = 1;
+    restart(t);
+  }
+
+  // Of a contact that is closed from the start on: the bar comes to it with the velocities that it is given.
+  void differentiate_closing(double t, std::size_t i, const State& start, const std::vector<double>& approach) {
+    if (!sensitivities_) return;
+    const bool closed = system_.closed(i);
+    const std::vector<double> settled = y_;
+    system_.set_closed(i, false);
+    std::ranges::copy(start.u, u().begin());
+    std::ranges::copy(approach, w().begin());
+    system_.complete_displacement(t, u());
+    changes_ = sensitivities_->before(t, i, y_);
+    std::copy_n(settled.begin(), 2 * layout_.nodes, y_.begin());
+    system_.set_closed(i, closed);
+  }
+
+  // The state where the run is.
+  void reach(double t) { interpolate(t, account_shift_); }
+
+  void interpolate(double t, const std::array<double, 3>& shift) {
+    stepper_.interpolate(t, y_);
+    for (std::size_t k = 0; k < layout_.account(); ++k) y_[2 * layout_.nodes + k] += shift[k];
+  }
+
+  // Over a step; `looked` says that the search has sampled what they need.
+  void watch_ends(double from, double to, bool looked) {
+    // A step is short against the time in which a velocity doubles.
+    if (!looked && !ends_->concerned(to, 2.0 * stepper_.weights().largest_velocity())) return;
+    if (!looked) {
+      if (search_.selects()) stepper_.select(ends_->selected());
+      ends_->look_at(from, to, stepper_.order(), [&](std::size_t, double t) { return stepper_.sample(t, 0); });
+    }
+    ends_->add();
+  }
+
+  // Whether the step may spoil the account by more than its share of what the motion's own error does. The correction
+  // is several times the error, which is a fraction of it that falls with the order.
+  bool account_doubtful(double from, double to) {
+    const double share = (to - from) / (times_.back() - times_.front());
+    return stepper_.account_correction() > share * stepper_.weights().promised_energy();
+  }
+
+  // The power of a motion of frequency omega has one of 2 omega: where the formulas just resolve omega at a high order,
+  // their account of the power may be a thousand times worse. Gauss' formula integrates it over the step instead.
+  std::array<double, 3> corrected_account(double from, double to) {
+    const std::size_t first = 2 * layout_.nodes, count = layout_.account();
+    std::array<double, 3> shift = account_shift_;
+    for (const auto& [at, sign] : {std::pair{to, -1.0}, {from, 1.0}}) {
+      stepper_.interpolate(at, inner_);
+      for (std::size_t k = 0; k < count; ++k) shift[k] += sign * inner_[first + k];
+    }
+    add_energy_flow<5>(
+        system_, layout_, from, to, [&](double t, std::span<double> y) { stepper_.interpolate(t, y); }, inner_, shift);
+    return shift;
+  }
+
+  void restart(double t) {
+    account_shift_ = {};
+    for (std::size_t i = 0; i < system_.contact_count(); ++i)
+      if (system_.closed(i)) system_.measure_from_obstacle(i, u());
+    leg_end_ = system_.begin_leg(t, times_.back());
+    if (const auto jump = system_.bar().kink(t, times_.back())) pass_kink(t, *jump);
+    system_.complete_displacement(t, u());
+    system_.complete_velocity(t, u(), w());
+    if (sensitivities_) sensitivities_->begin_leg(t, times_.back());
+    if (ends_) {
+      ends_->measure_from(system_.origin());
+      ends_->begin(t, y_);
+    }
+    stepper_.restart(t, leg_end_, y_);
+  }
+
+  // What holds or bounds an end changes its velocity at once. A rigid contact that is closed then has an impact, or
+  // opens.
+  void pass_kink(double t, const Lift& jump) {
+    const double gained = system_.bar().pass_kink(jump, w());
+    if (layout_.work) y_[*layout_.work] += gained;
+    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
+      const std::size_t node = system_.contact(i).unknown;
+      if (!system_.collides(i) || !system_.closed(i) || w()[node] == 0.0) continue;
+      system_.set_closed(i, false);
+      if (system_.contact(i).sign * w()[node] < 0.0)
+        close(t, i);
+      else
+        tell_event(t, i, Change::opening, w()[node]);
+    }
+  }
+
+  // `shift_at` gives what the account of the leg is shifted by at a time of the step.
+  template <class ShiftAt>
+  void outputs_until(double limit, ShiftAt&& shift_at) {
+    for (; next_output_ < times_.size() && times_[next_output_] <= limit; ++next_output_) {
+      if (!observers_.snapshot) continue;
+      interpolate(times_[next_output_], shift_at(times_[next_output_]));
+      system_.complete_velocity(times_[next_output_], u(), w());
+      tell_snapshot(times_[next_output_]);
+    }
+  }
+
+  void finish(double end) {
+    // A change within rounding of the end leaves the last output to be told.
+    for (; next_output_ < times_.size(); ++next_output_) tell_snapshot(times_[next_output_]);
+    system_.complete_velocity(end, u(), w());
+    if (ends_) ends_->begin(end, y_);
+    if (sensitivities_) sensitivities_->sum_up(end, y_);
+    if (statistics_.energy) {
+      const double of_frame = system_.frame_energy(end, u(), w());
+      statistics_.energy->final = system_.energy(u(), w()) + of_frame;
+      if (layout_.dissipated) statistics_.energy->dissipated = y_[*layout_.dissipated];
+      if (layout_.work) statistics_.energy->work = y_[*layout_.work] + of_frame;
+      if (layout_.end_inertia) statistics_.energy->end_inertia = y_[*layout_.end_inertia];
+    }
+    statistics_.completed = true;
+  }
+
+  // In the step from `begin` to `end`.
+  void switch_contacts(double t, double begin, double end) {
+    system_.complete_velocity(t, u(), w());
+    const std::span<const double> velocity = w();
+    const auto switch_one = [&](std::size_t i) {
+      const Change change = system_.closed(i) ? Change::opening : Change::closing;
+      if (sensitivities_) changes_ = sensitivities_->before(t, i, y_);
+      tell_event(t, i, change, velocity[system_.contact(i).unknown]);
+      if (change == Change::opening) system_.set_closed(i, false);
+      if (change == Change::closing)
+        close(t, i);
+      else if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change()))
+        weigh_opening({system_, layout_, stepper_}, i, {t, begin, end, watchdog_.last_change()}, inner_,
+                      statistics_.late_opening);
+      system_.place_on_obstacle(i, u());
+      if (sensitivities_) sensitivities_->after(t, i, y_);
+    };
+    search_.look_at(begin, t);
+    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
+      if (i == search_.first_contact() || search_.changes(i, t, y_)) switch_one(i);
+    }
+    watchdog_.change(t, search_.first_contact());
+    distrust_toggling();
+  }
+
+  // Its node is at the obstacle, or there to rounding. Bounces lower than what a step may be wrong by are not resolved.
+  void close(double t, std::size_t i) {
+    if (!system_.collides(i)) {
+      system_.set_closed(i, true);
+      return watchdog_.close(t, system_.contact(i).unknown + system_.bar().first_node(), system_.contact_rate(i));
+    }
+    const PenalisedSystem::Collision collision =
+        system_.collide(i, t, u(), w(),
+                        {stepper_.weights().displacement_tolerance(),
+                         ErrorWeights::inertial_share * stepper_.weights().reaction_tolerance()});
+    if (layout_.dissipated) y_[*layout_.dissipated] += collision.dissipated;
+    if (layout_.end_inertia) y_[*layout_.end_inertia] += collision.end_inertia;
+    if (ends_) ends_->strike(i, collision.impulse);
+    if (sensitivities_) sensitivities_->rebound(i, changes_);
+    if (collision.rests)
+      system_.set_closed(i, true);
+    else
+      tell_event(t, i, Change::opening, w()[system_.contact(i).unknown]);
+  }
+
+  // A step across a jump of the load may leave the surface by less than its error, to either side, and a bar that has
+  // stood at the origin has no rounding to speak of: what toggles is more and more of the tolerance uncertain.
+  void distrust_toggling() {
+    const std::size_t toggles = watchdog_.toggles();
+    const double share = std::pow(10.0, std::min(static_cast<double>(toggles) - 10.0, 0.0));
+    search_.distrust(watchdog_.last_contact(), toggles > 0 ? share : 0.0);
+  }
+
+  void tell_event(double t, std::size_t i, Change change, double velocity) {
+    const BarSystem& bar = system_.bar();
+    if (bar.moving()) velocity += bar.lift(t, 1).at(bar.share(system_.contact(i).unknown));
+    telling_.event(t, bar, system_.contact(i), change, velocity, changes_);
+  }
+
+  void tell_snapshot(double t) {
+    if (!observers_.snapshot) return;
+    Snapshot now = snapshot_(t, u(), w());
+    if (sensitivities_) now.sensitivities = sensitivities_->fields(t, y_, now);
+    if (observers_.energy) {
+      const auto entry = [&](std::optional<std::size_t> at) { return at ? y_[*at] : 0.0; };
+      now.energy = snapshot_.energy(u());
+      now.energy->dissipated = entry(layout_.dissipated);
+      now.energy->work = entry(layout_.work) + system_.frame_energy(t, u(), w());
+      now.energy->end_inertia = entry(layout_.end_inertia);
+    }
+    telling_.snapshot(now);
+  }
+
+  PenalisedSystem& system_;
+  Layout layout_;
+  LegStepper& stepper_;
+  Statistics& statistics_;
+  std::span<const double> times_;
+  const Observers& observers_;
+  Telling telling_;
+  CheckpointSchedule schedule_;
+  EventSearch search_;
+  std::optional<EndWatch> ends_;
+  Watchdog watchdog_;
+  SnapshotBuilder snapshot_;
+  std::vector<double> y_, inner_;          // the state where the run is, and within a step
+  std::array<double, 3> account_shift_{};  // of the account of this leg
+  double leg_end_ = 0.0;
+  std::size_t next_output_ = 0;
+  std::optional<Sensitivities>& sensitivities_;
+  std::vector<ChangeSensitivity> changes_;  // of the contact change under way
+};
+
+}  // namespace viscobar
