@@ -88,15 +88,17 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
                                             : fmt::format(", taken by the mass's end rows {:.3g}", energy->end_inertia),
                                         energy->balance_error()));
     if (const auto& account = statistics->account) {
-      const auto contact = [&](const char* where, const EndCondition& kind, const EndAccount& end) {
-        if (is_obstacle(kind))
-          text += row(where, fmt::format("{} closings, in contact for {}, impulse {}, peak reaction {}", end.closings,
-                                         with_unit(end.contact.total(outcome.reached_time), units, Dimension::time),
-                                         with_unit(end.impulse, units, Dimension::impulse),
-                                         with_unit(end.peak_reaction, units, Dimension::stress)));
+      const auto contact = [&](const char* where, bool there, const char* closings, const auto& obstacle) {
+        if (there)
+          text += row(where,
+                      fmt::format("{} {}, in contact for {}, impulse {}, peak reaction {}", obstacle.closings, closings,
+                                  with_unit(obstacle.contact.total(outcome.reached_time), units, Dimension::time),
+                                  with_unit(obstacle.impulse, units, Dimension::impulse),
+                                  with_unit(obstacle.peak_reaction, units, Dimension::stress)));
       };
-      contact("left obstacle", run.scene.left, account->left);
-      contact("right obstacle", run.scene.right, account->right);
+      contact("left obstacle", is_obstacle(run.scene.left), "closings", account->left);
+      contact("right obstacle", is_obstacle(run.scene.right), "closings", account->right);
+      contact("span obstacle", run.scene.span.has_value(), "closings of nodes", account->span);
       // A resumed run has not heard of those before.
       if (events.size() == outcome.events) text += contact_rows(run, events);
       const auto motion = [&](const char* where, const EndCondition& kind, const EndAccount& end) {

@@ -30,7 +30,9 @@ Json contact_json(const Scene& scene, const Outcome& outcome) {
   add("span", scene.span.has_value(), [&] {
     return Json{{"closings", account->span.closings},
                 {"openings", account->span.openings},
-                {"time_in_contact", account->span.contact.total(outcome.reached_time)}};
+                {"time_in_contact", account->span.contact.total(outcome.reached_time)},
+                {"impulse", account->span.impulse},
+                {"max_reaction", account->span.peak_reaction}};
   });
   return contacts;
 }

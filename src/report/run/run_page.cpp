@@ -65,22 +65,21 @@ std::string contact_section(const Case& run, const BarSystem& system, const Outc
   if (!outcome.statistics || !outcome.statistics->account) return {};
   const RunAccount& account = *outcome.statistics->account;
   Table table{{"Obstacle", "closings", "time in contact", "impulse of the reaction", "peak reaction"}, 1, {}};
-  const auto add = [&](const char* where, const EndCondition& kind, const EndAccount& end) {
-    if (is_obstacle(kind))
-      table.rows.push_back({where, fmt::format("{}", end.closings), readable(end.contact.total(outcome.reached_time)),
-                            readable(end.impulse), readable(end.peak_reaction)});
+  const auto add = [&](const char* where, bool there, const auto& obstacle) {
+    if (there)
+      table.rows.push_back({where, fmt::format("{}", obstacle.closings),
+                            readable(obstacle.contact.total(outcome.reached_time)), readable(obstacle.impulse),
+                            readable(obstacle.peak_reaction)});
   };
-  add("left end", run.scene.left, account.left);
-  add("right end", run.scene.right, account.right);
+  add("left end", is_obstacle(run.scene.left), account.left);
+  add("right end", is_obstacle(run.scene.right), account.right);
+  add("span, its nodes together", run.scene.span.has_value(), account.span);
+  if (table.rows.empty()) return {};
   std::vector<std::string> notes;
   const auto remark = peak_remark(run, system);
-  if (remark && account.left.closings + account.right.closings > 0) notes.push_back("Peak reaction: " + *remark);
-  if (run.scene.span)
-    notes.push_back(fmt::format("Under the span: nodes closed {} times and opened {} times; time in contact {}",
-                                account.span.closings, account.span.openings,
-                                readable(account.span.contact.total(outcome.reached_time))));
-  if (table.rows.empty() && notes.empty()) return {};
-  return section_html("Contact", (table.rows.empty() ? "" : html(table)) + notes_html(notes));
+  if (remark && account.left.closings + account.right.closings + account.span.closings > 0)
+    notes.push_back("Peak reaction: " + *remark);
+  return section_html("Contact", html(table) + notes_html(notes));
 }
 
 std::string event_section(const Outcome& outcome, const ReportData& data) {
