@@ -265,6 +265,18 @@ std::string sensitivities_of(const std::vector<std::string>& keys);
 /// The methods that an option --methods names. @throws std::invalid_argument for an unknown one, with the nearest
 std::vector<MethodName> methods_named(const std::vector<std::string>& words);
 
+/// What "1e-2:1e-8", or one value, means to an option: numbers within [low, high], the larger first, `per_decade` in a
+/// decade. @throws std::invalid_argument that names the option and says with `expected` what its numbers are
+struct DecadeRange {
+  std::string_view option, expected, example;
+  double low, high;
+
+  std::vector<double> operator()(const std::string& text, std::size_t per_decade = 1) const;
+
+ private:
+  double number(const std::string& word) const;
+};
+
 /// What lists and limits of numbers are checked by: finite, above 0; a number of elements that a mesh may have.
 const CLI::Validator& positive_number();
 const CLI::Validator& number_of_elements();

@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include "cli/commands.hpp"
-#include "cli/decade_range.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
 #include "cli/progress.hpp"

@@ -18,14 +18,13 @@ namespace {
 
 std::string end_text(EndCondition end, const EndInput& input) {
   const EndKind& kind = end_kind(end);
-  const bool obstacle = is_obstacle(end);
   std::string text(kind.in_words);
   for (const EndNumber& number : kind.numbers)
     text += fmt::format(", {}\u00a0{}", number.key, readable(number.of(end)));
   if (const auto* obstacle = std::get_if<Obstacle>(&end); obstacle && obstacle->side == Side::above) text += ", above";
   if (input.force)
     text += input.force->steady ? fmt::format(", force {}", readable(input.force->value(0.0))) : ", force F(t)";
-  if (input.motion) text += obstacle ? ", moving" : ", motion d(t)";
+  if (input.motion) text += is_obstacle(end) ? ", moving" : ", motion d(t)";
   if (input.stiffness > 0.0) text += fmt::format(", spring {} to u = 0", readable(input.stiffness));
   if (input.dashpot > 0.0) text += fmt::format(", dashpot {}", readable(input.dashpot));
   return text;

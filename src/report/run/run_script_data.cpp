@@ -8,7 +8,7 @@
 #include <map>
 
 #include "report/obstacle_levels.hpp"
-#include "report/plot/base64.hpp"
+#include "report/plot/png.hpp"
 #include "report/plot/range.hpp"
 #include "results/csv.hpp"
 #include "scene/end_kinds.hpp"
