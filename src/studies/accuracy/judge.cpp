@@ -108,8 +108,9 @@ void Plan::explain(ErrorEstimate& estimate, const Case& run) const {
                                           : fmt::format("{}: what suits the scene", name(run.method)));
   because(given.mass, fmt::format("{} mass", name(effective_mass(run))),
           fmt::format("{} mass: errors fall with the power {:g} of the mesh{}", name(effective_mass(run)), theory_,
-                      starts_at_rest(run) ? " where the motion is smooth"
-                                          : ", since a fixed end has another initial velocity than the bar beside it"));
+                      effective_mass(run) == Mass::fourth_order && !fits_fixed_ends(run)
+                          ? ", since a fixed end has another initial velocity than the bar beside it"
+                          : " where the motion is smooth"));
   because(given.elements, fmt::format("{} elements", run.elements),
           fmt::format("{} elements: from {}", run.elements,
                       estimate.order ? fmt::format("the observed power {:.2g} of the mesh", *estimate.order)
