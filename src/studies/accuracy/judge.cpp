@@ -27,8 +27,8 @@ std::vector<Setting> Plan::wanted_by_judge() const {
   if (waves_) return {nudged(chosen_)};
   std::vector<Setting> all = rungs(chosen_.elements);
   all.pop_back();
-  const std::size_t coarse = coarse_of_time();
-  for (const auto& pair : {time_pair(coarse), penalty_pair(coarse)}) all.insert(all.end(), pair.begin(), pair.end());
+  for (const auto& pair : {time_pair(coarse()), penalty_pair(coarse())})
+    all.insert(all.end(), pair.begin(), pair.end());
   std::erase(all, chosen_);
   return all;
 }
@@ -161,12 +161,12 @@ ErrorEstimate Plan::judge(Sample solution) {
   runs_.finish();
   runs_.add(chosen_, std::move(solution));
   const Case judged = with(chosen_);
-  const std::size_t elements = chosen_.elements, coarse = coarse_of_time();
+  const std::size_t elements = chosen_.elements;
   runs_.make(wanted_by_judge());
   bool same = true;
   const std::vector<MeshStep> steps = ladder(elements, study_.request.of, &same);
   const SpaceError space = space_error(steps, theory_of_goal(elements));
-  const Part time = time_error(coarse), penalty = penalty_error(coarse);
+  const Part time = time_error(coarse()), penalty = penalty_error(coarse());
   estimate.space = space.error;
   estimate.order = space.trusted;
   estimate.effectivity = space.effectivity;
