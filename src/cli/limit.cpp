@@ -6,11 +6,9 @@
 #include <stdexcept>
 
 #include "cli/commands.hpp"
-#include "cli/decade_range.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
 #include "cli/progress.hpp"
-#include "report/write_page.hpp"
 #include "results/result_directory.hpp"
 #include "viscobar/report/reports.hpp"
 
@@ -112,13 +110,8 @@ int LimitCommand::operator()() const {
   const LimitResult result = limit_of(study);
   status.clear();
   const CouplingResult coupling = balance_errors(study, result);
-  const std::string json = write_study(directory, "limit", limit_json(scene, study, result, coupling),
-                                       limit_page(study, result, coupling), output_.figures);
-  if (scene_.json)
-    print(json);
-  else if (!output_.quiet)
-    print(fmt::format("{}\n\n{}", heading(bar.title, scene_.file), limit_text(study, result, coupling)) +
-          row("pictures", (directory / "limit.html").string()));
+  finish_study("limit", directory, scene_, output_, scene, limit_json(scene, study, result, coupling),
+               limit_page(study, result, coupling), limit_text(study, result, coupling));
   for (const FailedRun& run : result.failed)
     complain(fmt::format("epsilon = {} on {} elements: {}", run.epsilon, run.elements, run.what));
   if (missed) complain(fmt::format("the error that was asked for is not kept at epsilon = 0: {}", missed->doubt));

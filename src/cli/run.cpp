@@ -207,18 +207,6 @@ std::optional<Duration> read_duration(const std::string& text) {
   return duration;
 }
 
-/// Of [sensitivity], for a list of keys with commas.
-std::vector<std::string> sensitivity_settings(const std::string& keys) {
-  if (keys.empty()) return {};
-  std::string list;
-  for (std::size_t begin = 0; begin <= keys.size();) {
-    const std::size_t end = std::min(keys.find(',', begin), keys.size());
-    list += fmt::format("{}'{}'", list.empty() ? "" : ", ", keys.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return {fmt::format("sensitivity.of=[{}]", list)};
-}
-
 /// A plain number is simulated time; with a unit it is time on the clock.
 CheckpointEvery checkpoint_every(const std::string& text) {
   const auto every = read_duration(text);
@@ -271,7 +259,9 @@ RunCommand::RunCommand(CLI::App& app)
   command_
       .add_option("--sensitivity", sensitivity_,
                   "Tell derivatives of the results with respect to these keys, such as bar.viscosity,left.gap")
-      ->type_name("KEYS");
+      ->type_name("KEY,KEY...")
+      ->delimiter(',')
+      ->allow_extra_args(false);
 }
 
 int RunCommand::operator()() const {
@@ -279,7 +269,8 @@ int RunCommand::operator()() const {
   if (!checkpoint_.empty()) options.checkpoint = checkpoint_every(checkpoint_);
   options.figures = output_.figures;
   const auto wall_time = wall_time_of(wall_time_);
-  std::vector<std::string> settings = sensitivity_settings(sensitivity_);
+  std::vector<std::string> settings;
+  if (!sensitivity_.empty()) settings.push_back(sensitivities_of(sensitivity_));
   if (!error_.empty()) settings.push_back("accuracy.error=" + error_);
   const SceneFile scene = scene_.read({}, settings);
   // Each checkpoint holds the times of all before it: these write 8 n^2 / 2 bytes for that, 40 GB.
@@ -300,8 +291,8 @@ int RunCommand::operator()() const {
 ResumeCommand::ResumeCommand(CLI::App& app)
     : Command(app, "resume", "Continue a run that was stopped, from its last checkpoint") {
   command_.add_option("directory", directory_, "Where the run put its results")->required()->type_name("DIR");
-  command_.add_flag("--json", json_, "Print one JSON document on standard output, and nothing else there");
-  command_.add_flag("-q,--quiet", quiet_, "Print nothing but errors");
+  add_json(command_, json_);
+  add_quiet(command_, quiet_);
   add_figures(command_, figures_);
   add_wall_time(command_, wall_time_);
 }

@@ -16,7 +16,7 @@ std::string_view of_words(Goal goal) {
     case Goal::end_traces: return "of the ends' displacements";
     case Goal::contact_times: return "of contact times";
     case Goal::impulse: return "of impulses";
-    case Goal::peak_reaction: return "of greatest reactions";
+    case Goal::peak_reaction: return "of peak reactions";
   }
   return {};
 }
