@@ -11,10 +11,19 @@ EndTraces trace_ends(const Case& run, std::span<const double> times) {
   EndTraces traces;
   traces.left.reserve(times.size());
   traces.right.reserve(times.size());
+  constexpr std::size_t intervals = 16;
+  if (run.scene.span) traces.between.resize(intervals - 1);
+  const Mesh& mesh = system.mesh();
   Observers observers;
   observers.snapshot = [&](const Snapshot& s) {
     traces.left.push_back(s.u.front());
     traces.right.push_back(s.u.back());
+    for (std::size_t i = 0, e = 0; i < traces.between.size(); ++i) {
+      const double x = mesh.length * static_cast<double>(i + 1) / intervals;
+      while (mesh.node(e + 1) < x) ++e;
+      const double part = (x - mesh.node(e)) / mesh.element(e);
+      traces.between[i].push_back(std::lerp(s.u[e], s.u[e + 1], part));
+    }
   };
   observers.event = [&](const Event& event) { traces.events.push_back(event); };
   traces.statistics = simulate(run, system, times, observers);
@@ -31,8 +40,10 @@ std::vector<Event> contact_changes(const Case& run) {
 
 double largest_difference(const EndTraces& a, const EndTraces& b) {
   double largest = 0.0;
-  for (std::size_t k = 0; k < a.left.size(); ++k)
-    largest = std::max({largest, std::abs(a.left[k] - b.left[k]), std::abs(a.right[k] - b.right[k])});
+  const auto of_a = EndTraces::all(a), of_b = EndTraces::all(b);
+  for (std::size_t i = 0; i < of_a.size(); ++i)
+    for (std::size_t k = 0; k < of_a[i]->size(); ++k)
+      largest = std::max(largest, std::abs((*of_a[i])[k] - (*of_b[i])[k]));
   return largest;
 }
 

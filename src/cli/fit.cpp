@@ -12,7 +12,6 @@
 #include "cli/messages.hpp"
 #include "input/scene_keys.hpp"
 #include "input/trace_file.hpp"
-#include "report/write_page.hpp"
 #include "results/result_directory.hpp"
 #include "viscobar/report/reports.hpp"
 
@@ -38,12 +37,6 @@ std::pair<std::string, std::string> assignment(const std::string& text, const st
   if (std::ranges::find(names, name) == names.end())
     throw std::invalid_argument(fmt::format("{}: \"{}\" is none of {}", option, name, fmt::join(names, ", ")));
   return {name, text.substr(equals + 1)};
-}
-
-std::string list_of(const std::vector<std::string>& keys) {
-  std::string list;
-  for (const std::string& key : keys) list += fmt::format("{}'{}'", list.empty() ? "" : ", ", key);
-  return fmt::format("sensitivity.of=[{}]", list);
 }
 
 /// Where the scene puts a parameter, and how far it may go.
@@ -148,7 +141,7 @@ FitCommand::FitCommand(CLI::App& app)
 int FitCommand::operator()() const {
   if (data_.empty() && events_.empty())
     throw std::invalid_argument("fit: there are no data; give --data FILE, --events FILE, or both");
-  const std::string of = list_of(parameters_);
+  const std::string of = sensitivities_of(parameters_);
   const SceneFile scene = scene_.read({}, {of});
   FitStudy study;
   study.starts = starts_;
@@ -201,15 +194,11 @@ int FitCommand::operator()() const {
   };
   const std::filesystem::path directory = output_.directory(scene_);
   const ResultDirectory results(directory, ResultKind::fit);
+  if (!output_.quiet) warn_of_other_scenes(directory, scene, "fit.json");
   end_on_interrupt();
   const FitResult result = fit(study);
-  const std::string json =
-      write_study(directory, "fit", fit_json(scene, study, result), fit_page(scene, study, result), output_.figures);
-  if (scene_.json)
-    print(json);
-  else if (!output_.quiet)
-    print(fmt::format("{}\n\n{}\n", heading(scene.run.scene.title, scene_.file), fit_text(study, result)) +
-          row("pictures", (directory / "fit.html").string()));
+  finish_study("fit", directory, scene_, output_, scene, fit_json(scene, study, result), fit_page(scene, study, result),
+               fit_text(study, result) + "\n");
   if (!result.converged) complain(fmt::format("fit: {}", result.reason));
   return result.converged ? success : run_failed;
 }

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <optional>
 
+#include "dynamics/natural_scales.hpp"
+
 namespace viscobar {
 
 namespace {
@@ -30,6 +32,11 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
   modulus_ = direction.bar.modulus - bar.modulus * stretched;
   viscosity_ = direction.bar.viscosity - bar.viscosity * stretched;
   inertia_ = direction.bar.density / bar.density + stretched;
+  const double crossing = bar.length * std::sqrt(bar.density / bar.modulus);
+  relative_change_ = std::abs(direction.bar.density) / bar.density + std::abs(direction.bar.modulus) / bar.modulus +
+                     std::abs(direction.bar.viscosity) / (bar.modulus * crossing) + std::abs(stretched) +
+                     std::abs(direction.restitution);
+  if (direction.epsilon != 0.0) relative_change_ += std::abs(direction.epsilon / *penalty.epsilon);
   for (std::size_t i = 0; i < system.contact_count(); ++i) {
     LawRates rates{0.0, 0.0};
     if (!system.rigid()) {
@@ -50,6 +57,12 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
   driven_ = modulus_ != 0.0 || viscosity_ != 0.0 || inertia_ != 0.0 ||
             std::ranges::any_of(laws_, [](const LawRates& law) { return law.stiffness != 0.0 || law.damping != 0.0; });
   if (driven_) motion_.add_force(added_, {});
+}
+
+double Derivative::relative_scale(double end) const {
+  double most = displacement_of_data(data_, end);
+  for (const Contact& contact : data_.contacts()) most = std::max(most, std::abs(contact.gap));
+  return most / natural_scales(system_.bar(), end).displacement + relative_change_;
 }
 
 void Derivative::take_contacts() {

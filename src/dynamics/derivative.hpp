@@ -38,6 +38,10 @@ class Derivative {
   const BarSystem& data() const { return data_; }  ///< its gaps, walls and initial state
   PenalisedSystem& motion() { return motion_; }    ///< of s
 
+  /// What s is large or small beside in a run up to `end`, over the natural displacement of the bar: what its own data
+  /// and gaps make, and how much of itself changes that the bar and its contacts are made of.
+  double relative_scale(double end) const;
+
   /// To be called where a leg begins.
   void begin_leg(double t, double end) { motion_.begin_leg(t, end); }
   /// Closes the contacts of the bar, and no others.
@@ -73,6 +77,7 @@ class Derivative {
   PenalisedSystem& system_;
   BarSystem data_;
   PenalisedSystem motion_;
+  double relative_change_;                // of what the bar and its contacts are made of
   double modulus_, viscosity_, inertia_;  // E' - E L'/L, eta' - eta L'/L, rho'/rho + L'/L
   std::vector<LawRates> laws_;
   std::vector<double> added_, stress_;

@@ -58,16 +58,22 @@ double moved_by_ends(const BarSystem& system, double tau, double end) {
 
 }  // namespace
 
-NaturalScales natural_scales(const BarSystem& system, double end) {
+double displacement_of_data(const BarSystem& system, double end) {
   const Bar& bar = system.bar();
   const State start = system.initial_state();
-  const double crossing = bar.length * std::sqrt(bar.density / bar.modulus), tau = std::min(crossing, end);
+  const double tau = std::min(bar.length * std::sqrt(bar.density / bar.modulus), end);
   const double mean = std::accumulate(start.u.begin(), start.u.end(), 0.0) / static_cast<double>(start.u.size());
   double deviation = 0.0;
   for (const double u : start.u) deviation = std::max(deviation, std::abs(u - mean));
   const double scale = std::max({deviation, tau * largest(start.v), tau * tau * mean_load(system, end) / bar.density,
                                  moved_by_ends(system, tau, end)});
-  return {crossing, scale > 0.0 && std::isfinite(scale) ? scale : bar.length};
+  return std::isfinite(scale) ? scale : 0.0;
+}
+
+NaturalScales natural_scales(const BarSystem& system, double end) {
+  const Bar& bar = system.bar();
+  const double scale = displacement_of_data(system, end);
+  return {bar.length * std::sqrt(bar.density / bar.modulus), scale > 0.0 ? scale : bar.length};
 }
 
 }  // namespace viscobar

@@ -19,5 +19,7 @@ struct NaturalScales {
 /// scale: a far obstacle says nothing about the motion. Of a load that varies, the mean is that of 64 times up to
 /// `end`; where it is not finite it counts for nothing here.
 NaturalScales natural_scales(const BarSystem& system, double end);
+/// U without that L: 0 where all vanish.
+double displacement_of_data(const BarSystem& system, double end);
 
 }  // namespace viscobar

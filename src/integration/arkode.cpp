@@ -52,10 +52,10 @@ class ArkodeStepper final : public LegStepper {
   ArkodeStepper(const StepperParts& parts, const Tolerance& tolerance)
       : leg_(parts.system, Layout(parts.system, false, parts.derivatives.size()), parts.statistics, parts.derivatives),
         outer_(parts.layout),
-        weights_(parts.system, leg_.layout, tolerance, parts.times.back(), one_step_accumulation),
+        weights_(parts.system, leg_.layout, tolerance, parts.times.back(), one_step_accumulation, parts.derivatives),
         end_(parts.times.back()),
         step_(parts.system, parts.layout, parts.derivatives),
-        state_(make_vector(leg_.layout.size, context_, leg_.layout.first_derivative)),
+        state_(make_vector(leg_.layout.size, context_)),
         rate_(make_vector(leg_.layout.size, context_)),
         solver_(make_step_solver(leg_, solve_stage, context_)) {}
 

@@ -13,7 +13,8 @@ void stand(EndAccount& account, double u) { account.displacement = account.lowes
 
 }  // namespace
 
-EndWatch::EndWatch(PenalisedSystem& system, RunAccount& account) : system_(system), bar_(system.bar()) {
+EndWatch::EndWatch(PenalisedSystem& system, RunAccount& account)
+    : system_(system), bar_(system.bar()), span_(system, account.span) {
   const std::size_t last = system.size() - 1;
   if (bar_.left_fixed() && bar_.moving())
     follow(account.left, *bar_.left_displacement(), false);
@@ -43,7 +44,7 @@ void EndWatch::begin(double t, std::span<const double> y) {
 }
 
 bool EndWatch::concerned(double to, double fastest) const {
-  return bar_.moving() || std::ranges::any_of(ends_, [&](const End& end) {
+  return bar_.moving() || span_.closed() || std::ranges::any_of(ends_, [&](const End& end) {
            const EndAccount& account = *end.account;
            const double room = std::min(account.highest - account.displacement, account.displacement - account.lowest);
            return fastest * (to - seen_) >= room || closed(end);
@@ -57,18 +58,20 @@ void EndWatch::look_at(std::size_t j, double t, std::span<const double> y) {
     for (std::size_t e = 0; e < end.entries.size(); ++e) values[e] = y[selected_[k++]];
     look_at(end, j, t, values);
   }
+  span_.look_at(j, y);
 }
 
 bool EndWatch::resolved() const {
-  return std::ranges::all_of(ends_, [this](const End& end) {
-    const auto smooth = [this](const Samples& values, double scale) {
-      Samples rest = values;
-      double largest = 0.0;
-      for (std::size_t j = 0; j <= order_; ++j) largest = std::max(largest, std::abs(values[j]));
-      for (std::size_t r = order_; r > 0; --r)
-        for (std::size_t j = 0; j < r; ++j) rest[j] = rest[j + 1] - rest[j];
-      return std::abs(rest[0]) <= std::max(1e-8 * largest, 1e-12 * scale);
-    };
+  const auto smooth = [this](const Samples& values, double scale) {
+    Samples rest = values;
+    double largest = 0.0;
+    for (std::size_t j = 0; j <= order_; ++j) largest = std::max(largest, std::abs(values[j]));
+    for (std::size_t r = order_; r > 0; --r)
+      for (std::size_t j = 0; j < r; ++j) rest[j] = rest[j + 1] - rest[j];
+    return std::abs(rest[0]) <= std::max(1e-8 * largest, 1e-12 * scale);
+  };
+  if (span_.closed() && !smooth(span_.samples(), span_.peak())) return false;
+  return std::ranges::all_of(ends_, [&](const End& end) {
     const double range = std::max(std::abs(end.account->lowest), std::abs(end.account->highest));
     if (!smooth(end.u, range)) return false;
     const double force = std::max(end.account->peak_reaction, end.modulus * range);
@@ -83,6 +86,7 @@ void EndWatch::strike(std::size_t i, double impulse) {
 
 void EndWatch::add() {
   if (!(length_ > 0.0)) return;
+  span_.add(length_, order_);
   for (End& end : ends_) {
     EndAccount& account = *end.account;
     account.displacement = end.u[order_];

@@ -9,13 +9,14 @@
 
 #include "dynamics/penalised_system.hpp"
 #include "integration/bernstein.hpp"
+#include "integration/span_force.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
 
-/// Keeps the account of the ends (see RunAccount) over the steps of a stepwise run, on the polynomials that each step
-/// is interpolated by: range of u and peak of R are theirs. The impulse of a closed contact follows from its node's
-/// row,
+/// Keeps the account of the ends and of a span obstacle's force (see RunAccount) over the steps of a stepwise run, on
+/// the polynomials that each step is interpolated by: range of u and peak of R are theirs. The impulse of a closed
+/// contact follows from its node's row,
 ///
 ///     int R dt = [rho M v + eta K u] + int (E K u - M f) dt,
 ///
@@ -34,9 +35,15 @@ class EndWatch {
         selected_.push_back(entries.size());
         entries.push_back(entry);
       }
+    of_ends_ = selected_.size();
+    span_.ask_for(entries);
   }
-  /// Positions of its entries among all.
-  const std::vector<std::size_t>& selected() const { return selected_; }
+  /// Positions of its entries among all, those of open contacts of a span obstacle left out.
+  const std::vector<std::size_t>& selected() {
+    selected_.resize(of_ends_);
+    span_.select(selected_);
+    return selected_;
+  }
 
   /// What a checkpoint holds of it, beside the account.
   static void members(auto& watch, auto&& each) {
@@ -45,6 +52,7 @@ class EndWatch {
 
   /// What is to be added to u to have displacements from here on (see PenalisedSystem); empty: nothing.
   void measure_from(std::span<const double> origin) {
+    span_.measure_from(origin);
     if (origin.empty()) return;
     for (End& end : ends_) {
       end.origin = origin[end.unknown];
@@ -144,7 +152,9 @@ class EndWatch {
   PenalisedSystem& system_;
   const BarSystem& bar_;
   std::vector<End> ends_;
+  SpanForce span_;
   std::vector<std::size_t> selected_;
+  std::size_t of_ends_ = 0;           // of them
   double length_ = 0.0, seen_ = 0.0;  // of the step looked at, and its end
   std::size_t order_ = 0;
 };

@@ -9,6 +9,7 @@
 
 #include "case/alarm.hpp"
 #include "case/regime.hpp"
+#include "dynamics/natural_scales.hpp"
 
 namespace viscobar {
 
@@ -39,15 +40,16 @@ std::optional<std::string> representation_warning(const Statistics& done) {
 }
 
 /// That the bar has gone through an obstacle: how deep, and the epsilon to take.
-std::optional<std::string> penetration_warning(const Case& run, const Statistics& done) {
+std::optional<std::string> penetration_warning(const Case& run, const BarSystem& system, const Statistics& done) {
   if (!is_penalised(run.method) || !done.account) return std::nullopt;
   double largest = 0.0;
   for (const EndAccount* end : {&done.account->left, &done.account->right})
     largest = std::max({largest, std::abs(end->lowest), std::abs(end->highest)});
+  // Between the ends the account has no displacements.
+  if (run.scene.span) largest = std::max({largest, run.scene.span->gap, natural_scales(system, run.end).displacement});
   if (!is_no_obstacle(done.max_penetration, largest)) return std::nullopt;
   return fmt::format(
-      "penetration: the bar went {:.3g} deep into an obstacle, its ends having displacements of up to {:.3g}: that is "
-      "no obstacle; {}",
+      "penetration: the bar went {:.3g} deep into an obstacle, beside displacements of {:.3g}: that is no obstacle; {}",
       done.max_penetration, largest, stiffer_advice(run));
 }
 
@@ -112,7 +114,7 @@ void judge(Outcome& outcome, const Case& run, const BarSystem& system,
   const Statistics& done = *outcome.statistics;
   if (const auto warning = growth_warning(run, done)) warn(*warning);
   if (const auto warning = representation_warning(done)) warn(*warning);
-  if (const auto warning = penetration_warning(run, done)) warn(*warning);
+  if (const auto warning = penetration_warning(run, system, done)) warn(*warning);
   for (const Alarm& alarm : alarms(run, system, done)) {
     const std::string what = fmt::format(
         "{}; the result is further from the solution than the tolerances promise: take another method.name or a "

@@ -56,11 +56,13 @@ GrowingFiles::GrowingFiles(const fs::path& directory, const SceneFile& scene, co
   add(events, run.files.events, events_header);
   add(energy, run.files.energy, energy_header);
   add(sensitivity, !run.directions.empty(), sensitivity_header(run.directions));
+  std::vector<std::string> keys;
+  for (const Direction& direction : run.directions) keys.push_back(direction.key);
   if (run.files.field)
     field.emplace(
         directory, run.mesh(), static_cast<std::size_t>(run.end / run.output_every) + 2,
         mark && mark->field ? &*mark->field : nullptr,
-        FieldOrigin{run.scene.bar, run.scene.units, run.scene.title, mark ? "" : scene_text(scene.description)});
+        FieldOrigin{run.scene.bar, run.scene.units, run.scene.title, mark ? "" : scene_text(scene.description), keys});
 }
 
 void GrowingFiles::take_places() {

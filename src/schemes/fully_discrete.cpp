@@ -44,6 +44,7 @@ class Run {
     // An end that misses a step by rounding only is on it.
     steps_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(steps * (1.0 - 1e-12))));
     statistics_.unknowns = system.size();
+    spanned_ = std::ranges::any_of(system.contacts(), [](const Contact& one) { return one.where == Where::span; });
     statistics_.reached_time = begin_of(start, times);
     if (observers_.snapshot) {
       u_nodal_.resize(system.mesh().nodes());
@@ -97,7 +98,7 @@ class Run {
       const double reached = n < steps_ ? time(n) : times_.back();
       statistics_.steps = statistics_.rhs_evaluations = n;
       statistics_.reached_time = reached;
-      if (statistics_.account) account_ends(n);
+      if (statistics_.account) account_reactions(n);
       if (observers_.snapshot) write_until(n);
       if (!telling_.progress(reached)) return false;
       if (n == steps_) return true;
@@ -133,9 +134,19 @@ class Run {
     };
     begin(account.left, system_.left_displacement(), 0);
     begin(account.right, system_.right_displacement(), system_.size() - 1);
+    account.span.impulse = of_span(step_->start_impulse());
+    account.span.peak_reaction = std::abs(of_span(step_->reaction_before()));
   }
 
   double sign(std::size_t k) const { return step_->contacts()[k].sign; }
+
+  // The sum over the span obstacle's contacts, in the direction of u.
+  double of_span(std::span<const double> values) const {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < values.size(); ++k)
+      if (step_->contacts()[k].where == Where::span) sum += sign(k) * values[k];
+    return sum;
+  }
 
   // Of an end that is not fixed, whose contacts are the first or the last ones, one from either side.
   template <class Use>
@@ -147,7 +158,7 @@ class Run {
   }
 
   // Over (t_{n-1}, t_n], where u and lambda are linear; before t_1 lambda^0 has its part in what the start took.
-  void account_ends(std::size_t n) {
+  void account_reactions(std::size_t n) {
     const double dt = scheme_.step, theta = n < steps_ ? 1.0 : std::min((times_.back() - time(n - 1)) / dt, 1.0);
     const Lift lift = system_.moving() ? system_.lift(std::min(time(n), times_.back()), 0) : Lift{};
     const auto add = [&](EndAccount& end, std::optional<double> fixed, std::size_t i) {
@@ -164,6 +175,11 @@ class Run {
     };
     add(statistics_.account->left, system_.left_displacement(), 0);
     add(statistics_.account->right, system_.right_displacement(), system_.size() - 1);
+    if (!spanned_) return;
+    const double before = of_span(step_->reaction_before()), now = of_span(step_->reaction());
+    SpanAccount& span = statistics_.account->span;
+    span.impulse += dt * theta * ((n > 1 ? (1.0 - theta / 2) * before : 0.0) + theta / 2 * now);
+    span.peak_reaction = std::max(span.peak_reaction, std::abs((1.0 - theta) * before + theta * now));
   }
 
   // Output times in (t_{n-1}, t_n]: u and v = (u^{n+1} - u^{n-1}) / (2 dt) and lambda at t_{n-1} and t_n, interpolated.
@@ -351,6 +367,7 @@ class Run {
   std::vector<unsigned char> was_active_;
   double taken_ = 0.0, taken_at_rest_ = 0.0;  // by impacts: up to now, and the most when nothing touched
   bool touching_ = false;
+  bool spanned_ = false;  // by an obstacle
   std::vector<double> u_, v_, u_nodal_, v_nodal_;
   std::optional<TimeStep> step_;
 };

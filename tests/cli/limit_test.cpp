@@ -123,6 +123,41 @@ step = 1e-3
   EXPECT_NEAR(result["meshes"][0]["scheme_error"].get<double>(), 3.8e-5, 0.1e-5);
 }
 
+// The ends tell nothing then. On the lumped mass impacts of a span are a single node's each, and a common restitution
+// makes penalty and scheme one law, to which the penalty tends like the root of epsilon.
+TEST_F(Limit, UnderASpanObstacleTheMotionBetweenFixedEndsIsCompared) {
+  std::ofstream(directory_ / "span.toml") << R"toml(
+[bar]
+length = 1
+viscosity = 0.01
+[left]
+kind = "fixed"
+[right]
+kind = "fixed"
+[span]
+gap = 0.1
+[initial]
+velocity = "-sin(pi*x)"
+displacement = 0
+[time]
+end = 3
+[mesh]
+elements = 50
+mass = "lumped"
+)toml";
+  const auto limit = [&](const std::string& options) {
+    const Ended ended = viscobar("limit span.toml --epsilon 1e-3:1e-8 --json " + options);
+    EXPECT_EQ(ended.code, 0) << ended.error;
+    return ended.json();
+  };
+  const Json common = limit("--set contact.restitution=0");
+  EXPECT_EQ(common["verdict"], "converges") << common["reason"];
+  EXPECT_NEAR(common["order_to_scheme"].get<double>(), 0.5, 0.05);
+  const Json own = limit("");
+  EXPECT_EQ(own["verdict"], "plateau") << own["reason"];
+  EXPECT_GT(own["rows"].back()["difference_to_scheme"], 0.05);
+}
+
 class LimitByViscosity : public Limit, public testing::WithParamInterface<double> {};
 
 TEST_P(LimitByViscosity, MasslessContactNodesConverge) {

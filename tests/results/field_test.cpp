@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <csignal>
+#include <cstring>
 #include <regex>
 #include <tuple>
 
@@ -372,6 +373,55 @@ TEST(FieldFile, SaysWhatItIsOfInAttributes) {
     EXPECT_NE(attribute(scratch / "field.h5", dataset, "long_name"), "none") << dataset;
   EXPECT_EQ(attribute(scratch / "field.h5", "u", "units"), "m");
   EXPECT_EQ(attribute(scratch / "field.h5", "v", "units"), "none") << "no unit of time is named";
+}
+
+// In blocks of two rows, cut at an odd one.
+TEST(FieldFile, HoldsTheDerivativesByEachKeyAndGoesOnWithThemBitForBit) {
+  const Scratch scratch;
+  constexpr std::size_t nodes = 5, rows = 7, cut = 3;
+  FieldOrigin of;
+  of.keys = {"left.gap", "parameters.speed"};
+  const auto append_rows = [&](FieldFile& file, std::size_t first, std::size_t count) {
+    for (std::size_t row = first; row < first + count; ++row) {
+      std::vector<double> u(nodes), v(nodes);
+      for (std::size_t j = 0; j < nodes; ++j) v[j] = -(u[j] = field_value(row, j));
+      const double now = static_cast<double>(row);
+      const FieldSensitivity told[] = {{u, v, now, -now}, {v, u, 2.0 * now, std::nan("")}};
+      Snapshot at{now, u, v, 0.0, 0.0};
+      at.sensitivities = told;
+      file.append(at);
+    }
+  };
+  fs::create_directory(scratch / "whole");
+  fs::create_directory(scratch / "cut");
+  FieldFile whole(scratch / "whole", Mesh{1.0, nodes - 1}, 2, nullptr, of);
+  append_rows(whole, 0, rows);
+  whole.close();
+  FieldFile begun(scratch / "cut", Mesh{1.0, nodes - 1}, 2, nullptr, of);
+  append_rows(begun, 0, cut);
+  const FieldMark mark = begun.mark();
+  append_rows(begun, cut, 2);
+  begun.close();
+  mark.check_values(scratch / "cut/field.h5");
+  FieldFile resumed(scratch / "cut", Mesh{1.0, nodes - 1}, 2, &mark, of);
+  append_rows(resumed, cut, rows - cut);
+  resumed.close();
+  for (const std::string& key : of.keys)
+    for (const char* name : {"u", "v", "reaction_left", "reaction_right"}) {
+      const std::string dataset = "sensitivity/" + key + "/" + name;
+      const Dataset one = read(scratch / "whole/field.h5", dataset.c_str());
+      const Dataset other = read(scratch / "cut/field.h5", dataset.c_str());
+      EXPECT_EQ(one.extent, other.extent) << dataset;
+      ASSERT_EQ(one.values.size(), other.values.size()) << dataset;
+      EXPECT_EQ(std::memcmp(one.values.data(), other.values.data(), one.values.size() * sizeof(double)), 0) << dataset;
+      EXPECT_NE(attribute(scratch / "whole/field.h5", dataset.c_str(), "long_name").find(key), std::string::npos);
+    }
+  const Dataset u = read(scratch / "whole/field.h5", "sensitivity/parameters.speed/u");
+  EXPECT_EQ(u.extent, (std::vector<hsize_t>{rows, nodes}));
+  EXPECT_EQ(u.values[2 * nodes + 1], -field_value(2, 1));
+  const Dataset reaction = read(scratch / "whole/field.h5", "sensitivity/left.gap/reaction_right");
+  EXPECT_EQ(reaction.extent, (std::vector<hsize_t>{rows}));
+  EXPECT_EQ(reaction.values[6], -6.0);
 }
 
 // The format holds 64 kB in an attribute.

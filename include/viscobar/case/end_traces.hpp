@@ -12,8 +12,17 @@ namespace viscobar {
 struct EndTraces {
   std::vector<double> left;   ///< u(0, t_k)
   std::vector<double> right;  ///< u(L, t_k)
+  /// u(i L / 16, t_k), i = 1 .. 15, under a span obstacle; else none.
+  std::vector<std::vector<double>> between;
   std::vector<Event> events;  ///< contact changes in order of time
   Statistics statistics;      ///< of the run
+
+  /// All of them, of traces `self`.
+  static auto all(auto& self) {
+    std::vector traces = {&self.left, &self.right};
+    for (auto& trace : self.between) traces.push_back(&trace);
+    return traces;
+  }
 };
 
 /// Runs a sound case on the given times. @throws IntegrationError
@@ -22,7 +31,7 @@ EndTraces trace_ends(const Case& run, std::span<const double> times);
 /// The contact changes of a sound case alone. @throws IntegrationError
 std::vector<Event> contact_changes(const Case& run);
 
-/// max over time and both ends of |u - u'|; the traces share their times.
+/// max over time and all traces of |u - u'|; they share their times.
 double largest_difference(const EndTraces& a, const EndTraces& b);
 
 /// Times on [0, end] that resolve the largest difference of two runs: `uniform` intervals, and after each contact

@@ -117,6 +117,9 @@ struct SpanAccount {
   std::size_t closings = 0;  ///< of nodes
   std::size_t openings = 0;  ///< likewise
   TimeInContact contact;     ///< of any node
+  double impulse = 0.0;      ///< int R dt, R the obstacle's force on the bar in the direction of u, of all nodes
+  /// max |R|, see EndAccount::peak_reaction.
+  double peak_reaction = 0.0;
 
   /// Nodes in contact.
   std::size_t closed() const { return closings - openings; }

@@ -8,9 +8,9 @@ namespace viscobar::sundials {
 Multistep::Multistep(const MultistepLibrary& library, const StepperParts& parts, const Tolerance& tolerance,
                      void (*solve_step)(Leg&, std::span<double>), bool passes_over_rest)
     : leg_(parts.system, parts.layout, parts.statistics, parts.derivatives),
-      weights_(parts.system, parts.layout, tolerance, parts.times.back(), multistep_accumulation),
+      weights_(parts.system, parts.layout, tolerance, parts.times.back(), multistep_accumulation, parts.derivatives),
       end_(parts.times.back()),
-      state_(make_vector(parts.layout.size, context_, parts.layout.first_derivative)),
+      state_(make_vector(parts.layout.size, context_)),
       library_(library),
       passes_over_rest_(passes_over_rest),
       interpolated_(make_vector(parts.layout.size, context_)),

@@ -41,6 +41,8 @@ class Figure {
   void line(std::span<const Point> points, const Style& style, std::string_view legend = {});
   void markers(std::span<const Point> points, const std::string& colour, std::string_view legend = {},
                std::size_t shape = 0);
+  /// A line with a marker at each of its points.
+  void series(std::span<const Point> points, const Style& style, std::string_view legend = {});
   void label(Point at, std::string_view text);
   /// A vertical line through the frame, the text at its top.
   void marker_line(double x, const Style& style, std::string_view text);

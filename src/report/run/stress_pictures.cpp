@@ -61,18 +61,12 @@ Picture stress_map(const Case& run, const ReportData& data, const FieldColours& 
 }
 
 Picture end_tractions(const Case& run, const ReportData& data) {
-  const std::vector<Point> left = data.left.traction.points(), right = data.right.traction.points();
-  Range range;
-  range.add(0.0);
-  range.add(left);
-  range.add(right);
-  Figure figure(time_axis(data.field, run.scene.units),
-                range.axis(with_unit("stress s", run.scene.units, Dimension::stress)), 240.0);
-  figure.line(left, {plot::series_colour(0), false, 2.4}, "s(0, t)");
-  figure.line(right, {plot::series_colour(1), true, 1.6}, "s(L, t)");
   return {"End tractions",
           "Mean stress of the first and of the last element; tension is positive.",
-          {{"end-stress", "Stress of the first and the last element over time", figure}}};
+          {{"end-stress", "Stress of the first and the last element over time",
+            over_time(run, data, with_unit("stress s", run.scene.units, Dimension::stress), 240.0,
+                      {{data.left.traction.points(), {plot::series_colour(0), false, 2.4}, "s(0, t)"},
+                       {data.right.traction.points(), {plot::series_colour(1), true, 1.6}, "s(L, t)"}})}}};
 }
 
 double axial_magnification(const Case& run, const ReportData& data) {

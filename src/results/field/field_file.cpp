@@ -31,8 +31,10 @@ hid_t create_growing(const std::filesystem::path& path, hid_t file, const char* 
   extent[0] = 0;
   largest[0] = H5S_UNLIMITED;
   const Hdf5Dataspace space(H5Screate_simple(rank, extent.data(), largest.data()));
+  const Hdf5Properties link(H5Pcreate(H5P_LINK_CREATE));
+  H5Pset_create_intermediate_group(link.get(), 1);
   return hdf5_checked(path, "cannot create a dataset", [&] {
-    return H5Dcreate2(file, name, H5T_IEEE_F64LE, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT);
+    return H5Dcreate2(file, name, H5T_IEEE_F64LE, space.get(), link.get(), properties.get(), H5P_DEFAULT);
   });
 }
 
@@ -62,11 +64,16 @@ FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, s
       bar_(of.bar),
       nodes_(mesh.nodes()),
       block_rows_(std::max<std::size_t>(1, std::min(block_bytes / (sizeof(double) * nodes_), expected_rows))),
-      xdmf_(directory / "field.xdmf", nodes_),
-      t_{"t", 1, std::clamp<std::size_t>(expected_rows, 1, 4096)},
-      u_{"u", nodes_, block_rows_},
-      v_{"v", nodes_, block_rows_},
-      stress_{"stress", nodes_ - 1, block_rows_} {
+      xdmf_(directory / "field.xdmf", nodes_) {
+  const std::size_t long_chunk = std::clamp<std::size_t>(expected_rows, 1, 4096);
+  growing_.push_back({"t", 1, long_chunk, 1});
+  for (const char* name : {"u", "v"}) growing_.push_back({name, nodes_, block_rows_});
+  growing_.push_back({"stress", nodes_ - 1, block_rows_});
+  for (const std::string& key : of.keys) {
+    const std::string group = "sensitivity/" + key + "/";
+    for (const char* name : {"u", "v"}) growing_.push_back({group + name, nodes_, block_rows_});
+    for (const char* name : {"reaction_left", "reaction_right"}) growing_.push_back({group + name, 1, long_chunk, 1});
+  }
   if (mark)
     go_on(*mark);
   else
@@ -77,11 +84,10 @@ void FieldFile::create(const FieldOrigin& of) {
   new_.emplace(path_);
   file_.reset(create_file(new_->part()));
   using Extent = std::array<hsize_t, 2>;
-  const auto grow = [&](Growing& grown, std::size_t rank) {
+  for (Growing& grown : growing_) {
     const Extent chunk{grown.chunk_rows, grown.row_values};
-    grown.dataset.reset(create_growing(path_, file_.get(), grown.name, std::span(chunk).first(rank)));
-  };
-  grow(t_, 1), grow(u_, 2), grow(v_, 2), grow(stress_, 2);
+    grown.dataset.reset(create_growing(path_, file_.get(), grown.name.c_str(), std::span(chunk).first(grown.rank)));
+  }
   const auto fix = [&](const char* name, Extent extent, std::size_t rank, const auto& values) {
     const Hdf5Dataset dataset = write_dataset(path_, file_.get(), name, std::span(extent).first(rank), values);
     fixed_.push_back(
@@ -106,24 +112,27 @@ void FieldFile::describe(const FieldOrigin& of) {
   of_file("scene", of.scene);
   of_file("units", named_units(of.units));
   of_file("version", "viscobar " + versions().viscobar);
-  struct Meaning {
-    const char *dataset, *long_name;
-    std::optional<Dimension> quantity;
-  };
-  const Meaning meanings[] = {{"t", "output times", Dimension::time},
-                              {"x", "nodes", Dimension::length},
-                              {"u", "displacement of the nodes, times x nodes", Dimension::length},
-                              {"v", "velocity of the nodes, times x nodes", Dimension::velocity},
-                              {"stress", "mean stress of each element, times x elements", Dimension::stress},
-                              {"points", "nodes in space, for field.xdmf", Dimension::length},
-                              {"line", "the two nodes of each element, for field.xdmf", std::nullopt}};
-  for (const Meaning& of_one : meanings) {
+  const auto of_dataset = [&](const std::string& name, const std::string& meaning,
+                              const std::optional<Dimension>& quantity) {
     const Hdf5Dataset dataset(
-        hdf5_checked(path_, "lacks a dataset", [&] { return H5Dopen2(file, of_one.dataset, H5P_DEFAULT); }));
-    write_attribute(path_, dataset.get(), "long_name", of_one.long_name);
-    const std::string unit = of_one.quantity ? unit_name(of.units, *of_one.quantity) : "";
+        hdf5_checked(path_, "lacks a dataset", [&] { return H5Dopen2(file, name.c_str(), H5P_DEFAULT); }));
+    write_attribute(path_, dataset.get(), "long_name", meaning);
+    const std::string unit = quantity ? unit_name(of.units, *quantity) : "";
     if (!unit.empty()) write_attribute(path_, dataset.get(), "units", unit);
-  }
+  };
+  of_dataset("t", "output times", Dimension::time);
+  of_dataset("x", "nodes", Dimension::length);
+  of_dataset("u", "displacement of the nodes, times x nodes", Dimension::length);
+  of_dataset("v", "velocity of the nodes, times x nodes", Dimension::velocity);
+  of_dataset("stress", "mean stress of each element, times x elements", Dimension::stress);
+  of_dataset("points", "nodes in space, for field.xdmf", Dimension::length);
+  of_dataset("line", "the two nodes of each element, for field.xdmf", std::nullopt);
+  for (const std::string& key : of.keys)
+    for (const auto& [name, what] : {std::pair{"u", "displacement of the nodes, times x nodes"},
+                                     {"v", "velocity of the nodes, times x nodes"},
+                                     {"reaction_left", "reaction at the left end"},
+                                     {"reaction_right", "reaction at the right end"}})
+      of_dataset("sensitivity/" + key + "/" + name, "derivative with respect to " + key + ": " + what, std::nullopt);
 }
 
 void FieldFile::take_place() {
@@ -135,39 +144,44 @@ void FieldFile::take_place() {
 }
 
 void FieldFile::append(const Snapshot& snapshot) {
-  times_.push_back(snapshot.time);
-  us_.insert(us_.end(), snapshot.u.begin(), snapshot.u.end());
-  vs_.insert(vs_.end(), snapshot.v.begin(), snapshot.v.end());
-  add_stress(snapshot);
+  auto to = growing_.begin();
+  const auto add = [&](std::span<const double> row) {
+    to->waiting.insert(to->waiting.end(), row.begin(), row.end());
+    ++to;
+  };
+  add({&snapshot.time, 1});
+  add(snapshot.u);
+  add(snapshot.v);
+  for (std::size_t j = 0; j + 1 < nodes_; ++j)
+    to->waiting.push_back(element_stress(bar_, mesh_, snapshot.u, snapshot.v, j));
+  ++to;
+  for (const FieldSensitivity& s : snapshot.sensitivities) {
+    add(s.u);
+    add(s.v);
+    add({&s.reaction_left, 1});
+    add({&s.reaction_right, 1});
+  }
   // Blocks begin where chunks begin, unless the clock cut one short.
-  if ((rows_ + times_.size()) % block_rows_ == 0 || clock_.due()) flush();
-}
-
-void FieldFile::add_stress(const Snapshot& at) {
-  for (std::size_t j = 0; j + 1 < nodes_; ++j) stresses_.push_back(element_stress(bar_, mesh_, at.u, at.v, j));
+  if ((rows_ + growing_.front().waiting.size()) % block_rows_ == 0 || clock_.due()) flush();
 }
 
 void FieldFile::flush() {
   take_place();
   check_in_place(path_, *identity_);
-  if (times_.empty()) return;
-  append_rows(t_, times_);
-  append_rows(u_, us_);
-  append_rows(v_, vs_);
-  append_rows(stress_, stresses_);
+  const std::vector<double>& times = growing_.front().waiting;
+  if (times.empty()) return;
+  for (Growing& grown : growing_) append_rows(grown);
   hdf5_checked(path_, "cannot be flushed", [&] { return H5Fflush(file_.get(), H5F_SCOPE_GLOBAL); });
   // After the rows, so that it never names one that is not there.
-  xdmf_.append(times_);
-  rows_ += times_.size();
-  times_.clear();
-  us_.clear();
-  vs_.clear();
-  stresses_.clear();
+  xdmf_.append(times);
+  rows_ += times.size();
+  for (Growing& grown : growing_) grown.waiting.clear();
 }
 
-void FieldFile::append_rows(Growing& grown, const std::vector<double>& values) {
-  const std::array<hsize_t, 2> first{rows_, 0}, count{times_.size(), grown.row_values},
-      extent{rows_ + times_.size(), grown.row_values};
+void FieldFile::append_rows(Growing& grown) {
+  const std::vector<double>& values = grown.waiting;
+  const std::size_t rows = values.size() / grown.row_values;
+  const std::array<hsize_t, 2> first{rows_, 0}, count{rows, grown.row_values}, extent{rows_ + rows, grown.row_values};
   const hid_t dataset = grown.dataset.get();
   hdf5_checked(path_, "cannot grow", [&] { return H5Dset_extent(dataset, extent.data()); });
   const Hdf5Dataspace target(H5Dget_space(dataset));
@@ -194,9 +208,9 @@ void FieldFile::go_on(const FieldMark& mark) {
       hdf5_checked(path_, "cannot be opened", [&] { return H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT); }));
   rows_ = mark.rows;
   auto end = mark.regions.end();  // of those of a dataset, in the order of regions()
-  for (Growing* grown : {&stress_, &v_, &u_, &t_}) {
-    grown->dataset.reset(
-        hdf5_checked(path_, "lacks a dataset", [&] { return H5Dopen2(file_.get(), grown->name, H5P_DEFAULT); }));
+  for (auto grown = growing_.rbegin(); grown != growing_.rend(); ++grown) {
+    grown->dataset.reset(hdf5_checked(path_, "lacks a dataset",
+                                      [&] { return H5Dopen2(file_.get(), grown->name.c_str(), H5P_DEFAULT); }));
     const auto begin = end - static_cast<std::ptrdiff_t>((rows_ + grown->chunk_rows - 1) / grown->chunk_rows);
     grown->chunks.assign(begin, end);
     grown->located = grown->chunks.size();
@@ -207,7 +221,7 @@ void FieldFile::go_on(const FieldMark& mark) {
   xdmf_.begin();
   std::vector<double> times(rows_);
   hdf5_checked(path_, "cannot be read", [&] {
-    return H5Dread(t_.dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, times.data());
+    return H5Dread(growing_.front().dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, times.data());
   });
   xdmf_.append(times);
 }
@@ -227,9 +241,9 @@ void FieldFile::locate(Growing& grown) {
 
 std::vector<FieldMark::Region> FieldFile::regions() {
   std::vector<FieldMark::Region> all = fixed_;
-  for (Growing* grown : growing()) {
-    locate(*grown);
-    all.insert(all.end(), grown->chunks.begin(), grown->chunks.end());
+  for (Growing& grown : growing_) {
+    locate(grown);
+    all.insert(all.end(), grown.chunks.begin(), grown.chunks.end());
   }
   return all;
 }
@@ -244,8 +258,8 @@ FieldMark FieldFile::mark() {
 void FieldFile::close() {
   flush();
   std::vector<FieldMark::Region> values = regions();
-  for (Growing* grown : growing())
-    hdf5_checked(path_, "cannot be closed", [&] { return H5Dclose(grown->dataset.release()); });
+  for (Growing& grown : growing_)
+    hdf5_checked(path_, "cannot be closed", [&] { return H5Dclose(grown.dataset.release()); });
   hdf5_checked(path_, "cannot be closed", [&] { return H5Fclose(file_.release()); });
   checksum_ = marked(path_, rows_, std::move(values)).checksum();
   xdmf_.close();

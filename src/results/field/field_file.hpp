@@ -21,16 +21,19 @@ namespace viscobar {
 struct FieldOrigin {
   Bar bar;
   Units units;
-  std::string title, scene;  ///< the latter as a scene file; empty for a file that goes on
+  std::string title, scene;       ///< the latter as a scene file; empty for a file that goes on
+  std::vector<std::string> keys;  ///< of the derivatives that its snapshots have
 };
 
 /// field.h5 with x (J+1), t (K), u and v (K x J+1), and stress (K x J), the mean over each element,
 ///
 ///     s_i = (E (u_{i+1} - u_i) + eta (v_{i+1} - v_i)) / h_i,
 ///
-/// K growing, and field.xdmf beside it. Rows are collected to blocks of about 1 MiB; a block that is written is flushed
-/// and readable. For ParaView there are also `points` (J+1 x 3) and `line` (J x 2), the nodes of each element. The file
-/// has the attributes title, scene, units and version, each dataset long_name and units, where there are any.
+/// K growing, and field.xdmf beside it. For each key of the derivatives there are sensitivity/KEY/u and
+/// sensitivity/KEY/v (K x J+1), sensitivity/KEY/reaction_left and sensitivity/KEY/reaction_right (K). Rows are
+/// collected to blocks of about 1 MiB; a block that is written is flushed and readable. For ParaView there are also
+/// `points` (J+1 x 3) and `line` (J x 2), the nodes of each element. The file has the attributes title, scene, units
+/// and version, each dataset long_name and units, where there are any.
 /// @throws IoError
 class FieldFile {
  public:
@@ -53,8 +56,10 @@ class FieldFile {
  private:
   /// A dataset that grows by rows, in chunks of so many.
   struct Growing {
-    const char* name;
+    std::string name;
     std::size_t row_values, chunk_rows;
+    std::size_t rank = 2;
+    std::vector<double> waiting{};  // not yet in the file
     Hdf5Dataset dataset{};
     std::vector<FieldMark::Region> chunks{};
     std::size_t located = 0;  // chunks whose place is known; it stays
@@ -62,10 +67,8 @@ class FieldFile {
 
   void create(const FieldOrigin& of);
   void describe(const FieldOrigin& of);
-  std::array<Growing*, 4> growing() { return {&t_, &u_, &v_, &stress_}; }
-  void add_stress(const Snapshot& snapshot);
   void go_on(const FieldMark& mark);
-  void append_rows(Growing& grown, const std::vector<double>& values);
+  void append_rows(Growing& grown);
   void locate(Growing& grown);
   std::vector<FieldMark::Region> regions();
 
@@ -78,9 +81,8 @@ class FieldFile {
   std::optional<FileIdentity> identity_;
   Hdf5File file_;
   std::vector<FieldMark::Region> fixed_;  // values that do not grow
-  Growing t_, u_, v_, stress_;
-  std::size_t rows_ = 0;                            // in the file
-  std::vector<double> times_, us_, vs_, stresses_;  // not yet in the file
+  std::vector<Growing> growing_;          // t, u, v, stress, and those of each key
+  std::size_t rows_ = 0;                  // in the file
   FlushClock clock_;
   Checksum checksum_;
 };

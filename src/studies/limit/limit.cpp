@@ -30,8 +30,8 @@ bool has_obstacle(const Scene& scene) { return is_obstacle(scene.left) || is_obs
 
 double largest_displacement(const EndTraces& traces) {
   double largest = 0.0;
-  for (const double u : traces.left) largest = std::max(largest, std::abs(u));
-  for (const double u : traces.right) largest = std::max(largest, std::abs(u));
+  for (const auto* trace : EndTraces::all(traces))
+    for (const double u : *trace) largest = std::max(largest, std::abs(u));
   return largest;
 }
 

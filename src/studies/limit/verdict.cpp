@@ -78,12 +78,12 @@ std::vector<double> distances(const TraceSequence& sequence, const EndTraces& to
   return values;
 }
 
-// What contact changes, and no more than the ends move: without the obstacle a bar under a load may go anywhere.
+// What contact changes, and no more than the traces range: without the obstacle a bar under a load may go anywhere.
 double stake_of_contact(const LimitTraces& mesh) {
   const EndTraces& traces = mesh.penalised.last();
   double range = 0.0;
-  for (const auto* end : {&traces.left, &traces.right}) {
-    const auto [least, most] = std::ranges::minmax(*end);
+  for (const auto* trace : EndTraces::all(traces)) {
+    const auto [least, most] = std::ranges::minmax(*trace);
     range = std::max(range, most - least);
   }
   return std::min(range, largest_difference(traces, mesh.without_obstacles()));
@@ -131,11 +131,14 @@ std::vector<EndTraces> extrapolated(const TraceSequence& sequence) {
   for (std::size_t i = 1; i < sequence.x.size(); ++i) {
     const EndTraces &before = sequence.traces[i - 1], &now = sequence.traces[i];
     const double share = sequence.x[i] / (sequence.x[i - 1] - sequence.x[i]);
-    EndTraces& next = found.emplace_back();
-    for (std::size_t k = 0; k < now.left.size(); ++k) {
-      next.left.push_back(now.left[k] + share * (now.left[k] - before.left[k]));
-      next.right.push_back(now.right[k] + share * (now.right[k] - before.right[k]));
-    }
+    EndTraces& next = found.emplace_back(now);
+    const auto of_next = EndTraces::all(next);
+    const auto of_before = EndTraces::all(before);
+    for (std::size_t trace = 0; trace < of_next.size(); ++trace)
+      for (std::size_t k = 0; k < of_next[trace]->size(); ++k) {
+        double& u = (*of_next[trace])[k];
+        u += share * (u - (*of_before[trace])[k]);
+      }
   }
   return found;
 }
@@ -233,8 +236,8 @@ namespace {
 
 bool goes_through(const EndTraces& traces) {
   double largest = 0.0;
-  for (const auto* end : {&traces.left, &traces.right})
-    for (const double u : *end) largest = std::max(largest, std::abs(u));
+  for (const auto* trace : EndTraces::all(traces))
+    for (const double u : *trace) largest = std::max(largest, std::abs(u));
   return is_no_obstacle(traces.statistics.max_penetration, largest);
 }
 
