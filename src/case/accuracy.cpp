@@ -23,7 +23,7 @@ std::string_view meaning(Goal goal) {
     case Goal::end_traces: return "displacements of the two ends, the largest error of all output times";
     case Goal::contact_times: return "times of the contact changes at the ends, the worst of them";
     case Goal::impulse: return "impulses of the reactions, the worse end's";
-    case Goal::peak_reaction: return "greatest reactions, the worse end's; only where they have a limit";
+    case Goal::peak_reaction: return "peak reactions, the worse end's; only where they have a limit";
   }
   return {};
 }

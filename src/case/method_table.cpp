@@ -36,6 +36,11 @@ double bdf_vectors(const Case&, double) { return multistep_vectors(6); }
 // The stages of a step and some eight more, and the step's two ends.
 double arkode_vectors(const Case&, double) { return 2 * (7 + 8) + 2 * 3; }
 
+// With viscosity the factor of four complex systems, their solution, matrices and some ten more.
+double rigid_vectors(const Case& run, double nodes) {
+  return run.scene.bar.viscosity > 0.0 ? 24 + 8 + 6 + 10 : arkode_vectors(run, nodes);
+}
+
 // The stages of a step, and the step's two ends. The dense matrices of rosenbrock4, on few nodes, do not count.
 double odeint_vectors(const Case&, double) { return 2 * 14 + 2 * 3; }
 
@@ -177,7 +182,7 @@ constexpr MethodRow rows[] = {
      .meaning = "the limit epsilon = 0 itself; no span obstacle",
      .penalised = false, .accuracy = Accuracy::tolerances, .seconds = multistep,
      .options = [](const Case& run) -> Method { return Rigid{run.tolerance, run.restitution.value_or(0.0)}; },
-     .vectors = arkode_vectors, .differentiates = true, .refuse = refuse_rigid},
+     .vectors = rigid_vectors, .differentiates = true, .refuse = refuse_rigid},
     {.method = MethodName::exponential, .name = "exponential",
      .meaning = "penalised bar by matrix exponentials, a reference on small meshes",
      .penalised = true, .accuracy = Accuracy::rounding, .seconds = {},

@@ -97,6 +97,7 @@ int CheckCommand::operator()() const {
     text += row("error", fmt::format("about {:.1g} of displacements (space {:.1g}, penalty {:.1g}, time {:.1g}), by "
                                      "theory and two coarser runs",
                                      check.error->total, check.error->space, check.error->penalty, check.error->time));
+  if (!check.no_error.empty()) text += row("error", "there is no estimate: " + check.no_error);
   for (const ContactRegime& regime : check.regimes)
     text += row(fmt::format("{} contact", name(regime.where)), to_text(regime));
   print(text);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "input/input_text.hpp"
 #include "input/scene_keys.hpp"
 
 namespace viscobar::cli {
@@ -31,13 +32,8 @@ std::vector<std::string> OptionText::words() const {
   if (std::find(names.begin(), names.end(), "--mass") != names.end()) return choices_of("mesh.mass");
   if (std::find(names.begin(), names.end(), "--methods") != names.end()) return choices_of("method.name");
   if (type.find('|') == type.npos) return {};
-  std::vector<std::string> found;
-  for (std::size_t begin = 0; begin <= type.size();) {
-    const std::size_t end = std::min(type.find('|', begin), type.size());
-    found.push_back(type.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return found;
+  const auto words = split(type, '|');
+  return {words.begin(), words.end()};
 }
 
 std::vector<CommandText> command_texts(const CLI::App& app) {

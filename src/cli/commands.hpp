@@ -1,5 +1,7 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cstddef>
 #include <filesystem>
@@ -7,7 +9,12 @@
 #include <string_view>
 #include <vector>
 
+#include "text/nearest_name.hpp"
 #include "viscobar/input/scene_file.hpp"
+
+namespace viscobar {
+struct PicturedPage;
+}
 
 namespace viscobar::cli {
 
@@ -70,7 +77,8 @@ class RunCommand : public Command {
  private:
   SceneOptions scene_;
   PictureOptions output_;
-  std::string checkpoint_, wall_time_, error_, sensitivity_;
+  std::string checkpoint_, wall_time_, error_;
+  std::vector<std::string> sensitivity_;
   bool no_estimate_ = false;
 };
 
@@ -104,7 +112,7 @@ class LimitCommand : public Command {
  private:
   SceneOptions scene_;
   PictureOptions output_;
-  std::string epsilon_, mass_;
+  std::string epsilon_, mass_, error_;
   std::size_t per_decade_ = 1, threads_ = 0;
   std::vector<std::size_t> elements_;
   std::vector<double> steps_;
@@ -145,7 +153,7 @@ class SweepCommand : public Command {
   int operator()() const override;
 
  private:
-  std::string file_;
+  std::string file_, error_;
   std::vector<std::string> overrides_;
   bool json_ = false;
   OutputOptions output_;
@@ -233,8 +241,41 @@ class HelpCommand : public Command {
 /// the summary that this command writes.
 void warn_of_other_scenes(const std::filesystem::path& directory, const SceneFile& scene, std::string_view own);
 
-/// --figures, the same for all commands that draw.
+/// Writes a study into DIR, NAME.json and NAME.html, and prints the one, or else `text` and where the pictures are.
+/// @throws IoError
+void finish_study(const std::string& name, const std::filesystem::path& directory, const SceneOptions& asked,
+                  const PictureOptions& output, const SceneFile& scene, const std::string& json, PicturedPage page,
+                  const std::string& text);
+
+/// --figures, --json and --quiet, the same for all commands that have them.
 void add_figures(CLI::App& command, bool& figures);
+void add_json(CLI::App& command, bool& json);
+void add_quiet(CLI::App& command, bool& quiet);
+
+/// What follows "there is no such word": the nearest one of those that there are, or all of them.
+template <class Names>
+std::string instead_of(const std::string& word, const Names& known, std::string_view all = ", only ") {
+  const auto nearest = nearest_name(word, known);
+  return nearest ? fmt::format("; did you mean {}?", *nearest) : fmt::format("{}{}", all, fmt::join(known, ", "));
+}
+
+/// The setting of sensitivity.of that asks for these keys.
+std::string sensitivities_of(const std::vector<std::string>& keys);
+
+/// The methods that an option --methods names. @throws std::invalid_argument for an unknown one, with the nearest
+std::vector<MethodName> methods_named(const std::vector<std::string>& words);
+
+/// What "1e-2:1e-8", or one value, means to an option: numbers within [low, high], the larger first, `per_decade` in a
+/// decade. @throws std::invalid_argument that names the option and says with `expected` what its numbers are
+struct DecadeRange {
+  std::string_view option, expected, example;
+  double low, high;
+
+  std::vector<double> operator()(const std::string& text, std::size_t per_decade = 1) const;
+
+ private:
+  double number(const std::string& word) const;
+};
 
 /// What lists and limits of numbers are checked by: finite, above 0; a number of elements that a mesh may have.
 const CLI::Validator& positive_number();

@@ -7,8 +7,6 @@
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
-#include "cli/method_names.hpp"
-#include "report/write_page.hpp"
 #include "results/result_directory.hpp"
 #include "viscobar/report/reports.hpp"
 
@@ -62,13 +60,8 @@ int CompareCommand::operator()() const {
 
   end_on_interrupt();
   const Comparison check = compare(choice.cases, threads_);
-  const std::string json = write_study(directory, "compare", compare_json(scene, choice, check),
-                                       compare_page(scene.run.scene, choice, check), output_.figures);
-  if (scene_.json)
-    print(json);
-  else if (!output_.quiet)
-    print(fmt::format("{}\n\n{}", heading(scene.run.scene.title, scene_.file), compare_text(choice, check)) +
-          row("pictures", (directory / "compare.html").string()));
+  finish_study("compare", directory, scene_, output_, scene, compare_json(scene, choice, check),
+               compare_page(scene.run.scene, choice, check), compare_text(choice, check));
   for (const MethodRun& run : check.runs)
     if (!run.recording) complain(fmt::format("{}: {}", name(run.run.method), run.error));
   return check.completed() ? success : run_failed;

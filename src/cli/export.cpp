@@ -5,7 +5,6 @@
 
 #include "cli/commands.hpp"
 #include "results/export_result.hpp"
-#include "text/nearest_name.hpp"
 #include "text/printable_text.hpp"
 
 namespace viscobar::cli {
@@ -20,17 +19,14 @@ ExportCommand::ExportCommand(CLI::App& app)
       .add_option("-o,--output", where_,
                   "Directory of the files; an earlier export there is replaced (default: DIR/csv, DIR/npy or DIR/xdmf)")
       ->type_name("DIR");
-  command_.add_flag("-q,--quiet", quiet_, "Print nothing but errors");
+  add_quiet(command_, quiet_);
 }
 
 int ExportCommand::operator()() const {
   const std::vector<std::string_view> known = {"csv", "npy", "xdmf"};
-  if (std::ranges::find(known, format_) == known.end()) {
-    const auto nearest = nearest_name(format_, known);
-    throw std::invalid_argument(fmt::format(
-        "--format: there is no format \"{}\"{}", format_,
-        nearest ? fmt::format("; did you mean {}?", *nearest) : fmt::format(", only {}", fmt::join(known, ", "))));
-  }
+  if (std::ranges::find(known, format_) == known.end())
+    throw std::invalid_argument(
+        fmt::format("--format: there is no format \"{}\"{}", format_, instead_of(format_, known)));
   const std::filesystem::path target =
       where_.empty() ? std::filesystem::path(directory_) / format_ : std::filesystem::path(where_);
   const ExportFormat format = format_ == "csv"   ? ExportFormat::csv

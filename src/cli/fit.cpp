@@ -7,7 +7,6 @@
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
 #include "report/fit/fit_request.hpp"
-#include "report/write_page.hpp"
 #include "results/result_directory.hpp"
 #include "viscobar/report/reports.hpp"
 
@@ -55,15 +54,11 @@ int FitCommand::operator()() const {
   });
   const std::filesystem::path directory = output_.directory(scene_);
   const ResultDirectory results(directory, ResultKind::fit);
+  if (!output_.quiet) warn_of_other_scenes(directory, scene, "fit.json");
   end_on_interrupt();
   const FitResult result = fit(study);
-  const std::string json =
-      write_study(directory, "fit", fit_json(scene, study, result), fit_page(scene, study, result), output_.figures);
-  if (scene_.json)
-    print(json);
-  else if (!output_.quiet)
-    print(fmt::format("{}\n\n{}\n", heading(scene.run.scene.title, scene_.file), fit_text(study, result)) +
-          row("pictures", (directory / "fit.html").string()));
+  finish_study("fit", directory, scene_, output_, scene, fit_json(scene, study, result), fit_page(scene, study, result),
+               fit_text(study, result) + "\n");
   if (!result.converged) complain(fmt::format("fit: {}", result.reason));
   return result.converged ? success : run_failed;
 }

@@ -5,7 +5,6 @@
 
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "text/nearest_name.hpp"
 
 namespace viscobar::cli {
 
@@ -21,12 +20,8 @@ int HelpCommand::operator()() const {
   }
   std::vector<std::string> names;
   for (const CommandText& command : command_texts(app_)) names.push_back(command.name);
-  if (std::find(names.begin(), names.end(), topic_) == names.end()) {
-    const auto nearest = nearest_name(topic_, names);
-    throw std::invalid_argument(fmt::format(
-        "help: there is no command {}{}", topic_,
-        nearest ? fmt::format("; did you mean {}?", *nearest) : fmt::format(", only {}", fmt::join(names, ", "))));
-  }
+  if (std::find(names.begin(), names.end(), topic_) == names.end())
+    throw std::invalid_argument(fmt::format("help: there is no command {}{}", topic_, instead_of(topic_, names)));
   print(app_.get_subcommand(topic_)->help("viscobar", CLI::AppFormatMode::Normal));
   return success;
 }

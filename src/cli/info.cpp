@@ -12,7 +12,7 @@ InfoCommand::InfoCommand(CLI::App& app)
   command_.add_flag("--verify", verify_,
                     "Read every file of the result and compare it with the checksums that were taken while it was "
                     "written; exit code 0: all sound, 1: damaged, 2: not checkable");
-  command_.add_flag("--json", json_, "Print one JSON document on standard output, and nothing else there");
+  add_json(command_, json_);
 }
 
 int InfoCommand::operator()() const {

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 
 #include "cli/commands.hpp"
-#include "cli/decade_range.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
 #include "cli/progress.hpp"
-#include "report/write_page.hpp"
 #include "results/result_directory.hpp"
 #include "viscobar/report/reports.hpp"
 
@@ -54,6 +53,12 @@ LimitCommand::LimitCommand(CLI::App& app)
       ->type_name("SECONDS")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
+  scene_.takes_accuracy = true;
+  command_
+      .add_option("--error", error_,
+                  "Choose the elements so that the limit epsilon = 0 keeps this error of the mesh, such as 1e-4 or "
+                  "\"0.01 %\"; the same as --set accuracy.error=...")
+      ->type_name("ERROR");
   add_threads(command_, threads_);
 }
 
@@ -68,6 +73,7 @@ int LimitCommand::operator()() const {
   if (command_.count("--mass") > 0) settings.push_back("mesh.mass=" + mass_);
   if (!elements_.empty())  // the scene is checked on the finest mesh
     settings.push_back(fmt::format("mesh.elements={}", *std::max_element(elements_.begin(), elements_.end())));
+  if (!error_.empty()) settings.push_back("accuracy.error=" + error_);
   // The scene's own epsilon, which it may lack, is not used.
   const SceneFile scene = scene_.read({}, settings, [&](Case& run) {
     const double unit = natural_epsilon(run.scene);
@@ -83,6 +89,9 @@ int LimitCommand::operator()() const {
   if (!steps_.empty() && steps_.size() != meshes)
     throw std::invalid_argument(fmt::format("--steps: {} given for {} mesh{}, one for each is needed", steps_.size(),
                                             meshes, meshes == 1 ? "" : "es"));
+  const bool chooses = scene.accuracy && elements_.empty();
+  if (!error_.empty() && !chooses)
+    throw std::invalid_argument("--elements: --error chooses the mesh; give one of the two");
   const std::filesystem::path directory = output_.directory(scene_);
   const ResultDirectory results(directory, ResultKind::limit);
   if (!output_.quiet) warn_of_other_scenes(directory, scene, "limit.json");
@@ -91,19 +100,22 @@ int LimitCommand::operator()() const {
   StatusLine status;
   if (!output_.quiet && on_terminal())
     study.progress = [&](std::size_t done, std::size_t of) { status.show(fmt::format("{} of {} runs", done, of)); };
+  std::optional<ErrorEstimate> missed;
+  if (chooses) {
+    if (study.progress) status.show("a mesh that keeps the error");
+    const AccuracyResult solved = limit_to_accuracy(study, *scene.accuracy);
+    study.elements = {solved.run.elements};
+    if (!solved.estimate.kept) missed = solved.estimate;
+  }
   const LimitResult result = limit_of(study);
   status.clear();
   const CouplingResult coupling = balance_errors(study, result);
-  const std::string json = write_study(directory, "limit", limit_json(scene, study, result, coupling),
-                                       limit_page(study, result, coupling), output_.figures);
-  if (scene_.json)
-    print(json);
-  else if (!output_.quiet)
-    print(fmt::format("{}\n\n{}", heading(bar.title, scene_.file), limit_text(study, result, coupling)) +
-          row("pictures", (directory / "limit.html").string()));
+  finish_study("limit", directory, scene_, output_, scene, limit_json(scene, study, result, coupling),
+               limit_page(study, result, coupling), limit_text(study, result, coupling));
   for (const FailedRun& run : result.failed)
     complain(fmt::format("epsilon = {} on {} elements: {}", run.epsilon, run.elements, run.what));
-  return result.failed.empty() ? success : run_failed;
+  if (missed) complain(fmt::format("the error that was asked for is not kept at epsilon = 0: {}", missed->doubt));
+  return result.failed.empty() && !missed ? success : run_failed;
 }
 
 }  // namespace viscobar::cli

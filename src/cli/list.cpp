@@ -5,7 +5,6 @@
 
 #include "cli/commands.hpp"
 #include "input/vocabulary.hpp"
-#include "text/nearest_name.hpp"
 
 namespace viscobar::cli {
 
@@ -20,10 +19,8 @@ std::vector<Vocabulary> chosen_lists(const std::string& word) {
     if (name(list) == word) return {list};
     known.push_back(name(list));
   }
-  const auto nearest = nearest_name(word, known);
-  throw std::invalid_argument(fmt::format(
-      "list: there is no list of \"{}\"{}", word,
-      nearest ? fmt::format("; did you mean {}?", *nearest) : fmt::format(", only of {}", fmt::join(known, ", "))));
+  throw std::invalid_argument(
+      fmt::format("list: there is no list of \"{}\"{}", word, instead_of(word, known, ", only of ")));
 }
 
 /// For the terminal, where backquotes mean nothing and the table of the keys would be too wide.
@@ -47,9 +44,8 @@ std::string terminal_text(Vocabulary list) {
 ListCommand::ListCommand(CLI::App& app)
     : Command(app, "list", "List the methods, the masses and the keys of a scene file") {
   command_.add_option("what", what_, "One of the lists (default: all of them)")->type_name("methods|masses|keys");
-  CLI::Option* json =
-      command_.add_flag("--json", json_, "Print one JSON document on standard output, and nothing else there");
-  command_.add_flag("--markdown", markdown_, "Print the tables of docs/scene-file.md")->excludes(json);
+  add_json(command_, json_);
+  command_.add_flag("--markdown", markdown_, "Print the tables of docs/scene-file.md")->excludes("--json");
 }
 
 int ListCommand::operator()() const {

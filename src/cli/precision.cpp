@@ -5,12 +5,9 @@
 #include <stdexcept>
 
 #include "cli/commands.hpp"
-#include "cli/decade_range.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
-#include "cli/method_names.hpp"
 #include "cli/progress.hpp"
-#include "report/write_page.hpp"
 #include "results/result_directory.hpp"
 #include "viscobar/report/reports.hpp"
 #include "viscobar/studies/limit/limit.hpp"
@@ -91,13 +88,8 @@ int PrecisionCommand::operator()() const {
     study.progress = [&](const std::string& what) { status.show(what); };
   const PrecisionResult result = precision_of(study);
   status.clear();
-  const std::string json = write_study(directory, "precision", precision_json(scene, study, result),
-                                       precision_page(study, result), output_.figures);
-  if (scene_.json)
-    print(json);
-  else if (!output_.quiet)
-    print(fmt::format("{}\n\n{}\n", heading(scene.run.scene.title, scene_.file), precision_text(study, result)) +
-          row("pictures", (directory / "precision.html").string()));
+  finish_study("precision", directory, scene_, output_, scene, precision_json(scene, study, result),
+               precision_page(study, result), precision_text(study, result) + "\n");
   const bool something =
       std::any_of(result.rows.begin(), result.rows.end(), [](const PrecisionRow& run) { return run.failure.empty(); });
   if (!something) complain(fmt::format("every run failed; the first: {}", result.rows.front().failure));

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <atomic>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -113,6 +114,7 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
     }
     if (outcome.error_estimate)
       for (const auto& [what, value] : estimate_rows(*outcome.error_estimate)) text += row(what, value);
+    if (!outcome.no_estimate.empty()) text += row("error", "there is no estimate: " + outcome.no_estimate);
     text += row("integration", fmt::format("{:.3g} s", statistics->integration_seconds));
   }
   text += row("whole run", fmt::format("{:.3g} s", outcome.wall_seconds));
@@ -144,12 +146,11 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
   options.progress = [&](double time, std::size_t steps) {
     if (progress) (*progress)(time, steps);
   };
-  bool out_of_time = false;
+  std::atomic<bool> out_of_time = false;  // asked by runs side by side
   options.stop = [&] {
-    out_of_time =
-        out_of_time ||
-        (wall_time &&
-         std::chrono::duration<double>(std::chrono::steady_clock::now() - options.started).count() >= *wall_time);
+    if (wall_time &&
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - options.started).count() >= *wall_time)
+      out_of_time = true;
     return out_of_time || interrupt_asked();
   };
   std::vector<Event> events;
@@ -206,18 +207,6 @@ std::optional<Duration> read_duration(const std::string& text) {
   return duration;
 }
 
-/// Of [sensitivity], for a list of keys with commas.
-std::vector<std::string> sensitivity_settings(const std::string& keys) {
-  if (keys.empty()) return {};
-  std::string list;
-  for (std::size_t begin = 0; begin <= keys.size();) {
-    const std::size_t end = std::min(keys.find(',', begin), keys.size());
-    list += fmt::format("{}'{}'", list.empty() ? "" : ", ", keys.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return {fmt::format("sensitivity.of=[{}]", list)};
-}
-
 /// A plain number is simulated time; with a unit it is time on the clock.
 CheckpointEvery checkpoint_every(const std::string& text) {
   const auto every = read_duration(text);
@@ -270,7 +259,9 @@ RunCommand::RunCommand(CLI::App& app)
   command_
       .add_option("--sensitivity", sensitivity_,
                   "Tell derivatives of the results with respect to these keys, such as bar.viscosity,left.gap")
-      ->type_name("KEYS");
+      ->type_name("KEY,KEY...")
+      ->delimiter(',')
+      ->allow_extra_args(false);
 }
 
 int RunCommand::operator()() const {
@@ -278,7 +269,8 @@ int RunCommand::operator()() const {
   if (!checkpoint_.empty()) options.checkpoint = checkpoint_every(checkpoint_);
   options.figures = output_.figures;
   const auto wall_time = wall_time_of(wall_time_);
-  std::vector<std::string> settings = sensitivity_settings(sensitivity_);
+  std::vector<std::string> settings;
+  if (!sensitivity_.empty()) settings.push_back(sensitivities_of(sensitivity_));
   if (!error_.empty()) settings.push_back("accuracy.error=" + error_);
   const SceneFile scene = scene_.read({}, settings);
   // Each checkpoint holds the times of all before it: these write 8 n^2 / 2 bytes for that, 40 GB.
@@ -299,8 +291,8 @@ int RunCommand::operator()() const {
 ResumeCommand::ResumeCommand(CLI::App& app)
     : Command(app, "resume", "Continue a run that was stopped, from its last checkpoint") {
   command_.add_option("directory", directory_, "Where the run put its results")->required()->type_name("DIR");
-  command_.add_flag("--json", json_, "Print one JSON document on standard output, and nothing else there");
-  command_.add_flag("-q,--quiet", quiet_, "Print nothing but errors");
+  add_json(command_, json_);
+  add_quiet(command_, quiet_);
   add_figures(command_, figures_);
   add_wall_time(command_, wall_time_);
 }
@@ -320,7 +312,7 @@ int ResumeCommand::operator()() const {
   }
   const SceneFile scene = scene_of_checkpoint(directory);
   return shown(scene, directory, json_, quiet_, wall_time, options,
-               [&](const RecordOptions& chosen) { return resume_run(scene, directory, chosen, warn); });
+               [&](const RecordOptions& chosen) { return resume_to_accuracy(scene, directory, chosen, warn); });
 }
 
 }  // namespace viscobar::cli

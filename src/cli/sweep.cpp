@@ -119,6 +119,12 @@ SweepCommand::SweepCommand(CLI::App& app)
   command_.add_option("--set", overrides_, "Replace a value of the scene in all cases (repeatable)")
       ->type_name("TABLE.KEY=VALUE")
       ->allow_extra_args(false);
+  command_
+      .add_option(
+          "--error", error_,
+          "Choose what the scene leaves open so that each case keeps this error, such as 1e-4 or \"0.01 %\"; the "
+          "same as --set accuracy.error=...")
+      ->type_name("ERROR");
   command_.add_flag("--json", json_, "Print one JSON document on standard output, and nothing else there");
   command_
       .add_option("--threads", threads_,
@@ -138,7 +144,9 @@ int SweepCommand::operator()() const {
   if (several && threads_ > 0)
     throw std::invalid_argument("--threads: under mpirun every rank but the first runs one case at a time; give -n");
 
-  const SweepFile sweep = read_sweep(file_, overrides_);
+  std::vector<std::string> overrides = overrides_;
+  if (!error_.empty()) overrides.push_back("accuracy.error=" + error_);
+  const SweepFile sweep = read_sweep(file_, overrides);
   std::vector<double> costs;
   if (several) costs = ranks->plan(sweep);
   // This one also says why, where no case can run.

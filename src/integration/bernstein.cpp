@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <vector>
@@ -36,6 +37,12 @@ const Eigen::MatrixXd& samples_to_coefficients(std::size_t degree) {
     return list;
   }();
   return matrices[degree];
+}
+
+double de_casteljau(std::array<double, Bernstein::max_power + 1> c, std::size_t degree, double s) {
+  for (std::size_t r = degree; r > 0; --r)
+    for (std::size_t j = 0; j < r; ++j) c[j] += s * (c[j + 1] - c[j]);
+  return c[0];
 }
 
 }  // namespace
@@ -73,12 +80,7 @@ Bernstein Bernstein::derivative() const {
   return slope;
 }
 
-double Bernstein::operator()(double s) const {
-  auto b = c_;
-  for (std::size_t r = degree_; r > 0; --r)
-    for (std::size_t j = 0; j < r; ++j) b[j] += s * (b[j + 1] - b[j]);
-  return b[0];
-}
+double Bernstein::operator()(double s) const { return de_casteljau(c_, degree_, s); }
 
 double Bernstein::mean(std::span<const double> samples) {
   static const std::array<std::array<double, max_degree + 1>, max_degree + 1> weights = [] {
@@ -117,14 +119,38 @@ struct Interval {
   }
 };
 
-// The first descent below the threshold: an interval is given up once its hull stays above.
-std::optional<double> descend(Interval on, std::size_t degree, double threshold, double finest) {
-  if (*std::min_element(on.c.begin(), on.c.begin() + static_cast<std::ptrdiff_t>(degree) + 1) >= threshold)
-    return std::nullopt;
+// Of a polynomial that falls throughout, from the threshold or above to below it: the last place, to `finest`, where it
+// is not below. Newton's method between two places on either side; each step goes a little too far, so that both close
+// in.
+double crossing(const Interval& on, std::size_t degree, double threshold, double finest) {
+  double low = 0.0, high = 1.0, s = (on.c[0] - threshold) / (on.c[0] - on.c[degree]);
+  const double apart = finest / on.length;
+  for (int step = 0; step < 100 && high - low > apart; ++step) {
+    if (!(s > low && s < high)) s = 0.5 * (low + high);
+    if (s == low || s == high) break;
+    auto c = on.c;
+    for (std::size_t r = degree; r > 1; --r)
+      for (std::size_t j = 0; j < r; ++j) c[j] += s * (c[j + 1] - c[j]);
+    const double slope = c[1] - c[0], excess = c[0] + s * slope - threshold;
+    (excess < 0.0 ? high : low) = s;
+    s += (excess < 0.0 ? -0.5 : 0.5) * apart - excess / (static_cast<double>(degree) * slope);
+  }
+  return on.begin + low * on.length;
+}
+
+// The first descent below the threshold: an interval is given up once its hull stays above, or begins too late.
+std::optional<double> descend(Interval on, std::size_t degree, double threshold, double finest, double before) {
+  const auto end = on.c.begin() + static_cast<std::ptrdiff_t>(degree) + 1;
+  if (on.begin >= before || *std::min_element(on.c.begin(), end) >= threshold) return std::nullopt;
   if (on.c[0] < threshold || on.length <= finest) return on.begin;
+  if (on.c[degree] < threshold && std::is_sorted(on.c.begin(), end, std::greater<>())) {
+    if (before < on.begin + on.length && de_casteljau(on.c, degree, (before - on.begin) / on.length) >= threshold)
+      return std::nullopt;
+    return crossing(on, degree, threshold, finest);
+  }
   const Interval left = on.split(degree);
-  if (const auto found = descend(left, degree, threshold, finest)) return found;
-  return descend(on, degree, threshold, finest);
+  if (const auto found = descend(left, degree, threshold, finest, before)) return found;
+  return descend(on, degree, threshold, finest, before);
 }
 
 // Raises `known` to the largest value on the interval, unless its hull stays below.
@@ -156,8 +182,8 @@ double Bernstein::smallest(double known) const {
   return -negative.largest(-known);
 }
 
-std::optional<double> Bernstein::first_descent(double threshold, double finest) const {
-  return descend({c_, 0.0, 1.0}, degree_, threshold, finest);
+std::optional<double> Bernstein::first_descent(double threshold, double finest, double before) const {
+  return descend({c_, 0.0, 1.0}, degree_, threshold, finest, before);
 }
 
 }  // namespace viscobar

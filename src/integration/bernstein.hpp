@@ -33,8 +33,9 @@ class Bernstein {
   double smallest(double known) const;
 
   /// The first s at which p passes below `threshold`: p(s) = threshold, and p is below behind it. 0 when p starts
-  /// below. Absent when p stays at or above it throughout. No interval shorter than `finest` is halved.
-  std::optional<double> first_descent(double threshold, double finest = 0x1p-52) const;
+  /// below. Absent when p stays at or above it up to `before`, from where on nothing is looked for. It is the last
+  /// place, to `finest`, where p is not below.
+  std::optional<double> first_descent(double threshold, double finest = 0x1p-52, double before = 2.0) const;
 
  private:
   std::size_t degree_ = 0;

@@ -58,7 +58,7 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
     const auto [lowest, highest] = std::ranges::minmax(values);
     const double speed = end > begin ? (highest - lowest) / (end - begin) : 0.0;
     const double of_time = time_rounding(std::max(std::abs(begin), std::abs(end)), speed);
-    const auto s = Bernstein::through(values).first_descent(-uncertainty(i) - of_time);
+    const auto s = Bernstein::through(values).first_descent(-uncertainty(i) - of_time, 0x1p-52, first);
     if (s && *s < first) first = *s, which_ = i;
   }
   if (first > 1.0) return std::nullopt;

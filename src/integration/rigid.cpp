@@ -1,5 +1,5 @@
-#include <stdexcept>
-
+#include "integration/radau/stepper.hpp"
+#include "integration/stepwise_run.hpp"
 #include "viscobar/integration/integrate.hpp"
 
 namespace viscobar {
@@ -7,6 +7,9 @@ namespace viscobar {
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Rigid& method, const Observers& observers) {
   const Penalty rigid{0.0, method.restitution};
+  if (radau::takes(system))
+    return run_stepwise("rigid", system, rigid, start, times, observers,
+                        [&](const StepperParts& parts) { return radau::make_stepper(parts, method.tolerance); });
   if (system.has_massless() || system.damped())
     return integrate(system, start, times, Arkode{rigid, method.tolerance}, observers);
   return integrate(system, start, times, Cvode{rigid, method.tolerance}, observers);

@@ -34,6 +34,7 @@ StepPolynomial::StepPolynomial(PenalisedSystem& system, const Layout& layout, st
       begin_{0.0, std::vector<double>(layout.size), std::vector<double>(layout.nodes),
              std::vector<double>(layout.size - layout.first_derivative)},
       end_(begin_),
+      relaxation_of_(layout.nodes, 0),
       inner_(layout.account() > 0 ? layout.size : 0) {
   unresolved_.reserve(system.contact_count());
   relaxations_.reserve(system.contact_count() + 2);
@@ -49,8 +50,14 @@ void StepPolynomial::begin_run(std::vector<std::size_t> sampled_entries) {
 void StepPolynomial::restart() {
   first_of_leg_ = true;
   relaxations_.clear();
-  for (const auto& row : system_.relaxing_rows()) relaxations_.push_back({row, system_.load(row.unknown, end_.t), {}});
+  std::ranges::fill(relaxation_of_, std::size_t{0});
+  for (const auto& row : system_.relaxing_rows()) relax(row, system_.load(row.unknown, end_.t));
   massless_ = relaxations_.size();
+}
+
+void StepPolynomial::relax(const PenalisedSystem::RelaxingRow& row, double load) {
+  relaxations_.push_back({row, load, {}});
+  relaxation_of_[row.unknown] = relaxations_.size();
 }
 
 void StepPolynomial::finish() {
@@ -107,14 +114,14 @@ bool StepPolynomial::passes_over(std::size_t contact) {
 
 void StepPolynomial::smooth_unresolved() {
   unresolved_.clear();
-  relaxations_.resize(massless_);
+  for (; relaxations_.size() > massless_; relaxations_.pop_back()) relaxation_of_[relaxations_.back().row.unknown] = 0;
   for (std::size_t c = 0; c < system_.contact_count(); ++c) {
     if (!passes_over(c)) continue;
     const std::size_t i = system_.contact(c).unknown;
     const std::span ends = std::span(unresolved_).first(std::min<std::size_t>(unresolved_.size(), 2));
     if (std::ranges::find(ends, i) != ends.end()) continue;  // under a span obstacle, too
     unresolved_.push_back(i);
-    relaxations_.push_back({system_.resting_row(c), system_.load(i, begin_.t), {}});
+    relax(system_.resting_row(c), system_.load(i, begin_.t));
   }
   if (unresolved_.empty()) return;
   rest_unresolved(begin_.a);
@@ -283,12 +290,16 @@ void StepPolynomial::add_account(double until, std::span<double> y) {
 }
 
 double StepPolynomial::value(std::size_t unknown, double s, int derivative) const {
-  for (const Relaxation& relaxation : relaxations_) {
-    if (relaxation.row.unknown != unknown) continue;
+  return value(unknown, s, derivative, weights(s, derivative));
+}
+
+double StepPolynomial::value(std::size_t unknown, double s, int derivative, const Weights& weights) const {
+  if (const std::size_t place = relaxation_of_[unknown]) {
+    const Relaxation& relaxation = relaxations_[place - 1];
     const double u = relaxed(relaxation, s);
     return derivative == 0 ? u : relaxed_rate(relaxation, s, u);
   }
-  const double change = massive(unknown, weights(s, derivative)), h = length();
+  const double change = massive(unknown, weights), h = length();
   return derivative == 0 ? begin_.y[unknown] + change : change / (derivative == 1 ? h : h * h);
 }
 
@@ -297,9 +308,7 @@ void StepPolynomial::hull(std::span<double> lowest, std::span<double> highest) c
   const double h = length(), infinity = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < entries_.size(); ++k) {
     const std::size_t i = entries_[k];
-    const bool known =
-        i < n && std::ranges::none_of(relaxations_, [i](const Relaxation& r) { return r.row.unknown == i; });
-    if (!known) {
+    if (i >= n || relaxation_of_[i] > 0) {
       lowest[k] = -infinity, highest[k] = infinity;
       continue;
     }
@@ -313,9 +322,10 @@ void StepPolynomial::hull(std::span<double> lowest, std::span<double> highest) c
 std::span<const double> StepPolynomial::sample(double t, int derivative) {
   const std::size_t n = layout_.nodes;
   const double s = (t - begin_.t) / length();
+  const Weights of_u = weights(s, derivative), of_w = weights(s, derivative + 1);
   for (const std::size_t k : selected_) {
     const std::size_t entry = entries_[k];
-    sampled_[k] = entry < n ? value(entry, s, derivative) : value(entry - n, s, derivative + 1);
+    sampled_[k] = entry < n ? value(entry, s, derivative, of_u) : value(entry - n, s, derivative + 1, of_w);
   }
   return sampled_;
 }

@@ -104,6 +104,7 @@ class StepPolynomial {
   double relaxed(const Relaxation& relaxation, double s) const;
   static double relaxed_rate(const Relaxation& relaxation, double s, double u);
   double value(std::size_t unknown, double s, int derivative) const;
+  double value(std::size_t unknown, double s, int derivative, const Weights& weights) const;
   void forget_acceleration();
   void smooth_unresolved();
   bool passes_over(std::size_t contact);
@@ -116,6 +117,7 @@ class StepPolynomial {
   double relaxed_derivative(const Relaxation& relaxation, std::size_t k, double s) const;
   std::array<double, 2> derivative_at(std::size_t k, std::size_t i, double s) const;  // of u_i, and of w_i
   void complete();
+  void relax(const PenalisedSystem::RelaxingRow& row, double load);
   double length() const { return known_ ? known_->length : end_.t - begin_.t; }
   double increment(std::size_t i) const { return known_ ? known_->increment[i] : end_.y[i] - begin_.y[i]; }
 
@@ -123,7 +125,8 @@ class StepPolynomial {
   Layout layout_;
   std::span<Derivative* const> derivatives_;
   End begin_, end_;
-  std::vector<Relaxation> relaxations_;  // of massless nodes, as long as the leg; behind them those of this step
+  std::vector<Relaxation> relaxations_;     // of massless nodes, as long as the leg; behind them those of this step
+  std::vector<std::size_t> relaxation_of_;  // of each unknown: its place among them and 1, 0 for none
   std::size_t massless_ = 0;
   double tolerance_ = 0.0;
   std::vector<std::size_t> entries_, selected_;

@@ -34,6 +34,9 @@ class LegStepper {
   virtual std::size_t order() const = 0;
   /// The sampled entries' derivatives (0: the values) at t, valid until the next call.
   virtual std::span<const double> sample(double t, int derivative) = 0;
+  /// A contact changes in the state y within the last step: for a method whose steps are so long that its maxima have
+  /// not seen one like it.
+  virtual void changes_at(std::span<const double> /*y*/) {}
   /// The whole state at a time within the last step.
   virtual void interpolate(double t, std::span<double> y) = 0;
   /// Which of the entries sample() is to give from now on, by their positions.

@@ -83,6 +83,7 @@ class StepwisePart {
       if (!telling_.progress(t)) return std::nullopt;
       if (change) {
         reach(t);
+        stepper_.changes_at(y_);
         switch_contacts(t, step_begin, reached);
         // What is left after a change at the very end is no leg.
         if (end - t <= 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end))) break;

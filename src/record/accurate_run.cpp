@@ -1,4 +1,5 @@
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "input/described_scene.hpp"
@@ -35,12 +36,38 @@ void observe(RecordOptions& own, const RecordOptions& options, accuracy::Probe& 
   };
 }
 
+AccuracyStudy study_of(const SceneFile& scene, const RecordOptions& options) {
+  AccuracyStudy study;
+  study.scene = scene.run;
+  study.request = *scene.accuracy;
+  study.message = options.message;
+  study.stop = options.stop;
+  return study;
+}
+
 ErrorEstimate no_estimate(const AccuracyRequest& request, const std::string& why) {
   ErrorEstimate estimate;
   estimate.of = request.of;
   if (!request.relative) estimate.requested = request.error;
   estimate.doubt = "there is no estimate: " + why;
   return estimate;
+}
+
+/// What `judge` says of a run, or why it says nothing.
+template <class Judge>
+void estimate_into(Outcome& outcome, const AccuracyRequest& request, Judge&& judge) {
+  try {
+    outcome.error_estimate = judge();
+  } catch (const accuracy::Stopped&) {
+    outcome.error_estimate = no_estimate(request, "it was interrupted");
+  } catch (const std::exception& error) {
+    outcome.error_estimate = no_estimate(request, error.what());
+  }
+}
+
+void warn_of_doubt(Outcome& outcome) {
+  if (const std::string& doubt = outcome.error_estimate->doubt; !doubt.empty())
+    outcome.warnings.push_back("error: " + doubt);
 }
 
 }  // namespace
@@ -54,9 +81,12 @@ RunRecord record_with_estimate(const SceneFile& scene, const std::filesystem::pa
     constexpr double patience = 2.0;  // of the time that the run took
     try {
       const accuracy::Sample sample = probe.take(*outcome.statistics);
-      outcome.error_estimate =
+      const accuracy::QuickEstimate found =
           accuracy::quick_estimate(scene.run, sample, patience * outcome.statistics->integration_seconds, options.stop);
-    } catch (const std::exception&) {  // nobody asked for it: the run is whole without
+      outcome.error_estimate = found.estimate;
+      outcome.no_estimate = found.why_not;
+    } catch (const std::exception& error) {  // the run is whole without
+      outcome.no_estimate = error.what();
     }
   };
   return record_run(scene, directory, own);
@@ -65,11 +95,7 @@ RunRecord record_with_estimate(const SceneFile& scene, const std::filesystem::pa
 RunRecord record_to_accuracy(const SceneFile& scene, const std::filesystem::path& directory,
                              const RecordOptions& options) {
   if (!scene.accuracy) return record_run(scene, directory, options);
-  AccuracyStudy study;
-  study.scene = scene.run;
-  study.request = *scene.accuracy;
-  study.message = options.message;
-  study.stop = options.stop;
+  const AccuracyStudy study = study_of(scene, options);
   accuracy::Plan plan(study);
   while (true) {
     Case run = scene.run;
@@ -85,21 +111,32 @@ RunRecord record_to_accuracy(const SceneFile& scene, const std::filesystem::path
     RecordOptions own = options;
     observe(own, options, probe);
     own.estimate = [&](Outcome& outcome) {
-      try {
-        outcome.error_estimate =
-            failure.empty() ? plan.judge(probe.take(*outcome.statistics)) : no_estimate(study.request, failure);
-      } catch (const accuracy::Stopped&) {
-        outcome.error_estimate = no_estimate(study.request, "it was interrupted");
-      } catch (const std::exception& error) {
-        outcome.error_estimate = no_estimate(study.request, error.what());
-      }
-      if (const std::string& doubt = outcome.error_estimate->doubt; !doubt.empty() && !plan.again())
-        outcome.warnings.push_back("error: " + doubt);
+      estimate_into(outcome, study.request, [&] {
+        return failure.empty() ? plan.judge(probe.take(*outcome.statistics)) : no_estimate(study.request, failure);
+      });
+      if (!plan.again()) warn_of_doubt(outcome);
     };
     RunRecord record = record_run(with_settings(scene, run), directory, own);
     record.run = run;
     if (record.outcome.ending != Ending::completed || !failure.empty() || !plan.again()) return record;
   }
+}
+
+RunRecord resume_to_accuracy(const SceneFile& scene, const std::filesystem::path& directory,
+                             const RecordOptions& options, const std::function<void(const std::string&)>& complain) {
+  if (!scene.accuracy) return resume_run(scene, directory, options, complain);
+  RecordOptions own = options;
+  own.estimate = [&](Outcome& outcome) {
+    // What was chosen stands in the checkpoint as if it had been given. What came before it is in files only.
+    estimate_into(outcome, *scene.accuracy, [&] {
+      accuracy::Plan plan(study_of(scene, options));
+      std::optional<accuracy::Sample> solution = accuracy::sample_of(plan.next(), options.stop);
+      if (!solution) throw accuracy::Stopped();
+      return plan.judge(std::move(*solution));
+    });
+    warn_of_doubt(outcome);
+  };
+  return resume_run(scene, directory, own, complain);
 }
 
 }  // namespace viscobar

@@ -4,7 +4,6 @@
 
 #include <utility>
 
-#include "report/end_words.hpp"
 #include "report/obstacle_levels.hpp"
 #include "report/page_files.hpp"
 #include "scene/end_kinds.hpp"
@@ -23,7 +22,11 @@ std::string end_text(EndCondition end, const EndInput& input) {
   for (const EndNumber& number : kind.numbers)
     text += fmt::format(", {}\u00a0{}", number.key, readable(number.of(end)));
   if (const auto* obstacle = std::get_if<Obstacle>(&end); obstacle && obstacle->side == Side::above) text += ", above";
-  for (const std::string& one : words_of(input, is_obstacle(end))) text += ", " + one;
+  if (input.force)
+    text += input.force->steady ? fmt::format(", force {}", readable(input.force->value(0.0))) : ", force F(t)";
+  if (input.motion) text += is_obstacle(end) ? ", moving" : ", motion d(t)";
+  if (input.stiffness > 0.0) text += fmt::format(", spring {} to u = 0", readable(input.stiffness));
+  if (input.dashpot > 0.0) text += fmt::format(", dashpot {}", readable(input.dashpot));
   return text;
 }
 
@@ -68,6 +71,12 @@ std::string Numbers::html(std::string_view heading) const {
 
 std::string section_html(std::string_view heading, std::string_view content) {
   return fmt::format("<section><h2>{}</h2>\n{}</section>\n", heading, content);
+}
+
+std::string notes_html(const std::vector<std::string>& sentences) {
+  std::string html;
+  for (const std::string& sentence : sentences) html += fmt::format("<p class=\"note\">{}.</p>\n", escaped(sentence));
+  return html;
 }
 
 Page::Page(std::string title, const Scene& scene) : title_(std::move(title)), model_(model_html(scene)) {}

@@ -18,6 +18,9 @@ std::string model_html(const Scene& scene);
 
 std::string section_html(std::string_view heading, std::string_view content);
 
+/// Remarks, sentences without their full stops, below each other.
+std::string notes_html(const std::vector<std::string>& sentences);
+
 /// Named values in columns.
 class Numbers {
  public:

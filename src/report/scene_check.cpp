@@ -13,15 +13,6 @@
 
 namespace viscobar {
 
-std::string_view name(Where where) {
-  switch (where) {
-    case Where::left: return "left";
-    case Where::right: return "right";
-    case Where::span: return "span";
-  }
-  return {};
-}
-
 std::string_view name(ImpactPrediction::Layer layer) {
   switch (layer) {
     case ImpactPrediction::Layer::viscous: return "viscous layer";
@@ -126,18 +117,12 @@ std::vector<std::string> warnings_of(const Case& run, const BarSystem& system,
   return found;
 }
 
-const FirstImpact* hit(const std::optional<std::vector<FirstImpact>>& hits, Where where) {
-  if (hits)
-    for (const FirstImpact& candidate : *hits)
-      if (candidate.where == where) return &candidate;
-  return nullptr;
-}
-
 /// The speed that a first impact will have tells more than the initial velocity.
 void predict(ContactRegime& regime, const std::optional<std::vector<FirstImpact>>& hits, const Case& run,
              const BarSystem& system) {
-  const FirstImpact* first = hit(hits, regime.where);
-  if (!first || first->speed == 0.0 || regime.where == Where::span) return;
+  if (!hits || regime.where == Where::span) return;
+  const auto first = std::ranges::find(*hits, regime.where, &FirstImpact::where);
+  if (first == hits->end() || first->speed == 0.0) return;
   const double h = system.spacing_at(regime.where == Where::left ? 0 : system.size() - 1);
   regime.impact = predict_impact(system.bar(), h, regime.effective_mass, effective_epsilon(run), first->speed);
 }
@@ -162,11 +147,13 @@ Json to_json(const ContactRegime& regime) {
 }  // namespace
 
 SceneCheck check_scene(const Case& run) {
-  SceneCheck check{make_system(run), first_impacts(run), {}, memory_need(run), {}, {}};
+  SceneCheck check{make_system(run), first_impacts(run), {}, memory_need(run), {}, {}, {}};
   check.regimes = contact_regimes(run, check.system);
   for (ContactRegime& regime : check.regimes) predict(regime, check.impacts, run, check.system);
   constexpr double patience = 0.5;  // seconds
-  check.error = accuracy::forecast(run, patience);
+  accuracy::QuickEstimate forecast = accuracy::forecast(run, patience);
+  check.error = std::move(forecast.estimate);
+  check.no_error = std::move(forecast.why_not);
   check.warnings = warnings_of(run, check.system, check.regimes);
   return check;
 }

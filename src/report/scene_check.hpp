@@ -8,6 +8,7 @@
 #include "case/first_impact.hpp"
 #include "case/memory.hpp"
 #include "case/regime.hpp"
+#include "results/csv.hpp"
 #include "viscobar/case/accuracy.hpp"
 #include "viscobar/input/scene_file.hpp"
 
@@ -20,6 +21,7 @@ struct SceneCheck {
   std::vector<ContactRegime> regimes;               ///< of the contacts of a penalised method
   MemoryNeed memory;                                ///< of the run
   std::optional<ErrorEstimate> error;               ///< forecast; absent for exact methods and large scenes
+  std::string no_error;                             ///< why it is absent, in half a sentence; empty for exact methods
   std::vector<std::string> warnings;                ///< what to change, in sentences
 };
 
@@ -29,7 +31,6 @@ SceneCheck check_scene(const Case& run);
 std::string check_json(const SceneFile& scene, const SceneCheck& check);
 
 /// In words.
-std::string_view name(Where where);
 std::string_view name(ImpactPrediction::Layer layer);
 std::string_view load_kind(const Scene& scene);
 /// What an end is given and what that adds to the model, a sentence for each.

@@ -35,13 +35,10 @@ std::string sensitivity_row(const Snapshot& at) {
   return row;
 }
 
+std::string_view name(Where where) { return where == Where::left ? "left" : where == Where::right ? "right" : "span"; }
+
 std::string place(const Event& event) {
-  switch (event.where) {
-    case Where::left: return "left";
-    case Where::right: return "right";
-    case Where::span: return fmt::format("span:{}", event.node);
-  }
-  return {};
+  return event.where == Where::span ? fmt::format("span:{}", event.node) : std::string(name(event.where));
 }
 
 }  // namespace viscobar

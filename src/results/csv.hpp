@@ -30,6 +30,7 @@ std::string energy_row(double t, const EnergyState& energy);
 std::string sensitivity_header(std::span<const Direction> directions);
 std::string sensitivity_row(const Snapshot& at);
 
+std::string_view name(Where where);  ///< left, right or span
 /// left, right or span:<mesh node>
 std::string place(const Event& event);
 

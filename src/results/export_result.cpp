@@ -4,16 +4,17 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <charconv>
 #include <fstream>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
-#include "results/export_xdmf.hpp"
 #include "results/field/field_reader.hpp"
-#include "results/npy_file.hpp"
+#include "results/field/xdmf_file.hpp"
 #include "results/output_file.hpp"
 #include "results/result_directory.hpp"
 #include "viscobar/results/io_error.hpp"
@@ -37,14 +38,49 @@ void for_each_block(const FieldReader& field, Quantity quantity, Take&& take) {
   }
 }
 
-void write_npy(const fs::path& path, std::span<const double> values) {
-  NpyFile file(path, std::array{values.size()});
+/// An array of doubles in NumPy's format 1.0, row by row: 8 bytes "\x93NUMPY\1\0", the length of the header in two
+/// bytes, the header, a Python dictionary padded with blanks to a multiple of 64, then the numbers, little-endian.
+/// @throws IoError
+class NpyFile {
+ public:
+  /// All extents are known beforehand; one extent makes a vector.
+  NpyFile(const fs::path& path, const std::vector<std::size_t>& shape) : file_(path) {
+    // A tuple of one number ends with a comma.
+    std::string head =
+        fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}", fmt::join(shape, ", "));
+    constexpr std::size_t before = 10, alignment = 64;
+    head.resize((before + head.size() + 1 + alignment - 1) / alignment * alignment - before - 1, ' ');
+    head += '\n';
+    std::string start("\x93NUMPY\x01\x00", 8);
+    start += static_cast<char>(head.size() & 0xff);
+    start += static_cast<char>(head.size() >> 8);
+    start += head;
+    file_.write_at(0, start);
+    written_ = start.size();
+  }
+
+  void append(std::span<const double> values) {
+    static_assert(std::endian::native == std::endian::little, "the numbers are written as they lie in memory");
+    const auto bytes = std::as_bytes(values);
+    file_.write_at(written_, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    written_ += bytes.size();
+  }
+
+  void close() { file_.close(); }
+
+ private:
+  OutputFile file_;
+  std::size_t written_ = 0;
+};
+
+void write_npy(const fs::path& path, std::span<const double> values, const std::vector<std::size_t>& shape) {
+  NpyFile file(path, shape);
   file.append(values);
   file.close();
 }
 
 void write_npy(const fs::path& path, const FieldReader& field, Quantity quantity) {
-  NpyFile file(path, std::array{field.rows(), field.width(quantity)});
+  NpyFile file(path, {field.rows(), field.width(quantity)});
   for_each_block(field, quantity, [&](std::size_t, std::span<const double> block) { file.append(block); });
   file.close();
 }
@@ -62,6 +98,43 @@ void write_csv(const fs::path& path, const FieldReader& field, Quantity quantity
       file.print("{},{}", field.times()[first + row], fmt::join(block.subspan(row * n, n), ","));
   });
   file.close();
+}
+
+/// field.h5 and field.xdmf with a dataset for each time (u/0, u/1, ...): for readers that know no part of a dataset,
+/// such as meshio.
+void export_xdmf(const FieldReader& field, const fs::path& target) {
+  NewFile values(target / "field.h5"), description(target / "field.xdmf");
+  const fs::path& path = values.part();
+  begin_hdf5();
+  Hdf5File file(hdf5_checked(path, "cannot be created",
+                             [&] { return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT); }));
+  const Hdf5Properties groups(H5Pcreate(H5P_LINK_CREATE));
+  H5Pset_create_intermediate_group(groups.get(), 1);
+  const std::size_t n = field.nodes();
+  write_dataset(path, file.get(), "points", std::array<hsize_t, 2>{n, 3}, xdmf::points(field.x()));
+  write_dataset(path, file.get(), "line", std::array<hsize_t, 2>{n - 1, 2}, xdmf::line(n));
+
+  std::string text(xdmf::head);
+  std::vector<double> row;
+  for (std::size_t k = 0; k < field.rows(); ++k) {
+    text += xdmf::grid_head(k, field.times()[k], n);
+    for (const auto& [name, quantity] :
+         {std::pair("u", Quantity::displacement), {"v", Quantity::velocity}, {"stress", Quantity::stress}}) {
+      if (!field.has(quantity)) continue;
+      row.resize(field.width(quantity));
+      field.read(quantity, k, row);
+      const std::string place = fmt::format("{}/{}", name, k);
+      write_dataset(path, file.get(), place, std::array<hsize_t, 1>{row.size()}, row, groups.get());
+      text += xdmf::attribute(name, row.size(), place);
+    }
+    text += "</Grid>\n";
+  }
+  hdf5_checked(path, "cannot be closed", [&] { return H5Fclose(file.release()); });
+  values.take_place();
+  OutputFile out(description.part());
+  out.write_at(0, text.append(xdmf::closing_tags));
+  out.close();
+  description.take_place();
 }
 
 /// The numbers of a table such as ends.csv. A last line that a killed run left half written is not one of them.
@@ -92,12 +165,6 @@ Columns read_table(const fs::path& path) {
       throw IoError(path, fmt::format("has a line that is not {} numbers: {}", columns.count, line));
   }
   return columns;
-}
-
-void write_npy(const fs::path& path, const Columns& columns) {
-  NpyFile file(path, std::array{columns.values.size() / columns.count, columns.count});
-  file.append(columns.values);
-  file.close();
 }
 
 /// What is there is replaced where it begins as an earlier export does. @throws std::invalid_argument
@@ -166,16 +233,19 @@ std::vector<fs::path> export_result(const fs::path& result, ExportFormat format,
   check_targets(targets, npy ? "\x93NUMPY" : "t,");
   create(target);
   if (field && npy) {
-    write_npy(path_of("x"), field->x());
-    write_npy(path_of("t"), field->times());
+    write_npy(path_of("x"), field->x(), {field->nodes()});
+    write_npy(path_of("t"), field->times(), {field->rows()});
   }
   for (const auto& [name, quantity] : fields)
     npy ? write_npy(path_of(name), *field, quantity) : write_csv(path_of(name), *field, quantity);
   for (const std::string& table : tables) {
-    if (npy)
-      write_npy(path_of(table), read_table(result / (table + ".csv")));
-    else if (!fs::equivalent(result, target))
-      copy_table(result / (table + ".csv"), path_of(table));
+    const fs::path from = result / (table + ".csv");
+    if (npy) {
+      const Columns columns = read_table(from);
+      write_npy(path_of(table), columns.values, {columns.values.size() / columns.count, columns.count});
+    } else if (!fs::equivalent(result, target)) {
+      copy_table(from, path_of(table));
+    }
   }
   return targets;
 }

@@ -8,7 +8,7 @@ namespace viscobar {
 
 enum class ExportFormat {
   csv,   ///< u.csv, v.csv, stress.csv: first line t and each column's x, then a line per output time; the tables
-  xdmf,  ///< field.h5 with a dataset for each time and field.xdmf: export_xdmf()
+  xdmf,  ///< field.h5 with a dataset for each time and field.xdmf, for readers such as meshio
   npy    ///< x.npy, t.npy, u.npy, v.npy (times x nodes), stress.npy (times x elements), a table as times x columns
 };
 

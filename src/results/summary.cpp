@@ -138,6 +138,7 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
     json["representation"] = {{"error", outcome.statistics->representation->error},
                               {"rounding", outcome.statistics->representation->rounding}};
   json["error_estimate"] = outcome.error_estimate ? to_json(*outcome.error_estimate) : Json(nullptr);
+  if (!outcome.no_estimate.empty()) json["no_estimate"] = outcome.no_estimate;
   if (!scene.run.directions.empty()) json["sensitivity"] = sensitivity_json(scene.run, outcome);
   json["contact"] = contact_json(scene.run.scene, outcome);
   json["scene"] = Json::parse(scene.complete());

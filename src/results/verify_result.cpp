@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -40,15 +39,14 @@ std::string content(const fs::path& file) {
 class Verification {
  public:
   explicit Verification(const fs::path& directory) : directory_(directory) {
-    constexpr std::array summaries = {"summary.json", "compare.json", "limit.json", "precision.json", "sweep.json"};
     const auto there = [&](const char* name) { return fs::exists(directory / name); };
-    if (std::ranges::none_of(summaries, there) && !there("sweep.h5"))
+    if (std::ranges::none_of(json_summaries, there) && !there("sweep.h5"))
       throw std::invalid_argument(directory.string() + " holds no result of viscobar");
     for (const fs::path& folder : {directory, directory / "figures"})
       if (fs::is_directory(folder))
         for (const auto& entry : fs::directory_iterator(folder))
           if (entry.is_regular_file()) found_[fs::relative(entry.path(), directory).string()].bytes = entry.file_size();
-    for (const char* name : summaries)
+    for (const char* name : json_summaries)
       if (found_.contains(name)) summary(name);
     if (found_.contains("sweep.h5")) sweep();
     if (found_.contains("summary.json")) unfinished_run();

@@ -168,5 +168,28 @@ TEST_F(Export, NumpyArraysAreReadByNumpy) {
   EXPECT_EQ(std::system(("cd '" + directory_.string() + "' && /usr/bin/python3 equal.py").c_str()), 0);
 }
 
+TEST_F(Export, XdmfIsReadByMeshioWithACellForEachElement) {
+  if (std::system("/usr/bin/python3 -c 'import meshio, h5py' 2>/dev/null") != 0)
+    GTEST_SKIP() << "python3-meshio is not installed";
+  ASSERT_EQ(viscobar("export out --format xdmf").code, 0);
+  std::ofstream(directory_ / "equal.py") << R"(
+import h5py, meshio
+field = h5py.File("out/field.h5")
+with meshio.xdmf.TimeSeriesReader("out/xdmf/field.xdmf") as reader:
+    points, cells = reader.read_points_cells()
+    assert (points[:, 0] == field["x"][:]).all() and not points[:, 1:].any()
+    (bar,) = cells
+    elements = len(field["x"]) - 1
+    assert bar.type == "line" and [list(cell) for cell in bar.data] == [[k, k + 1] for k in range(elements)]
+    assert reader.num_steps == len(field["t"])
+    for k in range(reader.num_steps):
+        time, nodes, of_cells = reader.read_data(k)
+        assert time == field["t"][k]
+        assert (nodes["displacement"] == field["u"][k]).all() and (nodes["velocity"] == field["v"][k]).all()
+        assert (of_cells["stress"][0] == field["stress"][k]).all()
+)";
+  EXPECT_EQ(std::system(("cd '" + directory_.string() + "' && /usr/bin/python3 equal.py").c_str()), 0);
+}
+
 }  // namespace
 }  // namespace viscobar

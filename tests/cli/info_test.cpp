@@ -138,6 +138,16 @@ TEST_F(Info, VerifiesAResultAgainstItsChecksums) {
   EXPECT_TRUE(has(text.out, "ends.csv: its checksum is not the one that was written")) << text.out;
 }
 
+TEST_F(Info, VerifiesAFitToo) {
+  viscobar("run scene.toml --quiet -o out");
+  ASSERT_EQ(viscobar("fit scene.toml --data out/ends.csv --parameters bar.viscosity --quiet -o fitted").code, 0);
+  const auto sound = viscobar("info fitted --verify --json");
+  EXPECT_EQ(sound.code, 0) << sound.out;
+  EXPECT_EQ(sound.json()["files"].size(), 2u);
+  std::ofstream(directory_ / "fitted/fit.html", std::ios::app) << "!";
+  EXPECT_EQ(viscobar("info fitted --verify").code, 1);
+}
+
 TEST_F(Info, CannotVerifyAResultWithoutChecksums) {
   viscobar("run scene.toml --quiet -o out");
   auto summary = nlohmann::ordered_json::parse(read_text(directory_ / "out/summary.json"));

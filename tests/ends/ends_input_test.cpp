@@ -117,17 +117,17 @@ TEST(FormulaTaylor, HasTheDerivativesOfWhatFormulasKnow) {
        {"t", "3", "t^2-2*t+1", "t^3/(1+t)", "sin(2*t)*cos(t)", "tan(t/3)", "exp(-t)*log(1+t)", "sqrt(1+t^2)",
         "abs(t-2)*t", "min(t^2,3*t)", "max(t,0.5,t^2)", "t < 1 ? t^3 : 3*t-2", "(1+t)^t", "2^t", "-t^-2", "t^0.5",
         "(1-cos(3*t))^2", "1/(1+exp(-4*(t-0.5)))", "(t > 0.2 && t < 9) * t^2"}) {
-    FormulaTaylor taylor(parse_formula(text));
+    FormulaTaylor taylor(parse_formula(text), "t");
     for (const double t : {0.3, 0.77, 1.4}) {
       const double step = 1e-4;
-      const auto [f, slope, bend] = taylor(t);
-      const double before = taylor(t - step)[0], after = taylor(t + step)[0];
+      const auto [f, slope, bend] = taylor(0.0, t);
+      const double before = taylor(0.0, t - step)[0], after = taylor(0.0, t + step)[0];
       EXPECT_NEAR(slope, (after - before) / (2 * step), 1e-6 * (1 + std::abs(slope))) << text << " at " << t;
       EXPECT_NEAR(bend, (after - 2 * f + before) / (step * step), 1e-5 * (1 + std::abs(bend))) << text << " at " << t;
     }
   }
-  EXPECT_EQ(FormulaTaylor(parse_formula("t^2"))(0.0), (Taylor{0.0, 0.0, 2.0}));
-  EXPECT_EQ(FormulaTaylor(parse_formula("t^1"))(0.0), (Taylor{0.0, 1.0, 0.0}));
+  EXPECT_EQ(FormulaTaylor(parse_formula("t^2"), "t")(0.0, 0.0), (Taylor{0.0, 0.0, 2.0}));
+  EXPECT_EQ(FormulaTaylor(parse_formula("t^1"), "t")(0.0, 0.0), (Taylor{0.0, 1.0, 0.0}));
 }
 
 }  // namespace

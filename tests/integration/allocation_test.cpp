@@ -54,6 +54,15 @@ TEST(Cvode, StepsAllocateNothing) { expect_no_allocation_a_step<Cvode>(); }
 TEST(Ida, StepsAllocateNothing) { expect_no_allocation_a_step<Ida>(); }
 TEST(Arkode, StepsAllocateNothing) { expect_no_allocation_a_step<Arkode>(); }
 
+TEST(Rigid, StepsAllocateNothing) {
+  for (const Mass mass : {Mass::consistent, Mass::redistributed, Mass::fourth_order}) {
+    counted(Rigid{{1e-4, 1e-7}}, 0.1, mass);  // makes the tables that all runs share
+    const Count few = counted(Rigid{{1e-4, 1e-7}}, 0.1, mass), many = counted(Rigid{{1e-12, 1e-15}}, 0.1, mass);
+    EXPECT_GT(many.steps, few.steps);
+    EXPECT_EQ(many.allocations, few.allocations) << name(mass);
+  }
+}
+
 // rosenbrock4 does: the matrix sums of Boost make temporaries.
 TEST(Odeint, ExplicitStepsAllocateNothing) {
   counted(Odeint{{1e-4}, {1e-4, 1e-7}, Stepper::dopri5, {}}, 0.1);  // makes the tables that all runs share

@@ -117,5 +117,28 @@ TEST(Bernstein, StartsBelowAtZero) {
   EXPECT_EQ(polynomial(3, [](double s) { return s - 0.1; }).first_descent(0.0), 0.0);
 }
 
+// Where all coefficients fall Newton's method finds what halving would: the last place, to 2^-52, that is not below.
+TEST(Bernstein, AFallingPolynomialDescendsAtItsRoot) {
+  for (std::size_t degree = 1; degree <= 12; ++degree)
+    for (const double root : {1e-9, 0.1, 0.5, 0.93, 1.0 - 1e-9}) {
+      // -(s - r) (1 + s^(degree - 1)), and flat at its root: -(s - r)^3.
+      std::vector<double> samples, flat;
+      for (std::size_t j = 0; j <= degree; ++j) {
+        const double s = static_cast<double>(j) / static_cast<double>(degree);
+        samples.push_back((root - s) * (1.0 + (degree > 1 ? std::pow(s, degree - 1) : 0.0)));
+        flat.push_back(std::pow(root - s, 3));
+      }
+      const auto found = Bernstein::through(samples).first_descent(0.0);
+      ASSERT_TRUE(found);
+      // The coefficients have some 1e3 roundings at degree 12; the slope is 1 at least.
+      EXPECT_NEAR(*found, root, 1e-12) << degree;
+      EXPECT_FALSE(Bernstein::through(samples).first_descent(0.0, 0x1p-52, 0.5 * root));
+      if (degree < 3) continue;
+      const auto flat_root = Bernstein::through(flat).first_descent(0.0);
+      ASSERT_TRUE(flat_root);
+      EXPECT_NEAR(*flat_root, root, std::cbrt(1e-12)) << degree;
+    }
+}
+
 }  // namespace
 }  // namespace viscobar

@@ -427,5 +427,28 @@ TEST(Exponential, RefusesMeshesTooLargeForDenseMatricesAndRigidObstacles) {
   EXPECT_THROW(record(rigid, {0.0, 1.0}, Penalty{0.0}), std::invalid_argument);
 }
 
+// 1 - cos is known to roundings of 1, so that (1 - cos 2t)^4 = 16 t^8 - ... has no digits at its beginning. The bar is
+// linear: it answers to a load of any size alike.
+TEST(Exponential, FollowsALoadThatBeginsWithoutDigits) {
+  const auto times = uniform_times(0.25, 8);
+  const auto driven = [&](double size, const auto& method, Mass mass) {
+    Scene scene;
+    scene.bar.viscosity = 0.1;
+    scene.displacement = scene.velocity = [](double) { return 0.0; };
+    scene.left_input.force = EndForce{[size](double t) { return size * std::pow(1.0 - std::cos(2.0 * t), 4); }, {}};
+    return viscobar::record(BarSystem(scene, {1.0, 12}, mass), times, method).u.back();
+  };
+  for (const Mass mass : {Mass::consistent, Mass::redistributed, Mass::fourth_order}) {
+    const auto large = driven(1.0, Exponential{}, mass), other = driven(1.0, Cvode{{1e-4}, {1e-10}}, mass);
+    for (const double size : {1.0, 1e-3, 1e-12}) {
+      const auto u = driven(size, Exponential{}, mass);
+      for (std::size_t i = 0; i < u.size(); ++i) {
+        EXPECT_NEAR(u[i] / size, large[i], 1e-11 * large.front()) << "what the load is known to";
+        EXPECT_NEAR(u[i] / size, other[i], 100 * 1e-10 * large.front()) << "what cvode promises";
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace viscobar

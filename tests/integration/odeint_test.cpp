@@ -125,5 +125,31 @@ TEST(Odeint, SaysWhyItRefuses) {
   EXPECT_EQ(refused(thrown_bar(1.0), 100000, Mass::consistent, by(Stepper::automatic)), Refusal::many_steps);
 }
 
+// The bar is linear but for its gap: displacements, load and gap times a power of two, lengths as they are, give the
+// same digits. (The Jacobian's columns were differences against the load, for displacements of the size of a length.)
+TEST(Odeint, DigitsOfRosenbrock4DoNotDependOnTheUnitOfDisplacement) {
+  for (const Mass mass : {Mass::consistent, Mass::redistributed, Mass::fourth_order}) {
+    const auto run = [&](double unit) {
+      Scene scene;
+      scene.bar = {1.3, 1.7, 2.1, 0.1};
+      scene.left = Obstacle{0.07 * unit};
+      scene.displacement = [unit](double x) { return unit * 0.1 * x * (1.3 - x); };
+      scene.velocity = [unit](double x) { return -0.3 * unit * (1.0 + 0.1 * x); };
+      scene.load = SteadyLoad{[unit](double x) { return -0.7 * unit * x; }};
+      return viscobar::record(BarSystem(scene, {1.3, 9}, mass), uniform_times(0.1, 15),
+                              Odeint{{1e-4}, {1e-7}, Stepper::rosenbrock4, {}});
+    };
+    const RunTrace one = run(1.0);
+    EXPECT_GT(one.events.size(), 0u);
+    for (const double unit : {0x1p-40, 0x1p40}) {
+      const RunTrace other = run(unit);
+      ASSERT_EQ(other.u.size(), one.u.size());
+      for (std::size_t k = 0; k < one.u.size(); ++k)
+        for (std::size_t i = 0; i < one.u[k].size(); ++i)
+          EXPECT_EQ(other.u[k][i], unit * one.u[k][i]) << name(mass) << " " << unit << " " << k << " " << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace viscobar

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -217,8 +218,9 @@ void stability() {
     }
 }
 
-// Seconds of the method alone for an error in space and time together: the fastest of the meshes, methods, tolerances
-// and steps tried that keeps it. (2.8) has dt for a tolerance.
+// Seconds of the method alone for an error in space and time together: the fastest of the meshes (a fourth of an octave
+// apart), methods, tolerances (half a decade) and steps (half an octave) tried that keeps it. (2.8) has dt for a
+// tolerance.
 void speed() {
   constexpr Mass masses[] = {Mass::consistent, Mass::lumped, Mass::redistributed, Mass::fourth_order};
   constexpr double targets[] = {1e-4, 1e-6, 1e-8};
@@ -241,33 +243,49 @@ void speed() {
       std::array<std::string, 3> words;
       best[mass].fill(1e9);
       run.mass = mass;
+      // Returns the error.
       const auto attempt = [&](const std::string& setting) {
         EndTraces traces = trace_ends(run, times);
         const double error = largest_difference(traces, reference) / largest;
         double seconds = traces.statistics.integration_seconds;
         bool useful = false;
         for (std::size_t k = 0; k < 3; ++k) useful |= error <= targets[k] && seconds < 1.5 * best[mass][k];
-        for (int again = 0; useful && again < 4 && seconds < 0.5; ++again)
+        for (int again = 0; useful && again < 8 && seconds < 0.5; ++again)
           seconds = std::min(seconds, trace_ends(run, times).statistics.integration_seconds);
         for (std::size_t k = 0; k < 3; ++k)
           if (error <= targets[k] && seconds < best[mass][k]) best[mass][k] = seconds, words[k] = setting;
-        return seconds;
+        return error;
       };
-      for (double j = 10.0; j < 20000.0; j *= std::numbers::sqrt2) {
+      // Settings from coarse to fine, as long as they lower the error of that mesh.
+      const auto refine = [&](auto&& next) {
+        double least = 1e9;
+        for (int idle = 0; idle < 5;) {
+          const std::optional<std::string> setting = next();
+          if (!setting) return;
+          const double error = attempt(*setting);
+          idle = error < 0.8 * least ? 0 : idle + 1;
+          least = std::min(least, error);
+        }
+      };
+      for (double j = 10.0; j < 20000.0; j *= std::pow(2.0, 0.25)) {
         run.elements = static_cast<std::size_t>(std::lround(j));
         if (mass == Mass::fourth_order && run.elements > 1300) break;
         run.method = MethodName::rigid;
-        for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9}) {
+        refine([&, tolerance = 1e-2 * std::sqrt(10.0)]() mutable -> std::optional<std::string> {
+          if ((tolerance /= std::sqrt(10.0)) < 5e-10) return std::nullopt;
           run.tolerance = {tolerance, tolerance * 1e-3};
-          attempt(fmt::format("rigid, {} elements, {:.0e}", run.elements, tolerance));
-        }
+          return fmt::format("rigid, {} elements, {:.0e}", run.elements, tolerance);
+        });
         run.method = MethodName::fully_discrete;
         run.start = Start::second_order;
-        for (double dt = 0.04; dt > 1e-5; dt /= 2.0) {
-          if (2.4 / dt * j > 3e8) break;
+        // A whole number of steps between outputs.
+        refine([&, parts = 0.5]() mutable -> std::optional<std::string> {
+          const double dt = 0.02 / (parts < 1.0 ? parts : std::round(parts));
+          parts *= std::numbers::sqrt2;
+          if (2.4 / dt * j > 3e8) return std::nullopt;
           run.step = dt;
-          attempt(fmt::format("(2.8), {} elements, dt {:.1e}", run.elements, dt));
-        }
+          return fmt::format("(2.8), {} elements, dt {:.1e}", run.elements, dt);
+        });
       }
       std::string cells;
       for (std::size_t k = 0; k < 3; ++k)

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "report/plot/axis.hpp"
-#include "report/plot/base64.hpp"
 #include "report/plot/colour_map.hpp"
 #include "report/plot/figure.hpp"
 #include "report/plot/png.hpp"

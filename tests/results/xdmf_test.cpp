@@ -1,6 +1,7 @@
 // field.xdmf as those see it who read it: the XDMF library, which ParaView's reader is made of, and ParaView itself.
 #ifdef VISCOBAR_XDMF
 #include <XdmfAttribute.hpp>
+#include <XdmfAttributeCenter.hpp>
 #include <XdmfDomain.hpp>
 #include <XdmfGeometry.hpp>
 #include <XdmfGridCollection.hpp>
@@ -51,6 +52,11 @@ TEST_F(Xdmf, IsReadByItsOwnLibrary) {
     points->read();
     ASSERT_EQ(points->getSize(), 3 * nodes);
     EXPECT_EQ(points->getValue<double>(3 * nodes - 3), 3.0);
+    EXPECT_EQ(grid->getTopology()->getNumberElements(), nodes - 1);
+    const auto stress = grid->getAttribute("stress");
+    stress->read();
+    EXPECT_EQ(stress->getCenter(), XdmfAttributeCenter::Cell());
+    EXPECT_EQ(stress->getSize(), nodes - 1);
     for (const auto& [name, sign] : {std::pair{"displacement", 1.0}, std::pair{"velocity", -1.0}}) {
       const auto field = grid->getAttribute(name);
       field->read();
@@ -74,6 +80,7 @@ print(*reader.TimestepValues)
 for time in reader.TimestepValues:
     reader.UpdatePipeline(time=time)
     points = servermanager.Fetch(reader)
+    print(points.GetNumberOfCells(), points.GetCellData().GetArray("stress").GetNumberOfTuples())
     for name in ("displacement", "velocity"):
         values = points.GetPointData().GetArray(name)
         print(*(repr(values.GetValue(j)) for j in range(values.GetNumberOfTuples())))
@@ -88,12 +95,17 @@ for time in reader.TimestepValues:
     printed >> found;
     EXPECT_EQ(found, 0.5 * static_cast<double>(row));
   }
-  for (std::size_t row = 0; row < rows; ++row)
+  for (std::size_t row = 0; row < rows; ++row) {
+    std::size_t cells = 0, stresses = 0;
+    ASSERT_TRUE(printed >> cells >> stresses);
+    EXPECT_EQ(cells, nodes - 1);
+    EXPECT_EQ(stresses, nodes - 1);
     for (const double sign : {1.0, -1.0})
       for (std::size_t j = 0; j < nodes; ++j) {
         ASSERT_TRUE(printed >> found);
         EXPECT_EQ(found, sign * value(row, j));
       }
+  }
 }
 
 }  // namespace

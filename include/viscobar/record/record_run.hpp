@@ -80,4 +80,11 @@ SceneFile scene_of_checkpoint(const std::filesystem::path& directory);
 RunRecord resume_run(const SceneFile& scene, const std::filesystem::path& directory, const RecordOptions& options = {},
                      const std::function<void(const std::string&)>& complain = {});
 
+/// resume_run(), and for a scene that asks for an error the estimate of it, for which the whole run is made once more,
+/// in memory, beside those that the estimate needs: the checkpoint holds the state, not the way to it. The settings are
+/// those that were chosen.
+RunRecord resume_to_accuracy(const SceneFile& scene, const std::filesystem::path& directory,
+                             const RecordOptions& options = {},
+                             const std::function<void(const std::string&)>& complain = {});
+
 }  // namespace viscobar

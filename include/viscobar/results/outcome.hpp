@@ -31,6 +31,7 @@ struct Outcome {
   double wall_seconds = 0.0;                    ///< of all, reading and writing included
   std::vector<std::string> warnings;            ///< such as chatter
   std::optional<ErrorEstimate> error_estimate;  ///< where one was made
+  std::string no_estimate;                      ///< why none was made, in half a sentence; empty: nobody asked
 };
 
 /// How often a recorded run makes a checkpoint.

@@ -70,12 +70,27 @@ LoadPolynomial rescaled(const LoadPolynomial& p, double origin, double scale) {
   return q;
 }
 
-LoadInterpolation::LoadInterpolation(const BarSystem& system) : basis_(static_cast<Index>(system.size()), 0) {
+LoadInterpolation::LoadInterpolation(const BarSystem& system, double begin, double end)
+    : basis_(static_cast<Index>(system.size()), 0) {
   if (!system.loaded()) return;
   load_.emplace(system);
-  if (!load_->steady()) return;
+  if (!load_->steady()) {
+    look_over(system, begin, end);
+    return;
+  }
   steady_ = load_->at(0.0);
   load_.reset();
+}
+
+void LoadInterpolation::look_over(const BarSystem& system, double begin, double end) {
+  constexpr int looks = 64;
+  LoadVector load(system);
+  for (int k = 0; k < looks; ++k) try {
+      const std::span<const double> now = load.at(begin + (end - begin) * (k + 0.5) / looks);
+      const double size = Eigen::Map<const Eigen::VectorXd>(now.data(), basis_.rows()).stableNorm();
+      if (std::isfinite(size)) expected_ = std::max(expected_, size);
+    } catch (const LoadError&) {  // a run that comes there says so
+    }
 }
 
 MatrixXd LoadInterpolation::varying(const LoadPolynomial& p) const { return load_ ? MatrixXd(basis_ * p) : MatrixXd(); }
@@ -101,7 +116,7 @@ bool LoadInterpolation::fit(double t, double tau, double negligible, LoadPolynom
   if (tail <= std::max({1e-14 * largest_, negligible, smallest})) return true;
   const double slope = 2.0 * coefficients.col(1).stableNorm() / tau;  // of the load, on average over the step
   const double of_time = 4.0 * std::numeric_limits<double>::epsilon() * (t + tau) * slope;
-  return tail <= 1e-11 * largest_ && (tail <= of_time || tail >= 0.05 * before);
+  return tail <= 1e-11 * std::max(largest_, expected_) && (tail <= of_time || tail >= 0.05 * before);
 }
 
 }  // namespace viscobar::exponential

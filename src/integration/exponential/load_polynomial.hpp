@@ -22,7 +22,8 @@ LoadPolynomial rescaled(const LoadPolynomial& p, double origin, double scale);
 /// history(t), as many as the load shows for a density without structure.
 class LoadInterpolation {
  public:
-  explicit LoadInterpolation(const BarSystem& system);
+  /// In a run from `begin` to `end`.
+  LoadInterpolation(const BarSystem& system, double begin, double end);
 
   /// Vectors that the coefficients refer to, orthonormal; grows while loads outside their span appear.
   const Eigen::MatrixXd& basis() const { return basis_; }
@@ -39,8 +40,9 @@ class LoadInterpolation {
   /// Interpolates at Chebyshev's points of [t, t + tau]. Returns whether the last Chebyshev coefficients are
   ///
   ///   - below 1e-14 of the largest load so far, or `negligible`, or below the numbers that have all digits,
-  ///   - or below 1e-11 of the largest load so far and no shorter step would lower them: they are what a few roundings
-  ///     of the time make of the load, or they are level, which is the rounding of the load itself.
+  ///   - or below 1e-11 of the largest load of the run and no shorter step would lower them: they are what a few
+  ///     roundings of the time make of the load, or they are level, which is the rounding of the load itself. A load
+  ///     that begins like t^8 as (1 - cos t)^4 has no digits of its own there.
   bool fit(double t, double tau, double negligible, LoadPolynomial& out);
 
   /// Coefficients over the unknowns (n entries each), of the part that varies and of all: no columns without any.
@@ -52,10 +54,13 @@ class LoadInterpolation {
   std::size_t evaluations() const { return load_ ? load_->evaluations() : 0; }
 
  private:
+  void look_over(const BarSystem& system, double begin, double end);
+
   std::optional<LoadVector> load_;
   std::span<const double> steady_;
   Eigen::MatrixXd basis_;
-  double largest_ = 0.0;
+  double largest_ = 0.0;   // so far
+  double expected_ = 0.0;  // among 64 of the run
 };
 
 }  // namespace viscobar::exponential

@@ -25,7 +25,6 @@ class Rosenbrock4 {
         rate_(size_),
         load_rate_(system.size()),
         state_(size_),
-        length_(power_of_two(system.bar().bar().length)),
         tau_(power_of_two(system.bar().bar().length *
                           std::sqrt(system.bar().bar().density / system.bar().bar().modulus))),
         dense_(
@@ -43,7 +42,7 @@ class Rosenbrock4 {
   Rosenbrock4& operator=(const Rosenbrock4&) = delete;
 
   void begin_leg(StepPolynomial::End& start) {
-    find_jacobian(start.t);
+    find_jacobian();
     std::copy_n(start.y.begin(), size_, dense_.state());
     multiply_velocities({dense_.state(), size_}, tau_);
     to_state(dense_.state(), state_);
@@ -89,17 +88,35 @@ class Rosenbrock4 {
     std::copy_n(rate_.begin() + static_cast<std::ptrdiff_t>(end.a.size()), end.a.size(), end.a.begin());
   }
 
-  // On a leg the rate is linear in y: its differences between vectors of one entry and zero are the columns.
-  void find_jacobian(double t) {
-    std::vector<double> unit(size_, 0.0), at_zero(size_);
-    form_(t, unit, at_zero);
-    multiply_velocities(at_zero, tau_);
+  // On a leg the rate is linear in y: by the rows' own matrices, so that no constant part takes digits from it.
+  void find_jacobian() {
+    const PenalisedSystem& system = form_.system;
+    const std::size_t n = system.size();
+    SymmetricTridiagonal damping, stiffness;
+    system.dynamic_stiffness(0.0, 1.0, 0.0, damping);
+    system.dynamic_stiffness(0.0, 0.0, 1.0, stiffness);
+    std::vector<unsigned char> held(n);
+    for (std::size_t i = 0; i < n; ++i)
+      if (std::isinf(stiffness.diagonal[i])) held[i] = 1, stiffness.diagonal[i] = damping.diagonal[i] = 0.0;
+    std::vector<double> u(n), w(n), elastic(n), viscous(n);
     for (std::size_t j = 0; j < size_; ++j) {
-      unit[j] = j < size_ / 2 ? length_ : length_ / tau_;
-      form_(t, unit, rate_);
-      unit[j] = 0.0;
-      multiply_velocities(rate_, tau_);
-      for (std::size_t i = 0; i < size_; ++i) dense_.jacobian(i, j) = (rate_[i] - at_zero[i]) / length_;
+      std::ranges::fill(u, 0.0);
+      std::ranges::fill(w, 0.0);
+      (j < n ? u[j] : w[j - n]) = j < n ? 1.0 : 1.0 / tau_;
+      stiffness.multiply(u, elastic);
+      for (const std::size_t end : {std::size_t{0}, n - 1}) {
+        if (end >= system.bar().massive_begin() && end < system.bar().massive_end()) continue;
+        w[end] = 0.0;
+        damping.multiply(w, viscous);
+        if (!held[end]) w[end] = -(elastic[end] + viscous[end]) / damping.diagonal[end];
+      }
+      damping.multiply(w, viscous);
+      for (std::size_t i = 0; i < n; ++i) viscous[i] = -(elastic[i] + viscous[i]);
+      system.bar().accelerate(viscous);
+      for (std::size_t i = 0; i < n; ++i) {
+        dense_.jacobian(i, j) = w[i];
+        dense_.jacobian(n + i, j) = tau_ * viscous[i];
+      }
     }
   }
 
@@ -127,7 +144,7 @@ class Rosenbrock4 {
   Statistics& statistics_;
   std::size_t size_;
   std::vector<double> rate_, load_rate_, state_;  // the last as y
-  double length_, tau_;                           // of the scene
+  double tau_;                                    // of the scene
   DenseRosenbrock dense_;
 };
 

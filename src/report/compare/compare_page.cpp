@@ -277,14 +277,12 @@ PicturedPage compare_page(const Scene& scene, const MethodChoice& choice, const 
           fmt::format("<p class=\"failed\"><b>{} did not complete.</b> {}</p>\n", label(run), escaped(run.error)));
   page.add(section_html("Methods", html(method_table(check, readable_number))));
   if (!check.reference) return page.with_figures();
-  std::string notes;
-  for (const std::string& remark : remarks(choice, check)) notes += "<p class=\"note\">" + escaped(remark) + ".</p>\n";
   if (const Table differences = difference_table(check, readable_number); !differences.rows.empty())
     page.add(section_html("Difference to " + label(check.runs[*check.reference]),
                           html(differences) +
                               "<p class=\"note\">Largest over the output times; changes matched: place by place and in "
                               "order of time, of those of the reference and of the method.</p>\n" +
-                              notes));
+                              notes_html(remarks(choice, check))));
   page.add(ends_picture(scene, check));
   page.add(differences_picture(check));
   page.add(contacts_picture(scene, check));

@@ -177,10 +177,8 @@ PicturedPage fit_page(const SceneFile& scene, const FitStudy& study, const FitRe
   numbers.add("Residual", readable(result.residual, 3), "in the standard deviations of the data");
   page.add(numbers.html("The fit"));
   page.add(traces_picture(study, result));
-  std::string notes;
-  for (const std::string& line : remarks(study, result))
-    notes += fmt::format("<p class=\"note\">{}.</p>\n", escaped(line));
-  if (!notes.empty()) page.add(section_html("What the data do not tell", notes));
+  const std::vector<std::string> notes = remarks(study, result);
+  if (!notes.empty()) page.add(section_html("What the data do not tell", notes_html(notes)));
   return page.with_figures();
 }
 

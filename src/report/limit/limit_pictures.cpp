@@ -26,7 +26,7 @@ constexpr const char* soft = "var(--soft)";
 Axis epsilon_axis(const LimitResult& result) {
   Range range;
   for (const LimitRow& row : result.rows) range.add(row.epsilon);
-  Axis axis = plot::fitted_decades("penalty ε", range.low, range.high);
+  Axis axis = range.decades("penalty ε");
   axis.link = "epsilon";
   return axis;
 }
@@ -49,19 +49,27 @@ std::vector<Point> points_of(std::span<const LimitRow> rows, Value value) {
   return points;
 }
 
-Axis decades_of(std::string label, const std::vector<std::vector<Point>>& lines, std::vector<double> levels = {}) {
+using Lines = std::vector<std::vector<Point>>;
+
+/// A line for each mesh.
+template <class Value>
+Lines lines_of(const LimitResult& result, Value value) {
+  Lines lines;
+  for (std::size_t m = 0; m < result.orders.size(); ++m) lines.push_back(points_of(rows_of(result, m), value));
+  return lines;
+}
+
+void draw_meshes(Figure& figure, const LimitResult& result, const Lines& lines) {
+  for (std::size_t m = 0; m < lines.size(); ++m)
+    figure.series(lines[m], {mesh_colour(result, m)}, mesh_label(result, m));
+}
+
+Axis decades_of(std::string label, const Lines& lines, const std::vector<double>& levels = {}) {
   Range range;
   for (const auto& line : lines) range.add(line);
   for (const double level : levels)
     if (level > 0.0) range.add(level);
-  if (!(range.low <= range.high)) return {std::move(label), 0.1, 1.0, plot::Scale::logarithmic};
-  return plot::fitted_decades(std::move(label), range.low, range.high);
-}
-
-void series(Figure& figure, const std::vector<Point>& points, const std::string& colour, std::string_view label,
-            double width = 1.6) {
-  figure.line(points, {colour, false, width}, label);
-  figure.markers(points, colour);
+  return range.decades(std::move(label));
 }
 
 std::string slope_name(double order) {
@@ -102,15 +110,12 @@ void mark_boundaries(Figure& figure, const LimitResult& result, const LimitTheor
 }  // namespace
 
 Picture penetration_picture(const LimitStudy& study, const LimitResult& result) {
-  std::vector<std::vector<Point>> lines;
-  for (std::size_t m = 0; m < result.orders.size(); ++m)
-    lines.push_back(points_of(rows_of(result, m), [](const LimitRow& row) { return row.max_penetration; }));
+  const Lines lines = lines_of(result, [](const LimitRow& row) { return row.max_penetration; });
   const Axis x = epsilon_axis(result);
   Figure figure(x, decades_of("largest penetration", lines), 380.0);
   const LimitTheory powers = theory(study);
   mark_boundaries(figure, result, powers, x);
-  for (std::size_t m = 0; m < lines.size(); ++m)
-    series(figure, lines[m], mesh_colour(result, m), mesh_label(result, m));
+  draw_meshes(figure, result, lines);
   const std::size_t best = finest(result);
   theory_lines(figure, lines[best], x, result.orders[best].boundary, powers.penetration, powers.layer);
   std::string caption =
@@ -142,8 +147,8 @@ Picture difference_picture(const LimitStudy& study, const LimitResult& result) {
     mark_boundaries(figure, {.rows = {}, .orders = {orders}, .failed = {}}, powers, x);
     if (result.orders.size() > 1) figure.legend_note(mesh_label(result, m));
     // Wide, to be seen below the other where the two agree.
-    series(figure, scheme, plot::series_colour(1), "to the scheme", 4.0);
-    if (!rigid.empty()) series(figure, rigid, plot::series_colour(0), "to rigid");
+    figure.series(scheme, {plot::series_colour(1), false, 4.0}, "to the scheme");
+    if (!rigid.empty()) figure.series(rigid, {plot::series_colour(0)}, "to rigid");
     if (orders.scheme_error > 0.0)
       figure.level(orders.scheme_error, {plot::series_colour(1), true, 1.2}, "scheme's dt error");
     if (!rigid.empty() && orders.tolerance_error > y.low)
@@ -165,7 +170,7 @@ Picture difference_picture(const LimitStudy& study, const LimitResult& result) {
 }
 
 Picture events_picture(const LimitResult& result) {
-  std::vector<std::vector<Point>> lines;
+  Lines lines;
   std::vector<double> levels;
   double least = std::numeric_limits<double>::infinity(), most = 0.0;
   for (std::size_t m = 0; m < result.orders.size(); ++m) {
@@ -187,7 +192,7 @@ Picture events_picture(const LimitResult& result) {
       most > linear_up_to && least > 0.0 ? decades_of("contact changes", lines, levels) : range.axis("contact changes"),
       260.0);
   for (std::size_t m = 0; m < lines.size(); ++m) {
-    series(figure, lines[m], mesh_colour(result, m), mesh_label(result, m));
+    figure.series(lines[m], {mesh_colour(result, m)}, mesh_label(result, m));
     figure.level(levels[m], {mesh_colour(result, m), true, 1.2}, m + 1 == lines.size() ? "scheme" : "");
   }
   return {"Contact changes",
@@ -196,12 +201,9 @@ Picture events_picture(const LimitResult& result) {
 }
 
 Picture cost_picture(const LimitResult& result) {
-  std::vector<std::vector<Point>> lines;
-  for (std::size_t m = 0; m < result.orders.size(); ++m)
-    lines.push_back(points_of(rows_of(result, m), [](const LimitRow& row) { return static_cast<double>(row.steps); }));
+  const Lines lines = lines_of(result, [](const LimitRow& row) { return static_cast<double>(row.steps); });
   Figure figure(epsilon_axis(result), decades_of("steps", lines), 260.0);
-  for (std::size_t m = 0; m < lines.size(); ++m)
-    series(figure, lines[m], mesh_colour(result, m), mesh_label(result, m));
+  draw_meshes(figure, result, lines);
   return {"Cost", "Steps of the penalised runs.", {{"cost", "Steps of the time integration over the penalty", figure}}};
 }
 

@@ -70,6 +70,9 @@ std::string marker_path(std::size_t shape, double x, double y, double r) {
   }
 }
 
+// Of the labels of an axis, behind its name.
+std::string factor(const Ticks& marks) { return marks.exponent ? " / " + power_of_ten(marks.exponent) : ""; }
+
 // The gradients of all figures of a page share one name space; svg() puts the picture's title into their names.
 constexpr char place_of_title = '\x01';
 
@@ -171,6 +174,11 @@ void Figure::markers(std::span<const Point> points, const std::string& colour, s
   legend_text(legend);
 }
 
+void Figure::series(std::span<const Point> points, const Style& style, std::string_view legend) {
+  line(points, style, legend);
+  markers(points, style.colour, {}, style.shape);
+}
+
 void Figure::label(Point at, std::string_view text) {
   live_layer(fmt::format(R"({{"kind":"text","x":{:.9g},"y":{:.9g},"text":{}}})", at.x, at.y, json_string(text)));
   content_ += fmt::format("<text class=\"note\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", place_x(at.x) + 6,
@@ -234,17 +242,19 @@ void Figure::strip(double from, double to, double y, std::span<const ColourStop>
 
 void Figure::walls(std::span<const Wall> walls) {
   constexpr double depth = 12.0, pitch = 8.0;
-  const double bottom = height_ - below;
   for (const Wall& wall : walls) {
+    const double high = wall.part ? place_y(wall.part->begin) : top,
+                 low = wall.part ? place_y(wall.part->end) : height_ - below;
     const double x = place_x(wall.at), far = x + (wall.to_the_right ? depth : -depth);
     std::string hatches;
-    for (double y = top + depth; y <= bottom; y += pitch)
+    for (double y = high + depth; y <= low; y += pitch)
       fmt::format_to(std::back_inserter(hatches), "M{:.2f} {:.2f}L{:.2f} {:.2f}", std::min(x, far), y, std::max(x, far),
                      y - depth);
     content_ += fmt::format("<path class=\"hatch\" d=\"{}\"/><path class=\"surface\"{} d=\"M{:.2f} {}V{}\"/>\n",
-                            hatches, wall.open ? " style=\"stroke-dasharray:5 4\"" : "", x, top, bottom);
-    live_layer(
-        fmt::format(R"({{"kind":"wall","x":{:.9g},"right":{},"open":{}}})", wall.at, wall.to_the_right, wall.open));
+                            hatches, wall.open ? " style=\"stroke-dasharray:5 4\"" : "", x, high, low);
+    if (!wall.part)
+      live_layer(
+          fmt::format(R"({{"kind":"wall","x":{:.9g},"right":{},"open":{}}})", wall.at, wall.to_the_right, wall.open));
   }
 }
 
@@ -263,10 +273,9 @@ void Figure::colour_bar(const ColourMap& map, const Axis& values) {
         fmt::format("<path class=\"frame\" d=\"M{} {:.1f}h4\"/><text x=\"{}\" y=\"{:.1f}\" dy=\".35em\">{}</text>",
                     bar + 16, y, bar + 24, y, tick.label);
   }
-  const std::string factor = marks.exponent ? " / " + power_of_ten(marks.exponent) : "";
   legend_ +=
       fmt::format("<text class=\"axis\" transform=\"rotate(-90)\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                  -(top + bottom) / 2, bar + 78, escaped(values.label) + factor);
+                  -(top + bottom) / 2, bar + 78, escaped(values.label) + factor(marks));
   legend_y_ = bottom + 22;
 }
 
@@ -295,9 +304,6 @@ void Figure::legend_text(std::string_view text, double indent) {
 std::string Figure::svg(std::string_view title) const {
   const double bottom = height_ - below;
   std::string axes, grid;
-  const auto factor = [](const Ticks& marks) {
-    return marks.exponent ? " / " + power_of_ten(marks.exponent) : std::string();
-  };
   const Ticks along = ticks(x_, 9), up = ticks(y_, std::max(2, static_cast<int>((bottom - top) / 38)));
   for (const Tick& tick : along.ticks) {
     const double x = place_x(tick.value);

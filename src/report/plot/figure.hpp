@@ -41,6 +41,8 @@ class Figure {
   void line(std::span<const Point> points, const Style& style, std::string_view legend = {});
   void markers(std::span<const Point> points, const std::string& colour, std::string_view legend = {},
                std::size_t shape = 0);
+  /// A line with a marker at each of its points.
+  void series(std::span<const Point> points, const Style& style, std::string_view legend = {});
   void label(Point at, std::string_view text);
   /// A vertical line through the frame, the text at its top.
   void marker_line(double x, const Style& style, std::string_view text);
@@ -52,10 +54,12 @@ class Figure {
     Colour colour;
   };
   void strip(double from, double to, double y, std::span<const ColourStop> stops, std::string_view words);
-  /// Upright walls over the whole height, hatched to the right or to the left; `open` ones leave the middle free.
+  /// Upright walls over the whole height, or over a part of y, hatched to the right or to the left; `open` ones leave
+  /// the middle free.
   struct Wall {
     double at;
     bool to_the_right, open;
+    std::optional<Interval> part{};
   };
   void walls(std::span<const Wall> walls);
   /// An image over the rectangle between two corners of the frame's coordinates.

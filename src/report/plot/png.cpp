@@ -2,11 +2,11 @@
 
 #include <zlib.h>
 
+#include <boost/archive/iterators/base64_from_binary.hpp>
+#include <boost/archive/iterators/transform_width.hpp>
 #include <cassert>
 #include <new>
 #include <string_view>
-
-#include "report/plot/base64.hpp"
 
 namespace viscobar::plot {
 
@@ -42,6 +42,14 @@ std::string compressed(std::string_view bytes) {
 }
 
 }  // namespace
+
+std::string base64(std::string_view bytes) {
+  using namespace boost::archive::iterators;
+  using Digits = base64_from_binary<transform_width<const char*, 6, 8>>;
+  std::string out(Digits(bytes.data()), Digits(bytes.data() + bytes.size()));
+  out.append((3 - bytes.size() % 3) % 3, '=');
+  return out;
+}
 
 std::string png_data_uri(std::size_t width, std::size_t height, std::span<const Colour, 256> palette,
                          std::span<const std::uint8_t> pixels) {

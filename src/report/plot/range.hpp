@@ -33,6 +33,11 @@ struct Range {
   Axis axis(std::string label) const {
     return low <= high ? fitted(std::move(label), low, high) : Axis{std::move(label)};
   }
+  /// A logarithmic one, of positive values; `margin` makes room for marks at either end.
+  Axis decades(std::string label, double margin = 1.0) const {
+    if (!(low <= high)) return {std::move(label), 0.1, 1.0, Scale::logarithmic};
+    return fitted_decades(std::move(label), low / margin, high * margin);
+  }
 };
 
 }  // namespace viscobar::plot

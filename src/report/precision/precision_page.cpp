@@ -103,12 +103,6 @@ std::string head(const PrecisionResult& result) {
   return fmt::format("<p class=\"verdict\">{}</p>\n", out);
 }
 
-std::string list(const std::vector<std::string>& lines) {
-  std::string out;
-  for (const std::string& line : lines) out += fmt::format("<p class=\"note\">{}.</p>\n", escaped(line));
-  return out;
-}
-
 }  // namespace
 
 std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, const PrecisionResult& result) {
@@ -165,7 +159,7 @@ PicturedPage precision_page(const PrecisionStudy& study, const PrecisionResult& 
   if (result.reference && !result.reference->levels.empty())
     references +=
         fmt::format("<h2>Refinement of the reference</h2>\n{}", html(mesh_table(*result.reference, readable_number)));
-  page.add(section_html("What the errors are against", references + list(remarks(study, result))));
+  page.add(section_html("What the errors are against", references + notes_html(remarks(study, result))));
   return page.with_figures();
 }
 

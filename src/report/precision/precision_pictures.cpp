@@ -54,17 +54,7 @@ double seconds(const PrecisionRow& row) { return row.seconds; }
 double setting(const PrecisionRow& row) { return row.setting; }
 std::optional<double> error(const PrecisionRow& row) { return row.error; }
 
-/// With room for the marks at either end.
-Axis decades_of(std::string label, const Range& range) {
-  constexpr double margin = 1.3;
-  if (!(range.low <= range.high)) return {std::move(label), 0.1, 1.0, plot::Scale::logarithmic};
-  return plot::fitted_decades(std::move(label), range.low / margin, range.high * margin);
-}
-
-void draw(Figure& figure, const std::vector<Point>& points, const Style& style, std::string_view legend) {
-  figure.line(points, style, legend);
-  figure.markers(points, style.colour, {}, style.shape);
-}
+constexpr double margin = 1.3;  // room for the marks at either end
 
 /// Labels in the frame, those that would lie on each other joined.
 class Labels {
@@ -102,7 +92,7 @@ std::optional<Figure> diagram(const PrecisionResult& result, std::span<const std
     }
   if (!(y.low <= y.high)) return std::nullopt;
   if (meshes.size() > 1) x.add(3.0 * x.high);  // room for the labels
-  const Axis along = decades_of("seconds", x), up = decades_of(label, y);
+  const Axis along = x.decades("seconds", margin), up = y.decades(label, margin);
   Figure figure(along, up, 420.0);
   Labels labels(along, up);
   if (meshes.size() == 1 && meshes_in(result).size() > 1) figure.legend_note(fmt::format("{} elements", meshes[0]));
@@ -113,7 +103,7 @@ std::optional<Figure> diagram(const PrecisionResult& result, std::span<const std
     const auto points = points_of(rows_of(result, parts), seconds, value);
     if (points.empty()) continue;
     const bool known = std::find(named.begin(), named.end(), parts.method) != named.end();
-    draw(figure, points, style_of(result, parts.method), known ? std::string_view() : name(parts.method));
+    figure.series(points, style_of(result, parts.method), known ? std::string_view() : name(parts.method));
     named.push_back(parts.method);
     if (meshes.size() > 1) labels.add(points.back(), fmt::format("{}", parts.elements));
   }
@@ -168,14 +158,13 @@ Picture parts_picture(const PrecisionResult& result) {
     const double least = y.low / 100.0;
     for (const auto& level : {parts.space, parts.penalty})
       if (level && *level > least) y.add(*level);
-    Figure figure(decades_of(is_scheme(parts.method) ? "step" : "tolerance", x),
-                  decades_of("error: largest |u − u*|", y), 300.0);
+    Figure figure(x.decades(setting_word(parts.method), margin), y.decades("error: largest |u − u*|", margin), 300.0);
     figure.legend_note(name(parts.method));
     figure.line(total, {"var(--rule)", false, 7.0}, "in all");
     if (*parts.space > least) figure.level(*parts.space, {plot::series_colour(2), true, 1.8}, "space");
     if (parts.penalty && *parts.penalty > least)
       figure.level(*parts.penalty, {plot::series_colour(1), true, 1.8}, "penalty");
-    draw(figure, time, {plot::series_colour(0), false, 1.8}, "time");
+    figure.series(time, {plot::series_colour(0), false, 1.8}, "time");
     panels.push_back({fmt::format("parts-{}", name(parts.method)),
                       fmt::format("Parts of the error of {}", name(parts.method)), figure});
   }

@@ -16,7 +16,7 @@ std::string_view of_words(Goal goal) {
     case Goal::end_traces: return "of the ends' displacements";
     case Goal::contact_times: return "of contact times";
     case Goal::impulse: return "of impulses";
-    case Goal::peak_reaction: return "of greatest reactions";
+    case Goal::peak_reaction: return "of peak reactions";
   }
   return {};
 }
@@ -54,6 +54,11 @@ std::string estimate_section(const ErrorEstimate& estimate) {
     html += fmt::format("<ul class=\"note\">\n{}</ul>\n", list);
   }
   return html;
+}
+
+std::string no_estimate_section(const std::string& why) {
+  return fmt::format("<section><h2>How far from the bar itself</h2>\n<p>There is no estimate: {}</p>\n</section>\n",
+                     escaped(why));
 }
 
 }  // namespace viscobar

@@ -14,4 +14,7 @@ std::vector<std::pair<std::string, std::string>> estimate_rows(const ErrorEstima
 /// The same as a section of a page, with the reasons and the runs that it cost.
 std::string estimate_section(const ErrorEstimate& estimate);
 
+/// Where there is none: why.
+std::string no_estimate_section(const std::string& why);
+
 }  // namespace viscobar

@@ -12,6 +12,7 @@
 #include "results/csv.hpp"
 #include "text/number.hpp"
 #include "text/printable_text.hpp"
+#include "text/table.hpp"
 
 namespace viscobar {
 
@@ -60,46 +61,38 @@ std::string numbers(const Case& run, const BarSystem& system, const Outcome& out
   return all.html("The run in numbers");
 }
 
-std::string contact_table(const Case& run, const BarSystem& system, const Outcome& outcome) {
+std::string contact_section(const Case& run, const BarSystem& system, const Outcome& outcome) {
   if (!outcome.statistics || !outcome.statistics->account) return {};
   const RunAccount& account = *outcome.statistics->account;
-  std::string rows;
+  Table table{{"Obstacle", "closings", "time in contact", "impulse of the reaction", "peak reaction"}, 1, {}};
   const auto add = [&](const char* where, bool there, const auto& obstacle) {
     if (there)
-      rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", where,
-                          obstacle.closings, readable(obstacle.contact.total(outcome.reached_time)),
-                          readable(obstacle.impulse), readable(obstacle.peak_reaction));
+      table.rows.push_back({where, fmt::format("{}", obstacle.closings),
+                            readable(obstacle.contact.total(outcome.reached_time)), readable(obstacle.impulse),
+                            readable(obstacle.peak_reaction)});
   };
   add("left end", is_obstacle(run.scene.left), account.left);
   add("right end", is_obstacle(run.scene.right), account.right);
   add("span, its nodes together", run.scene.span.has_value(), account.span);
-  std::string html;
-  if (!rows.empty())
-    html =
-        "<table><thead><tr><th>Obstacle</th><th>closings</th><th>time in contact</th><th>impulse of the reaction</th>"
-        "<th>greatest reaction</th></tr></thead><tbody>\n" +
-        rows + "</tbody></table>\n";
+  if (table.rows.empty()) return {};
+  std::vector<std::string> notes;
   const auto remark = peak_remark(run, system);
   if (remark && account.left.closings + account.right.closings + account.span.closings > 0)
-    html += fmt::format("<p class=\"note\">Greatest reaction: {}.</p>\n", escaped(*remark));
-  return html.empty() ? html : "<section><h2>Contact</h2>\n<div class=\"tables\">" + html + "</div></section>\n";
+    notes.push_back("Peak reaction: " + *remark);
+  return section_html("Contact", html(table) + notes_html(notes));
 }
 
-std::string event_table(const Outcome& outcome, const ReportData& data) {
+std::string event_section(const Outcome& outcome, const ReportData& data) {
   if (data.first_events.empty()) return {};
-  std::string rows;
+  Table table{{"time", "where", "change", "velocity"}, 3, {}};
   for (const Event& event : data.first_events)
-    rows += fmt::format("<tr><td>{}</td><td class=\"word\">{}</td><td class=\"word\">{}</td><td>{}</td></tr>\n",
-                        readable(event.time, 8), place(event), event.change == Change::closing ? "closes" : "opens",
-                        readable(event.velocity));
+    table.rows.push_back({readable(event.time, 8), place(event), event.change == Change::closing ? "closes" : "opens",
+                          readable(event.velocity)});
   std::string rest;
   if (outcome.events > data.first_events.size())
     rest = fmt::format("<p class=\"note\">and {} more, in events.csv</p>", outcome.events - data.first_events.size());
-  return "<section id=\"events\"><h2>Contact changes</h2>\n<div class=\"tables "
-         "still\"><table><thead><tr><th>time</th><th "
-         "class=\"word\">where</th>"
-         "<th class=\"word\">change</th><th>velocity</th></tr></thead><tbody>\n" +
-         rows + "</tbody></table>" + rest + "</div></section>\n";
+  return fmt::format("<section id=\"events\"><h2>Contact changes</h2>\n<div class=\"still\">{}{}</div></section>\n",
+                     html(table), rest);
 }
 
 }  // namespace
@@ -131,8 +124,9 @@ Page report_page(const Case& run, const BarSystem& system, const Outcome& outcom
   }
   page.add(numbers(run, system, outcome, data));
   if (outcome.error_estimate) page.add(estimate_section(*outcome.error_estimate));
-  page.add(contact_table(run, system, outcome));
-  page.add(event_table(outcome, data));
+  if (!outcome.no_estimate.empty()) page.add(no_estimate_section(outcome.no_estimate));
+  page.add(contact_section(run, system, outcome));
+  page.add(event_section(outcome, data));
   return page;
 }
 

@@ -11,6 +11,16 @@ namespace viscobar {
 /// The page report.html, with the pictures that the scene gives rise to.
 Page report_page(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data);
 
+/// A line of a picture over time, as points of the run's data.
+struct TimeLine {
+  std::vector<plot::Point> points;
+  plot::Style style;
+  std::string_view name;
+};
+/// Lines over the time of the run, with zero in view.
+plot::Figure over_time(const Case& run, const ReportData& data, const std::string& axis, double height,
+                       const std::vector<TimeLine>& lines);
+
 FieldColours field_colours(const Case& run, const ReportData& data);
 
 /// The pictures of a report.

@@ -78,7 +78,7 @@ Picture profiles(const Case& run, const ReportData& data) {
 
   // The obstacles, and what is said of those that lie outside.
   std::string hidden;
-  bool has_bodies = false;
+  bool has_bodies = false, has_drawn = false;
   const auto with_obstacles = [&](Range range, double height, double room_below) {
     std::vector<std::pair<ObstacleLevel, Interval>> bodies;
     hidden.clear();
@@ -107,7 +107,8 @@ Picture profiles(const Case& run, const ReportData& data) {
     if (!place_moving(run.scene.right, run.scene.right_input, "at the right end"))
       place(obstacle(run.scene.right), {length - depth, length + depth}, "at the right end");
     place(run.scene.span ? &*run.scene.span : nullptr, {-depth, length + depth}, "of the span");
-    has_bodies = moves || !bodies.empty();
+    has_drawn = !bodies.empty();
+    has_bodies = moves || has_drawn;
     const double room = room_below * (range.high - range.low), low = range.low, high = range.high;
     const auto any = [&](bool above) {
       return std::ranges::any_of(bodies, [&](const auto& body) { return body.first.above == above; });
@@ -137,7 +138,7 @@ Picture profiles(const Case& run, const ReportData& data) {
   }
   const std::string still_caption =
       "The bar's displacement <i>u</i>(<i>x</i>, ·) at a few times, from the first (light) to the last (dark)." +
-      std::string(has_bodies ? " Grey: obstacles." : "") + hidden;
+      std::string(has_drawn ? " Grey: obstacles." : "") + hidden;
   return {"The bar",
           fmt::format("<span class=\"still\">{}</span><span class=\"live\">{}</span>", still_caption, live_caption),
           {{"bar", "Displacement over space at a few times", figure, live}}};
@@ -181,70 +182,64 @@ Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& da
       panels};
 }
 
+plot::Figure over_time(const Case& run, const ReportData& data, const std::string& axis, double height,
+                       const std::vector<TimeLine>& lines) {
+  Range range;
+  range.add(0.0);
+  for (const TimeLine& line : lines) range.add(line.points);
+  Figure figure(time_axis(data.field, run.scene.units), range.axis(axis), height);
+  for (const TimeLine& line : lines) figure.line(line.points, line.style, line.name);
+  return figure;
+}
+
 Picture sensitivities(const Case& run, const ReportData& data) {
   Picture picture{"Sensitivities", "Derivatives of the ends' displacements with respect to numbers of the scene.", {}};
   for (std::size_t k = 0; k < data.sensitivities.size() && k < run.directions.size(); ++k) {
-    const std::vector<Point> left = data.sensitivities[k].left.points(), right = data.sensitivities[k].right.points();
-    Range range;
-    range.add(0.0);
-    range.add(left);
-    range.add(right);
+    const auto& [left, right] = data.sensitivities[k];
     const std::string& key = run.directions[k].key;
-    Figure figure(time_axis(data.field, run.scene.units), range.axis("du / d " + key), 220.0);
-    figure.line(left, {plot::series_colour(0)}, "left end");
-    figure.line(right, {plot::series_colour(1)}, "right end");
-    picture.panels.push_back({fmt::format("sensitivity-{}", k + 1), "Sensitivity of the ends to " + key, figure});
+    picture.panels.push_back({fmt::format("sensitivity-{}", k + 1), "Sensitivity of the ends to " + key,
+                              over_time(run, data, "du / d " + key, 220.0,
+                                        {{left.points(), {plot::series_colour(0)}, "left end"},
+                                         {right.points(), {plot::series_colour(1)}, "right end"}})});
   }
   return picture;
 }
 
 Picture reactions(const Case& run, const ReportData& data) {
   const bool span = run.scene.span.has_value();
-  const std::vector<Point> left = data.left.reaction.points(), right = data.right.reaction.points();
-  const bool with_left = span || is_obstacle(run.scene.left), with_right = span || is_obstacle(run.scene.right);
-  if (!with_left && !with_right) return {};
-  Range range;
-  range.add(0.0);
-  if (with_left) range.add(left);
-  if (with_right) range.add(right);
-  Figure figure(time_axis(data.field, run.scene.units),
-                range.axis(with_unit("reaction R", run.scene.units, Dimension::stress)), 240.0);
-  if (with_left) figure.line(left, {plot::series_colour(0), false, 2.4}, "left end");
-  if (with_right)
-    figure.line(right, {plot::series_colour(1), with_left, 1.6}, "right end");  // seen where both are equal
+  std::vector<TimeLine> lines;
+  if (span || is_obstacle(run.scene.left))
+    lines.push_back({data.left.reaction.points(), {plot::series_colour(0), false, 2.4}, "left end"});
+  if (span || is_obstacle(run.scene.right))  // dashed, to be seen where both are equal
+    lines.push_back({data.right.reaction.points(), {plot::series_colour(1), !lines.empty(), 1.6}, "right end"});
+  if (lines.empty()) return {};
+  const std::string axis = with_unit("reaction R", run.scene.units, Dimension::stress);
   return {"Reactions",
           "Force of the obstacle on each end, at the output times.",
-          {{"reactions", "Reactions of the obstacles over time", figure}}};
+          {{"reactions", "Reactions of the obstacles over time", over_time(run, data, axis, 240.0, lines)}}};
 }
 
 Picture energies(const Case& run, const ReportData& data) {
   const auto& energy = data.energy;
-  const std::vector<Point> total = energy.total.points(), kinetic = energy.kinetic.points(),
-                           elastic = energy.elastic.points(), contact = energy.contact.points(),
-                           dissipated = energy.dissipated.points(), work = energy.work.points();
-  if (total.empty()) return {};
-  const auto moves = [](const std::vector<Point>& points) {
-    return std::ranges::any_of(points, [](const Point& point) { return point.y != 0.0; });
+  if (energy.total.empty()) return {};
+  std::vector<TimeLine> lines = {{energy.kinetic.points(), {plot::series_colour(0)}, "kinetic"},
+                                 {energy.elastic.points(), {plot::series_colour(1)}, "elastic"}};
+  if (data.has_springs()) lines.push_back({energy.contact.points(), {plot::series_colour(2)}, "contact springs"});
+  const auto add_moving = [&](const plot::ThinnedLine& line, std::size_t colour, std::string_view name) {
+    const std::vector<Point> points = line.points();
+    if (std::ranges::any_of(points, [](const Point& point) { return point.y != 0.0; }))
+      lines.push_back({points, {plot::series_colour(colour)}, name});
   };
-  Range range;
-  range.add(0.0);
-  range.add(total);
-  range.add(dissipated);
-  range.add(work);
-  Figure figure(time_axis(data.field, run.scene.units),
-                range.axis(with_unit("energy", run.scene.units, Dimension::energy)), 280.0);
-  figure.line(kinetic, {plot::series_colour(0)}, "kinetic");
-  figure.line(elastic, {plot::series_colour(1)}, "elastic");
-  if (data.has_springs()) figure.line(contact, {plot::series_colour(2)}, "contact springs");
-  if (moves(dissipated)) figure.line(dissipated, {plot::series_colour(3)}, "dissipated");
-  if (moves(work)) figure.line(work, {plot::series_colour(4)}, "work");
-  figure.line(total, {"var(--ink)", true, 1.6}, "total");
+  add_moving(energy.dissipated, 3, "dissipated");
+  add_moving(energy.work, 4, "work");
+  lines.push_back({energy.total.points(), {"var(--ink)", true, 1.6}, "total"});
+  const std::string axis = with_unit("energy", run.scene.units, Dimension::energy);
   return {"Energy",
           std::string(data.has_springs() ? "Energy of the bar and that stored in the penalty springs of the contacts."
                                          : "Kinetic and elastic energy of the bar.") +
               " The total and what was dissipated grow by the work that is done on the bar alone." +
               (run.files.energy ? " energy.csv has the numbers." : ""),
-          {{"energy", "Energy over time", figure}}};
+          {{"energy", "Energy over time", over_time(run, data, axis, 280.0, lines)}}};
 }
 
 }  // namespace viscobar

@@ -8,9 +8,10 @@
 #include <map>
 
 #include "report/obstacle_levels.hpp"
-#include "report/plot/base64.hpp"
+#include "report/plot/png.hpp"
 #include "report/plot/range.hpp"
 #include "results/csv.hpp"
+#include "scene/end_kinds.hpp"
 #include "text/json_text.hpp"
 
 namespace viscobar {
@@ -23,31 +24,22 @@ using plot::json_string;
 constexpr auto itself = [](double value) { return value; };
 constexpr int digits_of_time = 9;
 
-const char* kind(const EndCondition& end) {
-  if (is_obstacle(end)) return "obstacle";
-  return is_fixed(end) ? "fixed" : "free";
-}
-
 std::string sides_json(const Obstacle& obstacle) {
   return fmt::format(R"(,"gap":{:.9g}{})", obstacle.gap, obstacle.side == Side::above ? R"(,"above":true)" : "");
 }
 
 std::string support_json(const EndCondition& end, const EndInput& input, const ReportData& data,
                          const ReportData::End& trace, double reached) {
-  std::string text = fmt::format(R"({{"kind":"{}")", kind(end));
-  if (const auto* body = std::get_if<Obstacle>(&end)) text += sides_json(*body);
-  if (const auto* body = std::get_if<Obstacle>(&end); body && input.motion) {
-    std::vector<double> surface;
-    for (std::size_t row = 0; row < data.field.rows(); ++row)
-      surface.push_back(surface_at(*body, input, data.field.time(row)));
-    text += R"(,"surface":)" + json_numbers(surface, itself, digits_of_time);
-  }
-  if (is_obstacle(end)) {
-    std::vector<double> ends;
-    for (const plot::Interval& part : trace.in_contact(reached)) ends.insert(ends.end(), {part.begin, part.end});
-    text += R"(,"contact":)" + json_numbers(ends, itself, digits_of_time);
-  }
-  return text + '}';
+  std::string text = fmt::format(R"({{"kind":"{}")", end_kind(end).name);
+  const auto* body = std::get_if<Obstacle>(&end);
+  if (!body) return text + '}';
+  text += sides_json(*body);
+  std::vector<double> surface, ends;
+  for (std::size_t row = 0; input.motion && row < data.field.rows(); ++row)
+    surface.push_back(surface_at(*body, input, data.field.time(row)));
+  if (input.motion) text += R"(,"surface":)" + json_numbers(surface, itself, digits_of_time);
+  for (const plot::Interval& part : trace.in_contact(reached)) ends.insert(ends.end(), {part.begin, part.end});
+  return text + R"(,"contact":)" + json_numbers(ends, itself, digits_of_time) + '}';
 }
 
 }  // namespace

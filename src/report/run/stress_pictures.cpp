@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "report/obstacle_levels.hpp"
 #include "report/plot/range.hpp"
@@ -27,6 +29,21 @@ double rounded_down(double most) {
   return power;
 }
 
+/// A wall and its places at the times of the field.
+struct Moving {
+  Figure::Wall wall;
+  std::vector<double> places;
+};
+
+/// Where an obstacle that moves is at the times of the field; nothing of one that does not.
+std::vector<double> surface_over(const Obstacle& obstacle, const EndInput& input, const ThinnedField& field) {
+  std::vector<double> surface;
+  if (input.motion)
+    for (std::size_t row = 0; row < field.rows(); ++row)
+      surface.push_back(surface_at(obstacle, input, field.time(row)));
+  return surface;
+}
+
 }  // namespace
 
 FieldColours stress_colours(const Case& run, const ReportData& data) {
@@ -44,18 +61,12 @@ Picture stress_map(const Case& run, const ReportData& data, const FieldColours& 
 }
 
 Picture end_tractions(const Case& run, const ReportData& data) {
-  const std::vector<Point> left = data.left.traction.points(), right = data.right.traction.points();
-  Range range;
-  range.add(0.0);
-  range.add(left);
-  range.add(right);
-  Figure figure(time_axis(data.field, run.scene.units),
-                range.axis(with_unit("stress s", run.scene.units, Dimension::stress)), 240.0);
-  figure.line(left, {plot::series_colour(0), false, 2.4}, "s(0, t)");
-  figure.line(right, {plot::series_colour(1), true, 1.6}, "s(L, t)");
   return {"End tractions",
           "Mean stress of the first and of the last element; tension is positive.",
-          {{"end-stress", "Stress of the first and the last element over time", figure}}};
+          {{"end-stress", "Stress of the first and the last element over time",
+            over_time(run, data, with_unit("stress s", run.scene.units, Dimension::stress), 240.0,
+                      {{data.left.traction.points(), {plot::series_colour(0), false, 2.4}, "s(0, t)"},
+                       {data.right.traction.points(), {plot::series_colour(1), true, 1.6}, "s(L, t)"}})}}};
 }
 
 double axial_magnification(const Case& run, const ReportData& data) {
@@ -71,8 +82,13 @@ double axial_magnification(const Case& run, const ReportData& data) {
     }
   }
   // Walls are to be seen, too, as far as they are near.
-  for (const EndCondition* end : {&run.scene.left, &run.scene.right})
-    if (const auto* wall = std::get_if<Obstacle>(end)) largest = std::max(largest, std::min(wall->gap, 3.0 * largest));
+  for (const auto& [end, input] :
+       {std::pair{&run.scene.left, &run.scene.left_input}, {&run.scene.right, &run.scene.right_input}})
+    if (const auto* wall = std::get_if<Obstacle>(end)) {
+      double far = wall->gap;
+      for (const double place : surface_over(*wall, *input, field)) far = std::max(far, std::abs(place));
+      largest = std::max(largest, std::min(far, 3.0 * largest));
+    }
   if (!(largest > 0.0)) return 1.0;
   // The order of the points stays, and the bar keeps most of the picture.
   const double most = std::min(0.2 * length / largest, strain > 0.0 ? 0.6 / strain : 1e300);
@@ -88,22 +104,28 @@ Picture axial_bar(const Case& run, const ReportData& data, const FieldColours& c
     for (const std::size_t j : {std::size_t{0}, u.size() - 1}) range.add(field.x()[j] + s * u[j]);
   }
   std::vector<Figure::Wall> walls;
+  std::vector<Moving> moving;
   std::string hidden;
   const auto add = [&](const EndCondition& end, const EndInput& given, double x, const char* where) {
     const auto* obstacle = std::get_if<Obstacle>(&end);
     if (!obstacle) return;
-    if (given.motion) {
-      hidden += fmt::format(" The wall of the {} end moves and is not drawn.", where);
-      return;
-    }
     const bool above = obstacle->side == Side::above;
-    const double at = x + s * (above ? obstacle->gap : -obstacle->gap);
-    if (!range.reach(at)) {
+    // A wall that bounds the end on its outer side stands there whole; one on the inner side lets the bar pass.
+    const Figure::Wall wall{x + s * (above ? obstacle->gap : -obstacle->gap), above, above != (x > 0.0)};
+    std::vector<double> places = surface_over(*obstacle, given, field);
+    for (double& place : places) place = x + s * place;
+    if (places.empty()) places.push_back(wall.at);
+    const auto [least, greatest] = std::ranges::minmax(places);
+    Range with_it = range;
+    if (!with_it.reach(least) || !with_it.reach(greatest)) {
       hidden += fmt::format(" The wall of the {} end lies outside.", where);
       return;
     }
-    // A wall that bounds the end on its outer side stands there whole; one on the inner side lets the bar pass.
-    walls.push_back({at, above, above != (x > 0.0)});
+    range = with_it;
+    if (given.motion)
+      moving.push_back({wall, std::move(places)});
+    else
+      walls.push_back(wall);
   };
   add(run.scene.left, run.scene.left_input, 0.0, "left");
   add(run.scene.right, run.scene.right_input, length, "right");
@@ -131,6 +153,11 @@ Picture axial_bar(const Case& run, const ReportData& data, const FieldColours& c
       stops.push_back({place_at(rows[k], stress.x()[j]), colours.map.at(colours.values.position(values[j]))});
     figure.strip(place_at(rows[k], 0.0), place_at(rows[k], length), static_cast<double>(k), stops,
                  "t = " + readable(field.time(rows[k])));
+    for (auto& [wall, places] : moving) {
+      wall.at = places[rows[k]];
+      wall.part = {static_cast<double>(k) - 0.5, static_cast<double>(k) + 0.5};
+      figure.walls(std::span(&wall, 1));
+    }
   }
   figure.walls(walls);
   figure.live_layer(R"({"kind":"axial"})");
@@ -140,6 +167,7 @@ Picture axial_bar(const Case& run, const ReportData& data, const FieldColours& c
   const std::string said = s == 1.0 ? "Displacements are drawn as they are."
                                     : fmt::format("Displacements are magnified by {}.", readable(s));
   std::string hatched;
+  for (const auto& [wall, places] : moving) walls.push_back(wall);
   if (!walls.empty()) hatched = " Hatched: walls.";
   if (std::ranges::any_of(walls, &Figure::Wall::open))
     hatched += " A dashed one lets the bar pass and holds its end back.";

@@ -59,15 +59,8 @@ class BarPicture {
     context.fillStyle = this.colours.touching;
     for (let j = 0; j < x.length; ++j) {
       if (!touches(j)) continue;
-      context.beginPath();
-      if (touches(j + 1)) {
-        context.moveTo(chart.px(x[j]), chart.py(profile[j]));
-        context.lineTo(chart.px(x[j + 1]), chart.py(profile[j + 1]));
-        context.stroke();
-      } else if (!touches(j - 1)) {
-        context.arc(chart.px(x[j]), chart.py(profile[j]), 5 * chart.ratio, 0, 2 * Math.PI);
-        context.fill();
-      }
+      if (touches(j + 1)) segment(context, chart.px(x[j]), chart.py(profile[j]), chart.px(x[j + 1]), chart.py(profile[j + 1]));
+      else if (!touches(j - 1)) dot(context, chart.px(x[j]), chart.py(profile[j]), 5 * chart.ratio);
     }
   }
 
@@ -82,12 +75,6 @@ class BarPicture {
       { css: "var(--ink)", align: inLeftHalf ? "left" : "right", halo: true });
   }
 
-  /// Of an obstacle that moves, linear in between output times.
-  surfaceAt({ surface }, time) {
-    const [row, part] = Field.locate(this.field.t, time);
-    return surface[row] + (part > 0 ? part * (surface[row + 1] - surface[row]) : 0);
-  }
-
   drawEnd(chart, context, side, profile, time) {
     const end = side === "left" ? 0 : profile.length - 1, u = profile[end];
     const support = this.supports[side], at = chart.px(this.field.x[end]), foot = chart.py(u), unit = chart.ratio;
@@ -97,7 +84,7 @@ class BarPicture {
     }
     if (support.kind !== "obstacle") return;
     const outwards = side === "left" ? 1 : -1, words = { css: "var(--ink)", align: side === "left" ? "left" : "right", halo: true };
-    const sign = signOf(support), gap = support.surface ? -sign * this.surfaceAt(support, time) : support.gap, surface = chart.py(-sign * gap);
+    const sign = signOf(support), gap = support.surface ? -sign * surfaceAt(support, this.field, time) : support.gap, surface = chart.py(-sign * gap);
     if (support.surface) {
       const { x } = this.field, place = x[end], depth = 0.03 * (x[x.length - 1] - x[0]);
       layerPainters.body(chart, context, { y: -sign * gap, from: place - depth, to: place + depth, above: sign < 0 });
@@ -106,9 +93,7 @@ class BarPicture {
       const force = this.reactions[side], size = force ? Math.max(0, sign * force.at(time)) : 0, most = force ? force.most : 0;
       const length = (16 + (most > 0 ? (46 * size) / most : 0)) * unit;
       context.fillStyle = this.colours.touching;
-      context.beginPath();
-      context.arc(at, foot, 5 * unit, 0, 2 * Math.PI);
-      context.fill();
+      dot(context, at, foot, 5 * unit);
       if (force) {
         arrow(chart, context, at, surface + sign * length, surface + sign * 4 * unit, this.colours.touching);
         // Below the surface, but where the bar goes there.
@@ -121,6 +106,12 @@ class BarPicture {
       write(chart, context, `gap ${readable(sign * u + gap, 3)}`, at + 12 * outwards * unit, surface + sign * 26 * unit, words);
     }
   }
+}
+
+/// Of an obstacle that moves, linear in between output times.
+function surfaceAt({ surface }, field, time) {
+  const [row, part] = Field.locate(field.t, time);
+  return Field.between(surface, row, part);
 }
 
 /// 1 for an obstacle below, -1 for one above.
@@ -138,14 +129,17 @@ function inParts(parts, value) {
   return low > 0 && value <= parts[2 * low - 1];
 }
 
+function dot(context, x, y, radius) {
+  context.beginPath();
+  context.arc(x, y, radius, 0, 2 * Math.PI);
+  context.fill();
+}
+
 /// Upright, from one y to another, the head at the second.
 function arrow(chart, context, x, from, to, css, width = 2) {
   const head = 6 * chart.ratio, towards = to < from ? 1 : -1;
   strokeStyle(chart, context, css, width);
-  context.beginPath();
-  context.moveTo(x, from);
-  context.lineTo(x, to + 0.8 * head * towards);
-  context.stroke();
+  segment(context, x, from, x, to + 0.8 * head * towards);
   context.fillStyle = css;
   context.beginPath();
   context.moveTo(x, to);
@@ -176,6 +170,10 @@ class AxialPicture {
       const [node, part] = Field.locate(x, at);
       return chart.px(at + s * Field.between(u, node, part));
     };
+    for (const [side, end] of [["left", x[0]], ["right", x.at(-1)]]) {
+      const { surface, above = false } = this.supports[side];
+      if (surface) layerPainters.wall(chart, context, { x: end + s * surfaceAt(this.supports[side], field, time), right: above, open: above !== (side === "right") });
+    }
     const left = place(x[0]), right = place(x.at(-1)), size = Math.max(right - left, 1e-9);
     const gradient = context.createLinearGradient(left, 0, right, 0), stride = Math.max(1, Math.floor(values.length / 120));
     for (let j = 0; j < values.length; j += stride)
@@ -186,13 +184,10 @@ class AxialPicture {
     context.strokeRect(left, middle - half, size, 2 * half);
     // Sections at equal distances of the bar at rest.
     context.globalAlpha = 0.35;
-    context.beginPath();
     for (let k = 1; k < 20; ++k) {
       const at = place(x[0] + ((x.at(-1) - x[0]) * k) / 20);
-      context.moveTo(at, middle - half);
-      context.lineTo(at, middle + half);
+      segment(context, at, middle - half, at, middle + half);
     }
-    context.stroke();
     context.globalAlpha = 1;
     for (const [side, at] of [["left", left], ["right", right]]) {
       const support = this.supports[side];

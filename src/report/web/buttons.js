@@ -29,15 +29,8 @@ const icons = {
 };
 
 function icon(name) {
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
-  svg.setAttribute("viewBox", "0 0 16 16");
-  svg.setAttribute("aria-hidden", "true");
-  svg.classList.add("icon");
-  path.setAttribute("d", icons[name]);
-  path.setAttribute("fill-rule", "evenodd");
-  svg.append(path);
-  return svg;
+  return svgElement("svg", { viewBox: "0 0 16 16", "aria-hidden": "true", class: "icon" },
+    svgElement("path", { d: icons[name], "fill-rule": "evenodd" }));
 }
 
 function iconButton(name, label, action) {

@@ -151,8 +151,7 @@ class Chart {
 
   addCursor() {
     this.cursor = ["x", "y"].map((key) => {
-      const line = document.createElement("div");
-      line.className = `cursor-${key}`;
+      const line = element("div", { className: `cursor-${key}` });
       this.plot.over.append(line);
       return [key, line];
     });

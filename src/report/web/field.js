@@ -1,4 +1,4 @@
-// A field over space and time, the displacement at nodes or the stress of elements, as thinned and rounded by the program (io/report_script_data.hpp).
+// A field over space and time, the displacement at nodes or the stress of elements, as thinned and rounded by the program (report/run/run_script_data.hpp).
 
 class Field {
   constructor({ t, x, low, high, u }) {
@@ -51,7 +51,7 @@ class Field {
   }
 }
 
-/// Displacements to colours: 255 steps between anchors at equal distances, as io/report_pictures.cpp has them.
+/// Displacements to colours: 255 steps of a scale, as report/run/field_map.cpp has them.
 class FieldColours {
   static steps = 255;
   constructor({ anchors, low, high, touching, contactLevel, contactFrom }, field) {
@@ -62,13 +62,8 @@ class FieldColours {
     const slack = (0.75 * (field.high - field.low)) / 65535;
     this.contactLevel = contactLevel === undefined ? -Infinity : contactLevel + slack;
     this.contactFrom = contactFrom === undefined ? Infinity : contactFrom - slack;
-    const bytes = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
-    const known = anchors.map(bytes);
-    this.palette = Array.from({ length: FieldColours.steps }, (_, i) => {
-      const scaled = (i / (FieldColours.steps - 1)) * (known.length - 1), at = Math.min(Math.floor(scaled), known.length - 2);
-      return known[at].map((from, k) => Math.round(from + (scaled - at) * (known[at + 1][k] - from)));
-    });
-    this.palette.push(bytes(touching));
+    this.palette = Array.from({ length: FieldColours.steps }, (_, i) => mixed(anchors, i / (FieldColours.steps - 1)));
+    this.palette.push(channels(touching));
   }
   /// The step of the scale; the one after the last stands for contact.
   touches(u) { return u <= this.contactLevel || u >= this.contactFrom; }

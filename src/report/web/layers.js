@@ -37,10 +37,7 @@ const layerPainters = {
   level(chart, context, { y, colour: css, dashed, width }) {
     const { left, width: whole } = chart.box;
     strokeStyle(chart, context, css, width, dashed);
-    context.beginPath();
-    context.moveTo(left, chart.py(y));
-    context.lineTo(left + whole, chart.py(y));
-    context.stroke();
+    segment(context, left, chart.py(y), left + whole, chart.py(y));
   },
 
   /// A solid, hatched as in mechanics.
@@ -54,18 +51,10 @@ const layerPainters = {
     context.fillStyle = colour("var(--faint)");
     context.fillRect(left, top, right - left, depth);
     strokeStyle(chart, context, "var(--soft)", 1);
-    context.beginPath();
-    for (let x = left - depth; x < right; x += 6 * chart.ratio) {
-      context.moveTo(x, top + depth);
-      context.lineTo(x + depth, top);
-    }
-    context.stroke();
+    for (let x = left - depth; x < right; x += 6 * chart.ratio) segment(context, x, top + depth, x + depth, top);
     context.restore();
     strokeStyle(chart, context, "var(--ink)", 1.6);
-    context.beginPath();
-    context.moveTo(left, surface);
-    context.lineTo(right, surface);
-    context.stroke();
+    segment(context, left, surface, right, surface);
   },
 
   /// Upright, hatched on the side where the material is; an open one lets the bar pass.
@@ -76,18 +65,11 @@ const layerPainters = {
     context.rect(Math.min(at, at + depth), top, Math.abs(depth), height);
     context.clip();
     strokeStyle(chart, context, "var(--soft)", 1);
-    context.beginPath();
-    for (let y = top; y < top + height + 12 * chart.ratio; y += 7 * chart.ratio) {
-      context.moveTo(Math.min(at, at + depth), y);
-      context.lineTo(Math.max(at, at + depth), y - 11 * chart.ratio);
-    }
-    context.stroke();
+    for (let y = top; y < top + height + 12 * chart.ratio; y += 7 * chart.ratio)
+      segment(context, Math.min(at, at + depth), y, Math.max(at, at + depth), y - 11 * chart.ratio);
     context.restore();
     strokeStyle(chart, context, "var(--ink)", 1.6, open);
-    context.beginPath();
-    context.moveTo(at, top);
-    context.lineTo(at, top + height);
-    context.stroke();
+    segment(context, at, top, at, top + height);
   },
 
   marks(chart, context, { x, y, shape = 0, colour: css }) {
@@ -103,10 +85,7 @@ const layerPainters = {
   upright(chart, context, { x, colour: css, width, dashed, text }) {
     const { top, height } = chart.box, at = chart.px(x);
     strokeStyle(chart, context, css, width, dashed);
-    context.beginPath();
-    context.moveTo(at, top);
-    context.lineTo(at, top + height);
-    context.stroke();
+    segment(context, at, top, at, top + height);
     write(chart, context, text, at + 5 * chart.ratio, top + 14 * chart.ratio);
   },
 
@@ -122,6 +101,14 @@ function strokeStyle(chart, context, css, width, dashed = false) {
   context.strokeStyle = colour(css);
   context.lineWidth = width * chart.ratio;
   context.setLineDash(dashed ? [6 * chart.ratio, 4 * chart.ratio] : []);
+}
+
+/// A straight line.
+function segment(context, x0, y0, x1, y1) {
+  context.beginPath();
+  context.moveTo(x0, y0);
+  context.lineTo(x1, y1);
+  context.stroke();
 }
 
 const fontOf = (chart, size) => `${size * chart.ratio}px ${getComputedStyle(document.body).fontFamily}`;

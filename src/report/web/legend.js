@@ -38,9 +38,8 @@ class Legend {
 function swatch(layer) {
   const { kind, colour: css, dashed, shape, width = 2 } = layer;
   if (kind === "line" && (dashed || shape)) {
-    const svg = svgElement("svg", { class: "sample", viewBox: "0 0 30 10", "aria-hidden": "true" },
+    return svgElement("svg", { class: "sample", viewBox: "0 0 30 10", "aria-hidden": "true" },
       svgElement("path", { d: "M0 5h30", style: `stroke:${css};stroke-width:${Math.max(2, Math.min(width, 5))};stroke-dasharray:${dashOf(layer).join(" ")}` }));
-    return svg;
   }
   const box = element("span", { className: `swatch ${kind === "line" || kind === "level" ? "stroke" : kind}`, ariaHidden: "true" });
   box.style.setProperty("--colour", css);

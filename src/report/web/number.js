@@ -1,4 +1,4 @@
-// Numbers for people, written as the still pictures write them (io/plot/axis.cpp), and ticks of logarithmic axes.
+// Numbers for people, written as the still pictures write them (report/plot/axis.cpp), and ticks of logarithmic axes.
 
 const superscripts = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 const powerOfTen = (exponent) => "10" + [...String(exponent)].map((c) => (c === "-" ? "⁻" : superscripts[c])).join("");

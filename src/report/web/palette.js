@@ -12,6 +12,14 @@ function colour(css) {
   return known.get(css);
 }
 
+/// Red, green and blue at a part of a colour scale, whose anchors "#rrggbb" are at equal distances; linear in between.
+const channels = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
+function mixed(anchors, part) {
+  const scaled = part * (anchors.length - 1), at = Math.min(Math.floor(scaled), anchors.length - 2);
+  const to = channels(anchors[at + 1]);
+  return channels(anchors[at]).map((from, k) => Math.round(from + (scaled - at) * (to[k] - from)));
+}
+
 const systemIsDark = matchMedia("(prefers-color-scheme: dark)");
 const isDark = () => (root.dataset.theme ? root.dataset.theme === "dark" : systemIsDark.matches);
 

@@ -131,9 +131,8 @@ class Player {
     const colours = { left: "var(--series-0)", right: "var(--series-1)", span: "var(--touching)" };
     for (const event of this.events.list) {
       context.fillStyle = colour(colours[Events.side(event)]);
-      const chosen = event === this.events.chosen;
-      if (event.closes) context.fillRect(at(event.time) - (chosen ? 1.5 : 0.75), 0, chosen ? 3 : 1.5, height);
-      else context.fillRect(at(event.time) - (chosen ? 1.5 : 0.75), height / 2, chosen ? 3 : 1.5, height / 2);
+      const width = event === this.events.chosen ? 3 : 1.5, top = event.closes ? 0 : height / 2;
+      context.fillRect(at(event.time) - width / 2, top, width, height - top);
     }
   }
 }

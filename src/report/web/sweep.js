@@ -183,11 +183,7 @@ class SweepPage {
     const x = new SweepAxis([], 92, this.width - 110, { words: key.values.map((value) => this.valueText(value, 3)) });
     const y = new SweepAxis([], SweepPage.height - 56, 14, { words: second.values.map((value) => this.valueText(value, 3)) });
     const scale = new SweepAxis(points.map(({ value }) => value), 0, 1, { log: state.log });
-    const anchors = data.anchors.map((hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16)));
-    const shade = (part) => {
-      const scaled = Math.min(1, Math.max(0, part)) * (anchors.length - 1), at = Math.min(Math.floor(scaled), anchors.length - 2);
-      return `rgb(${anchors[at].map((from, k) => Math.round(from + (scaled - at) * (anchors[at + 1][k] - from)))})`;
-    };
+    const shade = (part) => `rgb(${mixed(data.anchors, Math.min(1, Math.max(0, part)))})`;
     const width = Math.abs(x.at(1) - x.at(0)), height = Math.abs(y.at(1) - y.at(0));
     this.frame(svg, x, y, key.name, second.name);
     for (const point of points) {

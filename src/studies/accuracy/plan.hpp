@@ -1,32 +1,16 @@
 #pragma once
 
-#include <map>
+#include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "studies/accuracy/sample.hpp"
+#include "studies/accuracy/runs.hpp"
 #include "studies/accuracy/space_error.hpp"
 #include "viscobar/studies/accuracy/accuracy.hpp"
 
 namespace viscobar::accuracy {
-
-inline constexpr double time_share = 0.1;  ///< of a request, for the integration
-
-/// The study was asked to stop.
-struct Stopped {};
-
-/// The runs for the estimate took longer than the study allows.
-struct TooLong {};
-
-/// What runs differ in: J, the relative tolerance or the time step, and epsilon (0: nothing is penalised).
-struct Setting {
-  std::size_t elements = 0;
-  double fineness = 0.0;
-  double epsilon = 0.0;
-  auto operator<=>(const Setting&) const = default;
-};
 
 /// Chooses settings, makes the runs for the estimate, and judges the solution, which somebody else runs:
 ///
@@ -49,51 +33,71 @@ class Plan {
   struct Part {
     double error = 0.0, order = 1.0;
   };
+  /// What part of a request is left to each error, and with what excess of it a setting stays.
+  struct Shares {
+    double space = 0.65, penalty = 0.1, time = 0.25;
+  };
+  static constexpr std::size_t least_elements = 32;  ///< of a solution: fewer are no faster
+  static constexpr double excess = 1.2;
+  static constexpr double nudge_share = 1e-9;  ///< of the natural velocity
 
   Case with(const Setting& setting) const;
-  void run(std::vector<Setting> settings);
-  const Sample& sample(const Setting& setting) const { return samples_.at(setting); }
+  Setting at(std::size_t elements) const { return {elements, chosen_.fineness, chosen_.epsilon}; }
   Grain grain() const;
-  double apart(const Setting& coarse, const Setting& fine, bool* same = nullptr) const;
-  std::vector<Setting> rungs(std::size_t finest) const;
-  std::vector<MeshStep> ladder(std::size_t finest, Goal of, bool* same) const;
-  /// The order in h that a goal can have: no more than the field shows, for two errors of other orders and signs may
-  /// cancel in a number or at an end, and not everywhere in the bar.
-  double theory_of_goal(std::size_t finest) const;
-  std::vector<std::size_t> coarser(std::size_t elements) const;
+  double apart(const Setting& one, const Setting& other) const;
+  void tell(const std::string& what) const;
+
+  // The settings in time and penalty: parts.cpp.
   Part time_part(const Setting& finest) const;
   Part penalty_part(const Setting& finest) const;
+  std::vector<Setting> time_pair(std::size_t elements) const;
+  std::vector<Setting> penalty_pair(std::size_t elements) const;
   Part time_error(std::size_t elements);
   Part penalty_error(std::size_t elements);
   bool refine_time(const Part& part);
   bool refine_penalty(const Part& part);
   void settle(std::size_t elements);
-  void pilot();
+
+  // The mesh: climb.cpp.
+  std::vector<Setting> rungs(std::size_t finest) const;
+  std::vector<MeshStep> ladder(std::size_t finest, Goal of, bool* same) const;
+  std::vector<MeshStep> made_ladder(std::size_t finest, bool* same);
+  double theory_of_goal(std::size_t finest) const;
   bool affordable(std::size_t elements) const;
-  std::size_t wanted_elements(const SpaceError& known, std::size_t at) const;
+  std::size_t wanted_elements(const SpaceError& known, std::size_t from) const;
+  void pilot();
   void climb();
   void climb_from(std::size_t& known);
-  double magnification() const;
+
+  // The verdict: judge.cpp.
+  // The mesh on which settings in time and penalty are compared.
+  std::size_t coarse() const {
+    return std::max<std::size_t>(chosen_.elements / 4, study_.request.given.elements ? 3 : least_elements / 2);
+  }
+  std::vector<Setting> wanted_by_judge() const;
+  double moved_by_nudge() const;
+  double magnification();
   ErrorEstimate judge_exact(const Sample& solution);
   void explain(ErrorEstimate& estimate, const Case& run) const;
   std::string kept_by_scene(const ErrorEstimate& estimate, double order, double penalty_order) const;
-  void tell(const std::string& what) const;
+  void tell_runs(ErrorEstimate& estimate) const;
 
   AccuracyStudy study_;
   Case base_;
   double theory_ = 4.0;  // order in h
   bool stepping_ = false, exact_time_ = false, waves_ = false, penalised_ = false;
+  Shares shares_;
   double ratio_ = 10.0, time_order_ = 0.0;  // of two settings in time; least order
+  double nudge_ = 0.0;                      // of the initial velocity
   Setting chosen_;
-  std::map<Setting, Sample> samples_;
-  std::vector<ErrorEstimate::Run> runs_;
   std::optional<double> requested_;
   double reachable_ = 0.0;  // the request, or more where settings that the scene fixes do not let it be kept
-  double largest_ = 0.0, seconds_ = 0.0;
-  bool bounded_ = false;  // whether runs are ended where the study allows no more time
+  double largest_ = 0.0;
+  double looser_ = 1.0, pilot_error_ = 0.0;  // of the pilots, beside the chosen tolerance, and what that costs
   std::string doubt_;
   bool piloted_ = false, again_ = false;
   int tries_ = 0;
+  Runs runs_;
 };
 
 }  // namespace viscobar::accuracy

@@ -1,8 +1,12 @@
 #include "studies/accuracy/quick_estimate.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "studies/accuracy/space_error.hpp"
@@ -15,8 +19,6 @@ namespace {
 constexpr std::size_t fewest = 3;  // elements of the coarsest mesh
 constexpr double least_seconds = 0.5;
 
-double theory(const Case& run) { return effective_mass(run) == Mass::fourth_order ? 4.0 : 2.0; }
-
 // Of half and of a quarter as many elements; for a scheme, the latter with twice the step, too.
 struct Coarser {
   Sample half, quarter;
@@ -25,11 +27,18 @@ struct Coarser {
   double seconds = 0.0;
 };
 
-std::optional<Coarser> coarser_runs(const Case& run, double seconds, const std::function<bool()>& stop) {
+/// Why there is no estimate.
+struct None {
+  std::string why;
+};
+
+/// @throws None
+Coarser coarser_runs(const Case& run, double seconds, const std::function<bool()>& stop) {
   Coarser result;
   result.elements_half = (run.elements + 1) / 2;
   result.elements_quarter = (result.elements_half + 1) / 2;
-  if (result.elements_quarter < fewest) return std::nullopt;
+  if (result.elements_quarter < fewest)
+    throw None{fmt::format("it needs {} elements or more, whose mesh can be halved twice", 4 * fewest - 3)};
   std::vector<Case> cases(2, run);
   cases[0].elements = result.elements_half;
   cases[1].elements = result.elements_quarter;
@@ -43,18 +52,22 @@ std::optional<Coarser> coarser_runs(const Case& run, double seconds, const std::
     *cases[2].step *= 2.0;
   }
   for (const Case& one : cases)
-    if (!validate(one).empty()) return std::nullopt;
+    if (const auto found = validate(one); !found.empty())
+      throw None{fmt::format("with {} elements {}: {}", one.elements, found[0].key, found[0].problem)};
+  const double most = std::max(seconds, least_seconds);
   const auto began = std::chrono::steady_clock::now();
   const auto passed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
   std::vector<std::optional<Sample>> found(cases.size());
-  try {
-    parallel_for(cases.size(), [&](std::size_t i) {
-      found[i] = sample_of(cases[i], [&] { return (stop && stop()) || passed() > std::max(seconds, least_seconds); });
-    });
-  } catch (const IntegrationError&) {
-    return std::nullopt;
-  }
-  if (!std::all_of(found.begin(), found.end(), [](const auto& one) { return one.has_value(); })) return std::nullopt;
+  parallel_for(cases.size(), [&](std::size_t i) {
+    try {
+      found[i] = sample_of(cases[i], [&] { return (stop && stop()) || passed() > most; });
+    } catch (const IntegrationError& error) {
+      throw None{fmt::format("the run on {} elements failed: {}", cases[i].elements, error.what())};
+    }
+  });
+  if (!std::all_of(found.begin(), found.end(), [](const auto& one) { return one.has_value(); }))
+    throw None{stop && stop() ? "it was interrupted"
+                              : fmt::format("runs on coarser meshes took longer than {:.2g} s", most)};
   result.half = std::move(*found[0]);
   result.quarter = std::move(*found[1]);
   if (found.size() > 2) result.longer_steps = std::move(found[2]);
@@ -90,46 +103,49 @@ ErrorEstimate estimate_of(const Case& run, const Coarser& runs, const Sample& fi
   return estimate;
 }
 
+ErrorEstimate of_waves(const Representation& waves, const Sample& solution) {
+  ErrorEstimate estimate;
+  estimate.largest = largest(solution, Goal::displacement);
+  estimate.space = waves.error;
+  estimate.time = waves.rounding;
+  estimate.total = estimate.space + estimate.time;
+  return estimate;
+}
+
 }  // namespace
 
-std::optional<ErrorEstimate> quick_estimate(const Case& run, const Sample& solution, double seconds,
-                                            const std::function<bool()>& stop) {
-  if (const auto& waves = solution.statistics.representation) {
-    ErrorEstimate estimate;
-    estimate.largest = largest(solution, Goal::displacement);
-    estimate.space = waves->error;
-    estimate.time = waves->rounding;
-    estimate.total = estimate.space + estimate.time;
-    return estimate;
-  }
-  const auto runs = coarser_runs(run, seconds, stop);
-  if (!runs) return std::nullopt;
-  ErrorEstimate estimate = estimate_of(run, *runs, solution);
-  const double first = distance(runs->quarter, runs->half, Goal::displacement, {}).value;
-  const double last = distance(runs->half, solution, Goal::displacement, {}).value;
-  const MeshStep steps[] = {{runs->elements_quarter, runs->elements_half, first},
-                            {runs->elements_half, run.elements, last,
-                             alignment(runs->quarter, runs->half, solution, Goal::displacement, {})}};
-  const SpaceError space = space_error(steps, theory(run));
+QuickEstimate quick_estimate(const Case& run, const Sample& solution, double seconds,
+                             const std::function<bool()>& stop) try {
+  if (const auto& waves = solution.statistics.representation) return {of_waves(*waves, solution), {}};
+  const Coarser runs = coarser_runs(run, seconds, stop);
+  ErrorEstimate estimate = estimate_of(run, runs, solution);
+  const double first = distance(runs.quarter, runs.half, Goal::displacement, {}).value;
+  const double last = distance(runs.half, solution, Goal::displacement, {}).value;
+  const MeshStep steps[] = {
+      {runs.elements_quarter, runs.elements_half, first},
+      {runs.elements_half, run.elements, last, alignment(runs.quarter, runs.half, solution, Goal::displacement, {})}};
+  const SpaceError space = space_error(steps, order_in_theory(run));
   estimate.space = space.error;
   estimate.order = space.trusted;
   estimate.effectivity = space.effectivity;
   estimate.total = estimate.space + estimate.penalty + estimate.time;
-  return estimate;
+  return {estimate, {}};
+} catch (const None& none) {
+  return {std::nullopt, none.why};
 }
 
-std::optional<ErrorEstimate> forecast(const Case& run, double seconds) {
-  if (run.method == MethodName::characteristics) return std::nullopt;
-  const auto runs = coarser_runs(run, seconds, {});
-  if (!runs) return std::nullopt;
-  ErrorEstimate estimate = estimate_of(run, *runs, runs->half);
-  const MeshStep steps[] = {
-      {runs->elements_quarter, runs->elements_half, distance(runs->quarter, runs->half, Goal::displacement, {}).value}};
+QuickEstimate forecast(const Case& run, double seconds) try {
+  if (run.method == MethodName::characteristics) return {};
+  const Coarser runs = coarser_runs(run, seconds, {});
+  ErrorEstimate estimate = estimate_of(run, runs, runs.half);
+  const double apart = distance(runs.quarter, runs.half, Goal::displacement, {}).value;
   // Without viscosity kinks stay kinks.
-  const double order = run.scene.bar.viscosity > 0.0 ? theory(run) : 1.0;
-  estimate.space = steps[0].distance / (std::exp2(order) * std::max(1.0, std::exp2(order) - 1.0));
+  const double order = run.scene.bar.viscosity > 0.0 ? order_in_theory(run) : 1.0;
+  estimate.space = apart / (std::exp2(order) * std::max(1.0, std::exp2(order) - 1.0));
   estimate.total = estimate.space + estimate.penalty + estimate.time;
-  return estimate;
+  return {estimate, {}};
+} catch (const None& none) {
+  return {std::nullopt, none.why};
 }
 
 }  // namespace viscobar::accuracy

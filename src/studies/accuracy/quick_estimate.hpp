@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "studies/accuracy/sample.hpp"
 
@@ -14,12 +15,16 @@ namespace viscobar::accuracy {
 ///     time      twice what the tolerances promise of the displacement; of a scheme, the difference that twice the step
 ///               makes on the mesh of a quarter as many elements
 ///
-/// and of `characteristics` what it tells of itself, without a run. Absent where the mesh is too coarse to be halved
-/// twice, where the coarser runs fail, would take longer than `seconds`, or `stop` says so.
-std::optional<ErrorEstimate> quick_estimate(const Case& run, const Sample& solution, double seconds,
-                                            const std::function<bool()>& stop = {});
+/// and of `characteristics` what it tells of itself, without a run. There is none where the mesh is too coarse to be
+/// halved twice, where the coarser runs fail or would take longer than `seconds`, or `stop` says so.
+struct QuickEstimate {
+  std::optional<ErrorEstimate> estimate;
+  std::string why_not;  ///< in half a sentence, where there is none
+};
+QuickEstimate quick_estimate(const Case& run, const Sample& solution, double seconds,
+                             const std::function<bool()>& stop = {});
 
 /// The same before the run, from the two coarser meshes alone: the order of theory takes the place of the third.
-std::optional<ErrorEstimate> forecast(const Case& run, double seconds);
+QuickEstimate forecast(const Case& run, double seconds);
 
 }  // namespace viscobar::accuracy

@@ -46,7 +46,12 @@ std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& st
   observers.account = true;
   observers.snapshot = [&](const Snapshot& snapshot) { probe.add(snapshot); };
   observers.event = [&](const Event& event) { probe.add(event); };
-  if (stop) observers.progress = [&](double) { return stop() ? RunControl::stop : RunControl::go_on; };
+  if (stop) {
+    // No observer of each step: the library would stop its clock for it.
+    Checkpoints& checkpoints = observers.checkpoints.emplace();
+    checkpoints.asked = stop;
+    checkpoints.take = [](const Checkpoint&) { return RunControl::stop; };
+  }
   const Statistics done = simulate(plain, system, observers);
   if (!done.completed) return std::nullopt;
   return probe.take(done);

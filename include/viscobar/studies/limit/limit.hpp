@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "viscobar/case/case.hpp"
+#include "viscobar/studies/accuracy/accuracy.hpp"
 #include "viscobar/studies/orders/observed_order.hpp"
 
 namespace viscobar {
@@ -136,5 +137,11 @@ std::vector<double> decades(double first, double last, std::size_t per_decade = 
 /// @throws IntegrationError (the scheme, the rigid limit, or every penalised run of a mesh failed),
 ///         std::invalid_argument (the scene has no obstacle, or a run of it is not sound)
 LimitResult limit_of(const LimitStudy& study);
+
+/// What the penalised runs of a study tend to, epsilon = 0, solved to an error: the rigid limit on the mass that the
+/// partners have in common, or scheme (2.8) where there is none (a span obstacle). The mesh that it takes is one for
+/// the whole study: contact is hardest at epsilon = 0.
+/// @throws as solve()
+AccuracyResult limit_to_accuracy(const LimitStudy& study, const AccuracyRequest& request);
 
 }  // namespace viscobar

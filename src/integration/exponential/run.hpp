@@ -1,0 +1,176 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "dynamics/penalised_system.hpp"
+#include "integration/end_watch.hpp"
+#include "integration/exponential/contact_distance.hpp"
+#include "integration/exponential/energy_integral.hpp"
+#include "integration/exponential/propagator_cache.hpp"
+#include "integration/snapshot.hpp"
+#include "run/contact_states.hpp"
+#include "run/parts.hpp"
+#include "run/telling.hpp"
+#include "run/watchdog.hpp"
+#include "viscobar/dynamics/bar_system.hpp"
+
+namespace viscobar::exponential {
+
+using Eigen::VectorXd;
+using Series = LinearLeg<double>::Series;
+
+inline std::span<const double> entries(const VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
+
+/// Steps through legs of constant contact states. A leg begins with steps that one Taylor series covers and doubles
+/// them as long as nothing is left unresolved inside: the load, a possible contact change, the energy flow, a new
+/// maximum of the penetration. What a longer step leaves unresolved is found by shorter ones, at last by the series.
+class Run {
+ public:
+  Run(const BarSystem& system, const StartingPoint& start, std::span<const double> times, const Penalty& penalty,
+      const Observers& observers)
+      : system_(system),
+        penalised_(system, penalty),
+        times_(times),
+        observers_(observers),
+        snapshot_(penalised_),
+        statistics_(statistics_before(start)),
+        load_evaluations_before_(statistics_.load_evaluations),
+        telling_(observers, statistics_),
+        load_(system, times.front(), times.back()),
+        propagators_(penalised_, load_, statistics_.matrix_factorisations),
+        distance_(system_, penalised_, propagators_, load_),
+        watchdog_(times.front(), times.back(), 10'000, 1e9),
+        t_(begin_of(start, times)),
+        schedule_(observers, times, t_),
+        measured_(contacts(), 0) {}
+
+  PartEnd operator()(const StartingPoint& start);
+
+  /// What a checkpoint holds of it.
+  static void members(auto& run, auto&& each) {
+    each(std::span(run.y_.data(), static_cast<std::size_t>(run.y_.size())), ContactStates{run.penalised_},
+         std::span(run.measured_), run.watchdog_, run.load_, run.load_jumps_, run.largest_displacement_,
+         run.energy_scale_);
+    if (run.ends_) each(*run.ends_);
+  }
+
+ private:
+  static constexpr int patience = 8;  // steps before a length that failed is tried again
+  static constexpr double rounding = std::numeric_limits<double>::epsilon();
+
+  const LinearLeg<double>& leg() const { return propagator_->leg(); }
+  std::size_t contacts() const { return penalised_.contact_count(); }
+  Index node(std::size_t c) const { return distance_.node(c); }
+  ContactDistance::Largest largest() const { return {largest_displacement_, statistics_.max_penetration}; }
+  double shortest_step() const { return 4.0 * rounding * std::max(std::abs(t_), times_.back() - times_.front()); }
+
+  Statistics reached();
+  [[noreturn]] void fail(Failure why, const std::exception& cause);
+
+  // The piece of time from here on in which the load is smooth.
+  void enter_piece();
+
+  // Where what holds or bounds an end changes its velocity at once.
+  void pass_kink();
+  void begin(const State& start);
+  void go_on(const Checkpoint& checkpoint);
+  void watch_ends();
+
+  // The entries of (u, u') that EndWatch samples.
+  std::span<const double> end_sample(const Series& series, double sigma, double tau);
+  double sign(std::size_t c) const { return penalised_.contact(c).sign; }
+
+  // Measures the displacement of a node from the obstacle that it has come to: the penetration keeps all its digits.
+  // The nodes of a span obstacle go together.
+  void measure_from_obstacle(std::size_t closing);
+  void begin_leg();
+
+  // Whether it made a step; else the next one is to be shorter.
+  bool advance();
+
+  // A force that displaces the bar by less than the rounding of its displacement: over the run by T^2 / mass, and a
+  // massless node by h / E.
+  double negligible_load() const;
+
+  void shorten() {
+    --level_;
+    wait_ = patience;
+  }
+
+  void lengthen() {
+    if (wait_ > 0)
+      --wait_;
+    else
+      ++level_;
+  }
+
+  // A step by matrix exponentials, unless it may hide something: in quarters where there are contacts, in eighths where
+  // energy flows or ends move that somebody wants to know.
+  bool take_long_step(double tau);
+
+  // Over a long step; absent where the step may hide some of it.
+  std::optional<SampledFlow> resolved_flow(const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p,
+                                           double tau, double penetration) const;
+  FrameLoss frame_loss(double tau) const;
+
+  // In a long flight: of the row (rho h / 24) (3, 4, 1) times accelerations, which are forces, differences of rounded
+  // displacements and velocities, by the inverse of the mass.
+  double end_power_rounding(const std::vector<VectorXd>& velocities) const;
+
+  // A step that one Taylor series covers, cut at the first contact change.
+  void take_short_step(double tau);
+
+  // Contact `first` reaches its change; so do those that are at theirs up to rounding and go on.
+  void change_contacts(std::size_t first, const std::vector<VectorXd>& distances, double sigma, const VectorXd& v);
+  void tell_change(std::size_t c, double velocity);
+
+  // Solution at the output times up to t of the current step, of length tau, by bisection of the step: that of the run
+  // goes its way undisturbed. `flow_until` gives the energy that has flown at a part of the step.
+  void output_until(double t, double tau, const std::function<EnergyFlow(double)>& flow_until);
+  void tell_snapshot(double t, const VectorXd& u, const VectorXd& v, const Series& series, const LoadPolynomial& p,
+                     double sigma, std::optional<EnergyState> energy);
+
+  // Whether energy flows that somebody wants to know.
+  bool energy_flows() const;
+  void add(const EnergyFlow& flow);
+
+  const BarSystem& system_;
+  PenalisedSystem penalised_;
+  std::span<const double> times_;
+  const Observers& observers_;
+  SnapshotBuilder snapshot_;
+  Statistics statistics_;
+  std::size_t load_evaluations_before_;
+  Telling telling_;
+
+  LoadInterpolation load_;
+  PropagatorCache propagators_;
+  ContactDistance distance_;
+  std::optional<EndWatch> ends_;
+  std::vector<std::size_t> end_entries_;  // that it samples
+  std::vector<double> sampled_;
+  Propagator* propagator_ = nullptr;
+  Watchdog watchdog_;
+
+  double t_;
+  double piece_end_ = 0.0;  // of the piece in which the load is smooth
+  CheckpointSchedule schedule_;
+  VectorXd y_;
+  LoadPolynomial p_;  // on the current step
+  int level_ = 0;     // of the current step; below 0 where the load asks for less than a Taylor series could do
+  int wait_ = 0;      // steps until a longer one is tried
+  int load_jumps_ = 0;
+  std::size_t next_output_ = 0;
+  std::vector<unsigned char> measured_;  // whose node is measured from its obstacle
+  double largest_displacement_ = 0.0;
+  double energy_scale_ = 0.0;
+};
+
+}  // namespace viscobar::exponential

@@ -1,0 +1,198 @@
+#include "integration/radau/formula.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <numeric>
+
+namespace viscobar::radau {
+
+namespace {
+
+using Real = long double;
+using Number = std::complex<Real>;
+using Polynomial = std::array<Real, stages + 1>;
+
+Real factorial(std::size_t n) { return n < 2 ? 1 : static_cast<Real>(n) * factorial(n - 1); }
+
+// (-1)^j binomial(s, j) (2s-1-j)! / (2s-1)!
+Polynomial denominator() {
+  Polynomial q;
+  for (std::size_t j = 0; j <= stages; ++j)
+    q[j] = (j % 2 ? -1 : 1) * factorial(2 * stages - 1 - j) * factorial(stages) /
+           (factorial(2 * stages - 1) * factorial(j) * factorial(stages - j));
+  return q;
+}
+
+Number value(const Polynomial& p, Number z) {
+  Number sum = 0;
+  for (std::size_t j = stages + 1; j-- > 0;) sum = sum * z + p[j];
+  return sum;
+}
+
+Number slope(const Polynomial& p, Number z) {
+  Number sum = 0;
+  for (std::size_t j = stages; j > 0; --j) sum = sum * z + static_cast<Real>(j) * p[j];
+  return sum;
+}
+
+void set(Complex& numbers, std::size_t lane, Number z) {
+  numbers.re[static_cast<Eigen::Index>(lane)] = static_cast<double>(z.real());
+  numbers.im[static_cast<Eigen::Index>(lane)] = static_cast<double>(z.imag());
+}
+
+// What the parts of X contribute to 2 Re(c X).
+void set(Parts& weights, std::size_t lane, Number c) {
+  weights[lane] = static_cast<double>(2 * c.real());
+  weights[lanes + lane] = static_cast<double>(-2 * c.imag());
+}
+
+// Zeros of P_8 - P_7 of Legendre on [0, 1], from the right: Newton's method with the zeros found taken out.
+std::array<double, stages> radau_nodes() {
+  const auto difference = [](Real x) {
+    Real before = 1, now = x;
+    for (std::size_t k = 2; k <= stages; ++k) {
+      const auto m = static_cast<Real>(k);
+      const Real next = ((2 * m - 1) * x * now - (m - 1) * before) / m;
+      before = now;
+      now = next;
+    }
+    const auto m = static_cast<Real>(stages);
+    const auto slope_of = [&](Real p, Real q, Real n) { return n * (x * p - q) / (x * x - 1); };  // of P_n, P_{n-1}
+    const Real two_before = ((2 * m - 1) * x * before - m * now) / (m - 1);
+    return std::pair{now - before, slope_of(now, before, m) - slope_of(before, two_before, m - 1)};
+  };
+  std::array<double, stages> nodes;
+  std::array<Real, stages> found;
+  found[stages - 1] = 1;
+  for (std::size_t k = stages - 1; k-- > 0;) {
+    Real x = found[k + 1] - Real(0.01);
+    for (int step = 0; step < 200; ++step) {
+      const auto [f, derivative] = difference(x);
+      Real repelled = 0;
+      for (std::size_t j = k + 1; j < stages; ++j) repelled += 1 / (x - found[j]);
+      const Real change = f / (derivative - f * repelled);
+      x -= change;
+      if (std::abs(change) < Real(1e-18)) break;
+    }
+    found[k] = x;
+  }
+  for (std::size_t k = 0; k < stages; ++k) nodes[k] = static_cast<double>((1 + found[k]) / 2);
+  return nodes;
+}
+
+// Coefficients of theta prod_{l != m} (theta - c_l), over its value at c_m.
+Polynomial lagrange(const std::array<double, stages>& nodes, std::size_t m) {
+  Polynomial p{};
+  p[1] = Real(1) / nodes[m];
+  std::size_t degree = 1;
+  for (std::size_t l = 0; l < stages; ++l) {
+    if (l == m) continue;
+    const Real scale = 1 / (static_cast<Real>(nodes[m]) - nodes[l]);
+    for (std::size_t j = degree + 2; j-- > 0;) {
+      if (j > stages) continue;
+      p[j] = scale * ((j > 0 ? p[j - 1] : 0) - nodes[l] * p[j]);
+    }
+    ++degree;
+  }
+  return p;
+}
+
+// Of a polynomial in theta: its coefficients of T_m(2 theta - 1). Sums of powers would cancel.
+std::array<Number, stages + 1> in_chebyshev(const std::array<Number, stages + 1>& powers) {
+  constexpr std::size_t points = stages + 1;
+  std::array<Number, points> result{};
+  for (std::size_t i = 0; i < points; ++i) {
+    const Real angle = std::numbers::pi_v<Real> * (static_cast<Real>(i) + Real(0.5)) / points;
+    const Real theta = (1 + std::cos(angle)) / 2;
+    Number value = 0;
+    for (std::size_t m = points; m-- > 0;) value = value * theta + powers[m];
+    for (std::size_t m = 0; m < points; ++m)
+      result[m] += Real(m == 0 ? 1 : 2) / points * std::cos(static_cast<Real>(m) * angle) * value;
+  }
+  return result;
+}
+
+}  // namespace
+
+const Formula& Formula::get() {
+  static const Formula formula;
+  return formula;
+}
+
+Formula::Formula() : nodes(radau_nodes()), weights_{}, rates_{} {
+  const Polynomial q = denominator();
+  // Of z^9 in exp(theta z) Q(z).
+  Real next_term = 0;
+  for (int k = 0; k <= 100; ++k) {
+    const Real theta = Real(k) / 100;
+    Real c = 0;
+    for (std::size_t j = 0; j <= stages; ++j)
+      c += q[j] * std::pow(theta, Real(stages + 1 - j)) / factorial(stages + 1 - j);
+    next_term = std::max(next_term, std::abs(c));
+  }
+  std::array<Polynomial, stages> bases;
+  for (std::size_t m = 0; m < stages; ++m) bases[m] = lagrange(nodes, m);
+  constexpr std::array<std::array<double, 2>, lanes> nearby = {
+      {{10.1694, 1.6492}, {9.40637, 4.96922}, {7.73869, 8.37088}, {4.68549, 12.0106}}};
+  for (std::size_t k = 0; k < lanes; ++k) {
+    Number zeta(nearby[k][0], nearby[k][1]);
+    for (int step = 0; step < 8; ++step) zeta -= value(q, zeta) / slope(q, zeta);
+    const Number scale = Number(-1) / (zeta * slope(q, zeta));
+    set(poles, k, zeta);
+    set(inverse, k, Number(1) / zeta);
+    std::array<Number, stages + 1> powers{};  // of theta, in c_k
+    for (std::size_t m = 1; m <= stages; ++m) {
+      for (std::size_t n = m; n <= stages; ++n) powers[m] += q[n - m] * std::pow(zeta, static_cast<int>(n));
+      powers[m] *= scale / factorial(m);
+    }
+    set(end_, k, std::accumulate(powers.begin(), powers.end(), Number(0)));
+    const std::array<Number, stages + 1> chebyshev = in_chebyshev(powers);
+    for (std::size_t m = 0; m <= stages; ++m) set(weights_[m], k, chebyshev[m]);
+    // T_m' = 2 m (T_{m-1} + T_{m-3} + ...), half of T_0, in 2 theta - 1.
+    for (std::size_t m = 0; m < stages; ++m) {
+      Number sum = 0;
+      for (std::size_t n = m + 1; n <= stages; n += 2)
+        sum += Real(m == 0 ? 2 : 4) * static_cast<Real>(n) * chebyshev[n];
+      set(rates_[m], k, sum);
+    }
+    set(error_, k, 30 * next_term * scale * std::pow(zeta, static_cast<int>(stages)));
+    for (std::size_t m = 0; m < stages; ++m) {
+      Number sum = 0;
+      for (std::size_t j = 1; j <= stages; ++j)
+        sum += factorial(j) * bases[m][j] * std::pow(zeta, -static_cast<int>(j));
+      set(of_load[m], k, sum);
+    }
+  }
+}
+
+Parts Formula::weights(double theta, int derivative) const {
+  if (theta == 1.0 && derivative == 0) return end_;
+  // Clenshaw's sum.
+  const std::array<Parts, stages + 1>& coefficients = derivative == 0 ? weights_ : rates_;
+  const double x = 2.0 * (2.0 * theta - 1.0);
+  Parts next{}, after{};
+  for (std::size_t m = stages; m > 0; --m)
+    for (std::size_t l = 0; l < parts; ++l) {
+      const double sum = coefficients[m][l] + x * next[l] - after[l];
+      after[l] = next[l];
+      next[l] = sum;
+    }
+  for (std::size_t l = 0; l < parts; ++l) next[l] = coefficients[0][l] + 0.5 * x * next[l] - after[l];
+  return next;
+}
+
+// 2 Re(c X / zeta), the parts of c being weights[lane] / 2 and -weights[lanes + lane] / 2.
+Parts Formula::weights_over_pole(const Parts& weights) const {
+  Parts result;
+  for (std::size_t k = 0; k < lanes; ++k) {
+    const double re = weights[k], im = -weights[lanes + k];
+    const auto at = static_cast<Eigen::Index>(k);
+    result[k] = re * inverse.re[at] - im * inverse.im[at];
+    result[lanes + k] = -(re * inverse.im[at] + im * inverse.re[at]);
+  }
+  return result;
+}
+
+}  // namespace viscobar::radau

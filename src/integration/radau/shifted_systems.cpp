@@ -1,0 +1,218 @@
+#include "integration/radau/shifted_systems.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace viscobar::radau {
+
+namespace {
+
+inline Complex operator*(const Complex& a, const Complex& b) {
+  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+}
+inline Complex operator-(const Complex& a, const Complex& b) { return {a.re - b.re, a.im - b.im}; }
+inline Complex operator+(const Complex& a, const Complex& b) { return {a.re + b.re, a.im + b.im}; }
+
+inline Complex reciprocal(const Complex& a) {
+  const Lanes scale = 1.0 / (a.re * a.re + a.im * a.im);
+  return {a.re * scale, -a.im * scale};
+}
+
+// 0 where rounding can explain them.
+void sum_rows(const SymmetricTridiagonal& matrix, const std::vector<unsigned char>& held, std::vector<double>& sums) {
+  const std::size_t n = matrix.size();
+  sums.assign(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (held[i]) continue;
+    double sum = matrix.diagonal[i];
+    if (i > 0) sum += matrix.off_diagonal[i - 1];
+    if (i + 1 < n) sum += matrix.off_diagonal[i];
+    if (std::abs(sum) > 8.0 * std::numeric_limits<double>::epsilon() * matrix.diagonal[i]) sums[i] = sum;
+  }
+}
+
+inline Complex nothing() { return {Lanes::Zero(), Lanes::Zero()}; }
+
+}  // namespace
+
+void ShiftedSystems::take(const PenalisedSystem& system) {
+  system.dynamic_stiffness(1.0, 0.0, 0.0, mass_);
+  system.dynamic_stiffness(0.0, 1.0, 0.0, damping_);
+  system.dynamic_stiffness(0.0, 0.0, 1.0, stiffness_);
+  stiffness_.end_rows.reset();
+  held_.resize(system.size());
+  nodes_.resize(system.size());
+  right_.resize(system.size());
+  correction_.resize(system.size());
+  for (std::size_t i = 0; i < held_.size(); ++i) {
+    held_[i] = std::isinf(mass_.diagonal[i]) ? 1 : 0;
+    if (held_[i]) stiffness_.diagonal[i] = damping_.diagonal[i] = mass_.diagonal[i] = 0.0;
+  }
+  sum_rows(stiffness_, held_, bound_);
+  sum_rows(damping_, held_, dashed_);
+}
+
+void ShiftedSystems::factorise(double h) {
+  h_ = h;
+  double largest = 0.0;  // of elasticity and damping, beside the inertia of the poles, which are some 10
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    if (mass_.diagonal[i] > 0.0)
+      largest =
+          std::max(largest, (h * damping_.diagonal[i] + 0.1 * h * h * stiffness_.diagonal[i]) / mass_.diagonal[i]);
+  rounding_ = 300.0 * std::numeric_limits<double>::epsilon() * (1.0 + 0.1 * largest);
+  const Formula& formula = Formula::get();
+  const Complex of_mass = formula.poles, of_stiffness = {h * h * formula.inverse.re, h * h * formula.inverse.im};
+  const auto entry = [&](double m, double c, double k) -> Complex {
+    return {of_mass.re * m + of_stiffness.re * k + h * c, of_mass.im * m + of_stiffness.im * k};
+  };
+  const auto diagonal = [&](std::size_t i) {
+    return entry(mass_.diagonal[i], damping_.diagonal[i], stiffness_.diagonal[i]);
+  };
+  const auto beside = [&](std::size_t i) {
+    return entry(mass_.off_diagonal[i], damping_.off_diagonal[i], stiffness_.off_diagonal[i]);
+  };
+  const std::size_t n = nodes_.size(), middle = n / 2;
+  // Either end's elimination, `off` being the entry of node i and the next one.
+  struct Front {
+    Complex pivot, upper, coupling;
+  };
+  const auto begin = [&](std::size_t i, std::size_t off, const std::array<double, 3>* row, Complex& beyond) {
+    Front front{diagonal(i), beside(off), beside(off)};
+    beyond = nothing();
+    if (row) {
+      front.pivot = front.pivot + entry((*row)[0], 0.0, 0.0);
+      front.upper = front.upper + entry((*row)[1], 0.0, 0.0);
+      beyond = entry((*row)[2], 0.0, 0.0);
+    }
+    return front;
+  };
+  // Takes node i out; gives what the diagonal of the next one loses.
+  const auto take_out = [&](std::size_t i, const Front& front) {
+    Node& here = nodes_[i];
+    here.inverse_pivot = held_[i] ? nothing() : reciprocal(front.pivot);
+    here.towards = front.upper * here.inverse_pivot;
+    here.away = front.coupling * here.inverse_pivot;
+    return here.away * front.upper;
+  };
+  const auto go_on = [&](Front& front, const Complex& loss, std::size_t i, std::size_t off) {
+    front = {diagonal(i) - loss, beside(off), beside(off)};
+  };
+  const std::array<double, 3>* first = mass_.end_rows ? &mass_.end_rows->first : nullptr;
+  const std::array<double, 3>* last = mass_.end_rows ? &mass_.end_rows->last : nullptr;
+  Front left = begin(0, 0, first, beyond_first_), right = begin(n - 1, n - 2, last, beyond_last_);
+  const std::size_t right_count = n - 1 - middle;  // `middle`, or one less
+  Complex of_left = take_out(0, left), of_right = take_out(n - 1, right);
+  for (std::size_t j = 1; j < right_count; ++j) {
+    go_on(left, of_left, j, j);
+    go_on(right, of_right, n - 1 - j, n - 2 - j);
+    if (j == 1 && first) {
+      left.upper = left.upper - nodes_[0].away * beyond_first_;
+      right.upper = right.upper - nodes_[n - 1].away * beyond_last_;
+    }
+    of_left = take_out(j, left);
+    of_right = take_out(n - 1 - j, right);
+  }
+  if (right_count < middle) {
+    go_on(left, of_left, middle - 1, middle - 1);
+    of_left = take_out(middle - 1, left);
+  }
+  beyond_first_ = beyond_first_ * nodes_[0].inverse_pivot;
+  beyond_last_ = beyond_last_ * nodes_[n - 1].inverse_pivot;
+  nodes_[middle].inverse_pivot = held_[middle] ? nothing() : reciprocal(diagonal(middle) - of_left - of_right);
+}
+
+void ShiftedSystems::multiply_stiffness(std::span<const double> x, std::span<double> out) const {
+  const std::size_t n = nodes_.size();
+  double before = 0.0;  // pull of the element on the left
+  for (std::size_t i = 0; i < n; ++i) {
+    const double pull = i + 1 < n ? stiffness_.off_diagonal[i] * (x[i + 1] - x[i]) : 0.0;
+    out[i] = held_[i] ? 0.0 : bound_[i] * x[i] + (pull - before);
+    before = pull;
+  }
+}
+
+template <class RightSide>
+void ShiftedSystems::substitute(RightSide&& right_side, std::span<Complex> x) const {
+  const std::size_t n = nodes_.size(), middle = n / 2;
+  Complex left = right_side(0), right = right_side(n - 1);
+  x[0] = left;
+  x[n - 1] = right;
+  const std::size_t right_count = n - 1 - middle;  // middle or one less
+  std::size_t j = 1;
+  for (; j < right_count; ++j) {
+    left = right_side(j) - nodes_[j - 1].away * left;
+    right = right_side(n - 1 - j) - nodes_[n - j].away * right;
+    x[j] = left;
+    x[n - 1 - j] = right;
+  }
+  for (; j < middle; ++j) x[j] = left = right_side(j) - nodes_[j - 1].away * left;
+  left = right = x[middle] = nodes_[middle].inverse_pivot *
+                             (right_side(middle) - nodes_[middle - 1].away * left - nodes_[middle + 1].away * right);
+  std::size_t i = middle;
+  if (right_count < middle) {
+    --i;
+    x[i] = left = nodes_[i].inverse_pivot * x[i] - nodes_[i].towards * left;
+  }
+  for (std::size_t k = middle + 1; i > 0; ++k) {
+    --i;
+    x[i] = left = nodes_[i].inverse_pivot * x[i] - nodes_[i].towards * left;
+    x[k] = right = nodes_[k].inverse_pivot * x[k] - nodes_[k].towards * right;
+  }
+  if (!mass_.end_rows) return;
+  x[0] = x[0] - beyond_first_ * x[2];
+  x[n - 1] = x[n - 1] - beyond_last_ * x[n - 3];
+}
+
+// Row i of right_side - D x.
+Complex ShiftedSystems::residual(std::size_t i, const Complex& right_side, std::span<const Complex> x) const {
+  if (held_[i]) return nothing();
+  const std::size_t n = nodes_.size();
+  const Formula& formula = Formula::get();
+  const double h = h_;
+  const Complex of_mass = formula.poles, of_stiffness = {h * h * formula.inverse.re, h * h * formula.inverse.im};
+  const auto elastic = [&](double c, double k) -> Complex {
+    return {of_stiffness.re * k + h * c, of_stiffness.im * k};
+  };
+  const auto times = [](double m, const Complex& z) -> Complex { return {m * z.re, m * z.im}; };
+  Complex inertia = times(mass_.diagonal[i], x[i]);
+  Complex sum = right_side - elastic(dashed_[i], bound_[i]) * x[i];
+  if (i > 0) {
+    inertia = inertia + times(mass_.off_diagonal[i - 1], x[i - 1]);
+    sum = sum - elastic(damping_.off_diagonal[i - 1], stiffness_.off_diagonal[i - 1]) * (x[i - 1] - x[i]);
+  }
+  if (i + 1 < n) {
+    inertia = inertia + times(mass_.off_diagonal[i], x[i + 1]);
+    sum = sum - elastic(damping_.off_diagonal[i], stiffness_.off_diagonal[i]) * (x[i + 1] - x[i]);
+  }
+  if (mass_.end_rows && i == 0)
+    for (std::size_t k = 0; k < 3; ++k) inertia = inertia + times(mass_.end_rows->first[k], x[k]);
+  if (mass_.end_rows && i + 1 == n)
+    for (std::size_t k = 0; k < 3; ++k) inertia = inertia + times(mass_.end_rows->last[k], x[n - 1 - k]);
+  return sum - of_mass * inertia;
+}
+
+void ShiftedSystems::solve(std::span<const double> force, std::span<const double> stiff_rate, bool loaded,
+                           std::span<Complex> x) {
+  const Formula& formula = Formula::get();
+  const double h = h_;
+  const Lanes re = -h * h * formula.inverse.re, im = -h * h * formula.inverse.im;
+  const auto unloaded = [&](std::size_t i) -> Complex {
+    return {re * stiff_rate[i] + h * force[i], im * stiff_rate[i]};
+  };
+  if (!refines_) {
+    if (loaded)
+      substitute([&](std::size_t i) { return unloaded(i) + x[i]; }, x);
+    else
+      substitute(unloaded, x);
+    return;
+  }
+  const std::size_t n = nodes_.size();
+  for (std::size_t i = 0; i < n; ++i) right_[i] = loaded ? unloaded(i) + x[i] : unloaded(i);
+  substitute([&](std::size_t i) { return right_[i]; }, x);
+  for (std::size_t i = 0; i < n; ++i) correction_[i] = residual(i, right_[i], x);
+  substitute([&](std::size_t i) { return correction_[i]; }, correction_);
+  for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + correction_[i];
+}
+
+}  // namespace viscobar::radau

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "dynamics/penalised_system.hpp"
+#include "integration/radau/formula.hpp"
+#include "viscobar/discretisation/tridiagonal.hpp"
+
+namespace viscobar::radau {
+
+/// The systems of a step of length h,
+///
+///     (zeta M + h C + h^2 / zeta K) X = h r - h^2 / zeta K w + load,
+///
+/// M = rho M, C and K those of the dynamic stiffness, for the four poles side by side. They are eliminated from both
+/// ends towards the middle, two chains of dependencies at once.
+class ShiftedSystems {
+ public:
+  static constexpr std::size_t least_size = 5;  ///< unknowns
+
+  /// Takes the matrices of the system with its contacts as they are.
+  void take(const PenalisedSystem& system);
+  /// Of steps of length h.
+  void factorise(double h);
+  /// out = K x; 0 where a contact holds the node. By differences, which keep the digits of what is all but constant.
+  void multiply_stiffness(std::span<const double> x, std::span<double> out) const;
+  /// Solves; `force` is r, `stiff_rate` is K w. Where `loaded`, x holds the load's part of the right-hand side.
+  void solve(std::span<const double> force, std::span<const double> stiff_rate, bool loaded, std::span<Complex> x);
+  /// Whether solve() is to correct x by its residual, by a second solve: rounding of the pivots is one of the inertia
+  /// by their ratio, and the weights of the formula multiply that by some hundreds.
+  void refine(bool wanted) { refines_ = wanted; }
+  /// What a step is wrong by without that, relative to the motion; some fifteen times what was measured.
+  double rounding() const { return rounding_; }
+
+ private:
+  struct Node {
+    Complex inverse_pivot;
+    Complex towards;  // U(i, next) / pivot, next towards the middle
+    Complex away;     // what the row of next loses of this one: L(next, i)
+  };
+
+  template <class RightSide>
+  void substitute(RightSide&& right_side, std::span<Complex> x) const;
+  Complex residual(std::size_t i, const Complex& right_side, std::span<const Complex> x) const;
+
+  SymmetricTridiagonal mass_, damping_, stiffness_;
+  std::vector<double> bound_, dashed_;  // sums of the rows of K and C: what binds a node to the ground
+  bool refines_ = false;
+  double rounding_ = 0.0;
+  std::vector<Complex> right_, correction_;
+  std::vector<unsigned char> held_;
+  std::vector<Node> nodes_;
+  Complex beyond_first_, beyond_last_;  // of the row of an end, two nodes on, over its pivot
+  double h_ = 0.0;
+};
+
+}  // namespace viscobar::radau

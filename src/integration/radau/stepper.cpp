@@ -1,0 +1,297 @@
+#include "integration/radau/stepper.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "integration/energy_flow.hpp"
+#include "integration/error_weights.hpp"
+#include "integration/radau/shifted_systems.hpp"
+#include "integration/radau/step_derivatives.hpp"
+#include "run/step_failure.hpp"
+
+namespace viscobar::radau {
+
+namespace {
+
+// The error estimate is one of h^8.
+constexpr double safety = 0.85, exponent = 1.0 / 8.0, largest_growth = 8.0, largest_cut = 0.1;
+constexpr double worth_a_factor = 1.25;  // growth of the step, in which a new factor pays
+
+// sum_l columns[l] (part l of x)
+template <class Column>
+inline Column combined(const std::array<Column, parts>& columns, const Complex& x) {
+  Column re = columns[0] * x.re[0], im = columns[lanes] * x.im[0];
+  for (std::size_t l = 1; l < lanes; ++l) {
+    re += columns[l] * x.re[static_cast<Eigen::Index>(l)];
+    im += columns[lanes + l] * x.im[static_cast<Eigen::Index>(l)];
+  }
+  return re + im;
+}
+
+class Stepper final : public LegStepper {
+ public:
+  Stepper(const StepperParts& run, const Tolerance& tolerance)
+      : system_(run.system),
+        layout_(run.layout),
+        statistics_(run.statistics),
+        weights_(run.system, run.layout, tolerance, run.times.back(), one_step_accumulation, run.derivatives),
+        longest_(longest_step(run.system, run.times.back() - run.times.front())),
+        step_(run.times.back() - run.times.front()),
+        begin_y_(layout_.size),
+        end_y_(layout_.size),
+        weight_(layout_.size),
+        force_(layout_.nodes),
+        stiff_rate_(layout_.nodes),
+        x_(layout_.nodes),
+        inner_(layout_.account() > 0 ? layout_.size : 0) {
+    if (system_.load_varies()) load_change_.resize(layout_.nodes);
+    if (!run.derivatives.empty()) derivatives_.emplace(system_, layout_, run.derivatives);
+  }
+
+  void begin_run(std::vector<std::size_t> sampled_entries) override {
+    entries_ = std::move(sampled_entries);
+    sampled_.resize(entries_.size());
+  }
+
+  void restart(double t, double stop, std::span<const double> y) override {
+    weights_.tighten(statistics_.events);
+    stop_ = stop;
+    end_t_ = t;
+    std::ranges::copy(y, end_y_.begin());
+    if (taken_ != system_.revision()) {
+      systems_.take(system_);
+      taken_ = system_.revision();
+      factorised_.reset();
+    }
+    evaluate();
+    last_length_ = 0.0;
+  }
+
+  double advance() override {
+    std::swap(begin_y_, end_y_);
+    begin_t_ = end_t_;
+    weights_.fill(begin_y_, weight_);
+    for (;;) {
+      const double h = next_length();
+      const double error = attempt(h);
+      if (error <= 1.0) {
+        grow(h, error);
+        break;
+      }
+      // Where modes pass that the step does not resolve, the error falls slower than by h^8.
+      step_ = h * std::clamp(safety * std::cbrt(1.0 / error), largest_cut, safety);
+      if (begin_t_ + step_ * 0x1p-4 == begin_t_)
+        throw StepFailure(Failure::accuracy, "no step, however short, keeps the tolerance");
+    }
+    finish();
+    return end_t_;
+  }
+
+  std::size_t order() const override { return stages; }
+  ErrorWeights& weights() override { return weights_; }
+
+  void changes_at(std::span<const double> y) override { weights_.fill(y, weight_); }
+
+  void interpolate(double t, std::span<double> y) override {
+    if (t == end_t_ || t == begin_t_) return void(std::ranges::copy(t == end_t_ ? end_y_ : begin_y_, y.begin()));
+    motion_at(t, y);
+    add_account(t, y);
+    if (derivatives_) derivatives_->blocks_at((t - begin_t_) / h_, begin_y_, y);
+  }
+
+  std::span<const double> sample(double t, int derivative) override {
+    const Formula& formula = Formula::get();
+    const double theta = (t - begin_t_) / h_;
+    const Parts of_w = formula.weights(theta, derivative), of_u = formula.weights_over_pole(of_w);
+    const std::size_t n = layout_.nodes;
+    for (std::size_t k = 0; k < entries_.size(); ++k) {
+      const bool rate = entries_[k] >= n;
+      const std::size_t i = rate ? entries_[k] - n : entries_[k];
+      const Complex& x = x_[i];
+      const Parts& weight = rate ? of_w : of_u;
+      double sum = 0.0;
+      for (std::size_t l = 0; l < lanes; ++l) {
+        const auto at = static_cast<Eigen::Index>(l);
+        sum += weight[l] * x.re[at] + weight[lanes + l] * x.im[at];
+      }
+      const double w = begin_y_[n + i];
+      if (derivative == 0)
+        sampled_[k] = rate ? w + sum : begin_y_[i] + h_ * (theta * w + sum);
+      else
+        sampled_[k] = rate ? sum / h_ : w + sum;
+    }
+    return sampled_;
+  }
+
+  // Only a span obstacle asks, which is never rigid.
+  void select(std::span<const std::size_t>) override {}
+  void hull(std::span<double> lowest, std::span<double> highest) override {
+    std::ranges::fill(lowest, -std::numeric_limits<double>::infinity());
+    std::ranges::fill(highest, std::numeric_limits<double>::infinity());
+  }
+
+ private:
+  // The next length after a step of length h. As fast modes die out, steps of one error grow by one factor: that goes
+  // on (Gustafsson's predictive control).
+  void grow(double h, double error) {
+    double factor = safety * std::pow(error, -exponent);
+    if (last_length_ > 0.0) factor *= std::max(1.0, h / last_length_ * std::pow(last_error_ / error, exponent));
+    factor = std::clamp(factor, largest_cut, largest_growth);
+    last_length_ = h, last_error_ = error;
+    if (h == step_ && factor < worth_a_factor && factor > safety) return;
+    // A step that was cut short says nothing against the length.
+    step_ = h == step_ ? h * factor : std::max(step_, h * factor);
+  }
+
+  double next_length() {
+    const double remaining = stop_ - begin_t_;
+    step_ = std::min(step_, longest_);
+    if (step_ >= remaining * (1.0 - 1e-9)) return remaining;
+    return step_ > 0.5 * remaining ? 0.5 * remaining : step_;
+  }
+
+  // Of the state where the run is.
+  void evaluate() {
+    const std::span<const double> y(end_y_);
+    system_.force(end_t_, y.first(layout_.nodes), y.subspan(layout_.nodes, layout_.nodes), force_);
+    systems_.multiply_stiffness(y.subspan(layout_.nodes, layout_.nodes), stiff_rate_);
+    ++statistics_.rhs_evaluations;
+    if (derivatives_) derivatives_->evaluate(systems_, end_t_, end_y_);
+  }
+
+  // The new state, and the error in multiples of what is allowed.
+  double attempt(double h) {
+    const Formula& formula = Formula::get();
+    h_ = h;
+    if (factorised_ != h) {
+      systems_.factorise(h);
+      factorised_ = h;
+      ++statistics_.matrix_factorisations;
+    }
+    const double rounding = systems_.rounding();
+    systems_.refine(rounding * weights_.largest_displacement() > weights_.displacement_tolerance() ||
+                    rounding * weights_.largest_velocity() > weights_.velocity_tolerance());
+    const bool loaded = system_.load_varies();
+    if (loaded) gather_load(h);
+    systems_.solve(force_, stiff_rate_, loaded, x_);
+    statistics_.linear_solves += lanes;
+    // Columns: w, u / h, their errors.
+    const Parts w = formula.weights(1.0, 0), u = formula.weights_over_pole(w);
+    const Parts &of_w = formula.error(), of_u = formula.weights_over_pole(of_w);
+    std::array<Eigen::Array4d, parts> columns;
+    for (std::size_t l = 0; l < parts; ++l) columns[l] = {w[l], h * u[l], of_w[l], h * of_u[l]};
+    const std::size_t n = layout_.nodes;
+    Eigen::Array4d largest = Eigen::Array4d::Zero();
+    const auto move = [&](std::size_t i) {
+      const double velocity = begin_y_[n + i];
+      const Eigen::Array4d sum = combined(columns, x_[i]);
+      end_y_[n + i] = velocity + sum[0];
+      end_y_[i] = begin_y_[i] + (h * velocity + sum[1]);
+      return sum.abs().eval();
+    };
+    const std::size_t first = system_.bar().massive_begin(), last = system_.bar().massive_end();
+    for (std::size_t i = first; i < last; ++i) largest = largest.max(move(i));
+    // The velocity of a massless node is dependent; a rigid contact has no spring, so weights are those of the fields.
+    const Eigen::Array4d displacements(1.0, 1.0, 0.0, 1.0);
+    for (std::size_t i = 0; i < first; ++i) largest = largest.max(move(i) * displacements);
+    for (std::size_t i = last; i < n; ++i) largest = largest.max(move(i) * displacements);
+    if (!(largest[0] + largest[1] <= std::numeric_limits<double>::max())) throw not_finite();
+    double error =
+        std::max({largest[2] * weight_[n + first], largest[3] * weight_[0], std::numeric_limits<double>::min()});
+    if (derivatives_)
+      error =
+          std::max(error, derivatives_->attempt(systems_, begin_t_, h, end_of_step(), begin_y_, weight_, statistics_,
+                                                [&](double t, std::span<double> y_at) { motion_at(t, y_at); }));
+    return error;
+  }
+
+  double end_of_step() const { return h_ == stop_ - begin_t_ ? stop_ : begin_t_ + h_; }
+
+  // What the load changes by over the step, by its values at the stages.
+  void gather_load(double h) {
+    const Formula& formula = Formula::get();
+    const std::size_t n = layout_.nodes;
+    const std::span<const double> y(begin_y_);
+    for (std::size_t m = 0; m < stages; ++m) {
+      const double t = m + 1 == stages ? std::min(begin_t_ + h, stop_) : begin_t_ + formula.nodes[m] * h;
+      system_.force(t, y.first(n), y.subspan(n, n), load_change_);
+      const Complex share = {h * formula.of_load[m].re, h * formula.of_load[m].im};
+      for (std::size_t i = 0; i < n; ++i) {
+        const double change = load_change_[i] - force_[i];
+        if (m == 0)
+          x_[i] = {share.re * change, share.im * change};
+        else
+          x_[i].re += share.re * change, x_[i].im += share.im * change;
+      }
+    }
+  }
+
+  void finish() {
+    end_t_ = end_of_step();
+    const std::span<double> y(end_y_);
+    system_.complete_displacement(end_t_, layout_.u(y));
+    system_.complete_velocity(end_t_, layout_.u(y), layout_.w(y));
+    add_account(end_t_, y);
+    if (derivatives_)
+      derivatives_->finish(begin_t_, end_t_, begin_y_, end_y_,
+                           [&](double t, std::span<double> inner) { motion_at(t, inner); });
+    evaluate();
+  }
+
+  void motion_at(double t, std::span<double> y) {
+    const double theta = (t - begin_t_) / h_;
+    const Formula& formula = Formula::get();
+    const Parts w = formula.weights(theta, 0), u = formula.weights_over_pole(w);
+    std::array<Eigen::Array2d, parts> columns;
+    for (std::size_t l = 0; l < parts; ++l) columns[l] = {w[l], h_ * u[l]};
+    const std::size_t n = layout_.nodes;
+    const double reached = theta * h_;
+    for (std::size_t i = 0; i < n; ++i) {
+      const Eigen::Array2d sum = combined(columns, x_[i]);
+      const double velocity = begin_y_[n + i];
+      y[n + i] = velocity + sum[0];
+      y[i] = begin_y_[i] + (reached * velocity + sum[1]);
+    }
+    system_.complete_displacement(t, layout_.u(y));
+  }
+
+  void add_account(double until, std::span<double> y) {
+    if (inner_.empty()) return;
+    const auto first = static_cast<std::ptrdiff_t>(2 * layout_.nodes);
+    std::copy_n(begin_y_.begin() + first, layout_.account(), y.begin() + first);
+    add_energy_flow<8>(
+        system_, layout_, begin_t_, until, [&](double t, std::span<double> inner) { motion_at(t, inner); }, inner_,
+        y.subspan(2 * layout_.nodes, layout_.account()));
+  }
+
+  PenalisedSystem& system_;
+  const Layout layout_;
+  Statistics& statistics_;
+  ErrorWeights weights_;
+  ShiftedSystems systems_;
+  std::optional<std::uint64_t> taken_;                         // revision that the systems are of
+  std::optional<double> factorised_;                           // length that they are factorised for
+  double longest_, step_;                                      // the length to be tried next
+  double last_length_ = 0.0, last_error_ = 1.0;                // of the last step of the leg
+  double stop_ = 0.0, begin_t_ = 0.0, end_t_ = 0.0, h_ = 0.0;  // of the leg, and of the last step
+  std::vector<double> begin_y_, end_y_, weight_;
+  std::vector<double> force_, stiff_rate_, load_change_;  // F and K w where the run is
+  std::vector<Complex> x_;
+  std::vector<std::size_t> entries_;
+  std::vector<double> sampled_, inner_;
+  std::optional<StepDerivatives> derivatives_;
+};
+
+}  // namespace
+
+bool takes(const BarSystem& system) { return system.damped() && system.size() >= ShiftedSystems::least_size; }
+
+std::unique_ptr<LegStepper> make_stepper(const StepperParts& run, const Tolerance& tolerance) {
+  return std::make_unique<Stepper>(run, tolerance);
+}
+
+}  // namespace viscobar::radau

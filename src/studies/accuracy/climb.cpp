@@ -1,0 +1,210 @@
+// How fine a mesh the error asked for needs.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "case/cost_estimate.hpp"
+#include "studies/accuracy/plan.hpp"
+
+namespace viscobar::accuracy {
+
+namespace {
+
+// Elements of half as many and so on, down to what a mass can be put on.
+std::vector<std::size_t> coarser(std::size_t elements) {
+  std::vector<std::size_t> all;
+  for (std::size_t n = (elements + 1) / 2; n >= 4 && n < elements && all.size() < 3; n = (n + 1) / 2) {
+    all.push_back(n);
+    if (n == (n + 1) / 2) break;
+  }
+  std::reverse(all.begin(), all.end());
+  return all;
+}
+
+}  // namespace
+
+// The settings of a ladder of meshes. Tolerances may be looser than the chosen one on coarser meshes, whose differences
+// are larger; steps of a scheme are all the same.
+std::vector<Setting> Plan::rungs(std::size_t finest) const {
+  std::vector<std::size_t> meshes = coarser(finest);
+  meshes.push_back(finest);
+  const bool tolerant = !stepping_ && !exact_time_;
+  std::vector<Setting> all;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const std::size_t halvings = meshes.size() - 1 - i;
+    Setting best = at(meshes[i]);
+    if (tolerant && halvings >= 3) best.fineness = time_pair(meshes[i])[1].fineness;
+    if (tolerant && !runs_.knows(best)) {
+      const double looser = halvings == 0 ? 1.0 : halvings == 1 ? 3.0 : 10.0;
+      const double of_pilots = halvings == 0 ? 1.0 : halvings >= 3 ? 10.0 * looser_ : looser_;
+      for (const Setting& known : runs_.known())
+        if (known.elements == best.elements && known.epsilon == best.epsilon &&
+            known.fineness <= std::max(looser, of_pilots) * chosen_.fineness) {
+          best = known;
+          break;
+        }
+    }
+    all.push_back(best);
+  }
+  return all;
+}
+
+// `same`: whether the last two agree on the contact changes.
+std::vector<MeshStep> Plan::ladder(std::size_t finest, Goal of, bool* same) const {
+  const std::vector<Setting> steps = rungs(finest);
+  *same = true;
+  std::vector<MeshStep> result;
+  for (std::size_t k = 0; k + 1 < steps.size(); ++k) {
+    const Distance found = distance(runs_.of(steps[k]), runs_.of(steps[k + 1]), of, grain());
+    *same = found.same_changes;
+    result.push_back(
+        {steps[k].elements, steps[k + 1].elements, found.value,
+         k == 0 ? 1.0 : alignment(runs_.of(steps[k - 1]), runs_.of(steps[k]), runs_.of(steps[k + 1]), of, grain())});
+  }
+  return result;
+}
+
+// A ladder that has been run. What pilots of a looser tolerance say counts only where the difference of the last two is
+// far above the error of that tolerance.
+std::vector<MeshStep> Plan::made_ladder(std::size_t finest, bool* same) {
+  constexpr double far = 5.0;
+  runs_.make(rungs(finest));
+  std::vector<MeshStep> steps = ladder(finest, study_.request.of, same);
+  if (looser_ <= 1.0 || steps.empty() || steps.back().distance >= far * pilot_error_) return steps;
+  looser_ = 1.0;
+  return made_ladder(finest, same);
+}
+
+// No more than the field shows: two errors of other orders and signs may cancel in a number or at an end, and not
+// everywhere in the bar.
+double Plan::theory_of_goal(std::size_t finest) const {
+  const Goal of = study_.request.of;
+  if (of == Goal::displacement) return theory_;
+  bool same = true;
+  return space_error(ladder(finest, Goal::displacement, &same), theory_).trusted.value_or(1.0);
+}
+
+// Coarse meshes and two settings in time and penalty, side by side: what tolerance, epsilon and mesh are needed.
+void Plan::pilot() {
+  const AccuracyRequest::Given& given = study_.request.given;
+  const std::size_t finest = given.elements ? std::max<std::size_t>(base_.elements / 2, 3) : least_elements;
+  if (!given.elements) chosen_.elements = finest;
+  std::vector<Setting> settings = rungs(finest);
+  for (const auto& pair : {time_pair(coarse()), penalty_pair(coarse())})
+    settings.insert(settings.end(), pair.begin(), pair.end());
+  runs_.make(std::move(settings));
+  largest_ = largest(runs_.of(at(finest)), study_.request.of);
+  if (!requested_) requested_ = study_.request.error * largest_;
+  piloted_ = true;
+
+  reachable_ = *requested_;
+  if (exact_time_ && !penalised_) return;
+  const double before = chosen_.fineness;
+  if (!stepping_ && !exact_time_) {
+    const Part found = time_error(coarse());
+    pilot_error_ = found.error;
+    refine_time(found);
+    looser_ = std::max(1.0, before / chosen_.fineness);
+  }
+  constexpr double sure = 1e-12;  // finer tolerances may not bring what they promise
+  if (!stepping_ && !penalised_ && !given.tolerance && chosen_.fineness > sure) return;
+  settle(coarse());
+  reachable_ = std::max(reachable_, time_error(coarse()).error + penalty_error(coarse()).error);
+}
+
+bool Plan::affordable(std::size_t elements) const {
+  const Case run = with(at(elements));
+  return elements <= study_.most_elements && estimated_seconds(run) <= 10.0 * study_.most_seconds &&
+         validate(run).empty();
+}
+
+// J (e / wanted)^(1/p). Up to 256, where a run costs about as much on half as many elements, in powers of two, so that
+// the runs of the pilots serve; then in eights, so that two halvings have nodes in common.
+std::size_t Plan::wanted_elements(const SpaceError& known, std::size_t from) const {
+  constexpr double few = 256.0;
+  const double order = std::clamp(known.order, 0.5, theory_);
+  const double longest = known.trusted ? 16.0 : 4.0;
+  if (known.error <= 0.0) return least_elements;
+  const double factor = std::pow(known.error / (shares_.space * reachable_), 1.0 / order);
+  const double elements = std::ceil(static_cast<double>(from) * std::min(factor, longest));
+  const auto wanted = static_cast<std::size_t>(elements);
+  return std::max(elements <= few ? std::bit_ceil(wanted) : (wanted + 7) / 8 * 8, least_elements);
+}
+
+// Meshes are refined until the last one before the solution's promises that the solution keeps the request.
+void Plan::climb() {
+  std::size_t known = chosen_.elements;
+  const Setting first = chosen_;
+  runs_.most_seconds = study_.most_seconds;
+  try {
+    climb_from(known);
+  } catch (const TooLong&) {
+    chosen_ = first;
+    chosen_.elements = known;
+    doubt_ = fmt::format("meshes of more than {} elements take longer than {:.3g} s to try, and that one is too coarse",
+                         known, study_.most_seconds);
+  }
+  runs_.most_seconds.reset();
+  looser_ = 1.0;
+}
+
+// `known`: the finest mesh that has been run.
+void Plan::climb_from(std::size_t& known) {
+  constexpr int most_rounds = 14;
+  const double share = shares_.space;
+  double before = 0.0;
+  int stuck = 0;
+  for (int round = 0; round < most_rounds; ++round) {
+    bool same = true;
+    const std::vector<MeshStep> steps = made_ladder(known, &same);
+    const SpaceError now = space_error(steps, theory_of_goal(known));
+    std::size_t next = same ? wanted_elements(now, known) : 2 * known;
+    if (now.error <= share * reachable_ && same && next <= known) {
+      chosen_.elements = known;
+      return;
+    }
+    next = std::max(next, known);
+    const double apart = steps.empty() ? 0.0 : steps.back().distance;
+    stuck = before > 0.0 && apart > 0.9 * before ? stuck + 1 : 0;
+    before = apart;
+    if (stuck >= 3) {
+      doubt_ = fmt::format(
+          "no mesh converges: runs on {} and {} elements are {:.2g} apart, no less than coarser ones; the scene "
+          "multiplies a small change of its initial data by {:.2g}",
+          steps.back().coarse, steps.back().fine, apart, magnification());
+      chosen_.elements = known;
+      return;
+    }
+    const double order = std::clamp(now.order, 0.5, theory_);
+    const double wanted = static_cast<double>(known) * std::pow(now.error / (share * reachable_), 1.0 / order);
+    constexpr std::size_t telling = 512;  // elements that show how a scene converges
+    if (!affordable(next) || (known >= telling && wanted > 20.0 * static_cast<double>(study_.most_elements))) {
+      doubt_ = fmt::format(
+          "about {:.2g} elements would keep the error that was asked for, and {} are the most that "
+          "are tried: the error falls with the power {:.2g} of the mesh here; the scene multiplies a "
+          "small change of its initial data by {:.2g}",
+          wanted, study_.most_elements, now.order, magnification());
+      chosen_.elements = known;
+      return;
+    }
+    const std::size_t half = next / 2;
+    if (stepping_ || penalised_) settle(std::max<std::size_t>(next / 4, 8));
+    bool agree = true;
+    const std::vector<MeshStep> finer = made_ladder(half, &agree);
+    if (agree && space_error(finer, theory_of_goal(half)).error <= share * reachable_) {
+      chosen_.elements = half;
+      return;
+    }
+    if (agree && predicted_error(finer, theory_of_goal(half), next).error <= 1.05 * share * reachable_) {
+      chosen_.elements = next;
+      return;
+    }
+    known = half > known ? half : next;
+  }
+  chosen_.elements = known;
+  doubt_ = "no mesh was found that keeps the error that was asked for";
+}
+
+}  // namespace viscobar::accuracy

@@ -1,0 +1,127 @@
+// What the settings in time and penalty cost of the error, and which ones keep their share of it.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "dynamics/natural_scales.hpp"
+#include "studies/accuracy/plan.hpp"
+
+namespace viscobar::accuracy {
+
+namespace {
+
+constexpr double finest_tolerance = 1e-13, loosest_that_methods_take = 0.1;
+// Of the relative tolerance, what the methods usually leave of an error (docs/accuracy-on-request.md). Two
+// runs may be closer to each other than to the motion: this is the least that is said of a tolerance.
+constexpr double usual_error = 0.05;
+constexpr double least_order_of_penalty = 0.5, penalty_ratio = 10.0;
+
+double error_of(double apart, double ratio, double order) {
+  const double share = std::pow(ratio, -order);
+  return apart * share / (1.0 - share);
+}
+
+}  // namespace
+
+// From the two finest settings in time on one mesh.
+Plan::Part Plan::time_part(const Setting& finest) const {
+  std::vector<double> settings;
+  for (const Setting& known : runs_.known())
+    if (known.elements == finest.elements && known.epsilon == finest.epsilon && known.fineness >= finest.fineness)
+      settings.push_back(known.fineness);
+  Part part{0.0, time_order_};
+  if (settings.size() < 2) return part;
+  const Setting fine{finest.elements, settings[0], finest.epsilon}, loose{finest.elements, settings[1], finest.epsilon};
+  const double found = apart(fine, loose);
+  if (settings.size() >= 3 && stepping_) {
+    const Setting looser{finest.elements, settings[2], finest.epsilon};
+    const double before = apart(loose, looser);
+    if (before > 0.0 && found > 0.0) {
+      const double order = std::log(before / found) / std::log(settings[2] / settings[1]);
+      if (order > 1.0) part.order = std::min(order, 2.0);
+    }
+  }
+  part.error = error_of(found, settings[1] / settings[0], part.order);
+  return part;
+}
+
+Plan::Part Plan::penalty_part(const Setting& finest) const {
+  std::vector<double> settings;
+  for (const Setting& known : runs_.known())
+    if (known.elements == finest.elements && known.fineness == finest.fineness && known.epsilon >= finest.epsilon)
+      settings.push_back(known.epsilon);
+  Part part{0.0, least_order_of_penalty};
+  if (settings.size() < 2) return part;
+  const Setting fine{finest.elements, finest.fineness, settings[0]},
+      soft{finest.elements, finest.fineness, settings[1]};
+  const double found = apart(fine, soft);
+  if (settings.size() >= 3) {
+    const double before = apart(soft, {finest.elements, finest.fineness, settings[2]});
+    if (before > 0.0 && found > 0.0) {
+      const double order = std::log(before / found) / std::log(settings[2] / settings[1]);
+      if (order > least_order_of_penalty) part.order = std::min(order, 1.0);
+    }
+  }
+  part.error = error_of(found, settings[1] / settings[0], part.order);
+  return part;
+}
+
+// Two that tell the error of the chosen tolerance, or step, on a mesh.
+std::vector<Setting> Plan::time_pair(std::size_t elements) const {
+  if (exact_time_ || waves_) return {};
+  Setting other = at(elements);
+  other.fineness *= ratio_;
+  if (!stepping_ && other.fineness > loosest_that_methods_take) other.fineness = chosen_.fineness / ratio_;
+  return {at(elements), other};
+}
+
+Plan::Part Plan::time_error(std::size_t elements) {
+  const std::vector<Setting> pair = time_pair(elements);
+  if (pair.empty()) return {};
+  runs_.make(pair);
+  if (stepping_) return time_part(pair[0]);
+  Part part{apart(pair[0], pair[1]) / (1.0 - std::pow(ratio_, -time_order_)), time_order_};
+  if (pair[1].fineness > pair[0].fineness) part = time_part(pair[0]);
+  part.error = std::max(part.error, usual_error * chosen_.fineness * largest_);
+  return part;
+}
+
+std::vector<Setting> Plan::penalty_pair(std::size_t elements) const {
+  if (!penalised_) return {};
+  Setting softer = at(elements);
+  softer.epsilon *= penalty_ratio;
+  return {at(elements), softer};
+}
+
+Plan::Part Plan::penalty_error(std::size_t elements) {
+  if (!penalised_) return {};
+  runs_.make(penalty_pair(elements));
+  return penalty_part(at(elements));
+}
+
+// A finer one whose error is its share of the request; whether it is another one.
+bool Plan::refine_time(const Part& part) {
+  const bool given = stepping_ ? study_.request.given.step : study_.request.given.tolerance;
+  const double share = shares_.time * *requested_;
+  if (given || exact_time_ || waves_ || part.error <= excess * share) return false;
+  const double order = stepping_ ? part.order : 0.9, least = stepping_ ? 1.0 / 16.0 : 1e-5;
+  double finer = chosen_.fineness * std::clamp(std::pow(share / part.error, 1.0 / order), least, 0.5);
+  if (!stepping_) finer = std::max(finer, finest_tolerance);
+  return finer < std::exchange(chosen_.fineness, std::min(finer, chosen_.fineness));
+}
+
+bool Plan::refine_penalty(const Part& part) {
+  const double share = shares_.penalty * *requested_, least = 1e-16 * natural_epsilon(base_.scene);
+  if (!penalised_ || study_.request.given.epsilon || part.error <= excess * share) return false;
+  const double harder =
+      std::max(least, chosen_.epsilon * std::clamp(std::pow(share / part.error, 1.0 / part.order), 1e-4, 0.5));
+  return harder < std::exchange(chosen_.epsilon, std::min(harder, chosen_.epsilon));
+}
+
+void Plan::settle(std::size_t elements) {
+  constexpr int most_rounds = 6;
+  for (int k = 0; k < most_rounds && refine_time(time_error(elements)); ++k) continue;
+  for (int k = 0; k < most_rounds && refine_penalty(penalty_error(elements)); ++k) continue;
+}
+
+}  // namespace viscobar::accuracy

@@ -1,0 +1,80 @@
+#include "studies/accuracy/runs.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include "studies/parallel.hpp"
+
+namespace viscobar::accuracy {
+
+Runs::Runs(std::function<Case(const Setting&)> make, std::size_t threads, std::function<bool()> stop)
+    : make_(std::move(make)),
+      threads_(threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency())),
+      stop_(std::move(stop)) {}
+
+Runs::~Runs() {
+  abandoned_ = true;
+  if (begun_.valid()) begun_.wait();
+}
+
+std::vector<Setting> Runs::unknown(std::vector<Setting> settings) const {
+  std::sort(settings.begin(), settings.end(), [](const Setting& a, const Setting& b) { return b < a; });
+  settings.erase(std::unique(settings.begin(), settings.end()), settings.end());
+  std::erase_if(settings, [&](const Setting& one) { return knows(one); });
+  return settings;
+}
+
+Runs::Batch Runs::work(std::vector<Setting> settings, std::size_t threads, std::optional<double> most) const {
+  Batch batch{std::move(settings), {}, 0.0};
+  batch.found.resize(batch.settings.size());
+  const auto began = std::chrono::steady_clock::now();
+  const auto passed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
+  const auto stop = [&] { return abandoned_ || (stop_ && stop_()) || (most && passed() > *most); };
+  parallel_for(
+      batch.settings.size(), [&](std::size_t i) { batch.found[i] = sample_of(make_(batch.settings[i]), stop); },
+      threads);
+  batch.seconds = passed();
+  return batch;
+}
+
+void Runs::keep(Batch batch) {
+  seconds_ += batch.seconds;
+  for (std::size_t i = 0; i < batch.settings.size(); ++i) {
+    if (!batch.found[i] && stop_ && stop_()) throw Stopped();
+    if (!batch.found[i]) throw TooLong();
+    made_.emplace_back(batch.settings[i], batch.found[i]->statistics);
+    samples_.emplace(batch.settings[i], std::move(*batch.found[i]));
+  }
+}
+
+void Runs::make(std::vector<Setting> settings) {
+  finish();
+  settings = unknown(std::move(settings));
+  if (settings.empty()) return;
+  keep(work(std::move(settings), threads_,
+            most_seconds ? std::optional(std::max(0.0, *most_seconds - seconds_)) : std::nullopt));
+}
+
+void Runs::begin(std::vector<Setting> settings) {
+  finish();
+  settings = unknown(std::move(settings));
+  if (settings.empty() || threads_ < 2) return;
+  begun_ = std::async(std::launch::async, [this, settings = std::move(settings)]() mutable {
+    return work(std::move(settings), threads_ - 1, std::nullopt);
+  });
+}
+
+void Runs::finish() {
+  if (begun_.valid()) keep(begun_.get());
+}
+
+std::vector<Setting> Runs::known() const {
+  std::vector<Setting> all;
+  for (const auto& [setting, sample] : samples_)
+    if (!setting.nudged) all.push_back(setting);
+  return all;
+}
+
+}  // namespace viscobar::accuracy

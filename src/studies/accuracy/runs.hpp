@@ -1,0 +1,82 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <future>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "studies/accuracy/sample.hpp"
+
+namespace viscobar::accuracy {
+
+/// The study was asked to stop.
+struct Stopped {};
+
+/// The runs for the estimate took longer than the study allows.
+struct TooLong {};
+
+/// What runs differ in: J, the relative tolerance or the time step, epsilon (0: nothing is penalised), and whether the
+/// initial velocity is changed by a little.
+struct Setting {
+  std::size_t elements = 0;
+  double fineness = 0.0;
+  double epsilon = 0.0;
+  bool nudged = false;
+  auto operator<=>(const Setting&) const = default;
+};
+
+/// Runs in memory of one case with several settings, each made once and kept as a sample.
+class Runs {
+ public:
+  /// `make` is the case of a setting; `threads` as in parallel_for(); `stop` may be empty.
+  Runs(std::function<Case(const Setting&)> make, std::size_t threads, std::function<bool()> stop);
+  /// Ends what is begun.
+  ~Runs();
+  Runs(const Runs&) = delete;
+  Runs& operator=(const Runs&) = delete;
+
+  /// Makes those that are not known yet, side by side, the dearest first. @throws Stopped, TooLong, IntegrationError
+  void make(std::vector<Setting> settings);
+  /// The same beside what the caller does until finish(), on the other cores; where there are none, nothing.
+  void begin(std::vector<Setting> settings);
+  /// Waits for what is begun. @throws as make()
+  void finish();
+
+  bool knows(const Setting& setting) const { return samples_.contains(setting); }
+  const Sample& of(const Setting& setting) const { return samples_.at(setting); }
+  /// Those of the case itself, not nudged, in the order of their settings.
+  std::vector<Setting> known() const;
+  /// The solution, which somebody else ran.
+  void add(const Setting& setting, Sample sample) { samples_.insert_or_assign(setting, std::move(sample)); }
+
+  /// What was made, in the order of the making.
+  const std::vector<std::pair<Setting, Statistics>>& made() const { return made_; }
+  /// That they took, on the clock.
+  double seconds() const { return seconds_; }
+  /// On the clock, that all may take together; a run that would take longer is ended. Absent: no bound.
+  std::optional<double> most_seconds;
+
+ private:
+  struct Batch {
+    std::vector<Setting> settings;
+    std::vector<std::optional<Sample>> found;
+    double seconds = 0.0;
+  };
+  std::vector<Setting> unknown(std::vector<Setting> settings) const;
+  Batch work(std::vector<Setting> settings, std::size_t threads, std::optional<double> most) const;
+  void keep(Batch batch);
+
+  std::function<Case(const Setting&)> make_;
+  std::size_t threads_;
+  std::function<bool()> stop_;
+  std::map<Setting, Sample> samples_;
+  std::vector<std::pair<Setting, Statistics>> made_;
+  double seconds_ = 0.0;
+  std::atomic<bool> abandoned_ = false;
+  std::future<Batch> begun_;
+};
+
+}  // namespace viscobar::accuracy
