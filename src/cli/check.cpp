@@ -95,7 +95,7 @@ int CheckCommand::operator()() const {
   if (!system.contacts().empty()) text += row("first impacts", impact_text(run, check.impacts));
   if (check.error)
     text += row("error", fmt::format("about {:.1g} of displacements (space {:.1g}, penalty {:.1g}, time {:.1g}), by "
-                                     "theory and two coarser runs",
+                                     "runs on coarser meshes",
                                      check.error->total, check.error->space, check.error->penalty, check.error->time));
   if (!check.no_error.empty()) text += row("error", "there is no estimate: " + check.no_error);
   for (const ContactRegime& regime : check.regimes)
