@@ -188,9 +188,9 @@ TEST(AccuracyOnRequest, ReliesOnOrderTwoWhereAFixedEndDoesNotStartWithTheBar) {
 }
 
 // A wave front of width sqrt(eta t) goes out from each contact: meshes that do not resolve it show a lower order than
-// that of the mass, and less of it than the mesh to come. An order that is seen too low by 1 makes the forecast too
-// large by 2 for the step to that mesh, by 15/7 for what is left behind it, and 3/2 is added for safety: 6.4. The error
-// is that beside 16 times as many elements.
+// that of the mass, and less of it than the mesh to come. An order of 2 instead of 4 makes the forecast too large by 4
+// for the step to that mesh, by 15/3 for what is left behind it, and 3/2 is added for safety: 30. It is to be no less
+// than half the error, which is that beside 16 times as many elements.
 TEST(AccuracyOnRequest, BeforeTheRunTheForecastGoesOnWithTheOrderOfCoarserMeshes) {
   const char* thrown =
       "[bar]\nlength=1\n[left]\nkind=\"obstacle\"\ngap=0.1\n[right]\nkind=\"obstacle\"\ngap=0.1\n[initial]\n"
@@ -207,7 +207,7 @@ TEST(AccuracyOnRequest, BeforeTheRunTheForecastGoesOnWithTheOrderOfCoarserMeshes
       run.elements *= 16;
       const double error = distance(coarse, *accuracy::sample_of(run, stop), Goal::displacement, {}).value;
       EXPECT_GT(forecast.estimate->space, 0.5 * error) << viscosity << " " << elements;
-      EXPECT_LT(forecast.estimate->space, 6.4 * error) << viscosity << " " << elements;
+      EXPECT_LT(forecast.estimate->space, 30.0 * error) << viscosity << " " << elements;
     }
 }
 
