@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include "characteristics/function_of_time.hpp"
 #include "input/input_text.hpp"
 #include "kept.hpp"
 #include "results/csv.hpp"
@@ -63,6 +64,58 @@ void put_load(Case& run, const py::dict& functions, const std::function<Function
   if (functions.contains("load.history")) std::get<SeparableLoad>(*run.scene.load).history = function("load.history");
 }
 
+SceneError at_key(const std::string& key, const std::string& message) { return SceneError({{"", 0, 0, key, message}}); }
+
+/// What moves in time by Python functions or samples: forces on the ends, moved ends and obstacles.
+void put_ends(Case& run, const py::dict& functions, const std::function<Function(const char*)>& function) {
+  namespace waves = characteristics;
+  const Bar& bar = run.scene.bar;
+  const double passage = bar.length * std::sqrt(bar.density / bar.modulus);
+  const auto moved = [&](const std::string& key) {
+    const py::object given = functions[key.c_str()];
+    try {
+      if (PyCallable_Check(given.ptr())) return waves::function_through(function(key.c_str()), run.end, passage);
+      const auto [times, values] = given.cast<std::pair<py::array_t<double>, py::array_t<double>>>();
+      const std::span<const double> t(times.data(), static_cast<std::size_t>(times.size()));
+      waves::FunctionOfTime samples =
+          waves::spline_through(t, {values.data(), static_cast<std::size_t>(values.size())});
+      if (t.front() > 0.0 || t.back() < run.end)
+        throw std::invalid_argument(
+            fmt::format("has samples from {} to {}; the run goes from 0 to {}", t.front(), t.back(), run.end));
+      return samples;
+    } catch (const std::invalid_argument& error) {
+      throw at_key(key, error.what());
+    }
+  };
+  const auto put = [&](const std::string& table, EndCondition& end, EndInput& input) {
+    if (const std::string key = table + ".force"; functions.contains(key)) {
+      if (PyCallable_Check(py::object(functions[key.c_str()]).ptr()))
+        input.force = EndForce{function(key.c_str())};
+      else
+        input.force = EndForce{[of = moved(key)](double t) { return of.start + of.motion.displacement(t); }};
+    }
+    if (const std::string key = table + ".motion"; functions.contains(key) && is_fixed(end)) {
+      const waves::FunctionOfTime of = moved(key);
+      if (std::abs(of.start) > 1e-12 * bar.length)
+        throw at_key(key,
+                     fmt::format("must be 0 at t = 0, where the end is at its initial displacement, is {}", of.start));
+      input.motion = of.motion;
+    }
+    auto* obstacle = std::get_if<Obstacle>(&end);
+    if (const std::string key = table + ".gap"; functions.contains(key) && obstacle) {
+      const waves::FunctionOfTime of = moved(key);
+      obstacle->gap = of.start;
+      const auto moves = [sign = obstacle->side == Side::above ? 1.0 : -1.0](const TimeFunction& gap) -> TimeFunction {
+        return [sign, gap](double t) { return sign * gap(t); };
+      };
+      input.motion = {moves(of.motion.displacement), moves(of.motion.velocity), moves(of.motion.acceleration),
+                      of.motion.breaks};
+    }
+  };
+  put("left", run.scene.left, run.scene.left_input);
+  put("right", run.scene.right, run.scene.right_input);
+}
+
 /// A scene from text, Python functions in the places that the keys of `functions` name. `study` is the command whose
 /// demands the method has to meet.
 PythonCase parse(const std::string& text, const std::string& source, const py::dict& functions,
@@ -73,6 +126,7 @@ PythonCase parse(const std::string& text, const std::string& source, const py::d
     if (functions.contains("initial.displacement")) run.scene.displacement = function("initial.displacement");
     if (functions.contains("initial.velocity")) run.scene.velocity = function("initial.velocity");
     put_load(run, functions, function);
+    put_ends(run, functions, function);
     // Of functions that are no formulas; they know no parameters.
     if (!functions.empty())
       for (Direction& along : run.directions)

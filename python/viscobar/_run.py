@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _core
 from ._errors import Finding, IntegrationError, RunWarning, SceneError
-from ._scene import FUNCTIONS, Scene, SceneLike, as_scene, function_name, parse
+from ._scene import FUNCTIONS, Scene, SceneLike, as_scene, function_name, is_sampled, parse
 from ._table import framed
 
 
@@ -146,7 +146,8 @@ class Result(Recorded):
             summary.pop(of_files, None)
         for key in FUNCTIONS:
             table, leaf = key.split(".")
-            if callable(function := self.scene.get(table, {}).get(leaf)):
+            function = self.scene.get(table, {}).get(leaf)
+            if callable(function) or is_sampled(function):
                 summary["scene"][table][leaf] = function_name(function)
         return summary
 

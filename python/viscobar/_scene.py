@@ -24,7 +24,11 @@ FUNCTIONS = {
     "load.density": "0.0",
     "load.profile": "1.0",
     "load.history": '"t"',
-}
+    **{f"{end}.{key}": formula for end in ("left", "right")
+       for key, formula in {"force": '"t"', "motion": '"t"', "gap": '"1+t"'}.items()},
+}  # fmt: skip
+# Those that may be given by samples, too: times and values.
+SAMPLED = tuple(key for key in FUNCTIONS if key.endswith((".force", ".motion", ".gap")))
 
 
 class Scene(dict):
@@ -36,6 +40,10 @@ class Scene(dict):
     initial.displacement, initial.velocity and load.profile may be Python functions f(x), load.history f(t), load.density
     f(x, t), instead of formulas. x, t and the value are numbers; a density that takes an array of nodes (J+1) and gives an
     array is called once a time, not once a node.
+
+    force, motion and gap of an end may be functions f(t), too, or samples: a pair of arrays (times, values), four at least,
+    from t = 0 to the end or beyond, through which a twice differentiable cubic spline is laid. A motion and a gap are
+    differentiated twice.
 
     Wherever a scene is wanted, a plain dictionary or the path of a scene file may be given as well.
     """
@@ -76,7 +84,7 @@ class Scene(dict):
         """The scene as the text of a scene file. Scenes with Python functions have none."""
         text, functions = to_toml(self)
         if functions:
-            raise ValueError(f"{', '.join(functions)}: a Python function has no place in a scene file; give a formula")
+            raise ValueError(f"{', '.join(functions)}: a Python function or samples have no place in a scene file; give a formula")
         return text
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -141,15 +149,36 @@ def takes_arrays(function: Callable[..., Any], x: np.ndarray) -> bool:
 
 
 def function_name(function: Any) -> str:
+    if is_sampled(function):
+        return f"{len(function[0])} samples"
     return f"function {getattr(function, '__qualname__', type(function).__name__)}"
 
 
-def to_toml(scene: Mapping[str, Any]) -> tuple[str, dict[str, Callable[..., Any]]]:
-    """The text of a scene, and its Python functions by their keys."""
-    functions: dict[str, Callable[..., Any]] = {}
+def is_sampled(value: Any) -> bool:
+    """Whether that is a pair of arrays."""
+    return isinstance(value, (tuple, list, np.ndarray)) and len(value) == 2 and all(np.ndim(part) == 1 for part in value)
+
+
+def samples(name: str, value: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Times and values as the library wants them."""
+    if name not in SAMPLED:
+        raise SceneError([Finding(name, "is given by samples", "only " + ", ".join(SAMPLED) + " may be")])
+    try:
+        times, values = (np.ascontiguousarray(part, dtype=float) for part in value)
+    except (TypeError, ValueError) as error:
+        raise SceneError([Finding(name, f"has samples that are no numbers: {error}")]) from None
+    return times, values
+
+
+def to_toml(scene: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
+    """The text of a scene, and its Python functions and samples by their keys."""
+    functions: dict[str, Any] = {}
 
     def line(key: str, value: Any, table: str = "") -> str:
         name = f"{table}.{key}" if table else key
+        if is_sampled(value) and (name in SAMPLED or not all(isinstance(part, str) for part in value)):
+            functions[name] = samples(name, value)
+            return f"{_key(key)} = {FUNCTIONS[name]}\n"
         if callable(value):
             if name not in FUNCTIONS:
                 raise SceneError([Finding(name, "is a Python function", "only " + ", ".join(FUNCTIONS) + " may be one")])

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 import os
 import re
 import subprocess
@@ -282,6 +283,17 @@ class OtherReports(Browsed):
         directory = written("run", scene, os.path.join(self.scratch.name, os.path.basename(scene) + ".out"), *options)
         self.open(os.path.join(directory, "report.html"))
         self.assertSound()
+
+    def test_a_wall_that_moves_stands_where_it_is_at_the_time_shown(self):
+        self.report("shaken-stop")
+        for time in (0.0, 0.0005, 0.0012):
+            self.value(f"viscobar.player.go({time})")
+            self.browser.settle()
+            gap = 1e-4 - 1e-4 * (1 - math.cos(2 * math.pi * 400 * time))
+            # Above the bar, where nothing else is drawn: a line as dark as the ink, hatches on the left, none on the right.
+            x, y = self.place("axial", f"-viscobar.axial.magnification * {gap}", 0.9)
+            self.assertLess(min(sum(self.browser.pixel(x + k, y)) for k in (-1, 0, 1)), 3 * 110, time)
+            self.assertGreater(min(sum(self.browser.pixel(x + k, y)) for k in (3, 4, 5, 6)), 3 * 200, time)
 
     def test_of_a_chattering_bar_visits_each_of_many_changes(self):
         self.report("chatter", "--set", "contact.epsilon=1e-8")

@@ -259,7 +259,7 @@ void speed() {
       // Settings from coarse to fine, as long as they lower the error of that mesh.
       const auto refine = [&](auto&& next) {
         double least = 1e9;
-        for (int idle = 0; idle < 3;) {
+        for (int idle = 0; idle < 5;) {
           const std::optional<std::string> setting = next();
           if (!setting) return;
           const double error = attempt(*setting);

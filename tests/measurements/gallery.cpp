@@ -35,12 +35,19 @@ Case scene(const std::string& name, const Overrides& overrides) {
   return run;
 }
 
-// The best of three.
-double seconds(const Recording& recording, const Case& run) {
-  double best = recording.statistics.integration_seconds;
-  for (int again = 0; again < 2 && best < 1.0; ++again)
-    best = std::min(best, record(run).statistics.integration_seconds);
+// Of what is run, the best of twenty, or of as many as fit into a second.
+double seconds(double first, auto&& again) {
+  double best = first, spent = first;
+  for (int run = 1; run < 20 && spent < 1.0; ++run) {
+    const double now = again();
+    best = std::min(best, now);
+    spent += now;
+  }
   return best;
+}
+
+double seconds(const Recording& recording, const Case& run) {
+  return seconds(recording.statistics.integration_seconds, [&] { return record(run).statistics.integration_seconds; });
 }
 
 // Of the left end, which no output time has a part in.
@@ -244,11 +251,14 @@ void paper_panels() {
     const Case fourth = scene(panel, {automatically, "mesh.mass=fourth_order"});
     const auto times = own.output_times();
     const EndTraces scheme = trace_ends(own, times), rigid = trace_ends(limit, times), fine = trace_ends(fourth, times);
-    const auto told = [](const EndTraces& traces) {
-      return fmt::format("{}, {:.2g}", traces.events.size(), traces.statistics.integration_seconds);
+    const auto told = [&](const EndTraces& traces, const Case& run) {
+      return fmt::format("{}, {:.2g}", traces.events.size(), seconds(traces.statistics.integration_seconds, [&] {
+                           return trace_ends(run, times).statistics.integration_seconds;
+                         }));
     };
-    fmt::print("| {} | {} | {}, {} | {:.1e} | {} | {:.1e} |\n", panel, told(scheme), name(limit.method), told(rigid),
-               largest_difference(scheme, rigid), told(fine), largest_difference(rigid, fine));
+    fmt::print("| {} | {} | {}, {} | {:.1e} | {} | {:.1e} |\n", panel, told(scheme, own), name(limit.method),
+               told(rigid, limit), largest_difference(scheme, rigid), told(fine, fourth),
+               largest_difference(rigid, fine));
   }
 }
 

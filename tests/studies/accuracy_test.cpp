@@ -182,8 +182,8 @@ TEST(AccuracyOnRequest, ReliesOnOrderTwoWhereAFixedEndDoesNotStartWithTheBar) {
   const AccuracyResult jump = solve(study_of(held, {"accuracy.error=1e-3"}));
   EXPECT_TRUE(jump.estimate.kept) << jump.estimate.doubt;
   EXPECT_LE(jump.estimate.order.value_or(0.0), 2.0);
-  EXPECT_FALSE(accuracy::starts_at_rest(jump.run));
-  EXPECT_TRUE(accuracy::starts_at_rest(parse_scene(held, "", std::vector<std::string>{"initial.velocity='-x'"}).run));
+  EXPECT_FALSE(accuracy::fits_fixed_ends(jump.run));
+  EXPECT_TRUE(accuracy::fits_fixed_ends(parse_scene(held, "", std::vector<std::string>{"initial.velocity='-x'"}).run));
 }
 
 TEST(SpaceErrorOfALadder, IsThatOfAnOrderThatIsSeenTwiceHalfAsLargeAgain) {

@@ -1,6 +1,8 @@
 #include "integration/radau/shifted_systems.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace viscobar::radau {
 
@@ -17,6 +19,19 @@ inline Complex reciprocal(const Complex& a) {
   return {a.re * scale, -a.im * scale};
 }
 
+// 0 where rounding can explain them.
+void sum_rows(const SymmetricTridiagonal& matrix, const std::vector<unsigned char>& held, std::vector<double>& sums) {
+  const std::size_t n = matrix.size();
+  sums.assign(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (held[i]) continue;
+    double sum = matrix.diagonal[i];
+    if (i > 0) sum += matrix.off_diagonal[i - 1];
+    if (i + 1 < n) sum += matrix.off_diagonal[i];
+    if (std::abs(sum) > 8.0 * std::numeric_limits<double>::epsilon() * matrix.diagonal[i]) sums[i] = sum;
+  }
+}
+
 inline Complex nothing() { return {Lanes::Zero(), Lanes::Zero()}; }
 
 }  // namespace
@@ -28,14 +43,24 @@ void ShiftedSystems::take(const PenalisedSystem& system) {
   stiffness_.end_rows.reset();
   held_.resize(system.size());
   nodes_.resize(system.size());
+  right_.resize(system.size());
+  correction_.resize(system.size());
   for (std::size_t i = 0; i < held_.size(); ++i) {
     held_[i] = std::isinf(mass_.diagonal[i]) ? 1 : 0;
-    if (held_[i]) stiffness_.diagonal[i] = 0.0;
+    if (held_[i]) stiffness_.diagonal[i] = damping_.diagonal[i] = mass_.diagonal[i] = 0.0;
   }
+  sum_rows(stiffness_, held_, bound_);
+  sum_rows(damping_, held_, dashed_);
 }
 
 void ShiftedSystems::factorise(double h) {
   h_ = h;
+  double largest = 0.0;  // of elasticity and damping, beside the inertia of the poles, which are some 10
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    if (mass_.diagonal[i] > 0.0)
+      largest =
+          std::max(largest, (h * damping_.diagonal[i] + 0.1 * h * h * stiffness_.diagonal[i]) / mass_.diagonal[i]);
+  rounding_ = 300.0 * std::numeric_limits<double>::epsilon() * (1.0 + 0.1 * largest);
   const Formula& formula = Formula::get();
   const Complex of_mass = formula.poles, of_stiffness = {h * h * formula.inverse.re, h * h * formula.inverse.im};
   const auto entry = [&](double m, double c, double k) -> Complex {
@@ -98,19 +123,18 @@ void ShiftedSystems::factorise(double h) {
 }
 
 void ShiftedSystems::multiply_stiffness(std::span<const double> x, std::span<double> out) const {
-  stiffness_.multiply(x, out);
+  const std::size_t n = nodes_.size();
+  double before = 0.0;  // pull of the element on the left
+  for (std::size_t i = 0; i < n; ++i) {
+    const double pull = i + 1 < n ? stiffness_.off_diagonal[i] * (x[i + 1] - x[i]) : 0.0;
+    out[i] = held_[i] ? 0.0 : bound_[i] * x[i] + (pull - before);
+    before = pull;
+  }
 }
 
-void ShiftedSystems::solve(std::span<const double> force, std::span<const double> stiff_rate, bool loaded,
-                           std::span<Complex> x) const {
-  const Formula& formula = Formula::get();
-  const double h = h_;
-  const Lanes re = -h * h * formula.inverse.re, im = -h * h * formula.inverse.im;
+template <class RightSide>
+void ShiftedSystems::substitute(RightSide&& right_side, std::span<Complex> x) const {
   const std::size_t n = nodes_.size(), middle = n / 2;
-  const auto right_side = [&](std::size_t i) -> Complex {
-    const Complex own = {re * stiff_rate[i] + h * force[i], im * stiff_rate[i]};
-    return loaded ? own + x[i] : own;
-  };
   Complex left = right_side(0), right = right_side(n - 1);
   x[0] = left;
   x[n - 1] = right;
@@ -138,6 +162,57 @@ void ShiftedSystems::solve(std::span<const double> force, std::span<const double
   if (!mass_.end_rows) return;
   x[0] = x[0] - beyond_first_ * x[2];
   x[n - 1] = x[n - 1] - beyond_last_ * x[n - 3];
+}
+
+// Row i of right_side - D x.
+Complex ShiftedSystems::residual(std::size_t i, const Complex& right_side, std::span<const Complex> x) const {
+  if (held_[i]) return nothing();
+  const std::size_t n = nodes_.size();
+  const Formula& formula = Formula::get();
+  const double h = h_;
+  const Complex of_mass = formula.poles, of_stiffness = {h * h * formula.inverse.re, h * h * formula.inverse.im};
+  const auto elastic = [&](double c, double k) -> Complex {
+    return {of_stiffness.re * k + h * c, of_stiffness.im * k};
+  };
+  const auto times = [](double m, const Complex& z) -> Complex { return {m * z.re, m * z.im}; };
+  Complex inertia = times(mass_.diagonal[i], x[i]);
+  Complex sum = right_side - elastic(dashed_[i], bound_[i]) * x[i];
+  if (i > 0) {
+    inertia = inertia + times(mass_.off_diagonal[i - 1], x[i - 1]);
+    sum = sum - elastic(damping_.off_diagonal[i - 1], stiffness_.off_diagonal[i - 1]) * (x[i - 1] - x[i]);
+  }
+  if (i + 1 < n) {
+    inertia = inertia + times(mass_.off_diagonal[i], x[i + 1]);
+    sum = sum - elastic(damping_.off_diagonal[i], stiffness_.off_diagonal[i]) * (x[i + 1] - x[i]);
+  }
+  if (mass_.end_rows && i == 0)
+    for (std::size_t k = 0; k < 3; ++k) inertia = inertia + times(mass_.end_rows->first[k], x[k]);
+  if (mass_.end_rows && i + 1 == n)
+    for (std::size_t k = 0; k < 3; ++k) inertia = inertia + times(mass_.end_rows->last[k], x[n - 1 - k]);
+  return sum - of_mass * inertia;
+}
+
+void ShiftedSystems::solve(std::span<const double> force, std::span<const double> stiff_rate, bool loaded,
+                           std::span<Complex> x) {
+  const Formula& formula = Formula::get();
+  const double h = h_;
+  const Lanes re = -h * h * formula.inverse.re, im = -h * h * formula.inverse.im;
+  const auto unloaded = [&](std::size_t i) -> Complex {
+    return {re * stiff_rate[i] + h * force[i], im * stiff_rate[i]};
+  };
+  if (!refines_) {
+    if (loaded)
+      substitute([&](std::size_t i) { return unloaded(i) + x[i]; }, x);
+    else
+      substitute(unloaded, x);
+    return;
+  }
+  const std::size_t n = nodes_.size();
+  for (std::size_t i = 0; i < n; ++i) right_[i] = loaded ? unloaded(i) + x[i] : unloaded(i);
+  substitute([&](std::size_t i) { return right_[i]; }, x);
+  for (std::size_t i = 0; i < n; ++i) correction_[i] = residual(i, right_[i], x);
+  substitute([&](std::size_t i) { return correction_[i]; }, correction_);
+  for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + correction_[i];
 }
 
 }  // namespace viscobar::radau

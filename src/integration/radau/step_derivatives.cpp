@@ -1,6 +1,7 @@
 #include "integration/radau/step_derivatives.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace viscobar::radau {
 
@@ -58,7 +59,7 @@ void StepDerivatives::impulse_rates(Derivative& derivative, const Moment& at, st
   if (layout_.right) rates[entry++] = derivative.momentum_loss(layout_.nodes - 1, at, s);
 }
 
-void StepDerivatives::evaluate(const ShiftedSystems& systems, double t, std::span<double> y) {
+void StepDerivatives::evaluate(ShiftedSystems& systems, double t, std::span<double> y) {
   const std::size_t n = layout_.nodes;
   const Moment at = moment(t, y);
   for (std::size_t k = 0; k < parts_.size(); ++k) {
@@ -86,11 +87,21 @@ void StepDerivatives::add_force(std::size_t stage, const Moment& at, std::span<c
   }
 }
 
-void StepDerivatives::solve(const ShiftedSystems& systems, Statistics& statistics) {
-  for (Part& part : parts_) {
+double StepDerivatives::solve(ShiftedSystems& systems, std::span<const double> weights, Statistics& statistics) {
+  const Formula& formula = Formula::get();
+  const Parts of_w = formula.error(), of_u = formula.weights_over_pole(of_w);
+  const std::size_t n = layout_.nodes;
+  double largest = 0.0;
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    Part& part = parts_[k];
     systems.solve(part.force, part.stiff_rate, true, part.x);
     statistics.linear_solves += lanes;
+    const auto weight = layout_.derivative(weights, k);
+    for (std::size_t i = 0; i < n; ++i)
+      largest = std::max(
+          {largest, h_ * std::abs(sum(of_u, part.x[i])) * weight[i], std::abs(sum(of_w, part.x[i])) * weight[n + i]});
   }
+  return largest;
 }
 
 void StepDerivatives::add_impulse_rates(std::size_t stage, const Moment& at, std::span<const double> begin) {

@@ -19,26 +19,22 @@ class StepDerivatives {
   StepDerivatives(PenalisedSystem& system, const Layout& layout, std::span<Derivative* const> derivatives);
 
   /// Of the state y at t, from which the next step begins; completes the velocities of massless nodes.
-  void evaluate(const ShiftedSystems& systems, double t, std::span<double> y);
+  void evaluate(ShiftedSystems& systems, double t, std::span<double> y);
 
-  /// Advances the blocks of `begin` to those of `end`, over a step from t of length h whose last stage is at `reached`;
-  /// motion_at(t, y) gives the motion within it.
+  /// A step from t of length h whose last stage is at `reached`, motion_at(t, y) giving the motion within it, from the
+  /// blocks of `begin`: what it is wrong by, as Formula::error() says, times the blocks of `weights`.
   template <class Motion>
-  void advance(const ShiftedSystems& systems, double t, double h, double reached, std::span<const double> begin,
-               std::span<double> end, Statistics& statistics, Motion&& motion_at) {
+  double attempt(ShiftedSystems& systems, double t, double h, double reached, std::span<const double> begin,
+                 std::span<const double> weights, Statistics& statistics, Motion&& motion_at) {
     h_ = h;
-    const Formula& formula = Formula::get();
-    const auto at_stages = [&](auto&& look) {
-      for (std::size_t m = 0; m < stages; ++m) {
-        const double now = m + 1 == stages ? reached : t + formula.nodes[m] * h;
-        motion_at(now, state_);
-        system_.complete_velocity(now, layout_.u(state_), layout_.w(state_));
-        look(m, moment(now, state_));
-      }
-    };
-    at_stages([&](std::size_t m, const Moment& at) { add_force(m, at, begin); });
-    solve(systems, statistics);
-    at_stages([&](std::size_t m, const Moment& at) { add_impulse_rates(m, at, begin); });
+    at_stages(t, reached, motion_at, [&](std::size_t m, const Moment& at) { add_force(m, at, begin); });
+    return solve(systems, weights, statistics);
+  }
+
+  /// That step is made: the blocks of `end`.
+  template <class Motion>
+  void finish(double t, double reached, std::span<const double> begin, std::span<double> end, Motion&& motion_at) {
+    at_stages(t, reached, motion_at, [&](std::size_t m, const Moment& at) { add_impulse_rates(m, at, begin); });
     blocks_at(1.0, begin, end);
   }
 
@@ -46,6 +42,16 @@ class StepDerivatives {
   void blocks_at(double theta, std::span<const double> begin, std::span<double> y) const;
 
  private:
+  template <class Motion, class Look>
+  void at_stages(double t, double reached, Motion&& motion_at, Look&& look) {
+    for (std::size_t m = 0; m < stages; ++m) {
+      const double now = m + 1 == stages ? reached : t + Formula::get().nodes[m] * h_;
+      motion_at(now, state_);
+      system_.complete_velocity(now, layout_.u(state_), layout_.w(state_));
+      look(m, moment(now, state_));
+    }
+  }
+
   struct Part {
     std::vector<double> force, stiff_rate, impulse_rates;  // where the step begins
     std::vector<Complex> x, impulses;
@@ -54,7 +60,7 @@ class StepDerivatives {
   Moment moment(double t, std::span<const double> y);
   void impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::vector<double>& rates);
   void add_force(std::size_t stage, const Moment& at, std::span<const double> begin);
-  void solve(const ShiftedSystems& systems, Statistics& statistics);
+  double solve(ShiftedSystems& systems, std::span<const double> weights, Statistics& statistics);
   void add_impulse_rates(std::size_t stage, const Moment& at, std::span<const double> begin);
   void motion_of(std::size_t k, double theta, std::span<const double> begin, std::span<double> s) const;
 

@@ -38,7 +38,7 @@ class Stepper final : public LegStepper {
       : system_(run.system),
         layout_(run.layout),
         statistics_(run.statistics),
-        weights_(run.system, run.layout, tolerance, run.times.back(), one_step_accumulation),
+        weights_(run.system, run.layout, tolerance, run.times.back(), one_step_accumulation, run.derivatives),
         longest_(longest_step(run.system, run.times.back() - run.times.front())),
         step_(run.times.back() - run.times.front()),
         begin_y_(layout_.size),
@@ -172,6 +172,9 @@ class Stepper final : public LegStepper {
       factorised_ = h;
       ++statistics_.matrix_factorisations;
     }
+    const double rounding = systems_.rounding();
+    systems_.refine(rounding * weights_.largest_displacement() > weights_.displacement_tolerance() ||
+                    rounding * weights_.largest_velocity() > weights_.velocity_tolerance());
     const bool loaded = system_.load_varies();
     if (loaded) gather_load(h);
     systems_.solve(force_, stiff_rate_, loaded, x_);
@@ -197,8 +200,16 @@ class Stepper final : public LegStepper {
     for (std::size_t i = 0; i < first; ++i) largest = largest.max(move(i) * displacements);
     for (std::size_t i = last; i < n; ++i) largest = largest.max(move(i) * displacements);
     if (!(largest[0] + largest[1] <= std::numeric_limits<double>::max())) throw not_finite();
-    return std::max({largest[2] * weight_[n + first], largest[3] * weight_[0], std::numeric_limits<double>::min()});
+    double error =
+        std::max({largest[2] * weight_[n + first], largest[3] * weight_[0], std::numeric_limits<double>::min()});
+    if (derivatives_)
+      error =
+          std::max(error, derivatives_->attempt(systems_, begin_t_, h, end_of_step(), begin_y_, weight_, statistics_,
+                                                [&](double t, std::span<double> y_at) { motion_at(t, y_at); }));
+    return error;
   }
+
+  double end_of_step() const { return h_ == stop_ - begin_t_ ? stop_ : begin_t_ + h_; }
 
   // What the load changes by over the step, by its values at the stages.
   void gather_load(double h) {
@@ -220,14 +231,14 @@ class Stepper final : public LegStepper {
   }
 
   void finish() {
-    end_t_ = h_ == stop_ - begin_t_ ? stop_ : begin_t_ + h_;
+    end_t_ = end_of_step();
     const std::span<double> y(end_y_);
     system_.complete_displacement(end_t_, layout_.u(y));
     system_.complete_velocity(end_t_, layout_.u(y), layout_.w(y));
     add_account(end_t_, y);
     if (derivatives_)
-      derivatives_->advance(systems_, begin_t_, h_, end_t_, begin_y_, end_y_, statistics_,
-                            [&](double t, std::span<double> inner) { motion_at(t, inner); });
+      derivatives_->finish(begin_t_, end_t_, begin_y_, end_y_,
+                           [&](double t, std::span<double> inner) { motion_at(t, inner); });
     evaluate();
   }
 

@@ -12,8 +12,6 @@ namespace viscobar::accuracy {
 
 namespace {
 
-constexpr std::size_t least_elements = 32;  // of a solution: fewer are no faster
-
 // Elements of half as many and so on, down to what a mass can be put on.
 std::vector<std::size_t> coarser(std::size_t elements) {
   std::vector<std::size_t> all;
@@ -92,10 +90,9 @@ double Plan::theory_of_goal(std::size_t finest) const {
 void Plan::pilot() {
   const AccuracyRequest::Given& given = study_.request.given;
   const std::size_t finest = given.elements ? std::max<std::size_t>(base_.elements / 2, 3) : least_elements;
-  const std::size_t coarse = given.elements ? std::max<std::size_t>(base_.elements / 4, 3) : least_elements / 2;
   if (!given.elements) chosen_.elements = finest;
   std::vector<Setting> settings = rungs(finest);
-  for (const auto& pair : {time_pair(coarse), penalty_pair(coarse)})
+  for (const auto& pair : {time_pair(coarse()), penalty_pair(coarse())})
     settings.insert(settings.end(), pair.begin(), pair.end());
   runs_.make(std::move(settings));
   largest_ = largest(runs_.of(at(finest)), study_.request.of);
@@ -106,15 +103,15 @@ void Plan::pilot() {
   if (exact_time_ && !penalised_) return;
   const double before = chosen_.fineness;
   if (!stepping_ && !exact_time_) {
-    const Part found = time_error(coarse);
+    const Part found = time_error(coarse());
     pilot_error_ = found.error;
     refine_time(found);
     looser_ = std::max(1.0, before / chosen_.fineness);
   }
   constexpr double sure = 1e-12;  // finer tolerances may not bring what they promise
   if (!stepping_ && !penalised_ && !given.tolerance && chosen_.fineness > sure) return;
-  settle(coarse);
-  reachable_ = std::max(reachable_, time_error(coarse).error + penalty_error(coarse).error);
+  settle(coarse());
+  reachable_ = std::max(reachable_, time_error(coarse()).error + penalty_error(coarse()).error);
 }
 
 bool Plan::affordable(std::size_t elements) const {

@@ -27,8 +27,8 @@ std::vector<Setting> Plan::wanted_by_judge() const {
   if (waves_) return {nudged(chosen_)};
   std::vector<Setting> all = rungs(chosen_.elements);
   all.pop_back();
-  const std::size_t coarse = coarse_of_time();
-  for (const auto& pair : {time_pair(coarse), penalty_pair(coarse)}) all.insert(all.end(), pair.begin(), pair.end());
+  for (const auto& pair : {time_pair(coarse()), penalty_pair(coarse())})
+    all.insert(all.end(), pair.begin(), pair.end());
   std::erase(all, chosen_);
   return all;
 }
@@ -108,8 +108,9 @@ void Plan::explain(ErrorEstimate& estimate, const Case& run) const {
                                           : fmt::format("{}: what suits the scene", name(run.method)));
   because(given.mass, fmt::format("{} mass", name(effective_mass(run))),
           fmt::format("{} mass: errors fall with the power {:g} of the mesh{}", name(effective_mass(run)), theory_,
-                      starts_at_rest(run) ? " where the motion is smooth"
-                                          : ", since a fixed end has another initial velocity than the bar beside it"));
+                      effective_mass(run) == Mass::fourth_order && !fits_fixed_ends(run)
+                          ? ", since a fixed end has another initial velocity than the bar beside it"
+                          : " where the motion is smooth"));
   because(given.elements, fmt::format("{} elements", run.elements),
           fmt::format("{} elements: from {}", run.elements,
                       estimate.order ? fmt::format("the observed power {:.2g} of the mesh", *estimate.order)
@@ -160,12 +161,12 @@ ErrorEstimate Plan::judge(Sample solution) {
   runs_.finish();
   runs_.add(chosen_, std::move(solution));
   const Case judged = with(chosen_);
-  const std::size_t elements = chosen_.elements, coarse = coarse_of_time();
+  const std::size_t elements = chosen_.elements;
   runs_.make(wanted_by_judge());
   bool same = true;
   const std::vector<MeshStep> steps = ladder(elements, study_.request.of, &same);
   const SpaceError space = space_error(steps, theory_of_goal(elements));
-  const Part time = time_error(coarse), penalty = penalty_error(coarse);
+  const Part time = time_error(coarse()), penalty = penalty_error(coarse());
   estimate.space = space.error;
   estimate.order = space.trusted;
   estimate.effectivity = space.effectivity;

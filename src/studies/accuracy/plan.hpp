@@ -37,6 +37,7 @@ class Plan {
   struct Shares {
     double space = 0.65, penalty = 0.1, time = 0.25;
   };
+  static constexpr std::size_t least_elements = 32;  ///< of a solution: fewer are no faster
   static constexpr double excess = 1.2;
   static constexpr double nudge_share = 1e-9;  ///< of the natural velocity
 
@@ -69,7 +70,10 @@ class Plan {
   void climb_from(std::size_t& known);
 
   // The verdict: judge.cpp.
-  std::size_t coarse_of_time() const { return std::max<std::size_t>(chosen_.elements / 4, 3); }
+  // The mesh on which settings in time and penalty are compared.
+  std::size_t coarse() const {
+    return std::max<std::size_t>(chosen_.elements / 4, study_.request.given.elements ? 3 : least_elements / 2);
+  }
   std::vector<Setting> wanted_by_judge() const;
   double moved_by_nudge() const;
   double magnification();

@@ -23,7 +23,7 @@ std::optional<double> observed(const MeshStep& first, const MeshStep& second) {
 
 }  // namespace
 
-bool starts_at_rest(const Case& run) {
+bool fits_fixed_ends(const Case& run) {
   const Scene& scene = run.scene;
   const double length = scene.bar.length, at_ends[] = {scene.velocity(0.0), scene.velocity(length)};
   const double speed = std::max({std::abs(at_ends[0]), std::abs(at_ends[1]), std::abs(scene.velocity(0.5 * length))});
@@ -36,7 +36,7 @@ bool starts_at_rest(const Case& run) {
 }
 
 double order_in_theory(const Case& run) {
-  return effective_mass(run) == Mass::fourth_order && starts_at_rest(run) ? 4.0 : 2.0;
+  return effective_mass(run) == Mass::fourth_order && fits_fixed_ends(run) ? 4.0 : 2.0;
 }
 
 SpaceError space_error(std::span<const MeshStep> ladder, double theory) {

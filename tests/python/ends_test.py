@@ -1,0 +1,105 @@
+"""What is done to the ends of a bar, by Python functions and by samples."""
+import math
+import warnings
+
+import numpy as np
+
+import viscobar
+from support import Test, main, thrown
+
+warnings.simplefilter("ignore", viscobar.RunWarning)
+
+METHODS = ("cvode", "ida", "arkode", "odeint", "rigid", "exponential", "fully_discrete")
+
+
+def bar(left, method="cvode", **changes):
+    scene = thrown(mesh__mass="consistent", mesh__elements=8, method__relative_tolerance=1e-9, **changes)
+    return viscobar.run({**scene, "left": left}, method)
+
+
+class EndsTest(Test):
+    def test_a_force_that_is_a_function_gives_the_digits_of_the_formula(self):
+        for method in METHODS:
+            with self.subTest(method):
+                left = {"kind": "obstacle", "gap": 0.1}
+                formula = bar({**left, "force": "0.3*sin(2*t)"}, method)
+                function = bar({**left, "force": lambda t: 0.3 * math.sin(2 * t)}, method)
+                self.assertTrue(np.array_equal(formula.u, function.u))
+                self.assertIn("function", function.summary["scene"]["left"]["force"])
+
+    def test_a_motion_that_is_a_function_is_differentiated(self):
+        # To within 1e-10 of its second derivative, far below the tolerance.
+        for method in METHODS:
+            with self.subTest(method):
+                formula = bar({"kind": "fixed", "motion": "0.1*(1-cos(3*t))"}, method)
+                function = bar({"kind": "fixed", "motion": lambda t: 0.1 * (1 - np.cos(3 * t))}, method)
+                self.assertLess(np.abs(formula.u - function.u).max(), 100 * 1e-9 * np.abs(formula.u).max())
+
+    def test_a_gap_that_is_a_function_moves_the_obstacle(self):
+        for side in ("below", "above"):
+            for method in METHODS:
+                with self.subTest(side=side, method=method):
+                    left = {"kind": "obstacle", "side": side}
+                    moves = {"initial__velocity": -1.0 if side == "below" else 1.0}
+                    formula = bar({**left, "gap": "0.1-0.02*sin(9*t)"}, method, **moves)
+                    function = bar({**left, "gap": lambda t: 0.1 - 0.02 * math.sin(9 * t)}, method, **moves)
+                    self.assertEqual(len(formula.events["t"]), len(function.events["t"]))
+                    self.assertGreater(len(formula.events["t"]), 0)
+                    # An impact on a mesh of eight elements answers to a shift of its time by the velocity times it.
+                    self.assertLess(np.abs(formula.u - function.u).max(), 1000 * 1e-9 * np.abs(formula.u).max())
+
+    def test_characteristics_take_functions_to_rounding(self):
+        scene = thrown(bar__viscosity=0.0)
+        del scene["contact"]
+        for key, formula, function in (
+            ("gap", "0.1-0.02*sin(9*t)", lambda t: 0.1 - 0.02 * math.sin(9 * t)),
+            ("force", "0.3*sin(2*t)", lambda t: 0.3 * math.sin(2 * t)),
+        ):
+            left = {"kind": "obstacle", "gap": 0.1}
+            one, other = (viscobar.run({**scene, "left": {**left, key: value}}, "characteristics") for value in (formula, function))
+            self.assertLess(np.abs(one.u - other.u).max(), 1e-10)
+
+    def test_a_kink_of_a_function_that_moves_an_end_is_found(self):
+        formula = bar({"kind": "fixed", "motion": "min(0.4*t, 0.2)"}, initial__velocity=0.0)
+        function = bar({"kind": "fixed", "motion": lambda t: min(0.4 * t, 0.2)}, initial__velocity=0.0)
+        self.assertLess(np.abs(formula.u - function.u).max(), 100 * 1e-9 * np.abs(formula.u).max())
+
+    def test_samples_are_taken_through_a_spline(self):
+        # Its error falls with the fourth power of their distance, for a force and for what moves an end.
+        t = lambda n: np.linspace(0.0, 3.0, n + 1)
+        force, motion = lambda t: 0.3 * np.sin(2 * t), lambda t: 0.1 * (1 - np.cos(3 * t))
+        for left, function in (({"kind": "free", "force": None}, force), ({"kind": "fixed", "motion": None}, motion)):
+            key = list(left)[-1]
+            exact = bar({**left, key: function})
+            errors = [np.abs(bar({**left, key: (t(n), function(t(n)))}).u - exact.u).max() for n in (15, 30)]
+            self.assertLess(errors[1], errors[0] / 8)
+            self.assertLess(errors[1], 1e-4)
+        self.assertEqual(bar({"kind": "free", "force": [t(15), t(15)]}).summary["scene"]["left"]["force"], "16 samples")
+
+    def test_what_is_wrong_is_said_with_the_key(self):
+        good = np.linspace(0.0, 3.0, 7)
+        for left, words in (
+            ({"kind": "free", "force": (good[:5], good[:5])}, "left.force: has samples from 0 to 2; the run goes from 0 to 3"),
+            ({"kind": "free", "force": (good[::-1], good)}, "left.force: has times that do not increase"),
+            ({"kind": "free", "force": (good[:3], good[:3])}, "left.force: has 3 times and 3 values: four samples or more"),
+            ({"kind": "free", "force": (good, good[:5])}, "left.force: has 7 times and 5 values"),
+            ({"kind": "free", "force": (good, 0 * good + np.nan)}, "left.force: is nan at t = 0"),
+            ({"kind": "fixed", "motion": lambda t: 1.0 + t}, "left.motion: must be 0 at t = 0"),
+            ({"kind": "fixed", "motion": lambda t: 1 / (1 - t) if t != 1 else np.inf}, "left.motion: "),
+            ({"kind": "obstacle", "gap": lambda t: t - 0.1}, "left.gap: must be finite and >= 0, is -0."),
+            ({"kind": "obstacle", "gap": 0.1, "stiffness": lambda t: t}, "left.stiffness: is a Python function"),
+            ({"kind": "obstacle", "gap": 0.1, "dashpot": (good, good)}, "left.dashpot: is given by samples"),
+            ({"kind": "free", "motion": lambda t: t}, "left.motion: belongs to a fixed end"),
+        ):
+            with self.subTest(words), self.assertRaises(viscobar.SceneError) as caught:
+                viscobar.Scene({**thrown(), "left": left})
+            self.assertIn(words, str(caught.exception))
+
+    def test_a_function_that_raises_is_heard(self):
+        for left in ({"kind": "fixed", "motion": lambda t: t / 0}, {"kind": "free", "force": lambda t: t / 0}):
+            with self.assertRaises(ZeroDivisionError):
+                bar(left)
+
+
+if __name__ == "__main__":
+    main()
