@@ -94,9 +94,10 @@ int CheckCommand::operator()() const {
                                     byte_number(check.memory.bytes)));
   if (!system.contacts().empty()) text += row("first impacts", impact_text(run, check.impacts));
   if (check.error)
-    text += row("error", fmt::format("about {:.1g} of displacements (space {:.1g}, penalty {:.1g}, time {:.1g}), by "
-                                     "theory and two coarser runs",
-                                     check.error->total, check.error->space, check.error->penalty, check.error->time));
+    text +=
+        row("error", fmt::format("up to about {:.1g} of displacements (space {:.1g}, penalty {:.1g}, time {:.1g}), by "
+                                 "runs on coarser meshes",
+                                 check.error->total, check.error->space, check.error->penalty, check.error->time));
   if (!check.no_error.empty()) text += row("error", "there is no estimate: " + check.no_error);
   for (const ContactRegime& regime : check.regimes)
     text += row(fmt::format("{} contact", name(regime.where)), to_text(regime));

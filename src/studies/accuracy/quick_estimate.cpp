@@ -19,11 +19,12 @@ namespace {
 constexpr std::size_t fewest = 3;  // elements of the coarsest mesh
 constexpr double least_seconds = 0.5;
 
-// Of half and of a quarter as many elements; for a scheme, the latter with twice the step, too.
+// Of half and of a quarter as many elements; for a scheme, the latter with twice the step, too. An eighth where it is
+// asked for and enough.
 struct Coarser {
   Sample half, quarter;
-  std::optional<Sample> longer_steps;
-  std::size_t elements_half = 0, elements_quarter = 0;
+  std::optional<Sample> longer_steps, eighth;
+  std::size_t elements_half = 0, elements_quarter = 0, elements_eighth = 0;
   double seconds = 0.0;
 };
 
@@ -33,15 +34,18 @@ struct None {
 };
 
 /// @throws None
-Coarser coarser_runs(const Case& run, double seconds, const std::function<bool()>& stop) {
+Coarser coarser_runs(const Case& run, double seconds, bool down_to_an_eighth, const std::function<bool()>& stop) {
   Coarser result;
   result.elements_half = (run.elements + 1) / 2;
   result.elements_quarter = (result.elements_half + 1) / 2;
   if (result.elements_quarter < fewest)
     throw None{fmt::format("it needs {} elements or more, whose mesh can be halved twice", 4 * fewest - 3)};
-  std::vector<Case> cases(2, run);
+  result.elements_eighth = (result.elements_quarter + 1) / 2;
+  const bool eighth = down_to_an_eighth && result.elements_eighth >= fewest;
+  std::vector<Case> cases(eighth ? 3 : 2, run);
   cases[0].elements = result.elements_half;
   cases[1].elements = result.elements_quarter;
+  if (eighth) cases[2].elements = result.elements_eighth;
   for (Case& one : cases) {
     if (is_penalised(run.method)) one.epsilon = effective_epsilon(run);
     one.mass = effective_mass(run);
@@ -49,7 +53,7 @@ Coarser coarser_runs(const Case& run, double seconds, const std::function<bool()
   }
   if (is_scheme(run.method)) {
     cases.push_back(cases[1]);
-    *cases[2].step *= 2.0;
+    *cases.back().step *= 2.0;
   }
   for (const Case& one : cases)
     if (const auto found = validate(one); !found.empty())
@@ -70,7 +74,8 @@ Coarser coarser_runs(const Case& run, double seconds, const std::function<bool()
                               : fmt::format("runs on coarser meshes took longer than {:.2g} s", most)};
   result.half = std::move(*found[0]);
   result.quarter = std::move(*found[1]);
-  if (found.size() > 2) result.longer_steps = std::move(found[2]);
+  if (eighth) result.eighth = std::move(found[2]);
+  if (is_scheme(run.method)) result.longer_steps = std::move(found.back());
   result.seconds = passed();
   return result;
 }
@@ -117,7 +122,7 @@ ErrorEstimate of_waves(const Representation& waves, const Sample& solution) {
 QuickEstimate quick_estimate(const Case& run, const Sample& solution, double seconds,
                              const std::function<bool()>& stop) try {
   if (const auto& waves = solution.statistics.representation) return {of_waves(*waves, solution), {}};
-  const Coarser runs = coarser_runs(run, seconds, stop);
+  const Coarser runs = coarser_runs(run, seconds, false, stop);
   ErrorEstimate estimate = estimate_of(run, runs, solution);
   const double first = distance(runs.quarter, runs.half, Goal::displacement, {}).value;
   const double last = distance(runs.half, solution, Goal::displacement, {}).value;
@@ -136,12 +141,17 @@ QuickEstimate quick_estimate(const Case& run, const Sample& solution, double sec
 
 QuickEstimate forecast(const Case& run, double seconds) try {
   if (run.method == MethodName::characteristics) return {};
-  const Coarser runs = coarser_runs(run, seconds, {});
+  const Coarser runs = coarser_runs(run, seconds, true, {});
   ErrorEstimate estimate = estimate_of(run, runs, runs.half);
-  const double apart = distance(runs.quarter, runs.half, Goal::displacement, {}).value;
-  // Without viscosity kinks stay kinks.
-  const double order = run.scene.bar.viscosity > 0.0 ? order_in_theory(run) : 1.0;
-  estimate.space = apart / (std::exp2(order) * std::max(1.0, std::exp2(order) - 1.0));
+  std::vector<MeshStep> steps;
+  if (runs.eighth)
+    steps.push_back({runs.elements_eighth, runs.elements_quarter,
+                     distance(*runs.eighth, runs.quarter, Goal::displacement, {}).value});
+  steps.push_back(
+      {runs.elements_quarter, runs.elements_half, distance(runs.quarter, runs.half, Goal::displacement, {}).value});
+  // Without viscosity kinks stay kinks; and two meshes show no order.
+  const bool smooth = runs.eighth && run.scene.bar.viscosity > 0.0;
+  estimate.space = predicted_error(steps, smooth ? order_in_theory(run) : 1.0, run.elements).error;
   estimate.total = estimate.space + estimate.penalty + estimate.time;
   return {estimate, {}};
 } catch (const None& none) {

@@ -24,7 +24,8 @@ struct QuickEstimate {
 QuickEstimate quick_estimate(const Case& run, const Sample& solution, double seconds,
                              const std::function<bool()>& stop = {});
 
-/// The same before the run, from the two coarser meshes alone: the order of theory takes the place of the third.
+/// The same before the run, from coarser meshes alone, half, a quarter and an eighth of it: their order is taken to go
+/// on, but not above that of theory, and as 1 where they show none.
 QuickEstimate forecast(const Case& run, double seconds);
 
 }  // namespace viscobar::accuracy
