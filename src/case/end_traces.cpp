@@ -6,24 +6,41 @@
 
 namespace viscobar {
 
+namespace {
+
+constexpr std::size_t intervals = 16;  // of the traces between the ends
+
+EndTraces empty_traces(const Case& run, std::size_t times) {
+  EndTraces traces;
+  traces.left.reserve(times);
+  traces.right.reserve(times);
+  if (run.scene.span) traces.between.resize(intervals - 1);
+  return traces;
+}
+
+void keep(const Mesh& mesh, std::span<const double> u, EndTraces& traces) {
+  traces.left.push_back(u.front());
+  traces.right.push_back(u.back());
+  for (std::size_t i = 0, e = 0; i < traces.between.size(); ++i) {
+    const double x = mesh.length * static_cast<double>(i + 1) / intervals;
+    while (mesh.node(e + 1) < x) ++e;
+    const double part = (x - mesh.node(e)) / mesh.element(e);
+    traces.between[i].push_back(std::lerp(u[e], u[e + 1], part));
+  }
+}
+
+}  // namespace
+
 EndTraces trace_ends(const Case& run, std::span<const double> times) {
   const BarSystem system = make_system(run);
-  EndTraces traces;
-  traces.left.reserve(times.size());
-  traces.right.reserve(times.size());
-  constexpr std::size_t intervals = 16;
-  if (run.scene.span) traces.between.resize(intervals - 1);
-  const Mesh& mesh = system.mesh();
+  EndTraces traces = empty_traces(run, times.size());
+  traces.sensitivities.assign(run.directions.size(), empty_traces(run, times.size()));
   Observers observers;
+  observers.directions = run.directions;
   observers.snapshot = [&](const Snapshot& s) {
-    traces.left.push_back(s.u.front());
-    traces.right.push_back(s.u.back());
-    for (std::size_t i = 0, e = 0; i < traces.between.size(); ++i) {
-      const double x = mesh.length * static_cast<double>(i + 1) / intervals;
-      while (mesh.node(e + 1) < x) ++e;
-      const double part = (x - mesh.node(e)) / mesh.element(e);
-      traces.between[i].push_back(std::lerp(s.u[e], s.u[e + 1], part));
-    }
+    keep(system.mesh(), s.u, traces);
+    for (std::size_t k = 0; k < s.sensitivities.size(); ++k)
+      keep(system.mesh(), s.sensitivities[k].u, traces.sensitivities[k]);
   };
   observers.event = [&](const Event& event) { traces.events.push_back(event); };
   traces.statistics = simulate(run, system, times, observers);

@@ -117,6 +117,7 @@ class LimitCommand : public Command {
   std::vector<std::size_t> elements_;
   std::vector<double> steps_;
   double budget_ = 60.0;
+  bool derivatives_ = false;
 };
 
 class PrecisionCommand : public Command {

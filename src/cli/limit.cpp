@@ -59,6 +59,10 @@ LimitCommand::LimitCommand(CLI::App& app)
                   "Choose the elements so that the limit epsilon = 0 keeps this error of the mesh, such as 1e-4 or "
                   "\"0.01 %\"; the same as --set accuracy.error=...")
       ->type_name("ERROR");
+  command_.add_flag(
+      "--derivatives", derivatives_,
+      "Also tell the power of epsilon at each penalty, by the derivative of the traces with respect to it "
+      "(cvode, ida and arkode)");
   add_threads(command_, threads_);
 }
 
@@ -69,6 +73,7 @@ int LimitCommand::operator()() const {
   study.steps = steps_;
   study.budget = budget_;
   study.threads = threads_;
+  study.derivatives = derivatives_;
   std::vector<std::string> settings;
   if (command_.count("--mass") > 0) settings.push_back("mesh.mass=" + mass_);
   if (!elements_.empty())  // the scene is checked on the finest mesh

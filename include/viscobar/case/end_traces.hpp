@@ -16,6 +16,8 @@ struct EndTraces {
   std::vector<std::vector<double>> between;
   std::vector<Event> events;  ///< contact changes in order of time
   Statistics statistics;      ///< of the run
+  /// Derivatives of the traces, an entry for each direction of the case; NaN from where there are none on.
+  std::vector<EndTraces> sensitivities = {};
 
   /// All of them, of traces `self`.
   static auto all(auto& self) {

@@ -42,7 +42,20 @@ Json detailed(const std::optional<ObservedOrder>& order) {
   return {{"order", order->order}, {"standard_error", order->standard_error}};
 }
 
-Json to_json(const LimitRow& row) {
+Json to_json(const std::optional<LocalPower>& of) {
+  if (!of) return nullptr;
+  const LocalPower& local = *of;
+  const std::optional<bool> agrees = local.agrees();
+  return {{"difference", local.difference},
+          {"derivative", value_or_null(local.power)},
+          {"error", local.power ? Json(local.error) : Json(nullptr)},
+          {"observed", value_or_null(local.observed)},
+          {"mean", value_or_null(local.mean)},
+          {"bound", local.mean ? Json(local.bound) : Json(nullptr)},
+          {"agrees", agrees ? Json(*agrees) : Json(nullptr)}};
+}
+
+Json to_json(const LimitRow& row, bool derivatives) {
   Json json = {{"epsilon", row.epsilon},
                {"elements", row.elements},
                {"mass", name(row.mass)},
@@ -52,6 +65,8 @@ Json to_json(const LimitRow& row) {
   if (row.difference_to_rigid) json["difference_to_rigid"] = *row.difference_to_rigid;
   json["steps"] = row.steps;
   json["seconds"] = row.seconds;
+  if (derivatives)
+    json["local_power"] = {{"largest", to_json(row.local_largest)}, {"mean_square", to_json(row.local_mean)}};
   return json;
 }
 
@@ -110,6 +125,16 @@ std::string head(const LimitStudy& study, const LimitResult& result) {
   return out;
 }
 
+std::string local_powers(const LimitResult& result) {
+  std::string out = html(local_power_table(result, readable_number));
+  for (const std::string& remark : local_power_remarks(result)) out += fmt::format("<p>{}</p>\n", escaped(remark));
+  return section_html(
+      "Local powers of ε",
+      out +
+          "<p class=\"note\">By the derivative of each run with respect to ε. The power observed between two ε is "
+          "the mean of the local ones between.</p>\n");
+}
+
 std::string numbers(const LimitStudy& study, const LimitResult& result) {
   Numbers all;
   const LimitOrders& orders = result.orders[finest(result)];
@@ -147,7 +172,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   json["mass"] = name(effective_mass(study.scene));
   json["restitution"] = value_or_null(study.scene.restitution);
   json["rows"] = Json::array();
-  for (const LimitRow& row : result.rows) json["rows"].push_back(to_json(row));
+  for (const LimitRow& row : result.rows) json["rows"].push_back(to_json(row, study.derivatives));
   json["failed"] = Json::array();
   for (const FailedRun& run : result.failed)
     json["failed"].push_back({{"epsilon", run.epsilon}, {"elements", run.elements}, {"error", run.what}});
@@ -165,6 +190,11 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
 std::string limit_text(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
   std::string out = text(limit_table(result, plain_number));
   out += "\nObserved powers of epsilon\n" + text(order_table(study, result)) + "\n";
+  if (study.derivatives) {
+    out += "Local powers of epsilon, by d/d epsilon\n" + text(local_power_table(result, plain_number));
+    for (const std::string& remark : local_power_remarks(result)) out += remark + "\n";
+    out += "\n";
+  }
   for (std::size_t m = 0; m < result.orders.size(); ++m) {
     if (result.orders.size() > 1) out += fmt::format("{} elements, ", result.orders[m].elements);
     out += verdict_sentence(study, result, m) + "\n";
@@ -190,6 +220,7 @@ PicturedPage limit_page(const LimitStudy& study, const LimitResult& result, cons
                    html(order_table(study, result)) +
                        "<p class=\"note\">Least squares on logarithms with the standard error of the slope; values "
                        "at a floor are left out.</p>\n"));
+  if (study.derivatives) page.add(local_powers(result));
   if (result.orders.size() > 1)
     page.add(
         section_html("Penalty and mesh in balance",

@@ -32,6 +32,9 @@ std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, s
 
 Table limit_table(const LimitResult& result, NumberText number);
 Table order_table(const LimitStudy& study, const LimitResult& result);
+Table local_power_table(const LimitResult& result, NumberText number);
+/// Where observed powers and those by derivatives are further apart than LocalPower::bound.
+std::vector<std::string> local_power_remarks(const LimitResult& result);
 Table coupling_table(const Coupling& coupling, NumberText number);
 std::string coupling_sentence(const CouplingResult& coupling, NumberText number);
 

@@ -10,6 +10,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "studies/limit/local_power.hpp"
 #include "studies/limit/mesh_runs.hpp"
 #include "studies/parallel.hpp"
 
@@ -54,11 +55,13 @@ std::optional<ObservedOrder> fit(std::span<const LimitRow> rows, Value value, do
 
 /// Another law of impact, as far from the case's own as there is.
 Case with_other_law(Case run) {
+  run.directions.clear();
   run.restitution = run.restitution.value_or(1.0) > 0.5 ? 0.0 : 1.0;
   return run;
 }
 
 Case without_obstacles(Case run) {
+  run.directions.clear();
   if (is_obstacle(run.scene.left)) run.scene.left = Free{};
   if (is_obstacle(run.scene.right)) run.scene.right = Free{};
   run.scene.span.reset();
@@ -190,6 +193,12 @@ void tabulate(const MeshRuns& mesh, LimitResult& result) {
   }
 }
 
+// What the penalised runs tend to, or the last of them.
+const Run& limit_of_penalty(const MeshRuns& mesh) {
+  if (mesh.rigid && !mesh.rigid->error && (massless(*mesh.rigid) || one_law(mesh.rigid->run))) return *mesh.rigid;
+  return *std::find_if(mesh.penalised.rbegin(), mesh.penalised.rend(), [](const Run& run) { return !run.error; });
+}
+
 std::vector<SchemeRun> scheme_runs(const MeshRuns& mesh) {
   std::vector<SchemeRun> runs;
   for (std::size_t i = 0; i < mesh.scheme.size(); ++i) {
@@ -265,6 +274,11 @@ LimitResult limit_of(const LimitStudy& study) {
     LimitOrders orders = orders_of(mesh, std::span(result.rows).subspan(first));
     orders.first_row = first;
     orders.row_count = result.rows.size() - first;
+    if (study.derivatives) {
+      const Run& limit = limit_of_penalty(mesh);
+      orders.local_to_rigid = limit.run.method == MethodName::rigid;
+      add_local_powers(mesh, limit.traces, orders.tolerance_error, std::span(result.rows).subspan(first));
+    }
     result.orders.push_back(orders);
   }
   return result;

@@ -7,6 +7,7 @@
 #include <ctime>
 #include <stdexcept>
 
+#include "case/method_table.hpp"
 #include "studies/parallel.hpp"
 
 namespace viscobar::limit {
@@ -23,6 +24,7 @@ Case sound(Case run) {
 
 Case penalised_case(const LimitStudy& study, std::size_t elements, double epsilon) {
   Case run = study.scene;
+  run.directions.clear();
   run.elements = elements;
   run.epsilon = epsilon;
   run.method = penalised_method(run);
@@ -67,7 +69,11 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step) {
   for (const double factor : {scheme_refinement * scheme_refinement, scheme_refinement, 1.0})
     runs.scheme.push_back({scheme_case(study, elements, factor * step)});
   if (Case rigid = rigid_case(study, elements); validate(rigid).empty()) runs.rigid = Run{std::move(rigid)};
-  for (const double epsilon : study.epsilons) runs.penalised.push_back({penalised_case(study, elements, epsilon)});
+  for (const double epsilon : study.epsilons) {
+    Case& run = runs.penalised.emplace_back(penalised_case(study, elements, epsilon)).run;
+    if (study.derivatives && method_row(run.method).differentiates)
+      run.directions.push_back(direction(run, "contact.epsilon"));
+  }
   return runs;
 }
 void carry_out(std::vector<MeshRuns>& meshes, const LimitStudy& study, Progress& progress) {

@@ -21,22 +21,47 @@ struct LimitStudy {
   std::vector<double> epsilons;       ///< decreasing
   std::vector<std::size_t> elements;  ///< meshes; empty: the scene's
   std::vector<double> steps;          ///< of the scheme, one for each mesh; empty: see scheme_step()
-  double budget = 60.0;     ///< processor seconds for smaller steps of the scheme, >= 0; 0: only the first three
-  std::size_t threads = 0;  ///< 0: all cores
+  double budget = 60.0;      ///< processor seconds for smaller steps of the scheme, >= 0; 0: only the first three
+  std::size_t threads = 0;   ///< 0: all cores
+  bool derivatives = false;  ///< LimitRow::local_largest has powers by d/d epsilon, where the method has derivatives
   std::function<void(std::size_t done, std::size_t of)> progress = {};  ///< told after each run, one call at a time
+};
+
+/// The power of epsilon at one epsilon in |D|, D = u_epsilon - U, by the derivative of the run. U is the rigid limit
+/// where the penalised bar tends to it, else the traces at the smallest epsilon. | | is the largest over time and
+/// traces, at t* of one of them, or the root of the mean square over both:
+///
+///     p = d log|D| / d log epsilon = epsilon du/depsilon(t*) / D(t*)     or     epsilon <D, du/depsilon> / <D, D>.
+///
+/// The observed power between two epsilons is the mean of p over log epsilon between them. From the mean of both ends
+/// it differs by errors of p, and by |p_i - p_{i+1}| / 2 at most where p is monotone there, or by a twelfth of the
+/// largest change of p over this interval and the two beside it where p is a cubic through all four rows (of equal
+/// intervals).
+struct LocalPower {
+  double difference = 0.0;         ///< |D|
+  std::optional<double> power;     ///< p; absent where the run has no derivative to its end
+  double error = 0.0;              ///< of p, at most
+  std::optional<double> observed;  ///< power between this row and the next of its mesh
+  std::optional<double> mean;      ///< of p at both
+  double bound = 0.0;  ///< of |observed - mean|: the largest change of p over these three intervals, and the errors
+
+  /// Whether observed and mean agree; absent where there are not both.
+  std::optional<bool> agrees() const;
 };
 
 /// One penalised run of a study, beside the limits of its mesh.
 struct LimitRow {
-  double epsilon = 0.0;                       ///< reaction = penetration / epsilon
-  std::size_t elements = 0;                   ///< J
-  Mass mass = Mass::consistent;               ///< that it ran on
-  std::size_t events = 0;                     ///< contact changes
-  double max_penetration = 0.0;               ///< max over time and contacts, >= 0
-  double difference_to_scheme = 0.0;          ///< max over comparison_times() and ends of |u - u_scheme|
-  std::optional<double> difference_to_rigid;  ///< likewise
-  std::size_t steps = 0;                      ///< of the integrator
-  double seconds = 0.0;                       ///< of the integration alone
+  double epsilon = 0.0;                          ///< reaction = penetration / epsilon
+  std::size_t elements = 0;                      ///< J
+  Mass mass = Mass::consistent;                  ///< that it ran on
+  std::size_t events = 0;                        ///< contact changes
+  double max_penetration = 0.0;                  ///< max over time and contacts, >= 0
+  double difference_to_scheme = 0.0;             ///< max over comparison_times() and ends of |u - u_scheme|
+  std::optional<double> difference_to_rigid;     ///< likewise
+  std::size_t steps = 0;                         ///< of the integrator
+  double seconds = 0.0;                          ///< of the integration alone
+  std::optional<LocalPower> local_largest = {};  ///< where asked for, and |D| above the error of the time integration
+  std::optional<LocalPower> local_mean = {};     ///< likewise, of the mean square
 };
 
 /// A penalised run that could not be finished.
@@ -116,6 +141,7 @@ struct LimitOrders {
   /// Where the mesh resolves the contact layer, epsilon > 100 boundary.
   std::optional<ObservedOrder> penetration_layer;
   std::optional<ObservedOrder> to_rigid_layer;  ///< likewise
+  bool local_to_rigid = false;                  ///< whether U of LocalPower is the rigid limit
   Verdict verdict = Verdict::undecided;         ///< on this mesh
   LimitEvidence evidence;                       ///< that it rests on
 };
