@@ -7,7 +7,9 @@
 #include <map>
 #include <thread>
 
+#include "input/scene_entries.hpp"
 #include "kept.hpp"
+#include "report/fit/fit_request.hpp"
 #include "report/scene_check.hpp"
 #include "sweep/sweep_workers.hpp"
 #include "viscobar/record/record_run.hpp"
@@ -254,6 +256,23 @@ py::tuple observed_orders(const std::vector<PythonCase>& cases, const std::vecto
   return py::make_tuple(rows, orders);
 }
 
+/// What `viscobar fit` prints, and its page.
+py::tuple fit_scene(const std::string& text, FitRequest request) {
+  Faults faults;
+  std::atomic<bool> stop{false};
+  std::string json, page;
+  hearing_signals(faults, stop, [&] {
+    const auto [scene, study] = prepared_fit(request, [&](const std::vector<std::string>& settings) {
+      if (stop) throw std::runtime_error("stopped");
+      return parse_scene(text, "scene", settings);
+    });
+    const FitResult result = fit(study);
+    json = fit_json(scene, study, result);
+    page = fit_page(scene, study, result).html;
+  });
+  return py::make_tuple(json, page);
+}
+
 // Sweeps.
 
 VariedKey::Values values_of(const py::list& values) {
@@ -274,6 +293,8 @@ py::dict to_dict(const SweepPlan& plan, const SweepRow& row) {
   one["completed"] = row.completed;
   one["error"] = row.error;
   for (std::size_t q = 0; q < quantities; ++q) one[py::str(quantity_columns()[q].name)] = row.values[q];
+  const std::vector<std::string> derivatives = plan.derivatives();
+  for (std::size_t k = 0; k < derivatives.size(); ++k) one[py::str(derivatives[k])] = row.column(quantities + k);
   one["seconds"] = row.seconds;
   one["integration_seconds"] = row.integration_seconds;
   return one;
@@ -309,6 +330,7 @@ void sweep_scene(const std::string& text, const py::dict& vary, bool zip, std::s
   sweep.plan.combine = zip ? Combine::zip : Combine::grid;
   for (const auto& [key, values] : vary)
     sweep.plan.keys.push_back({key.cast<std::string>(), values_of(values.cast<py::list>())});
+  sweep.plan.sensitivities = SceneEntries(text, "scene", {}).list("sensitivity.of");
   run_sweep(sweep, threads, std::move(table));
 }
 
@@ -323,6 +345,12 @@ void bind_studies(py::module_& m) {
   m.def("refined", &refined);
   m.def("record", &record_case);
   m.def("orders", &observed_orders);
+  m.def("fit", [](const std::string& text, const std::string& data, const std::string& events,
+                  std::vector<std::string> parameters, std::vector<std::string> bounds,
+                  std::vector<std::string> deviations, std::size_t starts, std::size_t runs) {
+    return fit_scene(text,
+                     {data, events, std::move(parameters), std::move(bounds), std::move(deviations), starts, runs});
+  });
   m.def("sweep_scene", &sweep_scene);
   m.def("sweep_file", [](const std::string& file, std::size_t threads, py::list table) {
     run_sweep(read_sweep(file), threads, std::move(table));

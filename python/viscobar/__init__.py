@@ -11,6 +11,7 @@
     compare    several methods and schemes of your own        orders     their orders on exact solutions
     limit      epsilon to 0: orders and a verdict             precision  time against error
     sweep      many values of the scene's keys                check      what a scene needs, predicted impacts
+    fit        least squares on measured traces
 
 docs/python.md has a tutorial.
 """
@@ -22,13 +23,13 @@ from ._errors import Finding, IntegrationError, RunWarning, SceneError
 from ._plots import plot
 from ._run import Recorded, Result, run
 from ._scene import Scene, load
-from ._studies import Comparison, Orders, Study, check, compare, limit, orders, precision, sweep
+from ._studies import Comparison, Fit, Orders, Study, check, compare, fit, limit, orders, precision, sweep
 from ._table import Table
 
 methods: tuple[str, ...] = tuple(_methods)
 """Names of the built-in methods."""
 
 __all__ = [
-    "Case", "Comparison", "Finding", "IntegrationError", "Orders", "Recorded", "Result", "RunWarning", "Scene", "SceneError",
-    "Study", "Table", "check", "compare", "limit", "load", "methods", "orders", "plot", "precision", "run", "sweep",
+    "Case", "Comparison", "Finding", "Fit", "IntegrationError", "Orders", "Recorded", "Result", "RunWarning", "Scene", "SceneError",
+    "Study", "Table", "check", "compare", "fit", "limit", "load", "methods", "orders", "plot", "precision", "run", "sweep",
 ]  # fmt: skip

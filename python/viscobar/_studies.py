@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import json
 import os
+import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -287,6 +288,90 @@ def check(scene: SceneLike, *, set: Mapping[str, Any] | None = None) -> dict[str
     ratio, whether chatter is expected, predicted penetration; `warnings` are sentences.
     """
     return json.loads(_core.check(parse(as_scene(scene, None, set))))
+
+
+class Fit(Table):
+    """What viscobar.fit() returns: a row for each parameter, with key, estimate, standard_deviation and at_bound.
+
+    estimates   mapping of keys to estimates
+    covariance  array (n, n), n parameters, in the order of the rows; NaN where the data do not determine it
+    runs        of the model
+    converged   whether it came to a minimum; `summary["reason"]` says why it ended
+    summary     as `viscobar fit --json`
+    """
+
+    @property
+    def estimates(self) -> dict[str, float]:
+        return {row["key"]: row["estimate"] for row in self}
+
+    @property
+    def covariance(self) -> np.ndarray:
+        return np.array([[np.nan if value is None else value for value in row] for row in self.summary["covariance"]])
+
+    @property
+    def runs(self) -> int:
+        return int(self.summary["runs"])
+
+    @property
+    def converged(self) -> bool:
+        return bool(self.summary["converged"])
+
+
+def _measured(data: Any, file: str) -> str:
+    """The path of a table: `data` itself, or that of a file with its columns."""
+    if data is None:
+        return ""
+    if isinstance(data, (str, os.PathLike)):
+        return os.fspath(data)
+    columns = {name: list(values) for name, values in data.items()}
+    if len({len(values) for values in columns.values()}) > 1:
+        raise ValueError("fit: the columns of the data have different lengths")
+    with open(file, "w", encoding="utf-8") as out:
+        print(",".join(columns), file=out)
+        for row in zip(*columns.values()):
+            print(",".join(cell if isinstance(cell, str) else "" if np.isnan(cell) else repr(float(cell)) for cell in row), file=out)
+    return file
+
+
+def fit(
+    scene: SceneLike,
+    parameters: Sequence[str],
+    *,
+    data: Mapping[str, Any] | str | os.PathLike[str] | None = None,
+    events: Mapping[str, Any] | str | os.PathLike[str] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    deviations: Mapping[str, float] | None = None,
+    starts: int = 1,
+    runs: int = 100,
+    set: Mapping[str, Any] | None = None,
+) -> Fit:
+    """Least squares on measured traces and contact times: `viscobar fit`, see docs/fit.md.
+
+    parameters  keys to look for, such as ["bar.viscosity", "left.gap"]; the scene says where they begin
+    data        traces: a mapping of columns as `.ends` of a result, "t" among them, NaN where nothing was measured; or a file
+    events      contact times: a mapping with "t", "where" ("left", "right"), "change" ("closing", "opening"); or a file
+    bounds      {key: (low, high)}
+    deviations  {column: standard deviation of its noise}, "events" for contact times
+    starts      begins so many times, spread over the bounds
+    runs        of the model at most, for each start
+    set         values in place of the scene's, as in viscobar.run()
+
+    The scene must have formulas, not Python functions. Ctrl-C ends it after the run at hand.
+    """
+    text = Scene.toml(as_scene(scene, None, set))
+    with tempfile.TemporaryDirectory() as directory:
+        printed, page = _core.fit(
+            text,
+            _measured(data, os.path.join(directory, "data.csv")),
+            _measured(events, os.path.join(directory, "events.csv")),
+            list(parameters),
+            [f"{key}={float(low)!r}:{float(high)!r}" for key, (low, high) in (bounds or {}).items()],
+            [f"{column}={float(value)!r}" for column, value in (deviations or {}).items()],
+            starts,
+            runs,
+        )
+    summary = json.loads(printed)
+    return Fit([{"key": key, **told} for key, told in summary["parameters"].items()], summary, page)
 
 
 def sweep(

@@ -55,9 +55,10 @@ Direction direction(const Case& run, std::string_view key) {
     if (!of) refuse("the scene has no such obstacle");
     of->gap = 1.0;
   };
-  for (const EndInput& input : {scene.left_input, scene.right_input})
-    if (input.force || input.motion || input.stiffness != 0.0 || input.dashpot != 0.0)
-      refuse("forces, springs, dashpots and motion of ends have no derivatives yet; leave them out of the scene");
+  const auto mount = [&](const EndCondition& end, double& of) {
+    if (is_fixed(end)) refuse("a fixed end has no spring and no dashpot");
+    of = 1.0;
+  };
   const bool contact = is_obstacle(scene.left) || is_obstacle(scene.right) || scene.span;
   if (key == "bar.density") {
     along.bar.density = 1.0;
@@ -76,6 +77,14 @@ Direction direction(const Case& run, std::string_view key) {
     gap(obstacle(data.right));
   } else if (key == "span.gap") {
     gap(data.span ? &*data.span : nullptr);
+  } else if (key == "left.stiffness") {
+    mount(scene.left, data.left_input.stiffness);
+  } else if (key == "left.dashpot") {
+    mount(scene.left, data.left_input.dashpot);
+  } else if (key == "right.stiffness") {
+    mount(scene.right, data.right_input.stiffness);
+  } else if (key == "right.dashpot") {
+    mount(scene.right, data.right_input.dashpot);
   } else if (key == "contact.epsilon") {
     if (!is_penalised(run.method) || !contact) refuse("the run has no penalised contact");
     along.epsilon = 1.0;
@@ -87,7 +96,7 @@ Direction direction(const Case& run, std::string_view key) {
   } else {
     refuse(
         "known are bar.length, bar.density, bar.modulus, bar.viscosity, left.gap, right.gap, span.gap, "
-        "contact.epsilon, contact.restitution and parameters.NAME");
+        "left.stiffness, left.dashpot, right.stiffness, right.dashpot, contact.epsilon, contact.restitution and parameters.NAME");
   }
   return along;
 }

@@ -5,8 +5,10 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "dynamics/natural_scales.hpp"
+#include "viscobar/discretisation/mass.hpp"
 
 namespace viscobar {
 
@@ -19,11 +21,19 @@ double damping_ratio_rate(double restitution) {
   return -square / (restitution * std::pow(square + logarithm * logarithm, 1.5));
 }
 
+// The data of s: springs and dashpots are those of the bar.
+Scene mounted(Scene data, const BarSystem& bar) {
+  for (const auto& [input, of_bar] :
+       {std::pair{&data.left_input, &bar.inputs()[0]}, {&data.right_input, &bar.inputs()[1]}})
+    input->stiffness = of_bar->stiffness, input->dashpot = of_bar->dashpot;
+  return data;
+}
+
 }  // namespace
 
 Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Direction& direction)
     : system_(system),
-      data_(direction.data, system.bar().mesh(), system.bar().mass()),
+      data_(mounted(direction.data, system.bar()), system.bar().mesh(), system.bar().mass()),
       motion_(data_, penalty),
       added_(system.size(), 0.0),
       stress_(system.size()) {
@@ -54,7 +64,32 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
     }
     laws_.push_back(rates);
   }
-  driven_ = modulus_ != 0.0 || viscosity_ != 0.0 || inertia_ != 0.0 ||
+  for (const Mount& mount : system.bar().mounts()) {
+    const bool left = mount.unknown == 0 && !system.bar().left_fixed();
+    const EndInput& rates = left ? direction.data.left_input : direction.data.right_input;
+    if (rates.stiffness == 0.0 && rates.dashpot == 0.0) continue;
+    mounts_.push_back({mount.unknown, rates.stiffness, rates.dashpot});
+    relative_change_ += std::abs(rates.stiffness) * bar.length / bar.modulus +
+                        std::abs(rates.dashpot) / std::sqrt(bar.modulus * bar.density);
+  }
+  if (system.bar().moving()) {
+    const BarSystem& of = system.bar();
+    whole_inertia_ = inertia_matrix(of.mesh(), of.mass(), of.massive_begin() > 0, of.massive_end() < of.size());
+    for (std::vector<double>* entries : {&whole_inertia_.diagonal, &whole_inertia_.off_diagonal})
+      for (double& entry : *entries) entry *= bar.density;
+    if (whole_inertia_.end_rows)
+      for (auto* row : {&whole_inertia_.end_rows->first, &whole_inertia_.end_rows->last})
+        for (double& entry : *row) entry *= bar.density;
+    std::vector<double> share(of.mesh().nodes()), product(of.mesh().nodes());
+    for (const std::size_t right : {0, 1}) {
+      for (std::size_t j = 0; j < share.size(); ++j)
+        share[j] = Lift{right ? 0.0 : 1.0, right ? 1.0 : 0.0}.at(of.mesh().node(j) / of.mesh().length);
+      whole_inertia_.multiply(share, product);
+      const auto begin = product.begin() + static_cast<std::ptrdiff_t>(of.first_node());
+      lift_inertia_[right].assign(begin, begin + static_cast<std::ptrdiff_t>(of.size()));
+    }
+  }
+  driven_ = !mounts_.empty() || modulus_ != 0.0 || viscosity_ != 0.0 || inertia_ != 0.0 ||
             std::ranges::any_of(laws_, [](const LawRates& law) { return law.stiffness != 0.0 || law.damping != 0.0; });
   if (driven_) motion_.add_force(added_, {});
 }
@@ -79,7 +114,23 @@ double Derivative::stretch(std::size_t end, std::span<const double> x, std::span
   return at(0) - (walls.left_fixed() ? *walls.left_displacement() : *walls.right_displacement());
 }
 
+double Derivative::lift_inertia(std::size_t unknown, const Lift& lift) const {
+  return lift.left * lift_inertia_[0][unknown] + lift.right * lift_inertia_[1][unknown];
+}
+
+double Derivative::end_lift(std::size_t end, const Lift& lift) const {
+  return end == 0 && !system_.bar().left_fixed() ? lift.left : lift.right;
+}
+
+// Of the lift, as stretch() is of u, over the length of the element.
+double Derivative::lift_stretch(std::size_t end, const Lift& lift) const {
+  const double strain = (lift.right - lift.left) / system_.bar().mesh().length;
+  return end == 0 && !system_.bar().left_fixed() ? -strain : strain;
+}
+
 void Derivative::drive(const Moment& at) {
+  if (system_.bar().moving())
+    for (int order = 0; order < 3; ++order) lift_[static_cast<std::size_t>(order)] = system_.lift(at.t, order);
   if (!driven_) return;
   const std::size_t n = added_.size();
   const BarSystem& bar = system_.bar();
@@ -94,6 +145,16 @@ void Derivative::drive(const Moment& at) {
       rates = {modulus_ * (at.w[1] - at.w[0]) / bar.spacing_at(0),
                modulus_ * (at.w[n - 2] - at.w[n - 1]) / bar.spacing_at(n - 1)};
   }
+  if (bar.moving()) {
+    add_frame();
+    const double strain_rate = modulus_ * (lift_[1].right - lift_[1].left) / bar.mesh().length;
+    rates[0] += strain_rate, rates[1] -= strain_rate;
+  }
+  for (const auto& [node, stiffness, dashpot] : mounts_) {
+    const double origin = system_.origin().empty() ? 0.0 : system_.origin()[node];
+    added_[node] -= stiffness * (at.u[node] + origin + end_lift(node, lift_[0])) +
+                    dashpot * (at.w[node] + end_lift(node, lift_[1]));
+  }
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!system_.closed(i) || system_.holds(i)) continue;
     const std::size_t node = system_.contact(i).unknown;
@@ -103,6 +164,18 @@ void Derivative::drive(const Moment& at) {
     if (node + 1 == n) rates[1] -= laws_[i].stiffness * at.w[node];
   }
   motion_.add_force(added_, rates);
+}
+
+// What the lift is to the strain of the bar and to its inertia; K lift is zero but in the rows of ends.
+void Derivative::add_frame() {
+  const std::size_t n = added_.size();
+  const BarSystem& bar = system_.bar();
+  const double stress =
+      (modulus_ * (lift_[0].right - lift_[0].left) + viscosity_ * (lift_[1].right - lift_[1].left)) / bar.mesh().length;
+  if (!bar.left_fixed()) added_[0] += stress;
+  if (!bar.right_fixed()) added_[n - 1] -= stress;
+  if (inertia_ != 0.0)
+    for (std::size_t i = 0; i < n; ++i) added_[i] -= inertia_ * lift_inertia(i, lift_[2]);
 }
 
 // -(E' - E L'/L) K u - (eta' - eta L'/L) K v
@@ -137,11 +210,17 @@ void Derivative::add_stress(const Moment& at) {
   }
 }
 
-double Derivative::drive_row(std::size_t end, double u, double u_next, double w, double w_next) const {
+double Derivative::drive_row(std::size_t end, double t, double u, double u_next, double w, double w_next) const {
   const std::span<const double> origin = system_.origin();
   const std::size_t next = end == 0 ? 1 : end - 1;
   const double apart = origin.empty() ? 0.0 : origin[next] - origin[end];
   double sum = (modulus_ * (u_next - u + apart) + viscosity_ * (w_next - w)) / system_.bar().spacing_at(end);
+  if (system_.bar().moving()) {
+    const Lift lift = system_.lift(t, 0), rate = system_.lift(t, 1);
+    const double stress =
+        (modulus_ * (lift.right - lift.left) + viscosity_ * (rate.right - rate.left)) / system_.bar().mesh().length;
+    sum += end == 0 ? stress : -stress;
+  }
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     const Contact& contact = system_.contact(i);
     if (contact.unknown != end || !system_.closed(i) || system_.holds(i)) continue;
@@ -184,44 +263,78 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
     if (inertia.end_rows) sum += end == 0 ? inertia.end_rows->first_times(x) : inertia.end_rows->last_times(x);
     return sum;
   };
-  const double h = system_.bar().spacing_at(end);
-  return row(rate) + inertia_ * row(at.w) +
-         (system_.bar().bar().viscosity * stretch(end, s, {}, data_) +
-          viscosity_ * stretch(end, at.u, system_.origin(), system_.bar())) /
-             h;
+  const BarSystem& bar = system_.bar();
+  const double h = bar.spacing_at(end);
+  double sum =
+      row(rate) + inertia_ * row(at.w) +
+      (bar.bar().viscosity * stretch(end, s, {}, data_) + viscosity_ * stretch(end, at.u, system_.origin(), bar)) / h;
+  const auto displacement = [&] {
+    return at.u[end] + (system_.origin().empty() ? 0.0 : system_.origin()[end]) + end_lift(end, lift_[0]);
+  };
+  if (bar.moving()) sum += inertia_ * lift_inertia(end, lift_[1]) + viscosity_ * lift_stretch(end, lift_[0]);
+  for (const Mount& mount : bar.mounts())
+    if (mount.unknown == end) sum += mount.dashpot * s[end];
+  for (const Mount& mount : mounts_)
+    if (mount.unknown == end) sum += mount.dashpot * displacement();
+  return sum;
 }
 
 double Derivative::momentum_loss(std::size_t end, const Moment& at, std::span<const double> s) {
-  const double strain = system_.bar().bar().modulus * stretch(end, s, {}, data_) +
-                        modulus_ * stretch(end, at.u, system_.origin(), system_.bar());
-  return strain / system_.bar().spacing_at(end) - (motion_.load(end, at.t) - added_[end]);
+  const BarSystem& bar = system_.bar();
+  double strain = bar.bar().modulus * stretch(end, s, {}, data_) + modulus_ * stretch(end, at.u, system_.origin(), bar);
+  strain /= bar.spacing_at(end);
+  if (bar.moving()) strain += modulus_ * lift_stretch(end, lift_[0]);
+  for (const Mount& mount : bar.mounts())
+    if (mount.unknown == end) strain += mount.stiffness * s[end];
+  for (const Mount& mount : mounts_)
+    if (mount.unknown == end)
+      strain += mount.stiffness *
+                (at.u[end] + (system_.origin().empty() ? 0.0 : system_.origin()[end]) + end_lift(end, lift_[0]));
+  return strain - (motion_.load(end, at.t) - added_[end]);
 }
 
 double Derivative::energy(const Moment& at, std::span<const double> s, std::span<const double> rate) const {
   const BarSystem& bar = system_.bar();
-  const std::size_t n = s.size();
+  const Mesh& mesh = bar.mesh();
+  // Of the bar itself, over all nodes.
+  std::vector<double> u(mesh.nodes()), w(u), of_u(u), of_w(u);
+  bar.expand_displacement(at.u, u);
   const std::span<const double> origin = system_.origin();
-  const SymmetricTridiagonal& inertia = bar.inertia();
-  double sum = 0.5 * inertia_ * inertia.quadratic_form(at.w);
-  for (std::size_t i = 0; i < n; ++i) sum += inertia.diagonal[i] * at.w[i] * rate[i];
+  for (std::size_t i = 0; i < origin.size(); ++i) u[i + bar.first_node()] += origin[i];
+  bar.expand_velocity(at.w, w);
+  bar.add_lift(lift_[0], u);
+  bar.add_lift(lift_[1], w);
+  expand(at.t, s, rate, of_u, of_w);
+  const bool whole = bar.moving();
+  const SymmetricTridiagonal& inertia = whole ? whole_inertia_ : bar.inertia();
+  const std::size_t first = whole ? 0 : bar.first_node(), n = inertia.size();
+  const double *v = w.data() + first, *of_v = of_w.data() + first;
+  double sum = 0.5 * inertia_ * inertia.quadratic_form({v, n});
+  for (std::size_t i = 0; i < n; ++i) sum += inertia.diagonal[i] * v[i] * of_v[i];
   for (std::size_t i = 0; i + 1 < n && !inertia.off_diagonal.empty(); ++i)
-    sum += inertia.off_diagonal[i] * (at.w[i] * rate[i + 1] + at.w[i + 1] * rate[i]);
-  const auto add = [&](std::size_t element, double u, double of_s) {
-    sum += (bar.bar().modulus * u * of_s + 0.5 * modulus_ * u * u) / bar.mesh().element(element);
-  };
-  const auto displacement = [&](std::size_t i) { return at.u[i] + (origin.empty() ? 0.0 : origin[i]); };
-  if (bar.left_fixed()) add(0, displacement(0) - *bar.left_displacement(), s[0] - *data_.left_displacement());
-  for (std::size_t i = 0; i + 1 < n; ++i)
-    add(bar.first_node() + i, displacement(i + 1) - displacement(i), s[i + 1] - s[i]);
-  if (bar.right_fixed())
-    add(bar.mesh().elements - 1, *bar.right_displacement() - displacement(n - 1),
-        *data_.right_displacement() - s[n - 1]);
+    sum += inertia.off_diagonal[i] * (v[i] * of_v[i + 1] + v[i + 1] * of_v[i]);
+  for (std::size_t j = 0; j < mesh.elements; ++j) {
+    const double strain = u[j + 1] - u[j], of_strain = of_u[j + 1] - of_u[j];
+    sum += (bar.bar().modulus * strain * of_strain + 0.5 * modulus_ * strain * strain) / mesh.element(j);
+  }
+  const auto end = [&](const Mount& mount) { return mount.unknown + bar.first_node(); };
+  for (const Mount& mount : bar.mounts()) sum += mount.stiffness * u[end(mount)] * of_u[end(mount)];
+  for (const Mount& mount : mounts_) sum += 0.5 * mount.stiffness * u[end(mount)] * u[end(mount)];
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     const double clearance = system_.clearance(i, at.u);
     if (system_.holds(i) || clearance >= 0.0) continue;
     sum += clearance * (system_.law(i).stiffness * motion_.clearance(i, s) + 0.5 * laws_[i].stiffness * clearance);
   }
   return sum;
+}
+
+void Derivative::expand(double t, std::span<const double> s, std::span<const double> rate, std::span<double> u,
+                        std::span<double> v) const {
+  data_.expand_displacement(s, u);
+  data_.expand_velocity(rate, v);
+  if (!data_.moving()) return;
+  data_.add_lift(motion_.lift(t, 0), u);
+  data_.add_lift(motion_.lift(t, 1), v);
 }
 
 }  // namespace viscobar

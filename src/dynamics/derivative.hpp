@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dynamics/penalised_system.hpp"
+#include "viscobar/discretisation/tridiagonal.hpp"
 #include "viscobar/dynamics/sensitivity.hpp"
 
 namespace viscobar {
@@ -25,6 +26,9 @@ struct Moment {
 ///
 ///     -(E' - E L'/L) K u - (eta' - eta L'/L) K v - (rho'/rho + L'/L) rho M a + sum_i sigma_i (k_i' d_i + b_i' d_i')
 ///     e_i.
+///
+/// and at an end with a spring or a dashpot -(k' u + c' v). Where a frame moves with the ends (see BarSystem), u, v and
+/// a in the added force are those of the bar itself, lift included, and s is measured in the frame of d lift / dp.
 ///
 /// (K goes like 1 / L, M like L, on graded meshes, too; nodes stay at their part of the bar.) So it is a
 /// PenalisedSystem of its own, and its dynamic stiffness is that of the bar.
@@ -52,7 +56,7 @@ class Derivative {
   void drive(const Moment& at);
 
   /// The added force in the row of a massless end alone, for values of the bar there and at the neighbour.
-  double drive_row(std::size_t end, double u, double u_next, double w, double w_next) const;
+  double drive_row(std::size_t end, double t, double u, double u_next, double w, double w_next) const;
 
   /// Of the reaction of contact i in the direction of u, the bar being at the moment driven by last.
   double reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate);
@@ -63,6 +67,9 @@ class Derivative {
   /// impulse of the obstacles on that end is the one plus the integral of the other.
   double momentum(std::size_t end, const Moment& at, std::span<const double> s, std::span<const double> rate) const;
   double momentum_loss(std::size_t end, const Moment& at, std::span<const double> s);
+  /// Of the displacements and velocities of the bar itself, at all nodes.
+  void expand(double t, std::span<const double> s, std::span<const double> rate, std::span<double> u,
+              std::span<double> v) const;
   /// Of kinetic, elastic and contact energy.
   double energy(const Moment& at, std::span<const double> s, std::span<const double> rate) const;
 
@@ -71,6 +78,10 @@ class Derivative {
     double stiffness, damping;
   };
   void add_stress(const Moment& at);
+  void add_frame();
+  double lift_inertia(std::size_t unknown, const Lift& lift) const;
+  double end_lift(std::size_t end, const Lift& lift) const;
+  double lift_stretch(std::size_t end, const Lift& lift) const;
   double stretch(std::size_t end, std::span<const double> x, std::span<const double> origin,
                  const BarSystem& walls) const;
 
@@ -80,8 +91,12 @@ class Derivative {
   double relative_change_;                // of what the bar and its contacts are made of
   double modulus_, viscosity_, inertia_;  // E' - E L'/L, eta' - eta L'/L, rho'/rho + L'/L
   std::vector<LawRates> laws_;
+  std::vector<Mount> mounts_;  // k' and c' of the ends that have a spring or a dashpot
   std::vector<double> added_, stress_;
-  bool driven_ = false;  // by the motion of the bar
+  SymmetricTridiagonal whole_inertia_;               // rho M of all nodes, where the frame moves
+  std::array<std::vector<double>, 2> lift_inertia_;  // rho M (1 - x/L) and rho M x/L, likewise
+  std::array<Lift, 3> lift_{};                       // and its rates, at the moment driven by last
+  bool driven_ = false;                              // by the motion of the bar
 };
 
 }  // namespace viscobar

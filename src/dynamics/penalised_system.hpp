@@ -187,6 +187,8 @@ class PenalisedSystem {
   void add_force(std::span<const double> force, std::array<double, 2> rates) { added_ = force, added_rates_ = rates; }
   /// The same, evaluated at that node alone: for times at which nobody asks for the whole load.
   double load_alone(std::size_t unknown, double t) const { return load_ ? load_->at(t, unknown) : 0.0; }
+  /// Of the frame (see BarSystem::lift), on the same side of a break as the load.
+  Lift lift(double t, int derivative) const { return bar_.moving() ? bar_.lift(load_->inside(t), derivative) : Lift{}; }
   /// Two times of the leg, 1e-4 element transit times or less to either side of t: the difference of the loads there
   /// gives the load's rate at t. The same time twice in a leg that is too short to have a rate.
   std::pair<double, double> beside(double t) const;

@@ -310,6 +310,12 @@ SpaceTimeFunction Formula::derivative(std::string_view by) const {
   return [derivative](double x, double t) mutable { return derivative(x, t)[1]; };
 }
 
+TimeFunction Formula::derivative_of_t(int order, std::string_view by) const {
+  if (is_constant() && order > 0) return [](double) { return 0.0; };
+  return [f = TaylorFormula<Dual>(parse_formula(text_, parameters_), "t", by),
+          k = static_cast<std::size_t>(order)](double t) mutable { return f(0.0, t)[k].slope; };
+}
+
 bool Formula::moves_jump(std::string_view by) const {
   return !text_.empty() && FormulaTaylor(parse_formula(text_, parameters_), by).moves_jump();
 }

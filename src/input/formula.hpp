@@ -40,6 +40,8 @@ class Formula {
   SpaceTimeFunction of_x_t() const;
   /// The first or second derivative of a formula in t.
   TimeFunction derivative_of_t(int order) const;
+  /// Likewise of its derivative with respect to a parameter; that itself for 0.
+  TimeFunction derivative_of_t(int order, std::string_view by) const;
 
   /// Where it is not a smooth function of t, for all x at once, and what depends on x, too (see FormulaSwitches); empty
   /// functions where there is nothing of the kind.

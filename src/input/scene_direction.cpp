@@ -52,6 +52,32 @@ std::optional<Load> rate_of_load(const SceneEntries& entries, const std::string&
                      {}};
 }
 
+// Of what an end is given, and of the gap of its obstacle at the start.
+void add_rates_of_end(const SceneEntries& entries, const std::string& side, const EndInput& input,
+                      const std::string& by, EndCondition& end, EndInput& rates) {
+  const auto dependent = [&](const char* key) {
+    auto formula = entries.formula(fmt::format("{}.{}", side, key));
+    if (formula && !formula->derivative(by)) formula.reset();
+    return formula;
+  };
+  const auto scaled = [](const TimeFunction& of, double scale, double offset) -> TimeFunction {
+    return [of, scale, offset](double t) { return scale * of(t) + offset; };
+  };
+  const auto motion = [&](const Formula& f, double scale, double offset) {
+    return EndMotion{scaled(f.derivative_of_t(0, by), scale, offset), scaled(f.derivative_of_t(1, by), scale, 0.0),
+                     scaled(f.derivative_of_t(2, by), scale, 0.0), f.breaks()};
+  };
+  if (const auto force = dependent("force"))
+    rates.force = EndForce{force->derivative_of_t(0, by), force->breaks(), force->is_constant()};
+  if (const auto moved = dependent("motion"); moved && input.motion) rates.motion = motion(*moved, 1.0, 0.0);
+  if (auto* obstacle = std::get_if<Obstacle>(&end))
+    if (const auto gap = dependent("gap")) {
+      obstacle->gap = gap->derivative_of_t(0, by)(0.0);
+      const double sign = obstacle->side == Side::above ? -1.0 : 1.0;
+      if (input.motion) rates.motion = motion(*gap, -sign, sign * obstacle->gap);
+    }
+}
+
 }  // namespace
 
 Direction direction_of(const SceneEntries& entries, const Case& run, const std::string& key) {
@@ -68,7 +94,8 @@ Direction direction_of(const SceneEntries& entries, const Case& run, const std::
   if (!parameter && !length) return along;
   along.key = key;
   if (parameter) along.bar.density = 0.0;
-  for (const char* name : {"initial.displacement", "initial.velocity", "load.density", "load.profile", "load.history"})
+  for (const char* name : {"initial.displacement", "initial.velocity", "load.density", "load.profile", "load.history",
+                           "left.force", "right.force", "left.motion", "right.motion", "left.gap", "right.gap"})
     if (const auto formula = entries.formula(name); formula && formula->moves_jump(by))
       throw std::invalid_argument(
           fmt::format("{}: a condition in {} depends on {}, and a jump that moves has no derivative", key, name, by));
@@ -77,6 +104,12 @@ Direction direction_of(const SceneEntries& entries, const Case& run, const std::
   if (displacement) along.data.displacement = rate_of_x(*displacement, by, size);
   if (velocity) along.data.velocity = rate_of_x(*velocity, by, size);
   along.data.load = rate_of_load(entries, by, size, length ? 1.0 / size : 0.0);
+  if (parameter) {
+    add_rates_of_end(entries, "left", run.scene.left_input, by, along.data.left, along.data.left_input);
+    add_rates_of_end(entries, "right", run.scene.right_input, by, along.data.right, along.data.right_input);
+    if (const auto gap = entries.formula("span.gap"); gap && along.data.span && gap->derivative(by))
+      along.data.span->gap = gap->derivative_of_t(0, by)(0.0);
+  }
   const Mesh mesh = run.mesh();
   for (std::size_t j = 0; j < mesh.nodes(); ++j)
     if (!std::isfinite(along.data.displacement(mesh.node(j))) || !std::isfinite(along.data.velocity(mesh.node(j))))

@@ -39,12 +39,19 @@ const TomlValue& fallback_of(const SceneKey& key) {
   return values[static_cast<std::size_t>(&key - scene_keys().data())];
 }
 
+// Not by fmt::join, where gcc 12 warns of an overflow that does not happen.
+std::string listed(std::span<const std::string_view> names) {
+  std::string all;
+  for (const std::string_view name : names) all.append(all.empty() ? "" : ", ").append(name);
+  return all;
+}
+
 std::string suggestion(const SceneKey* nearest, std::string_view table) {
   if (nearest) return fmt::format("; nearest is \"{}\"", nearest->table() == table ? nearest->leaf() : nearest->name);
   std::vector<std::string_view> siblings;
   for (const SceneKey& key : scene_keys())
     if (key.table() == table) siblings.push_back(key.leaf());
-  return fmt::format("; known here: {}", fmt::join(siblings, ", "));
+  return fmt::format("; known here: {}", listed(siblings));
 }
 
 }  // namespace
@@ -53,7 +60,7 @@ std::string unknown_key(std::string_view table, std::string_view leaf) {
   if (!table.empty() && !is_scene_table(table)) {
     const auto nearest = meant_name(table, scene_tables());
     return nearest ? fmt::format("unknown table; nearest is [{}]", *nearest)
-                   : fmt::format("unknown table; known are {}", fmt::join(scene_tables(), ", "));
+                   : fmt::format("unknown table; known are {}", listed(scene_tables()));
   }
   return "unknown key" + suggestion(nearest_scene_key(table, leaf), table);
 }
@@ -245,7 +252,7 @@ void SceneEntries::report_unknown_table(const Place& place, const std::string& k
                                         std::optional<std::string_view> nearest) {
   report_at(place, key,
             nearest ? fmt::format("unknown table; nearest is [{}]", *nearest)
-                    : fmt::format("unknown table; known are {}", fmt::join(scene_tables(), ", ")));
+                    : fmt::format("unknown table; known are {}", listed(scene_tables())));
 }
 
 void SceneEntries::report_at(const Place& place, const std::string& key, const std::string& message) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "input/input_text.hpp"
+#include "input/synonyms.hpp"
 
 namespace viscobar {
 

@@ -97,9 +97,8 @@ void Sensitivities::complete(Derivative& derivative, const Moment& at, std::span
   derivative.motion().complete_velocity(at.t, s.first(n), s.subspan(n, n));
 }
 
-// Of s u + gap, or of the reaction where that decides.
-double Sensitivities::indicator_rate(const Moment& at, std::size_t i) {
-  if (!system_.closed(i) || !system_.holds(i)) return system_.contact(i).sign * at.w[system_.contact(i).unknown];
+// Makes time_ the motion of (v, a).
+void Sensitivities::differentiate_by_time(const Moment& at) {
   std::ranges::fill(load_rate_, 0.0);
   if (system_.load_varies()) {
     const auto [before, after] = system_.beside(at.t);
@@ -110,6 +109,24 @@ double Sensitivities::indicator_rate(const Moment& at, std::size_t i) {
     }
   }
   time_.take_contacts();
+}
+
+// Of the velocity of a node; that of a massless one follows from its row. Without viscosity that asks for a second
+// derivative of the load, which nobody knows.
+double Sensitivities::acceleration_of(const Moment& at, std::size_t node) {
+  const BarSystem& bar = system_.bar();
+  if (node >= bar.massive_begin() && node < bar.massive_end()) return acceleration_[node];
+  if (!bar.damped() && system_.load_varies()) return nothing;
+  differentiate_by_time(at);
+  std::vector<double> rates = acceleration_;
+  time_.motion().complete_velocity(at.t, at.w, rates);
+  return rates[node];
+}
+
+// Of s u + gap, or of the reaction where that decides.
+double Sensitivities::indicator_rate(const Moment& at, std::size_t i) {
+  if (!system_.closed(i) || !system_.holds(i)) return system_.contact(i).sign * at.w[system_.contact(i).unknown];
+  differentiate_by_time(at);
   return time_.motion().holding_force(i, at.t, at.w, acceleration_);
 }
 
@@ -140,6 +157,7 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, std::size_t i, st
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
   const double rate = indicator_rate(at, i);
   const bool graze = grazes(i, rate), held = system_.closed(i) && system_.holds(i);
+  const double acceleration = acceleration_of(at, node);
   old_velocity_ = w_;
   old_acceleration_ = acceleration_;
   bool moves = false;
@@ -152,7 +170,8 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, std::size_t i, st
         held ? derivative.reaction(i, at, s.first(n), s.subspan(n, n)) : derivative.motion().clearance(i, s.first(n));
     shifts_[k] = fall == 0.0 ? 0.0 : -fall / rate;
     moves |= fall != 0.0;
-    if (!graze || fall == 0.0) changes[k] = {shifts_[k], s[n + node] + acceleration_[node] * shifts_[k]};
+    if (!graze || fall == 0.0)
+      changes[k] = {shifts_[k], s[n + node] + (shifts_[k] == 0.0 ? 0.0 : acceleration * shifts_[k])};
   }
   if (t == last_change_.first && i != last_change_.second && system_.collides()) {
     std::vector<double> answer(n, 0.0);
@@ -220,6 +239,44 @@ void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
   shifted_ = false;
 }
 
+void Sensitivities::add_frame(double t, std::size_t i, std::vector<ChangeSensitivity>& changes) const {
+  const BarSystem& bar = system_.bar();
+  if (!bar.moving()) return;
+  const double share = bar.share(system_.contact(i).unknown), acceleration = bar.lift(t, 2).at(share);
+  for (std::size_t k = 0; k < changes.size(); ++k)
+    changes[k].velocity += acceleration * changes[k].time + pointers_[k]->motion().lift(t, 1).at(share);
+}
+
+void Sensitivities::pass_kink(double t, double end, bool bar_has_one, std::span<double> y) {
+  if (lost()) return;
+  for (std::size_t i = 0; i < system_.contact_count() && bar_has_one; ++i)
+    if (system_.collides(i) && system_.closed(i))
+      return lose(t, "the motion of an end has a kink, and a rigid contact that is closed an impact or an end", y);
+  const std::size_t n = layout_->nodes;
+  for (std::size_t k = 0; k < pointers_.size(); ++k) {
+    if (!pointers_[k]->data().moving()) continue;
+    pointers_[k]->begin_leg(t, end);
+    const std::span<double> s = layout_->derivative(y, k);
+    try {
+      const auto jump = pointers_[k]->data().kink(t, end);
+      if (!jump) continue;
+      const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+      complete(*pointers_[k], at, s);
+      // The impulse of what moves the frame is none of an obstacle.
+      const auto account = [&](double sign) {
+        std::size_t entry = 2 * n;
+        if (layout_->left) s[entry++] += sign * pointers_[k]->momentum(0, at, s.first(n), s.subspan(n, n));
+        if (layout_->right) s[entry++] += sign * pointers_[k]->momentum(n - 1, at, s.first(n), s.subspan(n, n));
+      };
+      account(1.0);
+      pointers_[k]->data().pass_kink(*jump, s.subspan(n, n));
+      account(-1.0);
+    } catch (const LoadError&) {
+      return lose(t, fmt::format("the motion of an end has a kink whose time moves with {}", directions_[k].key), y);
+    }
+  }
+}
+
 void Sensitivities::lose(double t, std::string why, std::span<double> y) {
   account_->lost = t;
   account_->why = std::move(why);
@@ -246,8 +303,7 @@ std::span<const FieldSensitivity> Sensitivities::fields(double t, std::span<doub
     derivative.take_contacts();
     complete(derivative, at, s);
     Field& field = fields_[k];
-    derivative.data().expand_displacement(s.first(n), field.u);
-    derivative.data().expand_velocity(s.subspan(n, n), field.v);
+    derivative.expand(t, s.first(n), s.subspan(n, n), field.u, field.v);
     FieldSensitivity told{field.u, field.v, 0.0, 0.0};
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
       const std::size_t node = system_.contact(i).unknown;

@@ -41,6 +41,11 @@ class Sensitivities {
   /// It has, y being the state after the change but for its derivatives.
   void after(double t, std::size_t i, std::span<double> y);
 
+  /// To those of a change of contact i, velocities in the frame, what they are of the bar itself.
+  void add_frame(double t, std::size_t i, std::vector<ChangeSensitivity>& changes) const;
+  /// A leg begins at t, where motions of ends may have kinks; before the velocities of the bar have passed its own.
+  void pass_kink(double t, double end, bool bar_has_one, std::span<double> y);
+
   /// Of a snapshot, valid until the next call.
   std::span<const FieldSensitivity> fields(double t, std::span<double> y, const Snapshot& snapshot);
   /// Brings the account up to date.
@@ -54,6 +59,8 @@ class Sensitivities {
   void lose(double t, std::string why, std::span<double> y);
   Moment look_at(double t, std::span<const double> u, std::span<const double> w);
   void complete(Derivative& derivative, const Moment& at, std::span<double> s);
+  void differentiate_by_time(const Moment& at);
+  double acceleration_of(const Moment& at, std::size_t node);
   double indicator_rate(const Moment& at, std::size_t i);
   bool grazes(std::size_t i, double rate) const;
   bool jumps(std::size_t i) const;

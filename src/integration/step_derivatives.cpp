@@ -36,8 +36,9 @@ double StepPolynomial::relaxed_derivative(const Relaxation& relaxation, std::siz
       const double at = static_cast<double>(j) / (points - 1);
       const auto [of_next, rate_of_next] = derivative_at(k, next, at);
       const double u = value(node, at, 0);
-      const double force = derivative.motion().load_alone(node, begin_.t + at * h) +
-                           derivative.drive_row(node, u, value(next, at, 0), value(node, at, 1), value(next, at, 1));
+      const double force =
+          derivative.motion().load_alone(node, begin_.t + at * h) +
+          derivative.drive_row(node, begin_.t + at * h, u, value(next, at, 0), value(node, at, 1), value(next, at, 1));
       f[j] = row.constant + row.neighbours[0].u_share * of_next + row.neighbours[0].w_share * rate_of_next +
              row.load_share * force;
     }

@@ -237,7 +237,9 @@ class StepwisePart {
     for (std::size_t i = 0; i < system_.contact_count(); ++i)
       if (system_.closed(i)) system_.measure_from_obstacle(i, u());
     leg_end_ = system_.begin_leg(t, times_.back());
-    if (const auto jump = system_.bar().kink(t, times_.back())) pass_kink(t, *jump);
+    const auto jump = system_.bar().kink(t, times_.back());
+    if (sensitivities_) sensitivities_->pass_kink(t, times_.back(), jump.has_value(), y_);
+    if (jump) pass_kink(t, *jump);
     system_.complete_displacement(t, u());
     system_.complete_velocity(t, u(), w());
     if (sensitivities_) sensitivities_->begin_leg(t, times_.back());
@@ -347,7 +349,9 @@ class StepwisePart {
   void tell_event(double t, std::size_t i, Change change, double velocity) {
     const BarSystem& bar = system_.bar();
     if (bar.moving()) velocity += bar.lift(t, 1).at(bar.share(system_.contact(i).unknown));
-    telling_.event(t, bar, system_.contact(i), change, velocity, changes_);
+    std::vector<ChangeSensitivity> of_bar = changes_;
+    if (sensitivities_) sensitivities_->add_frame(t, i, of_bar);
+    telling_.event(t, bar, system_.contact(i), change, velocity, of_bar);
   }
 
   void tell_snapshot(double t) {

@@ -20,8 +20,8 @@
 namespace viscobar {
 
 void members(Like<SweepRow> auto& row, auto&& each) {
-  each(row.index, row.completed, row.error, std::span(row.values.data(), row.values.size()), row.seconds,
-       row.integration_seconds);
+  each(row.index, row.completed, row.error, std::span(row.values.data(), row.values.size()), row.derivatives,
+       row.seconds, row.integration_seconds);
 }
 void members(Like<SweepCase> auto& one, auto&& each) { each(one.index, one.overrides); }
 

@@ -83,6 +83,13 @@ std::vector<std::size_t> SweepPlan::choice(std::size_t index) const {
   return chosen;
 }
 
+std::vector<std::string> SweepPlan::derivatives() const {
+  std::vector<std::string> names;
+  for (const std::string& key : sensitivities)
+    for (const std::string_view quantity : differentiated) names.push_back(fmt::format("{}/{}", quantity, key));
+  return names;
+}
+
 std::vector<std::string> SweepPlan::overrides(std::size_t index) const {
   const std::vector<std::size_t> chosen = choice(index);
   std::vector<std::string> texts;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <string_view>
 
 #include "case/alarm.hpp"
@@ -55,16 +56,48 @@ void tell(SweepRow& row, const Scene& scene, const Statistics& done) {
   if (scene.span) row[Quantity::closings_span] = static_cast<double>(account.span.closings);
 }
 
+// The columns of `differentiated`, gathered while a run goes on.
+struct Derivatives {
+  std::size_t keys;
+  std::vector<ChangeSensitivity> closing{}, opening{};  // of the first of each, for each key
+
+  void add(const Event& event) {
+    auto& first = event.change == Change::closing ? closing : opening;
+    if (first.empty()) first = event.sensitivities;
+  }
+  std::vector<double> row(const Statistics& done) const {
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    std::vector<double> values;
+    for (std::size_t k = 0; k < keys; ++k) {
+      const auto account = [&](const std::vector<double> SensitivityAccount::*member) {
+        if (!done.sensitivity || k >= ((*done.sensitivity).*member).size()) return none;
+        return ((*done.sensitivity).*member)[k];
+      };
+      const auto time = [&](const std::vector<ChangeSensitivity>& first) {
+        return k < first.size() ? first[k].time : none;
+      };
+      for (const double value :
+           {account(&SensitivityAccount::impulse_left), account(&SensitivityAccount::impulse_right),
+            account(&SensitivityAccount::energy), time(closing), time(opening)})
+        values.push_back(value);
+    }
+    return values;
+  }
+};
+
 // Whether nothing interrupted it.
 bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& interrupted,
                    accuracy::Probe* probe = nullptr, Statistics* statistics = nullptr) {
   const BarSystem system = make_system(run);
   std::size_t steps = 0, events = 0;
   double reached = 0.0;
+  Derivatives derivatives{run.directions.size()};
   Observers observers;
   observers.energy = observers.account = true;
+  observers.directions = run.directions;
   observers.event = [&](const Event& event) {
     ++events;
+    derivatives.add(event);
     if (probe) probe->add(event);
   };
   if (probe) observers.snapshot = [probe](const Snapshot& snapshot) { probe->add(snapshot); };
@@ -78,6 +111,7 @@ bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
     if (!done.completed) return false;
     if (statistics) *statistics = done;
     tell(row, run.scene, done);
+    row.derivatives = derivatives.row(done);
     row.completed = true;
     for (const Alarm& alarm : alarms(run, system, done)) {
       if (!alarm.ruinous) continue;
@@ -86,6 +120,7 @@ bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
     }
   } catch (const IntegrationError& error) {
     tell(row, run.scene, error.statistics);
+    row.derivatives = derivatives.row(error.statistics);
     row.error = error.what();
   } catch (const std::exception& error) {
     row[Quantity::steps] = static_cast<double>(steps);

@@ -32,6 +32,8 @@ std::string sweep_csv(const SweepPlan& plan, std::span<const SweepRow* const> ro
   add("completed");
   add("error");
   for (const QuantityColumn& column : quantity_columns()) add(column.name);
+  const std::vector<std::string> derivatives = plan.derivatives();
+  for (const std::string& name : derivatives) add(name);
   text += '\n';
   for (const SweepRow* row : rows) {
     text += cell(static_cast<std::int64_t>(row->index));
@@ -40,7 +42,7 @@ std::string sweep_csv(const SweepPlan& plan, std::span<const SweepRow* const> ro
       std::visit([&](const auto& list) { add(cell(list[chosen[k]])); }, plan.keys[k].values);
     add(row->completed ? "1" : "0");
     add(cell(row->error));
-    for (const double value : row->values) add(cell(value));
+    for (std::size_t k = 0; k < quantities + derivatives.size(); ++k) add(cell(row->column(k)));
     text += '\n';
   }
   return text;

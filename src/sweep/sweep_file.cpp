@@ -57,6 +57,8 @@ class SweepReader {
       throw SceneError(std::move(found_));
     }
     sweep_.settings.insert(sweep_.settings.end(), overrides_.begin(), overrides_.end());
+    sweep_.plan.sensitivities =
+        SceneEntries(sweep_.scene_text, sweep_.scene_source, sweep_.settings).list("sensitivity.of");
     return std::move(sweep_);
   }
 

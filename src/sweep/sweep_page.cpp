@@ -21,11 +21,11 @@ namespace {
 using plot::json_string;
 
 /// The columns whose values are not all the same, or not all missing.
-std::vector<std::size_t> telling_columns(std::span<const SweepRow* const> rows) {
+std::vector<std::size_t> telling_columns(const SweepPlan& plan, std::span<const SweepRow* const> rows) {
   std::vector<std::size_t> shown;
-  for (std::size_t k = 0; k < quantities; ++k) {
+  for (std::size_t k = 0; k < quantities + plan.derivatives().size(); ++k) {
     const auto differs = [&](const SweepRow* row) {
-      const double a = row->values[k], b = rows.front()->values[k];
+      const double a = row->column(k), b = rows.front()->column(k);
       return !(a == b || (std::isnan(a) && std::isnan(b)));
     };
     if (!rows.empty() && std::ranges::any_of(rows, differs)) shown.push_back(k);
@@ -95,11 +95,14 @@ std::string data_json(const SweepFile& sweep, std::span<const SweepRow* const> r
     return fmt::format(R"({{"name":{},"values":{}}})", json_string(key.key),
                        list(first_numbers(key.size()), [&](std::size_t i) { return word(key, i, true); }));
   };
+  const std::vector<std::string> derivatives = sweep.plan.derivatives();
   const auto column_json = [&](std::size_t k) {
-    const QuantityColumn& column = quantity_columns()[k];
+    const QuantityColumn column =
+        k < quantities ? quantity_columns()[k]
+                       : QuantityColumn{derivatives[k - quantities], "", "derivative of the one by the other"};
     return fmt::format(R"({{"name":{},"unit":{},"meaning":{},"values":{}}})", json_string(column.name),
                        json_string(column.unit), json_string(column.meaning),
-                       list(rows, [&](const SweepRow* row) { return number(row->values[k]); }));
+                       list(rows, [&](const SweepRow* row) { return number(row->column(k)); }));
   };
   const auto first = std::ranges::find_if(by_interest, [&](Quantity quantity) {
     return std::ranges::find(shown, static_cast<std::size_t>(quantity)) != shown.end();
@@ -123,7 +126,7 @@ Table sweep_text_table(const SweepFile& sweep, std::span<const SweepRow* const> 
   const auto& keys = sweep.plan.keys;
   Table table{{"case"}, 1 + keys.size(), {}};
   for (const VariedKey& key : keys) table.header.push_back(key.key);
-  const std::vector<std::size_t> telling = telling_columns(rows);
+  const std::vector<std::size_t> telling = telling_columns(sweep.plan, rows);
   std::vector<std::size_t> shown;
   constexpr std::size_t most_columns = 4;
   for (const Quantity quantity : by_interest)
@@ -155,7 +158,7 @@ std::string sweep_page(const SweepFile& sweep, std::span<const SweepRow* const> 
       "<p class=\"model\">{} over {}: {} of {} cases are done{}.</p>\n", escaped(sweep.scene_source), keys, all.size(),
       sweep.plan.size(),
       all.size() > rows.size() ? fmt::format("; this page has the first {}, sweep.csv has all", rows.size()) : ""));
-  const std::vector<std::size_t> shown = telling_columns(rows);
+  const std::vector<std::size_t> shown = telling_columns(sweep.plan, rows);
   if (shown.empty() || sweep.plan.keys.empty()) {
     page.add("<section><p>Nothing differs from case to case.</p></section>\n");
     return page.html();

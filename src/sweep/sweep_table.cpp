@@ -137,6 +137,7 @@ std::vector<TableField> table_fields(const SweepPlan& plan) {
   add("completed", Kind::flag, 1);
   add("error", Kind::text, longest_error);
   for (std::size_t k = 0; k < quantities; ++k) add(quantity_columns()[k].name, Kind::real, 8);
+  for (const std::string& name : plan.derivatives()) add(name, Kind::real, 8);
   return fields;
 }
 
@@ -220,6 +221,8 @@ std::vector<SweepRow> SweepTable::read() const {
     const char* error = from + fields_[completed + 1].offset;
     row.error.assign(error, strnlen(error, longest_error));
     for (std::size_t k = 0; k < quantities; ++k) row.values[k] = get<double>(from, fields_[completed + 2 + k]);
+    for (std::size_t k = completed + 2 + quantities; k < fields_.size(); ++k)
+      row.derivatives.push_back(get<double>(from, fields_[k]));
     row.seconds = timings[i].seconds;
     row.integration_seconds = timings[i].integration_seconds;
     rows.push_back(std::move(row));
@@ -239,7 +242,7 @@ void SweepTable::write(const SweepRow& row) {
   }
   put(buffer_, *field++, static_cast<std::uint8_t>(row.completed));
   put_text(buffer_, *field++, row.error);
-  for (const double value : row.values) put(buffer_, *field++, value);
+  for (std::size_t k = 0; field != fields_.end(); ++k) put(buffer_, *field++, row.column(k));
 
   const Timings timings{row.seconds, row.integration_seconds};
   const std::uint64_t sum = row_checksum(identity_, {buffer_.data(), buffer_.size()},

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace viscobar::characteristics {
@@ -41,7 +43,8 @@ TEST(FunctionOfTime, BreaksWhereItHasAKinkAndNowhereElse) {
 TEST(FunctionOfTime, OfSamplesIsACubicSpline) {
   const auto through = [](std::size_t n, auto&& f) {
     std::vector<double> t, y;
-    for (std::size_t i = 0; i <= n; ++i) t.push_back(end * std::pow(i / double(n), 1.1)), y.push_back(f(t.back()));
+    for (std::size_t i = 0; i <= n; ++i)
+      t.push_back(end * std::pow(static_cast<double>(i) / static_cast<double>(n), 1.1)), y.push_back(f(t.back()));
     return spline_through(t, y);
   };
   const auto cubic = [](double t) { return 1.0 + t * (2.0 - t * (0.5 - 0.1 * t)); };

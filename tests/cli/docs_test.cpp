@@ -70,6 +70,7 @@ constexpr Page pages[] = {{"README.md", "readme", 6},
                           {"docs/penalty-limit.md", "limit", 1},
                           {"docs/internals/stability.md", "stability", 1},
                           {"docs/internals/storms.md", "storms", 1},
+                          {"docs/internals/sweep-balance.md", "sweep_balance", 1},
                           {"docs/sweep.md", "sweep", 1},
                           {"docs/sensitivity.md", "sensitivity", 1},
                           {"docs/fit.md", "fit", 2}};

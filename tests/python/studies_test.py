@@ -86,6 +86,37 @@ class StudiesTest(Test):
                         same = str(row[key]) == cell
                     self.assertTrue(same, (key, row[key], cell))
 
+    def test_sweep_has_the_derivatives_that_the_scene_asks_for(self):
+        scene = {**thrown(), "sensitivity": {"of": ["left.gap"]}}
+        for row in viscobar.sweep(scene, {"mesh.elements": [10, 20]}):
+            told = viscobar.run(scene, set={"mesh.elements": row["mesh.elements"]}).summary["sensitivity"]["left.gap"]
+            self.assertEqual(row["impulse_left/left.gap"], told["impulse_left"])
+            self.assertEqual(row["first_closing/left.gap"], told["contact_times"][0])
+
+    def test_fit_is_that_of_the_program(self):
+        measured = viscobar.run(thrown(), set={"bar.viscosity": 0.12})
+        traces = {key: measured.ends[key].copy() for key in ("t", "u_left")}
+        traces["u_left"][3] = np.nan
+        options = {"bounds": {"bar.viscosity": (0.01, 1.0)}, "deviations": {"u_left": 1e-3}}
+        found = viscobar.fit(thrown(), ["bar.viscosity"], data=traces, **options)
+        self.assertTrue(found.converged)
+        self.assertAlmostEqual(found.estimates["bar.viscosity"], 0.12, 6)
+        self.assertEqual(found.covariance.shape, (1, 1))
+        with tempfile.TemporaryDirectory() as directory:
+            file = pathlib.Path(directory) / "trace.csv"
+            cells = [f"{t!r},{'' if math.isnan(u) else repr(float(u))}" for t, u in zip(map(float, traces["t"]), traces["u_left"])]
+            file.write_text("t,u_left\n" + "\n".join(cells) + "\n")
+            theirs = self.program(
+                "fit", "--data", file, "--parameters", "bar.viscosity", "--bounds", "bar.viscosity=0.01:1.0",
+                "--deviation", "u_left=0.001",
+            )  # fmt: skip
+            again = viscobar.fit(thrown(), ["bar.viscosity"], data=file, **options)
+        for ours in (found, again):
+            self.assertEqual(ours.summary["parameters"], theirs["parameters"])
+            self.assertEqual(ours.summary["runs"], theirs["runs"])
+        with self.assertRaisesRegex(ValueError, "there are no data"):
+            viscobar.fit(thrown(), ["bar.viscosity"])
+
     def test_sweep_says_what_is_wrong(self):
         rows = viscobar.sweep(thrown(), {"left.gap": np.array([0.1, -1.0])})
         self.assertEqual([row["completed"] for row in rows], [True, False])

@@ -148,7 +148,7 @@ TEST(Report, MarksContactUnderASpan) {
   const Html report = page(scene);
   EXPECT_TRUE(report.has("in contact"));
   EXPECT_TRUE(report.has("under the whole span"));
-  EXPECT_TRUE(report.has("Under the span: nodes closed"));
+  EXPECT_TRUE(report.has("span, its nodes together"));
 }
 
 // Fed with snapshots and events, not computed: 10^6 output times of 60 nodes, 10^5 contact changes; and 10^5 elements.

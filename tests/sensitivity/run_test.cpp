@@ -179,6 +179,57 @@ TEST(Sensitivities, EndWhereARigidContactGrazes) {
     EXPECT_EQ(std::isnan(found.sensitivities[0].u[k * nodes]), found.times[k] > *found.statistics.sensitivity->lost);
 }
 
+// A bar at rest that is pressed on a rigid obstacle, and pulled off it for a moment.
+Case pulled(double pull) {
+  Case run;
+  run.scene.left = Obstacle{0.0};
+  run.scene.displacement = run.scene.velocity = [](double) { return 0.0; };
+  run.scene.load =
+      GeneralLoad{[pull](double, double t) { return -1.0 + pull * std::exp(-25.0 * (t - 1.0) * (t - 1.0)); }};
+  run.scene.bar.viscosity = 0.3;
+  run.elements = 8;
+  run.method = MethodName::rigid;
+  run.mass = Mass::consistent;
+  run.tolerance = {1e-10};
+  run.end = 2.0;
+  run.output_every = 0.1;
+  Direction more = direction(run, "bar.density");
+  more.bar.density = 0.0;
+  more.data.load = GeneralLoad{[](double, double t) { return std::exp(-25.0 * (t - 1.0) * (t - 1.0)); }};
+  run.directions = {more};
+  return run;
+}
+
+// The first pull that opens it, to rounding, opens it where its reaction has a minimum of zero.
+TEST(Sensitivities, EndWhereARigidContactOpensByAGraze) {
+  double stays = 0.0, opens = 10.0;
+  ASSERT_EQ(record(pulled(stays)).events.size(), 1u);
+  ASSERT_GT(record(pulled(opens)).events.size(), 1u);
+  while (opens - stays > 1e-13) {
+    const double middle = 0.5 * (stays + opens);
+    (record(pulled(middle)).events.size() > 1 ? opens : stays) = middle;
+  }
+  const Recording grazes = record(pulled(opens));
+  ASSERT_TRUE(grazes.statistics.sensitivity->lost.has_value());
+  EXPECT_EQ(*grazes.statistics.sensitivity->lost, grazes.events[1].time);
+  EXPECT_EQ(grazes.events[1].change, Change::opening);
+  EXPECT_TRUE(std::isnan(grazes.events[1].sensitivities[0].time));
+  EXPECT_TRUE(std::isnan(grazes.sensitivities[0].u.back()));
+  EXPECT_TRUE(std::isfinite(grazes.sensitivities[0].u[5 * grazes.mesh.nodes()]));
+  EXPECT_FALSE(record(pulled(stays)).statistics.sensitivity->lost.has_value());
+  // A pull that opens it for good has derivatives: the error of the differences is 1e-8 and 100 tolerances over 1e-4.
+  const double pull = 1.5 * opens;
+  const Recording found = record(pulled(pull)), more = record(pulled(pull + 1e-4)), less = record(pulled(pull - 1e-4));
+  ASSERT_FALSE(found.statistics.sensitivity->lost.has_value());
+  ASSERT_GE(found.events.size(), 2u);
+  ASSERT_EQ(more.events.size(), found.events.size());
+  ASSERT_EQ(less.events.size(), found.events.size());
+  for (std::size_t i = 1; i < found.events.size(); ++i) {
+    const double slope = (more.events[i].time - less.events[i].time) / 2e-4;
+    EXPECT_NEAR(found.events[i].sensitivities[0].time, slope, 2e-4 * std::max(1.0, std::abs(slope))) << i;
+  }
+}
+
 TEST(Sensitivities, GoOnWhereASpringGrazesButForItsTime) {
   Case run = turned_back(0.5 - 1e-13);
   run.method = MethodName::cvode;
@@ -195,7 +246,10 @@ TEST(Sensitivities, AreThoseBeforeAChangeAtAnOutputTimeAndExistAtTheEnd) {
     Case run = turned_back(0.5);
     run.scene.load.reset();
     run.end = end;
-    run.directions = directions(run, {"left.gap"});
+    run.directions = directions(run, {"left.gap", "left.gap"});
+    run.directions[1] = direction(run, "bar.density");
+    run.directions[1].bar.density = 0.0;
+    run.directions[1].data.velocity = [](double) { return 1.0; };
     const Recording found = record(run);
     ASSERT_LE(found.events.size(), 1u);  // a change at the very end may be just behind it
     if (end == 1.0) {
@@ -207,6 +261,7 @@ TEST(Sensitivities, AreThoseBeforeAChangeAtAnOutputTimeAndExistAtTheEnd) {
     }
     const std::size_t at = 2 * found.mesh.nodes();
     EXPECT_NEAR(found.sensitivities[0].u[at], 0.0, 1e-10);
+    EXPECT_NEAR(found.sensitivities[1].u[at], 0.5, 1e-10) << "the flight before the change";
     if (end == 1.0) {
       EXPECT_NEAR(found.sensitivities[0].u[at + found.mesh.nodes()], -1.0, 1e-10);
     }

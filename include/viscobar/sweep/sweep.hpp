@@ -35,11 +35,14 @@ enum class Combine {
 
 /// Which cases a sweep consists of: case i takes the value choice(i)[k] of key k.
 struct SweepPlan {
-  std::vector<VariedKey> keys;      ///< that vary
-  Combine combine = Combine::grid;  ///< how their values go together
+  std::vector<VariedKey> keys;               ///< that vary
+  Combine combine = Combine::grid;           ///< how their values go together
+  std::vector<std::string> sensitivities{};  ///< keys with respect to which a row has derivatives, too
 
   /// Number of cases; that of a grid without keys is 1. A grid of more than 2^64 cases is not counted.
   std::size_t size() const;
+  /// Names of the columns of derivatives: QUANTITY/KEY for each of `differentiated` and each key.
+  std::vector<std::string> derivatives() const;
   std::vector<std::size_t> choice(std::size_t index) const;  ///< an index into the values of each key
   /// "table.key=value" for each key, as read_scene() takes them; numbers read back to the last bit.
   std::vector<std::string> overrides(std::size_t index) const;
@@ -89,6 +92,10 @@ struct QuantityColumn {
 /// Name, unit and meaning of each quantity, in their order.
 std::span<const QuantityColumn, quantities> quantity_columns();
 
+/// What a row has derivatives of: impulses, the final energy, and the times at which a contact closes and opens first.
+inline constexpr std::array<std::string_view, 5> differentiated = {"impulse_left", "impulse_right", "energy_final",
+                                                                   "first_closing", "first_opening"};
+
 inline constexpr std::size_t longest_error = 512;  ///< bytes of an error in a row
 
 /// What became of a case.
@@ -100,14 +107,20 @@ struct SweepRow {
     std::array<double, quantities> none{};
     none.fill(std::numeric_limits<double>::quiet_NaN());
     return none;
-  }();                               ///< NaN is what a table holds where the case has no such value
-  double seconds = 0.0;              ///< wall clock of the whole case
-  double integration_seconds = 0.0;  ///< of the method alone
+  }();                                ///< NaN is what a table holds where the case has no such value
+  std::vector<double> derivatives{};  ///< likewise, as SweepPlan::derivatives() names them; empty: all NaN
+  double seconds = 0.0;               ///< wall clock of the whole case
+  double integration_seconds = 0.0;   ///< of the method alone
 
   /// The value of a quantity.
   double& operator[](Quantity quantity) { return values[static_cast<std::size_t>(quantity)]; }
   /// The value of a quantity.
   double operator[](Quantity quantity) const { return values[static_cast<std::size_t>(quantity)]; }
+  /// That of column k of the quantities and of the derivatives behind them.
+  double column(std::size_t k) const {
+    if (k < quantities) return values[k];
+    return k - quantities < derivatives.size() ? derivatives[k - quantities] : std::numeric_limits<double>::quiet_NaN();
+  }
 };
 
 /// The order in which cases are handed out, one whenever a worker is free: the most expensive first, so that no long
