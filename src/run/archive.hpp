@@ -45,7 +45,9 @@ void members(Like<EndAccount> auto& end, auto&& each) {
 void members(Like<Representation> auto& representation, auto&& each) {
   each(representation.error, representation.rounding, representation.velocity);
 }
-void members(Like<SpanAccount> auto& span, auto&& each) { each(span.closings, span.openings, span.contact, span.impulse, span.peak_reaction); }
+void members(Like<SpanAccount> auto& span, auto&& each) {
+  each(span.closings, span.openings, span.contact, span.impulse, span.peak_reaction);
+}
 void members(Like<RunAccount> auto& account, auto&& each) { each(account.left, account.right, account.span); }
 void members(Like<Statistics> auto& statistics, auto&& each) {
   each(statistics.unknowns, statistics.steps, statistics.rhs_evaluations, statistics.linear_solves,

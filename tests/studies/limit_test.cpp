@@ -301,7 +301,8 @@ TEST(Limit, TellsItsProgressRunByRun) {
 // Traces T(x) = value(x) at every time.
 Settling settling_of(double (*value)(double), const std::vector<double>& at) {
   std::vector<EndTraces> traces;
-  for (const double x : at) traces.push_back({.left = {value(x)}, .right = {0.0}, .events = {}, .statistics = {}});
+  for (const double x : at)
+    traces.push_back({.left = {value(x)}, .right = {0.0}, .between = {}, .events = {}, .statistics = {}});
   TraceSequence sequence;
   for (std::size_t i = 0; i < at.size(); ++i) sequence.add(at[i], traces[i]);
   return settling(sequence, {.order = 0.5, .values = 3, .safety = 1.0}, 0.0);
@@ -332,7 +333,7 @@ TEST(LimitVerdict, WherePenalisedTracesDivergeASmallerEpsilonIsNotWhatIsLacking)
   LimitTraces mesh;
   const std::vector<double> at = decades(1e-2, 1e-5), steps = decades(1e-2, 1e-4);
   const auto constant = [](double value) {
-    EndTraces traces{.left = {value}, .right = {0.0}, .events = {}, .statistics = {}};
+    EndTraces traces{.left = {value}, .right = {0.0}, .between = {}, .events = {}, .statistics = {}};
     traces.statistics.max_penetration = 1e-12;
     return traces;
   };
@@ -348,7 +349,7 @@ TEST(LimitVerdict, WherePenalisedTracesDivergeASmallerEpsilonIsNotWhatIsLacking)
 // Ends that move by 5 and limits known to 2: however far the bar would have fallen without the obstacle.
 TEST(LimitVerdict, WhatABarWouldFallWithoutItsObstacleIsNotAtStake) {
   const auto moves = [](double off) {
-    EndTraces traces{.left = {0.0, 5.0 + off}, .right = {0.0, 0.0}, .events = {}, .statistics = {}};
+    EndTraces traces{.left = {0.0, 5.0 + off}, .right = {0.0, 0.0}, .between = {}, .events = {}, .statistics = {}};
     traces.statistics.max_penetration = 1e-6;
     return traces;
   };

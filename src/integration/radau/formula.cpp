@@ -133,7 +133,13 @@ Formula::Formula() : nodes(radau_nodes()), weights_{}, rates_{} {
     next_term = std::max(next_term, std::abs(c));
   }
   std::array<Polynomial, stages> bases;
-  for (std::size_t m = 0; m < stages; ++m) bases[m] = lagrange(nodes, m);
+  for (std::size_t m = 0; m < stages; ++m) {
+    bases[m] = lagrange(nodes, m);
+    std::array<Number, stages + 1> powers;
+    std::ranges::copy(bases[m], powers.begin());
+    const std::array<Number, stages + 1> chebyshev = in_chebyshev(powers);
+    for (std::size_t k = 0; k < 4; ++k) tail[m][k] = static_cast<double>(chebyshev[stages - 3 + k].real());
+  }
   constexpr std::array<std::array<double, 2>, lanes> nearby = {
       {{10.1694, 1.6492}, {9.40637, 4.96922}, {7.73869, 8.37088}, {4.68549, 12.0106}}};
   for (std::size_t k = 0; k < lanes; ++k) {

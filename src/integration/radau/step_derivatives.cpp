@@ -36,8 +36,13 @@ StepDerivatives::StepDerivatives(PenalisedSystem& system, const Layout& layout,
       rates_(layout.block - 2 * layout.nodes) {
   for (const Derivative* one : derivatives) asks_for_inertia_ |= one->asks_for_inertia();
   const std::size_t n = layout.nodes;
-  parts_.resize(derivatives.size(), {std::vector<double>(n), std::vector<double>(n), rates_, std::vector<Complex>(n),
-                                     std::vector<Complex>(rates_.size())});
+  parts_.resize(derivatives.size(), {std::vector<double>(n),
+                                     std::vector<double>(n),
+                                     rates_,
+                                     std::vector<Complex>(n),
+                                     std::vector<Complex>(rates_.size()),
+                                     {}});
+  for (Part& part : parts_) part.load_tail.resize(n);
 }
 
 Moment StepDerivatives::moment(double t, std::span<const double> y) {
@@ -83,7 +88,11 @@ void StepDerivatives::add_force(std::size_t stage, const Moment& at, std::span<c
     const std::span<const double> block = layout_.derivative(begin, k);
     derivatives_[k]->motion().force(at.t, block.first(n), block.subspan(n, n), force_);
     if (stage == 0) std::ranges::fill(part.x, Complex{Lanes::Zero(), Lanes::Zero()});
-    for (std::size_t i = 0; i < n; ++i) add(part.x[i], share, force_[i] - part.force[i]);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double change = force_[i] - part.force[i];
+      add(part.x[i], share, change);
+      part.load_tail.add(stage, i, change);
+    }
   }
 }
 
@@ -97,6 +106,8 @@ double StepDerivatives::solve(ShiftedSystems& systems, std::span<const double> w
     systems.solve(part.force, part.stiff_rate, true, part.x);
     statistics.linear_solves += lanes;
     const auto weight = layout_.derivative(weights, k);
+    largest = std::max(largest,
+                       part.load_tail.error(system_.bar(), h_, weight[0], weight[n + system_.bar().massive_begin()]));
     for (std::size_t i = 0; i < n; ++i)
       largest = std::max(
           {largest, h_ * std::abs(sum(of_u, part.x[i])) * weight[i], std::abs(sum(of_w, part.x[i])) * weight[n + i]});

@@ -5,6 +5,7 @@
 
 #include "dynamics/derivative.hpp"
 #include "integration/layout.hpp"
+#include "integration/radau/load_tail.hpp"
 #include "integration/radau/shifted_systems.hpp"
 #include "viscobar/run/run.hpp"
 
@@ -55,6 +56,7 @@ class StepDerivatives {
   struct Part {
     std::vector<double> force, stiff_rate, impulse_rates;  // where the step begins
     std::vector<Complex> x, impulses;
+    LoadTail load_tail;
   };
 
   Moment moment(double t, std::span<const double> y);

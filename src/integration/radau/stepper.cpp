@@ -9,6 +9,7 @@
 
 #include "integration/energy_flow.hpp"
 #include "integration/error_weights.hpp"
+#include "integration/radau/load_tail.hpp"
 #include "integration/radau/shifted_systems.hpp"
 #include "integration/radau/step_derivatives.hpp"
 #include "run/step_failure.hpp"
@@ -48,7 +49,7 @@ class Stepper final : public LegStepper {
         stiff_rate_(layout_.nodes),
         x_(layout_.nodes),
         inner_(layout_.account() > 0 ? layout_.size : 0) {
-    if (system_.load_varies()) load_change_.resize(layout_.nodes);
+    if (system_.load_varies()) load_change_.resize(layout_.nodes), load_tail_.resize(layout_.nodes);
     if (!run.derivatives.empty()) derivatives_.emplace(system_, layout_, run.derivatives);
   }
 
@@ -202,6 +203,7 @@ class Stepper final : public LegStepper {
     if (!(largest[0] + largest[1] <= std::numeric_limits<double>::max())) throw not_finite();
     double error =
         std::max({largest[2] * weight_[n + first], largest[3] * weight_[0], std::numeric_limits<double>::min()});
+    if (loaded) error = std::max(error, load_tail_.error(system_.bar(), h, weight_[0], weight_[n + first]));
     if (derivatives_)
       error =
           std::max(error, derivatives_->attempt(systems_, begin_t_, h, end_of_step(), begin_y_, weight_, statistics_,
@@ -226,6 +228,7 @@ class Stepper final : public LegStepper {
           x_[i] = {share.re * change, share.im * change};
         else
           x_[i].re += share.re * change, x_[i].im += share.im * change;
+        load_tail_.add(m, i, change);
       }
     }
   }
@@ -280,6 +283,7 @@ class Stepper final : public LegStepper {
   double stop_ = 0.0, begin_t_ = 0.0, end_t_ = 0.0, h_ = 0.0;  // of the leg, and of the last step
   std::vector<double> begin_y_, end_y_, weight_;
   std::vector<double> force_, stiff_rate_, load_change_;  // F and K w where the run is
+  LoadTail load_tail_;
   std::vector<Complex> x_;
   std::vector<std::size_t> entries_;
   std::vector<double> sampled_, inner_;

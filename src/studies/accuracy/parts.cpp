@@ -13,7 +13,7 @@ namespace {
 constexpr double finest_tolerance = 1e-13, loosest_that_methods_take = 0.1;
 // Of the relative tolerance, what the methods usually leave of an error (docs/accuracy-on-request.md). Two
 // runs may be closer to each other than to the motion: this is the least that is said of a tolerance.
-constexpr double usual_error = 0.05;
+constexpr double usual_error = 0.005;
 constexpr double least_order_of_penalty = 0.5, penalty_ratio = 10.0;
 
 double error_of(double apart, double ratio, double order) {
