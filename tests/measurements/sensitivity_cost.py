@@ -62,7 +62,7 @@ def main():
         print(f"\n{method}, {ELEMENTS[-1]} elements: of what {COUNTS[-1]} parameters add")
         added = {name: count - before.get(name, 0) for name, count in after.items()}
         for name, count in sorted(added.items(), key=lambda pair: -pair[1])[:40]:
-            if 0.02 <= count / (total - alone) < 0.995:
+            if not name.startswith("0x") and 0.03 <= count / (total - alone) < 0.995:
                 print(f"  {count / (total - alone):4.0%}  {name}")
 
 

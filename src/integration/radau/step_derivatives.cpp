@@ -122,7 +122,10 @@ void StepDerivatives::add_impulse_rates(std::size_t stage, const Moment& at, std
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     Part& part = parts_[k];
     derivatives_[k]->drive(at);
-    motion_of(k, formula.nodes[stage], begin, s_);
+    // The balance of momentum of an end asks for no more than its element.
+    const std::size_t n = layout_.nodes, two = std::min<std::size_t>(2, n);
+    motion_of(k, formula.nodes[stage], begin, s_, 0, two);
+    motion_of(k, formula.nodes[stage], begin, s_, n - two, n);
     impulse_rates(*derivatives_[k], at, std::span<const double>(s_).first(layout_.nodes), rates_);
     if (stage == 0)
       for (std::size_t e = 0; e < rates_.size(); ++e)
@@ -131,12 +134,13 @@ void StepDerivatives::add_impulse_rates(std::size_t stage, const Moment& at, std
   }
 }
 
-void StepDerivatives::motion_of(std::size_t k, double theta, std::span<const double> begin, std::span<double> s) const {
+void StepDerivatives::motion_of(std::size_t k, double theta, std::span<const double> begin, std::span<double> s,
+                                std::size_t first, std::size_t last) const {
   const Formula& formula = Formula::get();
   const Parts of_w = formula.weights(theta, 0), of_u = formula.weights_over_pole(of_w);
   const std::size_t n = layout_.nodes;
   const auto before = layout_.derivative(begin, k);
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = first; i < last; ++i) {
     s[i] = before[i] + h_ * (theta * before[n + i] + sum(of_u, parts_[k].x[i]));
     s[n + i] = before[n + i] + sum(of_w, parts_[k].x[i]);
   }
@@ -150,7 +154,7 @@ void StepDerivatives::blocks_at(double theta, std::span<const double> begin, std
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     const auto before = layout_.derivative(begin, k);
     const std::span<double> block = layout_.derivative(y, k);
-    motion_of(k, theta, begin, block);
+    motion_of(k, theta, begin, block, 0, n);
     for (std::size_t e = 0; e < rates_.size(); ++e)
       block[2 * n + e] = before[2 * n + e] + sum(weights, parts_[k].impulses[e]);
   }

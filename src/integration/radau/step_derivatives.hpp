@@ -64,7 +64,8 @@ class StepDerivatives {
   void add_force(std::size_t stage, const Moment& at, std::span<const double> begin);
   double solve(ShiftedSystems& systems, std::span<const double> weights, Statistics& statistics);
   void add_impulse_rates(std::size_t stage, const Moment& at, std::span<const double> begin);
-  void motion_of(std::size_t k, double theta, std::span<const double> begin, std::span<double> s) const;
+  void motion_of(std::size_t k, double theta, std::span<const double> begin, std::span<double> s, std::size_t first,
+                 std::size_t last) const;
 
   PenalisedSystem& system_;
   const Layout& layout_;

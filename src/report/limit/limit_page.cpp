@@ -72,26 +72,28 @@ Json to_json(const LimitRow& row, bool derivatives) {
 
 Json to_json(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
   const LimitTheory powers = theory(study);
-  return {{"elements", orders.elements},
-          {"verdict", name(orders.verdict)},
-          {"reason", verdict_reason(study, orders, rows)},
-          {"boundary", value_or_null(orders.boundary)},
-          {"small_epsilon",
-           {{"penetration", detailed(orders.penetration)},
-            {"to_scheme", detailed(orders.to_scheme)},
-            {"to_rigid", detailed(orders.to_rigid)},
-            {"theory_penetration", powers.penetration},
-            {"theory_difference", value_or_null(powers.difference)}}},
-          {"layer_resolved",
-           {{"penetration", detailed(orders.penetration_layer)},
-            {"to_rigid", detailed(orders.to_rigid_layer)},
-            {"theory", value_or_null(powers.layer)}}},
-          {"scheme_step", orders.scheme_step},
-          {"scheme_error", orders.scheme_error},
-          {"scheme_events", orders.scheme_events},
-          {"tolerance_error", orders.tolerance_error},
-          {"evidence", to_json(orders.evidence)},
-          {"scheme_runs", to_json(orders.scheme)}};
+  Json json = {{"elements", orders.elements},
+               {"verdict", name(orders.verdict)},
+               {"reason", verdict_reason(study, orders, rows)},
+               {"boundary", value_or_null(orders.boundary)},
+               {"small_epsilon",
+                {{"penetration", detailed(orders.penetration)},
+                 {"to_scheme", detailed(orders.to_scheme)},
+                 {"to_rigid", detailed(orders.to_rigid)},
+                 {"theory_penetration", powers.penetration},
+                 {"theory_difference", value_or_null(powers.difference)}}},
+               {"layer_resolved",
+                {{"penetration", detailed(orders.penetration_layer)},
+                 {"to_rigid", detailed(orders.to_rigid_layer)},
+                 {"theory", value_or_null(powers.layer)}}},
+               {"scheme_step", orders.scheme_step},
+               {"scheme_error", orders.scheme_error},
+               {"scheme_events", orders.scheme_events},
+               {"tolerance_error", orders.tolerance_error},
+               {"evidence", to_json(orders.evidence)},
+               {"scheme_runs", to_json(orders.scheme)}};
+  if (study.derivatives) json["local_power_to"] = orders.local_to_rigid ? Json("rigid") : Json(rows.back().epsilon);
+  return json;
 }
 
 Json to_json(const CouplingResult& result) {
