@@ -88,6 +88,7 @@ constexpr struct {
     {"scripts/coverage", "takes minutes"},
     {"scripts/gallery", "takes minutes"},
     {"scripts/fuzz", "takes minutes"},
+    {"scripts/sensitivity-cost", "takes minutes"},
     {"scripts/campaign", "takes minutes; a slice of it is one of the tests"},
     {"build/release/tests/malformed_test", "is one of the tests"},
     {"build/release/tests/properties_test", "is one of the tests"},

@@ -1,11 +1,6 @@
 #!/usr/bin/env python3
-"""What sensitivities cost, in instructions, by valgrind: the tables of docs/sensitivity.md. Takes two minutes.
-
-    cmake --preset package -B build/portable -DVISCOBAR_TESTS=ON
-    cmake --build build/portable --target measure_sensitivity_cost
-    tests/measurements/sensitivity_cost.py build/portable/tests/measure_sensitivity_cost
-
-The build is one whose instructions valgrind knows. Counted is the call of simulate() alone.
+"""What sensitivities cost, in instructions, by valgrind: scripts/sensitivity-cost calls it with the program that it
+built. Counted is the call of simulate() alone.
 """
 import pathlib
 import re
