@@ -133,11 +133,13 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(me
           "mass \"redistributed\" does not fit a spring or a dashpot at an end with an obstacle, which want its mass");
   if (moving() && scene.span)
     throw std::invalid_argument("a span obstacle stands still, and does not fit ends that are moved");
+  const double coupling = whole.off_diagonal.empty() ? 0.0 : bar_.density * whole.off_diagonal.front();
   if (moving()) {
     const EndCondition& other = inputs_[0].motion ? scene.right : scene.left;
     rigid_frame_ = std::holds_alternative<Free>(other);
     enter_frame(std::move(whole));
   }
+  if (mass == Mass::fourth_order && fixed > 0) stop_fixed_ends(scene, coupling);
 
   if (scene.load) {
     const SymmetricTridiagonal load_mass = mass_matrix(mesh, mass);
@@ -308,6 +310,19 @@ void BarSystem::expand_velocity(std::span<const double> w, std::span<double> nod
   if (left_fixed_) nodal.front() = 0.0;
   if (right_fixed_) nodal.back() = 0.0;
   std::copy(w.begin(), w.end(), nodal.begin() + static_cast<std::ptrdiff_t>(first_node()));
+}
+
+// Held nodes that the initial velocity does not leave at rest stop at once, and the rows beside them keep their share
+// of the momentum: rho M (w - u_1) = 0 over the unknowns, u_1 of the held nodes included. Without it the error is
+// O(h^2).
+void BarSystem::stop_fixed_ends(const Scene& scene, double coupling) {
+  const Lift rate = moving() ? lift(0.0, 1) : Lift{};
+  std::vector<double> gained(size());
+  if (left_fixed()) gained.front() += coupling * (scene.velocity(0.0) - rate.at(0.0));
+  if (right_fixed()) gained.back() += coupling * (scene.velocity(mesh_.length) - rate.at(1.0));
+  if (std::ranges::all_of(gained, [](double momentum) { return momentum == 0.0; })) return;
+  accelerate(gained);
+  for (std::size_t i = 0; i < size(); ++i) initial_.v[i] += gained[i];
 }
 
 void BarSystem::accelerate(std::span<double> force) const {

@@ -175,18 +175,6 @@ TEST(AccuracyOnRequest, AnUndampedBarOnAMeshKeepsTheErrorBesideItsWaves) {
             1e-2);
 }
 
-// A node that is held while the bar beside it moves: the jump is not resolved to order four.
-TEST(AccuracyOnRequest, ReliesOnOrderTwoWhereAFixedEndDoesNotStartWithTheBar) {
-  const char* held =
-      "[bar]\nlength=1\nviscosity=0.1\n[left]\nkind=\"fixed\"\n[right]\nkind=\"obstacle\"\ngap=0.1\n[initial]\n"
-      "velocity=\"-1+c*x\"\n[parameters]\nc=0\n[time]\nend=1\n[output]\nevery=0.05\n";
-  const AccuracyResult jump = solve(study_of(held, {"accuracy.error=1e-3"}));
-  EXPECT_TRUE(jump.estimate.kept) << jump.estimate.doubt;
-  EXPECT_LE(jump.estimate.order.value_or(0.0), 2.0);
-  EXPECT_FALSE(accuracy::fits_fixed_ends(jump.run));
-  EXPECT_TRUE(accuracy::fits_fixed_ends(parse_scene(held, "", std::vector<std::string>{"initial.velocity='-x'"}).run));
-}
-
 // A wave front of width sqrt(eta t) goes out from each contact: meshes that do not resolve it show a lower order than
 // that of the mass, and less of it than the mesh to come. An order of 2 instead of 4 makes the forecast too large by 4
 // for the step to that mesh, by 15/3 for what is left behind it, and 3/2 is added for safety: 30. It is to be no less

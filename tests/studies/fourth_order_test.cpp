@@ -169,6 +169,31 @@ TEST(FourthOrderMass, HasTheRightContactChangesAndOrderFourInTheEndTracesWithImp
   }
 }
 
+// A held end whose initial velocity is another than that of what holds it stops at once, and sends a front.
+TEST(FourthOrderMass, HasOrderFourWhereAFixedEndStopsAtTheStart) {
+  const std::pair<SpaceFunction, TimeFunction> starts[] = {
+      {[](double) { return -1.0; }, {}},
+      {[](double x) { return x - 1.0; }, [](double t) { return -0.5 * t + 0.2 * t * t; }}};
+  for (const auto& [velocity, motion] : starts) {
+    std::vector<EndTraces> traces;
+    for (const std::size_t elements : {20u, 40u, 80u, 640u}) {
+      Case run = resting(1.0, 0.1, elements);
+      run.scene.right = Fixed{};
+      run.scene.velocity = velocity;
+      if (motion)
+        run.scene.right_input.motion =
+            EndMotion{motion, [](double t) { return -0.5 + 0.4 * t; }, [](double) { return 0.4; }, {}};
+      run.end = 1.5;
+      run.output_every = 0.05;
+      traces.push_back(trace_ends(run, run.output_times()));
+    }
+    for (const std::size_t k : {0u, 1u})
+      EXPECT_NEAR(std::log2(largest_difference(traces[k], traces[3]) / largest_difference(traces[k + 1], traces[3])),
+                  4.0, 0.15)
+          << (motion ? "moved" : "held") << " " << k;
+  }
+}
+
 // The errors of the end traces of six scenes, computed elsewhere: by modes, exact in time, against 8 J and 16 J.
 TEST(FourthOrderMass, HasTheErrorsThatAnotherProgramHasOnTheSameMass) {
   struct Row {

@@ -182,7 +182,8 @@ class BarSystem {
   /// the three entries at each end count. Of a mass with end rows.
   double end_power(std::span<const double> w, std::span<const double> a) const;
 
-  /// Initial data at the unknown nodes.
+  /// Initial data at the unknown nodes. On `fourth_order`, where an end is held whose initial velocity is another, the
+  /// velocities are those after it has stopped: rho M w = rho M u_1 over the unknowns, the held node counted in u_1.
   State initial_state() const { return initial_; }
 
   /// Copies the unknowns into a field over all mesh nodes (J+1 entries); fixed nodes keep their displacement and stand
@@ -222,6 +223,7 @@ class BarSystem {
   std::optional<EndRows> scaled_end_rows(double factor) const;
   void take_forces();
   void enter_frame(SymmetricTridiagonal whole_inertia);
+  void stop_fixed_ends(const Scene& scene, double coupling);
   void uniform_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
   void uniform_stiffness(double m, double scale, SymmetricTridiagonal& out) const;  // scale K + m rho M
   void graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;

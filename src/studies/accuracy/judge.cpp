@@ -107,10 +107,8 @@ void Plan::explain(ErrorEstimate& estimate, const Case& run) const {
           run.method == MethodName::rigid ? "rigid: no penalty, so nothing but mesh and tolerance is to be paid for"
                                           : fmt::format("{}: what suits the scene", name(run.method)));
   because(given.mass, fmt::format("{} mass", name(effective_mass(run))),
-          fmt::format("{} mass: errors fall with the power {:g} of the mesh{}", name(effective_mass(run)), theory_,
-                      effective_mass(run) == Mass::fourth_order && !fits_fixed_ends(run)
-                          ? ", since a fixed end has another initial velocity than the bar beside it"
-                          : " where the motion is smooth"));
+          fmt::format("{} mass: errors fall with the power {:g} of the mesh where the motion is smooth",
+                      name(effective_mass(run)), theory_));
   because(given.elements, fmt::format("{} elements", run.elements),
           fmt::format("{} elements: from {}", run.elements,
                       estimate.order ? fmt::format("the observed power {:.2g} of the mesh", *estimate.order)

@@ -8,12 +8,7 @@
 
 namespace viscobar::accuracy {
 
-/// Whether the ends that are fixed have the initial velocity of the bar beside them. Where they have not, a jump enters
-/// the bar, which is no contact: the row beside it keeps no momentum of the node that stops.
-bool fits_fixed_ends(const Case& run);
-
-/// The power of h with which the error falls where the motion is smooth: 4 on `fourth_order`, else 2, and 2 where it
-/// does not start so.
+/// The power of h with which the error falls where the motion is smooth: 4 on `fourth_order`, else 2.
 double order_in_theory(const Case& run);
 
 /// Two neighbouring meshes of a ladder and how far their runs are apart.
