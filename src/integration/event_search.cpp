@@ -39,7 +39,7 @@ void EventSearch::share(std::size_t sampled) {
   if (system_.collides()) values_.resize(sampled);
 }
 
-std::optional<double> EventSearch::first_change(double begin, double end, std::optional<EndWatch>& ends) {
+std::optional<double> EventSearch::first_change(double begin, double end, std::optional<ContactWatch>& ends) {
   if (selects() && !look_at_the_near()) return std::nullopt;
   const std::size_t order = stepper_.order();
   const bool looking = ends && !selects();

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "dynamics/penalised_system.hpp"
-#include "integration/end_watch.hpp"
+#include "integration/contact_watch.hpp"
 #include "integration/stepper.hpp"
 
 namespace viscobar {
@@ -34,7 +34,7 @@ class EventSearch {
 
   /// Time of the first change in [begin, end], the step that the stepper has made last. Absent: no contact changes.
   /// Unless the search selects, `ends` looks at the samples, too.
-  std::optional<double> first_change(double begin, double end, std::optional<EndWatch>& ends);
+  std::optional<double> first_change(double begin, double end, std::optional<ContactWatch>& ends);
 
   /// The contact that changes first.
   std::size_t first_contact() const { return which_; }

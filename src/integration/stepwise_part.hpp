@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "dynamics/penalised_system.hpp"
-#include "integration/end_watch.hpp"
+#include "integration/contact_watch.hpp"
 #include "integration/energy_flow.hpp"
 #include "integration/event_search.hpp"
 #include "integration/late_opening.hpp"
@@ -377,7 +377,7 @@ class StepwisePart {
   Telling telling_;
   CheckpointSchedule schedule_;
   EventSearch search_;
-  std::optional<EndWatch> ends_;
+  std::optional<ContactWatch> ends_;
   Watchdog watchdog_;
   SnapshotBuilder snapshot_;
   std::vector<double> y_, inner_;          // the state where the run is, and within a step

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "dynamics/penalised_system.hpp"
-#include "integration/end_watch.hpp"
+#include "integration/contact_watch.hpp"
 #include "integration/exponential/contact_distance.hpp"
 #include "integration/exponential/energy_integral.hpp"
 #include "integration/exponential/propagator_cache.hpp"
@@ -83,7 +83,7 @@ class Run {
   void go_on(const Checkpoint& checkpoint);
   void watch_ends();
 
-  // The entries of (u, u') that EndWatch samples.
+  // The entries of (u, u') that ContactWatch samples.
   std::span<const double> end_sample(const Series& series, double sigma, double tau);
   double sign(std::size_t c) const { return penalised_.contact(c).sign; }
 
@@ -153,7 +153,7 @@ class Run {
   LoadInterpolation load_;
   PropagatorCache propagators_;
   ContactDistance distance_;
-  std::optional<EndWatch> ends_;
+  std::optional<ContactWatch> ends_;
   std::vector<std::size_t> end_entries_;  // that it samples
   std::vector<double> sampled_;
   Propagator* propagator_ = nullptr;

@@ -1,4 +1,4 @@
-#include "integration/end_watch.hpp"
+#include "integration/contact_watch.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@ void stand(EndAccount& account, double u) { account.displacement = account.lowes
 
 }  // namespace
 
-EndWatch::EndWatch(PenalisedSystem& system, RunAccount& account)
+ContactWatch::ContactWatch(PenalisedSystem& system, RunAccount& account)
     : system_(system), bar_(system.bar()), span_(system, account.span) {
   const std::size_t last = system.size() - 1;
   if (bar_.left_fixed() && bar_.moving())
@@ -30,7 +30,7 @@ EndWatch::EndWatch(PenalisedSystem& system, RunAccount& account)
     watch(account.right, last, last > 0 ? std::optional(last - 1) : std::nullopt, bar_.left_displacement());
 }
 
-void EndWatch::begin(double t, std::span<const double> y) {
+void ContactWatch::begin(double t, std::span<const double> y) {
   seen_ = t;
   std::array<double, 5> values{};
   for (End& end : ends_) {
@@ -43,7 +43,7 @@ void EndWatch::begin(double t, std::span<const double> y) {
   }
 }
 
-bool EndWatch::concerned(double to, double fastest) const {
+bool ContactWatch::concerned(double to, double fastest) const {
   return bar_.moving() || span_.closed() || std::ranges::any_of(ends_, [&](const End& end) {
            const EndAccount& account = *end.account;
            const double room = std::min(account.highest - account.displacement, account.displacement - account.lowest);
@@ -51,7 +51,7 @@ bool EndWatch::concerned(double to, double fastest) const {
          });
 }
 
-void EndWatch::look_at(std::size_t j, double t, std::span<const double> y) {
+void ContactWatch::look_at(std::size_t j, double t, std::span<const double> y) {
   std::size_t k = 0;
   for (End& end : ends_) {
     std::array<double, 5> values{};
@@ -61,7 +61,7 @@ void EndWatch::look_at(std::size_t j, double t, std::span<const double> y) {
   span_.look_at(j, y);
 }
 
-bool EndWatch::resolved() const {
+bool ContactWatch::resolved() const {
   const auto smooth = [this](const Samples& values, double scale) {
     Samples rest = values;
     double largest = 0.0;
@@ -79,12 +79,12 @@ bool EndWatch::resolved() const {
   });
 }
 
-void EndWatch::strike(std::size_t i, double impulse) {
+void ContactWatch::strike(std::size_t i, double impulse) {
   for (End& end : ends_)
     if (end.unknown == system_.contact(i).unknown) end.account->impulse += impulse;
 }
 
-void EndWatch::add() {
+void ContactWatch::add() {
   if (!(length_ > 0.0)) return;
   span_.add(length_, order_);
   for (End& end : ends_) {
@@ -109,7 +109,7 @@ void EndWatch::add() {
 }
 
 // An end that is fixed in a frame that moves.
-void EndWatch::follow(EndAccount& account, double displacement, bool right) {
+void ContactWatch::follow(EndAccount& account, double displacement, bool right) {
   End end{};
   end.account = &account;
   end.wall = displacement;
@@ -117,8 +117,8 @@ void EndWatch::follow(EndAccount& account, double displacement, bool right) {
   ends_.push_back(std::move(end));
 }
 
-void EndWatch::watch(EndAccount& account, std::size_t unknown, std::optional<std::size_t> next,
-                     std::optional<double> wall) {
+void ContactWatch::watch(EndAccount& account, std::size_t unknown, std::optional<std::size_t> next,
+                         std::optional<double> wall) {
   const std::size_t n = system_.size();
   const double h = bar_.spacing_at(unknown);
   const SymmetricTridiagonal& inertia = bar_.inertia();
@@ -159,30 +159,30 @@ void EndWatch::watch(EndAccount& account, std::size_t unknown, std::optional<std
   ends_.push_back(std::move(end));
 }
 
-inline bool EndWatch::closed(const End& end) const {
+inline bool ContactWatch::closed(const End& end) const {
   return std::ranges::any_of(end.contacts, [this](std::size_t i) { return system_.closed(i); });
 }
 
 // Where the inertia of the node's neighbours has a share in its reaction.
-inline bool EndWatch::holds_mass(const End& end) const {
+inline bool ContactWatch::holds_mass(const End& end) const {
   return end.coupling != 0.0 &&
          std::ranges::any_of(end.contacts, [this](std::size_t i) { return system_.collides(i) && system_.closed(i); });
 }
 
-inline double EndWatch::stored(const End& end, std::span<const double> y) const {
+inline double ContactWatch::stored(const End& end, std::span<const double> y) const {
   if (end.follows || end.contacts.empty()) return 0.0;
   const double without_viscosity = momentum(end, y) + end.dashpot * (y[0] + end.origin);
   return bar_.damped() ? without_viscosity + end.viscosity * end.stretch(y) : without_viscosity;
 }
 
 // (E / h) p of a contact that the neighbour decides on, from its u and w.
-inline double EndWatch::pull(const End& end, double t, double u, double w, std::size_t i) const {
+inline double ContactWatch::pull(const End& end, double t, double u, double w, std::size_t i) const {
   const Contact& contact = system_.contact(i);
   return end.modulus * (contact.sign * u + contact.clearance(end.origin_next)) + end.stiffness * contact.gap +
          contact.sign * (end.viscosity * w + system_.load_alone(end.unknown, t));
 }
 
-inline double EndWatch::displacement(const End& end, double t, std::span<const double> y) const {
+inline double ContactWatch::displacement(const End& end, double t, std::span<const double> y) const {
   if (end.entries.empty()) return end.wall + lift(end, t);
   if (!end.follows) return y[0] + end.origin + lift(end, t);
   const std::size_t i = end.contacts.front();
@@ -191,7 +191,7 @@ inline double EndWatch::displacement(const End& end, double t, std::span<const d
   return contact.sign * (share * pull(end, t, y[0], 0.0, i) / end.modulus - contact.gap) + lift(end, t);
 }
 
-inline double EndWatch::reaction(const End& end, double t, std::span<const double> y) const {
+inline double ContactWatch::reaction(const End& end, double t, std::span<const double> y) const {
   double sum = 0.0;
   for (const std::size_t i : end.contacts) {
     if (!system_.closed(i)) continue;
@@ -207,7 +207,7 @@ inline double EndWatch::reaction(const End& end, double t, std::span<const doubl
   return sum;
 }
 
-inline void EndWatch::look_at(End& end, std::size_t j, double t, std::span<const double> y) {
+inline void ContactWatch::look_at(End& end, std::size_t j, double t, std::span<const double> y) {
   end.u[j] = displacement(end, t, y);
   end.stored_now = stored(end, y);
   if (!closed(end)) return;
@@ -219,7 +219,7 @@ inline void EndWatch::look_at(End& end, std::size_t j, double t, std::span<const
 }
 
 // What the polynomial cannot pass, above and below.
-inline std::pair<double, double> EndWatch::beyond(const Samples& values) const {
+inline std::pair<double, double> ContactWatch::beyond(const Samples& values) const {
   const auto [least, most] = std::ranges::minmax(std::span(values).first(order_ + 1));
   const double excess = Bernstein::excess(order_) * (most - least);
   return {most + excess, least - excess};

@@ -23,10 +23,10 @@ namespace viscobar {
 /// whose integrand is as smooth as u. R itself may oscillate on a spring that the steps pass over. A node with mass
 /// that is held has R = d/dt (rho M v) + eta K v + E K u - M f, its own velocity being 0. An undamped massless node has
 /// no displacement that could be interpolated; its R is a multiple of its indicator (see PenalisedSystem).
-class EndWatch {
+class ContactWatch {
  public:
   /// Both outlive it.
-  EndWatch(PenalisedSystem& system, RunAccount& account);
+  ContactWatch(PenalisedSystem& system, RunAccount& account);
 
   /// Appends the entries of (u, w) that it samples.
   void ask_for(std::vector<std::size_t>& entries) {
