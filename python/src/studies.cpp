@@ -94,9 +94,16 @@ py::tuple compare_methods(const PythonCase& self, const std::optional<std::vecto
 
 py::tuple limit_study(const PythonCase& self, const std::vector<double>& epsilons,
                       const std::vector<std::size_t>& elements, const std::vector<double>& steps, double budget,
-                      std::size_t threads) {
+                      bool derivatives, std::size_t threads) {
   std::atomic<bool> stop{false};
-  LimitStudy study{self.scene.run, epsilons, elements, steps, budget, threads, {}};
+  LimitStudy study;
+  study.scene = self.scene.run;
+  study.epsilons = epsilons;
+  study.elements = elements;
+  study.steps = steps;
+  study.budget = budget;
+  study.derivatives = derivatives;
+  study.threads = threads;
   study.progress = [&](std::size_t, std::size_t) {
     if (stop) throw Interrupted();
   };
@@ -339,6 +346,7 @@ void sweep_scene(const std::string& text, const py::dict& vary, bool zip, std::s
 void bind_studies(py::module_& m) {
   m.def("compare", &compare_methods);
   m.def("limit", &limit_study);
+  m.def("natural_penalties", [](const PythonCase& self) { return natural_penalties(self.scene.run.scene); });
   m.def("decades", &decades);
   m.def("precision", &precision_study);
   m.def("check", [](const PythonCase& self) { return check_json(self.scene, check_scene(self.scene.run)); });

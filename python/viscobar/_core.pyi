@@ -124,8 +124,15 @@ def compare(
     case: Case, methods: Sequence[str] | None, own: Sequence[Kept], threads: int
 ) -> tuple[str, str, list[dict[str, Any] | None], list[Kept | None]]: ...
 def limit(
-    case: Case, epsilons: Sequence[float], elements: Sequence[int], steps: Sequence[float], budget: float, threads: int
+    case: Case,
+    epsilons: Sequence[float],
+    elements: Sequence[int],
+    steps: Sequence[float],
+    budget: float,
+    derivatives: bool,
+    threads: int,
 ) -> tuple[str, str]: ...
+def natural_penalties(case: Case) -> list[float]: ...
 def decades(first: float, last: float, per_decade: int) -> list[float]: ...
 def precision(
     case: Case,

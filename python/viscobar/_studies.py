@@ -206,36 +206,41 @@ def limit(
     elements: Sequence[int] = (),
     steps: Sequence[float] = (),
     budget: float = 60.0,
+    derivatives: bool = False,
     set: Mapping[str, Any] | None = None,
     threads: int = 0,
 ) -> Study:
     """Whether the penalised bar tends to the fully discrete scheme as epsilon goes to 0, and how fast: `viscobar limit`.
 
-    epsilon   penalties, decreasing; absent: 1e-2, 1e-3, ..., 1e-8
-    mass      name of a mass matrix in place of the scene's
-    elements  meshes in place of the scene's; three or more give epsilon(h)
-    steps     of the scheme, one for each mesh; absent: the scene's, or h / (100 c)
-    budget    processor seconds for smaller steps of the scheme
-    set       values in place of the scene's, as in viscobar.run()
-    threads   runs at a time; 0: one a core
+    epsilon      penalties, decreasing; absent: 1e-2, 1e-3, ..., 1e-8 times L/E, under a span obstacle alone L^2/E
+    mass         name of a mass matrix in place of the scene's
+    elements     meshes in place of the scene's; three or more give epsilon(h)
+    steps        of the scheme, one for each mesh; absent: the scene's, or h / (100 c)
+    budget       processor seconds for smaller steps of the scheme
+    derivatives  also the power of epsilon at each penalty, by the derivative with respect to it, as local_power
+    set          values in place of the scene's, as in viscobar.run()
+    threads      runs at a time; 0: one a core
 
     Rows have epsilon, elements, mass, events, max_penetration, difference_to_scheme, difference_to_rigid. `.verdict` is
     converges, plateau or undecided, `.summary` has reason and orders. Ctrl-C ends it after the runs at hand.
     """
-    epsilons = sorted(map(float, epsilon), reverse=True) if epsilon is not None else _core.decades(1e-2, 1e-8, 1)
-    if not epsilons:
-        raise ValueError("epsilon: at least one penalty is needed")
-    changes = {"contact.epsilon": epsilons[0], **(set or {})}
+    changes = {**(set or {})}
     if mass is not None:
         changes["mesh.mass"] = mass
     if elements:
         changes["mesh.elements"] = max(elements)
     if len(steps) not in (0, max(1, len(elements))):
         raise ValueError(f"steps: {len(steps)} given for {max(1, len(elements))} meshes, one for each is needed")
-    case = parse(as_scene(scene, None, changes), "limit")
+    if epsilon is None:  # the scene's own, which it may lack, is not used
+        epsilons = _core.natural_penalties(parse(as_scene(scene, None, changes), "limit"))
+    else:
+        epsilons = sorted(map(float, epsilon), reverse=True)
+    if not epsilons:
+        raise ValueError("epsilon: at least one penalty is needed")
+    case = parse(as_scene(scene, None, {"contact.epsilon": epsilons[0], **changes}), "limit")
     if case.left != "obstacle" and case.right != "obstacle" and case.span_gap is None:
         raise SceneError([Finding("left.kind", "the scene has no obstacle, so there is nothing to penalise")])
-    text, page = _core.limit(case, epsilons, list(elements), list(steps), budget, threads)
+    text, page = _core.limit(case, epsilons, list(elements), list(steps), budget, derivatives, threads)
     summary = json.loads(text)
     return Study(summary["rows"], summary, page)
 

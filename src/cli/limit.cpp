@@ -18,7 +18,6 @@ namespace {
 
 constexpr DecadeRange epsilons{"--epsilon", "a positive number", "1e-2:1e-8", std::numeric_limits<double>::min(),
                                std::numeric_limits<double>::max()};
-constexpr double first_natural = 1e-2, last_natural = 1e-8;
 
 }  // namespace
 
@@ -81,8 +80,7 @@ int LimitCommand::operator()() const {
   if (!error_.empty()) settings.push_back("accuracy.error=" + error_);
   // The scene's own epsilon, which it may lack, is not used.
   const SceneFile scene = scene_.read({}, settings, [&](Case& run) {
-    const double unit = natural_epsilon(run.scene);
-    if (study.epsilons.empty()) study.epsilons = decades(first_natural * unit, last_natural * unit, per_decade_);
+    if (study.epsilons.empty()) study.epsilons = natural_penalties(run.scene, per_decade_);
     run.epsilon = study.epsilons.front();
     run.method = penalised_method(run);
   });

@@ -25,6 +25,11 @@ std::vector<double> decades(double first, double last, std::size_t per_decade) {
   return values;
 }
 
+std::vector<double> natural_penalties(const Scene& scene, std::size_t per_decade) {
+  const double unit = natural_epsilon(scene);
+  return decades(1e-2 * unit, 1e-8 * unit, per_decade);
+}
+
 namespace {
 
 bool has_obstacle(const Scene& scene) { return is_obstacle(scene.left) || is_obstacle(scene.right) || scene.span; }
