@@ -41,8 +41,9 @@ inline End end_of(const EndCondition& end, double displacement, double passage) 
   return {End::Kind::obstacle, clearance <= touch ? 0.0 : clearance, passage, sign};
 }
 
-/// Goes from passage to passage. In one, all that arrives at an end was sent by the other end in the passage before, so
-/// each end answers for itself; output and events are told from what both have sent.
+/// A run of the method `characteristics`. It goes from passage to passage. A passage is the time in which a wave
+/// crosses the bar. All that arrives at an end in a passage was sent by the other end in the passage before. So each
+/// end answers for itself. What both ends have sent gives output and events.
 class Run {
  public:
   Run(const Scene& scene, const Mesh& mesh, const std::optional<Checkpoint>& from, std::span<const double> times,
@@ -128,8 +129,8 @@ class Run {
   // Places between which the field of this passage is polynomial, at s.
   std::vector<double> breaks_at(double s) const;
 
-  // Of the load, up to s in this passage: of a varying one what it has given the waves that have arrived, and those on
-  // their way.
+  // Work of the load up to s in this passage. Of a load that varies it is what the load has given to waves: to those
+  // that have arrived and to those on their way.
   double work_at(double s, Field& now);
 
   // The most terms of a polynomial in the field.

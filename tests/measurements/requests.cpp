@@ -9,6 +9,7 @@
 #include <ctime>
 #include <functional>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <random>
 #include <string>
@@ -179,6 +180,7 @@ Verdict judged(const AccuracyStudy& study, std::string* text) {
 // `hard`: scenes of one of the kinds, with requests that its meshes can keep; else viscous ones with obstacles below.
 void random_scenes(int count, unsigned seed, double tightest, std::optional<Kind> hard) {
   std::vector<double> effectivities, over;
+  std::map<Goal, std::vector<double>> of_goals;
   int kept = 0, above = 0, far_above = 0, warned = 0, failed = 0;
   double seconds = 0.0, own = 0.0;
   for (int k = 0; k < count; ++k) {
@@ -202,7 +204,10 @@ void random_scenes(int count, unsigned seed, double tightest, std::optional<Kind
       own += verdict.own_seconds;
       kept += verdict.kept;
       warned += !verdict.kept;
-      if (verdict.known && std::isfinite(verdict.effectivity)) effectivities.push_back(verdict.effectivity);
+      if (verdict.known && std::isfinite(verdict.effectivity)) {
+        effectivities.push_back(verdict.effectivity);
+        of_goals[study.request.of].push_back(verdict.effectivity);
+      }
       if (verdict.known && verdict.kept) {
         over.push_back(verdict.over);
         above += verdict.over > 1.0;
@@ -226,6 +231,11 @@ void random_scenes(int count, unsigned seed, double tightest, std::optional<Kind
                ? 0.0
                : effectivities[static_cast<std::size_t>(q * static_cast<double>(effectivities.size() - 1))];
   };
+  for (auto& [of, all] : of_goals) {
+    std::sort(all.begin(), all.end());
+    fmt::print("{}: {} scenes, estimate / error: median {:.2g}, below 1 {}\n", name(of), all.size(),
+               all[all.size() / 2], std::count_if(all.begin(), all.end(), [](double e) { return e < 1.0; }));
+  }
   constexpr double edges[] = {0.0, 0.5, 1.0, 2.0, 3.0, 10.0, 100.0, 1e300};
   fmt::print("\n| estimate / error | scenes |\n|---|---|\n");
   for (std::size_t k = 0; k + 1 < std::size(edges); ++k)

@@ -28,9 +28,10 @@ using Series = LinearLeg<double>::Series;
 
 inline std::span<const double> entries(const VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
-/// Steps through legs of constant contact states. A leg begins with steps that one Taylor series covers and doubles
-/// them as long as nothing is left unresolved inside: the load, a possible contact change, the energy flow, a new
-/// maximum of the penetration. What a longer step leaves unresolved is found by shorter ones, at last by the series.
+/// A run of the exponential method. It goes leg by leg; on a leg no contact changes. A leg begins with short steps. One
+/// Taylor series covers such a step. The steps double as long as they resolve all that is asked for: the load, a
+/// contact change, the energy flow, a new maximum of the penetration. Where a step may hide one of these, shorter steps
+/// look for it. The shortest are those of the series, which hides nothing.
 class Run {
  public:
   Run(const BarSystem& system, const StartingPoint& start, std::span<const double> times, const Penalty& penalty,
@@ -111,8 +112,8 @@ class Run {
       ++level_;
   }
 
-  // A step by matrix exponentials, unless it may hide something: in quarters where there are contacts, in eighths where
-  // energy flows or ends move that somebody wants to know.
+  // A step by matrix exponentials, unless it may hide something. Where there are contacts, it looks at quarters of the
+  // step. Where somebody wants to know the energy flow or the motion of the ends, it looks at eighths.
   bool take_long_step(double tau);
 
   // Over a long step; absent where the step may hide some of it.
@@ -120,8 +121,9 @@ class Run {
                                            double tau, double penetration) const;
   FrameLoss frame_loss(double tau) const;
 
-  // In a long flight: of the row (rho h / 24) (3, 4, 1) times accelerations, which are forces, differences of rounded
-  // displacements and velocities, by the inverse of the mass.
+  // What rounding makes of the power of the end rows in a long flight. The row (rho h / 24) (3, 4, 1) multiplies
+  // accelerations. Those are the inverse of the mass times forces. Forces are differences of rounded displacements and
+  // velocities.
   double end_power_rounding(const std::vector<VectorXd>& velocities) const;
 
   // A step that one Taylor series covers, cut at the first contact change.
@@ -131,8 +133,9 @@ class Run {
   void change_contacts(std::size_t first, const std::vector<VectorXd>& distances, double sigma, const VectorXd& v);
   void tell_change(std::size_t c, double velocity);
 
-  // Solution at the output times up to t of the current step, of length tau, by bisection of the step: that of the run
-  // goes its way undisturbed. `flow_until` gives the energy that has flown at a part of the step.
+  // Tells the solution at the output times up to t. They lie in the current step, which has length tau and is bisected
+  // for them. The steps of the run stay as they are. `flow_until` gives the energy that has flown at a part of the
+  // step.
   void output_until(double t, double tau, const std::function<EnergyFlow(double)>& flow_until);
   void tell_snapshot(double t, const VectorXd& u, const VectorXd& v, const Series& series, const LoadPolynomial& p,
                      double sigma, std::optional<EnergyState> energy);

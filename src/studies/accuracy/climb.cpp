@@ -77,13 +77,15 @@ std::vector<MeshStep> Plan::made_ladder(std::size_t finest, bool* same) {
   return made_ladder(finest, same);
 }
 
-// No more than the field shows: two errors of other orders and signs may cancel in a number or at an end, and not
-// everywhere in the bar.
-double Plan::theory_of_goal(std::size_t finest) const {
-  const Goal of = study_.request.of;
-  if (of == Goal::displacement) return theory_;
-  bool same = true;
-  return space_error(ladder(finest, Goal::displacement, &same), theory_).trusted.value_or(1.0);
+// Of three coarse meshes two may be near by chance: an order that is seen once counts half, and that of a number, in
+// which errors of both signs may cancel, not at all.
+SpaceError Plan::seen_error(const std::vector<MeshStep>& steps) const {
+  constexpr std::size_t seen_twice = 3;
+  if (steps.size() >= seen_twice) return space_error(steps, theory_);
+  SpaceError result = space_error(steps, study_.request.of == Goal::displacement ? theory_ : 1.0);
+  result.error *= 2.0;
+  result.effectivity *= 2.0;
+  return result;
 }
 
 // Coarse meshes and two settings in time and penalty, side by side: what tolerance, epsilon and mesh are needed.
@@ -159,7 +161,7 @@ void Plan::climb_from(std::size_t& known) {
   for (int round = 0; round < most_rounds; ++round) {
     bool same = true;
     const std::vector<MeshStep> steps = made_ladder(known, &same);
-    const SpaceError now = space_error(steps, theory_of_goal(known));
+    const SpaceError now = seen_error(steps);
     std::size_t next = same ? wanted_elements(now, known) : 2 * known;
     if (now.error <= share * reachable_ && same && next <= known) {
       chosen_.elements = known;
@@ -191,13 +193,13 @@ void Plan::climb_from(std::size_t& known) {
     }
     const std::size_t half = next / 2;
     if (stepping_ || penalised_) settle(std::max<std::size_t>(next / 4, 8));
-    bool agree = true;
-    const std::vector<MeshStep> finer = made_ladder(half, &agree);
-    if (agree && space_error(finer, theory_of_goal(half)).error <= share * reachable_) {
+    bool agree = same;
+    const std::vector<MeshStep> finer = half == known ? steps : made_ladder(half, &agree);
+    if (agree && seen_error(finer).error <= share * reachable_) {
       chosen_.elements = half;
       return;
     }
-    if (agree && predicted_error(finer, theory_of_goal(half), next).error <= 1.05 * share * reachable_) {
+    if (agree && predicted_error(finer, theory_, next).error <= 1.05 * share * reachable_) {
       chosen_.elements = next;
       return;
     }

@@ -163,7 +163,7 @@ ErrorEstimate Plan::judge(Sample solution) {
   runs_.make(wanted_by_judge());
   bool same = true;
   const std::vector<MeshStep> steps = ladder(elements, study_.request.of, &same);
-  const SpaceError space = space_error(steps, theory_of_goal(elements));
+  const SpaceError space = seen_error(steps);
   const Part time = time_error(coarse()), penalty = penalty_error(coarse());
   estimate.space = space.error;
   estimate.order = space.trusted;

@@ -37,7 +37,7 @@ class Plan {
   struct Shares {
     double space = 0.65, penalty = 0.1, time = 0.25;
   };
-  static constexpr std::size_t least_elements = 32;  ///< of a solution: fewer are no faster
+  static constexpr std::size_t least_elements = 16;  ///< of a solution: fewer are no faster
   static constexpr double excess = 1.2;
   static constexpr double nudge_share = 1e-9;  ///< of the natural velocity
 
@@ -62,7 +62,7 @@ class Plan {
   std::vector<Setting> rungs(std::size_t finest) const;
   std::vector<MeshStep> ladder(std::size_t finest, Goal of, bool* same) const;
   std::vector<MeshStep> made_ladder(std::size_t finest, bool* same);
-  double theory_of_goal(std::size_t finest) const;
+  SpaceError seen_error(const std::vector<MeshStep>& steps) const;
   bool affordable(std::size_t elements) const;
   std::size_t wanted_elements(const SpaceError& known, std::size_t from) const;
   void pilot();
@@ -72,7 +72,7 @@ class Plan {
   // The verdict: judge.cpp.
   // The mesh on which settings in time and penalty are compared.
   std::size_t coarse() const {
-    return std::max<std::size_t>(chosen_.elements / 4, study_.request.given.elements ? 3 : least_elements / 2);
+    return std::max<std::size_t>(chosen_.elements / 4, study_.request.given.elements ? 3 : least_elements);
   }
   std::vector<Setting> wanted_by_judge() const;
   double moved_by_nudge() const;

@@ -5,6 +5,7 @@
 #include <thread>
 #include <utility>
 
+#include "case/cost_estimate.hpp"
 #include "studies/parallel.hpp"
 
 namespace viscobar::accuracy {
@@ -24,6 +25,21 @@ std::vector<Setting> Runs::unknown(std::vector<Setting> settings) const {
   settings.erase(std::unique(settings.begin(), settings.end()), settings.end());
   std::erase_if(settings, [&](const Setting& one) { return knows(one); });
   return settings;
+}
+
+// How many of them take so long that a thread, which costs some 30 microseconds, is worth its start: by the time of
+// those that were made, which grows no faster than the elements. Before them by the estimate of any run, which may be
+// several times too large where meshes are small.
+std::size_t Runs::long_ones(const std::vector<Setting>& settings) const {
+  constexpr double seconds = 1e-3, too_large = 5.0;
+  const auto expected = [&](const Setting& one) {
+    if (made_.empty()) return estimated_seconds(make_(one)) / too_large;
+    const auto& [known, statistics] = made_.back();
+    const double finer = static_cast<double>(one.elements) / static_cast<double>(known.elements);
+    return statistics.integration_seconds * std::max(1.0, finer);
+  };
+  return static_cast<std::size_t>(
+      std::count_if(settings.begin(), settings.end(), [&](const Setting& one) { return expected(one) >= seconds; }));
 }
 
 Runs::Batch Runs::work(std::vector<Setting> settings, std::size_t threads, std::optional<double> most) const {
@@ -53,14 +69,15 @@ void Runs::make(std::vector<Setting> settings) {
   finish();
   settings = unknown(std::move(settings));
   if (settings.empty()) return;
-  keep(work(std::move(settings), threads_,
+  const std::size_t threads = threads_ > 1 && long_ones(settings) > 1 ? threads_ : 1;
+  keep(work(std::move(settings), threads,
             most_seconds ? std::optional(std::max(0.0, *most_seconds - seconds_)) : std::nullopt));
 }
 
 void Runs::begin(std::vector<Setting> settings) {
   finish();
   settings = unknown(std::move(settings));
-  if (settings.empty() || threads_ < 2) return;
+  if (threads_ < 2 || long_ones(settings) == 0) return;
   begun_ = std::async(std::launch::async, [this, settings = std::move(settings)]() mutable {
     return work(std::move(settings), threads_ - 1, std::nullopt);
   });

@@ -40,7 +40,8 @@ class Runs {
 
   /// Makes those that are not known yet, side by side, the dearest first. @throws Stopped, TooLong, IntegrationError
   void make(std::vector<Setting> settings);
-  /// The same beside what the caller does until finish(), on the other cores; where there are none, nothing.
+  /// The same beside what the caller does until finish(), on the other cores; where there are none, or no run takes a
+  /// millisecond, nothing.
   void begin(std::vector<Setting> settings);
   /// Waits for what is begun. @throws as make()
   void finish();
@@ -66,6 +67,7 @@ class Runs {
     double seconds = 0.0;
   };
   std::vector<Setting> unknown(std::vector<Setting> settings) const;
+  std::size_t long_ones(const std::vector<Setting>& settings) const;
   Batch work(std::vector<Setting> settings, std::size_t threads, std::optional<double> most) const;
   void keep(Batch batch);
 

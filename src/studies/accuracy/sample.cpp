@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <utility>
 
 namespace viscobar::accuracy {
 
@@ -158,51 +160,98 @@ namespace {
 
 // sum w_i u_i at a place between six nodes around it: Lagrange's polynomial. Where it is a node, that one.
 struct Interpolant {
-  std::size_t begin = 0;
-  std::vector<double> weights;
+  std::size_t begin = 0, count = 1;
+  std::array<double, 6> weights{1.0};
+
+  double operator()(const double* u) const {
+    double sum = weights[0] * u[begin];
+    for (std::size_t i = 1; i < count; ++i) sum += weights[i] * u[begin + i];
+    return sum;
+  }
 };
 
 Interpolant interpolant(const std::vector<double>& x, double at) {
   const double close = 1e-9 * (x.back() - x.front());
   const auto right = std::lower_bound(x.begin(), x.end(), at - close);
   const auto index = static_cast<std::size_t>(std::min(right, x.end() - 1) - x.begin());
-  if (std::abs(x[index] - at) <= close) return {index, {1.0}};
+  if (std::abs(x[index] - at) <= close) return {.begin = index};
   const std::size_t count = std::min<std::size_t>(6, x.size());
   const std::size_t half = count / 2, begin = std::min(index < half ? 0 : index - half, x.size() - count);
-  Interpolant result{begin, std::vector<double>(count, 1.0)};
-  for (std::size_t i = 0; i < count; ++i)
+  Interpolant result{begin, count, {}};
+  for (std::size_t i = 0; i < count; ++i) {
+    result.weights[i] = 1.0;
     for (std::size_t j = 0; j < count; ++j)
       if (i != j) result.weights[i] *= (at - x[begin + j]) / (x[begin + i] - x[begin + j]);
+  }
   return result;
 }
 
-// What the goal is of, at the given places: vectors of two runs can be subtracted.
-std::vector<double> values(const Sample& sample, const std::vector<double>& places, Goal of, const Grain& grain) {
-  std::vector<double> all;
-  const auto field = [&](const std::vector<double>& at) {
-    std::vector<Interpolant> rules;
-    for (const double x : at) rules.push_back(interpolant(sample.x, x));
-    all.reserve(rules.size() * sample.rows());
-    for (std::size_t k = 0; k < sample.rows(); ++k)
-      for (const auto& [begin, weights] : rules) {
-        double u = 0.0;
-        for (std::size_t i = 0; i < weights.size(); ++i) u += weights[i] * sample.row(k)[begin + i];
-        all.push_back(u);
-      }
-  };
-  switch (of) {
-    case Goal::displacement: field(places); break;
-    case Goal::end_traces: field({places.front(), places.back()}); break;
-    case Goal::contact_times:
-      for (const Where end : {Where::left, Where::right}) {
-        const Changes changes = changes_that_matter(sample, end, grain);
-        all.insert(all.end(), changes.times.begin(), changes.times.end());
-      }
-      break;
-    case Goal::impulse: all.assign(sample.impulse.begin(), sample.impulse.end()); break;
-    case Goal::peak_reaction: all.assign(sample.peak.begin(), sample.peak.end()); break;
+// A run at some places. On meshes that are halves of each other they are each n-th node.
+class AtPlaces {
+ public:
+  AtPlaces(const Sample& sample, const std::vector<double>& places) {
+    for (const double x : places) rules_.push_back(interpolant(sample.x, x));
+    stride_ = rules_.size() > 1 ? rules_[1].begin : 1;
+    for (std::size_t i = 0; i < rules_.size(); ++i)
+      if (rules_[i].count > 1 || rules_[i].begin != i * stride_) stride_ = 0;
   }
+
+  bool regular() const { return stride_ > 0; }
+  double node(const double* u, std::size_t i) const { return u[i * stride_]; }
+  double between(const double* u, std::size_t i) const { return rules_[i](u); }
+
+ private:
+  std::vector<Interpolant> rules_;
+  std::size_t stride_ = 0;
+};
+
+// The goals that are a few numbers of a run.
+std::vector<double> numbers(const Sample& sample, Goal of, const Grain& grain) {
+  std::vector<double> all;
+  if (of == Goal::impulse) all.assign(sample.impulse.begin(), sample.impulse.end());
+  if (of == Goal::peak_reaction) all.assign(sample.peak.begin(), sample.peak.end());
+  if (of == Goal::contact_times)
+    for (const Where end : {Where::left, Where::right}) {
+      const Changes changes = changes_that_matter(sample, end, grain);
+      all.insert(all.end(), changes.times.begin(), changes.times.end());
+    }
   return all;
+}
+
+// Calls visit(values of the runs) for each value of what the goal is of, at the places of the first run.
+template <std::size_t N>
+void for_each_value(const std::array<const Sample*, N>& samples, Goal of, const Grain& grain, auto&& visit) {
+  const auto visit_all = [&](const auto& value, std::size_t k, std::size_t i) {
+    [&]<std::size_t... n>(std::index_sequence<n...>) { visit(std::array<double, N>{value(n, k, i)...}); }
+    (std::make_index_sequence<N>());
+  };
+  if (of != Goal::displacement && of != Goal::end_traces) {
+    std::vector<std::vector<double>> all;
+    std::size_t count = SIZE_MAX;
+    for (const Sample* sample : samples) count = std::min(count, all.emplace_back(numbers(*sample, of, grain)).size());
+    for (std::size_t i = 0; i < count; ++i)
+      visit_all([&](std::size_t n, std::size_t, std::size_t at) { return all[n][at]; }, 0, i);
+    return;
+  }
+  const std::vector<double>& x = samples[0]->x;
+  const std::vector<double> places = of == Goal::displacement ? x : std::vector<double>{x.front(), x.back()};
+  std::vector<AtPlaces> at;
+  std::size_t rows = SIZE_MAX;
+  for (const Sample* sample : samples) {
+    at.emplace_back(*sample, places);
+    rows = std::min(rows, sample->rows());
+  }
+  const auto node = [&](std::size_t n, std::size_t k, std::size_t i) { return at[n].node(samples[n]->row(k), i); };
+  const auto between = [&](std::size_t n, std::size_t k, std::size_t i) {
+    return at[n].between(samples[n]->row(k), i);
+  };
+  const bool regular = std::all_of(at.begin(), at.end(), [](const AtPlaces& one) { return one.regular(); });
+  for (std::size_t k = 0; k < rows; ++k)
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (regular)
+        visit_all(node, k, i);
+      else
+        visit_all(between, k, i);
 }
 
 }  // namespace
@@ -215,21 +264,19 @@ Distance distance(const Sample& coarse, const Sample& fine, Goal of, const Grain
     result.other += b.times.size();
     if (a.times.size() != b.times.size() || a.first_closes != b.first_closes) result.same_changes = false;
   }
-  const auto a = values(coarse, coarse.x, of, grain), b = values(fine, coarse.x, of, grain);
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
-    result.value = std::max(result.value, std::abs(a[i] - b[i]));
+  for_each_value<2>({&coarse, &fine}, of, grain, [&](const std::array<double, 2>& u) {
+    result.value = std::max(result.value, std::abs(u[0] - u[1]));
+  });
   return result;
 }
 
 double alignment(const Sample& first, const Sample& second, const Sample& third, Goal of, const Grain& grain) {
-  const auto a = values(first, first.x, of, grain), b = values(second, first.x, of, grain),
-             c = values(third, first.x, of, grain);
   double product = 0.0, before = 0.0, after = 0.0;
-  for (std::size_t i = 0; i < std::min({a.size(), b.size(), c.size()}); ++i) {
-    product += (b[i] - a[i]) * (c[i] - b[i]);
-    before += (b[i] - a[i]) * (b[i] - a[i]);
-    after += (c[i] - b[i]) * (c[i] - b[i]);
-  }
+  for_each_value<3>({&first, &second, &third}, of, grain, [&](const std::array<double, 3>& u) {
+    product += (u[1] - u[0]) * (u[2] - u[1]);
+    before += (u[1] - u[0]) * (u[1] - u[0]);
+    after += (u[2] - u[1]) * (u[2] - u[1]);
+  });
   return before > 0.0 && after > 0.0 ? product / std::sqrt(before * after) : 1.0;
 }
 

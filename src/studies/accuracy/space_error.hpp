@@ -27,7 +27,7 @@ struct MeshStep {
 ///     the last two changes of the solution point the same way: cosine >= 1/2, and 9/10 where the last order is above
 ///     P,
 ///
-/// and the error is then taken half as large again, 3/2 d / (r^p - 1); where the last order is above P + 3/2, twice
+/// and the error is then taken a quarter larger, 5/4 d / (r^p - 1); where the last order is above P + 3/2, twice
 /// that, with d no less than d_1 / r^P, for a difference that falls so fast may have met a zero. Elsewhere the error
 /// is that d, and more where the last order is below 1.
 struct SpaceError {
