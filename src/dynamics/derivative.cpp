@@ -31,12 +31,36 @@ Scene mounted(Scene data, const BarSystem& bar) {
 
 }  // namespace
 
+MomentBuilder::MomentBuilder(const PenalisedSystem& system, std::span<Derivative* const> derivatives)
+    : system_(system), stiffness_(system.bar()) {
+  for (const Derivative* one : derivatives) {
+    const Derivative::MatrixRates rates = one->matrix_rates();
+    asks_for_inertia_ |= rates.inertia != 0.0;
+    if (rates.modulus != 0.0) strain_.resize(system.size()), strain_rate_.resize(system.size());
+    if (rates.viscosity != 0.0) strain_rate_.resize(system.size());
+  }
+}
+
+Moment MomentBuilder::operator()(double t, std::span<const double> u, std::span<const double> w,
+                                 std::span<const double> inertia) {
+  const std::span<const double> origin = system_.origin();
+  if (!strain_.empty()) {
+    if (origin.empty())
+      stiffness_.multiply([&](std::size_t i) { return u[i]; }, strain_);
+    else
+      stiffness_.multiply([&](std::size_t i) { return u[i] + origin[i]; }, strain_);
+    stiffness_.add_walls(system_.bar().left_displacement().value_or(0.0),
+                         system_.bar().right_displacement().value_or(0.0), strain_);
+  }
+  if (!strain_rate_.empty()) stiffness_.multiply([&](std::size_t i) { return w[i]; }, strain_rate_);
+  return {t, u, w, inertia, strain_, strain_rate_};
+}
+
 Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Direction& direction)
     : system_(system),
       data_(mounted(direction.data, system.bar()), system.bar().mesh(), system.bar().mass()),
       motion_(data_, penalty),
-      added_(system.size(), 0.0),
-      stress_(system.size()) {
+      added_(system.size(), 0.0) {
   const Bar& bar = system.bar().bar();
   const double stretched = direction.bar.length / bar.length;
   modulus_ = direction.bar.modulus - bar.modulus * stretched;
@@ -134,17 +158,23 @@ void Derivative::drive(const Moment& at) {
   if (!driven_) return;
   const std::size_t n = added_.size();
   const BarSystem& bar = system_.bar();
-  if (inertia_ == 0.0)
-    std::ranges::fill(added_, 0.0);
-  else
-    for (std::size_t i = 0; i < n; ++i) added_[i] = -inertia_ * at.inertia[i];
+  bool begun = false;
+  const auto add = [&](double factor, std::span<const double> force) {
+    if (factor == 0.0 || force.empty()) return;
+    if (begun)
+      for (std::size_t i = 0; i < n; ++i) added_[i] -= factor * force[i];
+    else
+      for (std::size_t i = 0; i < n; ++i) added_[i] = -factor * force[i];
+    begun = true;
+  };
+  add(inertia_, at.inertia);
+  add(modulus_, at.strain);
+  add(viscosity_, at.strain_rate);
+  if (!begun) std::ranges::fill(added_, 0.0);
   std::array<double, 2> rates{};
-  if (modulus_ != 0.0 || viscosity_ != 0.0) {
-    add_stress(at);
-    if (n > 1 && bar.has_massless() && !bar.damped())
-      rates = {modulus_ * (at.w[1] - at.w[0]) / bar.spacing_at(0),
-               modulus_ * (at.w[n - 2] - at.w[n - 1]) / bar.spacing_at(n - 1)};
-  }
+  if (n > 1 && bar.has_massless() && !bar.damped())
+    rates = {modulus_ * (at.w[1] - at.w[0]) / bar.spacing_at(0),
+             modulus_ * (at.w[n - 2] - at.w[n - 1]) / bar.spacing_at(n - 1)};
   if (bar.moving()) {
     add_frame();
     const double strain_rate = modulus_ * (lift_[1].right - lift_[1].left) / bar.mesh().length;
@@ -176,38 +206,6 @@ void Derivative::add_frame() {
   if (!bar.right_fixed()) added_[n - 1] -= stress;
   if (inertia_ != 0.0)
     for (std::size_t i = 0; i < n; ++i) added_[i] -= inertia_ * lift_inertia(i, lift_[2]);
-}
-
-// -(E' - E L'/L) K u - (eta' - eta L'/L) K v
-void Derivative::add_stress(const Moment& at) {
-  const std::size_t n = added_.size();
-  const BarSystem& bar = system_.bar();
-  const Mesh& mesh = bar.mesh();
-  const std::span<const double> origin = system_.origin();
-  for (std::size_t i = 0; i < n; ++i) stress_[i] = modulus_ * at.u[i] + viscosity_ * at.w[i];
-  for (std::size_t i = 0; i < origin.size(); ++i) stress_[i] += modulus_ * origin[i];
-  const auto wall = [&](const std::optional<double>& u) { return modulus_ * *u; };
-  const double* stress = stress_.data();
-  const double left = bar.left_fixed() ? (stress[0] - wall(bar.left_displacement())) / mesh.element(0) : 0.0;
-  const double right =
-      bar.right_fixed() ? (wall(bar.right_displacement()) - stress[n - 1]) / mesh.element(mesh.elements - 1) : 0.0;
-  added_[0] -= left;
-  added_[n - 1] += right;
-  if (mesh.uniform()) {
-    const double scale = 1.0 / mesh.spacing();
-    if (n > 1) {
-      added_[0] += scale * (stress[1] - stress[0]);
-      added_[n - 1] -= scale * (stress[n - 1] - stress[n - 2]);
-    }
-    for (std::size_t i = 1; i + 1 < n; ++i)
-      added_[i] += scale * ((stress[i + 1] - stress[i]) - (stress[i] - stress[i - 1]));
-    return;
-  }
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    const double between = (stress[i + 1] - stress[i]) / mesh.element(bar.first_node() + i);
-    added_[i] += between;
-    added_[i + 1] -= between;
-  }
 }
 
 double Derivative::drive_row(std::size_t end, double t, double u, double u_next, double w, double w_next) const {
@@ -279,18 +277,22 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
   return sum;
 }
 
+double Derivative::elastic_row(std::size_t end, double u, double u_stretch, double s, double s_stretch) const {
+  const BarSystem& bar = system_.bar();
+  double sum = (bar.bar().modulus * s_stretch + modulus_ * u_stretch) / bar.spacing_at(end);
+  for (const Mount& mount : bar.mounts())
+    if (mount.unknown == end) sum += mount.stiffness * s;
+  for (const Mount& mount : mounts_)
+    if (mount.unknown == end) sum += mount.stiffness * u;
+  return sum;
+}
+
 double Derivative::momentum_loss(std::size_t end, const Moment& at, std::span<const double> s) {
   const BarSystem& bar = system_.bar();
-  double strain = bar.bar().modulus * stretch(end, s, {}, data_) + modulus_ * stretch(end, at.u, system_.origin(), bar);
-  strain /= bar.spacing_at(end);
-  if (bar.moving()) strain += modulus_ * lift_stretch(end, lift_[0]);
-  for (const Mount& mount : bar.mounts())
-    if (mount.unknown == end) strain += mount.stiffness * s[end];
-  for (const Mount& mount : mounts_)
-    if (mount.unknown == end)
-      strain += mount.stiffness *
-                (at.u[end] + (system_.origin().empty() ? 0.0 : system_.origin()[end]) + end_lift(end, lift_[0]));
-  return strain - (motion_.load(end, at.t) - added_[end]);
+  const std::span<const double> origin = system_.origin();
+  const double u = at.u[end] + (origin.empty() ? 0.0 : origin[end]) + end_lift(end, lift_[0]);
+  const double sum = elastic_row(end, u, stretch(end, at.u, origin, bar), s[end], stretch(end, s, {}, data_));
+  return sum + (bar.moving() ? modulus_ * lift_stretch(end, lift_[0]) : 0.0) - (motion_.load(end, at.t) - added_[end]);
 }
 
 double Derivative::energy(const Moment& at, std::span<const double> s, std::span<const double> rate) const {

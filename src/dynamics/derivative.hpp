@@ -6,15 +6,36 @@
 #include <vector>
 
 #include "dynamics/penalised_system.hpp"
+#include "dynamics/unit_stiffness.hpp"
 #include "viscobar/discretisation/tridiagonal.hpp"
 #include "viscobar/dynamics/sensitivity.hpp"
 
 namespace viscobar {
 
-/// A state of a penalised system, as that measures it, with its inertial force rho M a.
+class Derivative;
+
+/// A state of a penalised system, as that measures it, and what derivatives are driven by.
 struct Moment {
   double t = 0.0;
-  std::span<const double> u, w, inertia;
+  std::span<const double> u, w;
+  std::span<const double> inertia;              ///< rho M a; empty: to be left out
+  std::span<const double> strain, strain_rate;  ///< K (u + origin), of walls, too, and K w; empty where nobody asks
+};
+
+/// Makes moments for derivatives, whose drive they share.
+class MomentBuilder {
+ public:
+  /// Both outlive it.
+  MomentBuilder(const PenalisedSystem& system, std::span<Derivative* const> derivatives);
+  bool asks_for_inertia() const { return asks_for_inertia_; }
+  /// Valid until the next. O(n)
+  Moment operator()(double t, std::span<const double> u, std::span<const double> w, std::span<const double> inertia);
+
+ private:
+  const PenalisedSystem& system_;
+  UnitStiffness stiffness_;
+  bool asks_for_inertia_ = false;
+  std::vector<double> strain_, strain_rate_;
 };
 
 /// The equation of s = du/dp on a leg. It is that of the bar itself, with the same contacts closed,
@@ -50,8 +71,15 @@ class Derivative {
   void begin_leg(double t, double end) { motion_.begin_leg(t, end); }
   /// Closes the contacts of the bar, and no others.
   void take_contacts();
-  /// Whether the added force has the bar's inertial force.
-  bool asks_for_inertia() const { return inertia_ != 0.0; }
+  /// What the matrices of the bar change by, its contacts apart.
+  struct MatrixRates {
+    double inertia;                 ///< of rho M, relative to it
+    double viscosity, modulus;      ///< of eta K and of E K: so many times K
+    std::span<const Mount> mounts;  ///< of springs and dashpots
+  };
+  MatrixRates matrix_rates() const { return {inertia_, viscosity_, modulus_, mounts_}; }
+  /// Whether s has a load, or the frame an added force, that depends on time.
+  bool load_varies() const { return motion_.load_varies() || (driven_ && system_.bar().moving()); }
   /// Sets the added force for the state of the bar. O(n)
   void drive(const Moment& at);
 
@@ -67,6 +95,8 @@ class Derivative {
   /// impulse of the obstacles on that end is the one plus the integral of the other.
   double momentum(std::size_t end, const Moment& at, std::span<const double> s, std::span<const double> rate) const;
   double momentum_loss(std::size_t end, const Moment& at, std::span<const double> s);
+  /// What of the latter is linear in (u, s): for their values in the row and what they are more than beside it.
+  double elastic_row(std::size_t end, double u, double u_stretch, double s, double s_stretch) const;
   /// Of the displacements and velocities of the bar itself, at all nodes.
   void expand(double t, std::span<const double> s, std::span<const double> rate, std::span<double> u,
               std::span<double> v) const;
@@ -77,7 +107,6 @@ class Derivative {
   struct LawRates {
     double stiffness, damping;
   };
-  void add_stress(const Moment& at);
   void add_frame();
   double lift_inertia(std::size_t unknown, const Lift& lift) const;
   double end_lift(std::size_t end, const Lift& lift) const;
@@ -92,7 +121,7 @@ class Derivative {
   double modulus_, viscosity_, inertia_;  // E' - E L'/L, eta' - eta L'/L, rho'/rho + L'/L
   std::vector<LawRates> laws_;
   std::vector<Mount> mounts_;  // k' and c' of the ends that have a spring or a dashpot
-  std::vector<double> added_, stress_;
+  std::vector<double> added_;
   SymmetricTridiagonal whole_inertia_;               // rho M of all nodes, where the frame moves
   std::array<std::vector<double>, 2> lift_inertia_;  // rho M (1 - x/L) and rho M x/L, likewise
   std::array<Lift, 3> lift_{};                       // and its rates, at the moment driven by last

@@ -54,7 +54,7 @@ void ErrorWeights::fill(std::span<const double> y, std::span<double> weights) {
   std::ranges::fill(w, 1.0 / of_velocity);
   std::ranges::fill(w.first(massive_begin_), 0.0);
   std::ranges::fill(w.subspan(massive_end_), 0.0);
-  std::ranges::fill(weights.subspan(2 * layout_.nodes), 0.0);
+  std::ranges::fill(weights.subspan(2 * layout_.nodes, layout_.account()), 0.0);
   fill_derivatives(y, weights);
 }
 
@@ -64,15 +64,19 @@ void ErrorWeights::fill_derivatives(std::span<const double> y, std::span<double>
     const double tolerance = derivative_slack * (tolerance_.relative * largest_so_far + absolute);
     return tolerance > 0.0 ? 1.0 / tolerance : 0.0;  // without scale and size there is none
   };
+  // The weights of a field are alike, and stay so as long as it does not grow.
+  const auto set = [](std::span<double> field, double to) {
+    if (field.front() != to) std::ranges::fill(field, to);
+  };
   for (std::size_t k = 0; k < derivatives_.size(); ++k) {
     auto& [scale, largest_u, largest_w] = derivatives_[k];
     const auto s = layout_.derivative(y, k);
     const auto block = layout_.derivative(weights, k);
     largest_u = std::max(largest_u, largest(s.first(n)));
     largest_w = std::max(largest_w, largest(s.subspan(n, n)));
-    std::ranges::fill(block.first(n), weight(largest_u, scale * absolute_.displacement));
-    std::ranges::fill(block.subspan(n + massive_begin_, massive_end_ - massive_begin_),
-                      weight(largest_w, scale * absolute_.velocity));
+    set(block.first(n), weight(largest_u, scale * absolute_.displacement));
+    set(block.subspan(n + massive_begin_, massive_end_ - massive_begin_),
+        weight(largest_w, scale * absolute_.velocity));
   }
 }
 

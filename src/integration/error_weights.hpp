@@ -53,6 +53,7 @@ class ErrorWeights {
     for (const Derivative* derivative : derivatives) derivatives_.push_back({derivative->relative_scale(end)});
   }
 
+  /// `weights` are those of the last call, or 0.
   void fill(std::span<const double> y, std::span<double> weights);
   /// The local tolerance is the requested one divided by what errors accumulate to after that many contact changes.
   void tighten(std::size_t changes) {

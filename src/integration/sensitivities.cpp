@@ -32,18 +32,23 @@ Direction still(const BarSystem& bar) {
 
 }  // namespace
 
+std::span<Derivative* const> Sensitivities::derive(const Penalty& penalty) {
+  for (const Direction& direction : directions_) pointers_.push_back(&all_.emplace_back(system_, penalty, direction));
+  return pointers_;
+}
+
 Sensitivities::Sensitivities(PenalisedSystem& system, const Penalty& penalty, std::span<const Direction> directions)
     : system_(system),
       directions_(directions),
       restitution_(penalty.restitution),
       time_direction_(still(system.bar())),
       time_(system, penalty, time_direction_),
+      moment_(system, derive(penalty)),
       w_(system.size()),
       acceleration_(system.size()),
       inertial_force_(system.size()),
       load_rate_(system.size()),
       shifts_(directions.size()) {
-  for (const Direction& direction : directions) pointers_.push_back(&all_.emplace_back(system, penalty, direction));
   const std::size_t nodes = system.bar().mesh().nodes();
   fields_.assign(directions.size(), {std::vector<double>(nodes), std::vector<double>(nodes)});
   time_.motion().add_force(load_rate_, {});
@@ -85,9 +90,8 @@ Moment Sensitivities::look_at(double t, std::span<const double> u, std::span<con
   system_.complete_velocity(t, u, w_);
   system_.force(t, u, w_, acceleration_);
   system_.accelerate(acceleration_);
-  const SymmetricTridiagonal& inertia = system_.bar().inertia();
-  inertia.multiply(acceleration_, inertial_force_);
-  return {t, u, w_, inertial_force_};
+  system_.bar().inertia().multiply(acceleration_, inertial_force_);
+  return moment_(t, u, w_, inertial_force_);
 }
 
 void Sensitivities::complete(Derivative& derivative, const Moment& at, std::span<double> s) {

@@ -55,6 +55,7 @@ class Sensitivities {
   struct Field {
     std::vector<double> u, v;
   };
+  std::span<Derivative* const> derive(const Penalty& penalty);
   bool lost() const { return account_->lost.has_value(); }
   void lose(double t, std::string why, std::span<double> y);
   Moment look_at(double t, std::span<const double> u, std::span<const double> w);
@@ -72,6 +73,7 @@ class Sensitivities {
   std::vector<Derivative*> pointers_;
   Direction time_direction_;
   Derivative time_;  // whose motion is (v, a)
+  MomentBuilder moment_;
   const Layout* layout_ = nullptr;
   const ErrorWeights* weights_ = nullptr;
   SensitivityAccount* account_ = nullptr;

@@ -27,7 +27,9 @@
 
 namespace viscobar {
 
-/// A part of a run: steps on legs, a leg ending where a contact changes, where the load breaks, or at a checkpoint.
+/// A run up to its next checkpoint, or to its end. It goes leg by leg. On a leg no contact changes, and the load is
+/// smooth. A leg ends where a contact changes, where the load breaks, or at a checkpoint. The stepper makes the steps.
+/// This class finds the contact changes within them, tells the output, and keeps the accounts.
 class StepwisePart {
  public:
   StepwisePart(PenalisedSystem& system, const Layout& layout, LegStepper& stepper, Statistics& statistics,

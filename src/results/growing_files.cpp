@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <string_view>
 #include <system_error>
 
 #include "input/described_scene.hpp"
+#include "input/scene_keys.hpp"
 #include "results/csv.hpp"
 #include "viscobar/results/io_error.hpp"
 
@@ -23,6 +25,17 @@ void check_length(const fs::path& file, std::uint64_t length) {
   const auto size = fs::file_size(file, error);
   if (error) throw IoError(file, "cannot be read: " + error.message());
   if (size < length) throw IoError(file, "is shorter than at the checkpoint: it was changed since");
+}
+
+// Of the number that a key names. Under the span a reaction is a force per length of the bar, so epsilon has a length
+// more there, and none of its own where the same number serves an end.
+std::optional<UnitPowers> unit_of(std::string_view key, const Scene& scene) {
+  const SceneKey* row = find_scene_key(key);
+  auto unit = row ? unit_powers(row->unit) : std::nullopt;
+  if (key != "contact.epsilon" || !scene.span) return unit;
+  if (is_obstacle(scene.left) || is_obstacle(scene.right)) return std::nullopt;
+  ++(*unit)[0];
+  return unit;
 }
 
 }  // namespace
@@ -56,8 +69,8 @@ GrowingFiles::GrowingFiles(const fs::path& directory, const SceneFile& scene, co
   add(events, run.files.events, events_header);
   add(energy, run.files.energy, energy_header);
   add(sensitivity, !run.directions.empty(), sensitivity_header(run.directions));
-  std::vector<std::string> keys;
-  for (const Direction& direction : run.directions) keys.push_back(direction.key);
+  std::vector<FieldOrigin::Key> keys;
+  for (const Direction& direction : run.directions) keys.push_back({direction.key, unit_of(direction.key, run.scene)});
   if (run.files.field)
     field.emplace(
         directory, run.mesh(), static_cast<std::size_t>(run.end / run.output_every) + 2,

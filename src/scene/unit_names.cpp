@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -28,15 +30,38 @@ std::string power(std::string_view name, int exponent) {
 
 }  // namespace
 
-std::string unit_name(const Units& units, Dimension quantity) {
-  constexpr std::array<std::array<int, 3>, 6> powers = {
-      {{1, 0, 0}, {0, 1, 0}, {1, -1, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 1}}};  // of length, time and stress
-  const auto [length, time, stress] = powers[static_cast<std::size_t>(quantity)];
+UnitPowers unit_powers(Dimension quantity) {
+  constexpr std::array<UnitPowers, 6> powers = {{{1, 0, 0}, {0, 1, 0}, {1, -1, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 1}}};
+  return powers[static_cast<std::size_t>(quantity)];
+}
+
+std::optional<UnitPowers> unit_powers(std::string_view words) {
+  constexpr std::pair<std::string_view, UnitPowers> known[] = {
+      {"1", {0, 0, 0}}, {"length", {1, 0, 0}}, {"time", {0, 1, 0}}, {"stress", {0, 0, 1}}, {"density", {-2, 2, 1}}};
+  if (words.empty()) return std::nullopt;
+  UnitPowers all{};
+  int sign = 1;
+  while (!words.empty()) {
+    const std::string_view word = words.substr(0, words.find(' '));
+    words.remove_prefix(std::min(word.size() + 1, words.size()));
+    if (word == "/" || word == "x") {
+      sign = word == "/" ? -1 : 1;
+      continue;
+    }
+    const auto* found = std::ranges::find(known, word, &std::pair<std::string_view, UnitPowers>::first);
+    if (found == std::end(known)) return std::nullopt;
+    for (std::size_t k = 0; k < all.size(); ++k) all[k] += sign * found->second[k];
+  }
+  return all;
+}
+
+std::string unit_name(const Units& units, const UnitPowers& powers) {
+  const auto [length, time, stress] = powers;
   Powers all{length, time, 0, 0, 0};
   if (stress != 0) {
     const auto parts = stress_powers(units);
     if (!parts) return {};
-    for (std::size_t k = 0; k < all.size(); ++k) all[k] += (*parts)[k];
+    for (std::size_t k = 0; k < all.size(); ++k) all[k] += stress * (*parts)[k];
   }
   // The force first, and the mass: "N s/m^2", "kg/s^2".
   const std::pair<std::string_view, int> names[] = {{units.stress, all[4]},

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -11,8 +13,17 @@ namespace viscobar {
 /// stress, and a stress times a length.
 enum class Dimension { length, time, velocity, stress, impulse, energy };
 
-/// The name of its unit, such as "m/s" or "kg/(m s^2)"; empty where the scene names too few units for it.
-std::string unit_name(const Units& units, Dimension quantity);
+/// A unit by its powers of length, time and stress.
+using UnitPowers = std::array<int, 3>;
+UnitPowers unit_powers(Dimension quantity);
+/// Of a unit in words, such as "stress x time / length", each "/" before what it divides by, or "density"; absent: of
+/// none.
+std::optional<UnitPowers> unit_powers(std::string_view words);
+
+/// The name of its unit, such as "m/s" or "kg/(m s^2)"; empty where the scene names too few units for it, and where all
+/// powers are 0.
+std::string unit_name(const Units& units, const UnitPowers& powers);
+inline std::string unit_name(const Units& units, Dimension quantity) { return unit_name(units, unit_powers(quantity)); }
 
 /// "time t [s]", with ² for ^2; without a unit the words alone.
 std::string with_unit(std::string_view words, const Units& units, Dimension quantity);

@@ -30,5 +30,18 @@ TEST(UnitNames, AreEmptyWhereTheSceneNamesTooFew) {
   EXPECT_EQ(with_unit("stress s", {"m", "", "", "N", ""}, Dimension::stress), "stress s [N/m²]");
 }
 
+TEST(UnitNames, OfWordsAndQuotientsFollowFromTheirPowers) {
+  const Units si{"m", "s", "kg", "", ""};
+  const auto name = [&](const char* words) { return unit_name(si, unit_powers(words).value()); };
+  EXPECT_EQ(name("density"), "kg/m^3");
+  EXPECT_EQ(name("stress x time"), "kg/(m s)");
+  EXPECT_EQ(name("stress x time / length"), "kg/(m^2 s)");
+  EXPECT_EQ(name("length / stress"), "m^2 s^2/kg");
+  EXPECT_EQ(name("1"), "");
+  EXPECT_EQ(unit_name({"m", "s", "", "", "Pa"}, UnitPowers{3, -2, -1}), "m^3/(Pa s^2)") << "of u by the density";
+  EXPECT_FALSE(unit_powers(""));
+  EXPECT_FALSE(unit_powers("furlongs"));
+}
+
 }  // namespace
 }  // namespace viscobar

@@ -7,27 +7,19 @@
 #include <string>
 
 #include "cli/command.hpp"
+#include "support/bar_above_an_obstacle.hpp"
+#include "support/hdf5_attribute.hpp"
 
 namespace {
 
 using namespace viscobar;
 using Sensitivity = testing_cli::Command;
 
-constexpr const char* scene_text = R"(
-[bar]
-length = 1.0
-viscosity = 0.08
-[left]
-kind = "obstacle"
-gap = 0.1
+const std::string scene_text = std::string(bar_above_an_obstacle) + R"(
 [initial]
 velocity = "-speed"
 [parameters]
 speed = 1.0
-[time]
-end = 3.0
-[mesh]
-elements = 20
 [output]
 every = 0.02
 )";
@@ -57,6 +49,27 @@ TEST_F(Sensitivity, HasAFileAndAPartOfTheSummary) {
   ASSERT_EQ(viscobar("run bar.toml -o results --quiet").code, 0);
   EXPECT_FALSE(testing_cli::fs::exists(directory_ / "results/sensitivity.csv"));
   EXPECT_EQ(viscobar("info --verify results").code, 0);
+}
+
+TEST_F(Sensitivity, HasUnitsInTheFieldFile) {
+  const std::string units = "[units]\nlength = \"m\"\ntime = \"s\"\nmass = \"kg\"\n";
+  std::ofstream(directory_ / "bar.toml") << scene_text << units;
+  const auto unit = [&](const std::string& scene, const std::string& key, const std::string& more = "") {
+    const auto run =
+        viscobar("run " + scene + " --sensitivity " + key + " -o results --quiet --set time.end=0.1 " + more);
+    EXPECT_EQ(run.code, 0) << run.error;
+    return attribute(directory_ / "results/field.h5", ("sensitivity/" + key + "/u").c_str(), "units");
+  };
+  EXPECT_EQ(unit("bar.toml", "bar.density"), "m^4/kg");
+  EXPECT_EQ(unit("bar.toml", "parameters.speed"), "none") << "nobody knows its own";
+  const std::string penalised = "--set method.name=cvode --set contact.epsilon=1e-3 ";
+  EXPECT_EQ(unit("bar.toml", "contact.epsilon", penalised), "kg/(m s^2)");
+  EXPECT_EQ(unit("bar.toml", "contact.epsilon", penalised + "--set span.gap=0.5"), "none") << "it has two";
+  std::string text = scene_text;
+  text.replace(text.find("[left]"), 6, "[span]");
+  text.erase(text.find("kind = \"obstacle\""), std::string("kind = \"obstacle\"").size());
+  std::ofstream(directory_ / "span.toml") << text << units;
+  EXPECT_EQ(unit("span.toml", "contact.epsilon", penalised), "kg/(m^2 s^2)");
 }
 
 TEST_F(Sensitivity, IsNoNumberBeyondAGrazeAndAWarningSaysSo) {

@@ -88,6 +88,26 @@ TEST(RadauFormula, IntegratesALoadExactlyToItsDegree) {
     }
 }
 
+// A load c_k(theta) X_k and its conjugate are X_k in the system of that pole, and nothing in the others. To the
+// rounding of the sums.
+TEST(RadauFormula, ALoadThatIsLinearInTheMotionIsInEachSystemOneOfItsPart) {
+  const Formula& formula = Formula::get();
+  const Number x(0.6, -0.8);
+  for (std::size_t k = 0; k < lanes; ++k)
+    for (std::size_t l = 0; l < lanes; ++l) {
+      Number image = 0.0;
+      double sizes = 0.0;
+      for (std::size_t m = 0; m < stages; ++m) {
+        const Parts weights = formula.weights(formula.nodes[m], 0);
+        const double load = weights[k] * x.real() + weights[lanes + k] * x.imag();
+        image += lane(formula.of_load[m], l) * load;
+        sizes += std::abs(lane(formula.of_load[m], l)) * (std::abs(weights[k]) + std::abs(weights[lanes + k]));
+      }
+      EXPECT_NEAR(std::abs(image - (k == l ? x : 0.0)), 0.0, 16.0 * 0x1p-53 * sizes) << k << " " << l;
+      EXPECT_LT(sizes, 1e5);
+    }
+}
+
 // D X = right-hand side, by a dense solve.
 TEST(ShiftedSystems, SolveTheirEquationsForEveryMassSizeAndContact) {
   std::mt19937 random(7);

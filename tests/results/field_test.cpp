@@ -11,6 +11,7 @@
 
 #include "results/field/field_file.hpp"
 #include "results/field/field_reader.hpp"
+#include "support/hdf5_attribute.hpp"
 #include "support/scratch.hpp"
 #include "viscobar/results/io_error.hpp"
 
@@ -344,18 +345,6 @@ TEST(FieldFile, ElementsAreLineCellsOfTheXdmfFile) {
   EXPECT_EQ(read(scratch / "field.h5", "line").values, (std::vector<double>{0, 1, 1, 2, 2, 3, 3, 4}));
 }
 
-std::string attribute(const fs::path& file, const char* object, const char* name) {
-  const Hdf5File h5(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
-  if (H5Aexists_by_name(h5.get(), object, name, H5P_DEFAULT) <= 0) return "none";
-  const Hdf5Attribute found(H5Aopen_by_name(h5.get(), object, name, H5P_DEFAULT, H5P_DEFAULT));
-  const Hdf5Type type(H5Aget_type(found.get()));
-  char* value = nullptr;
-  H5Aread(found.get(), type.get(), &value);
-  const std::string text = value;
-  H5free_memory(value);
-  return text;
-}
-
 TEST(FieldFile, SaysWhatItIsOfInAttributes) {
   const Scratch scratch;
   FieldOrigin of;
@@ -375,12 +364,30 @@ TEST(FieldFile, SaysWhatItIsOfInAttributes) {
   EXPECT_EQ(attribute(scratch / "field.h5", "v", "units"), "none") << "no unit of time is named";
 }
 
+// That of the quotient; a pure number has the unit 1.
+TEST(FieldFile, SaysTheUnitsOfDerivativesWhereThatOfTheKeyIsKnown) {
+  const Scratch scratch;
+  FieldOrigin of;
+  of.units = {"m", "s", "", "", "Pa"};
+  of.keys = {{"left.gap", UnitPowers{1, 0, 0}}, {"bar.viscosity", UnitPowers{0, 1, 1}}, {"parameters.speed"}};
+  FieldFile(scratch.path(), Mesh{1.0, 4}, 3, nullptr, of).close();
+  const auto unit = [&](const char* dataset) {
+    return attribute(scratch / "field.h5", (std::string("sensitivity/") + dataset).c_str(), "units");
+  };
+  EXPECT_EQ(unit("left.gap/u"), "1");
+  EXPECT_EQ(unit("left.gap/v"), "1/s");
+  EXPECT_EQ(unit("left.gap/reaction_left"), "Pa/m");
+  EXPECT_EQ(unit("bar.viscosity/u"), "m/(Pa s)");
+  EXPECT_EQ(unit("bar.viscosity/reaction_right"), "1/s");
+  EXPECT_EQ(unit("parameters.speed/u"), "none");
+}
+
 // In blocks of two rows, cut at an odd one.
 TEST(FieldFile, HoldsTheDerivativesByEachKeyAndGoesOnWithThemBitForBit) {
   const Scratch scratch;
   constexpr std::size_t nodes = 5, rows = 7, cut = 3;
   FieldOrigin of;
-  of.keys = {"left.gap", "parameters.speed"};
+  of.keys = {{"left.gap"}, {"parameters.speed"}};
   const auto append_rows = [&](FieldFile& file, std::size_t first, std::size_t count) {
     for (std::size_t row = first; row < first + count; ++row) {
       std::vector<double> u(nodes), v(nodes);
@@ -406,7 +413,7 @@ TEST(FieldFile, HoldsTheDerivativesByEachKeyAndGoesOnWithThemBitForBit) {
   FieldFile resumed(scratch / "cut", Mesh{1.0, nodes - 1}, 2, &mark, of);
   append_rows(resumed, cut, rows - cut);
   resumed.close();
-  for (const std::string& key : of.keys)
+  for (const auto& [key, unit] : of.keys)
     for (const char* name : {"u", "v", "reaction_left", "reaction_right"}) {
       const std::string dataset = "sensitivity/" + key + "/" + name;
       const Dataset one = read(scratch / "whole/field.h5", dataset.c_str());

@@ -133,15 +133,14 @@ void expect_slopes(const Driven& driven) {
   for (const char* method : {"rigid", "cvode", "ida", "arkode"}) expect_slopes(driven, method);
 }
 
-TEST(SensitivitiesOfDrivenEnds, AreTheSlopesOfRunsUnderForces) {
-  expect_slopes({"force", R"~(
-[left]
-kind = "obstacle"
-gap = 0.02
-[right]
-kind = "free"
-force = "-push*(1 + sin(omega*t))")~",
-                 with({"parameters.push", "parameters.omega", "left.gap"})});
+std::string before_an_obstacle(const std::string& right) {
+  return "[left]\nkind = \"obstacle\"\ngap = 0.02\n[right]\n" + right;
+}
+
+TEST(SensitivitiesOfDrivenEnds, AreTheSlopesOfRunsUnderForcesAndWithAFixedEndInMotion) {
+  for (const char* right : {"kind = \"free\"\nforce = \"-push*(1 + sin(omega*t))\"",
+                            "kind = \"fixed\"\nmotion = \"-push*(1 - cos(omega*t))\""})
+    expect_slopes({right, before_an_obstacle(right), with({"parameters.push", "parameters.omega", "left.gap"})});
 }
 
 TEST(SensitivitiesOfDrivenEnds, AreTheSlopesOfRunsOnSpringsAndDashpots) {
@@ -157,17 +156,6 @@ force = -0.4
 stiffness = 0.5
 dashpot = 0.3)~",
                  with({"left.stiffness", "left.dashpot", "right.stiffness", "right.dashpot", "left.gap"})});
-}
-
-TEST(SensitivitiesOfDrivenEnds, AreTheSlopesOfRunsWithAFixedEndInMotion) {
-  expect_slopes({"motion", R"~(
-[left]
-kind = "obstacle"
-gap = 0.02
-[right]
-kind = "fixed"
-motion = "-push*(1 - cos(omega*t))")~",
-                 with({"parameters.push", "parameters.omega", "left.gap"})});
 }
 
 TEST(SensitivitiesOfDrivenEnds, AreTheSlopesOfRunsAgainstAnObstacleThatMoves) {
@@ -186,13 +174,7 @@ gap = "depth - push*t*exp(-omega*t)"
 // At 1.1 and 1.9 the end stops and goes on, in touch or not.
 TEST(SensitivitiesOfDrivenEnds, PassKinksOfAMotion) {
   for (const char* method : {"cvode", "ida", "arkode"})
-    expect_slopes({"kinks", R"~(
-[left]
-kind = "obstacle"
-gap = 0.02
-[right]
-kind = "fixed"
-motion = "-push*(min(t, 1.1) + max(t - 1.9, 0))")~",
+    expect_slopes({"kinks", before_an_obstacle("kind = \"fixed\"\nmotion = \"-push*(min(t, 1.1) + max(t - 1.9, 0))\""),
                    with({"parameters.push", "left.gap"})},
                   method);
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "support/bar_above_an_obstacle.hpp"
 #include "support/scratch.hpp"
 #include "sweep/sweep_results.hpp"
 #include "viscobar/case/recording.hpp"
@@ -15,22 +16,8 @@
 namespace viscobar {
 namespace {
 
-constexpr const char* scene_text = R"(
-[bar]
-length = 1.0
-viscosity = 0.08
-[left]
-kind = "obstacle"
-gap = 0.1
-[initial]
-velocity = -1.0
-[sensitivity]
-of = ["left.gap", "bar.viscosity"]
-[time]
-end = 3.0
-[mesh]
-elements = 20
-)";
+const std::string without_sensitivities = std::string(bar_above_an_obstacle) + "[initial]\nvelocity = -1.0\n";
+const std::string scene_text = without_sensitivities + "[sensitivity]\nof = [\"left.gap\", \"bar.viscosity\"]\n";
 
 // The third bar ends before it comes to the obstacle.
 constexpr const char* sweep_text = R"(
@@ -93,9 +80,7 @@ TEST(SensitivitiesInSweeps, AreThoseOfEachRunAndSurviveTheFile) {
 
 TEST(SensitivitiesInSweeps, CostNothingWhereTheSceneAsksForNone) {
   const Scratch scratch;
-  std::string text = scene_text;
-  text.erase(text.find("[sensitivity]"), text.find("[time]") - text.find("[sensitivity]"));
-  std::ofstream(scratch / "scene.toml") << text;
+  std::ofstream(scratch / "scene.toml") << without_sensitivities;
   const SweepFile sweep = parse_sweep(sweep_text, scratch / "sweep.toml");
   EXPECT_TRUE(sweep.plan.derivatives().empty());
   EXPECT_TRUE(run_case(sweep.scene_text, case_of(sweep, 0))->derivatives.empty());

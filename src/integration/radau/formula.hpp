@@ -16,20 +16,39 @@ using Parts = std::array<double, parts>;  ///< of the poles: real parts, then im
 struct Complex {
   Lanes re, im;
 };
+inline Complex operator*(const Complex& a, const Complex& b) {
+  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+}
+inline Complex operator*(double a, const Complex& b) { return {a * b.re, a * b.im}; }
+inline Complex operator-(const Complex& a, const Complex& b) { return {a.re - b.re, a.im - b.im}; }
+inline Complex operator+(const Complex& a, const Complex& b) { return {a.re + b.re, a.im + b.im}; }
 
-/// Radau's collocation (IIA) of 8 stages for y' = A y + g, order 15, in its partial fractions. Of the exponential it
-/// makes the rational function P(z)/Q(z) of degrees 7 and 8 that matches exp(z) to z^15, and within the step, at
-/// t_0 + theta h,
+/// sum_l columns[l] (part l of x)
+template <class Column>
+inline Column combined(const std::array<Column, parts>& columns, const Complex& x) {
+  Column re = columns[0] * x.re[0], im = columns[lanes] * x.im[0];
+  for (std::size_t l = 1; l < lanes; ++l) {
+    re += columns[l] * x.re[static_cast<Eigen::Index>(l)];
+    im += columns[lanes + l] * x.im[static_cast<Eigen::Index>(l)];
+  }
+  return re + im;
+}
+
+/// Radau's collocation (IIA) of 8 stages for y' = A y + g, in partial fractions. Its order is 15. A step multiplies y
+/// by P(z)/Q(z), z = h A, in place of exp(z). P and Q have the degrees 7 and 8, and the quotient matches exp(z) to
+/// z^15. Within the step, at t_0 + theta h, the collocation polynomial multiplies y by
 ///
-///     P_theta(z)/Q(z),   P_theta = exp(theta z) Q(z) cut off behind z^8,
+///     P_theta(z)/Q(z),   P_theta = exp(theta z) Q(z) cut off behind z^8.
 ///
-/// a polynomial of degree 8 in theta, wrong by c_9(theta) z^9 + ..., |c_9| < 6e-11. With the zeros zeta_k of Q, which
-/// are 4 pairs,
+/// This is a polynomial of degree 8 in theta. Its error is c_9(theta) z^9 + ..., |c_9| < 6e-11. Q has 4 pairs of zeros
+/// zeta_k. With them
 ///
 ///     y(theta) = y_0 + sum_k c_k(theta) X_k,   (zeta_k - h A) X_k = h A y_0 + h g_0 + h sum_j j! zeta_k^-j g_j,
+///     c_k(theta) = -P_theta(zeta_k) / (zeta_k Q'(zeta_k)).
 ///
-/// g_j the coefficients of theta^j in g, and c_k(theta) = -P_theta(zeta_k) / (zeta_k Q'(zeta_k)). The eight systems are
-/// solved at once, and every time within the step costs sums only.
+/// g_j is the coefficient of theta^j in g. The systems of a pair are conjugate, so four are solved, at once. After that
+/// every time within the step costs sums only. With c_k in place of g, sum_j j! zeta_l^-j g_j is 1 for l = k and else 0:
+/// a load that is linear in the motion is in each system a multiple of X_k.
 class Formula {
  public:
   static const Formula& get();
@@ -49,8 +68,8 @@ class Formula {
   Parts weights(double theta, int derivative) const;
   /// The same, of X_k / zeta_k.
   Parts weights_over_pole(const Parts& weights) const;
-  /// Of what the step may be wrong by: 30 max |c_9| z^8 / Q(z), as if |z| were 30, which modes have that the step does
-  /// not resolve. It is the dense output's error; that at the end of the step is far below it.
+  /// The weights of what the step may be wrong by, 30 max |c_9| z^8 / Q(z). It has z^9 as if |z| were 30, as modes have
+  /// that the step does not resolve. It is the error within the step. That at the end of the step is far below it.
   const Parts& error() const { return error_; }
 
  private:

@@ -8,12 +8,6 @@ namespace viscobar::radau {
 
 namespace {
 
-inline Complex operator*(const Complex& a, const Complex& b) {
-  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
-}
-inline Complex operator-(const Complex& a, const Complex& b) { return {a.re - b.re, a.im - b.im}; }
-inline Complex operator+(const Complex& a, const Complex& b) { return {a.re + b.re, a.im + b.im}; }
-
 inline Complex reciprocal(const Complex& a) {
   const Lanes scale = 1.0 / (a.re * a.re + a.im * a.im);
   return {a.re * scale, -a.im * scale};

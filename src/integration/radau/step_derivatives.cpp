@@ -7,15 +7,6 @@ namespace viscobar::radau {
 
 namespace {
 
-double sum(const Parts& weights, const Complex& x) {
-  double total = 0.0;
-  for (std::size_t l = 0; l < lanes; ++l) {
-    const auto at = static_cast<Eigen::Index>(l);
-    total += weights[l] * x.re[at] + weights[lanes + l] * x.im[at];
-  }
-  return total;
-}
-
 void add(Complex& to, const Complex& share, double times) {
   to.re += share.re * times;
   to.im += share.im * times;
@@ -28,135 +19,214 @@ StepDerivatives::StepDerivatives(PenalisedSystem& system, const Layout& layout,
     : system_(system),
       layout_(layout),
       derivatives_(derivatives),
-      state_(layout.size),
-      acceleration_(layout.nodes),
-      inertial_force_(layout.nodes),
+      stiffness_(system.bar()),
+      moment_(system, derivatives),
       force_(layout.nodes),
-      s_(2 * layout.nodes),
       rates_(layout.block - 2 * layout.nodes) {
-  for (const Derivative* one : derivatives) asks_for_inertia_ |= one->asks_for_inertia();
   const std::size_t n = layout.nodes;
+  if (layout.left) ends_.push_back(0);
+  if (layout.right) ends_.push_back(n - 1);
+  if (moment_.asks_for_inertia()) inertial_.resize(n);
+  for (const Derivative* one : derivatives) {
+    const Derivative::MatrixRates rates = one->matrix_rates();
+    if (rates.viscosity != 0.0 || rates.modulus != 0.0) stiff_.resize(n);
+  }
   parts_.resize(derivatives.size(), {std::vector<double>(n),
                                      std::vector<double>(n),
                                      rates_,
                                      std::vector<Complex>(n),
                                      std::vector<Complex>(rates_.size()),
                                      {}});
-  for (Part& part : parts_) part.load_tail.resize(n);
+  for (std::size_t k = 0; k < parts_.size(); ++k)
+    if (derivatives[k]->load_varies()) parts_[k].load_tail.resize(n);
 }
 
-Moment StepDerivatives::moment(double t, std::span<const double> y) {
-  const std::size_t n = layout_.nodes;
-  const std::span<const double> u = y.first(n), w = y.subspan(n, n);
-  if (asks_for_inertia_) {
-    system_.force(t, u, w, acceleration_);
-    system_.accelerate(acceleration_);
-    const SymmetricTridiagonal& inertia = system_.bar().inertia();
-    inertia.multiply(acceleration_, inertial_force_);
+void StepDerivatives::multiply_inertia(std::span<const Complex> x, std::vector<Complex>& out) const {
+  const SymmetricTridiagonal& inertia = system_.bar().inertia();
+  const std::size_t n = x.size();
+  if (inertia.off_diagonal.empty()) {
+    for (std::size_t i = 0; i < n; ++i) out[i] = inertia.diagonal[i] * x[i];
+    return;
   }
-  return {t, u, w, inertial_force_};
+  out[0] = inertia.diagonal[0] * x[0] + inertia.off_diagonal[0] * x[1];
+  for (std::size_t i = 1; i + 1 < n; ++i)
+    out[i] = inertia.off_diagonal[i - 1] * x[i - 1] + inertia.diagonal[i] * x[i] + inertia.off_diagonal[i] * x[i + 1];
+  out[n - 1] = inertia.off_diagonal[n - 2] * x[n - 2] + inertia.diagonal[n - 1] * x[n - 1];
+  if (!inertia.end_rows) return;
+  for (std::size_t j = 0; j < 3; ++j) {
+    out[0] = out[0] + inertia.end_rows->first[j] * x[j];
+    out[n - 1] = out[n - 1] + inertia.end_rows->last[j] * x[n - 1 - j];
+  }
 }
 
 void StepDerivatives::impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s,
                                     std::vector<double>& rates) {
-  std::size_t entry = 0;
-  if (layout_.left) rates[entry++] = derivative.momentum_loss(0, at, s);
-  if (layout_.right) rates[entry++] = derivative.momentum_loss(layout_.nodes - 1, at, s);
+  for (std::size_t e = 0; e < ends_.size(); ++e) rates[e] = derivative.momentum_loss(ends_[e], at, s);
 }
 
 void StepDerivatives::evaluate(ShiftedSystems& systems, double t, std::span<double> y) {
   const std::size_t n = layout_.nodes;
-  const Moment at = moment(t, y);
+  begin_ = moment_(t, layout_.u(y), layout_.w(y), {});
   for (std::size_t k = 0; k < parts_.size(); ++k) {
+    Part& part = parts_[k];
     Derivative& derivative = *derivatives_[k];
-    derivative.drive(at);
+    const Derivative::MatrixRates rates = derivative.matrix_rates();
+    derivative.drive(begin_);
     const std::span<double> block = layout_.derivative(y, k), u = block.first(n), w = block.subspan(n, n);
     derivative.motion().complete_velocity(t, u, w);
-    derivative.motion().force(t, u, w, parts_[k].force);
-    systems.multiply_stiffness(w, parts_[k].stiff_rate);
-    impulse_rates(derivative, at, u, parts_[k].impulse_rates);
+    derivative.motion().force(t, u, w, part.force);
+    systems.multiply_stiffness(w, part.stiff_rate);
+    if (rates.modulus != 0.0)
+      for (std::size_t i = 0; i < n; ++i) part.stiff_rate[i] += rates.modulus * begin_.strain_rate[i];
+    for (const Mount& mount : rates.mounts) part.stiff_rate[mount.unknown] += mount.stiffness * begin_.w[mount.unknown];
+    impulse_rates(derivative, begin_, u, part.impulse_rates);
   }
 }
 
-void StepDerivatives::add_force(std::size_t stage, const Moment& at, std::span<const double> begin) {
+// x = -(zeta M' + h C' + h^2 / zeta K') X; whether that is anything.
+bool StepDerivatives::drive(std::size_t k, std::span<const Complex> motion) {
+  const Formula& formula = Formula::get();
+  const Derivative::MatrixRates rates = derivatives_[k]->matrix_rates();
+  std::vector<Complex>& x = parts_[k].x;
+  const auto elastic = [&](double dashpot, double stiffness) {
+    return Complex{-h_ * dashpot - h_ * h_ * stiffness * formula.inverse.re, -h_ * h_ * stiffness * formula.inverse.im};
+  };
+  const Complex of_mass = -rates.inertia * formula.poles, of_stiffness = elastic(rates.viscosity, rates.modulus);
+  const bool inertial = rates.inertia != 0.0, stiff = rates.viscosity != 0.0 || rates.modulus != 0.0;
   const std::size_t n = layout_.nodes;
-  const Complex& of_load = Formula::get().of_load[stage];
-  const Complex share = {h_ * of_load.re, h_ * of_load.im};
-  for (std::size_t k = 0; k < parts_.size(); ++k) {
-    Part& part = parts_[k];
-    derivatives_[k]->drive(at);
-    const std::span<const double> block = layout_.derivative(begin, k);
-    derivatives_[k]->motion().force(at.t, block.first(n), block.subspan(n, n), force_);
-    if (stage == 0) std::ranges::fill(part.x, Complex{Lanes::Zero(), Lanes::Zero()});
+  if (inertial && stiff)
+    for (std::size_t i = 0; i < n; ++i) x[i] = of_mass * inertial_[i] + of_stiffness * stiff_[i];
+  else if (inertial)
+    for (std::size_t i = 0; i < n; ++i) x[i] = of_mass * inertial_[i];
+  else if (stiff)
+    for (std::size_t i = 0; i < n; ++i) x[i] = of_stiffness * stiff_[i];
+  else if (!rates.mounts.empty())
+    std::ranges::fill(x, Complex{Lanes::Zero(), Lanes::Zero()});
+  for (const auto& [unknown, stiffness, dashpot] : rates.mounts)
+    x[unknown] = x[unknown] + elastic(dashpot, stiffness) * motion[unknown];
+  return inertial || stiff || !rates.mounts.empty();
+}
+
+// What the load changes by over the step, the motion standing still.
+void StepDerivatives::gather_load(std::size_t k, const Step& step, std::span<const double> begin, bool driven) {
+  const Formula& formula = Formula::get();
+  const std::size_t n = layout_.nodes;
+  Part& part = parts_[k];
+  Derivative& derivative = *derivatives_[k];
+  const std::span<const double> block = layout_.derivative(begin, k);
+  if (!driven) std::ranges::fill(part.x, Complex{Lanes::Zero(), Lanes::Zero()});
+  Moment at = begin_;
+  for (std::size_t m = 0; m < stages; ++m) {
+    at.t = m + 1 == stages ? step.reached : step.t + formula.nodes[m] * h_;
+    if (m == 0 || system_.bar().moving()) derivative.drive(at);  // others have driven it since
+    derivative.motion().force(at.t, block.first(n), block.subspan(n, n), force_);
+    const Complex share = h_ * formula.of_load[m];
     for (std::size_t i = 0; i < n; ++i) {
       const double change = force_[i] - part.force[i];
       add(part.x[i], share, change);
-      part.load_tail.add(stage, i, change);
+      part.load_tail.add(m, i, change);
     }
-  }
-}
-
-double StepDerivatives::solve(ShiftedSystems& systems, std::span<const double> weights, Statistics& statistics) {
-  const Formula& formula = Formula::get();
-  const Parts of_w = formula.error(), of_u = formula.weights_over_pole(of_w);
-  const std::size_t n = layout_.nodes;
-  double largest = 0.0;
-  for (std::size_t k = 0; k < parts_.size(); ++k) {
-    Part& part = parts_[k];
-    systems.solve(part.force, part.stiff_rate, true, part.x);
-    statistics.linear_solves += lanes;
-    const auto weight = layout_.derivative(weights, k);
-    largest = std::max(largest,
-                       part.load_tail.error(system_.bar(), h_, weight[0], weight[n + system_.bar().massive_begin()]));
-    for (std::size_t i = 0; i < n; ++i)
-      largest = std::max(
-          {largest, h_ * std::abs(sum(of_u, part.x[i])) * weight[i], std::abs(sum(of_w, part.x[i])) * weight[n + i]});
-  }
-  return largest;
-}
-
-void StepDerivatives::add_impulse_rates(std::size_t stage, const Moment& at, std::span<const double> begin) {
-  if (rates_.empty()) return;
-  const Formula& formula = Formula::get();
-  const Complex share = {h_ * formula.of_load[stage].re, h_ * formula.of_load[stage].im};
-  for (std::size_t k = 0; k < parts_.size(); ++k) {
-    Part& part = parts_[k];
-    derivatives_[k]->drive(at);
-    // The balance of momentum of an end asks for no more than its element.
-    const std::size_t n = layout_.nodes, two = std::min<std::size_t>(2, n);
-    motion_of(k, formula.nodes[stage], begin, s_, 0, two);
-    motion_of(k, formula.nodes[stage], begin, s_, n - two, n);
-    impulse_rates(*derivatives_[k], at, std::span<const double>(s_).first(layout_.nodes), rates_);
-    if (stage == 0)
-      for (std::size_t e = 0; e < rates_.size(); ++e)
-        part.impulses[e] = {Lanes::Constant(h_ * part.impulse_rates[e]), Lanes::Zero()};
+    impulse_rates(derivative, at, block.first(n), rates_);
     for (std::size_t e = 0; e < rates_.size(); ++e) add(part.impulses[e], share, rates_[e] - part.impulse_rates[e]);
   }
 }
 
-void StepDerivatives::motion_of(std::size_t k, double theta, std::span<const double> begin, std::span<double> s,
-                                std::size_t first, std::size_t last) const {
-  const Formula& formula = Formula::get();
-  const Parts of_w = formula.weights(theta, 0), of_u = formula.weights_over_pole(of_w);
+// Of what they are linear in, h (w + X) / zeta is the image of u's change.
+void StepDerivatives::add_elastic_impulses(std::size_t k, std::span<const double> begin,
+                                           std::span<const Complex> motion) {
   const std::size_t n = layout_.nodes;
-  const auto before = layout_.derivative(begin, k);
-  for (std::size_t i = first; i < last; ++i) {
-    s[i] = before[i] + h_ * (theta * before[n + i] + sum(of_u, parts_[k].x[i]));
-    s[n + i] = before[n + i] + sum(of_w, parts_[k].x[i]);
+  const auto image = [&](double rate, Complex x) {
+    x.re += rate;
+    return h_ * (Formula::get().inverse * x);
+  };
+  const double *w = begin.data() + n, *q = layout_.derivative(begin, k).data() + n;
+  for (std::size_t e = 0; e < ends_.size(); ++e) {
+    const std::size_t end = ends_[e], beside = end == 0 ? 1 : end - 1;
+    const Complex u = image(w[end], motion[end]), u_stretch = u - image(w[beside], motion[beside]);
+    const std::vector<Complex>& x = parts_[k].x;
+    const Complex s = image(q[end], x[end]), s_stretch = s - image(q[beside], x[beside]);
+    Complex& impulse = parts_[k].impulses[e];
+    for (Eigen::Index l = 0; l < static_cast<Eigen::Index>(lanes); ++l) {
+      const Derivative& of = *derivatives_[k];
+      impulse.re[l] += h_ * of.elastic_row(end, u.re[l], u_stretch.re[l], s.re[l], s_stretch.re[l]);
+      impulse.im[l] += h_ * of.elastic_row(end, u.im[l], u_stretch.im[l], s.im[l], s_stretch.im[l]);
+    }
   }
 }
 
-// An impulse I' = r has the systems zeta X = h r.
-void StepDerivatives::blocks_at(double theta, std::span<const double> begin, std::span<double> y) const {
+double StepDerivatives::attempt(ShiftedSystems& systems, const Step& step, std::span<const double> begin,
+                                std::span<const Complex> motion, std::span<const double> weights, std::span<double> end,
+                                Statistics& statistics) {
+  h_ = step.h;
+  const std::size_t n = layout_.nodes;
+  if (!inertial_.empty()) multiply_inertia(motion, inertial_);
+  if (!stiff_.empty()) stiffness_.multiply([&](std::size_t i) -> const Complex& { return motion[i]; }, stiff_);
+  double largest = 0.0;
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    Part& part = parts_[k];
+    for (std::size_t e = 0; e < ends_.size(); ++e)
+      part.impulses[e] = {Lanes::Constant(h_ * part.impulse_rates[e]), Lanes::Zero()};
+    bool driven = drive(k, motion);
+    const auto weight = layout_.derivative(weights, k);
+    if (derivatives_[k]->load_varies()) {
+      gather_load(k, step, begin, driven);
+      driven = true;
+      largest = std::max(largest,
+                         part.load_tail.error(system_.bar(), h_, weight[0], weight[n + system_.bar().massive_begin()]));
+    }
+    systems.solve(part.force, part.stiff_rate, driven, part.x);
+    statistics.linear_solves += lanes;
+    add_elastic_impulses(k, begin, motion);
+    largest = std::max(largest, move(k, layout_.derivative(begin, k), weight, layout_.derivative(end, k)));
+  }
+  return largest;
+}
+
+// The error of the step.
+double StepDerivatives::move(std::size_t k, std::span<const double> begin, std::span<const double> weights,
+                             std::span<double> end) const {
+  const Formula& formula = Formula::get();
+  const Parts w = formula.weights(1.0, 0), u = formula.weights_over_pole(w);
+  const Parts &of_w = formula.error(), of_u = formula.weights_over_pole(of_w);
+  std::array<Eigen::Array4d, parts> columns;
+  for (std::size_t l = 0; l < parts; ++l) columns[l] = {w[l], h_ * u[l], of_w[l], h_ * of_u[l]};
+  const std::size_t n = layout_.nodes, first = system_.bar().massive_begin(), last = system_.bar().massive_end();
+  const std::vector<Complex>& x = parts_[k].x;
+  Eigen::Array4d largest = Eigen::Array4d::Zero();
+  for (std::size_t i = 0; i < n; ++i) {
+    Eigen::Array4d sum = combined(columns, x[i]);
+    end[n + i] = begin[n + i] + sum[0];
+    end[i] = begin[i] + (h_ * begin[n + i] + sum[1]);
+    if (i < first || i >= last) sum[2] = 0.0;  // the velocity of a massless node is dependent
+    largest = largest.max(sum.abs());
+  }
+  impulses_at(k, 1.0, begin, end);
+  return std::max(largest[2] * weights[n + first], largest[3] * weights[0]);
+}
+
+void StepDerivatives::impulses_at(std::size_t k, double theta, std::span<const double> before,
+                                  std::span<double> block) const {
   const Formula& formula = Formula::get();
   const Parts weights = formula.weights_over_pole(formula.weights(theta, 0));
+  for (std::size_t e = 0; e < ends_.size(); ++e)
+    block[2 * layout_.nodes + e] = before[2 * layout_.nodes + e] + combined(weights, parts_[k].impulses[e]);
+}
+
+void StepDerivatives::blocks_at(double theta, std::span<const double> begin, std::span<double> y) const {
+  const Formula& formula = Formula::get();
+  const Parts w = formula.weights(theta, 0), u = formula.weights_over_pole(w);
+  std::array<Eigen::Array2d, parts> columns;
+  for (std::size_t l = 0; l < parts; ++l) columns[l] = {w[l], h_ * u[l]};
   const std::size_t n = layout_.nodes;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     const auto before = layout_.derivative(begin, k);
     const std::span<double> block = layout_.derivative(y, k);
-    motion_of(k, theta, begin, block, 0, n);
-    for (std::size_t e = 0; e < rates_.size(); ++e)
-      block[2 * n + e] = before[2 * n + e] + sum(weights, parts_[k].impulses[e]);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Eigen::Array2d sum = combined(columns, parts_[k].x[i]);
+      block[n + i] = before[n + i] + sum[0];
+      block[i] = before[i] + (theta * h_ * before[n + i] + sum[1]);
+    }
+    impulses_at(k, theta, before, block);
   }
 }
 

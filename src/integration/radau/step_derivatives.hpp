@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -11,9 +12,15 @@
 
 namespace viscobar::radau {
 
-/// The derivatives by parameters on a step of Formula. Each obeys the bar's equations under a force that the bar's own
-/// motion makes: a load, taken at the stages from the motion's polynomial. So each costs a solve with the factor of the
-/// step. The impulses of the ends are integrals, by the same formula.
+/// The derivatives by parameters on a step of Formula. M', C' and K' being the derivatives of the matrices, they obey
+/// the bar's equations under the force -M' a - C' w - K' u of its motion. That is linear in the motion, so it is in the
+/// systems of the step what the derivatives of those are, X being the motion's and q = s':
+///
+///     (zeta M + h C + h^2 / zeta K) Y = h r - h^2 / zeta (K q + K' w) - (zeta M' + h C' + h^2 / zeta K') X + load,
+///     r = M f' - K s - C q - K' u - C' w,
+///
+/// and no stage has to be looked at but for a load of s that depends on time. Each costs a solve with the factor of the
+/// step. The impulses of the ends are integrals, by the same formula: I' = r has zeta X = h r.
 class StepDerivatives {
  public:
   /// All outlive it.
@@ -22,58 +29,45 @@ class StepDerivatives {
   /// Of the state y at t, from which the next step begins; completes the velocities of massless nodes.
   void evaluate(ShiftedSystems& systems, double t, std::span<double> y);
 
-  /// A step from t of length h whose last stage is at `reached`, motion_at(t, y) giving the motion within it, from the
-  /// blocks of `begin`: what it is wrong by, as Formula::error() says, times the blocks of `weights`.
-  template <class Motion>
-  double attempt(ShiftedSystems& systems, double t, double h, double reached, std::span<const double> begin,
-                 std::span<const double> weights, Statistics& statistics, Motion&& motion_at) {
-    h_ = h;
-    at_stages(t, reached, motion_at, [&](std::size_t m, const Moment& at) { add_force(m, at, begin); });
-    return solve(systems, weights, statistics);
-  }
-
-  /// That step is made: the blocks of `end`.
-  template <class Motion>
-  void finish(double t, double reached, std::span<const double> begin, std::span<double> end, Motion&& motion_at) {
-    at_stages(t, reached, motion_at, [&](std::size_t m, const Moment& at) { add_impulse_rates(m, at, begin); });
-    blocks_at(1.0, begin, end);
-  }
+  struct Step {
+    double t, h, reached;  ///< where it begins, its length, and its last stage
+  };
+  /// A step whose motion has the parts `motion`, from the blocks of `begin` to those of `end`: what it is wrong by, as
+  /// Formula::error() says, times the blocks of `weights`.
+  double attempt(ShiftedSystems& systems, const Step& step, std::span<const double> begin,
+                 std::span<const Complex> motion, std::span<const double> weights, std::span<double> end,
+                 Statistics& statistics);
 
   /// The blocks at a part theta of the step.
   void blocks_at(double theta, std::span<const double> begin, std::span<double> y) const;
 
  private:
-  template <class Motion, class Look>
-  void at_stages(double t, double reached, Motion&& motion_at, Look&& look) {
-    for (std::size_t m = 0; m < stages; ++m) {
-      const double now = m + 1 == stages ? reached : t + Formula::get().nodes[m] * h_;
-      motion_at(now, state_);
-      system_.complete_velocity(now, layout_.u(state_), layout_.w(state_));
-      look(m, moment(now, state_));
-    }
-  }
-
   struct Part {
     std::vector<double> force, stiff_rate, impulse_rates;  // where the step begins
     std::vector<Complex> x, impulses;
     LoadTail load_tail;
   };
 
-  Moment moment(double t, std::span<const double> y);
+  void multiply_inertia(std::span<const Complex> x, std::vector<Complex>& out) const;
   void impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::vector<double>& rates);
-  void add_force(std::size_t stage, const Moment& at, std::span<const double> begin);
-  double solve(ShiftedSystems& systems, std::span<const double> weights, Statistics& statistics);
-  void add_impulse_rates(std::size_t stage, const Moment& at, std::span<const double> begin);
-  void motion_of(std::size_t k, double theta, std::span<const double> begin, std::span<double> s, std::size_t first,
-                 std::size_t last) const;
+  bool drive(std::size_t k, std::span<const Complex> motion);
+  void gather_load(std::size_t k, const Step& step, std::span<const double> begin, bool driven);
+  void add_elastic_impulses(std::size_t k, std::span<const double> begin, std::span<const Complex> motion);
+  double move(std::size_t k, std::span<const double> begin, std::span<const double> weights,
+              std::span<double> end) const;
+  void impulses_at(std::size_t k, double theta, std::span<const double> before, std::span<double> block) const;
 
   PenalisedSystem& system_;
   const Layout& layout_;
   std::span<Derivative* const> derivatives_;
-  bool asks_for_inertia_ = false;
-  double h_ = 0.0;
+  std::vector<std::size_t> ends_;  // that have an impulse
+  UnitStiffness stiffness_;
+  MomentBuilder moment_;
+  Moment begin_;    // where the step begins
+  double h_ = 0.0;  // of the last step
   std::vector<Part> parts_;
-  std::vector<double> state_, acceleration_, inertial_force_, force_, s_, rates_;
+  std::vector<Complex> inertial_, stiff_;  // rho M X and K X of the motion
+  std::vector<double> force_, rates_;      // scratch
 };
 
 }  // namespace viscobar::radau

@@ -22,17 +22,6 @@ namespace {
 constexpr double safety = 0.85, exponent = 1.0 / 8.0, largest_growth = 8.0, largest_cut = 0.1;
 constexpr double worth_a_factor = 1.25;  // growth of the step, in which a new factor pays
 
-// sum_l columns[l] (part l of x)
-template <class Column>
-inline Column combined(const std::array<Column, parts>& columns, const Complex& x) {
-  Column re = columns[0] * x.re[0], im = columns[lanes] * x.im[0];
-  for (std::size_t l = 1; l < lanes; ++l) {
-    re += columns[l] * x.re[static_cast<Eigen::Index>(l)];
-    im += columns[lanes + l] * x.im[static_cast<Eigen::Index>(l)];
-  }
-  return re + im;
-}
-
 class Stepper final : public LegStepper {
  public:
   Stepper(const StepperParts& run, const Tolerance& tolerance)
@@ -205,9 +194,8 @@ class Stepper final : public LegStepper {
         std::max({largest[2] * weight_[n + first], largest[3] * weight_[0], std::numeric_limits<double>::min()});
     if (loaded) error = std::max(error, load_tail_.error(system_.bar(), h, weight_[0], weight_[n + first]));
     if (derivatives_)
-      error =
-          std::max(error, derivatives_->attempt(systems_, begin_t_, h, end_of_step(), begin_y_, weight_, statistics_,
-                                                [&](double t, std::span<double> y_at) { motion_at(t, y_at); }));
+      error = std::max(error, derivatives_->attempt(systems_, {begin_t_, h, end_of_step()}, begin_y_, x_, weight_,
+                                                    end_y_, statistics_));
     return error;
   }
 
@@ -239,9 +227,6 @@ class Stepper final : public LegStepper {
     system_.complete_displacement(end_t_, layout_.u(y));
     system_.complete_velocity(end_t_, layout_.u(y), layout_.w(y));
     add_account(end_t_, y);
-    if (derivatives_)
-      derivatives_->finish(begin_t_, end_t_, begin_y_, end_y_,
-                           [&](double t, std::span<double> inner) { motion_at(t, inner); });
     evaluate();
   }
 

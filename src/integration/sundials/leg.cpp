@@ -78,11 +78,11 @@ void Leg::solve_first_order(double t, double gamma, std::span<const double> y, d
 }
 
 Moment Leg::moment(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a) {
-  if (asks_for_inertia) {
-    std::ranges::fill(inertial_force, 0.0);
-    subtract_inertia(-1.0, a, inertial_force);
+  if (moment_->asks_for_inertia()) {
+    std::ranges::fill(inertial_force_, 0.0);
+    subtract_inertia(-1.0, a, inertial_force_);
   }
-  return {t, u, w, inertial_force};
+  return (*moment_)(t, u, w, inertial_force_);
 }
 
 void Leg::impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::span<const double> x,

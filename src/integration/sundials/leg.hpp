@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <exception>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,8 +25,8 @@ class Leg {
       : system(of), layout(placed), statistics(counted), derivatives(of_parameters), field(placed.nodes) {
     if (placed.end_inertia || !of_parameters.empty()) acceleration.resize(placed.nodes);
     if (of_parameters.empty()) return;
-    new_u.resize(placed.nodes), new_w = inertial_force = new_u;
-    for (const Derivative* one : of_parameters) asks_for_inertia |= one->asks_for_inertia();
+    new_u.resize(placed.nodes), new_w = new_u;
+    if (moment_.emplace(of, of_parameters).asks_for_inertia()) inertial_force_ = new_u;
   }
 
   /// x <- D(m,c,k)^{-1} x; factorises only when a coefficient or a contact has changed.
@@ -61,20 +62,21 @@ class Leg {
   Layout layout;
   Statistics& statistics;
   std::span<Derivative* const> derivatives;
-  bool asks_for_inertia = false;                     // of a derivative
-  std::vector<double> new_u, new_w, inertial_force;  // of the step solved for, where there are derivatives
-  std::vector<double> field;                         // scratch, one entry a node
-  std::vector<double> acceleration;                  // likewise, where the account needs it
-  std::span<const double> correction;                // of the step or stage solved for last, until the next
-  double account_correction = 0.0;                   // largest of the energy account, at the step solved for last
-  std::exception_ptr error;                          // thrown inside a callback, to be rethrown outside the C frames
-  std::string library_message;                       // what SUNDIALS said last
-  void* memory = nullptr;                            // of the integrator
+  std::vector<double> new_u, new_w;    // of the step solved for, where there are derivatives
+  std::vector<double> field;           // scratch, one entry a node
+  std::vector<double> acceleration;    // likewise, where the account needs it
+  std::span<const double> correction;  // of the step or stage solved for last, until the next
+  double account_correction = 0.0;     // largest of the energy account, at the step solved for last
+  std::exception_ptr error;            // thrown inside a callback, to be rethrown outside the C frames
+  std::string library_message;         // what SUNDIALS said last
+  void* memory = nullptr;              // of the integrator
 
  private:
   void solve_momentum(PenalisedSystem& forces, double t, double gamma, std::span<const double> y, double factor,
                       std::span<const double> z, std::span<double> x);
 
+  std::optional<MomentBuilder> moment_;
+  std::vector<double> inertial_force_;  // where a derivative asks for it
   SymmetricTridiagonal matrix_;
   TridiagonalFactor factor_;
   double m_ = 0.0, c_ = 0.0, k_ = 0.0;

@@ -69,7 +69,7 @@ FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, s
   growing_.push_back({"t", 1, long_chunk, 1});
   for (const char* name : {"u", "v"}) growing_.push_back({name, nodes_, block_rows_});
   growing_.push_back({"stress", nodes_ - 1, block_rows_});
-  for (const std::string& key : of.keys) {
+  for (const auto& [key, unit] : of.keys) {
     const std::string group = "sensitivity/" + key + "/";
     for (const char* name : {"u", "v"}) growing_.push_back({group + name, nodes_, block_rows_});
     for (const char* name : {"reaction_left", "reaction_right"}) growing_.push_back({group + name, 1, long_chunk, 1});
@@ -112,27 +112,39 @@ void FieldFile::describe(const FieldOrigin& of) {
   of_file("scene", of.scene);
   of_file("units", named_units(of.units));
   of_file("version", "viscobar " + versions().viscobar);
-  const auto of_dataset = [&](const std::string& name, const std::string& meaning,
-                              const std::optional<Dimension>& quantity) {
+  const auto of_dataset = [&](const std::string& name, const std::string& meaning, const std::string& unit) {
     const Hdf5Dataset dataset(
         hdf5_checked(path_, "lacks a dataset", [&] { return H5Dopen2(file, name.c_str(), H5P_DEFAULT); }));
     write_attribute(path_, dataset.get(), "long_name", meaning);
-    const std::string unit = quantity ? unit_name(of.units, *quantity) : "";
     if (!unit.empty()) write_attribute(path_, dataset.get(), "units", unit);
   };
-  of_dataset("t", "output times", Dimension::time);
-  of_dataset("x", "nodes", Dimension::length);
-  of_dataset("u", "displacement of the nodes, times x nodes", Dimension::length);
-  of_dataset("v", "velocity of the nodes, times x nodes", Dimension::velocity);
-  of_dataset("stress", "mean stress of each element, times x elements", Dimension::stress);
-  of_dataset("points", "nodes in space, for field.xdmf", Dimension::length);
-  of_dataset("line", "the two nodes of each element, for field.xdmf", std::nullopt);
-  for (const std::string& key : of.keys)
-    for (const auto& [name, what] : {std::pair{"u", "displacement of the nodes, times x nodes"},
-                                     {"v", "velocity of the nodes, times x nodes"},
-                                     {"reaction_left", "reaction at the left end"},
-                                     {"reaction_right", "reaction at the right end"}})
-      of_dataset("sensitivity/" + key + "/" + name, "derivative with respect to " + key + ": " + what, std::nullopt);
+  const auto unit = [&](Dimension quantity) { return unit_name(of.units, quantity); };
+  of_dataset("t", "output times", unit(Dimension::time));
+  of_dataset("x", "nodes", unit(Dimension::length));
+  of_dataset("u", "displacement of the nodes, times x nodes", unit(Dimension::length));
+  of_dataset("v", "velocity of the nodes, times x nodes", unit(Dimension::velocity));
+  of_dataset("stress", "mean stress of each element, times x elements", unit(Dimension::stress));
+  of_dataset("points", "nodes in space, for field.xdmf", unit(Dimension::length));
+  of_dataset("line", "the two nodes of each element, for field.xdmf", "");
+  struct Derived {
+    const char *name, *what;
+    Dimension quantity;
+  };
+  for (const auto& [key, per] : of.keys)
+    for (const Derived& one : {Derived{"u", "displacement of the nodes, times x nodes", Dimension::length},
+                               {"v", "velocity of the nodes, times x nodes", Dimension::velocity},
+                               {"reaction_left", "reaction at the left end", Dimension::stress},
+                               {"reaction_right", "reaction at the right end", Dimension::stress}}) {
+      std::string unit_of_quotient;
+      if (per) {
+        UnitPowers powers = unit_powers(one.quantity);
+        for (std::size_t k = 0; k < powers.size(); ++k) powers[k] -= (*per)[k];
+        const bool number = powers == UnitPowers{} && !named_units(of.units).empty();
+        unit_of_quotient = number ? "1" : unit_name(of.units, powers);
+      }
+      of_dataset("sensitivity/" + key + "/" + one.name, "derivative with respect to " + key + ": " + one.what,
+                 unit_of_quotient);
+    }
 }
 
 void FieldFile::take_place() {

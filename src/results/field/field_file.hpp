@@ -11,6 +11,7 @@
 #include "results/field/hdf5_handle.hpp"
 #include "results/field/xdmf_file.hpp"
 #include "results/output_file.hpp"
+#include "scene/unit_names.hpp"
 #include "viscobar/discretisation/mesh.hpp"
 #include "viscobar/run/run.hpp"
 #include "viscobar/scene/scene.hpp"
@@ -21,8 +22,13 @@ namespace viscobar {
 struct FieldOrigin {
   Bar bar;
   Units units;
-  std::string title, scene;       ///< the latter as a scene file; empty for a file that goes on
-  std::vector<std::string> keys;  ///< of the derivatives that its snapshots have
+  std::string title, scene;  ///< the latter as a scene file; empty for a file that goes on
+  /// A number that it has derivatives by, and its unit.
+  struct Key {
+    std::string name;
+    std::optional<UnitPowers> unit{};  ///< absent: nobody knows
+  };
+  std::vector<Key> keys;  ///< of the derivatives that its snapshots have
 };
 
 /// field.h5 with x (J+1), t (K), u and v (K x J+1), and stress (K x J), the mean over each element,
