@@ -36,6 +36,12 @@ double ErrorWeights::reaction_tolerance() const {
   return displacement_tolerance() + bar.viscosity / bar.modulus * velocity_tolerance();
 }
 
+double ErrorWeights::negligible_reaction(double h) const {
+  const Bar& bar = system_.bar().bar();
+  const double rounding = 32.0 * std::numeric_limits<double>::epsilon();
+  return h / bar.length * displacement_tolerance() + rounding * (largest_u_ + bar.viscosity / bar.modulus * largest_w_);
+}
+
 double ErrorWeights::promised_energy() const { return inertia_ * largest_w_ * promised_velocity(); }
 
 void ErrorWeights::fill(std::span<const double> y, std::span<double> weights) {

@@ -68,6 +68,9 @@ class ErrorWeights {
   double velocity_tolerance() const;
   /// Of (h/E) times a reaction, u + gap + (eta/E) w + ...
   double reaction_tolerance() const;
+  /// Of the same, what has no effect: a force R displaces the bar by R L/E, so that (h/E) R of h/L tolerances of u is
+  /// within the tolerance. Less than that cannot be told from rounding, which is one of u, not of the reaction.
+  double negligible_reaction(double h) const;
   /// An error of (u, w) that the stress of an element shows once has in (rho M a)_i, a = -(rho M)^{-1} (E K u + eta K
   /// w), the largest h^2 omega^2 of the mass, 12, times what its row has beside the diagonal, 1/4 at most.
   static constexpr double inertial_share = 1.0 + 12.0 / 4.0;

@@ -89,13 +89,17 @@ bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) co
   return rates_[i] < 0.0 && p <= 0.5 * (uncertainty(i) + time_rounding(t, -rates_[i]));
 }
 
-// A spring answers to its own clearance, which is known to rounding. The reaction of a rigid contact is known to the
-// tolerance only: less than that must not open it, or a bar that comes to rest would toggle for ever.
+// A spring answers to its own clearance, which is known to rounding. The pull on a rigid contact opens it as soon as it
+// has an effect. On a fine mesh the error of a step shows in the reaction as more than that, and a bar that comes to
+// rest may toggle: then, and for that contact alone, the reaction counts as uncertain by a share of that error.
 inline double EventSearch::uncertainty(std::size_t i) const {
   const ErrorWeights& weights = stepper_.weights();
   if (system_.holds(i)) {
     if (!system_.closed(i)) return weights.displacement_tolerance();
-    return (system_.collides(i) ? ErrorWeights::inertial_share : 1.0) * weights.reaction_tolerance();
+    const double negligible = weights.negligible_reaction(system_.bar().spacing_at(system_.contact(i).unknown));
+    if (i != distrusted_) return negligible;
+    return negligible +
+           share_ * (system_.collides(i) ? ErrorWeights::inertial_share : 1.0) * weights.reaction_tolerance();
   }
   double rounding = system_.indicator_rounding(i, weights.largest_displacement());
   if (system_.relaxes(i)) rounding += weights.reaction_tolerance() / (1.0 + system_.relative_stiffness(i));

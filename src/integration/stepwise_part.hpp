@@ -326,10 +326,10 @@ class StepwisePart {
       system_.set_closed(i, true);
       return watchdog_.close(t, system_.contact(i).unknown + system_.bar().first_node(), system_.contact_rate(i));
     }
+    const ErrorWeights& weights = stepper_.weights();
+    const double h = system_.bar().spacing_at(system_.contact(i).unknown);
     const PenalisedSystem::Collision collision =
-        system_.collide(i, t, u(), w(),
-                        {stepper_.weights().displacement_tolerance(),
-                         ErrorWeights::inertial_share * stepper_.weights().reaction_tolerance()});
+        system_.collide(i, t, u(), w(), {weights.displacement_tolerance(), weights.negligible_reaction(h)});
     if (layout_.dissipated) y_[*layout_.dissipated] += collision.dissipated;
     if (layout_.end_inertia) y_[*layout_.end_inertia] += collision.end_inertia;
     if (ends_) ends_->strike(i, collision.impulse);

@@ -8,9 +8,11 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 namespace viscobar {
@@ -30,10 +32,15 @@ std::string this_process() {
   return fmt::format("process {} on {}{}", ::getpid(), host.data(), job());
 }
 
+/// Who has locked the file a moment ago may not have written its name yet.
 std::string holder(int descriptor) {
   std::array<char, 512> text{};
-  const ssize_t count = ::pread(descriptor, text.data(), text.size(), 0);
-  return count > 0 ? std::string(text.data(), static_cast<std::size_t>(count)) : "another process";
+  for (int attempt = 0; attempt < 200; ++attempt) {
+    const ssize_t count = ::pread(descriptor, text.data(), text.size(), 0);
+    if (count > 0) return {text.data(), static_cast<std::size_t>(count)};
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return "another process";
 }
 
 int open_lock(const std::filesystem::path& file) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string>
+#include <vector>
 
 #include "support/run_trace.hpp"
 #include "viscobar/integration/integrate.hpp"
@@ -150,6 +152,30 @@ TEST_P(RigidByViscosity, KeepsTheBalanceOfEnergy) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Viscosities, RigidByViscosity, testing::Values(0.0, 0.01, 1.0));
+
+// A bar that its load presses on the obstacle and then draws off it: R falls by about 0.01 a unit of time.
+class RigidOpening : public testing::TestWithParam<Mass> {};
+
+TEST_P(RigidOpening, IsInTimeOnAnyMeshAtALooseTolerance) {
+  Scene scene = under_load(0.1, 0.0, 0.0, 0.0);
+  scene.load = SeparableLoad{[](double) { return 0.01; }, [](double t) { return t - 1.0; }};
+  constexpr double loose = 1e-4, tight = 1e-9;
+  for (const std::size_t elements : {std::size_t{10}, std::size_t{100}, std::size_t{1000}}) {
+    SCOPED_TRACE(elements);
+    const BarSystem system(scene, {1.0, elements}, GetParam());
+    const auto opening = [&](double tolerance) {
+      const RunTrace trace = record(system, std::vector{0.0, 2.5}, Rigid{{tolerance, 1e-3 * tolerance}});
+      EXPECT_EQ(trace.events.size(), 2u) << "closed at the start, opened once";
+      return trace.events.back().time;
+    };
+    // A reaction that is wrong by R is a displacement that is wrong by R L/E, which may be 100 tolerances of u = 0.005.
+    EXPECT_NEAR(opening(loose), opening(tight), 100.0 * loose * 0.005 / 0.01);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Masses, RigidOpening,
+                         testing::Values(Mass::redistributed, Mass::lumped, Mass::consistent, Mass::fourth_order),
+                         [](const auto& mass) { return std::string(name(mass.param)); });
 
 TEST(Rigid, ABarThatComesToRestDoesNotToggleItsContacts) {
   // With eta = 1 the throw dies out against both obstacles, the reactions with it.

@@ -47,8 +47,8 @@ inline Column combined(const std::array<Column, parts>& columns, const Complex& 
 ///     c_k(theta) = -P_theta(zeta_k) / (zeta_k Q'(zeta_k)).
 ///
 /// g_j is the coefficient of theta^j in g. The systems of a pair are conjugate, so four are solved, at once. After that
-/// every time within the step costs sums only. With c_k in place of g, sum_j j! zeta_l^-j g_j is 1 for l = k and else 0:
-/// a load that is linear in the motion is in each system a multiple of X_k.
+/// every time within the step costs sums only. With c_k in place of g, sum_j j! zeta_l^-j g_j is 1 for l = k and else
+/// 0: a load that is linear in the motion is in each system a multiple of X_k.
 class Formula {
  public:
   static const Formula& get();
