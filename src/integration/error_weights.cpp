@@ -31,15 +31,18 @@ double ErrorWeights::velocity_tolerance() const {
   return (tolerance_.relative * largest_w_ + absolute_.velocity) / tightening_;
 }
 
-double ErrorWeights::reaction_tolerance() const {
+double ErrorWeights::reaction_tolerance() const { return displacement_tolerance() + viscous_tolerance(); }
+
+double ErrorWeights::viscous_tolerance() const {
   const Bar& bar = system_.bar().bar();
-  return displacement_tolerance() + bar.viscosity / bar.modulus * velocity_tolerance();
+  return bar.viscosity / bar.modulus * velocity_tolerance();
 }
 
 double ErrorWeights::negligible_reaction(double h) const {
   const Bar& bar = system_.bar().bar();
   const double rounding = 32.0 * std::numeric_limits<double>::epsilon();
-  return h / bar.length * displacement_tolerance() + rounding * (largest_u_ + bar.viscosity / bar.modulus * largest_w_);
+  return h / bar.length * displacement_tolerance() + consumed_ * viscous_tolerance() +
+         rounding * (largest_u_ + bar.viscosity / bar.modulus * largest_w_);
 }
 
 double ErrorWeights::promised_energy() const { return inertia_ * largest_w_ * promised_velocity(); }

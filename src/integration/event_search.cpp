@@ -96,10 +96,9 @@ inline double EventSearch::uncertainty(std::size_t i) const {
   const ErrorWeights& weights = stepper_.weights();
   if (system_.holds(i)) {
     if (!system_.closed(i)) return weights.displacement_tolerance();
-    const double negligible = weights.negligible_reaction(system_.bar().spacing_at(system_.contact(i).unknown));
-    if (i != distrusted_) return negligible;
-    return negligible +
-           share_ * (system_.collides(i) ? ErrorWeights::inertial_share : 1.0) * weights.reaction_tolerance();
+    const double least = weights.negligible_reaction(system_.bar().spacing_at(system_.contact(i).unknown));
+    if (i != distrusted_) return least;
+    return least + share_ * (system_.collides(i) ? ErrorWeights::inertial_share : 1.0) * weights.reaction_tolerance();
   }
   double rounding = system_.indicator_rounding(i, weights.largest_displacement());
   if (system_.relaxes(i)) rounding += weights.reaction_tolerance() / (1.0 + system_.relative_stiffness(i));
