@@ -227,6 +227,8 @@ std::string parameter_name_problem(std::string_view name) {
   const auto part = [](char c) { return starts_name(c) || (c >= '0' && c <= '9'); };
   if (name.empty() || !starts_name(name.front()) || !std::ranges::all_of(name, part))
     return "is no name for formulas: letters, digits and _, a letter first";
+  constexpr std::size_t longest = 100;  // that muParser takes
+  if (name.size() > longest) return fmt::format("is too long a name: {} characters, {} at most", name.size(), longest);
   if (name == "x" || name == "t" || std::ranges::find(functions, name) != functions.end())
     return fmt::format("formulas know \"{}\" already; take another name", name);
   return {};
