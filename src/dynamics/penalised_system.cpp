@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 namespace viscobar {
 
@@ -276,31 +277,55 @@ void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w)
   complete_velocity(t, u, w);
 }
 
-double PenalisedSystem::reaction(std::size_t i, double t, std::span<const double> u, std::span<const double> w) {
-  if (!closed(i)) return 0.0;
-  const std::size_t node = contact(i).unknown;
-  const double sign = contact(i).sign;
-  if (!holds(i)) return sign * laws_[i].reaction(-clearance(i, u), -sign * w[node]);
-  return sign * std::max(0.0, sign * holding_force(i, t, u, w));
+std::array<double, 2> PenalisedSystem::end_reactions(double t, std::span<const double> u, std::span<const double> w) {
+  std::array<double, 2> sum{};
+  bool accelerated = false;
+  for (std::size_t i = 0; i < laws_.size(); ++i) {
+    const std::size_t node = contact(i).unknown;
+    const bool left = node == 0 && !bar_.left_fixed(), right = node + 1 == size() && !bar_.right_fixed();
+    if (!closed(i) || !(left || right)) continue;
+    const double sign = contact(i).sign;
+    double reaction = 0.0;
+    if (!holds(i)) {
+      reaction = laws_[i].reaction(-clearance(i, u), -sign * w[node]);
+    } else {
+      if (collides(i) && !std::exchange(accelerated, true)) accelerate_held(t, u, w);
+      reaction = std::max(0.0, sign * (collides(i) ? held_force(i) : holding_force(i, t, u, w)));
+    }
+    if (left) sum[0] += sign * reaction;
+    if (right) sum[1] += sign * reaction;
+  }
+  return sum;
 }
 
 double PenalisedSystem::holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w) {
   const std::size_t node = contact(i).unknown;
   const double sign = contact(i).sign;
   if (collides(i)) {
-    acceleration_.resize(size());
-    force(t, u, w, acceleration_);
-    const double lacking = -acceleration_[node];
-    accelerate(acceleration_);
-    const auto inertia = inertia_beside(node);
-    double sum = lacking + inertia[0] * acceleration_[neighbour(node)];
-    if (inertia[1] != 0.0) sum += inertia[1] * acceleration_[node == 0 ? 2 : node - 2];
-    return sum;
+    accelerate_held(t, u, w);
+    return held_force(i);
   }
   const std::size_t next = neighbour(node);
   const double stress = bar_.bar().modulus * (sign * u[next] + contact(i).clearance(origin_at(next))) +
                         bar_.bar().viscosity * sign * w[next];
   return sign * (-stress / bar_.spacing_at(node) - sign * load(node, t)) * (1.0 - penetration_share(i));
+}
+
+// Of all contacts that hold nodes with mass, whatever their number, by one solve.
+void PenalisedSystem::accelerate_held(double t, std::span<const double> u, std::span<const double> w) {
+  acceleration_.resize(size());
+  force(t, u, w, acceleration_);
+  lacking_ = {-acceleration_.front(), -acceleration_.back()};
+  accelerate(acceleration_);
+}
+
+// The row of a held end, after accelerate_held().
+double PenalisedSystem::held_force(std::size_t i) const {
+  const std::size_t node = contact(i).unknown;
+  const auto inertia = inertia_beside(node);
+  double sum = lacking_[node == 0 ? 0 : 1] + inertia[0] * acceleration_[neighbour(node)];
+  if (inertia[1] != 0.0) sum += inertia[1] * acceleration_[node == 0 ? 2 : node - 2];
+  return sum;
 }
 
 double PenalisedSystem::energy(std::span<const double> u, std::span<const double> w) const {

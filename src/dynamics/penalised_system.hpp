@@ -197,8 +197,8 @@ class PenalisedSystem {
   /// in, or touches at rest and is pressed in. Completes u and w at massless nodes on the way.
   void settle(double t, std::span<double> u, std::span<double> w);
 
-  /// Reaction of contact i in the direction of u, s_i R_i.
-  double reaction(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
+  /// Reactions of the contacts at the left and the right end, in the direction of u, the sum of s_i R_i.
+  std::array<double, 2> end_reactions(double t, std::span<const double> u, std::span<const double> w);
 
   /// That of a closed contact that holds(), as its row gives it, of either sign.
   double holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
@@ -235,6 +235,8 @@ class PenalisedSystem {
   std::array<double, 2> inertia_beside(std::size_t end) const;
   bool gives_way_by_rounding(std::size_t i) const;
   bool held(std::size_t unknown) const;
+  void accelerate_held(double t, std::span<const double> u, std::span<const double> w);
+  double held_force(std::size_t i) const;
   void complete_velocity_of(std::size_t end, double t, std::span<const double> u, std::span<double> w);
   void complete_displacement_of(std::size_t end, double t, std::span<double> u);
   double stiffness_of_closed(std::size_t unknown) const;
@@ -248,6 +250,7 @@ class PenalisedSystem {
   std::vector<double> rates_;  // omega of each contact
   std::vector<unsigned char> closed_, measured_, holds_;
   std::vector<double> acceleration_;                     // scratch
+  std::array<double, 2> lacking_{};                      // -F at the ends, where that is the force that accelerates
   std::vector<double> origin_, origin_force_, offsets_;  // the force -E K origin; clearance minus u of each contact
   TridiagonalFactor held_factor_;           // of rho M, nodes with mass that are held having an infinite one
   std::optional<std::uint64_t> held_from_;  // revision that it is of

@@ -41,6 +41,7 @@ void EventSearch::share(std::size_t sampled) {
 
 std::optional<double> EventSearch::first_change(double begin, double end, std::optional<ContactWatch>& ends) {
   if (selects() && !look_at_the_near()) return std::nullopt;
+  with_rates_ = std::ranges::any_of(looked_at_, [&](std::size_t i) { return system_.indicator_needs_rates(i); });
   const std::size_t order = stepper_.order();
   const bool looking = ends && !selects();
   if (looking) ends->begin_look(begin, end, order);
@@ -127,7 +128,7 @@ bool EventSearch::far(std::size_t i) const {
 
 inline EventSearch::Sample EventSearch::at(double t) {
   const std::span<const double> values = stepper_.sample(t, 0);
-  if (values_.empty()) return {values, {}};
+  if (!with_rates_) return {values, {}};
   std::ranges::copy(values, values_.begin());
   return {values_, stepper_.sample(t, 1)};
 }

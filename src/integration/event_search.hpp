@@ -81,6 +81,7 @@ class EventSearch {
   std::vector<double> samples_;
   std::vector<double> rates_, present_;  // of the oriented indicators, and those that have accelerations, at an event
   std::vector<double> values_;           // of a sample with rates
+  bool with_rates_ = false;              // an indicator asks for them in this step
   std::size_t which_ = 0, distrusted_ = 0;
   double share_ = 0.0;
   double max_penetration_ = 0.0;

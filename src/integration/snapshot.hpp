@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -25,14 +26,9 @@ class SnapshotBuilder {
       bar.add_lift(bar.lift(t, 1), v_);
     }
     Snapshot snapshot{t, u_, v_};
-    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
-      const Contact& contact = system_.contact(i);
-      if (!bar.left_fixed() && contact.unknown == 0) snapshot.reaction_left += system_.reaction(i, t, u, w);
-      if (!bar.right_fixed() && contact.unknown + 1 == bar.size())
-        snapshot.reaction_right += system_.reaction(i, t, u, w);
-    }
-    if (bar.left_fixed()) snapshot.reaction_left = -stress(0);
-    if (bar.right_fixed()) snapshot.reaction_right = stress(u_.size() - 2);
+    const std::array<double, 2> reactions = system_.end_reactions(t, u, w);
+    snapshot.reaction_left = bar.left_fixed() ? -stress(0) : reactions[0];
+    snapshot.reaction_right = bar.right_fixed() ? stress(u_.size() - 2) : reactions[1];
     return snapshot;
   }
 

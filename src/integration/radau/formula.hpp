@@ -34,6 +34,10 @@ inline Column combined(const std::array<Column, parts>& columns, const Complex& 
   return re + im;
 }
 
+inline double combined(const Parts& weights, const Complex& x) {
+  return (Lanes::Map(weights.data()) * x.re + Lanes::Map(weights.data() + lanes) * x.im).sum();
+}
+
 /// Radau's collocation (IIA) of 8 stages for y' = A y + g, in partial fractions. Its order is 15. A step multiplies y
 /// by P(z)/Q(z), z = h A, in place of exp(z). P and Q have the degrees 7 and 8, and the quotient matches exp(z) to
 /// z^15. Within the step, at t_0 + theta h, the collocation polynomial multiplies y by

@@ -101,13 +101,7 @@ class Stepper final : public LegStepper {
     for (std::size_t k = 0; k < entries_.size(); ++k) {
       const bool rate = entries_[k] >= n;
       const std::size_t i = rate ? entries_[k] - n : entries_[k];
-      const Complex& x = x_[i];
-      const Parts& weight = rate ? of_w : of_u;
-      double sum = 0.0;
-      for (std::size_t l = 0; l < lanes; ++l) {
-        const auto at = static_cast<Eigen::Index>(l);
-        sum += weight[l] * x.re[at] + weight[lanes + l] * x.im[at];
-      }
+      const double sum = combined(rate ? of_w : of_u, x_[i]);
       const double w = begin_y_[n + i];
       if (derivative == 0)
         sampled_[k] = rate ? w + sum : begin_y_[i] + h_ * (theta * w + sum);
@@ -234,15 +228,11 @@ class Stepper final : public LegStepper {
     const double theta = (t - begin_t_) / h_;
     const Formula& formula = Formula::get();
     const Parts w = formula.weights(theta, 0), u = formula.weights_over_pole(w);
-    std::array<Eigen::Array2d, parts> columns;
-    for (std::size_t l = 0; l < parts; ++l) columns[l] = {w[l], h_ * u[l]};
     const std::size_t n = layout_.nodes;
-    const double reached = theta * h_;
     for (std::size_t i = 0; i < n; ++i) {
-      const Eigen::Array2d sum = combined(columns, x_[i]);
       const double velocity = begin_y_[n + i];
-      y[n + i] = velocity + sum[0];
-      y[i] = begin_y_[i] + (reached * velocity + sum[1]);
+      y[n + i] = velocity + combined(w, x_[i]);
+      y[i] = begin_y_[i] + h_ * (theta * velocity + combined(u, x_[i]));
     }
     system_.complete_displacement(t, layout_.u(y));
   }
