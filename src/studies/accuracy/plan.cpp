@@ -42,11 +42,11 @@ Plan::Plan(const AccuracyStudy& study)
   if (const auto found = fault(study_.request, base_))
     throw std::invalid_argument(fmt::format("{}: {}", found->key, found->problem));
   // A massive node that a dashpot stops does what it does in the limit. Under a span obstacle neighbours meet it at
-  // once, and only a diagonal mass keeps their impacts apart.
-  if (penalised_ && !given.mass && !given.restitution) {
+  // once, and only a diagonal mass keeps their impacts apart; on fourth_order a free end that meets it has order 1.
+  if (!given.mass && (penalised_ ? !given.restitution : stepping_ && scene.span)) {
     Case better = base_;
     better.mass = scene.span ? Mass::lumped : Mass::fourth_order;
-    better.restitution = 0.0;
+    if (penalised_) better.restitution = 0.0;
     if ((scene.span || base_.grading == 1.0) && validate(better).empty()) base_ = better;
   }
   theory_ = order_in_theory(base_);

@@ -23,7 +23,9 @@ std::optional<double> observed(const MeshStep& first, const MeshStep& second) {
 
 }  // namespace
 
-double order_in_theory(const Case& run) { return effective_mass(run) == Mass::fourth_order ? 4.0 : 2.0; }
+double order_in_theory(const Case& run) {
+  return effective_mass(run) == Mass::fourth_order && !run.scene.span ? 4.0 : 2.0;
+}
 
 SpaceError space_error(std::span<const MeshStep> ladder, double theory) {
   SpaceError result;
@@ -37,7 +39,9 @@ SpaceError space_error(std::span<const MeshStep> ladder, double theory) {
   if (late) result.order = *late;
   const double least_alignment = late && *late > theory + agreement ? 0.9 : 0.5;
   const bool steady = late && last.alignment >= least_alignment && (!early || *late >= *early - agreement);
-  const double order = steady ? std::min({*late, early.value_or(*late), theory}) : 0.0;
+  // An order above that of theory falls to it as meshes get finer: it is relied on where it does not fall yet.
+  const double most_order = early && late && *late >= *early ? *early : theory;
+  const double order = steady ? std::min({*late, early.value_or(*late), most_order}) : 0.0;
   const double seen = late ? std::clamp(*late, least_order, theory) : 1.0;
   double apart = last.distance;
   if (late) apart = std::max(apart, ladder[ladder.size() - 2].distance / (most + 1.0));

@@ -8,7 +8,8 @@
 
 namespace viscobar::accuracy {
 
-/// The power of h with which the error falls where the motion is smooth: 4 on `fourth_order`, else 2.
+/// The power of h with which the error falls where the motion is smooth: 4 on `fourth_order`, else 2. On a span
+/// obstacle the border of what touches moves from node to node: 2 on any mass.
 double order_in_theory(const Case& run);
 
 /// Two neighbouring meshes of a ladder and how far their runs are apart.
@@ -21,7 +22,8 @@ struct MeshStep {
 /// The error of the finest mesh of a ladder.
 ///
 /// With e = C h^p and d = e(coarse) - e(fine), r the ratio of the two meshes, e(fine) = d / (r^p - 1). Three meshes
-/// show an order, log(d_1 / d_2) / log(r). The least of the last two such orders and that of theory P is believed where
+/// show an order, log(d_1 / d_2) / log(r). The least of the last two such orders and that of theory P, of which the
+/// latter counts unless the orders are above it and do not fall yet, is believed where
 ///
 ///     it is 1 or more,   the orders do not fall from step to step by more than 3/4,
 ///     the last two changes of the solution point the same way: cosine >= 1/2, and 9/10 where the last order is above
