@@ -161,6 +161,23 @@ TEST(AccuracyOnRequest, APenalisedSpanKeepsTheErrorBesideAFinerRunOfTheScheme) {
             error);
 }
 
+// Free ends that meet it have order 1 on fourth_order, and 2 on lumped.
+TEST(AccuracyOnRequest, ASchemeUnderASpanObstacleKeepsTheErrorOnTheLumpedMass) {
+  const char* floor =
+      "[bar]\nlength=1\nviscosity=0.05\n[span]\ngap=0.1\n[initial]\nvelocity=\"-0.5-0.5*cos(2*pi*x)\"\n"
+      "[method]\nname=\"fully_discrete\"\n[time]\nend=0.5\n[output]\nevery=0.05\n";
+  const double error = 1e-3;
+  const AccuracyResult result = solve(study_of(floor, {fmt::format("accuracy.error={}", error)}));
+  EXPECT_EQ(effective_mass(result.run), Mass::lumped);
+  EXPECT_TRUE(result.estimate.kept) << result.estimate.doubt;
+  const Case truth =
+      parse_scene(floor, "truth", std::vector<std::string>{"mesh.mass=lumped", "mesh.elements=512", "method.step=2e-5"})
+          .run;
+  const accuracy::Sample fine = *accuracy::sample_of(truth, std::function<bool()>{});
+  EXPECT_LE(accuracy::distance(accuracy::sample_of(result.run, result.recording), fine, Goal::displacement, {}).value,
+            error);
+}
+
 // Waves without viscosity on a mesh, beside the waves themselves.
 TEST(AccuracyOnRequest, AnUndampedBarOnAMeshKeepsTheErrorBesideItsWaves) {
   const char* bar =
@@ -213,6 +230,14 @@ TEST(SpaceErrorOfALadder, IsTheDifferenceItselfWhereTheOrdersFallOrChangesPointA
   const MeshStep apart[] = {{8, 16, 256e-6}, {16, 32, 16e-6}, {32, 64, 1e-6, -1.0}};
   EXPECT_FALSE(accuracy::space_error(apart, 4.0).trusted);
   EXPECT_DOUBLE_EQ(accuracy::space_error(apart, 4.0).error, 1e-6);
+}
+
+// Order 5 twice is relied on; 5 after 5.5 falls to that of theory.
+TEST(SpaceErrorOfALadder, ReliesOnAnOrderAboveTheTheoryThatDoesNotFallYet) {
+  const MeshStep steady[] = {{8, 16, 1024e-6}, {16, 32, 32e-6}, {32, 64, 1e-6}};
+  EXPECT_NEAR(*accuracy::space_error(steady, 4.0).trusted, 5.0, 1e-12);
+  const MeshStep falling[] = {{8, 16, 1448e-6}, {16, 32, 32e-6}, {32, 64, 1e-6}};
+  EXPECT_NEAR(*accuracy::space_error(falling, 4.0).trusted, 4.0, 1e-12);
 }
 
 // 7e-6 after 2e-2 is a zero that was met, not an error: the one before, at best of order 4, leaves more.

@@ -12,48 +12,51 @@ namespace viscobar::accuracy {
 
 namespace {
 
-// Elements of half as many and so on, down to what a mass can be put on.
-std::vector<std::size_t> coarser(std::size_t elements) {
-  std::vector<std::size_t> all;
-  for (std::size_t n = (elements + 1) / 2; n >= 4 && n < elements && all.size() < 3; n = (n + 1) / 2) {
-    all.push_back(n);
-    if (n == (n + 1) / 2) break;
+constexpr double least_ratio = 1.25, most_ratio = 2.0;  // of two neighbouring meshes
+
+}  // namespace
+
+// The run of a mesh that is to be `steps` below the finest of a ladder, if there is one. Tolerances may be looser than
+// the chosen one on coarser meshes, whose differences are larger; steps of a scheme are all the same.
+std::optional<Setting> Plan::known_rung(std::size_t elements, std::size_t steps) const {
+  const Setting best = at(elements);
+  if (runs_.knows(best)) return best;
+  if (stepping_ || exact_time_ || steps == 0) return std::nullopt;
+  const double looser = steps == 1 ? 3.0 : 10.0, of_pilots = steps >= 3 ? 10.0 * looser_ : looser_;
+  for (const Setting& known : runs_.known())
+    if (known.elements == elements && known.epsilon == best.epsilon &&
+        known.fineness <= std::max(looser, of_pilots) * chosen_.fineness)
+      return known;
+  return std::nullopt;
+}
+
+// The settings of a ladder of up to four meshes, the finest last. Below each is the finest that was run and is coarser
+// by 5/4 to 2, else one of half as many elements, down to four.
+std::vector<Setting> Plan::rungs(std::size_t finest) const {
+  std::vector<Setting> all{at(finest)};
+  while (all.size() < 4) {
+    const auto above = static_cast<double>(all.back().elements);
+    std::optional<Setting> below;
+    for (const Setting& known : runs_.known()) {
+      const double ratio = above / static_cast<double>(known.elements);
+      if (ratio >= least_ratio && ratio <= most_ratio && (!below || known.elements > below->elements))
+        if (const auto rung = known_rung(known.elements, all.size())) below = rung;
+    }
+    if (!below) {
+      const std::size_t half = (all.back().elements + 1) / 2;
+      if (half < 4 || half >= all.back().elements) break;
+      below = at(half);
+      if (!stepping_ && !exact_time_ && all.size() == 3) below = time_pair(half)[1];
+    }
+    all.push_back(*below);
   }
   std::reverse(all.begin(), all.end());
   return all;
 }
 
-}  // namespace
-
-// The settings of a ladder of meshes. Tolerances may be looser than the chosen one on coarser meshes, whose differences
-// are larger; steps of a scheme are all the same.
-std::vector<Setting> Plan::rungs(std::size_t finest) const {
-  std::vector<std::size_t> meshes = coarser(finest);
-  meshes.push_back(finest);
-  const bool tolerant = !stepping_ && !exact_time_;
-  std::vector<Setting> all;
-  for (std::size_t i = 0; i < meshes.size(); ++i) {
-    const std::size_t halvings = meshes.size() - 1 - i;
-    Setting best = at(meshes[i]);
-    if (tolerant && halvings >= 3) best.fineness = time_pair(meshes[i])[1].fineness;
-    if (tolerant && !runs_.knows(best)) {
-      const double looser = halvings == 0 ? 1.0 : halvings == 1 ? 3.0 : 10.0;
-      const double of_pilots = halvings == 0 ? 1.0 : halvings >= 3 ? 10.0 * looser_ : looser_;
-      for (const Setting& known : runs_.known())
-        if (known.elements == best.elements && known.epsilon == best.epsilon &&
-            known.fineness <= std::max(looser, of_pilots) * chosen_.fineness) {
-          best = known;
-          break;
-        }
-    }
-    all.push_back(best);
-  }
-  return all;
-}
-
 // `same`: whether the last two agree on the contact changes.
-std::vector<MeshStep> Plan::ladder(std::size_t finest, Goal of, bool* same) const {
-  const std::vector<Setting> steps = rungs(finest);
+std::vector<MeshStep> Plan::ladder(const std::vector<Setting>& steps, bool* same) const {
+  const Goal of = study_.request.of;
   *same = true;
   std::vector<MeshStep> result;
   for (std::size_t k = 0; k + 1 < steps.size(); ++k) {
@@ -70,8 +73,9 @@ std::vector<MeshStep> Plan::ladder(std::size_t finest, Goal of, bool* same) cons
 // far above the error of that tolerance.
 std::vector<MeshStep> Plan::made_ladder(std::size_t finest, bool* same) {
   constexpr double far = 5.0;
-  runs_.make(rungs(finest));
-  std::vector<MeshStep> steps = ladder(finest, study_.request.of, same);
+  const std::vector<Setting> settings = rungs(finest);
+  runs_.make(settings);
+  std::vector<MeshStep> steps = ladder(settings, same);
   if (looser_ <= 1.0 || steps.empty() || steps.back().distance >= far * pilot_error_) return steps;
   looser_ = 1.0;
   return made_ladder(finest, same);
@@ -123,12 +127,11 @@ bool Plan::affordable(std::size_t elements) const {
 }
 
 // J (e / wanted)^(1/p). Up to 256, where a run costs about as much on half as many elements, in powers of two, so that
-// the runs of the pilots serve; then in eights, so that two halvings have nodes in common.
+// the runs of the pilots serve; then in eights, so that a half has quarters.
 std::size_t Plan::wanted_elements(const SpaceError& known, std::size_t from) const {
-  constexpr double few = 256.0;
-  const double order = std::clamp(known.order, 0.5, theory_);
-  const double longest = known.trusted ? 16.0 : 4.0;
+  constexpr double few = 256.0, longest = 4.0;  // the meshes between are run for the estimate anyway
   if (known.error <= 0.0) return least_elements;
+  const double order = std::clamp(known.order, 0.5, theory_);
   const double factor = std::pow(known.error / (shares_.space * reachable_), 1.0 / order);
   const double elements = std::ceil(static_cast<double>(from) * std::min(factor, longest));
   const auto wanted = static_cast<std::size_t>(elements);
@@ -167,7 +170,14 @@ void Plan::climb_from(std::size_t& known) {
       chosen_.elements = known;
       return;
     }
-    next = std::max(next, known);
+    for (std::size_t quarters = 5; same && quarters <= 8; ++quarters) {
+      const std::size_t solution = known * quarters / 4;
+      if (known * quarters % 4 != 0 || predicted_error(steps, theory_, solution).error > 1.05 * share * reachable_)
+        continue;
+      chosen_.elements = solution;
+      return;
+    }
+    next = std::max(next, 2 * known);
     const double apart = steps.empty() ? 0.0 : steps.back().distance;
     stuck = before > 0.0 && apart > 0.9 * before ? stuck + 1 : 0;
     before = apart;
@@ -191,19 +201,8 @@ void Plan::climb_from(std::size_t& known) {
       chosen_.elements = known;
       return;
     }
-    const std::size_t half = next / 2;
     if (stepping_ || penalised_) settle(std::max<std::size_t>(next / 4, 8));
-    bool agree = same;
-    const std::vector<MeshStep> finer = half == known ? steps : made_ladder(half, &agree);
-    if (agree && seen_error(finer).error <= share * reachable_) {
-      chosen_.elements = half;
-      return;
-    }
-    if (agree && predicted_error(finer, theory_, next).error <= 1.05 * share * reachable_) {
-      chosen_.elements = next;
-      return;
-    }
-    known = half > known ? half : next;
+    known = next >= 3 * known ? next / 2 : 2 * known;
   }
   chosen_.elements = known;
   doubt_ = "no mesh was found that keeps the error that was asked for";

@@ -25,8 +25,7 @@ std::string plural(std::size_t count) { return fmt::format("{} contact change{}"
 // All but the solution.
 std::vector<Setting> Plan::wanted_by_judge() const {
   if (waves_) return {nudged(chosen_)};
-  std::vector<Setting> all = rungs(chosen_.elements);
-  all.pop_back();
+  std::vector<Setting> all = rungs_;
   for (const auto& pair : {time_pair(coarse()), penalty_pair(coarse())})
     all.insert(all.end(), pair.begin(), pair.end());
   std::erase(all, chosen_);
@@ -162,7 +161,7 @@ ErrorEstimate Plan::judge(Sample solution) {
   const std::size_t elements = chosen_.elements;
   runs_.make(wanted_by_judge());
   bool same = true;
-  const std::vector<MeshStep> steps = ladder(elements, study_.request.of, &same);
+  const std::vector<MeshStep> steps = ladder(rungs_, &same);
   const SpaceError space = seen_error(steps);
   const Part time = time_error(coarse()), penalty = penalty_error(coarse());
   estimate.space = space.error;
@@ -175,9 +174,8 @@ ErrorEstimate Plan::judge(Sample solution) {
   const bool enough = estimate.total <= *requested_;
   std::string doubt = doubt_;
   if (!same && doubt.empty()) {
-    const std::vector<Setting> all = rungs(elements);
     const auto changes = [&](const Setting& of) { return plural(runs_.of(of).statistics.events); };
-    const Setting half = all[all.size() - 2];
+    const Setting half = rungs_[rungs_.size() - 2];
     doubt = fmt::format("the meshes of {} and {} elements do not have the same contacts, with {} and {}", half.elements,
                         elements, changes(half), changes(chosen_));
   }

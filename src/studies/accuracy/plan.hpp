@@ -59,8 +59,9 @@ class Plan {
   void settle(std::size_t elements);
 
   // The mesh: climb.cpp.
+  std::optional<Setting> known_rung(std::size_t elements, std::size_t steps) const;
   std::vector<Setting> rungs(std::size_t finest) const;
-  std::vector<MeshStep> ladder(std::size_t finest, Goal of, bool* same) const;
+  std::vector<MeshStep> ladder(const std::vector<Setting>& steps, bool* same) const;
   std::vector<MeshStep> made_ladder(std::size_t finest, bool* same);
   SpaceError seen_error(const std::vector<MeshStep>& steps) const;
   bool affordable(std::size_t elements) const;
@@ -72,7 +73,8 @@ class Plan {
   // The verdict: judge.cpp.
   // The mesh on which settings in time and penalty are compared.
   std::size_t coarse() const {
-    return std::max<std::size_t>(chosen_.elements / 4, study_.request.given.elements ? 3 : least_elements);
+    const std::size_t coarser = penalised_ || stepping_ ? 4 : 8;
+    return std::max<std::size_t>(chosen_.elements / coarser, study_.request.given.elements ? 3 : least_elements);
   }
   std::vector<Setting> wanted_by_judge() const;
   double moved_by_nudge() const;
@@ -90,6 +92,7 @@ class Plan {
   double ratio_ = 10.0, time_order_ = 0.0;  // of two settings in time; least order
   double nudge_ = 0.0;                      // of the initial velocity
   Setting chosen_;
+  std::vector<Setting> rungs_;  // of the solution
   std::optional<double> requested_;
   double reachable_ = 0.0;  // the request, or more where settings that the scene fixes do not let it be kept
   double largest_ = 0.0;

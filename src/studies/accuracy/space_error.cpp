@@ -10,15 +10,27 @@ namespace {
 
 constexpr double agreement = 0.75;  // of orders
 constexpr double safety = 1.25;     // of an error that relies on an order
-constexpr double least_order = 0.3, least_believable = 1.0, much_faster = 1.5;
+constexpr double least_order = 0.3, least_believable = 1.0, much_faster = 1.5, most_order = 50.0;
 
 double ratio(const MeshStep& step) { return static_cast<double>(step.fine) / static_cast<double>(step.coarse); }
 
-// log(d_1 / d_2) / log(h_1 / h_2), h of the finer meshes.
+// d_1 / d_2 of two neighbouring steps where errors are C h^p: (r_1^p - 1) / (1 - r_2^-p). It grows with p.
+double fall(const MeshStep& first, const MeshStep& second, double p) {
+  if (p == 0.0) return std::log(ratio(first)) / std::log(ratio(second));
+  return std::expm1(p * std::log(ratio(first))) / -std::expm1(-p * std::log(ratio(second)));
+}
+
+// The p of d_1 / d_2.
 std::optional<double> observed(const MeshStep& first, const MeshStep& second) {
   if (!(first.distance > 0.0) || !(second.distance > 0.0) || !std::isfinite(first.distance)) return std::nullopt;
-  const double finer = static_cast<double>(second.fine) / static_cast<double>(first.fine);
-  return std::log(first.distance / second.distance) / std::log(finer);
+  const double found = first.distance / second.distance;
+  if (ratio(first) == ratio(second)) return std::log(found) / std::log(ratio(first));
+  double low = -most_order, high = most_order;
+  while (high - low > 1e-6) {
+    const double middle = 0.5 * (low + high);
+    (fall(first, second, middle) < found ? low : high) = middle;
+  }
+  return low;
 }
 
 }  // namespace
@@ -40,11 +52,14 @@ SpaceError space_error(std::span<const MeshStep> ladder, double theory) {
   const double least_alignment = late && *late > theory + agreement ? 0.9 : 0.5;
   const bool steady = late && last.alignment >= least_alignment && (!early || *late >= *early - agreement);
   // An order above that of theory falls to it as meshes get finer: it is relied on where it does not fall yet.
-  const double most_order = early && late && *late >= *early ? *early : theory;
-  const double order = steady ? std::min({*late, early.value_or(*late), most_order}) : 0.0;
+  const double believed = early && late && *late >= *early ? *early : theory;
+  const double order = steady ? std::min({*late, early.value_or(*late), believed}) : 0.0;
   const double seen = late ? std::clamp(*late, least_order, theory) : 1.0;
   double apart = last.distance;
-  if (late) apart = std::max(apart, ladder[ladder.size() - 2].distance / (most + 1.0));
+  if (late) {
+    const MeshStep& before = ladder[ladder.size() - 2];
+    apart = std::max(apart, before.distance / fall(before, last, theory));
+  }
   result.error = apart * std::max(1.0, 1.0 / (std::pow(ratio(last), seen) - 1.0));
   if (order >= least_believable) {
     const bool explained = *late <= theory + much_faster;
@@ -61,9 +76,9 @@ SpaceError predicted_error(std::span<const MeshStep> ladder, double theory, std:
   const MeshStep& last = ladder.back();
   const double order = std::clamp(space_error(ladder, theory).order, least_order, theory);
   std::vector<MeshStep> longer(ladder.begin(), ladder.end());
-  const double finer = static_cast<double>(elements) / static_cast<double>(last.fine);
-  longer.push_back({last.fine, elements, last.distance * std::pow(finer, -order)});
-  // The step to it may be longer than the last one: its distance is then nearer to the error of the coarser mesh.
+  MeshStep next{last.fine, elements};
+  next.distance = last.distance / fall(last, next, order);
+  longer.push_back(next);
   return space_error(longer, theory);
 }
 

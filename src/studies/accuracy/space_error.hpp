@@ -22,16 +22,16 @@ struct MeshStep {
 /// The error of the finest mesh of a ladder.
 ///
 /// With e = C h^p and d = e(coarse) - e(fine), r the ratio of the two meshes, e(fine) = d / (r^p - 1). Three meshes
-/// show an order, log(d_1 / d_2) / log(r). The least of the last two such orders and that of theory P, of which the
-/// latter counts unless the orders are above it and do not fall yet, is believed where
+/// show an order, by d_1 / d_2 = (r_1^p - 1) / (1 - r_2^-p). The least of the last two such orders and that of theory
+/// P, of which the latter counts unless the orders are above it and do not fall yet, is believed where
 ///
 ///     it is 1 or more,   the orders do not fall from step to step by more than 3/4,
 ///     the last two changes of the solution point the same way: cosine >= 1/2, and 9/10 where the last order is above
 ///     P,
 ///
 /// and the error is then taken a quarter larger, 5/4 d / (r^p - 1); where the last order is above P + 3/2, twice
-/// that, with d no less than d_1 / r^P, for a difference that falls so fast may have met a zero. Elsewhere the error
-/// is that d, and more where the last order is below 1.
+/// that, with d no less than d_1 shows with P, for a difference that falls so fast may have met a zero. Elsewhere the
+/// error is that d, and more where the last order is below 1.
 struct SpaceError {
   double error = 0.0;             ///< of the finest mesh
   double order = 1.0;             ///< that was observed; of theory where none could be
