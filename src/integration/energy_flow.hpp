@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 
@@ -9,26 +10,35 @@
 
 namespace viscobar {
 
-/// Adds the integrals of dissipated power, load power and power of the mass's end rows over [from, to], by Gauss'
-/// formula with n points, to the entries of the energy account.
+/// Dissipated power, load power and power of the mass's end rows at a time, those that the layout has, in its order.
 ///
 /// @param motion_at fills displacements and velocities: motion_at(t, y)
 /// @param y scratch of layout.size entries
-/// @param account layout.account() entries, in the order of the layout
+template <class Motion>
+std::array<double, 3> energy_flow(PenalisedSystem& system, const Layout& layout, double t, Motion&& motion_at,
+                                  std::span<double> y) {
+  motion_at(t, y);
+  const std::span<double> w = layout.w(y);
+  system.complete_velocity(t, layout.u(y), w);
+  const double loss = system.frame_loss(t, w);
+  const std::size_t first = 2 * layout.nodes;
+  std::array<double, 3> flow{};
+  if (layout.dissipated) flow[*layout.dissipated - first] = system.dissipated_power(w) + loss;
+  if (layout.work) flow[*layout.work - first] = system.load_power(t, w) + loss;
+  if (layout.end_inertia) flow[*layout.end_inertia - first] = system.end_power(t, layout.u(y), w);
+  return flow;
+}
+
+/// Adds the integrals of energy_flow() over [from, to], by Gauss' formula with n points, to the energy account.
+///
+/// @param account layout.account() entries
 template <std::size_t n, class Motion>
 void add_energy_flow(PenalisedSystem& system, const Layout& layout, double from, double to, Motion&& motion_at,
                      std::span<double> y, std::span<double> account) {
   const double half = 0.5 * (to - from), middle = from + half;
-  const std::size_t first = 2 * layout.nodes;
   for (const auto [node, weight] : gauss<n>()) {
-    const double t = middle + node * half;
-    motion_at(t, y);
-    const std::span<double> w = layout.w(y);
-    system.complete_velocity(t, layout.u(y), w);
-    const double loss = system.frame_loss(t, w);
-    if (layout.dissipated) account[*layout.dissipated - first] += half * weight * (system.dissipated_power(w) + loss);
-    if (layout.work) account[*layout.work - first] += half * weight * (system.load_power(t, w) + loss);
-    if (layout.end_inertia) account[*layout.end_inertia - first] += half * weight * system.end_power(t, layout.u(y), w);
+    const std::array<double, 3> flow = energy_flow(system, layout, middle + node * half, motion_at, y);
+    for (std::size_t k = 0; k < layout.account(); ++k) account[k] += half * weight * flow[k];
   }
 }
 

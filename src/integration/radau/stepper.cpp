@@ -12,6 +12,7 @@
 #include "integration/radau/load_tail.hpp"
 #include "integration/radau/shifted_systems.hpp"
 #include "integration/radau/step_derivatives.hpp"
+#include "integration/radau/step_powers.hpp"
 #include "run/step_failure.hpp"
 
 namespace viscobar::radau {
@@ -237,13 +238,18 @@ class Stepper final : public LegStepper {
     system_.complete_displacement(t, layout_.u(y));
   }
 
+  // At `until` within the step, or its end.
   void add_account(double until, std::span<double> y) {
     if (inner_.empty()) return;
-    const auto first = static_cast<std::ptrdiff_t>(2 * layout_.nodes);
-    std::copy_n(begin_y_.begin() + first, layout_.account(), y.begin() + first);
-    add_energy_flow<8>(
-        system_, layout_, begin_t_, until, [&](double t, std::span<double> inner) { motion_at(t, inner); }, inner_,
-        y.subspan(2 * layout_.nodes, layout_.account()));
+    const double half = 0.5 * (end_t_ - begin_t_), middle = begin_t_ + half;
+    const auto at = [&](double s) {
+      return energy_flow(
+          system_, layout_, middle + s * half, [&](double t, std::span<double> inner) { motion_at(t, inner); }, inner_);
+    };
+    const StepPowers::Flow sum =
+        until == end_t_ ? powers_.over_step(end_t_ - begin_t_, at) : powers_.up_to((until - middle) / half, at);
+    const std::size_t first = 2 * layout_.nodes;
+    for (std::size_t k = 0; k < layout_.account(); ++k) y[first + k] = begin_y_[first + k] + sum[k];
   }
 
   PenalisedSystem& system_;
@@ -262,6 +268,7 @@ class Stepper final : public LegStepper {
   std::vector<Complex> x_;
   std::vector<std::size_t> entries_;
   std::vector<double> sampled_, inner_;
+  StepPowers powers_;
   std::optional<StepDerivatives> derivatives_;
 };
 

@@ -9,7 +9,8 @@ namespace viscobar::accuracy {
 namespace {
 
 constexpr double agreement = 0.75;  // of orders
-constexpr double safety = 1.25;     // of an error that relies on an order
+constexpr double safety = 1.3;      // of an error that relies on an order
+constexpr double least_alignment = 0.9;
 constexpr double least_order = 0.3, least_believable = 1.0, much_faster = 1.5, most_order = 50.0;
 
 double ratio(const MeshStep& step) { return static_cast<double>(step.fine) / static_cast<double>(step.coarse); }
@@ -49,7 +50,6 @@ SpaceError space_error(std::span<const MeshStep> ladder, double theory) {
   if (ladder.size() >= 2) late = observed(ladder[ladder.size() - 2], last);
   if (ladder.size() >= 3) early = observed(ladder[ladder.size() - 3], ladder[ladder.size() - 2]);
   if (late) result.order = *late;
-  const double least_alignment = late && *late > theory + agreement ? 0.9 : 0.5;
   const bool steady = late && last.alignment >= least_alignment && (!early || *late >= *early - agreement);
   // An order above that of theory falls to it as meshes get finer: it is relied on where it does not fall yet.
   const double believed = early && late && *late >= *early ? *early : theory;
@@ -60,7 +60,7 @@ SpaceError space_error(std::span<const MeshStep> ladder, double theory) {
     const MeshStep& before = ladder[ladder.size() - 2];
     apart = std::max(apart, before.distance / fall(before, last, theory));
   }
-  result.error = apart * std::max(1.0, 1.0 / (std::pow(ratio(last), seen) - 1.0));
+  result.error = apart / (std::pow(ratio(last), std::min(seen, 1.0)) - 1.0);
   if (order >= least_believable) {
     const bool explained = *late <= theory + much_faster;
     result.trusted = order;

@@ -26,12 +26,11 @@ struct MeshStep {
 /// P, of which the latter counts unless the orders are above it and do not fall yet, is believed where
 ///
 ///     it is 1 or more,   the orders do not fall from step to step by more than 3/4,
-///     the last two changes of the solution point the same way: cosine >= 1/2, and 9/10 where the last order is above
-///     P,
+///     the last two changes of the solution point the same way: cosine >= 9/10,
 ///
-/// and the error is then taken a quarter larger, 5/4 d / (r^p - 1); where the last order is above P + 3/2, twice
+/// and the error is then taken two fifths larger, 7/5 d / (r^p - 1); where the last order is above P + 3/2, twice
 /// that, with d no less than d_1 shows with P, for a difference that falls so fast may have met a zero. Elsewhere the
-/// error is that d, and more where the last order is below 1.
+/// error is that of order 1, d / (r - 1), and more where the last order is below 1.
 struct SpaceError {
   double error = 0.0;             ///< of the finest mesh
   double order = 1.0;             ///< that was observed; of theory where none could be
