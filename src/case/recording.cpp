@@ -26,6 +26,8 @@ Recording record(const Case& run) {
   Recording recording;
   recording.label = name(run.method);
   recording.mesh = run.mesh();
+  const std::size_t outputs = run.output_times().size();
+  for (std::vector<double>* field : {&recording.u, &recording.v}) field->reserve(outputs * recording.mesh.nodes());
   Observers observers;
   observers.energy = observers.account = true;
   observers.directions = run.directions;

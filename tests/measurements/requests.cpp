@@ -129,7 +129,7 @@ std::string random_scene(std::mt19937_64& random, Kind kind, bool above) {
     text += fmt::format("[method]\nname=\"{}\"\n", penalised[pick(0, 2)]);
   if (kind == Kind::undamped) text += fmt::format("[method]\nname=\"{}\"\n", pick(0, 1) == 0 ? "rigid" : "arkode");
   const double end = pick(8, 48) / 16.0;
-  return text + fmt::format("[time]\nend={}\n[output]\nevery={}\n", end, end / pick(10, 60));
+  return text + fmt::format("[time]\nend={}\n[output]\nevery={}\n", end, end / pick(10, 600));
 }
 
 // What the motion is, or far closer to it than the run.

@@ -19,13 +19,19 @@ Probe::Probe(const Case& run) {
   const Mesh mesh = run.mesh();
   for (std::size_t j = 0; j < mesh.nodes(); j += node_stride_) sample_.x.push_back(mesh.node(j));
   sample_.end = run.end;
+  const auto most_rows = static_cast<std::size_t>(rows) + 2;
+  sample_.times.reserve(most_rows);
+  sample_.u.reserve(most_rows * sample_.x.size());
 }
 
 void Probe::add(const Snapshot& snapshot) {
   const bool last = snapshot.time == sample_.end;
   if (seen_++ % time_stride_ != 0 && !last) return;
   sample_.times.push_back(snapshot.time);
-  for (std::size_t j = 0; j < snapshot.u.size(); j += node_stride_) sample_.u.push_back(snapshot.u[j]);
+  if (node_stride_ == 1)
+    sample_.u.insert(sample_.u.end(), snapshot.u.begin(), snapshot.u.end());
+  else
+    for (std::size_t j = 0; j < snapshot.u.size(); j += node_stride_) sample_.u.push_back(snapshot.u[j]);
   sample_.speed[0] = std::max(sample_.speed[0], std::abs(snapshot.v.front()));
   sample_.speed[1] = std::max(sample_.speed[1], std::abs(snapshot.v.back()));
 }

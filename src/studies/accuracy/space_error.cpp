@@ -9,7 +9,7 @@ namespace viscobar::accuracy {
 namespace {
 
 constexpr double agreement = 0.75;  // of orders
-constexpr double safety = 1.3;      // of an error that relies on an order
+constexpr double safety = 1.4;      // of an error that relies on an order
 constexpr double least_alignment = 0.9;
 constexpr double least_order = 0.3, least_believable = 1.0, much_faster = 1.5, most_order = 50.0;
 
