@@ -152,10 +152,10 @@ TEST(AccuracyOnRequest, APenalisedSpanKeepsTheErrorBesideAFinerRunOfTheScheme) {
   const double error = 2e-3;
   const AccuracyResult result = solve(study_of(slit, {fmt::format("accuracy.error={}", error), "method.name=arkode"}));
   EXPECT_TRUE(result.estimate.kept) << result.estimate.doubt;
-  const Case truth =
-      parse_scene(slit, "truth",
-                  std::vector<std::string>{"method.name=fully_discrete", "mesh.elements=256", "method.step=1e-4"})
-          .run;
+  const Case truth = parse_scene(slit, "truth",
+                                 std::vector<std::string>{"method.name=fully_discrete", "mesh.mass=lumped",
+                                                          "mesh.elements=512", "method.step=5e-5"})
+                         .run;
   const accuracy::Sample fine = *accuracy::sample_of(truth, std::function<bool()>{});
   EXPECT_LE(accuracy::distance(accuracy::sample_of(result.run, result.recording), fine, Goal::displacement, {}).value,
             error);

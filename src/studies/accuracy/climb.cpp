@@ -138,7 +138,8 @@ std::size_t Plan::wanted_elements(const SpaceError& known, std::size_t from) con
   return std::max(elements <= few ? std::bit_ceil(wanted) : (wanted + 7) / 8 * 8, least_elements);
 }
 
-// Meshes are refined until the last one before the solution's promises that the solution keeps the request.
+// Meshes are refined until the last one before the solution's promises that the solution keeps the request. Of order 2,
+// as on a span obstacle whose border moves from node to node, only a halved mesh is far enough to tell.
 void Plan::climb() {
   std::size_t known = chosen_.elements;
   const Setting first = chosen_;
@@ -170,7 +171,7 @@ void Plan::climb_from(std::size_t& known) {
       chosen_.elements = known;
       return;
     }
-    for (std::size_t quarters = 5; same && quarters <= 8; ++quarters) {
+    for (std::size_t quarters = theory_ > 2.0 ? 5 : 8; same && quarters <= 8; ++quarters) {
       const std::size_t solution = known * quarters / 4;
       if (known * quarters % 4 != 0 || predicted_error(steps, theory_, solution).error > 1.05 * share * reachable_)
         continue;

@@ -26,7 +26,7 @@ struct MeshStep {
 /// P, of which the latter counts unless the orders are above it and do not fall yet, is believed where
 ///
 ///     it is 1 or more,   the orders do not fall from step to step by more than 3/4,
-///     the last two changes of the solution point the same way: cosine >= 9/10,
+///     the last two changes of the solution point the same way: cosine >= 9/10, and 1/2 for P = 2,
 ///
 /// and the error is then taken two fifths larger, 7/5 d / (r^p - 1); where the last order is above P + 3/2, twice
 /// that, with d no less than d_1 shows with P, for a difference that falls so fast may have met a zero. Elsewhere the
