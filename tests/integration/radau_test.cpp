@@ -8,6 +8,7 @@
 
 #include "integration/radau/formula.hpp"
 #include "integration/radau/shifted_systems.hpp"
+#include "integration/radau/step_powers.hpp"
 #include "support/run_trace.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/integration/integrate.hpp"
@@ -191,6 +192,21 @@ Scene random_scene(std::mt19937& random) {
   if (uniform(0, 1) < 0.6)
     scene.load = SeparableLoad{[=](double x) { return f * x; }, [=](double t) { return std::sin(p * t); }, {}};
   return scene;
+}
+
+// s^n on a step of length 3, up to places within it: exact to n = 16; over all of it to n = 15, and beyond that nearly.
+TEST(StepPowers, IntegratePowersOfTimeExactlyToTheirDegree) {
+  for (int n = 0; n <= 16; ++n) {
+    radau::StepPowers powers;
+    const auto at = [&](double s) { return radau::StepPowers::Flow{std::pow(s, n), -2.0 * std::pow(s, n), 0.0}; };
+    const auto integral = [&](double s) { return 1.5 * (std::pow(s, n + 1) - std::pow(-1.0, n + 1)) / (n + 1); };
+    const radau::StepPowers::Flow all = powers.over_step(3.0, at);
+    EXPECT_NEAR(all[0], integral(1.0), n <= 15 ? 1e-14 : 1e-4) << n;
+    for (const double s : {-1.0, -0.99, -0.3, 0.0, 0.5, 0.999}) {
+      EXPECT_NEAR(powers.up_to(s, at)[0], integral(s), 2e-14) << n << " " << s;
+      EXPECT_NEAR(powers.up_to(s, at)[1], -2.0 * integral(s), 4e-14) << n << " " << s;
+    }
+  }
 }
 
 // On random scenes of every mass, against ARKODE's formulas at a hundred-thousandth of the tolerance: a tenth of what
