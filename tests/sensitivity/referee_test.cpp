@@ -75,7 +75,10 @@ Direction along(const Case& run, const ComplexBar& bar, const std::string& key) 
   return parameter;
 }
 
-/// The largest differences of a run's derivatives from the referee's, each over the largest that the referee has.
+/// The largest differences of a run's derivatives from the referee's, each over the largest that the referee has, and
+/// over what the scene magnifies: by how many tolerances that derivative of the referee's changes when a tolerance is
+/// added to a, b, c or d, and a tolerance of the largest derivative of the motion to the derivative of it, where that
+/// is more than one. After many contacts, or where a contact ends slowly, it may be a thousand.
 struct Verdict {
   bool same_sequence = false, lost = false;
   std::size_t changes = 0;
@@ -112,34 +115,60 @@ Verdict judge(ComplexBar bar, const Parameter& parameter, MethodName method, dou
   for (std::size_t i = 0; i < events.size() && verdict.same_sequence; ++i)
     verdict.same_sequence = std::abs(events[i].time - truth.changes[i].time.real()) < 1e-3 * bar.end;
   if (!verdict.same_sequence || verdict.lost) return verdict;
+  const std::size_t n = bar.elements + 1;
+  double displacement = 0.0, velocity = 0.0;
+  for (const ComplexBar::Vector& state : truth.states) {
+    displacement = std::max(displacement, state.head(n).imag().cwiseAbs().maxCoeff());
+    velocity = std::max(velocity, state.tail(n).imag().cwiseAbs().maxCoeff());
+  }
+  std::vector<ComplexBar::Result> nudged;
+  for (const auto& [nudge, largest] : {std::pair{&ComplexBar::b, displacement}, std::pair{&ComplexBar::a, displacement},
+                                       std::pair{&ComplexBar::c, velocity}, std::pair{&ComplexBar::d, velocity}}) {
+    ComplexBar other = bar;
+    other.*nudge += tolerance * Number(1.0, largest);
+    nudged.push_back(other.run(times));
+    verdict.same_sequence &= nudged.back().changes.size() == truth.changes.size();
+  }
+  if (!verdict.same_sequence) return verdict;
+  // `slope` of a result.
+  const auto magnified = [&](const auto& slope, double largest) {
+    double moved = tolerance;
+    for (const ComplexBar::Result& other : nudged)
+      moved = std::max(moved, std::abs(slope(other) - slope(truth)) / largest);
+    return moved / tolerance;
+  };
   for (const std::size_t half : {0, 1}) {
-    double largest = 0.0, worst = 0.0;
-    for (std::size_t k = 0; k < times.size(); ++k) {
-      const std::size_t n = bar.elements + 1;
+    double largest = 0.0, worst = 0.0, gain = 1.0;
+    const auto at = [&](std::size_t k, std::size_t j) {
+      return [k, j](const ComplexBar::Result& of) { return of.states[k](static_cast<Eigen::Index>(j)).imag() / tiny; };
+    };
+    for (std::size_t k = 0; k < times.size(); ++k)
       for (std::size_t j = half * n; j < (half + 1) * n; ++j) {
-        const double exact = truth.states[k](static_cast<Eigen::Index>(j)).imag() / tiny;
-        largest = std::max(largest, std::abs(exact));
-        worst = std::max(worst, std::abs(told[k + 1][j] - exact));
+        largest = std::max(largest, std::abs(at(k, j)(truth)));
+        worst = std::max(worst, std::abs(told[k + 1][j] - at(k, j)(truth)));
       }
-    }
-    verdict.traces = std::max(verdict.traces, largest > 0.0 ? worst / largest : worst);
+    if (largest > 0.0)
+      for (std::size_t k = 0; k < times.size(); ++k)
+        for (std::size_t j = half * n; j < (half + 1) * n; ++j) gain = std::max(gain, magnified(at(k, j), largest));
+    verdict.traces = std::max(verdict.traces, (largest > 0.0 ? worst / largest : worst) / gain);
   }
   for (std::size_t i = 0; i < events.size(); ++i) {
-    const double exact = truth.changes[i].time.imag() / tiny;
-    if (std::isnan(events[i].sensitivities[0].time)) continue;
-    // Near a graze, where phi' is small, the time is wrong by 1 / phi' and its derivative by the square of that.
-    const double magnified =
-        std::max(1.0, std::abs(events[i].time - truth.changes[i].time.real()) / (tolerance * bar.end));
-    verdict.times = std::max(verdict.times, std::abs(events[i].sensitivities[0].time - exact) /
-                                                (magnified * magnified * std::max(1.0, std::abs(exact))));
+    const auto slope = [&](const ComplexBar::Result& of) { return of.changes[i].time.imag() / tiny; };
+    const double told_slope = events[i].sensitivities[0].time, largest = std::max(1.0, std::abs(slope(truth)));
+    if (std::isnan(told_slope)) continue;
+    verdict.times =
+        std::max(verdict.times, std::abs(told_slope - slope(truth)) / (largest * magnified(slope, largest)));
   }
-  const auto account = [&](double value, Number exact) {
-    const double slope = exact.imag() / tiny;
-    verdict.accounts = std::max(verdict.accounts, std::abs(value - slope) / std::max(1.0, std::abs(slope)));
+  const auto account = [&](double value, const auto& number) {
+    const auto slope = [&](const ComplexBar::Result& of) { return number(of).imag() / tiny; };
+    const double largest = std::max(1.0, std::abs(slope(truth)));
+    verdict.accounts =
+        std::max(verdict.accounts, std::abs(value - slope(truth)) / (largest * magnified(slope, largest)));
   };
-  account(done.sensitivity->impulse_left[0], truth.impulse_left);
-  account(done.sensitivity->impulse_right[0], truth.impulse_right);
-  account(done.sensitivity->energy[0], truth.energy);
+  using Result = ComplexBar::Result;
+  account(done.sensitivity->impulse_left[0], [](const Result& of) { return of.impulse_left; });
+  account(done.sensitivity->impulse_right[0], [](const Result& of) { return of.impulse_right; });
+  account(done.sensitivity->energy[0], [](const Result& of) { return of.energy; });
   return verdict;
 }
 
