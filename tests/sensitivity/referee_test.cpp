@@ -264,7 +264,9 @@ TEST(Referee, AgreesWhereTwoContactsCloseWithinAStep) {
 }
 
 TEST(Referee, AgreesOnRandomScenes) {
-  std::mt19937 random(7);
+  // Another seed by --gtest_random_seed.
+  const int seed = ::testing::GTEST_FLAG(random_seed);
+  std::mt19937 random(seed == 0 ? 7u : static_cast<unsigned>(seed));
   const auto between = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
