@@ -6,14 +6,15 @@
 
 namespace viscobar {
 
-/// What a part of a run tells its observers, its clock stopped meanwhile, and what it counts on the way.
+/// What a part of a run tells its observers, its clock stopped meanwhile if they ask for it, and what it counts on the
+/// way.
 class Telling {
  public:
   /// `statistics` are those of the parts before; both outlive it.
   Telling(const Observers& observers, Statistics& statistics)
       : observers_(observers), statistics_(statistics), seconds_before_(statistics.integration_seconds) {}
 
-  void snapshot(const Snapshot& now) { outside(observers_.snapshot, now); }
+  void snapshot(const Snapshot& now) { tell(observers_.snapshot, now); }
   /// Counts it, too.
   void event(double t, const BarSystem& system, const Contact& contact, Change change, double velocity,
              const std::vector<ChangeSensitivity>& sensitivities = {}) {
@@ -22,25 +23,31 @@ class Telling {
     told(event);
   }
   /// One that has been counted.
-  void told(const Event& event) { outside(observers_.event, event); }
+  void told(const Event& event) { tell(observers_.event, event); }
   /// After a step: whether the run goes on.
-  bool progress(double t) { return outside(observers_.progress, t) == RunControl::go_on; }
+  bool progress(double t) { return tell(observers_.progress, t) == RunControl::go_on; }
   /// After a checkpoint likewise, by a method whose run goes on as it is.
-  bool checkpoint(const Checkpoint& now) { return outside(observers_.checkpoints->take, now) == RunControl::go_on; }
+  bool checkpoint(const Checkpoint& now) { return tell(observers_.checkpoints->take, now) == RunControl::go_on; }
 
   /// Of all parts.
   void count_seconds() { statistics_.integration_seconds = seconds_before_ + watch_.seconds(); }
 
  private:
   template <class Result, class Argument>
-  Result outside(const std::function<Result(Argument)>& observer, const auto& what) {
+  Result tell(const std::function<Result(Argument)>& observer, const auto& what) {
     if constexpr (std::is_void_v<Result>) {
-      if (observer) watch_.outside([&] { observer(what); });
+      if (observer) timed([&] { observer(what); });
     } else {
       Result verdict = Result::go_on;
-      if (observer) watch_.outside([&] { verdict = observer(what); });
+      if (observer) timed([&] { verdict = observer(what); });
       return verdict;
     }
+  }
+  void timed(auto&& call) {
+    if (observers_.off_the_clock)
+      watch_.outside(call);
+    else
+      call();
   }
 
   const Observers& observers_;

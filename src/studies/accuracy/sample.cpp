@@ -52,14 +52,10 @@ std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& st
   Probe probe(plain);
   Observers observers;
   observers.account = true;
+  observers.off_the_clock = false;
   observers.snapshot = [&](const Snapshot& snapshot) { probe.add(snapshot); };
   observers.event = [&](const Event& event) { probe.add(event); };
-  if (stop) {
-    // No observer of each step: the library would stop its clock for it.
-    Checkpoints& checkpoints = observers.checkpoints.emplace();
-    checkpoints.asked = stop;
-    checkpoints.take = [](const Checkpoint&) { return RunControl::stop; };
-  }
+  if (stop) observers.progress = [&stop](double) { return stop() ? RunControl::stop : RunControl::go_on; };
   const Statistics done = simulate(plain, system, observers);
   if (!done.completed) return std::nullopt;
   return probe.take(done);

@@ -58,6 +58,7 @@ Misfit measure(const FitStudy& study, const Eigen::VectorXd& values, bool deriva
   misfit.traces.assign(study.traces.size(), {});
   std::size_t told = 0;
   Observers observers;
+  observers.off_the_clock = false;
   if (derivatives) observers.directions = run.directions;
   std::vector<double> residual;
   std::vector<Eigen::VectorXd> rows;
