@@ -36,7 +36,7 @@ EndTraces trace_ends(const Case& run, std::span<const double> times) {
   EndTraces traces = empty_traces(run, times.size());
   traces.sensitivities.assign(run.directions.size(), empty_traces(run, times.size()));
   Observers observers;
-  observers.off_the_clock = false;
+  observers.off_the_clock = observers.reactions = false;
   observers.directions = run.directions;
   observers.snapshot = [&](const Snapshot& s) {
     keep(system.mesh(), s.u, traces);

@@ -39,7 +39,7 @@ double arkode_vectors(const Case&, double) { return 2 * (7 + 8) + 2 * 3; }
 // With viscosity the factor of four complex systems, their right-hand sides, solution and its correction, matrices and
 // some ten more.
 double rigid_vectors(const Case& run, double nodes) {
-  return run.scene.bar.viscosity > 0.0 ? 24 + 3 * 8 + 6 + 12 : arkode_vectors(run, nodes);
+  return run.scene.bar.viscosity > 0.0 ? 24 + 4 * 8 + 6 + 12 : arkode_vectors(run, nodes);
 }
 
 // The stages of a step, and the step's two ends. The dense matrices of rosenbrock4, on few nodes, do not count.

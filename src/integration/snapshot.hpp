@@ -13,7 +13,8 @@ namespace viscobar {
 /// Turns the unknowns of a penalised run into snapshots over all mesh nodes.
 class SnapshotBuilder {
  public:
-  explicit SnapshotBuilder(PenalisedSystem& system) : system_(system), u_(system.bar().mesh().nodes()), v_(u_.size()) {}
+  SnapshotBuilder(PenalisedSystem& system, bool reactions)
+      : system_(system), reactions_(reactions), u_(system.bar().mesh().nodes()), v_(u_.size()) {}
 
   Snapshot operator()(double t, std::span<const double> u, std::span<const double> w) {
     const BarSystem& bar = system_.bar();
@@ -26,6 +27,7 @@ class SnapshotBuilder {
       bar.add_lift(bar.lift(t, 1), v_);
     }
     Snapshot snapshot{t, u_, v_};
+    if (!reactions_) return snapshot;
     const std::array<double, 2> reactions = system_.end_reactions(t, u, w);
     snapshot.reaction_left = bar.left_fixed() ? -stress(0) : reactions[0];
     snapshot.reaction_right = bar.right_fixed() ? stress(u_.size() - 2) : reactions[1];
@@ -44,6 +46,7 @@ class SnapshotBuilder {
   }
 
   PenalisedSystem& system_;
+  bool reactions_;
   std::vector<double> u_, v_;
 };
 

@@ -45,7 +45,7 @@ class StepwisePart {
         schedule_(observers, times, begin),
         search_(system, stepper),
         watchdog_(begin, times.back()),
-        snapshot_(system),
+        snapshot_(system, observers.reactions),
         y_(layout.size),
         inner_(layout.size),
         sensitivities_(sensitivities) {}

@@ -205,6 +205,9 @@ struct Observers {
   std::function<RunControl(double time)> progress;  ///< after each step
   bool energy = false;                              ///< keep the energy account
   bool account = false;                             ///< keep the account of ends and contacts
+  /// Whether anyone reads the reactions of snapshots. Else a method may leave them 0: that of a held node with mass
+  /// takes a solve.
+  bool reactions = true;
   /// Parameters with respect to which derivatives are told, too: by cvode, ida, arkode and rigid. They outlive the run.
   std::span<const Direction> directions{};
   std::optional<Checkpoints> checkpoints;  ///< to go on from

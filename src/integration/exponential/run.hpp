@@ -40,7 +40,7 @@ class Run {
         penalised_(system, penalty),
         times_(times),
         observers_(observers),
-        snapshot_(penalised_),
+        snapshot_(penalised_, observers.reactions),
         statistics_(statistics_before(start)),
         load_evaluations_before_(statistics_.load_evaluations),
         telling_(observers, statistics_),

@@ -175,18 +175,20 @@ Formula::Formula() : nodes(radau_nodes()), weights_{}, rates_{} {
 
 Parts Formula::weights(double theta, int derivative) const {
   if (theta == 1.0 && derivative == 0) return end_;
-  // Clenshaw's sum.
   const std::array<Parts, stages + 1>& coefficients = derivative == 0 ? weights_ : rates_;
-  const double x = 2.0 * (2.0 * theta - 1.0);
-  Parts next{}, after{};
-  for (std::size_t m = stages; m > 0; --m)
-    for (std::size_t l = 0; l < parts; ++l) {
-      const double sum = coefficients[m][l] + x * next[l] - after[l];
-      after[l] = next[l];
-      next[l] = sum;
-    }
-  for (std::size_t l = 0; l < parts; ++l) next[l] = coefficients[0][l] + 0.5 * x * next[l] - after[l];
-  return next;
+  // T_{a+b} + T_{a-b} = 2 T_a T_b: few of the products wait for each other.
+  std::array<double, stages + 1> chebyshev{1.0, 2.0 * theta - 1.0};
+  for (std::size_t m = 2; m <= stages; ++m)
+    chebyshev[m] = 2.0 * chebyshev[m / 2] * chebyshev[(m + 1) / 2] - chebyshev[m % 2];
+  using Sum = Eigen::Array<double, parts, 1>;
+  Sum even = Sum::Map(coefficients[0].data()), odd = Sum::Zero();
+  for (std::size_t m = 1; m < stages; m += 2) {
+    odd += chebyshev[m] * Sum::Map(coefficients[m].data());
+    even += chebyshev[m + 1] * Sum::Map(coefficients[m + 1].data());
+  }
+  Parts result;
+  Sum::Map(result.data()) = even + odd;
+  return result;
 }
 
 // 2 Re(c X / zeta), the parts of c being weights[lane] / 2 and -weights[lanes + lane] / 2.

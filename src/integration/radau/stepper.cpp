@@ -21,7 +21,8 @@ namespace {
 
 // The error estimate is one of h^8.
 constexpr double safety = 0.85, exponent = 1.0 / 8.0, largest_growth = 8.0, largest_cut = 0.1;
-constexpr double worth_a_factor = 1.25;  // growth of the step, in which a new factor pays
+constexpr double worth_a_factor = 1.25;    // growth of the step, in which a new factor pays
+constexpr double next_after_impact = 3.0;  // of the first step after the impact before, that of the next one
 
 class Stepper final : public LegStepper {
  public:
@@ -53,6 +54,9 @@ class Stepper final : public LegStepper {
     stop_ = stop;
     end_t_ = t;
     std::ranges::copy(y, end_y_.begin());
+    const std::size_t closed_before = std::exchange(closed_, closed_contacts());
+    stirred_ = !taken_ || closed_ > closed_before;
+    if (stirred_) step_ = std::min(step_, next_after_impact * stirred_step_);
     if (taken_ != system_.revision()) {
       systems_.take(system_);
       taken_ = system_.revision();
@@ -70,6 +74,7 @@ class Stepper final : public LegStepper {
       const double h = next_length();
       const double error = attempt(h);
       if (error <= 1.0) {
+        if (std::exchange(stirred_, false) && h < stop_ - begin_t_) stirred_step_ = h;
         grow(h, error);
         break;
       }
@@ -139,6 +144,12 @@ class Stepper final : public LegStepper {
     return step_ > 0.5 * remaining ? 0.5 * remaining : step_;
   }
 
+  std::size_t closed_contacts() const {
+    std::size_t closed = 0;
+    for (std::size_t i = 0; i < system_.contact_count(); ++i) closed += system_.closed(i) ? 1 : 0;
+    return closed;
+  }
+
   // Of the state where the run is.
   void evaluate() {
     const std::span<const double> y(end_y_);
@@ -163,6 +174,7 @@ class Stepper final : public LegStepper {
     const bool loaded = system_.load_varies();
     if (loaded) gather_load(h);
     systems_.solve(force_, stiff_rate_, loaded, x_);
+    by_part_.clear();
     statistics_.linear_solves += lanes;
     // Columns: w, u / h, their errors.
     const Parts w = formula.weights(1.0, 0), u = formula.weights_over_pole(w);
@@ -230,12 +242,40 @@ class Stepper final : public LegStepper {
     const Formula& formula = Formula::get();
     const Parts w = formula.weights(theta, 0), u = formula.weights_over_pole(w);
     const std::size_t n = layout_.nodes;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double velocity = begin_y_[n + i];
-      y[n + i] = velocity + combined(w, x_[i]);
-      y[i] = begin_y_[i] + h_ * (theta * velocity + combined(u, x_[i]));
+    if (by_part_.empty()) sort_by_part();
+    // Sums over the parts of many nodes at once.
+    constexpr std::size_t width = 8;
+    const auto move = [&](std::size_t i, auto size) {
+      using Values = Eigen::Array<double, decltype(size)::value, 1>;
+      const auto values = [i](const auto& from) { return Eigen::Map<const Values>(from.data() + i); };
+      Values of_w = Values::Zero(), of_u = Values::Zero();
+      for (std::size_t l = 0; l < parts; ++l) {
+        const auto part = Eigen::Map<const Values>(by_part_.data() + l * n + i);
+        of_w += w[l] * part;
+        of_u += u[l] * part;
+      }
+      const auto velocity = Eigen::Map<const Values>(begin_y_.data() + n + i);
+      Eigen::Map<Values>(y.data() + n + i) = velocity + of_w;
+      Eigen::Map<Values>(y.data() + i) = values(begin_y_) + h_ * (theta * velocity + of_u);
+    };
+    if (n < width) {
+      for (std::size_t i = 0; i < n; ++i) move(i, std::integral_constant<int, 1>());
+    } else {
+      for (std::size_t i = 0; i + width < n; i += width) move(i, std::integral_constant<int, width>());
+      move(n - width, std::integral_constant<int, width>());
     }
     system_.complete_displacement(t, layout_.u(y));
+  }
+
+  // One part of all nodes behind the other.
+  void sort_by_part() {
+    const std::size_t n = layout_.nodes;
+    by_part_.resize(parts * n);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t l = 0; l < lanes; ++l) {
+        by_part_[l * n + i] = x_[i].re[static_cast<Eigen::Index>(l)];
+        by_part_[(lanes + l) * n + i] = x_[i].im[static_cast<Eigen::Index>(l)];
+      }
   }
 
   // At `until` within the step, or its end.
@@ -257,15 +297,20 @@ class Stepper final : public LegStepper {
   Statistics& statistics_;
   ErrorWeights weights_;
   ShiftedSystems systems_;
-  std::optional<std::uint64_t> taken_;                         // revision that the systems are of
-  std::optional<double> factorised_;                           // length that they are factorised for
-  double longest_, step_;                                      // the length to be tried next
+  std::optional<std::uint64_t> taken_;  // revision that the systems are of
+  std::optional<double> factorised_;    // length that they are factorised for
+  double longest_, step_;               // the length to be tried next
+  // A leg that begins with an impact, or with initial data, begins with fast waves: its first step is short.
+  bool stirred_ = false;
+  std::size_t closed_ = 0;
+  double stirred_step_ = std::numeric_limits<double>::infinity();
   double last_length_ = 0.0, last_error_ = 1.0;                // of the last step of the leg
   double stop_ = 0.0, begin_t_ = 0.0, end_t_ = 0.0, h_ = 0.0;  // of the leg, and of the last step
   std::vector<double> begin_y_, end_y_, weight_;
   std::vector<double> force_, stiff_rate_, load_change_;  // F and K w where the run is
   LoadTail load_tail_;
   std::vector<Complex> x_;
+  std::vector<double> by_part_;  // x_ by its parts, once the motion within the step is asked for
   std::vector<std::size_t> entries_;
   std::vector<double> sampled_, inner_;
   StepPowers powers_;

@@ -52,7 +52,7 @@ std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& st
   Probe probe(plain);
   Observers observers;
   observers.account = true;
-  observers.off_the_clock = false;
+  observers.off_the_clock = observers.reactions = false;
   observers.snapshot = [&](const Snapshot& snapshot) { probe.add(snapshot); };
   observers.event = [&](const Event& event) { probe.add(event); };
   if (stop) observers.progress = [&stop](double) { return stop() ? RunControl::stop : RunControl::go_on; };
