@@ -169,11 +169,13 @@ Verdict judged(const AccuracyStudy& study, std::string* text) {
   accuracy::Grain grain;
   grain.impedance = std::sqrt(truth.scene.bar.density * truth.scene.bar.modulus);
   if (study.request.of == Goal::contact_times) grain.duration = 0.5 * *result.estimate.requested;
-  const accuracy::Distance found = accuracy::distance(sample(result.run), exact, study.request.of, grain);
+  const accuracy::Sample found = sample(result.run);
+  const double error = accuracy::difference(found, exact, study.request.of, grain);
   verdict.known = true;
-  verdict.effectivity = result.estimate.total / found.value;
-  verdict.over = found.value / *result.estimate.requested;
-  *text += fmt::format("; error {:.2e}{}", found.value, found.same_changes ? "" : " (other changes)");
+  verdict.effectivity = result.estimate.total / error;
+  verdict.over = error / *result.estimate.requested;
+  *text += fmt::format("; error {:.2e}{}", error,
+                       accuracy::compare_changes(found, exact, grain).same ? "" : " (other changes)");
   return verdict;
 }
 
@@ -295,7 +297,7 @@ void gallery() {
         truth.tolerance = Tolerance{std::max(1e-13, truth.tolerance.relative / 30.0)};
         const accuracy::Sample exact = sample(truth);
         const auto error_of = [&](const Case& run) {
-          return accuracy::distance(sample(run), exact, Goal::displacement, {}).value;
+          return accuracy::difference(sample(run), exact, Goal::displacement);
         };
         error = error_of(result.run);
         double best = 1e300;

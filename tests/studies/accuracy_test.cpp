@@ -157,8 +157,7 @@ TEST(AccuracyOnRequest, APenalisedSpanKeepsTheErrorBesideAFinerRunOfTheScheme) {
                                                           "mesh.elements=512", "method.step=5e-5"})
                          .run;
   const accuracy::Sample fine = *accuracy::sample_of(truth, std::function<bool()>{});
-  EXPECT_LE(accuracy::distance(accuracy::sample_of(result.run, result.recording), fine, Goal::displacement, {}).value,
-            error);
+  EXPECT_LE(accuracy::difference(accuracy::sample_of(result.run, result.recording), fine, Goal::displacement), error);
 }
 
 // Free ends meet it.
@@ -179,9 +178,8 @@ TEST(AccuracyOnRequest, ASchemeUnderASpanObstacleKeepsTheErrorOnTheLumpedMass) {
   const AccuracyResult result = solve(study_of(floor_below, {fmt::format("accuracy.error={}", error), "method.step="}));
   EXPECT_EQ(effective_mass(result.run), Mass::lumped);
   EXPECT_TRUE(result.estimate.kept) << result.estimate.doubt;
-  EXPECT_LE(accuracy::distance(accuracy::sample_of(result.run, result.recording), on_the_floor("lumped", 512),
-                               Goal::displacement, {})
-                .value,
+  EXPECT_LE(accuracy::difference(accuracy::sample_of(result.run, result.recording), on_the_floor("lumped", 512),
+                                 Goal::displacement),
             error);
 }
 
@@ -190,7 +188,7 @@ TEST(AccuracyOnRequest, FreeEndsThatMeetASpanObstacleHaveOrder1OnFourthOrderAnd2
   const accuracy::Sample fine = on_the_floor("lumped", 512);
   const auto order = [&](const char* mass) {
     const auto error = [&](std::size_t elements) {
-      return accuracy::distance(on_the_floor(mass, elements), fine, Goal::displacement, {}).value;
+      return accuracy::difference(on_the_floor(mass, elements), fine, Goal::displacement);
     };
     return std::log(error(32) / error(256)) / std::log(8.0);
   };
@@ -208,8 +206,7 @@ TEST(AccuracyOnRequest, AnUndampedBarOnAMeshKeepsTheErrorBesideItsWaves) {
   Case waves = result.run;
   waves.method = MethodName::characteristics;
   const accuracy::Sample exact = *accuracy::sample_of(waves, std::function<bool()>{});
-  EXPECT_LE(accuracy::distance(accuracy::sample_of(result.run, result.recording), exact, Goal::displacement, {}).value,
-            1e-2);
+  EXPECT_LE(accuracy::difference(accuracy::sample_of(result.run, result.recording), exact, Goal::displacement), 1e-2);
 }
 
 // A wave front of width sqrt(eta t) goes out from each contact: meshes that do not resolve it show a lower order than
@@ -230,7 +227,7 @@ TEST(AccuracyOnRequest, BeforeTheRunTheForecastGoesOnWithTheOrderOfCoarserMeshes
       ASSERT_TRUE(forecast.estimate) << forecast.why_not;
       const accuracy::Sample coarse = *accuracy::sample_of(run, stop);
       run.elements *= 16;
-      const double error = distance(coarse, *accuracy::sample_of(run, stop), Goal::displacement, {}).value;
+      const double error = difference(coarse, *accuracy::sample_of(run, stop), Goal::displacement);
       EXPECT_GT(forecast.estimate->space, 0.5 * error) << viscosity << " " << elements;
       EXPECT_LT(forecast.estimate->space, 28.0 * error) << viscosity << " " << elements;
     }

@@ -5,6 +5,7 @@
 #include <complex>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 namespace viscobar::radau {
 
@@ -176,18 +177,18 @@ Formula::Formula() : nodes(radau_nodes()), weights_{}, rates_{} {
 Parts Formula::weights(double theta, int derivative) const {
   if (theta == 1.0 && derivative == 0) return end_;
   const std::array<Parts, stages + 1>& coefficients = derivative == 0 ? weights_ : rates_;
-  // T_{a+b} + T_{a-b} = 2 T_a T_b: few of the products wait for each other.
-  std::array<double, stages + 1> chebyshev{1.0, 2.0 * theta - 1.0};
-  for (std::size_t m = 2; m <= stages; ++m)
-    chebyshev[m] = 2.0 * chebyshev[m / 2] * chebyshev[(m + 1) / 2] - chebyshev[m % 2];
+  // Clenshaw's sums of T_{2k}(x) = T_k(y) and T_{2k+1}(x), x = 2 theta - 1, y = 2 x^2 - 1: two short
+  // chains in place of a long one.
   using Sum = Eigen::Array<double, parts, 1>;
-  Sum even = Sum::Map(coefficients[0].data()), odd = Sum::Zero();
-  for (std::size_t m = 1; m < stages; m += 2) {
-    odd += chebyshev[m] * Sum::Map(coefficients[m].data());
-    even += chebyshev[m + 1] * Sum::Map(coefficients[m + 1].data());
+  const auto coefficient = [&](std::size_t m) { return Sum::Map(coefficients[m].data()); };
+  const double x = 2.0 * theta - 1.0, y = 1.0 - 8.0 * theta * (1.0 - theta);
+  Sum even = coefficient(stages), even_after = Sum::Zero(), odd = coefficient(stages - 1), odd_after = Sum::Zero();
+  for (std::size_t m = stages - 2; m > 0; m -= 2) {
+    even_after = std::exchange(even, coefficient(m) + 2.0 * y * even - even_after);
+    odd_after = std::exchange(odd, coefficient(m - 1) + 2.0 * y * odd - odd_after);
   }
   Parts result;
-  Sum::Map(result.data()) = even + odd;
+  Sum::Map(result.data()) = coefficient(0) + y * even - even_after + x * (odd - odd_after);
   return result;
 }
 

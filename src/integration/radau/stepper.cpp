@@ -243,8 +243,7 @@ class Stepper final : public LegStepper {
     const Parts w = formula.weights(theta, 0), u = formula.weights_over_pole(w);
     const std::size_t n = layout_.nodes;
     if (by_part_.empty()) sort_by_part();
-    // Sums over the parts of many nodes at once.
-    constexpr std::size_t width = 8;
+    // Sums over the parts of several nodes at once; takes() wants five.
     const auto move = [&](std::size_t i, auto size) {
       using Values = Eigen::Array<double, decltype(size)::value, 1>;
       const auto values = [i](const auto& from) { return Eigen::Map<const Values>(from.data() + i); };
@@ -258,12 +257,15 @@ class Stepper final : public LegStepper {
       Eigen::Map<Values>(y.data() + n + i) = velocity + of_w;
       Eigen::Map<Values>(y.data() + i) = values(begin_y_) + h_ * (theta * velocity + of_u);
     };
-    if (n < width) {
-      for (std::size_t i = 0; i < n; ++i) move(i, std::integral_constant<int, 1>());
-    } else {
-      for (std::size_t i = 0; i + width < n; i += width) move(i, std::integral_constant<int, width>());
-      move(n - width, std::integral_constant<int, width>());
-    }
+    // The last ones of the nodes twice, where they are no multiple of the width.
+    const auto move_all = [&](auto size) {
+      for (std::size_t i = 0; i + size < n; i += size) move(i, size);
+      move(n - size, size);
+    };
+    if (n < 8)
+      move_all(std::integral_constant<std::size_t, 4>());
+    else
+      move_all(std::integral_constant<std::size_t, 8>());
     system_.complete_displacement(t, layout_.u(y));
   }
 

@@ -56,15 +56,12 @@ std::vector<Setting> Plan::rungs(std::size_t finest) const {
 
 // `same`: whether the last two agree on the contact changes.
 std::vector<MeshStep> Plan::ladder(const std::vector<Setting>& steps, bool* same) const {
-  const Goal of = study_.request.of;
   *same = true;
   std::vector<MeshStep> result;
   for (std::size_t k = 0; k + 1 < steps.size(); ++k) {
-    const Distance found = distance(runs_.of(steps[k]), runs_.of(steps[k + 1]), of, grain());
-    *same = found.same_changes;
-    result.push_back(
-        {steps[k].elements, steps[k + 1].elements, found.value,
-         k == 0 ? 1.0 : alignment(runs_.of(steps[k - 1]), runs_.of(steps[k]), runs_.of(steps[k + 1]), of, grain())});
+    *same = compare_changes(runs_.of(steps[k]), runs_.of(steps[k + 1]), grain()).same;
+    result.push_back({steps[k].elements, steps[k + 1].elements, apart(steps[k], steps[k + 1]),
+                      k == 0 ? 1.0 : aligned(steps[k - 1], steps[k], steps[k + 1])});
   }
   return result;
 }

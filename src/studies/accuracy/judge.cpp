@@ -46,7 +46,7 @@ double Plan::magnification() {
   const std::optional<double> bound = std::exchange(runs_.most_seconds, std::nullopt);
   runs_.make({nudged(*finest)});
   runs_.most_seconds = bound;
-  return distance(runs_.of(*finest), runs_.of(nudged(*finest)), Goal::displacement, {}).value / moved_by_nudge();
+  return difference(runs_.of(*finest), runs_.of(nudged(*finest)), Goal::displacement) / moved_by_nudge();
 }
 
 // The waves tell what they change the motion by; contact changes may magnify it.
@@ -60,18 +60,20 @@ ErrorEstimate Plan::judge_exact(const Sample& solution) {
       "characteristics: the bar has no viscosity, and its waves are followed without a mesh; the "
       "elements are places of output only");
   runs_.make(wanted_by_judge());
-  const Distance found = distance(solution, runs_.of(nudged(chosen_)), study_.request.of, grain());
-  const double gain = std::max(found.value / moved_by_nudge(), study_.request.of == Goal::displacement ? 1.0 : 0.0);
+  const Sample& other = runs_.of(nudged(chosen_));
+  const double moved = difference(solution, other, study_.request.of, grain());
+  const SameChanges changes = compare_changes(solution, other, grain());
+  const double gain = std::max(moved / moved_by_nudge(), study_.request.of == Goal::displacement ? 1.0 : 0.0);
   if (const auto& waves = solution.statistics.representation) {
     estimate.space = waves->error * gain;
     estimate.time = waves->rounding * gain;
   }
   estimate.total = estimate.space + estimate.time;
-  if (!found.same_changes && (study_.request.of == Goal::contact_times || found.value > *requested_))
+  if (!changes.same && (study_.request.of == Goal::contact_times || moved > *requested_))
     estimate.doubt = fmt::format(
         "a change of the initial velocity by {:.0e} of it changes which contacts there are: {} "
         "and {}",
-        nudge_share, plural(found.first), plural(found.other));
+        nudge_share, plural(changes.coarse), plural(changes.fine));
   if (estimate.total > *requested_ && estimate.doubt.empty())
     estimate.doubt =
         "initial data and load are no polynomial pieces to the digits that were asked for, and no setting "

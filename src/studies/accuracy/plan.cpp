@@ -107,8 +107,20 @@ Grain Plan::grain() const {
   return grain;
 }
 
-double Plan::apart(const Setting& one, const Setting& other) const {
-  return distance(runs_.of(one), runs_.of(other), study_.request.of, grain()).value;
+double Plan::apart(const Setting& coarse, const Setting& fine) const {
+  const auto compute = [&] { return difference(runs_.of(coarse), runs_.of(fine), study_.request.of, grain()); };
+  if (!is_field(study_.request.of)) return compute();
+  const auto [place, unknown] = differences_.try_emplace({coarse, fine});
+  return unknown ? place->second = compute() : place->second;
+}
+
+double Plan::aligned(const Setting& first, const Setting& second, const Setting& third) const {
+  const auto compute = [&] {
+    return alignment(runs_.of(first), runs_.of(second), runs_.of(third), study_.request.of, grain());
+  };
+  if (!is_field(study_.request.of)) return compute();
+  const auto [place, unknown] = alignments_.try_emplace({first, second, third});
+  return unknown ? place->second = compute() : place->second;
 }
 
 Case Plan::next() {

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,7 +46,9 @@ class Plan {
   Case with(const Setting& setting) const;
   Setting at(std::size_t elements) const { return {elements, chosen_.fineness, chosen_.epsilon}; }
   Grain grain() const;
-  double apart(const Setting& one, const Setting& other) const;
+  // Of runs that were made; where they compare fields, once.
+  double apart(const Setting& coarse, const Setting& fine) const;
+  double aligned(const Setting& first, const Setting& second, const Setting& third) const;
   void tell(const std::string& what) const;
 
   // The settings in time and penalty: parts.cpp.
@@ -94,6 +98,8 @@ class Plan {
   Setting chosen_;
   std::vector<Setting> rungs_;  // of the solution
   std::optional<double> requested_;
+  mutable std::map<std::array<Setting, 2>, double> differences_;
+  mutable std::map<std::array<Setting, 3>, double> alignments_;
   double reachable_ = 0.0;  // the request, or more where settings that the scene fixes do not let it be kept
   double largest_ = 0.0;
   double looser_ = 1.0, pilot_error_ = 0.0;  // of the pilots, beside the chosen tolerance, and what that costs

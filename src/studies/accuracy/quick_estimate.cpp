@@ -81,7 +81,7 @@ Coarser coarser_runs(const Case& run, double seconds, bool down_to_an_eighth, co
 }
 
 double time_error(const Case& run, const Coarser& runs, double largest_u) {
-  if (runs.longer_steps) return distance(runs.quarter, *runs.longer_steps, Goal::displacement, {}).value;
+  if (runs.longer_steps) return difference(runs.quarter, *runs.longer_steps, Goal::displacement);
   if (!is_adaptive(run.method)) return 0.0;
   const double absolute = allowance(run.tolerance, make_system(run), run.end).displacement;
   const double steps_alone = run.tolerance.control == ErrorControl::local ? 1000.0 : 2.0;
@@ -124,8 +124,8 @@ QuickEstimate quick_estimate(const Case& run, const Sample& solution, double sec
   if (const auto& waves = solution.statistics.representation) return {of_waves(*waves, solution), {}};
   const Coarser runs = coarser_runs(run, seconds, false, stop);
   ErrorEstimate estimate = estimate_of(run, runs, solution);
-  const double first = distance(runs.quarter, runs.half, Goal::displacement, {}).value;
-  const double last = distance(runs.half, solution, Goal::displacement, {}).value;
+  const double first = difference(runs.quarter, runs.half, Goal::displacement);
+  const double last = difference(runs.half, solution, Goal::displacement);
   const MeshStep steps[] = {
       {runs.elements_quarter, runs.elements_half, first},
       {runs.elements_half, run.elements, last, alignment(runs.quarter, runs.half, solution, Goal::displacement, {})}};
@@ -145,10 +145,9 @@ QuickEstimate forecast(const Case& run, double seconds) try {
   ErrorEstimate estimate = estimate_of(run, runs, runs.half);
   std::vector<MeshStep> steps;
   if (runs.eighth)
-    steps.push_back({runs.elements_eighth, runs.elements_quarter,
-                     distance(*runs.eighth, runs.quarter, Goal::displacement, {}).value});
-  steps.push_back(
-      {runs.elements_quarter, runs.elements_half, distance(runs.quarter, runs.half, Goal::displacement, {}).value});
+    steps.push_back(
+        {runs.elements_eighth, runs.elements_quarter, difference(*runs.eighth, runs.quarter, Goal::displacement)});
+  steps.push_back({runs.elements_quarter, runs.elements_half, difference(runs.quarter, runs.half, Goal::displacement)});
   // Without viscosity kinks stay kinks; and two meshes show no order.
   const bool smooth = runs.eighth && run.scene.bar.viscosity > 0.0;
   estimate.space = predicted_error(steps, smooth ? order_in_theory(run) : 1.0, run.elements).error;

@@ -1,5 +1,6 @@
 #include "studies/accuracy/sample.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -191,19 +192,23 @@ Interpolant interpolant(const std::vector<double>& x, double at) {
 // A run at some places. On meshes that are halves of each other they are each n-th node.
 class AtPlaces {
  public:
-  AtPlaces(const Sample& sample, const std::vector<double>& places) {
+  AtPlaces(const Sample& sample, const std::vector<double>& places) : values_(places.size()) {
     for (const double x : places) rules_.push_back(interpolant(sample.x, x));
     stride_ = rules_.size() > 1 ? rules_[1].begin : 1;
     for (std::size_t i = 0; i < rules_.size(); ++i)
       if (rules_[i].count > 1 || rules_[i].begin != i * stride_) stride_ = 0;
   }
 
-  bool regular() const { return stride_ > 0; }
-  double node(const double* u, std::size_t i) const { return u[i * stride_]; }
-  double between(const double* u, std::size_t i) const { return rules_[i](u); }
+  /// Of a row of the sample; valid until the next call.
+  const double* operator()(const double* row) {
+    if (stride_ == 1) return row;
+    for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = stride_ > 0 ? row[i * stride_] : rules_[i](row);
+    return values_.data();
+  }
 
  private:
   std::vector<Interpolant> rules_;
+  std::vector<double> values_;
   std::size_t stride_ = 0;
 };
 
@@ -220,20 +225,24 @@ std::vector<double> numbers(const Sample& sample, Goal of, const Grain& grain) {
   return all;
 }
 
-// Calls visit(values of the runs) for each value of what the goal is of, at the places of the first run.
+using Values = Eigen::Map<const Eigen::ArrayXd>;
+
+// Calls visit(u) with what the goal is of: of a field at each time, u[n] being the values of run n at the places of the
+// first run.
 template <std::size_t N>
-void for_each_value(const std::array<const Sample*, N>& samples, Goal of, const Grain& grain, auto&& visit) {
-  const auto visit_all = [&](const auto& value, std::size_t k, std::size_t i) {
-    [&]<std::size_t... n>(std::index_sequence<n...>) { visit(std::array<double, N>{value(n, k, i)...}); }
-    (std::make_index_sequence<N>());
+void compare(const std::array<const Sample*, N>& samples, Goal of, const Grain& grain, auto&& visit) {
+  const auto visit_all = [&]<std::size_t... n>(std::index_sequence<n...>, std::size_t count, auto&& data) {
+    if (count > 0) visit(std::array{Values(data(n), static_cast<Eigen::Index>(count))...});
   };
-  if (of != Goal::displacement && of != Goal::end_traces) {
-    std::vector<std::vector<double>> all;
+  constexpr auto runs = std::make_index_sequence<N>();
+  if (!is_field(of)) {
+    std::array<std::vector<double>, N> all;
     std::size_t count = SIZE_MAX;
-    for (const Sample* sample : samples) count = std::min(count, all.emplace_back(numbers(*sample, of, grain)).size());
-    for (std::size_t i = 0; i < count; ++i)
-      visit_all([&](std::size_t n, std::size_t, std::size_t at) { return all[n][at]; }, 0, i);
-    return;
+    for (std::size_t n = 0; n < N; ++n) {
+      all[n] = numbers(*samples[n], of, grain);
+      count = std::min(count, all[n].size());
+    }
+    return visit_all(runs, count, [&](std::size_t n) { return all[n].data(); });
   }
   const std::vector<double>& x = samples[0]->x;
   const std::vector<double> places = of == Goal::displacement ? x : std::vector<double>{x.front(), x.back()};
@@ -243,41 +252,38 @@ void for_each_value(const std::array<const Sample*, N>& samples, Goal of, const 
     at.emplace_back(*sample, places);
     rows = std::min(rows, sample->rows());
   }
-  const auto node = [&](std::size_t n, std::size_t k, std::size_t i) { return at[n].node(samples[n]->row(k), i); };
-  const auto between = [&](std::size_t n, std::size_t k, std::size_t i) {
-    return at[n].between(samples[n]->row(k), i);
-  };
-  const bool regular = std::all_of(at.begin(), at.end(), [](const AtPlaces& one) { return one.regular(); });
   for (std::size_t k = 0; k < rows; ++k)
-    for (std::size_t i = 0; i < places.size(); ++i)
-      if (regular)
-        visit_all(node, k, i);
-      else
-        visit_all(between, k, i);
+    visit_all(runs, places.size(), [&](std::size_t n) { return at[n](samples[n]->row(k)); });
 }
 
 }  // namespace
 
-Distance distance(const Sample& coarse, const Sample& fine, Goal of, const Grain& grain) {
-  Distance result;
+bool is_field(Goal of) { return of == Goal::displacement || of == Goal::end_traces; }
+
+SameChanges compare_changes(const Sample& coarse, const Sample& fine, const Grain& grain) {
+  SameChanges result;
   for (const Where end : {Where::left, Where::right}) {
     const Changes a = changes_that_matter(coarse, end, grain), b = changes_that_matter(fine, end, grain);
-    result.first += a.times.size();
-    result.other += b.times.size();
-    if (a.times.size() != b.times.size() || a.first_closes != b.first_closes) result.same_changes = false;
+    result.coarse += a.times.size();
+    result.fine += b.times.size();
+    if (a.times.size() != b.times.size() || a.first_closes != b.first_closes) result.same = false;
   }
-  for_each_value<2>({&coarse, &fine}, of, grain, [&](const std::array<double, 2>& u) {
-    result.value = std::max(result.value, std::abs(u[0] - u[1]));
-  });
   return result;
+}
+
+double difference(const Sample& coarse, const Sample& fine, Goal of, const Grain& grain) {
+  double largest = 0.0;
+  compare<2>({&coarse, &fine}, of, grain,
+             [&](const auto& u) { largest = std::max(largest, (u[0] - u[1]).abs().maxCoeff()); });
+  return largest;
 }
 
 double alignment(const Sample& first, const Sample& second, const Sample& third, Goal of, const Grain& grain) {
   double product = 0.0, before = 0.0, after = 0.0;
-  for_each_value<3>({&first, &second, &third}, of, grain, [&](const std::array<double, 3>& u) {
-    product += (u[1] - u[0]) * (u[2] - u[1]);
-    before += (u[1] - u[0]) * (u[1] - u[0]);
-    after += (u[2] - u[1]) * (u[2] - u[1]);
+  compare<3>({&first, &second, &third}, of, grain, [&](const auto& u) {
+    product += ((u[1] - u[0]) * (u[2] - u[1])).sum();
+    before += (u[1] - u[0]).square().sum();
+    after += (u[2] - u[1]).square().sum();
   });
   return before > 0.0 && after > 0.0 ? product / std::sqrt(before * after) : 1.0;
 }

@@ -68,15 +68,20 @@ struct Changes {
 };
 Changes changes_that_matter(const Sample& sample, Where end, const Grain& grain);
 
-/// How far two runs are apart.
-struct Distance {
-  double value = 0.0;                ///< in the unit of the goal
-  bool same_changes = true;          ///< whether the same contacts change in the same order at each end
-  std::size_t first = 0, other = 0;  ///< contact changes of the two that matter
+/// Whether the goal is a field over time; else it is a few numbers of the run.
+bool is_field(Goal of);
+
+/// Whether the same contacts change in the same order at each end, among the changes that matter.
+struct SameChanges {
+  bool same = true;
+  std::size_t coarse = 0, fine = 0;  ///< changes of the two
 };
-/// At the places of the first, whose mesh is the coarser one; where they are no nodes of the other, by interpolation
-/// with six of its nodes.
-Distance distance(const Sample& coarse, const Sample& fine, Goal of, const Grain& grain);
+SameChanges compare_changes(const Sample& coarse, const Sample& fine, const Grain& grain);
+
+/// How far two runs are apart, in the unit of the goal: at the places of the first, whose mesh is the coarser one;
+/// where they are no nodes of the other, by interpolation with six of its nodes. The grain counts for contact times
+/// alone.
+double difference(const Sample& coarse, const Sample& fine, Goal of, const Grain& grain = {});
 
 /// Cosine of the angle between two changes of a solution, from the first run to the second and from that to the third,
 /// as vectors of what the goal is of, at the places of the first. 1 where one of them vanishes.

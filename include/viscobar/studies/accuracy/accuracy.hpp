@@ -31,7 +31,7 @@ struct AccuracyResult {
 /// Chooses method, mass, elements, penalty and tolerance, runs, estimates the error, and goes on until the estimate
 /// keeps what is asked for or `estimate.doubt` says why it cannot.
 ///
-///     total = space + penalty + time,   about 80, 10 and 10 % of the request,
+///     total = space + penalty + time,   about 65, 10 and 25 % of the request,
 ///
 /// each from runs that differ in one setting: h and 2h, two penalties, two tolerances.
 /// @throws std::invalid_argument where the goal has no limit, or the case nothing of its kind (no obstacle)
