@@ -12,6 +12,7 @@
 #include "studies/accuracy/space_error.hpp"
 #include "viscobar/input/scene_file.hpp"
 #include "viscobar/studies/exact/exact_solutions.hpp"
+#include "viscobar/studies/limit/limit.hpp"
 
 namespace viscobar {
 namespace {
@@ -294,6 +295,36 @@ TEST(ChangesThatMatter, LeaveOutFlightsAndContactsBelowTheGrain) {
   const accuracy::Grain coarse{.height = 1e-5}, fine{.height = 1e-8};
   EXPECT_EQ(accuracy::changes_that_matter(sample, Where::left, coarse).times, (std::vector<double>{1.0, 3.0}));
   EXPECT_EQ(accuracy::changes_that_matter(sample, Where::left, fine).times.size(), 6u);
+}
+
+// The mesh is chosen at epsilon = 0. What four times the elements change at each penalty of the study is below the
+// error that was asked for, and so is 16/15 of it or, of order 2, 4/3.
+TEST(AccuracyOnRequest, TheMeshOfALimitStudyKeepsTheErrorAtEachPenalty) {
+  for (const double viscosity : {0.03, 1.0})
+    for (const double error : {1e-3, 1e-5}) {
+      const SceneFile scene =
+          parse_scene(rebound, "scene",
+                      std::array{fmt::format("bar.viscosity={}", viscosity), std::string("left.gap=0.1"),
+                                 fmt::format("accuracy.error={}", error)});
+      LimitStudy study;
+      study.scene = scene.run;
+      study.scene.method = penalised_method(scene.run);
+      study.scene.mass = common_mass(study.scene);
+      const AccuracyResult solved = limit_to_accuracy(study, *scene.accuracy);
+      ASSERT_TRUE(solved.estimate.kept) << solved.estimate.doubt;
+      for (const double epsilon : natural_penalties(study.scene.scene)) {
+        Case run = study.scene;
+        run.epsilon = epsilon;
+        run.tolerance = Tolerance{1e-10};
+        const auto on = [&](std::size_t elements) {
+          run.elements = elements;
+          return *accuracy::sample_of(run, std::function<bool()>{});
+        };
+        EXPECT_LE(4.0 / 3.0 * difference(on(solved.run.elements), on(4 * solved.run.elements), Goal::displacement),
+                  error)
+            << viscosity << " " << epsilon << " on " << solved.run.elements;
+      }
+    }
 }
 
 }  // namespace

@@ -8,6 +8,12 @@
 
 namespace viscobar::accuracy {
 
+namespace {
+
+using Values = Eigen::Map<const Eigen::ArrayXd>;
+
+}  // namespace
+
 Probe::Probe(const Case& run) {
   constexpr double most_times = 20'000.0, most_values = 1e6;
   const double outputs = std::ceil(run.end / run.output_every) + 1.0;
@@ -74,8 +80,7 @@ double largest(const Sample& sample, Goal of) {
   double most = 0.0;
   switch (of) {
     case Goal::displacement:
-      for (const double u : sample.u) most = std::max(most, std::abs(u));
-      return most;
+      return Values(sample.u.data(), static_cast<Eigen::Index>(sample.u.size())).abs().maxCoeff();
     case Goal::end_traces:
       for (std::size_t k = 0; k < sample.rows(); ++k)
         most = std::max({most, std::abs(sample.row(k)[0]), std::abs(sample.row(k)[sample.x.size() - 1])});
@@ -224,8 +229,6 @@ std::vector<double> numbers(const Sample& sample, Goal of, const Grain& grain) {
     }
   return all;
 }
-
-using Values = Eigen::Map<const Eigen::ArrayXd>;
 
 // Calls visit(u) with what the goal is of: of a field at each time, u[n] being the values of run n at the places of the
 // first run.
