@@ -90,7 +90,8 @@ Json to_json(const ErrorEstimate& estimate) {
                             {"setting", known(run.setting)},
                             {"epsilon", known(run.epsilon)},
                             {"changes", run.changes},
-                            {"seconds", run.seconds}});
+                            {"seconds", run.seconds},
+                            {"search", run.search}});
   return json;
 }
 

@@ -52,6 +52,7 @@ struct ErrorEstimate {
     std::optional<double> epsilon;  ///< absent where nothing is penalised
     double seconds = 0.0;           ///< of its integration
     std::size_t changes = 0;        ///< contact changes
+    bool search = false;            ///< made for the search of a mesh alone; the estimate does not need it
   };
 
   Goal of = Goal::displacement;      ///< what it is an error of

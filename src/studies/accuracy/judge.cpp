@@ -86,6 +86,7 @@ ErrorEstimate Plan::judge_exact(const Sample& solution) {
 // From coarse to fine.
 void Plan::tell_runs(ErrorEstimate& estimate) const {
   estimate.seconds = runs_.seconds();
+  const std::vector<Setting> needed = wanted_by_judge();
   for (const auto& [setting, statistics] : runs_.made()) {
     ErrorEstimate::Run made;
     made.elements = setting.elements;
@@ -93,6 +94,7 @@ void Plan::tell_runs(ErrorEstimate& estimate) const {
     if (penalised_) made.epsilon = setting.epsilon;
     made.seconds = statistics.integration_seconds;
     made.changes = statistics.events;
+    made.search = std::ranges::find(needed, setting) == needed.end();
     estimate.runs.push_back(made);
   }
   std::stable_sort(estimate.runs.begin(), estimate.runs.end(),
