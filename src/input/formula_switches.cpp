@@ -1,6 +1,6 @@
-#include "input/formula_switches.hpp"
-
 #include <utility>
+
+#include "input/formula_tree.hpp"
 
 namespace viscobar {
 

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdlib>
 #include <span>
 #include <string>
 #include <utility>
 
 #include "input/formula.hpp"
+#include "input/input_text.hpp"
 
 namespace viscobar {
 
@@ -132,7 +132,7 @@ class Parser {
       require(")");
       return inside;
     }
-    if (!rest().empty() && (std::isdigit(static_cast<unsigned char>(rest().front())) || rest().front() == '.')) {
+    if (const std::string_view here = rest(); !here.empty() && (is_digit(here.front()) || here.front() == '.')) {
       char* end = nullptr;
       const double number = std::strtod(text_.c_str() + at_, &end);
       if (end == text_.c_str() + at_) refuse();
@@ -150,7 +150,7 @@ class Parser {
 
   std::string_view name() {
     const std::string_view here = rest();
-    const auto part = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
+    const auto part = [](char c) { return is_letter(c) || is_digit(c) || c == '_'; };
     return here.substr(0, static_cast<std::size_t>(std::ranges::find_if_not(here, part) - here.begin()));
   }
 

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
-#include "text/utf8.hpp"
+#include "text/printable_text.hpp"
 
 namespace viscobar {
 

@@ -18,27 +18,6 @@ struct OtherValue {
 /// Strings are a list where a table of values has an array of them.
 using TomlValue = std::variant<std::string, std::int64_t, double, bool, OtherValue, std::vector<std::string>>;
 
-struct TomlTable {
-  std::string name;
-  TextPosition at;
-};
-
-struct TomlEntry {
-  std::string table;  ///< empty above the first table
-  std::string key;
-  TomlValue value;
-  TextPosition key_at, value_at;
-};
-
-/// A TOML text, which for a scene is tables of values and no more: anything deeper is an OtherValue.
-struct TomlDocument {
-  std::vector<TomlTable> tables;
-  std::vector<TomlEntry> entries;
-};
-
-/// @throws TextError
-TomlDocument parse_toml(std::string_view text);
-
 /// A value with all that is inside of it, in the order of the text: of an array the elements, of a table the entries.
 struct TomlNode {
   enum class Kind { plain, array, table };
@@ -50,6 +29,6 @@ struct TomlNode {
 };
 
 /// The whole text as one table. @throws TextError
-TomlNode parse_toml_tree(std::string_view text);
+TomlNode parse_toml(std::string_view text);
 
 }  // namespace viscobar
