@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <optional>
 
 #include "case/method_table.hpp"
 #include "case/run_cost.hpp"
@@ -106,19 +105,16 @@ void check_initial_nodes(const Case& run, Findings& findings) {
   Mesh mesh = run.mesh();
   if (!findings.sound({"mesh.elements"})) mesh.elements = 1;  // the nodes 0 and L are those of any mesh
   if (!findings.sound({"mesh.grading"})) mesh.grading = {};
-  std::optional<Finding> displacement, velocity;
-  for (std::size_t j = 0; j < mesh.nodes() && !(displacement && velocity); ++j) {
+  const auto& span = run.scene.span;
+  for (std::size_t j = 0; j < mesh.nodes(); ++j) {
     const double x = mesh.node(j), u = run.scene.displacement(x), v = run.scene.velocity(x);
-    if (!displacement && !std::isfinite(u))
-      displacement = {"initial.displacement", fmt::format("is {} at x = {}", printable(u), x)};
-    if (!velocity && !std::isfinite(v))
-      velocity = {"initial.velocity", fmt::format("is {} at x = {}", printable(v), x)};
-    if (!displacement && run.scene.span && run.scene.span->depth(u) > 0.0)
-      displacement = {"initial.displacement", fmt::format("penetrates the obstacle of [span]: u_0({}) = {} {}", x, u,
-                                                          bound_text(*run.scene.span, u))};
+    if (!std::isfinite(u))
+      findings.report("initial.displacement", "is {} at x = {}", printable(u), x);
+    else if (span && span->depth(u) > 0.0)
+      findings.report("initial.displacement", "penetrates the obstacle of [span]: u_0({}) = {} {}", x, u,
+                      bound_text(*span, u));
+    if (!std::isfinite(v)) findings.report("initial.velocity", "is {} at x = {}", printable(v), x);
   }
-  for (const auto& one : {displacement, velocity})
-    if (one) findings.add({*one});
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ class Findings {
   void report(std::string_view key, std::string problem) { add({{std::string(key), std::move(problem)}}); }
   template <class... Args>
   void report(std::string_view key, fmt::format_string<Args...> problem, Args&&... args) {
-    report(key, fmt::format(problem, std::forward<Args>(args)...));
+    if (sound({key})) report(key, fmt::format(problem, std::forward<Args>(args)...));
   }
 
   bool sound(std::initializer_list<std::string_view> keys) const {

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include <stdexcept>
+#include <regex>
 
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
@@ -47,17 +47,9 @@ std::string bash_case(const CLI::App& command) {
 }
 
 /// What a description may hold in an argument of zsh's _arguments, within single quotes.
-std::string zsh_text(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '\'')
-      out += "'\\''";
-    else if (c == '[' || c == ']' || c == ':' || c == '\\')
-      out += fmt::format("\\{}", c);
-    else
-      out += c;
-  }
-  return out;
+std::string zsh_text(const std::string& text) {
+  const std::string marked = std::regex_replace(text, std::regex(R"([\[\]:\\])"), R"(\$&)");
+  return std::regex_replace(marked, std::regex("'"), R"('\'')");
 }
 
 std::string zsh_action(const OptionText& option) {
@@ -183,13 +175,8 @@ if [[ $zsh_eval_context[-1] == loadautofunc ]]; then _viscobar "$@"; else compde
 }
 
 // Of fish: a quoted word, in which a backslash and a quote stand for themselves.
-std::string fish_quoted(std::string_view text) {
-  std::string out = "'";
-  for (const char c : text) {
-    if (c == '\'' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + "'";
+std::string fish_quoted(const std::string& text) {
+  return "'" + std::regex_replace(text, std::regex(R"(['\\])"), R"(\$&)") + "'";
 }
 
 std::string fish_completion(const CLI::App& app) {

@@ -166,22 +166,21 @@ int main(int argc, char** argv) {
   // A limit on file sizes is an error like a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   std::set_terminate(cli::end_without_memory);
+  int code = cli::run_failed;
   try {
-    return cli::end_messages(cli::run(argc, argv));
+    code = cli::run(argc, argv);
   } catch (const SceneError& error) {
     for (const Diagnostic& diagnostic : error.diagnostics) cli::say(diagnostic.text());
-    return cli::end_messages(cli::wrong_input);
+    code = cli::wrong_input;
   } catch (const std::invalid_argument& error) {
     cli::complain(error.what());
-    return cli::end_messages(cli::wrong_input);
+    code = cli::wrong_input;
   } catch (const std::bad_alloc&) {
     cli::complain("there is not enough memory");
-    return cli::end_messages(cli::run_failed);
   } catch (const std::exception& error) {
     cli::complain(error.what());
-    return cli::end_messages(cli::run_failed);
   } catch (...) {  // muParser's are none of the above; a formula that has been understood fails for want of memory only
     cli::complain("a formula cannot be evaluated");
-    return cli::end_messages(cli::run_failed);
   }
+  return cli::end_messages(code);
 }

@@ -227,15 +227,10 @@ std::string parameter_name_problem(std::string_view name) {
 Formula::Formula(std::string text, std::string_view variables, const Parameters& parameters)
     : parameters_(parameters), text_(std::move(text)) {
   // A scene asks for each of its formulas several times, and a sweep for those of thousands of scenes.
-  struct Known {
-    std::string used;
-    double constant;
-  };
-  thread_local std::map<std::tuple<std::string, std::string, Parameters>, Known> all_known;
+  thread_local std::map<std::tuple<std::string, std::string, Parameters>, std::pair<std::string, double>> all_known;
   const auto key = std::tuple(text_, std::string(variables), parameters_);
   if (const auto known = all_known.find(key); known != all_known.end()) {
-    used_ = known->second.used;
-    constant_ = known->second.constant;
+    std::tie(used_, constant_) = known->second;
     return;
   }
   check_size(text_);
@@ -257,7 +252,7 @@ Formula::Formula(std::string text, std::string_view variables, const Parameters&
     throw FormulaError(fmt::format("must be finite, is {}", printable(constant_)));
   constexpr std::size_t most = 100;
   if (all_known.size() >= most) all_known.clear();
-  all_known.emplace(key, Known{used_, constant_});
+  all_known.emplace(key, std::pair(used_, constant_));
 }
 
 SpaceFunction Formula::of_x() const {

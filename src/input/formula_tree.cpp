@@ -185,6 +185,8 @@ class Parser {
   FormulaTree tree_;
 };
 
+std::optional<bool> negated(std::optional<bool> a) { return a ? std::optional(!*a) : std::nullopt; }
+
 // Whether d, a difference, compares with 0 like that; nothing where some of its values do and some do not.
 std::optional<bool> compared(Operation operation, Interval d) {
   switch (operation) {
@@ -195,10 +197,7 @@ std::optional<bool> compared(Operation operation, Interval d) {
     case Operation::greater: return compared(Operation::less, -d);
     case Operation::at_least: return compared(Operation::at_most, -d);
     case Operation::unequal: return truth(d);
-    default: {
-      const auto differs = truth(d);
-      return differs ? std::optional(!*differs) : std::nullopt;
-    }
+    default: return negated(truth(d));
   }
 }
 
@@ -211,8 +210,6 @@ std::optional<bool> both(std::optional<bool> a, std::optional<bool> b) {
   if (a == false || b == false) return false;
   return a == true && b == true ? std::optional(true) : std::nullopt;
 }
-
-std::optional<bool> negated(std::optional<bool> a) { return a ? std::optional(!*a) : std::nullopt; }
 
 Jet chosen(std::optional<bool> condition, const Jet& then, const Jet& otherwise) {
   if (condition) return *condition ? then : otherwise;

@@ -68,6 +68,10 @@ struct FormulaTree {
   void bound(double x, Interval t, std::vector<Jet>& out) const;
 };
 
+inline bool is_comparison(FormulaTree::Operation operation) {
+  return operation >= FormulaTree::Operation::less && operation <= FormulaTree::Operation::unequal;
+}
+
 /// Of a formula that Formula accepts. @throws FormulaError for any other
 FormulaTree parse_formula(std::string_view text, const Parameters& parameters = {});
 

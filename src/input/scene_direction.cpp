@@ -1,10 +1,9 @@
-#include "input/scene_direction.hpp"
-
 #include <fmt/format.h>
 
 #include <cmath>
 #include <stdexcept>
 
+#include "input/scene_entries.hpp"
 #include "text/nearest_name.hpp"
 
 namespace viscobar {

@@ -10,7 +10,6 @@
 #include "case/method_table.hpp"
 #include "input/described_scene.hpp"
 #include "input/input_text.hpp"
-#include "input/scene_direction.hpp"
 #include "input/scene_entries.hpp"
 #include "input/scene_values.hpp"
 #include "scene/end_kinds.hpp"
