@@ -1,9 +1,6 @@
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "cli/commands.hpp"
-#include "cli/messages.hpp"
 #include "report/scene_check.hpp"
 #include "text/table.hpp"
 

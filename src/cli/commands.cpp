@@ -1,7 +1,5 @@
 #include "cli/commands.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -11,12 +9,11 @@
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
+#include <ranges>
 #include <system_error>
 #include <utility>
 
 #include "cli/interrupt.hpp"
-#include "cli/messages.hpp"
 #include "input/input_text.hpp"
 #include "input/scene_keys.hpp"
 #include "report/write_page.hpp"
@@ -127,40 +124,30 @@ std::vector<std::string> finest_mesh(const std::vector<std::size_t>& elements) {
   return {fmt::format("mesh.elements={}", *std::ranges::max_element(elements))};
 }
 
-const CLI::Validator& positive_number() {
-  static const CLI::Validator validator(
-      [](std::string& text) {
-        double value = 0.0;
-        const bool positive = CLI::detail::lexical_cast(text, value) && value > 0.0 && std::isfinite(value);
-        return positive ? "" : fmt::format("\"{}\" is not a positive number", text);
-      },
-      "");
-  return validator;
+std::string positive_number(const std::string& text) {
+  double value = 0.0;
+  const bool positive = CLI::detail::lexical_cast(text, value) && value > 0.0 && std::isfinite(value);
+  return positive ? "" : fmt::format("\"{}\" is not a positive number", text);
 }
 
-const CLI::Validator& number_of_elements() {
-  static const CLI::Validator validator(
-      [](std::string& text) {
-        const Range range = find_scene_key("mesh.elements")->range;
-        const bool whole = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
-        // Not by stod, which throws where the digits are more than a double reaches.
-        const double value = whole ? std::strtod(text.c_str(), nullptr) : 0.0;
-        return whole && value >= range.low && value <= range.high
-                   ? ""
-                   : fmt::format("\"{}\" is not a whole number {}", text, range.words);
-      },
-      "");
-  return validator;
+std::string number_of_elements(const std::string& text) {
+  const Range range = find_scene_key("mesh.elements")->range;
+  const bool whole = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
+  // Not by stod, which throws where the digits are more than a double reaches.
+  const double value = whole ? std::strtod(text.c_str(), nullptr) : 0.0;
+  const bool fits = whole && value >= range.low && value <= range.high;
+  return fits ? "" : fmt::format("\"{}\" is not a whole number {}", text, range.words);
 }
 
 std::vector<MethodName> methods_named(const std::vector<std::string>& words) {
-  std::vector<std::string_view> known;
-  for (const MethodName method : all_methods) known.push_back(name(method));
+  const auto word_of = [](MethodName method) { return name(method); };
   std::vector<MethodName> methods;
   for (const std::string& word : words) {
-    const auto found = std::ranges::find(known, word);
-    if (found == known.end()) refuse("--methods: there is no method \"{}\"{}", word, instead_of(word, known));
-    methods.push_back(all_methods[found - known.begin()]);
+    const auto* found = std::ranges::find(all_methods, word, word_of);
+    if (found == std::end(all_methods))
+      refuse("--methods: there is no method \"{}\"{}", word,
+             instead_of(word, std::views::transform(all_methods, word_of)));
+    methods.push_back(*found);
   }
   return methods;
 }

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cli/messages.hpp"
 #include "results/result_directory.hpp"
 #include "text/nearest_name.hpp"
 #include "viscobar/input/scene_file.hpp"
@@ -156,9 +157,10 @@ struct DecadeRange {
   double number(const std::string& word) const;
 };
 
-/// What lists and limits of numbers are checked by: finite, above 0; a number of elements that a mesh may have.
-const CLI::Validator& positive_number();
-const CLI::Validator& number_of_elements();
+/// What is wrong with a text that is to be a number, finite and above 0, or a number of elements that a mesh may have;
+/// empty when nothing is.
+std::string positive_number(const std::string& text);
+std::string number_of_elements(const std::string& text);
 
 /// Writes to standard output, as printable(), and makes sure that it got there. @throws IoError
 void print(std::string_view text);

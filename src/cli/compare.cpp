@@ -1,10 +1,5 @@
-#include <fmt/format.h>
-
-#include <stdexcept>
-
 #include "case/run_cost.hpp"
 #include "cli/commands.hpp"
-#include "cli/messages.hpp"
 #include "viscobar/report/reports.hpp"
 
 namespace viscobar::cli {

@@ -1,8 +1,5 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
-#include <stdexcept>
 
 #include "cli/commands.hpp"
 #include "results/export_result.hpp"

@@ -1,9 +1,6 @@
-#include <fmt/format.h>
-
 #include <utility>
 
 #include "cli/commands.hpp"
-#include "cli/messages.hpp"
 #include "report/fit/fit_request.hpp"
 #include "viscobar/report/reports.hpp"
 

@@ -1,7 +1,4 @@
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <stdexcept>
 
 #include "cli/commands.hpp"
 

@@ -1,11 +1,7 @@
-#include <fmt/format.h>
-
 #include <limits>
 #include <optional>
-#include <stdexcept>
 
 #include "cli/commands.hpp"
-#include "cli/messages.hpp"
 #include "viscobar/report/reports.hpp"
 
 namespace viscobar::cli {
@@ -80,10 +76,10 @@ Action limit_command(CLI::App& command) {
   add(command, "--mass", "NAME", asked->mass, "The mass matrix, in place of the scene's");
   add_list(command, "--elements", "N,N...", study.elements,
            "Meshes, in place of the scene's; three or more give epsilon(h)")
-      ->check(number_of_elements());
+      ->check(number_of_elements);
   add_list(command, "--steps", "DT,DT...", study.steps,
            "Time steps of the scheme to start with, one for each mesh (default: the scene's, or h / (100 c))")
-      ->check(positive_number());
+      ->check(positive_number);
   add(command, "--budget", "SECONDS", study.budget,
       "Processor seconds for smaller steps of the scheme, taken until the verdict is known")
       ->check(CLI::Range(0.0, 1e6))

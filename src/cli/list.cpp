@@ -1,7 +1,4 @@
-#include <fmt/format.h>
-
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "cli/commands.hpp"
 #include "input/vocabulary.hpp"

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -8,10 +7,8 @@
 #include <map>
 #include <new>
 #include <sstream>
-#include <vector>
 
 #include "cli/commands.hpp"
-#include "cli/messages.hpp"
 #include "results/directory_lock.hpp"
 #include "text/nearest_name.hpp"
 #include "viscobar/results/versions.hpp"

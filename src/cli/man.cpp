@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "input/vocabulary.hpp"
@@ -52,27 +50,13 @@ std::string key_entry(const SceneKey& key) {
 }
 
 constexpr std::string_view closing = R"(.SH FILES
-A run leaves in its directory
-.IR summary.json ,
-.IR ends.csv ,
-.IR events.csv ,
-.IR energy.csv ,
-.I field.h5
-with
-.I field.xdmf
-for ParaView, and
-.IR report.html .
-Studies leave
-.I compare.json
-and
-.IR compare.html ,
+A run leaves in its directory \fIsummary.json\fR, \fIends.csv\fR, \fIevents.csv\fR, \fIenergy.csv\fR, \fIfield.h5\fR
+with \fIfield.xdmf\fR for ParaView, and \fIreport.html\fR. Studies leave \fIcompare.json\fR and \fIcompare.html\fR,
 and so on.
 .PP
-One command at a time works in a directory; another one is refused. A whole result there stays until the next run is whole, whose files are in
-.I unfinished
-until then; after an interrupt
-.B viscobar resume
-goes on there. Files that are not of a result are never touched.
+One command at a time works in a directory; another one is refused. A whole result there stays until the next run is
+whole, whose files are in \fIunfinished\fR until then; after an interrupt \fBviscobar resume\fR goes on there. Files
+that are not of a result are never touched.
 .SH ENVIRONMENT
 .TP
 .B NO_COLOR

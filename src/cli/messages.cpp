@@ -13,8 +13,6 @@
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
-#include <memory>
-#include <stdexcept>
 #include <system_error>
 #include <utility>
 

@@ -1,10 +1,6 @@
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <stdexcept>
 
 #include "cli/commands.hpp"
-#include "cli/messages.hpp"
 #include "viscobar/report/reports.hpp"
 
 namespace viscobar::cli {
@@ -66,11 +62,11 @@ Action precision_command(CLI::App& command) {
       ->check(CLI::Range(0, 30))
       ->capture_default_str();
   add_list(command, "--elements", "N,N...", study.elements, "Meshes, in place of the scene's")
-      ->check(number_of_elements());
+      ->check(number_of_elements);
   add(command, "--repeat", "N", study.repeat, "Timed runs of each row, whose median counts (default: 3 to 11)")
       ->check(CLI::Range(3, 9999));
   add(command, "--seconds", "SECONDS", study.seconds, "Runs that take longer are left out")
-      ->check(positive_number())
+      ->check(positive_number)
       ->capture_default_str();
   add_threads(command, study.threads, "References at a time; timed runs run alone (default: one a core)");
   return [asked] { return study_precision(*asked); };

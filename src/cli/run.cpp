@@ -1,22 +1,15 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <atomic>
 #include <charconv>
-#include <chrono>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <optional>
-#include <stdexcept>
 #include <utility>
-#include <vector>
 
 #include "case/regime.hpp"
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
-#include "cli/messages.hpp"
 #include "report/run/estimate_text.hpp"
 #include "results/csv.hpp"
 #include "results/result_directory.hpp"

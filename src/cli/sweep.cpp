@@ -1,15 +1,10 @@
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <stdexcept>
 #include <thread>
 
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
-#include "cli/messages.hpp"
 #include "results/output_file.hpp"
 #include "results/result_directory.hpp"
 #include "sweep/ranks.hpp"

@@ -213,12 +213,6 @@ void add_end_keys(std::string_view end, std::vector<SceneKey>& keys) {
   }
 }
 
-template <class Condition>
-const SceneKey* first_key(Condition condition) {
-  const auto found = std::ranges::find_if(scene_keys(), condition);
-  return found == scene_keys().end() ? nullptr : &*found;
-}
-
 }  // namespace
 
 std::string_view SceneKey::table() const {
@@ -284,10 +278,12 @@ const SceneKey* nearest_scene_key(std::string_view table, std::string_view leaf)
   for (const SceneKey& key : scene_keys())
     if (key.table() == table || table.empty()) siblings.push_back(key.leaf());
   const auto nearest = meant_name(leaf, siblings);
-  if (nearest && !table.empty()) return find_scene_key(table, *nearest);
-  if (nearest) return first_key([&](const SceneKey& key) { return key.leaf() == *nearest; });
   const std::string_view usual = usual_name(leaf);
-  return first_key([&](const SceneKey& key) { return key.leaf() == leaf || key.leaf() == usual; });
+  const auto found = std::ranges::find_if(scene_keys(), [&](const SceneKey& key) {
+    if (nearest) return key.leaf() == *nearest && (table.empty() || key.table() == table);
+    return key.leaf() == leaf || key.leaf() == usual;
+  });
+  return found == scene_keys().end() ? nullptr : &*found;
 }
 
 }  // namespace viscobar

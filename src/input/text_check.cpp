@@ -43,18 +43,10 @@ class Scanner {
     std::string open;    // brackets of arrays and inline tables
     char before = '\n';  // the last character that is no blank
     std::size_t parts = 1;
-    while (!at_end()) {
+    for (skip_blanks(); !at_end(); skip_blanks()) {
       const char c = text_[i_];
-      if (is_blank(c)) {
-        ++i_;
-        continue;
-      }
-      if (c == '#') {
-        skip_comment();
-        continue;
-      }
-      if (c == '[' && statement_begins) {
-        skip_header();
+      if (c == '#' || (c == '[' && statement_begins)) {
+        c == '#' ? skip_comment() : skip_header();
         continue;
       }
       if (!is_ascii({&c, 1})) fail_at_letter();
