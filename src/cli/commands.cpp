@@ -13,7 +13,6 @@
 #include <system_error>
 #include <utility>
 
-#include "cli/interrupt.hpp"
 #include "input/input_text.hpp"
 #include "input/scene_keys.hpp"
 #include "report/write_page.hpp"

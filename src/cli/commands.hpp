@@ -162,6 +162,13 @@ struct DecadeRange {
 std::string positive_number(const std::string& text);
 std::string number_of_elements(const std::string& text);
 
+/// From now on SIGINT, SIGTERM and SIGHUP (unless it is ignored, as under nohup) only set a flag; a second one ends the
+/// program at once.
+void catch_interrupts();
+bool interrupt_asked();
+/// From now on the same signals end the program with exit code 130: for work that leaves nothing half done.
+void end_on_interrupt();
+
 /// Writes to standard output, as printable(), and makes sure that it got there. @throws IoError
 void print(std::string_view text);
 

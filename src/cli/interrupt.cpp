@@ -1,5 +1,3 @@
-#include "cli/interrupt.hpp"
-
 #include <atomic>
 #include <csignal>
 #include <cstdlib>

@@ -9,7 +9,6 @@
 
 #include "case/regime.hpp"
 #include "cli/commands.hpp"
-#include "cli/interrupt.hpp"
 #include "report/run/estimate_text.hpp"
 #include "results/csv.hpp"
 #include "results/result_directory.hpp"

@@ -4,7 +4,6 @@
 #include <thread>
 
 #include "cli/commands.hpp"
-#include "cli/interrupt.hpp"
 #include "results/output_file.hpp"
 #include "results/result_directory.hpp"
 #include "sweep/ranks.hpp"

@@ -85,10 +85,9 @@ FormulaTree parse_formula(std::string_view text, const Parameters& parameters = 
 /// branch is taken.
 ///
 /// Sign changes are isolated by interval arithmetic on g and its derivative: an interval of time is given up when g
-/// provably keeps its sign on it, and is halved until g is monotone there, where the signs at its ends tell all. So no
-/// pulse is too short to be seen. (A g that touches zero may count, too.) Only a g that interval arithmetic cannot tell
-/// from zero, such as sin(t) - sin(t), uses up the effort of a search; then what changes sign twice within a 1024th of
-/// the time searched may be missed.
+/// provably keeps its sign on it, and is halved until g is monotone there. So no pulse is too short to be seen. (A g
+/// that touches zero may count, too.) Only a g that interval arithmetic cannot tell from zero, such as sin(t) - sin(t),
+/// uses up the effort of a search; then what changes sign twice within a 1024th of the time searched may be missed.
 class FormulaSwitches {
  public:
   /// Those whose g uses t: with x as well, or without.
