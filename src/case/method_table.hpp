@@ -46,12 +46,9 @@ class Findings {
   std::vector<Finding> found_;
 };
 
-/// What makes a method's error small.
-enum class Accuracy {
-  tolerances,
-  step,     ///< a fixed time step, with the constraint solved in each
-  rounding  ///< nothing: exact in time
-};
+/// What makes a method's error small: tolerances, a fixed time step with the constraint solved in each, or nothing, for
+/// it is exact in time.
+enum class Accuracy { tolerances, step, rounding };
 
 /// What a step costs: step + node * (number of nodes) seconds.
 struct StepSeconds {

@@ -51,12 +51,16 @@ SceneOptions::SceneOptions(CLI::App& command) {
   add_json(command, json);
 }
 
-SceneFile SceneOptions::read(const std::vector<std::string>& settings, const Adaptation& adapt) const {
+SceneFile SceneOptions::parse(const std::vector<std::string>& settings, const Adaptation& adapt) const {
   std::vector<std::string> all = overrides;
   all.insert(all.end(), settings.begin(), settings.end());
-  SceneFile scene = from_standard_input()
-                        ? parse_scene(input_text(std::cin, "standard input"), "standard input", all, adapt)
-                        : read_scene(file, all, adapt);
+  if (file != "-") return read_scene(file, all, adapt);
+  static const std::string text = input_text(std::cin, "standard input");  // can be read once
+  return parse_scene(text, "standard input", all, adapt);
+}
+
+SceneFile SceneOptions::read(const std::vector<std::string>& settings, const Adaptation& adapt) const {
+  SceneFile scene = parse(settings, adapt);
   const Case& run = scene.run;
   if (scene.accuracy && !takes_accuracy)
     warn(

@@ -82,10 +82,11 @@ struct SceneOptions {
   bool takes_accuracy = false;  ///< the command keeps an error that the scene asks for; others warn that they do not
 
   explicit SceneOptions(CLI::App& command);
-  bool from_standard_input() const { return file == "-"; }
   /// The scene with the user's own values, then those of `settings` ("table.key=value"); `adapt` is applied before it
-  /// is validated.
+  /// is validated. Tells what was read.
   SceneFile read(const std::vector<std::string>& settings = {}, const Adaptation& adapt = {}) const;
+  /// The same without a word, for a scene that is read again.
+  SceneFile parse(const std::vector<std::string>& settings, const Adaptation& adapt = {}) const;
 };
 
 /// What every command that writes results understands: -o DIR and --quiet.

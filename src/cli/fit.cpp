@@ -16,10 +16,7 @@ struct FitOptions : StudyOptions {
 int fit_scene(const FitOptions& asked) {
   bool first = true;
   const auto [scene, problem] = prepared_fit(asked.request, [&](const std::vector<std::string>& settings) {
-    if (std::exchange(first, false)) return asked.scene.read(settings);
-    std::vector<std::string> all = asked.scene.overrides;
-    all.insert(all.end(), settings.begin(), settings.end());
-    return read_scene(asked.scene.file, all);
+    return std::exchange(first, false) ? asked.scene.read(settings) : asked.scene.parse(settings);
   });
   const Study study(asked, scene, ResultKind::fit);
   const FitResult result = fit(problem);

@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "input/input_text.hpp"
-#include "input/text_check.hpp"
+#include "input/toml_text.hpp"
 #include "scene/message_text.hpp"
 #include "text/nearest_name.hpp"
 

@@ -17,35 +17,15 @@ using Parameters = std::map<std::string, double, std::less<>>;
 
 /// What a formula computes, in the order in which it can be: the last node is the formula.
 struct FormulaTree {
+  // clang-format off
   enum class Operation : unsigned char {
-    number,
-    x,
-    t,
-    negate,
-    add,
-    subtract,
-    multiply,
-    divide,
-    power,
-    less,
-    at_most,
-    greater,
-    at_least,
-    equal,
-    unequal,
-    both,
-    either,
-    choose,
-    sin,
-    cos,
-    tan,
-    exp,
-    log,
-    sqrt,
-    abs,
-    min,
-    max
+    number, x, t,
+    negate, add, subtract, multiply, divide, power,
+    less, at_most, greater, at_least, equal, unequal,
+    both, either, choose,
+    sin, cos, tan, exp, log, sqrt, abs, min, max
   };
+  // clang-format on
   struct Node {
     Operation operation = Operation::number;
     int a = -1, b = -1, c = -1;  ///< operands, earlier nodes

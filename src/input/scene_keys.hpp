@@ -7,21 +7,11 @@
 
 namespace viscobar {
 
-enum class KeyType {
-  text,
-  choice,
-  number,
-  count,
-  formula,
-  list,
-  amount  ///< a number, or a percentage as a text
-};
+/// An amount is a number, or a percentage as a text.
+enum class KeyType { text, choice, number, count, formula, list, amount };
 
-enum class Presence {
-  required,           ///< in every scene
-  required_in_table,  ///< where its table is
-  optional
-};
+/// Whether a key has to be there: in every scene, where its table is, or nowhere.
+enum class Presence { required, required_in_table, optional };
 
 /// Closed interval of the values that a number may have.
 struct Range {

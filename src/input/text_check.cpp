@@ -1,9 +1,8 @@
-#include "input/text_check.hpp"
-
 #include <algorithm>
 #include <utility>
 
 #include "input/input_text.hpp"
+#include "input/toml_text.hpp"
 
 namespace viscobar {
 

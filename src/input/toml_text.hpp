@@ -1,14 +1,33 @@
 #pragma once
 
 #include <cstdint>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
-#include "input/text_check.hpp"
+#include "text/printable_text.hpp"
 
 namespace viscobar {
+
+/// A text that is not TOML.
+class TextError : public std::runtime_error {
+ public:
+  TextError(TextPosition position, const std::string& what) : std::runtime_error(what), at(position) {}
+  TextPosition at;
+};
+
+/// The ASCII that somebody meant who has this character from a word processor or a book: - for a typographic minus, a
+/// plain quote for a curved one, pi for the Greek letter. Empty when it is none of them.
+std::string_view ascii_for(std::string_view character);
+
+/// Refuses text in UTF-16 and lines that end in a carriage return alone, and what toml++ 3.3 answers with undefined
+/// behaviour or unbounded recursion: text that is not UTF-8, letters beyond ASCII outside of strings and comments, in
+/// quotes within a bare word, or first after a backslash in a string of several lines, malformed table headers, dotted
+/// names of very many parts, strings that do not end. What passes may still be wrong TOML.
+/// @throws TextError at the first fault
+void check_text(std::string_view text);
 
 /// A value that no key of a scene has; `what` names it with its article.
 struct OtherValue {

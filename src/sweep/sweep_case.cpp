@@ -5,7 +5,7 @@
 
 #include "case/alarm.hpp"
 #include "input/described_scene.hpp"
-#include "input/text_check.hpp"
+#include "input/toml_text.hpp"
 #include "studies/accuracy/plan.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/record/record_run.hpp"
