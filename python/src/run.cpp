@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "case/chatter.hpp"
-#include "case/memory.hpp"
+#include "case/run_cost.hpp"
 #include "input/described_scene.hpp"
 #include "kept.hpp"
 #include "record/run_outcome.hpp"

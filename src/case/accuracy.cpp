@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "case/peak_remark.hpp"
+#include "case/regime.hpp"
 
 namespace viscobar {
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <type_traits>
@@ -32,8 +31,6 @@ std::vector<double> Case::output_times() const {
 
 namespace {
 
-bool ends_meet_obstacles(const Scene& scene) { return is_obstacle(scene.left) || is_obstacle(scene.right); }
-
 // An end whose spring or dashpot wants its mass.
 bool mounts_a_contact(const Scene& scene) {
   const auto mounted = [](const EndCondition& end, const EndInput& input) {
@@ -45,13 +42,12 @@ bool mounts_a_contact(const Scene& scene) {
 bool redistributes(const Case& run) {
   const Scene& scene = run.scene;
   if (mounts_a_contact(scene)) return false;
-  const std::size_t contacts = std::size_t{is_obstacle(scene.left)} + std::size_t{is_obstacle(scene.right)};
+  const std::size_t contacts = end_obstacles(scene);
   return contacts > 0 && !scene.span && run.elements > contacts;
 }
 
 Mass quiet_mass(const Case& run) {
-  const bool contact = ends_meet_obstacles(run.scene) || run.scene.span;
-  if (is_penalised(run.method) && contact)
+  if (is_penalised(run.method) && meets_obstacle(run.scene))
     return redistributes(run) && method_row(run.method).takes_massless(run) ? Mass::redistributed : Mass::consistent;
   if (run.elements >= 3 && run.grading == 1.0) return Mass::fourth_order;
   return redistributes(run) ? Mass::redistributed : Mass::consistent;
@@ -74,7 +70,7 @@ Mass common_mass(const Case& run) {
 
 double natural_epsilon(const Scene& scene) {
   const double unit = scene.bar.length / scene.bar.modulus;
-  return scene.span && !ends_meet_obstacles(scene) ? unit * scene.bar.length : unit;
+  return scene.span && end_obstacles(scene) == 0 ? unit * scene.bar.length : unit;
 }
 
 double effective_epsilon(const Case& run) {
@@ -107,7 +103,7 @@ AutomaticMethod automatic_method(const Case& run) {
   const bool differentiable = !run.directions.empty();
   if (scene.span && !run.epsilon && !differentiable) return {MethodName::fully_discrete, ""};
   if (run.epsilon || (scene.span && differentiable)) {
-    const bool massless = run.mass ? ends_meet_obstacles(scene) && run.mass == Mass::redistributed : redistributes(run);
+    const bool massless = run.mass ? end_obstacles(scene) > 0 && run.mass == Mass::redistributed : redistributes(run);
     return {scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode, ""};
   }
   if (scene.bar.viscosity > 0.0 || differentiable) return {MethodName::rigid, ""};

@@ -13,9 +13,9 @@ namespace viscobar {
 /// Recognises chatter by listening to the contact changes of a run, whatever the method.
 ///
 /// A bar that bounces stays in contact until a wave has been to its other end and back, for 2 L sqrt(rho / E). A
-/// contact that closes `closings` times within that time is not bouncing with the bar: its node rebounds by itself, on
-/// the penalty spring or by the restitution of a scheme. So no rate of changes that belongs to the bar is chatter, and
-/// neither is a front that passes under a span obstacle, which closes each node once.
+/// contact that closes `closings` times within that time does not bounce with the bar: its node rebounds by itself, on
+/// the penalty spring or by the restitution of a scheme. A front that passes under a span obstacle closes each node
+/// once.
 class ChatterWatch {
  public:
   /// Closings within the time of a wave to the other end and back that make it chatter.

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -44,59 +46,51 @@ Direction direction(const Case& run, std::string_view key) {
   data.bar = scene.bar;
   data.displacement = data.velocity = [](double) { return 0.0; };
   data.left = scene.left, data.right = scene.right, data.span = scene.span;
-  const auto obstacle = [&](EndCondition& end) { return std::get_if<Obstacle>(&end); };
-  for (EndCondition* end : {&data.left, &data.right})
-    if (Obstacle* bound = obstacle(*end)) bound->gap = 0.0;
-  if (data.span) data.span->gap = 0.0;
-  const auto refuse = [&](const char* why) {
+  const auto gap_of = [](Obstacle* obstacle) -> double* {
+    if (!obstacle) return nullptr;
+    obstacle->gap = 0.0;
+    return &obstacle->gap;
+  };
+  const std::pair<std::string_view, double*> places[] = {
+      {"bar.length", &along.bar.length},
+      {"bar.density", &along.bar.density},
+      {"bar.modulus", &along.bar.modulus},
+      {"bar.viscosity", &along.bar.viscosity},
+      {"left.gap", gap_of(std::get_if<Obstacle>(&data.left))},
+      {"right.gap", gap_of(std::get_if<Obstacle>(&data.right))},
+      {"span.gap", gap_of(data.span ? &*data.span : nullptr)},
+      {"left.stiffness", &data.left_input.stiffness},
+      {"left.dashpot", &data.left_input.dashpot},
+      {"right.stiffness", &data.right_input.stiffness},
+      {"right.dashpot", &data.right_input.dashpot},
+      {"contact.epsilon", &along.epsilon},
+      {"contact.restitution", &along.restitution},
+  };
+  const auto refuse = [&](const std::string& why) {
     throw std::invalid_argument(fmt::format("{}: no sensitivity with respect to it: {}", key, why));
   };
-  const auto gap = [&](Obstacle* of) {
-    if (!of) refuse("the scene has no such obstacle");
-    of->gap = 1.0;
-  };
-  const auto mount = [&](const EndCondition& end, double& of) {
-    if (is_fixed(end)) refuse("a fixed end has no spring and no dashpot");
-    of = 1.0;
-  };
-  const bool contact = is_obstacle(scene.left) || is_obstacle(scene.right) || scene.span;
-  if (key == "bar.density") {
-    along.bar.density = 1.0;
-  } else if (key == "bar.modulus") {
-    along.bar.modulus = 1.0;
-  } else if (key == "bar.viscosity") {
-    along.bar.viscosity = 1.0;
-  } else if (key == "bar.length") {
-    along.bar.length = 1.0;
+  const auto* place = std::ranges::find(places, key, &std::pair<std::string_view, double*>::first);
+  if (place == std::end(places)) {
+    std::string known;
+    for (const auto& [name, number] : places) known.append(known.empty() ? "" : ", ").append(name);
+    refuse(fmt::format("known are {} and parameters.NAME", known));
+  }
+  if (!place->second) refuse("the scene has no such obstacle");
+  if (key.ends_with(".stiffness") || key.ends_with(".dashpot"))
+    if (is_fixed(key.starts_with("left") ? scene.left : scene.right))
+      refuse("a fixed end has no spring and no dashpot");
+  if (key == "contact.epsilon" && !(is_penalised(run.method) && meets_obstacle(scene)))
+    refuse("the run has no penalised contact");
+  if (key == "contact.restitution") {
+    if (!meets_obstacle(scene)) refuse("the scene has no obstacle");
+    if (is_penalised(run.method) && run.restitution == 0.0)
+      refuse("the dashpot of a penalised contact has none at 0; take rigid, or a positive restitution");
+  }
+  *place->second = 1.0;
+  if (key == "bar.length") {
     data.displacement = carried(scene.displacement, scene.bar.length);
     data.velocity = carried(scene.velocity, scene.bar.length);
     if (scene.load) data.load = carried_load(*scene.load, scene.bar.length);
-  } else if (key == "left.gap") {
-    gap(obstacle(data.left));
-  } else if (key == "right.gap") {
-    gap(obstacle(data.right));
-  } else if (key == "span.gap") {
-    gap(data.span ? &*data.span : nullptr);
-  } else if (key == "left.stiffness") {
-    mount(scene.left, data.left_input.stiffness);
-  } else if (key == "left.dashpot") {
-    mount(scene.left, data.left_input.dashpot);
-  } else if (key == "right.stiffness") {
-    mount(scene.right, data.right_input.stiffness);
-  } else if (key == "right.dashpot") {
-    mount(scene.right, data.right_input.dashpot);
-  } else if (key == "contact.epsilon") {
-    if (!is_penalised(run.method) || !contact) refuse("the run has no penalised contact");
-    along.epsilon = 1.0;
-  } else if (key == "contact.restitution") {
-    if (!contact) refuse("the scene has no obstacle");
-    if (is_penalised(run.method) && run.restitution == 0.0)
-      refuse("the dashpot of a penalised contact has none at 0; take rigid, or a positive restitution");
-    along.restitution = 1.0;
-  } else {
-    refuse(
-        "known are bar.length, bar.density, bar.modulus, bar.viscosity, left.gap, right.gap, span.gap, "
-        "left.stiffness, left.dashpot, right.stiffness, right.dashpot, contact.epsilon, contact.restitution and parameters.NAME");
   }
   return along;
 }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <iterator>
 
 namespace viscobar {
 
@@ -26,27 +25,16 @@ Method scheme(const Case& run) {
   return FullyDiscrete{scheme_step(run), run.start, run.restitution.value_or(0.0), run.impact};
 }
 
-// A vector of a multistep method has displacement and velocity: its history and some eight more.
+// Vectors with an entry a node. One of a multistep method has displacement and velocity: its history and some eight
+// more. One-step methods keep the stages of a step and its two ends.
 constexpr double multistep_vectors(int history) { return 2.0 * (history + 8); }
-
-double cvode_vectors(const Case& run, double) { return multistep_vectors(run.scene.bar.viscosity > 0.0 ? 6 : 13); }
-
-double bdf_vectors(const Case&, double) { return multistep_vectors(6); }
-
-// The stages of a step and some eight more, and the step's two ends.
-double arkode_vectors(const Case&, double) { return 2 * (7 + 8) + 2 * 3; }
+constexpr double one_step_vectors(int stages) { return 2.0 * stages + 2.0 * 3.0; }
 
 // With viscosity the factor of four complex systems, their right-hand sides, solution and its correction, matrices and
-// some ten more.
-double rigid_vectors(const Case& run, double nodes) {
-  return run.scene.bar.viscosity > 0.0 ? 24 + 4 * 8 + 6 + 12 : arkode_vectors(run, nodes);
+// some ten more; else ARKODE's.
+double rigid_vectors(const Case& run, double) {
+  return run.scene.bar.viscosity > 0.0 ? 24 + 4 * 8 + 6 + 12 : one_step_vectors(7 + 8);
 }
-
-// The stages of a step, and the step's two ends. The dense matrices of rosenbrock4, on few nodes, do not count.
-double odeint_vectors(const Case&, double) { return 2 * 14 + 2 * 3; }
-
-// Propagators of several sub-steps, dense over displacement and velocity.
-double exponential_vectors(const Case&, double nodes) { return 4.0 * 4.0 * nodes; }
 
 // What its steppers cannot take follows from the whole system.
 void refuse_odeint(const Case& run, Findings& findings) {
@@ -74,35 +62,39 @@ void refuse_odeint(const Case& run, Findings& findings) {
                                    "rosenbrock4");
     case Refusal::restitution:
       return findings.report("method.stepper",
-                             fmt::format("symplectic conserves what contact.restitution = {} dissipates; use dopri5 or "
-                                         "rosenbrock4",
-                                         *run.restitution));
+                             "symplectic conserves what contact.restitution = {} dissipates; use dopri5 or "
+                             "rosenbrock4",
+                             *run.restitution);
     case Refusal::no_step:
       return findings.report("method.step", "is missing: the symplectic stepper of odeint has a fixed time step");
     case Refusal::unstable_step:
-      return findings.report("method.step", fmt::format("is {}: the symplectic stepper is unstable here above {:.3g}",
-                                                        *run.step, what.longest_step));
+      return findings.report("method.step", "is {}: the symplectic stepper is unstable here above {:.3g}", *run.step,
+                             what.longest_step);
     case Refusal::many_unknowns:
       return findings.report("method.stepper",
-                             fmt::format("rosenbrock4 works with dense matrices, up to {} unknown nodes, here are {}; "
-                                         "use arkode, or dopri5",
-                                         Odeint::most_dense_unknowns, system.size()));
+                             "rosenbrock4 works with dense matrices, up to {} unknown nodes, here are {}; "
+                             "use arkode, or dopri5",
+                             Odeint::most_dense_unknowns, system.size());
     case Refusal::many_steps: {
       const bool fixed = what.stepper == Stepper::symplectic;
-      return findings.report(fixed ? "method.step" : "method.name",
-                             fmt::format("{} would make at least {:.1e} steps{}", name(what.stepper), what.least_steps,
-                                         fixed ? "" : ": it is explicit, and the scene is stiff; use cvode or arkode"));
+      return findings.report(fixed ? "method.step" : "method.name", "{} would make at least {:.1e} steps{}",
+                             name(what.stepper), what.least_steps,
+                             fixed ? "" : ": it is explicit, and the scene is stiff; use cvode or arkode");
     }
     default: return;  // algebraic rows are reported of every method that does not take them
   }
 }
 
+std::size_t fixed_ends(const Scene& scene) {
+  return std::size_t{is_fixed(scene.left)} + std::size_t{is_fixed(scene.right)};
+}
+
 void refuse_exponential(const Case& run, Findings& findings) {
-  const std::size_t fixed = std::size_t{is_fixed(run.scene.left)} + std::size_t{is_fixed(run.scene.right)};
-  if (run.elements + 1 > Exponential::most_unknowns + fixed)
-    findings.report("mesh.elements", fmt::format("exponential works with dense matrices and takes up to {} unknown "
-                                                 "nodes; take fewer elements, or another method",
-                                                 Exponential::most_unknowns));
+  if (run.elements + 1 > Exponential::most_unknowns + fixed_ends(run.scene))
+    findings.report("mesh.elements",
+                    "exponential works with dense matrices and takes up to {} unknown "
+                    "nodes; take fewer elements, or another method",
+                    Exponential::most_unknowns);
 }
 
 void refuse_characteristics(const Case& run, Findings& findings) {
@@ -111,9 +103,9 @@ void refuse_characteristics(const Case& run, Findings& findings) {
   const auto why = refusal(run.scene, run.end, Characteristics{});
   if (why == Refusal::viscosity)
     findings.report("method.name",
-                    fmt::format("characteristics carries waves unchanged, and bar.viscosity = {} changes them; use "
-                                "rigid, or one of the penalised methods",
-                                bar.viscosity));
+                    "characteristics carries waves unchanged, and bar.viscosity = {} changes them; use "
+                    "rigid, or one of the penalised methods",
+                    bar.viscosity);
   if (why == Refusal::span)
     findings.report("method.name",
                     "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; "
@@ -123,31 +115,25 @@ void refuse_characteristics(const Case& run, Findings& findings) {
                     "is not for characteristics: a spring remembers what has arrived, and waves return as no "
                     "polynomials; use rigid, or fully_discrete");
   if (why == Refusal::many_steps)
-    findings.report(
-        "time.end",
-        fmt::format("characteristics follows a wave from passage to passage through the bar, here {:.2g} of "
+    findings.report("time.end",
+                    "characteristics follows a wave from passage to passage through the bar, here {:.2g} of "
                     "them, at most {:.0g}; choose an earlier end",
-                    run.end * std::sqrt(bar.modulus / bar.density) / bar.length, Characteristics::most_passages));
+                    run.end * std::sqrt(bar.modulus / bar.density) / bar.length, Characteristics::most_passages);
 }
 
 void refuse_rigid(const Case& run, Findings& findings) {
   if (run.scene.span)
     findings.report("method.name", "rigid stops one node at a time, and under a span obstacle several meet it at once");
-  const std::size_t fixed = std::size_t{is_fixed(run.scene.left)} + std::size_t{is_fixed(run.scene.right)};
-  const bool obstacle = is_obstacle(run.scene.left) || is_obstacle(run.scene.right);
-  if (obstacle && run.elements < 1 + fixed)
+  if (end_obstacles(run.scene) > 0 && run.elements < 1 + fixed_ends(run.scene))
     findings.report("mesh.elements", "rigid needs an unknown node beside that of a contact: one more element");
 }
 
 void refuse_finite_difference(const Case& run, Findings& findings) {
-  if (run.mass == Mass::redistributed)
+  if (run.mass == Mass::redistributed || run.mass == Mass::fourth_order)
     findings.report("mesh.mass",
-                    "\"redistributed\" does not fit finite_difference, whose mass is diagonal; use "
-                    "\"lumped\" or \"paper\", or fully_discrete");
-  if (run.mass == Mass::fourth_order)
-    findings.report("mesh.mass",
-                    "\"fourth_order\" does not fit finite_difference, whose mass is diagonal; use \"lumped\" or "
-                    "\"paper\", or fully_discrete");
+                    "\"{}\" does not fit finite_difference, whose mass is diagonal; use \"lumped\" or "
+                    "\"paper\", or fully_discrete",
+                    name(*run.mass));
   if (run.grading != 1.0)
     findings.report("mesh.grading",
                     "does not fit finite_difference, whose elements are of equal length; leave it out, or use "
@@ -163,22 +149,24 @@ constexpr MethodRow rows[] = {
      .meaning = "penalised bar, multistep formulas of SUNDIALS' CVODE",
      .penalised = true, .accuracy = Accuracy::tolerances, .seconds = multistep,
      .options = [](const Case& run) -> Method { return Cvode{penalty(run), run.tolerance, run.formulas}; },
-     .vectors = cvode_vectors, .differentiates = true, .takes_algebraic_rows = false},
+     .vectors = [](const Case& run, double) { return multistep_vectors(run.scene.bar.viscosity > 0.0 ? 6 : 13); },
+      .differentiates = true, .takes_algebraic_rows = false},
     {.method = MethodName::ida, .name = "ida",
      .meaning = "penalised bar as a differential-algebraic system, SUNDIALS' IDA: also massless nodes without viscosity",
      .penalised = true, .accuracy = Accuracy::tolerances, .seconds = {1.3e-6, 14e-9},
      .options = [](const Case& run) -> Method { return Ida{penalty(run), run.tolerance}; },
-     .vectors = bdf_vectors, .differentiates = true},
+     .vectors = [](const Case&, double) { return multistep_vectors(6); }, .differentiates = true},
     {.method = MethodName::arkode, .name = "arkode",
      .meaning = "penalised bar, implicit Runge-Kutta formulas of order 5 of SUNDIALS' ARKODE: also massless nodes without viscosity",
      .penalised = true, .accuracy = Accuracy::tolerances, .seconds = multistep,
      .options = [](const Case& run) -> Method { return Arkode{penalty(run), run.tolerance}; },
-     .vectors = arkode_vectors, .differentiates = true},
+     .vectors = [](const Case&, double) { return one_step_vectors(7 + 8); }, .differentiates = true},
     {.method = MethodName::odeint, .name = "odeint",
      .meaning = "penalised bar by Boost.Odeint's steppers, an independent integrator",
      .penalised = true, .accuracy = Accuracy::tolerances, .seconds = multistep,
      .options = [](const Case& run) -> Method { return odeint(run); },
-     .vectors = odeint_vectors, .takes_algebraic_rows = false, .refuse = refuse_odeint},
+     // The dense matrices of rosenbrock4, on few nodes, do not count.
+     .vectors = [](const Case&, double) { return one_step_vectors(14); }, .takes_algebraic_rows = false, .refuse = refuse_odeint},
     {.method = MethodName::rigid, .name = "rigid",
      .meaning = "the limit epsilon = 0 itself; no span obstacle",
      .penalised = false, .accuracy = Accuracy::tolerances, .seconds = multistep,
@@ -188,7 +176,8 @@ constexpr MethodRow rows[] = {
      .meaning = "penalised bar by matrix exponentials, a reference on small meshes",
      .penalised = true, .accuracy = Accuracy::rounding, .seconds = {},
      .options = [](const Case& run) -> Method { return Exponential{penalty(run)}; },
-     .vectors = exponential_vectors, .refuse = refuse_exponential},
+     // Propagators of several sub-steps, dense over displacement and velocity.
+     .vectors = [](const Case&, double nodes) { return 4.0 * 4.0 * nodes; }, .refuse = refuse_exponential},
     {.method = MethodName::characteristics, .name = "characteristics",
      .meaning = "exact waves of an undamped bar, whatever the mesh; obstacles at its ends only",
      .penalised = false, .accuracy = Accuracy::rounding, .seconds = {0.5e-6, 60e-9},
@@ -209,8 +198,7 @@ static_assert(std::ranges::equal(rows, all_methods, {}, &MethodRow::method), "a 
 }  // namespace
 
 bool has_algebraic_rows(const Case& run) {
-  return run.mass == Mass::redistributed && (is_obstacle(run.scene.left) || is_obstacle(run.scene.right)) &&
-         run.scene.bar.viscosity == 0.0;
+  return run.mass == Mass::redistributed && end_obstacles(run.scene) > 0 && run.scene.bar.viscosity == 0.0;
 }
 
 std::span<const MethodRow> method_table() { return rows; }

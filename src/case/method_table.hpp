@@ -1,19 +1,54 @@
 #pragma once
 
-#include <span>
-#include <string_view>
+#include <fmt/format.h>
 
-#include "case/findings.hpp"
+#include <algorithm>
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {
 
-/// What makes a method's error small.
-enum class Accuracy {
-  tolerances,
-  step,     ///< a fixed time step, with the constraint solved in each
-  rounding  ///< nothing: exact in time
+/// What is wrong with a case so far. A key with a finding has no value to judge others by.
+class Findings {
+ public:
+  /// `faulty` are keys known to be wrong already, of which nothing more is said.
+  explicit Findings(const std::vector<std::string>& faulty) : wrong_(faulty) {}
+
+  /// Several findings of one check may have the same key.
+  void add(std::vector<Finding> found) {
+    std::erase_if(found, [&](const Finding& one) { return !sound({one.key}); });
+    for (Finding& one : found) {
+      wrong_.push_back(one.key);
+      found_.push_back(std::move(one));
+    }
+  }
+  void report(std::string_view key, std::string problem) { add({{std::string(key), std::move(problem)}}); }
+  template <class... Args>
+  void report(std::string_view key, fmt::format_string<Args...> problem, Args&&... args) {
+    if (sound({key})) report(key, fmt::format(problem, std::forward<Args>(args)...));
+  }
+
+  bool sound(std::initializer_list<std::string_view> keys) const {
+    return std::none_of(keys.begin(), keys.end(), [&](std::string_view key) {
+      return std::find(wrong_.begin(), wrong_.end(), key) != wrong_.end();
+    });
+  }
+
+  std::vector<Finding> take() { return std::move(found_); }
+
+ private:
+  std::vector<std::string> wrong_;
+  std::vector<Finding> found_;
 };
+
+/// What makes a method's error small: tolerances, a fixed time step with the constraint solved in each, or nothing, for
+/// it is exact in time.
+enum class Accuracy { tolerances, step, rounding };
 
 /// What a step costs: step + node * (number of nodes) seconds.
 struct StepSeconds {

@@ -43,18 +43,17 @@ ImpactPrediction predict_impact(const Bar& bar, double spacing, double effective
   // cbrt(epsilon^2 rho eta); no root is taken of a number with a unit, whose digits would depend on that.
   const double viscous = 0.858 * elastic * std::cbrt(eta / (bar.modulus * elastic));
   using Layer = ImpactPrediction::Layer;
+  const auto at_speed = [speed](double penetration, Layer layer) {
+    return ImpactPrediction{speed, speed * penetration, layer};
+  };
   // All the energy of the bar in the spring.
   const double whole = std::sqrt(rho * bar.length * epsilon);
-  if (whole < std::max(viscous, elastic) && epsilon * bar.modulus > bar.length)
-    return {speed, speed * whole, Layer::bar};
-  if (resolved)
-    return viscous > elastic ? ImpactPrediction{speed, speed * viscous, Layer::viscous}
-                             : ImpactPrediction{speed, speed * elastic, Layer::elastic};
+  if (whole < std::max(viscous, elastic) && epsilon * bar.modulus > bar.length) return at_speed(whole, Layer::bar);
+  if (resolved) return viscous > elastic ? at_speed(viscous, Layer::viscous) : at_speed(elastic, Layer::elastic);
   if (effective_mass == 0.0) {
     // Nothing stops alone: what resists is the dashpot or the wave behind, whichever is stiffer.
     const double dashpot = epsilon * eta / h;
-    return dashpot > elastic ? ImpactPrediction{speed, speed * dashpot, Layer::node}
-                             : ImpactPrediction{speed, speed * elastic, Layer::elastic};
+    return dashpot > elastic ? at_speed(dashpot, Layer::node) : at_speed(elastic, Layer::elastic);
   }
   const double zeta = viscous_ratio(bar, h, effective_mass, 1.0 / epsilon);
   return {speed, speed * std::sqrt(effective_mass * epsilon) * node_peak(zeta), Layer::node};
@@ -68,38 +67,102 @@ std::vector<ContactRegime> contact_regimes(const Case& run, const BarSystem& sys
   const State start = system.initial_state();
   const Bar& bar = system.bar();
   const double own = run.restitution ? damping_ratio(*run.restitution) : 0.0;
+  double falling = 0.0;  // the velocity that leads deepest into the span obstacle
   for (const Contact& contact : system.contacts()) {
-    if (contact.where == Where::span) continue;
-    ContactRegime regime;
-    const double h = system.spacing_at(contact.unknown);
-    regime.where = contact.where;
-    regime.effective_mass = masses[contact.unknown];
-    if (const double m = regime.effective_mass; m > 0.0) {
+    const double v = contact.sign * start.v[contact.unknown];
+    if (contact.where == Where::span) {
+      falling = std::min(falling, v);
+      continue;
+    }
+    const double h = system.spacing_at(contact.unknown), m = masses[contact.unknown];
+    ContactRegime regime{.where = contact.where, .effective_mass = m};
+    if (m > 0.0) {
       regime.damping_ratio = own + viscous_ratio(bar, h, m, 1.0 / epsilon);
       regime.quiet_epsilon = h / bar.modulus;
       if (bar.viscosity > 0.0)
         regime.quiet_epsilon = std::min(regime.quiet_epsilon, 4.0 * m * h * h / (bar.viscosity * bar.viscosity));
       regime.chatters = *regime.damping_ratio < 1.0 && epsilon < regime.quiet_epsilon;
     }
-    if (const double v = contact.sign * start.v[contact.unknown]; v < 0.0)
-      regime.impact = predict_impact(bar, h, regime.effective_mass, epsilon, -v);
+    if (v < 0.0) regime.impact = predict_impact(bar, h, m, epsilon, -v);
     regimes.push_back(regime);
   }
   if (run.scene.span) {
-    ContactRegime regime;
-    regime.where = Where::span;
-    regime.effective_mass = *std::max_element(masses.begin(), masses.end());
+    ContactRegime regime{.where = Where::span, .effective_mass = *std::ranges::max_element(masses)};
     regime.damping_ratio = own;
-    regime.chatters = *regime.damping_ratio < 1.0;
+    regime.chatters = own < 1.0;
     // Falling flat, every node is an oscillator of mass rho w on the spring w / epsilon.
-    double v = 0.0;  // that leads deepest into it
-    for (const Contact& contact : system.contacts())
-      if (contact.where == Where::span) v = std::min(v, contact.sign * start.v[contact.unknown]);
-    if (v < 0.0)
-      regime.impact = ImpactPrediction{-v, -v * std::sqrt(bar.density * epsilon), ImpactPrediction::Layer::node};
+    if (falling < 0.0)
+      regime.impact = {-falling, -falling * std::sqrt(bar.density * epsilon), ImpactPrediction::Layer::node};
     regimes.push_back(regime);
   }
   return regimes;
+}
+
+std::optional<std::vector<FirstImpact>> first_impacts(const Case& run) {
+  Case trial = run;
+  const Scene& scene = run.scene;
+  trial.method = MethodName::fully_discrete;
+  trial.step = std::min(run.mesh().spacing() / std::sqrt(scene.bar.modulus / scene.bar.density), run.end / 500.0);
+  trial.output_every = run.end;
+  // Waves tell it exactly, where they are what is asked for.
+  const bool exact = run.method == MethodName::characteristics;
+  if (exact) trial.method = run.method;
+  constexpr double most_nodal_steps = 1e8;
+  if (!exact && run.end / *trial.step * static_cast<double>(run.elements) > most_nodal_steps) return std::nullopt;
+
+  const std::size_t places = end_obstacles(scene) + std::size_t{scene.span.has_value()};
+  std::vector<FirstImpact> found;
+  if (places == 0) return found;
+  const auto known = [&](Where where) { return std::ranges::find(found, where, &FirstImpact::where); };
+  Observers observers;
+  observers.event = [&](const Event& event) {
+    if (event.change != Change::closing || known(event.where) != found.end()) return;
+    const EndInput& input = event.where == Where::left ? scene.left_input : scene.right_input;
+    const bool moves = event.where != Where::span && input.motion;
+    const double obstacle = moves ? input.motion->velocity(event.time) : 0.0;
+    found.push_back({event.where, event.time, std::abs(event.velocity - obstacle)});
+  };
+  observers.progress = [&](double) { return found.size() == places ? RunControl::stop : RunControl::go_on; };
+  const BarSystem system = make_system(trial);
+  const State start = system.initial_state();
+  // What lies on its obstacle and moves into it hits at once.
+  for (const Contact& contact : system.contacts()) {
+    const double u = start.u[contact.unknown], v = contact.sign * start.v[contact.unknown];
+    if (v >= 0.0 || contact.clearance(u) > 1e-12 * std::abs(u)) continue;
+    if (const auto before = known(contact.where); before != found.end())
+      before->speed = std::max(before->speed, -v);
+    else
+      found.push_back({contact.where, 0.0, -v});
+  }
+  if (found.size() == places) return found;
+  simulate(trial, system, observers);
+  return found;
+}
+
+std::optional<std::string> peak_remark(const Case& run, const BarSystem& system) {
+  const Bar& bar = system.bar();
+  double mass = 0.0;
+  bool obstacle = false;
+  for (const Contact& contact : system.contacts()) {
+    if (contact.where == Where::span) continue;
+    obstacle = true;
+    mass = std::max(mass, system.effective_masses()[contact.unknown]);
+  }
+  if (!obstacle) return std::nullopt;
+  if (is_scheme(run.method) && mass > 0.0)
+    return "the peak of an impact has no limit: the scheme stops the mass of a node within a step, with a force that "
+           "grows as 1 / method.step";
+  if (is_penalised(run.method) && mass > 0.0) {
+    if (run.restitution && *run.restitution < 1.0)
+      return "the peak of an impact has no limit: the dashpot begins with a force that grows as contact.epsilon^(-1/2)";
+    if (mass > effective_epsilon(run) * bar.density * bar.modulus)
+      return "the peak of an impact has no limit: the spring stops the mass of a node, with a force that grows as "
+             "contact.epsilon^(-1/2)";
+  }
+  if (bar.viscosity > 0.0)
+    return "the peak of an impact has no limit: a viscous bar answers with a force that falls as t^(-1/2) from the "
+           "touch on, and a finer mesh or a stiffer spring shows more of it";
+  return std::nullopt;
 }
 
 }  // namespace viscobar

@@ -17,7 +17,7 @@ inline bool is_no_obstacle(double penetration, double displacement) {
 
 /// natural_epsilon() in letters.
 inline const char* natural_epsilon_words(const Scene& scene) {
-  return scene.span && !is_obstacle(scene.left) && !is_obstacle(scene.right) ? "L^2/E" : "L/E";
+  return scene.span && end_obstacles(scene) == 0 ? "L^2/E" : "L/E";
 }
 
 /// What to do about an epsilon at which the obstacle is none, in keys of the scene.
@@ -40,7 +40,7 @@ struct ContactRegime {
   double effective_mass = 0.0;  ///< m = 1 / (e . (rho M)^{-1} e); 0 for a massless node, which cannot bounce
   /// zeta = (eta/h) / (2 sqrt(k m)) + zeta of the contact's own dashpot; absent without mass. Of a span obstacle only
   /// the latter counts: a bar that falls flat does not strain.
-  std::optional<double> damping_ratio;
+  std::optional<double> damping_ratio{};
   /// zeta < 1 at an epsilon below quiet_epsilon: the node rebounds, and as epsilon goes to 0 contact changes come in
   /// the hundreds.
   bool chatters = false;
@@ -48,30 +48,45 @@ struct ContactRegime {
   /// and from h / E on the spring is softer than the element behind it, so that the bar decides and not the node.
   double quiet_epsilon = 0.0;
   /// Absent where the initial velocity does not point to the obstacle.
-  std::optional<ImpactPrediction> impact;
+  std::optional<ImpactPrediction> impact{};
 };
 
-/// Peak of the penetration of a long bar that meets a penalised obstacle at speed V > 0.
+/// Peak of the penetration of a long bar that meets a penalised obstacle at speed V > 0 (docs/penalty-limit.md).
 ///
-/// In the bar the impedance rho E + rho eta s gives, after Laplace transformation,
-///     d^(s) = V epsilon Z / (s (1 + epsilon s Z)),   Z = sqrt(rho (E + eta s)).
-/// A short contact (s eta >> E) sees Z = sqrt(rho eta s): with tau = (epsilon sqrt(rho eta))^(2/3),
-///     d = 0.858 V tau   at   1.646 tau,
-/// a long one Z = sqrt(rho E): d = V epsilon sqrt(rho E). epsilon has the unit displacement per stress, so epsilon
-/// sqrt(rho eta) is time^(3/2) and epsilon sqrt(rho E) a time. The strained layer, sqrt(eta tau / rho) or E epsilon,
-/// must exceed h for this to be seen on a mesh: epsilon > rho h^3 / eta^2, or epsilon > h / E.
-///
-/// At epsilon > L / E the bar as a whole is softer than its own strain: d = V sqrt(rho L epsilon), all its energy.
+/// The bar's impedance is Z = sqrt(rho (E + eta s)). A short contact sees Z = sqrt(rho eta s), a long one sqrt(rho E):
+///     d = 0.858 V (epsilon sqrt(rho eta))^(2/3)     or     d = V epsilon sqrt(rho E).
+/// This is seen on a mesh where the strained layer exceeds h: epsilon > rho h^3 / eta^2, or epsilon > h / E. At
+/// epsilon > L / E the bar as a whole is softer than its own strain: d = V sqrt(rho L epsilon), all its energy.
 ///
 /// Otherwise the end node stops alone, its neighbour going on at V: m d'' + (eta/h)(d' - V) + d/epsilon = 0 has the
 /// peak
 ///     d = (V / omega) (2 zeta + exp(-zeta (pi - arccos zeta) / sqrt(1 - zeta^2))),   omega = 1 / sqrt(m epsilon),
-/// and without mass the force is that of the dashpot or of the wave, d = V epsilon max(eta / h, sqrt(rho E)). A
-/// contact's own dashpot makes it smaller; it is left out.
+/// and without mass d = V epsilon max(eta / h, sqrt(rho E)). A contact's own dashpot is left out.
 ImpactPrediction predict_impact(const Bar& bar, double spacing, double effective_mass, double epsilon, double speed);
 
 /// One for each end with an obstacle and one, its worst, for a span obstacle, of a penalised method with epsilon > 0;
 /// empty otherwise.
 std::vector<ContactRegime> contact_regimes(const Case& run, const BarSystem& system);
+
+/// The first contact at a place of the bar, before which no penalty has acted there.
+struct FirstImpact {
+  Where where = Where::left;  ///< of the obstacle
+  double time = 0.0;          ///< of the closing
+  double speed = 0.0;         ///< towards the obstacle
+};
+
+/// First contacts at the left end, the right end and under the span, as far as they come before the end, by the fully
+/// discrete scheme with a step in which a wave crosses an element (or the end / 500). Absent when that were more
+/// than 10^8 nodal steps.
+std::optional<std::vector<FirstImpact>> first_impacts(const Case& run);
+
+/// Why the peak reaction of an impact at an end of this run has no limit as the discretisation is refined, in a
+/// sentence; absent where it has one. Reactions of an impact with speed V, m the effective mass of the contact node:
+///
+///     a scheme, a node with mass       m V / dt
+///     a dashpot b = 2 zeta sqrt(k m)   b V at once
+///     a spring k = 1 / epsilon, m > 0  V sqrt(k m), where that is more than the bar's own V sqrt(rho E)
+///     a viscous bar                    V sqrt(rho eta / (pi t))
+std::optional<std::string> peak_remark(const Case& run, const BarSystem& system);
 
 }  // namespace viscobar

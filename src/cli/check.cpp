@@ -1,9 +1,6 @@
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "cli/commands.hpp"
-#include "cli/messages.hpp"
 #include "report/scene_check.hpp"
 #include "text/table.hpp"
 
@@ -35,10 +32,8 @@ std::string impact_text(const Case& run, const std::optional<std::vector<FirstIm
 }
 
 std::string to_text(const ContactRegime& regime) {
-  std::string text;
-  if (!regime.damping_ratio)
-    text = "massless node, no bounce";
-  else
+  std::string text = "massless node, no bounce";
+  if (regime.damping_ratio)
     text = fmt::format("damping ratio zeta = {:.3g}, {}", *regime.damping_ratio,
                        regime.chatters ? "chatter expected" : "no bounce");
   if (regime.impact)
@@ -47,63 +42,63 @@ std::string to_text(const ContactRegime& regime) {
   return text;
 }
 
-}  // namespace
+/// Lines of what the bar is: its nodes, or its waves.
+std::string model_text(const Case& run, const BarSystem& system) {
+  const std::size_t nodes = system.mesh().nodes();
+  if (run.method == MethodName::characteristics) {
+    const double passage = run.scene.bar.length * std::sqrt(run.scene.bar.density / run.scene.bar.modulus);
+    return row("unknowns", "polynomial pieces of two waves; the {} nodes are for output only", nodes) +
+           row("passages", "{:.4g} of a wave through the bar, each L/c = {:.4g}", run.end / passage, passage);
+  }
+  return row("unknowns", "{} nodes of {}, displacement and velocity", system.size(), nodes) +
+         row("inertia", "{} mass{}", viscobar::name(system.mass()),
+             system.has_massless() ? ", massless contact nodes" : "");
+}
 
-CheckCommand::CheckCommand(CLI::App& app)
-    : Command(app, "check", "Validate a scene, describe its model and predict its first impacts"), scene_(command_) {}
-
-int CheckCommand::operator()() const {
-  const SceneFile scene = scene_.read();
-  const Case& run = scene.run;
-  const SceneCheck check = check_scene(run);
+std::string check_text(const Case& run, const SceneCheck& check) {
   const BarSystem& system = check.system;
-  const bool waves = run.method == MethodName::characteristics;
-  const double passage = run.scene.bar.length * std::sqrt(run.scene.bar.density / run.scene.bar.modulus);
-  const double passages = run.end / passage;
-
-  if (scene_.json) {
-    print(check_json(scene, check));
-    return success;
-  }
-
-  std::string text = fmt::format("{}: sound\n", heading(run.scene.title, scene_.file));
-  text += row("method", method_text(run, system));
-  if (waves) {
-    text += row("unknowns",
-                fmt::format("polynomial pieces of two waves; the {} nodes are for output only", system.mesh().nodes()));
-    text += row("passages", fmt::format("{:.4g} of a wave through the bar, each L/c = {:.4g}", passages, passage));
-  } else {
-    text +=
-        row("unknowns", fmt::format("{} nodes of {}, displacement and velocity", system.size(), system.mesh().nodes()));
-    text += row("inertia", fmt::format("{} mass{}", viscobar::name(system.mass()),
-                                       system.has_massless() ? ", massless contact nodes" : ""));
-  }
-  text += row("elasticity", fmt::format("E = {}, h = {:.4g}{}", run.scene.bar.modulus, system.mesh().spacing(),
-                                        system.mesh().uniform() ? ""
-                                                                : fmt::format(" on average, {:.4g} at the contacts",
-                                                                              system.mesh().smallest())));
-  text += row("damping", system.damped() ? fmt::format("eta = {}", run.scene.bar.viscosity) : "none");
-  text += row("load", load_kind(run.scene));
-  for (const std::string& words : inputs_text(system.bar(), run.scene.left, run.scene.left_input))
+  const Scene& scene = run.scene;
+  const Mesh& mesh = system.mesh();
+  std::string text = row("method", method_text(run, system)) + model_text(run, system);
+  text += row("elasticity", "E = {}, h = {:.4g}{}", scene.bar.modulus, mesh.spacing(),
+              mesh.uniform() ? "" : fmt::format(" on average, {:.4g} at the contacts", mesh.smallest()));
+  text += row("damping", system.damped() ? fmt::format("eta = {}", scene.bar.viscosity) : "none");
+  text += row("load", load_kind(scene));
+  for (const std::string& words : inputs_text(system.bar(), scene.left, scene.left_input))
     text += row("left end", words);
-  for (const std::string& words : inputs_text(system.bar(), run.scene.right, run.scene.right_input))
+  for (const std::string& words : inputs_text(system.bar(), scene.right, scene.right_input))
     text += row("right end", words);
   text += row("contact", system.contacts().empty() ? "none" : contact_kind(run));
   text += row("event functions", events(run, system));
-  text += row("memory", fmt::format("about {} vectors of {} numbers, {}", check.memory.vectors, system.size(),
-                                    byte_number(check.memory.bytes)));
+  text += row("memory", "about {} vectors of {} numbers, {}", check.memory.vectors, system.size(),
+              byte_number(check.memory.bytes));
   if (!system.contacts().empty()) text += row("first impacts", impact_text(run, check.impacts));
-  if (check.error)
-    text +=
-        row("error", fmt::format("up to about {:.1g} of displacements (space {:.1g}, penalty {:.1g}, time {:.1g}), by "
-                                 "runs on coarser meshes",
-                                 check.error->total, check.error->space, check.error->penalty, check.error->time));
+  if (const auto& error = check.error)
+    text += row("error",
+                "up to about {:.1g} of displacements (space {:.1g}, penalty {:.1g}, time {:.1g}), by "
+                "runs on coarser meshes",
+                error->total, error->space, error->penalty, error->time);
   if (!check.no_error.empty()) text += row("error", "there is no estimate: " + check.no_error);
   for (const ContactRegime& regime : check.regimes)
     text += row(fmt::format("{} contact", name(regime.where)), to_text(regime));
-  print(text);
-  for (const std::string& caution : check.warnings) warn(caution);
-  return success;
+  return text;
+}
+
+}  // namespace
+
+Action check_command(CLI::App& command) {
+  return [scene_options = std::make_shared<SceneOptions>(command)] {
+    const SceneFile scene = scene_options->read();
+    const SceneCheck check = check_scene(scene.run);
+    if (scene_options->json) {
+      print(check_json(scene, check));
+      return success;
+    }
+    print(fmt::format("{}: sound\n{}", heading(scene.run.scene.title, scene_options->file),
+                      check_text(scene.run, check)));
+    for (const std::string& caution : check.warnings) warn(caution);
+    return success;
+  };
 }
 
 }  // namespace viscobar::cli

@@ -1,18 +1,14 @@
 #include "cli/command_line.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
-#include "input/input_text.hpp"
 #include "input/scene_keys.hpp"
 
 namespace viscobar::cli {
 
 namespace {
-
-std::vector<std::string> choices_of(const char* key) {
-  const auto names = find_scene_key(key)->choice_names();
-  return {names.begin(), names.end()};
-}
 
 OptionText text_of(const CLI::Option& option) {
   OptionText text;
@@ -28,22 +24,20 @@ OptionText text_of(const CLI::Option& option) {
 
 }  // namespace
 
-std::vector<std::string> OptionText::words() const {
-  if (std::find(names.begin(), names.end(), "--mass") != names.end()) return choices_of("mesh.mass");
-  if (std::find(names.begin(), names.end(), "--methods") != names.end()) return choices_of("method.name");
-  if (type.find('|') == type.npos) return {};
-  const auto words = split(type, '|');
-  return {words.begin(), words.end()};
+std::string OptionText::words() const {
+  const auto has = [&](const char* name) { return std::ranges::find(names, name) != names.end(); };
+  if (const char* key = has("--mass") ? "mesh.mass" : has("--methods") ? "method.name" : nullptr)
+    return fmt::format("{}", fmt::join(find_scene_key(key)->choice_names(), " "));
+  if (type.find('|') == type.npos) return "";
+  std::string words = type;
+  std::ranges::replace(words, '|', ' ');
+  return words;
 }
 
-std::vector<CommandText> command_texts(const CLI::App& app) {
-  std::vector<CommandText> commands;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App* one) { return !one->get_group().empty(); })) {
-    CommandText text{command->get_name(), command->get_description(), {}};
-    for (const CLI::Option* option : command->get_options()) text.options.push_back(text_of(*option));
-    commands.push_back(std::move(text));
-  }
-  return commands;
+std::vector<OptionText> options_of(const CLI::App& command) {
+  std::vector<OptionText> options;
+  for (const CLI::Option* option : command.get_options()) options.push_back(text_of(*option));
+  return options;
 }
 
 }  // namespace viscobar::cli

@@ -14,21 +14,11 @@ struct OptionText {
   bool required = false, repeatable = false;
 
   bool is_argument() const { return names.empty(); }
-  /// The words that may stand here, where they are known: masses, methods, "csv|npy".
-  std::vector<std::string> words() const;
+  bool takes_list() const { return type.find(',') != type.npos; }
+  /// The words that may stand here, blanks between them, where they are known: masses, methods, "csv|npy".
+  std::string words() const;
 };
 
-struct CommandText {
-  std::string name, description;
-  std::vector<OptionText> options;
-};
-
-/// Commands with a group; hidden ones have none.
-std::vector<CommandText> command_texts(const CLI::App& app);
-
-/// What completes a word: a shell's function of this name, and the man page.
-std::string bash_completion(const CLI::App& app);
-std::string zsh_completion(const CLI::App& app);
-std::string man_page(const CLI::App& app);
+std::vector<OptionText> options_of(const CLI::App& command);
 
 }  // namespace viscobar::cli

@@ -1,7 +1,5 @@
 #include "cli/commands.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -11,37 +9,58 @@
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
+#include <ranges>
 #include <system_error>
 #include <utility>
 
-#include "cli/messages.hpp"
 #include "input/input_text.hpp"
 #include "input/scene_keys.hpp"
 #include "report/write_page.hpp"
-#include "results/result_directory.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/results/io_error.hpp"
 #include "viscobar/studies/limit/limit.hpp"
 
 namespace viscobar::cli {
 
+void add_set(CLI::App& command, std::vector<std::string>& overrides, const std::string& what) {
+  add_repeatable(command, "--set", "TABLE.KEY=VALUE", overrides, what + " (repeatable)");
+}
+
+void add_json(CLI::App& command, bool& json) {
+  command.add_flag("--json", json, "Print one JSON document on standard output, and nothing else there");
+}
+
+void add_quiet(CLI::App& command, bool& quiet) { command.add_flag("-q,--quiet", quiet, "Print nothing but errors"); }
+
+void add_figures(CLI::App& command, bool& figures) {
+  command.add_flag("--figures", figures, "Also write each picture as DIR/figures/NAME.svg, for papers");
+}
+
+void add_error(CLI::App& command, std::string& error, const std::string& what) {
+  add(command, "--error", "ERROR", error, what + ", such as 1e-4 or \"0.01 %\"; the same as --set accuracy.error=...");
+}
+
+void add_threads(CLI::App& command, std::size_t& threads, const std::string& what) {
+  constexpr std::size_t most = 4096;
+  add(command, "--threads", "N", threads, what)->check(CLI::Range(std::size_t{1}, most));
+}
+
 SceneOptions::SceneOptions(CLI::App& command) {
-  command.add_option("scene", file, "The scene file (TOML), - for standard input")->required()->type_name("SCENE");
-  command.add_option("--set", overrides, "Replace a value of the scene, such as contact.epsilon=1e-5 (repeatable)")
-      ->type_name("TABLE.KEY=VALUE")
-      ->allow_extra_args(false);
+  add(command, "scene", "SCENE", file, "The scene file (TOML), - for standard input")->required();
+  add_set(command, overrides, "Replace a value of the scene, such as contact.epsilon=1e-5");
   add_json(command, json);
 }
 
-SceneFile SceneOptions::read(const std::vector<std::string>& defaults, const std::vector<std::string>& settings,
-                             const Adaptation& adapt) const {
-  std::vector<std::string> all = defaults;
-  all.insert(all.end(), overrides.begin(), overrides.end());
+SceneFile SceneOptions::parse(const std::vector<std::string>& settings, const Adaptation& adapt) const {
+  std::vector<std::string> all = overrides;
   all.insert(all.end(), settings.begin(), settings.end());
-  SceneFile scene = from_standard_input()
-                        ? parse_scene(input_text(std::cin, "standard input"), "standard input", all, adapt)
-                        : read_scene(file, all, adapt);
+  if (file != "-") return read_scene(file, all, adapt);
+  static const std::string text = input_text(std::cin, "standard input");  // can be read once
+  return parse_scene(text, "standard input", all, adapt);
+}
+
+SceneFile SceneOptions::read(const std::vector<std::string>& settings, const Adaptation& adapt) const {
+  SceneFile scene = parse(settings, adapt);
   const Case& run = scene.run;
   if (scene.accuracy && !takes_accuracy)
     warn(
@@ -52,29 +71,44 @@ SceneFile SceneOptions::read(const std::vector<std::string>& defaults, const std
 }
 
 OutputOptions::OutputOptions(CLI::App& command) {
-  command
-      .add_option(
-          "-o,--output", where,
-          "Directory of the results; an earlier result there is replaced when the new one is complete (default: the "
-          "scene's name with \".out\", in the working directory)")
-      ->type_name("DIR");
+  add(command, "-o,--output", "DIR", where,
+      "Directory of the results; an earlier result there is replaced when the new one is complete (default: the "
+      "scene's name with \".out\", in the working directory)");
   add_quiet(command, quiet);
 }
 
-std::filesystem::path OutputOptions::directory(const SceneOptions& scene) const {
-  const std::filesystem::path name = scene.from_standard_input() ? "stdin" : std::filesystem::path(scene.file).stem();
-  const std::filesystem::path chosen =
-      where.empty() ? std::filesystem::path(name) += ".out" : std::filesystem::path(where);
-  detail("results go to " + chosen.string());
-  return chosen;
+std::filesystem::path OutputOptions::directory(const std::string& file) const {
+  if (!where.empty()) return where;
+  return std::filesystem::path(file == "-" ? "stdin" : file).stem() += ".out";
 }
 
-void warn_of_other_scenes(const std::filesystem::path& directory, const SceneFile& scene, std::string_view own) {
+StudyOptions::StudyOptions(CLI::App& command) : scene(command), output(command) { add_figures(command, figures); }
+
+Study::Study(const StudyOptions& options, const SceneFile& scene, ResultKind kind)
+    : options_(options),
+      scene_(scene),
+      directory_(options.output.directory(options.scene.file), kind),
+      name_(std::filesystem::path(json_summaries[static_cast<std::size_t>(kind)]).stem()) {
+  detail("results go to " + directory_.path().string());
+  if (!options.output.quiet) warn_of_other_scenes(directory_.path(), scene, kind);
+  end_on_interrupt();
+}
+
+void Study::finish(const std::string& json, PicturedPage page, const std::string& text) const {
+  const std::string written = write_study(directory_.path(), name_, json, std::move(page), options_.figures);
+  if (options_.scene.json)
+    print(written);
+  else if (!options_.output.quiet)
+    print(fmt::format("{}\n\n{}", heading(scene_.run.scene.title, options_.scene.file), text) +
+          row("pictures", (directory_.path() / (name_ + ".html")).string()));
+}
+
+void warn_of_other_scenes(const std::filesystem::path& directory, const SceneFile& scene, ResultKind own) {
   using Json = nlohmann::json;
   const Json ours = Json::parse(scene.complete());
-  for (const char* name : json_summaries) {
+  for (const std::string_view name : json_summaries) {
     std::ifstream stream(directory / name);
-    if (name == own || !stream) continue;
+    if (name == json_summaries[static_cast<std::size_t>(own)] || !stream) continue;
     const Json summary = Json::parse(stream, nullptr, false);
     if (!summary.is_object() || !summary.contains("scene") || !summary["scene"].is_object()) continue;
     const Json& theirs = summary["scene"];
@@ -88,82 +122,44 @@ void warn_of_other_scenes(const std::filesystem::path& directory, const SceneFil
   }
 }
 
-PictureOptions::PictureOptions(CLI::App& command) : OutputOptions(command) { add_figures(command, figures); }
-
-void add_figures(CLI::App& command, bool& figures) {
-  command.add_flag("--figures", figures, "Also write each picture as DIR/figures/NAME.svg, for papers");
+std::vector<std::string> finest_mesh(const std::vector<std::size_t>& elements) {
+  if (elements.empty()) return {};
+  return {fmt::format("mesh.elements={}", *std::ranges::max_element(elements))};
 }
 
-void add_json(CLI::App& command, bool& json) {
-  command.add_flag("--json", json, "Print one JSON document on standard output, and nothing else there");
+std::string positive_number(const std::string& text) {
+  double value = 0.0;
+  const bool positive = CLI::detail::lexical_cast(text, value) && value > 0.0 && std::isfinite(value);
+  return positive ? "" : fmt::format("\"{}\" is not a positive number", text);
 }
 
-void add_quiet(CLI::App& command, bool& quiet) { command.add_flag("-q,--quiet", quiet, "Print nothing but errors"); }
-
-std::string sensitivities_of(const std::vector<std::string>& keys) {
-  return fmt::format("sensitivity.of=['{}']", fmt::join(keys, "', '"));
-}
-
-void finish_study(const std::string& name, const std::filesystem::path& directory, const SceneOptions& asked,
-                  const PictureOptions& output, const SceneFile& scene, const std::string& json, PicturedPage page,
-                  const std::string& text) {
-  const std::string written = write_study(directory, name, json, std::move(page), output.figures);
-  if (asked.json)
-    print(written);
-  else if (!output.quiet)
-    print(fmt::format("{}\n\n{}", heading(scene.run.scene.title, asked.file), text) +
-          row("pictures", (directory / (name + ".html")).string()));
-}
-
-const CLI::Validator& positive_number() {
-  static const CLI::Validator validator(
-      [](std::string& text) {
-        double value = 0.0;
-        const bool positive = CLI::detail::lexical_cast(text, value) && value > 0.0 && std::isfinite(value);
-        return positive ? "" : fmt::format("\"{}\" is not a positive number", text);
-      },
-      "");
-  return validator;
-}
-
-const CLI::Validator& number_of_elements() {
-  static const CLI::Validator validator(
-      [](std::string& text) {
-        const Range range = find_scene_key("mesh.elements")->range;
-        const bool whole = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
-        // Not by stod, which throws where the digits are more than a double reaches.
-        const double value = whole ? std::strtod(text.c_str(), nullptr) : 0.0;
-        return whole && value >= range.low && value <= range.high
-                   ? ""
-                   : fmt::format("\"{}\" is not a whole number {}", text, range.words);
-      },
-      "");
-  return validator;
+std::string number_of_elements(const std::string& text) {
+  const Range range = find_scene_key("mesh.elements")->range;
+  const bool whole = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
+  // Not by stod, which throws where the digits are more than a double reaches.
+  const double value = whole ? std::strtod(text.c_str(), nullptr) : 0.0;
+  const bool fits = whole && value >= range.low && value <= range.high;
+  return fits ? "" : fmt::format("\"{}\" is not a whole number {}", text, range.words);
 }
 
 std::vector<MethodName> methods_named(const std::vector<std::string>& words) {
-  std::vector<std::string_view> known;
-  for (const MethodName method : all_methods) known.push_back(name(method));
+  const auto word_of = [](MethodName method) { return name(method); };
   std::vector<MethodName> methods;
   for (const std::string& word : words) {
-    const auto found = std::ranges::find(known, word);
-    if (found == known.end())
-      throw std::invalid_argument(fmt::format("--methods: there is no method \"{}\"{}", word, instead_of(word, known)));
-    methods.push_back(all_methods[found - known.begin()]);
+    const auto* found = std::ranges::find(all_methods, word, word_of);
+    if (found == std::end(all_methods))
+      refuse("--methods: there is no method \"{}\"{}", word,
+             instead_of(word, std::views::transform(all_methods, word_of)));
+    methods.push_back(*found);
   }
   return methods;
 }
 
 double DecadeRange::number(const std::string& word) const {
-  std::size_t read = 0;
-  double value = 0.0;
-  try {
-    value = std::stod(word, &read);
-  } catch (const std::logic_error&) {
-    read = 0;
-  }
-  if (read == 0 || read != word.size() || !(value >= low && value <= high))
-    throw std::invalid_argument(fmt::format("{}: \"{}\" is not {}; write {}", option, word, expected, example));
+  char* rest = nullptr;
+  const double value = std::strtod(word.c_str(), &rest);
+  if (word.empty() || *rest != '\0' || !(value >= low && value <= high))
+    refuse("{}: \"{}\" is not {}; write {}", option, word, expected, example);
   return value;
 }
 
@@ -174,16 +170,8 @@ std::vector<double> DecadeRange::operator()(const std::string& text, std::size_t
   constexpr double most = 1000.0;  // of runs, each with its own
   const double count = std::log10(std::max(a, b) / std::min(a, b)) * static_cast<double>(per_decade);
   if (!(count < most))
-    throw std::invalid_argument(fmt::format("{}: \"{}\" gives {:.0f} values, at most {:.0f} are taken", option, text,
-                                            std::min(count, 1e9), most));
+    refuse("{}: \"{}\" gives {:.0f} values, at most {:.0f} are taken", option, text, std::min(count, 1e9), most);
   return decades(std::max(a, b), std::min(a, b), per_decade);
-}
-
-void add_threads(CLI::App& command, std::size_t& threads, const std::string& what) {
-  constexpr std::size_t most = 4096;
-  command.add_option("--threads", threads, what + " (default: one a core)")
-      ->type_name("N")
-      ->check(CLI::Range(std::size_t{1}, most));
 }
 
 void print(std::string_view text) {

@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstddef>
 #include <filesystem>
+#include <functional>
+#include <memory>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "cli/messages.hpp"
+#include "results/result_directory.hpp"
 #include "text/nearest_name.hpp"
 #include "viscobar/input/scene_file.hpp"
 
@@ -20,6 +24,56 @@ namespace viscobar::cli {
 
 enum ExitCode { success = 0, run_failed = 1, wrong_input = 2, stopped = 130 };
 
+/// What a command does when its options have been read; gives the exit code.
+using Action = std::function<int()>;
+
+/// Each gives a command its options; main.cpp has their names and descriptions.
+Action run_command(CLI::App& command);
+Action resume_command(CLI::App& command);
+Action check_command(CLI::App& command);
+Action compare_command(CLI::App& command);
+Action limit_command(CLI::App& command);
+Action precision_command(CLI::App& command);
+Action fit_command(CLI::App& command);
+Action sweep_command(CLI::App& command);
+Action list_command(CLI::App& command);
+Action new_command(CLI::App& command);
+Action info_command(CLI::App& command);
+Action export_command(CLI::App& command);
+Action completion_command(CLI::App& command);
+Action man_command(CLI::App& command);
+Action help_command(CLI::App& command);
+
+/// An option, or an argument where the name has no dash, with a value of that type: "DIR", "csv|npy".
+template <class Value>
+CLI::Option* add(CLI::App& command, const std::string& name, const char* type, Value& value, const std::string& what) {
+  return command.add_option(name, value, what)->type_name(type);
+}
+
+/// An option that may be given again, each time with one value.
+inline CLI::Option* add_repeatable(CLI::App& command, const std::string& name, const char* type,
+                                   std::vector<std::string>& values, const std::string& what) {
+  return add(command, name, type, values, what)->allow_extra_args(false);
+}
+
+/// An option with several values, commas between them.
+template <class Value>
+CLI::Option* add_list(CLI::App& command, const std::string& name, const char* type, std::vector<Value>& values,
+                      const std::string& what) {
+  return add(command, name, type, values, what)->delimiter(',')->allow_extra_args(false);
+}
+
+// Options that are the same for all commands that have them.
+void add_set(CLI::App& command, std::vector<std::string>& overrides, const std::string& what);
+void add_json(CLI::App& command, bool& json);
+void add_quiet(CLI::App& command, bool& quiet);
+void add_figures(CLI::App& command, bool& figures);
+/// --error ERROR, an error that settings are chosen for; `what` says which.
+void add_error(CLI::App& command, std::string& error, const std::string& what);
+/// --threads N; 0 when it is not given, which means one a core.
+void add_threads(CLI::App& command, std::size_t& threads,
+                 const std::string& what = "Runs at a time (default: one a core)");
+
 /// What every command that reads a scene understands: SCENE, --set table.key=value and --json.
 struct SceneOptions {
   std::string file;
@@ -28,11 +82,11 @@ struct SceneOptions {
   bool takes_accuracy = false;  ///< the command keeps an error that the scene asks for; others warn that they do not
 
   explicit SceneOptions(CLI::App& command);
-  bool from_standard_input() const { return file == "-"; }
-  /// The scene, values of `defaults` and `settings` ("table.key=value") put before and after the user's own,
-  /// `adapt` applied before it is validated.
-  SceneFile read(const std::vector<std::string>& defaults = {}, const std::vector<std::string>& settings = {},
-                 const Adaptation& adapt = {}) const;
+  /// The scene with the user's own values, then those of `settings` ("table.key=value"); `adapt` is applied before it
+  /// is validated. Tells what was read.
+  SceneFile read(const std::vector<std::string>& settings = {}, const Adaptation& adapt = {}) const;
+  /// The same without a word, for a scene that is read again.
+  SceneFile parse(const std::vector<std::string>& settings, const Adaptation& adapt = {}) const;
 };
 
 /// What every command that writes results understands: -o DIR and --quiet.
@@ -41,217 +95,43 @@ struct OutputOptions {
   bool quiet = false;
 
   explicit OutputOptions(CLI::App& command);
-  /// What was asked for, or the scene's name with ".out", in the working directory.
-  std::filesystem::path directory(const SceneOptions& scene) const;
+  /// What was asked for, or the name of the file with ".out", in the working directory.
+  std::filesystem::path directory(const std::string& file) const;
 };
 
-/// The same of a command whose results have pictures: --figures.
-struct PictureOptions : OutputOptions {
+/// What the commands of runs and studies understand: a scene, -o DIR, --quiet and --figures.
+struct StudyOptions {
+  SceneOptions scene;
+  OutputOptions output;
   bool figures = false;
 
-  explicit PictureOptions(CLI::App& command);
+  explicit StudyOptions(CLI::App& command);
 };
 
-/// A command of the program; running it returns the exit code.
-class Command {
+/// A study at work, the only one in its directory.
+class Study {
  public:
-  virtual ~Command() = default;
-  Command(const Command&) = delete;
-  Command& operator=(const Command&) = delete;
+  /// Warns of other scenes there; from now on an interrupt ends the program.
+  Study(const StudyOptions& options, const SceneFile& scene, ResultKind kind);
 
-  bool chosen() const { return command_.parsed(); }
-  virtual int operator()() const = 0;
-
- protected:
-  Command(CLI::App& app, const std::string& name, const std::string& description)
-      : command_(*app.add_subcommand(name, description)) {}
-
-  CLI::App& command_;
-};
-
-class RunCommand : public Command {
- public:
-  explicit RunCommand(CLI::App& app);
-  int operator()() const override;
+  /// Writes NAME.json and NAME.html, and prints the one, or else `text` and where the pictures are. @throws IoError
+  void finish(const std::string& json, PicturedPage page, const std::string& text) const;
 
  private:
-  SceneOptions scene_;
-  PictureOptions output_;
-  std::string checkpoint_, wall_time_, error_;
-  std::vector<std::string> sensitivity_;
-  bool no_estimate_ = false;
+  const StudyOptions& options_;
+  const SceneFile& scene_;
+  ResultDirectory directory_;
+  std::string name_;
 };
 
-class ResumeCommand : public Command {
- public:
-  explicit ResumeCommand(CLI::App& app);
-  int operator()() const override;
+/// Warns of results of other commands in the directory that are of another bar, ends, initial data or load.
+void warn_of_other_scenes(const std::filesystem::path& directory, const SceneFile& scene, ResultKind own);
 
- private:
-  std::string directory_, wall_time_;
-  bool json_ = false, quiet_ = false, figures_ = false;
-};
-
-class CompareCommand : public Command {
- public:
-  explicit CompareCommand(CLI::App& app);
-  int operator()() const override;
-
- private:
-  SceneOptions scene_;
-  PictureOptions output_;
-  std::vector<std::string> methods_;
-  std::size_t threads_ = 0;
-};
-
-class LimitCommand : public Command {
- public:
-  explicit LimitCommand(CLI::App& app);
-  int operator()() const override;
-
- private:
-  SceneOptions scene_;
-  PictureOptions output_;
-  std::string epsilon_, mass_, error_;
-  std::size_t per_decade_ = 1, threads_ = 0;
-  std::vector<std::size_t> elements_;
-  std::vector<double> steps_;
-  double budget_ = 60.0;
-  bool derivatives_ = false;
-};
-
-class PrecisionCommand : public Command {
- public:
-  explicit PrecisionCommand(CLI::App& app);
-  int operator()() const override;
-
- private:
-  SceneOptions scene_;
-  PictureOptions output_;
-  std::string tolerance_ = "1e-3:1e-10";
-  std::vector<std::string> methods_;
-  std::vector<std::size_t> elements_;
-  std::size_t halvings_ = 9, repeat_ = 0, threads_ = 0;
-  double seconds_ = 1.0;
-};
-
-class FitCommand : public Command {
- public:
-  explicit FitCommand(CLI::App& app);
-  int operator()() const override;
-
- private:
-  SceneOptions scene_;
-  PictureOptions output_;
-  std::string data_, events_;
-  std::vector<std::string> parameters_, bounds_, deviations_;
-  std::size_t starts_ = 1, runs_ = 100;
-};
-
-class SweepCommand : public Command {
- public:
-  explicit SweepCommand(CLI::App& app);
-  int operator()() const override;
-
- private:
-  std::string file_, error_;
-  std::vector<std::string> overrides_;
-  bool json_ = false;
-  OutputOptions output_;
-  std::size_t threads_ = 0;
-};
-
-class CheckCommand : public Command {
- public:
-  explicit CheckCommand(CLI::App& app);
-  int operator()() const override;
-
- private:
-  SceneOptions scene_;
-};
-
-class ListCommand : public Command {
- public:
-  explicit ListCommand(CLI::App& app);
-  int operator()() const override;
-
- private:
-  std::string what_;
-  bool json_ = false, markdown_ = false;
-};
-
-class NewCommand : public Command {
- public:
-  explicit NewCommand(CLI::App& app);
-  int operator()() const override;
-
- private:
-  std::string file_;
-};
-
-class InfoCommand : public Command {
- public:
-  explicit InfoCommand(CLI::App& app);
-  int operator()() const override;
-
- private:
-  std::string directory_;
-  bool json_ = false, verify_ = false;
-};
-
-class ExportCommand : public Command {
- public:
-  explicit ExportCommand(CLI::App& app);
-  int operator()() const override;
-
- private:
-  std::string directory_, format_ = "csv", where_;
-  bool quiet_ = false;
-};
-
-class CompletionCommand : public Command {
- public:
-  explicit CompletionCommand(CLI::App& app);
-  int operator()() const override;
-
- private:
-  const CLI::App& app_;
-  std::string shell_;
-};
-
-class ManCommand : public Command {
- public:
-  explicit ManCommand(CLI::App& app);
-  int operator()() const override;
-
- private:
-  const CLI::App& app_;
-};
-
-class HelpCommand : public Command {
- public:
-  explicit HelpCommand(CLI::App& app);
-  int operator()() const override;
-
- private:
-  CLI::App& app_;
-  std::string topic_;
-};
-
-/// Warns of results of other commands in the directory that are of another bar, ends, initial data or load; `own` is
-/// the summary that this command writes.
-void warn_of_other_scenes(const std::filesystem::path& directory, const SceneFile& scene, std::string_view own);
-
-/// Writes a study into DIR, NAME.json and NAME.html, and prints the one, or else `text` and where the pictures are.
-/// @throws IoError
-void finish_study(const std::string& name, const std::filesystem::path& directory, const SceneOptions& asked,
-                  const PictureOptions& output, const SceneFile& scene, const std::string& json, PicturedPage page,
-                  const std::string& text);
-
-/// --figures, --json and --quiet, the same for all commands that have them.
-void add_figures(CLI::App& command, bool& figures);
-void add_json(CLI::App& command, bool& json);
-void add_quiet(CLI::App& command, bool& quiet);
+/// The user asks for what cannot be. @throws std::invalid_argument
+template <class... Args>
+[[noreturn]] void refuse(fmt::format_string<Args...> why, Args&&... args) {
+  throw std::invalid_argument(fmt::format(why, std::forward<Args>(args)...));
+}
 
 /// What follows "there is no such word": the nearest one of those that there are, or all of them.
 template <class Names>
@@ -260,8 +140,8 @@ std::string instead_of(const std::string& word, const Names& known, std::string_
   return nearest ? fmt::format("; did you mean {}?", *nearest) : fmt::format("{}{}", all, fmt::join(known, ", "));
 }
 
-/// The setting of sensitivity.of that asks for these keys.
-std::string sensitivities_of(const std::vector<std::string>& keys);
+/// The setting that checks a scene on the finest of several meshes; none where there are none.
+std::vector<std::string> finest_mesh(const std::vector<std::size_t>& elements);
 
 /// The methods that an option --methods names. @throws std::invalid_argument for an unknown one, with the nearest
 std::vector<MethodName> methods_named(const std::vector<std::string>& words);
@@ -278,18 +158,27 @@ struct DecadeRange {
   double number(const std::string& word) const;
 };
 
-/// What lists and limits of numbers are checked by: finite, above 0; a number of elements that a mesh may have.
-const CLI::Validator& positive_number();
-const CLI::Validator& number_of_elements();
+/// What is wrong with a text that is to be a number, finite and above 0, or a number of elements that a mesh may have;
+/// empty when nothing is.
+std::string positive_number(const std::string& text);
+std::string number_of_elements(const std::string& text);
 
-/// --threads N, the same for all commands that have it; 0 when it is not given, which means one a core.
-void add_threads(CLI::App& command, std::size_t& threads, const std::string& what = "Runs at a time");
+/// From now on SIGINT, SIGTERM and SIGHUP (unless it is ignored, as under nohup) only set a flag; a second one ends the
+/// program at once.
+void catch_interrupts();
+bool interrupt_asked();
+/// From now on the same signals end the program with exit code 130: for work that leaves nothing half done.
+void end_on_interrupt();
 
 /// Writes to standard output, as printable(), and makes sure that it got there. @throws IoError
 void print(std::string_view text);
 
 /// A line "  name   value" of a table of results.
 std::string row(std::string_view name, std::string_view value);
+template <class... Args>
+std::string row(std::string_view name, fmt::format_string<Args...> value, Args&&... args) {
+  return row(name, fmt::format(value, std::forward<Args>(args)...));
+}
 
 /// The title of a scene as the heading of a table, or something else where it has none.
 std::string heading(const std::string& title, const std::string& otherwise);

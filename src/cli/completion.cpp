@@ -1,6 +1,4 @@
-#include <fmt/format.h>
-
-#include <stdexcept>
+#include <regex>
 
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
@@ -10,21 +8,28 @@ namespace viscobar::cli {
 
 namespace {
 
+/// What completes the values of an option in a shell, by their kind.
+struct Completions {
+  std::string_view keys, scene, directory, file, other;
+
+  std::string_view of(const OptionText& option) const {
+    if (option.repeatable) return keys;
+    return option.type == "SCENE" ? scene : option.type == "DIR" ? directory : option.type == "FILE" ? file : other;
+  }
+};
+
 /// Shell commands that fill COMPREPLY with what an option or argument may be; empty where nothing is known.
 std::string bash_action(const OptionText& option) {
-  if (const auto words = option.words(); !words.empty())
-    return fmt::format("_viscobar_{} \"{}\"", option.type.find(',') == std::string::npos ? "words" : "list",
-                       fmt::join(words, " "));
-  if (option.repeatable) return "_viscobar_keys";
-  if (option.type == "SCENE") return "_viscobar_scenes";
-  if (option.type == "DIR") return "_viscobar_files -d";
-  if (option.type == "FILE") return "_viscobar_files -f";
-  return option.type.empty() ? "" : ":";
+  constexpr Completions bash{"_viscobar_keys", "_viscobar_scenes", "_viscobar_files -d", "_viscobar_files -f", ":"};
+  if (option.type.empty()) return "";
+  const std::string words = option.words();
+  return words.empty() ? std::string(bash.of(option))
+                       : fmt::format("_viscobar_{} \"{}\"", option.takes_list() ? "list" : "words", words);
 }
 
-std::string bash_case(const CommandText& command) {
+std::string bash_case(const CLI::App& command) {
   std::string options, argument = ":", lines;
-  for (const OptionText& option : command.options) {
+  for (const OptionText& option : options_of(command)) {
     const std::string action = bash_action(option);
     if (option.is_argument()) {
       argument = action;
@@ -36,32 +41,20 @@ std::string bash_case(const CommandText& command) {
   return fmt::format(
       "    {})\n      case $before in\n{}      esac\n"
       "      if [[ $word == -* ]]; then _viscobar_words \"{}\"; else {}; fi ;;\n",
-      command.name, lines, options.substr(1), argument);
+      command.get_name(), lines, options.substr(1), argument);
 }
 
 /// What a description may hold in an argument of zsh's _arguments, within single quotes.
-std::string zsh_text(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '\'')
-      out += "'\\''";
-    else if (c == '[' || c == ']' || c == ':' || c == '\\')
-      out += fmt::format("\\{}", c);
-    else
-      out += c;
-  }
-  return out;
+std::string zsh_text(const std::string& text) {
+  const std::string marked = std::regex_replace(text, std::regex(R"([\[\]:\\])"), R"(\$&)");
+  return std::regex_replace(marked, std::regex("'"), R"('\'')");
 }
 
 std::string zsh_action(const OptionText& option) {
-  if (const auto words = option.words(); !words.empty()) {
-    const std::string known = fmt::format("{}", fmt::join(words, " "));
-    return option.type.find(',') == std::string::npos ? "(" + known + ")" : "_sequence compadd - " + known;
-  }
-  if (option.repeatable) return "_viscobar_keys";
-  if (option.type == "SCENE") return "_files -g \"*.toml\"";
-  if (option.type == "DIR") return "_files -/";
-  return option.type == "FILE" ? "_files" : " ";
+  constexpr Completions zsh{"_viscobar_keys", "_files -g \"*.toml\"", "_files -/", "_files", " "};
+  const std::string words = option.words();
+  if (words.empty()) return std::string(zsh.of(option));
+  return option.takes_list() ? "_sequence compadd - " + words : "(" + words + ")";
 }
 
 std::string zsh_spec(const OptionText& option) {
@@ -75,13 +68,11 @@ std::string zsh_spec(const OptionText& option) {
                      value);
 }
 
-}  // namespace
-
 std::string bash_completion(const CLI::App& app) {
   std::string names, cases, keys, values;
-  for (const CommandText& command : command_texts(app)) {
-    names += command.name + " ";
-    cases += bash_case(command);
+  for (const CLI::App* command : app.get_subcommands({})) {
+    names += command->get_name() + " ";
+    cases += bash_case(*command);
   }
   for (const SceneKey& key : scene_keys()) {
     keys += fmt::format("{}= ", key.name);
@@ -140,10 +131,10 @@ complete -F _viscobar viscobar
 
 std::string zsh_completion(const CLI::App& app) {
   std::string commands, cases, keys, values;
-  for (const CommandText& command : command_texts(app)) {
-    commands += fmt::format("    '{}:{}'\n", command.name, zsh_text(command.description));
-    cases += fmt::format("    {})\n      _arguments", command.name);
-    for (const OptionText& option : command.options) cases += fmt::format(" \\\n        {}", zsh_spec(option));
+  for (const CLI::App* command : app.get_subcommands({})) {
+    commands += fmt::format("    '{}:{}'\n", command->get_name(), zsh_text(command->get_description()));
+    cases += fmt::format("    {})\n      _arguments", command->get_name());
+    for (const OptionText& option : options_of(*command)) cases += fmt::format(" \\\n        {}", zsh_spec(option));
     cases += " ;;\n";
   }
   for (const SceneKey& key : scene_keys()) {
@@ -182,16 +173,13 @@ if [[ $zsh_eval_context[-1] == loadautofunc ]]; then _viscobar "$@"; else compde
 }
 
 // Of fish: a quoted word, in which a backslash and a quote stand for themselves.
-static std::string fish_quoted(std::string_view text) {
-  std::string out = "'";
-  for (const char c : text) {
-    if (c == '\'' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + "'";
+std::string fish_quoted(const std::string& text) {
+  return "'" + std::regex_replace(text, std::regex(R"(['\\])"), R"(\$&)") + "'";
 }
 
 std::string fish_completion(const CLI::App& app) {
+  constexpr Completions fish{"-x -a \"$__viscobar_keys\"", "-k -x -a '(__fish_complete_suffix .toml)'",
+                             "-x -a '(__fish_complete_directories)'", "-r -F", "-x"};
   std::string lines, keys;
   for (const SceneKey& key : scene_keys()) {
     if (key.choices.empty() || key.type == KeyType::list) keys += fmt::format("{}= ", key.name);
@@ -199,27 +187,19 @@ std::string fish_completion(const CLI::App& app) {
       for (const std::string_view word : key.choice_names()) keys += fmt::format("{}={} ", key.name, word);
   }
   keys.pop_back();
-  for (const CommandText& command : command_texts(app)) {
-    lines += fmt::format("complete -c viscobar -n __fish_use_subcommand -f -a {} -d {}\n", command.name,
-                         fish_quoted(command.description));
-    for (const OptionText& option : command.options) {
-      const auto words = option.words();
-      std::string action = "-f";
-      if (!words.empty())
-        action = fmt::format("-x -a {}", fish_quoted(fmt::format("{}", fmt::join(words, " "))));
-      else if (option.repeatable)
-        action = "-x -a \"$__viscobar_keys\"";
-      else if (option.type == "SCENE")
-        action = "-k -x -a '(__fish_complete_suffix .toml)'";
-      else if (option.type == "DIR")
-        action = "-x -a '(__fish_complete_directories)'";
-      else if (!option.type.empty())
-        action = option.type.find("FILE") == std::string::npos ? "-x" : "-r -F";
+  for (const CLI::App* command : app.get_subcommands({})) {
+    lines += fmt::format("complete -c viscobar -n __fish_use_subcommand -f -a {} -d {}\n", command->get_name(),
+                         fish_quoted(command->get_description()));
+    for (const OptionText& option : options_of(*command)) {
+      const std::string words = option.words();
+      const std::string action = option.type.empty() ? "-f"
+                                 : words.empty()     ? std::string(fish.of(option))
+                                                     : "-x -a " + fish_quoted(words);
       std::string names;
       for (const std::string& name : option.names)
         names += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
-      lines += fmt::format("complete -c viscobar -n '__fish_seen_subcommand_from {}'{} {} -d {}\n", command.name, names,
-                           action, fish_quoted(option.description));
+      lines += fmt::format("complete -c viscobar -n '__fish_seen_subcommand_from {}'{} {} -d {}\n", command->get_name(),
+                           names, action, fish_quoted(option.description));
     }
   }
   return fmt::format(
@@ -228,16 +208,17 @@ std::string fish_completion(const CLI::App& app) {
       fish_quoted(keys), lines);
 }
 
-CompletionCommand::CompletionCommand(CLI::App& app)
-    : Command(app, "completion", "Print the completions for a shell"), app_(app) {
-  command_.add_option("shell", shell_, "The shell")->required()->type_name("bash|zsh|fish");
-}
+}  // namespace
 
-int CompletionCommand::operator()() const {
-  if (shell_ != "bash" && shell_ != "zsh" && shell_ != "fish")
-    throw std::invalid_argument(fmt::format("completion: there is none for {}, only for bash, zsh and fish", shell_));
-  print(shell_ == "bash" ? bash_completion(app_) : shell_ == "zsh" ? zsh_completion(app_) : fish_completion(app_));
-  return success;
+Action completion_command(CLI::App& command) {
+  const auto shell = std::make_shared<std::string>();
+  add(command, "shell", "bash|zsh|fish", *shell, "The shell")->required();
+  return [shell, &app = *command.get_parent()] {
+    if (*shell != "bash" && *shell != "zsh" && *shell != "fish")
+      refuse("completion: there is none for {}, only for bash, zsh and fish", *shell);
+    print(*shell == "bash" ? bash_completion(app) : *shell == "zsh" ? zsh_completion(app) : fish_completion(app));
+    return success;
+  };
 }
 
 }  // namespace viscobar::cli

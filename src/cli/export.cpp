@@ -1,7 +1,5 @@
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <stdexcept>
+#include <array>
 
 #include "cli/commands.hpp"
 #include "results/export_result.hpp"
@@ -9,33 +7,36 @@
 
 namespace viscobar::cli {
 
-ExportCommand::ExportCommand(CLI::App& app)
-    : Command(app, "export", "Write the field and the end traces of a run as CSV, NumPy arrays or XDMF") {
-  command_.add_option("directory", directory_, "The directory of results of `viscobar run`")
-      ->required()
-      ->type_name("DIR");
-  command_.add_option("--format", format_, "Of the files")->type_name("csv|npy|xdmf")->capture_default_str();
-  command_
-      .add_option("-o,--output", where_,
-                  "Directory of the files; an earlier export there is replaced (default: DIR/csv, DIR/npy or DIR/xdmf)")
-      ->type_name("DIR");
-  add_quiet(command_, quiet_);
+namespace {
+
+struct ExportOptions {
+  std::string directory, format = "csv", where;
+  bool quiet = false;
+};
+
+int export_files(const ExportOptions& asked) {
+  constexpr std::array known = {"csv", "npy", "xdmf"};
+  constexpr ExportFormat formats[] = {ExportFormat::csv, ExportFormat::npy, ExportFormat::xdmf};
+  const auto* format = std::ranges::find(known, asked.format);
+  if (format == known.end())
+    refuse("--format: there is no format \"{}\"{}", asked.format, instead_of(asked.format, known));
+  std::filesystem::path target = asked.where;
+  if (target.empty()) target = std::filesystem::path(asked.directory) / asked.format;
+  for (const auto& file : export_result(asked.directory, formats[format - known.begin()], target))
+    if (!asked.quiet) print(one_line(file.string()) + "\n");
+  return success;
 }
 
-int ExportCommand::operator()() const {
-  const std::vector<std::string_view> known = {"csv", "npy", "xdmf"};
-  if (std::ranges::find(known, format_) == known.end())
-    throw std::invalid_argument(
-        fmt::format("--format: there is no format \"{}\"{}", format_, instead_of(format_, known)));
-  const std::filesystem::path target =
-      where_.empty() ? std::filesystem::path(directory_) / format_ : std::filesystem::path(where_);
-  const ExportFormat format = format_ == "csv"   ? ExportFormat::csv
-                              : format_ == "npy" ? ExportFormat::npy
-                                                 : ExportFormat::xdmf;
-  const auto files = export_result(directory_, format, target);
-  if (!quiet_)
-    for (const auto& file : files) print(one_line(file.string()) + "\n");
-  return success;
+}  // namespace
+
+Action export_command(CLI::App& command) {
+  const auto asked = std::make_shared<ExportOptions>();
+  add(command, "directory", "DIR", asked->directory, "The directory of results of `viscobar run`")->required();
+  add(command, "--format", "csv|npy|xdmf", asked->format, "Of the files")->capture_default_str();
+  add(command, "-o,--output", "DIR", asked->where,
+      "Directory of the files; an earlier export there is replaced (default: DIR/csv, DIR/npy or DIR/xdmf)");
+  add_quiet(command, asked->quiet);
+  return [asked] { return export_files(*asked); };
 }
 
 }  // namespace viscobar::cli

@@ -1,5 +1,3 @@
-#include "cli/interrupt.hpp"
-
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
@@ -11,8 +9,8 @@ namespace viscobar::cli {
 
 namespace {
 
-std::atomic<bool> asked = false;
-std::atomic<double> asked_at = 0.0;
+std::atomic<bool> was_heard = false;
+std::atomic<double> heard_at = 0.0;
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<double>::is_always_lock_free,
               "a signal handler may touch nothing else");
 
@@ -25,9 +23,9 @@ double monotonic_seconds() {
 // One request may arrive twice, to the process and to its group, as timeout(1) sends it. A later one is impatience.
 void heard(int signal) {
   constexpr double same_request = 0.5;
-  if (!asked.exchange(true))
-    asked_at = monotonic_seconds();
-  else if (monotonic_seconds() > asked_at + same_request)
+  if (!was_heard.exchange(true))
+    heard_at = monotonic_seconds();
+  else if (monotonic_seconds() > heard_at + same_request)
     std::signal(signal, SIG_DFL), std::raise(signal);
 }
 
@@ -50,6 +48,6 @@ void end_on_interrupt() {
   handle([](int) { std::_Exit(stopped); });
 }
 
-bool interrupt_asked() { return asked.load(std::memory_order_relaxed); }
+bool interrupt_asked() { return was_heard.load(std::memory_order_relaxed); }
 
 }  // namespace viscobar::cli

@@ -1,18 +1,14 @@
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <exception>
-#include <memory>
+#include <map>
 #include <new>
 #include <sstream>
-#include <vector>
 
-#include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "cli/messages.hpp"
 #include "results/directory_lock.hpp"
 #include "text/nearest_name.hpp"
 #include "viscobar/results/versions.hpp"
@@ -20,6 +16,35 @@
 namespace viscobar::cli {
 
 namespace {
+
+constexpr struct {
+  const char *name, *description;
+  Action (*add_options)(CLI::App& command);
+} commands[] = {
+    {"run", "Run a scene and write its results and a report with pictures", run_command},
+    {"resume", "Continue a run that was stopped, from its last checkpoint", resume_command},
+    {"check", "Validate a scene, describe its model and predict its first impacts", check_command},
+    {"compare", "Run a scene by several methods and report their differences", compare_command},
+    {"limit",
+     "Study how the penalised bar tends to the fully discrete scheme as epsilon goes to 0: penetration, differences, "
+     "orders, verdict",
+     limit_command},
+    {"precision",
+     "Measure time against error for the methods that fit the scene, and split the error into space, penalty and time",
+     precision_command},
+    {"fit", "Fit values of a scene to measured traces and contact times, by least squares", fit_command},
+    {"sweep",
+     "Run a scene for many values of its keys, on all cores, or under mpirun on many machines; the same command goes "
+     "on with a sweep that was stopped",
+     sweep_command},
+    {"list", "List the methods, the masses and the keys of a scene file", list_command},
+    {"new", "Write a commented scene to start from", new_command},
+    {"info", "List the contents of a directory of results, or of one summary", info_command},
+    {"export", "Write the field and the end traces of a run as CSV, NumPy arrays or XDMF", export_command},
+    {"completion", "Print the completions for a shell", completion_command},
+    {"man", "Print the man page", man_command},
+    {"help", "Print the help of a command", help_command},
+};
 
 std::string version_text() {
   const Versions used = versions();
@@ -55,8 +80,8 @@ std::string explanation(const CLI::App& app, const CLI::ParseError& error) {
   if (what.find("flag override") != what.npos)
     return fmt::format("--{} takes no value", what.substr(0, what.find(' ')));
   if (!chosen.empty()) return what;
-  std::vector<std::string> names;
-  for (const CommandText& known : command_texts(app)) names.push_back(known.name);
+  std::vector<std::string_view> names;
+  for (const auto& command_of_all : commands) names.push_back(command_of_all.name);
   return fmt::format("no command given; there are {}", fmt::join(names, ", "));
 }
 
@@ -65,19 +90,12 @@ void check_values(const CLI::App& command, int argc, char** argv) {
   const auto option = [&](const char* word) { return word[0] == '-' ? command.get_option_no_throw(word) : nullptr; };
   for (int i = 2; i + 1 < argc && std::string_view(argv[i]) != "--"; ++i)
     if (const CLI::Option* taker = option(argv[i]); taker && taker->get_items_expected_max() > 0 && option(argv[i + 1]))
-      throw std::invalid_argument(fmt::format("{0} needs {1}, and {2} is an option; {0}={2} would take it for one",
-                                              argv[i], taker->get_type_name(), argv[i + 1]));
+      refuse("{0} needs {1}, and {2} is an option; {0}={2} would take it for one", argv[i], taker->get_type_name(),
+             argv[i + 1]);
   for (const CLI::Option* taker : command.get_options())
     if (!taker->get_positional() && taker->count() > 0 && taker->get_items_expected_max() > 0 &&
         std::ranges::any_of(taker->results(), [](const std::string& value) { return value.empty(); }))
-      throw std::invalid_argument(taker->get_name() + ": is given no value");
-}
-
-template <class... Commands>
-std::vector<std::unique_ptr<const Command>> add_commands(CLI::App& app) {
-  std::vector<std::unique_ptr<const Command>> commands;
-  (commands.push_back(std::make_unique<Commands>(app)), ...);
-  return commands;
+      refuse("{}: is given no value", taker->get_name());
 }
 
 int run(int argc, char** argv) {
@@ -85,9 +103,9 @@ int run(int argc, char** argv) {
   app.set_version_flag("-V,--version", version_text(), "Print the versions and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.require_subcommand(1);
-  const auto commands = add_commands<RunCommand, ResumeCommand, CheckCommand, CompareCommand, LimitCommand,
-                                     PrecisionCommand, FitCommand, SweepCommand, ListCommand, NewCommand, InfoCommand,
-                                     ExportCommand, CompletionCommand, ManCommand, HelpCommand>(app);
+  std::map<std::string, Action> actions;
+  for (const auto& [name, description, add_options] : commands)
+    actions.emplace(name, add_options(*app.add_subcommand(name, description)));
   MessageOptions messages;
   for (CLI::App* command : app.get_subcommands({})) {
     messages.add_to(*command);
@@ -109,11 +127,11 @@ int run(int argc, char** argv) {
     say(fmt::format("viscobar {}--help says more.", chosen.empty() ? "" : chosen.front()->get_name() + " "));
     return wrong_input;
   }
-  check_values(*app.get_subcommands().front(), argc, argv);
+  const CLI::App& chosen = *app.get_subcommands().front();
+  check_values(chosen, argc, argv);
   messages.begin(argc, argv);
-  const auto chosen = std::ranges::find_if(commands, [](const auto& command) { return command->chosen(); });
   try {
-    return (**chosen)();
+    return actions.at(chosen.get_name())();
   } catch (const DirectoryInUse& error) {
     if (!error.by_same_job) throw;
     // mpirun would end the one that does run.
@@ -145,22 +163,21 @@ int main(int argc, char** argv) {
   // A limit on file sizes is an error like a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   std::set_terminate(cli::end_without_memory);
+  int code = cli::run_failed;
   try {
-    return cli::end_messages(cli::run(argc, argv));
+    code = cli::run(argc, argv);
   } catch (const SceneError& error) {
     for (const Diagnostic& diagnostic : error.diagnostics) cli::say(diagnostic.text());
-    return cli::end_messages(cli::wrong_input);
+    code = cli::wrong_input;
   } catch (const std::invalid_argument& error) {
     cli::complain(error.what());
-    return cli::end_messages(cli::wrong_input);
+    code = cli::wrong_input;
   } catch (const std::bad_alloc&) {
     cli::complain("there is not enough memory");
-    return cli::end_messages(cli::run_failed);
   } catch (const std::exception& error) {
     cli::complain(error.what());
-    return cli::end_messages(cli::run_failed);
   } catch (...) {  // muParser's are none of the above; a formula that has been understood fails for want of memory only
     cli::complain("a formula cannot be evaluated");
-    return cli::end_messages(cli::run_failed);
   }
+  return cli::end_messages(code);
 }

@@ -1,8 +1,6 @@
-#include <fmt/format.h>
-
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "input/scene_keys.hpp"
+#include "input/vocabulary.hpp"
 #include "viscobar/results/versions.hpp"
 
 namespace viscobar::cli {
@@ -14,16 +12,13 @@ std::string roff(std::string_view text) {
   std::string out;
   if (text.starts_with('.') || text.starts_with('\'')) out = "\\&";
   for (const char c : text) {
-    if (c == '\\')
-      out += "\\e";
-    else if (c == '-')
-      out += "\\-";
-    else if (c == '^')
-      out += "\\(ha";
-    else if (c == '`')
-      out += "\\(ga";
-    else
-      out += c;
+    switch (c) {
+      case '\\': out += "\\e"; break;
+      case '-': out += "\\-"; break;
+      case '^': out += "\\(ha"; break;
+      case '`': out += "\\(ga"; break;
+      default: out += c;
+    }
   }
   return out;
 }
@@ -38,49 +33,30 @@ std::string head(const OptionText& option) {
   return option.type.empty() ? text : text + " " + italic(option.type);
 }
 
-std::string section(const CommandText& command) {
+std::string section(const CLI::App& command) {
   std::string arguments, details;
-  for (const OptionText& option : command.options) {
+  for (const OptionText& option : options_of(command)) {
     const std::string type = italic(option.type);
     if (option.is_argument()) arguments += option.required ? " " + type : " [" + type + "]";
     details += fmt::format(".TP\n{}\n{}{}\n", head(option), roff(option.description),
                            option.fallback.empty() ? "" : fmt::format(" (default: {})", roff(option.fallback)));
   }
-  return fmt::format(".SS {}{} [options]\n{}.\n{}", bold("viscobar " + command.name), arguments,
-                     roff(command.description), details);
+  return fmt::format(".SS {}{} [options]\n{}.\n{}", bold("viscobar " + command.get_name()), arguments,
+                     roff(command.get_description()), details);
 }
 
 std::string key_entry(const SceneKey& key) {
-  std::string type = type_words(key), fallback = default_words(key);
-  std::erase(type, '`');
-  std::erase(fallback, '`');
-  const std::string unit = key.unit.empty() || key.unit == "1" ? "" : fmt::format("; unit: {}", roff(key.unit));
-  return fmt::format(".TP\n{}\n{} ({}; default: {}{})\n", bold(key.name), roff(key.meaning), roff(type), roff(fallback),
-                     unit);
+  return fmt::format(".TP\n{}\n{} ({})\n", bold(key.name), roff(key.meaning), roff(facts(key)));
 }
 
 constexpr std::string_view closing = R"(.SH FILES
-A run leaves in its directory
-.IR summary.json ,
-.IR ends.csv ,
-.IR events.csv ,
-.IR energy.csv ,
-.I field.h5
-with
-.I field.xdmf
-for ParaView, and
-.IR report.html .
-Studies leave
-.I compare.json
-and
-.IR compare.html ,
+A run leaves in its directory \fIsummary.json\fR, \fIends.csv\fR, \fIevents.csv\fR, \fIenergy.csv\fR, \fIfield.h5\fR
+with \fIfield.xdmf\fR for ParaView, and \fIreport.html\fR. Studies leave \fIcompare.json\fR and \fIcompare.html\fR,
 and so on.
 .PP
-One command at a time works in a directory; another one is refused. A whole result there stays until the next run is whole, whose files are in
-.I unfinished
-until then; after an interrupt
-.B viscobar resume
-goes on there. Files that are not of a result are never touched.
+One command at a time works in a directory; another one is refused. A whole result there stays until the next run is
+whole, whose files are in \fIunfinished\fR until then; after an interrupt \fBviscobar resume\fR goes on there. Files
+that are not of a result are never touched.
 .SH ENVIRONMENT
 .TP
 .B NO_COLOR
@@ -108,29 +84,36 @@ viscobar limit scene.toml \-\-epsilon 1e\-2:1e\-8
 .EE
 )";
 
-}  // namespace
-
 std::string man_page(const CLI::App& app) {
-  std::string text = fmt::format(
-      ".TH VISCOBAR 1 \"\" \"viscobar {0}\" \"User Commands\"\n.SH NAME\nviscobar \\- {1}\n.SH SYNOPSIS\n"
-      ".B viscobar\n.I COMMAND\n[argument] [options]\n.br\n.B viscobar \\-\\-version\n.SH DESCRIPTION\n"
-      "Computes the motion of a Kelvin\\-Voigt bar whose ends, or whose whole length, meet rigid obstacles: by a "
-      "penalised\n"
-      "semi\\-discretisation with adaptive steps and located contact changes, and by fully discrete schemes; and "
-      "compares\n"
-      "the two. A scene is a TOML file, see SCENE FILE below.\n.SH COMMANDS\n",
-      versions().viscobar, roff(app.get_description()));
-  for (const CommandText& command : command_texts(app)) text += section(command);
+  std::string text = fmt::format(R"(.TH VISCOBAR 1 "" "viscobar {0}" "User Commands"
+.SH NAME
+viscobar \- {1}
+.SH SYNOPSIS
+.B viscobar
+.I COMMAND
+[argument] [options]
+.br
+.B viscobar \-\-version
+.SH DESCRIPTION
+Computes the motion of a Kelvin\-Voigt bar whose ends, or whose whole length, meet rigid obstacles: by a penalised
+semi\-discretisation with adaptive steps and located contact changes, and by fully discrete schemes; and compares
+the two. A scene is a TOML file, see SCENE FILE below.
+.SH COMMANDS
+)",
+                                 versions().viscobar, roff(app.get_description()));
+  for (const CLI::App* command : app.get_subcommands({})) text += section(*command);
   text += ".SH SCENE FILE\n";
   for (const SceneKey& key : scene_keys()) text += key_entry(key);
   return text + std::string(closing);
 }
 
-ManCommand::ManCommand(CLI::App& app) : Command(app, "man", "Print the man page"), app_(app) {}
+}  // namespace
 
-int ManCommand::operator()() const {
-  print(man_page(app_));
-  return success;
+Action man_command(CLI::App& command) {
+  return [&app = *command.get_parent()] {
+    print(man_page(app));
+    return success;
+  };
 }
 
 }  // namespace viscobar::cli

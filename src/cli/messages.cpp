@@ -8,19 +8,15 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
-#include <memory>
-#include <stdexcept>
 #include <system_error>
 #include <utility>
 
 #include "cli/commands.hpp"
-#include "cli/progress.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/results/io_error.hpp"
 #include "viscobar/results/versions.hpp"
@@ -69,7 +65,7 @@ void check_log(int descriptor, const std::string& file) {
   std::ifstream(file, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
   const auto fits = [](char a, char b) { return a == '0' ? b >= '0' && b <= '9' : a == b; };
   if (!std::equal(like.begin(), like.end(), begin.begin(), fits))
-    throw std::invalid_argument(fmt::format("--log: {} is not a log of viscobar; nothing was appended to it", file));
+    refuse("--log: {} is not a log of viscobar; nothing was appended to it", file);
 }
 
 bool colours() {
@@ -82,15 +78,21 @@ bool colours() {
 
 void write_line(std::string_view word, std::string_view colour, std::string_view what) {
   const std::string begin = on_terminal() ? "\r\033[K" : "";  // a progress line may stand there
-  const std::string marked = word.empty() ? ""
-                             : colours()  ? fmt::format("\033[{}m{}\033[0m ", colour, word)
-                                          : fmt::format("{} ", word);
-  put(stderr, begin + marked + message(what) + "\n");
+  const std::string marked =
+      colour.empty() || !colours() ? std::string(word) : fmt::format("\033[{}m{}\033[0m", colour, word);
+  put(stderr, fmt::format("{}{}{}{}\n", begin, marked, word.empty() ? "" : " ", message(what)));
 }
 
 void write_both(std::string_view word, std::string_view colour, std::string_view what) {
   write_line(word, colour, what);
-  write_log(word.empty() ? std::string(what) : fmt::format("{} {}", word, what));
+  write_log(fmt::format("{}{}{}", word, word.empty() ? "" : " ", what));
+}
+
+/// "35 s", "2 min 05 s", "3 h 07 min"
+std::string duration(double seconds) {
+  const auto whole = static_cast<long long>(seconds + 0.5);
+  if (whole >= 3600) return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
+  return whole >= 60 ? fmt::format("{} min {:02} s", whole / 60, whole % 60) : fmt::format("{} s", whole);
 }
 
 }  // namespace
@@ -103,13 +105,33 @@ void open_standard_streams() {
   std::signal(SIGPIPE, SIG_IGN);
 }
 
-void show_status(std::string_view what) { put(stderr, fmt::format("\r\033[K{}", what)); }
+bool on_terminal() { return isatty(STDERR_FILENO) == 1; }
+
+void StatusLine::show(std::string_view what) {
+  put(stderr, fmt::format("\r\033[K{}", what));
+  shown_ = true;
+}
+
+void StatusLine::clear() {
+  if (shown_) show("");
+  shown_ = false;
+}
+
+bool Progress::due() {
+  const auto now = Clock::now();
+  if (now < next_) return false;
+  next_ = now + std::chrono::milliseconds(200);
+  return true;
+}
+
+void Progress::show(const std::string& what, double share) {
+  const double elapsed = std::chrono::duration<double>(Clock::now() - started_).count();
+  line_.show(share > 0.0 ? fmt::format("{}  {} left", what, duration(elapsed * (1.0 - share) / share)) : what);
+}
 
 void MessageOptions::add_to(CLI::App& command) {
-  command
-      .add_option("--log", log,
-                  "Append every action and message with its time to FILE, a new file or a log of viscobar")
-      ->type_name("FILE");
+  add(command, "--log", "FILE", log,
+      "Append every action and message with its time to FILE, a new file or a log of viscobar");
   command.add_flag("-v,--verbose", verbose, "Print more on standard error: files read, contact changes as they happen");
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <string>
 #include <string_view>
 
@@ -28,8 +29,37 @@ void say(std::string_view what);       ///< as it is
 /// To standard error with -v only, to the log always.
 void detail(std::string_view what);
 
-/// Puts a line of progress in the place of the one before, on the terminal; an empty one clears it.
-void show_status(std::string_view what);
+/// Standard error is a terminal.
+bool on_terminal();
+
+/// A line on the terminal that says what is being done, overwritten by the next.
+class StatusLine {
+ public:
+  StatusLine() = default;
+  ~StatusLine() { clear(); }
+  StatusLine(const StatusLine&) = delete;
+  StatusLine& operator=(const StatusLine&) = delete;
+
+  void show(std::string_view what);
+  void clear();
+
+ private:
+  bool shown_ = false;
+};
+
+/// How far the work is, on the terminal, a few times a second once it has taken one.
+class Progress {
+ public:
+  /// Whether it is time for another line.
+  bool due();
+  /// The line, and the time left, which follows from the share that is done.
+  void show(const std::string& what, double share);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point started_ = Clock::now(), next_ = started_ + std::chrono::seconds(1);
+  StatusLine line_;
+};
 
 /// Closes the log with the exit code, which it returns.
 int end_messages(int code);

@@ -1,13 +1,11 @@
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <stdexcept>
 #include <system_error>
 
 #include "cli/commands.hpp"
-#include "input/scene_template.hpp"
+#include "input/vocabulary.hpp"
 #include "results/output_file.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/results/io_error.hpp"
@@ -23,33 +21,34 @@ void create_new(const std::string& file) {
     ::close(descriptor);
     return;
   }
-  if (errno == EEXIST) throw std::invalid_argument(file + " is there already; nothing was overwritten");
+  if (errno == EEXIST) refuse("{} is there already; nothing was overwritten", file);
   throw IoError(file, "cannot be created: " + std::generic_category().message(errno));
+}
+
+int make_scene(const std::string& file) {
+  if (file.empty()) {
+    print(scene_template());
+    return success;
+  }
+  create_new(file);
+  try {
+    OutputFile output(file, OutputFile::Content::keep);
+    output.write_at(0, scene_template());
+    output.close();
+  } catch (const IoError&) {
+    ::unlink(file.c_str());
+    throw;
+  }
+  print(fmt::format("{0} is a scene; edit it, then\n  viscobar check {0}\n  viscobar run {0}\n", one_line(file)));
+  return success;
 }
 
 }  // namespace
 
-NewCommand::NewCommand(CLI::App& app) : Command(app, "new", "Write a commented scene to start from") {
-  command_.add_option("file", file_, "The new file, which must not exist (default: standard output)")
-      ->type_name("FILE");
-}
-
-int NewCommand::operator()() const {
-  if (file_.empty()) {
-    print(scene_template());
-    return success;
-  }
-  create_new(file_);
-  try {
-    OutputFile file(file_, OutputFile::Content::keep);
-    file.write_at(0, scene_template());
-    file.close();
-  } catch (const IoError&) {
-    ::unlink(file_.c_str());
-    throw;
-  }
-  print(fmt::format("{0} is a scene; edit it, then\n  viscobar check {0}\n  viscobar run {0}\n", one_line(file_)));
-  return success;
+Action new_command(CLI::App& command) {
+  const auto file = std::make_shared<std::string>();
+  add(command, "file", "FILE", *file, "The new file, which must not exist (default: standard output)");
+  return [file] { return make_scene(*file); };
 }
 
 }  // namespace viscobar::cli

@@ -1,22 +1,14 @@
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <atomic>
 #include <charconv>
-#include <chrono>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <optional>
-#include <stdexcept>
 #include <utility>
-#include <vector>
 
-#include "case/peak_remark.hpp"
+#include "case/regime.hpp"
 #include "cli/commands.hpp"
-#include "cli/interrupt.hpp"
-#include "cli/messages.hpp"
-#include "cli/progress.hpp"
 #include "report/run/estimate_text.hpp"
 #include "results/csv.hpp"
 #include "results/result_directory.hpp"
@@ -59,7 +51,7 @@ std::string contact_rows(const Case& run, const std::vector<Event>& events) {
   }
   for (const auto& lasting : closed)
     if (lasting) tell(*lasting, nullptr);
-  if (more > 0) text += row("", fmt::format("and {} more contacts", more));
+  if (more > 0) text += row("", "and {} more contacts", more);
   return text;
 }
 
@@ -71,31 +63,27 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
   if (outcome.ending == Ending::completed)
     text += row("simulated time", with_unit(outcome.reached_time, units, Dimension::time));
   else
-    text += row("simulated time", fmt::format("{:.6g} of {:.6g}: not completed", outcome.reached_time, run.end));
-  text += row("steps", fmt::format("{}", outcome.steps));
-  if (is_obstacle(run.scene.left) || is_obstacle(run.scene.right) || run.scene.span)
-    text += row("contact changes", fmt::format("{}", outcome.events));
+    text += row("simulated time", "{:.6g} of {:.6g}: not completed", outcome.reached_time, run.end);
+  text += row("steps", "{}", outcome.steps);
+  if (meets_obstacle(run.scene)) text += row("contact changes", "{}", outcome.events);
   if (const auto& statistics = outcome.statistics) {
-    text += row("evaluations", fmt::format("{}", statistics->rhs_evaluations));
-    text += row("linear solves",
-                fmt::format("{}, {} factorisations", statistics->linear_solves, statistics->matrix_factorisations));
+    text += row("evaluations", "{}", statistics->rhs_evaluations);
+    text += row("linear solves", "{}, {} factorisations", statistics->linear_solves, statistics->matrix_factorisations);
     if (statistics->max_penetration > 0.0)
       text += row("largest penetration", with_unit(statistics->max_penetration, units, Dimension::length));
-    if (const auto& energy = statistics->energy)
-      text += row("energy", fmt::format("{:.6g} to {:.6g}, dissipated {:.6g}, work {:.6g}{}, balance error {:.2g}",
-                                        energy->initial, energy->final, energy->dissipated, energy->work,
-                                        energy->end_inertia == 0.0
-                                            ? ""
-                                            : fmt::format(", taken by the mass's end rows {:.3g}", energy->end_inertia),
-                                        energy->balance_error()));
+    if (const auto& energy = statistics->energy) {
+      const std::string end_rows =
+          energy->end_inertia == 0.0 ? "" : fmt::format(", taken by the mass's end rows {:.3g}", energy->end_inertia);
+      text += row("energy", "{:.6g} to {:.6g}, dissipated {:.6g}, work {:.6g}{}, balance error {:.2g}", energy->initial,
+                  energy->final, energy->dissipated, energy->work, end_rows, energy->balance_error());
+    }
     if (const auto& account = statistics->account) {
       const auto contact = [&](const char* where, bool there, const char* closings, const auto& obstacle) {
         if (there)
-          text += row(where,
-                      fmt::format("{} {}, in contact for {}, impulse {}, peak reaction {}", obstacle.closings, closings,
-                                  with_unit(obstacle.contact.total(outcome.reached_time), units, Dimension::time),
-                                  with_unit(obstacle.impulse, units, Dimension::impulse),
-                                  with_unit(obstacle.peak_reaction, units, Dimension::stress)));
+          text += row(where, "{} {}, in contact for {}, impulse {}, peak reaction {}", obstacle.closings, closings,
+                      with_unit(obstacle.contact.total(outcome.reached_time), units, Dimension::time),
+                      with_unit(obstacle.impulse, units, Dimension::impulse),
+                      with_unit(obstacle.peak_reaction, units, Dimension::stress));
       };
       contact("left obstacle", is_obstacle(run.scene.left), "closings", account->left);
       contact("right obstacle", is_obstacle(run.scene.right), "closings", account->right);
@@ -104,8 +92,8 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
       if (events.size() == outcome.events) text += contact_rows(run, events);
       const auto motion = [&](const char* where, const EndCondition& kind, const EndAccount& end) {
         if (!is_fixed(kind) && end.lowest <= end.highest)
-          text += row(where, fmt::format("u from {} to {}", with_unit(end.lowest, units, Dimension::length),
-                                         with_unit(end.highest, units, Dimension::length)));
+          text += row(where, "u from {} to {}", with_unit(end.lowest, units, Dimension::length),
+                      with_unit(end.highest, units, Dimension::length));
       };
       motion("left end", run.scene.left, account->left);
       motion("right end", run.scene.right, account->right);
@@ -115,9 +103,9 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
     if (outcome.error_estimate)
       for (const auto& [what, value] : estimate_rows(*outcome.error_estimate)) text += row(what, value);
     if (!outcome.no_estimate.empty()) text += row("error", "there is no estimate: " + outcome.no_estimate);
-    text += row("integration", fmt::format("{:.3g} s", statistics->integration_seconds));
+    text += row("integration", "{:.3g} s", statistics->integration_seconds);
   }
-  text += row("whole run", fmt::format("{:.3g} s", outcome.wall_seconds));
+  text += row("whole run", "{:.3g} s", outcome.wall_seconds);
   return text + (run.files.report ? row("pictures", (directory / "report.html").string())
                                   : row("results", directory.string()));
 }
@@ -125,7 +113,7 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
 int exit_code(Ending ending) {
   switch (ending) {
     case Ending::completed: return success;
-    case Ending::failed: return run_failed;
+    case Ending::failed: break;
     case Ending::refused: return wrong_input;
     case Ending::interrupted: return stopped;
   }
@@ -137,14 +125,18 @@ template <class Record>
 int shown(const SceneFile& scene, const fs::path& directory, bool json, bool quiet, std::optional<double> wall_time,
           RecordOptions options, Record&& record) {
   if (options.figures && !scene.run.files.report)
-    throw std::invalid_argument(
+    refuse(
         "--figures draws the pictures of the report, which output.write leaves out: name "
         "\"report\" there, too");
   catch_interrupts();
   std::optional<Progress> progress;
-  if (!quiet && !json && on_terminal()) progress.emplace(scene.run.end);
+  if (!quiet && !json && on_terminal()) progress.emplace();
   options.progress = [&](double time, std::size_t steps) {
-    if (progress) (*progress)(time, steps);
+    constexpr std::size_t between_looks = 16;
+    if (!progress || steps % between_looks != 0 || !progress->due()) return;
+    const double share = std::clamp(time / scene.run.end, 0.0, 1.0);
+    progress->show(fmt::format("{:5.1f} %  t = {:.6g} of {:.6g}  {} steps", 100.0 * share, time, scene.run.end, steps),
+                   share);
   };
   std::atomic<bool> out_of_time = false;  // asked by runs side by side
   options.stop = [&] {
@@ -193,27 +185,24 @@ struct Duration {
   bool on_the_clock = false;
 };
 std::optional<Duration> read_duration(const std::string& text) {
-  constexpr std::pair<std::string_view, double> units[] = {{"s", 1.0}, {"min", 60.0}, {"m", 60.0}, {"h", 3600.0}};
-  Duration duration;
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), duration.value);
-  const std::string_view unit(rest, static_cast<std::size_t>(text.data() + text.size() - rest));
-  for (const auto& [name, seconds] : units) {
-    if (unit != name) continue;
-    duration.on_the_clock = true;
-    duration.value *= seconds;
-  }
-  const bool known = unit.empty() || duration.on_the_clock;
-  if (error != std::errc{} || !known || !(duration.value > 0.0) || !std::isfinite(duration.value)) return std::nullopt;
-  return duration;
+  constexpr std::pair<std::string_view, double> units[] = {
+      {"", 1.0}, {"s", 1.0}, {"min", 60.0}, {"m", 60.0}, {"h", 3600.0}};
+  double number = 0.0;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const auto* unit = std::ranges::find(units, std::string_view(rest), &std::pair<std::string_view, double>::first);
+  if (error != std::errc{} || unit == std::end(units)) return std::nullopt;
+  const double value = number * unit->second;
+  if (!(value > 0.0) || !std::isfinite(value)) return std::nullopt;
+  return Duration{value, !unit->first.empty()};
 }
 
 /// A plain number is simulated time; with a unit it is time on the clock.
 CheckpointEvery checkpoint_every(const std::string& text) {
   const auto every = read_duration(text);
   if (!every)
-    throw std::invalid_argument(fmt::format(
+    refuse(
         "--checkpoint: {} is neither a time of the scene, such as 0.5, nor one on the clock, such as 30s, 5min or 1h",
-        text));
+        text);
   return {every->on_the_clock ? CheckpointEvery::Clock::wall : CheckpointEvery::Clock::simulated, every->value};
 }
 
@@ -222,97 +211,98 @@ std::optional<double> wall_time_of(const std::string& text) {
   if (text.empty()) return std::nullopt;
   const auto limit = read_duration(text);
   if (!limit || !limit->on_the_clock)
-    throw std::invalid_argument(
-        fmt::format("--wall-time: {} is no time on the clock, such as 30s, 10m (or 10min) or 2h", text));
+    refuse("--wall-time: {} is no time on the clock, such as 30s, 10m (or 10min) or 2h", text);
   return limit->value;
 }
 
 void add_wall_time(CLI::App& command, std::string& text) {
-  command
-      .add_option("--wall-time", text,
-                  "Stop after this time on the clock, such as 30s, 10m or 2h, with a checkpoint from which resume goes "
-                  "on; exit code 130 as after an interrupt")
-      ->type_name("TIME");
+  add(command, "--wall-time", "TIME", text,
+      "Stop after this time on the clock, such as 30s, 10m or 2h, with a checkpoint from which resume goes on; exit code "
+      "130 as after an interrupt");
 }
 
-}  // namespace
+struct RunOptions : StudyOptions {
+  using StudyOptions::StudyOptions;
+  std::string checkpoint, wall_time, error;
+  std::vector<std::string> sensitivity;
+  bool no_estimate = false;
+};
 
-RunCommand::RunCommand(CLI::App& app)
-    : Command(app, "run", "Run a scene and write its results and a report with pictures"),
-      scene_(command_),
-      output_(command_) {
-  command_
-      .add_option("--checkpoint", checkpoint_,
-                  "Make checkpoints to go on from with resume: in the time of the scene, such as 0.5, or on the clock, "
-                  "such as 30s, 5min or 1h")
-      ->type_name("INTERVAL");
-  add_wall_time(command_, wall_time_);
-  scene_.takes_accuracy = true;
-  command_
-      .add_option(
-          "--error", error_,
-          "Choose what the scene leaves open so that this error is kept, such as 1e-4 or \"0.01 %\"; the same as "
-          "--set accuracy.error=...")
-      ->type_name("ERROR");
-  command_.add_flag("--no-estimate", no_estimate_,
-                    "Make no runs on coarser meshes to estimate the error of a scene that asks for none");
-  command_
-      .add_option("--sensitivity", sensitivity_,
-                  "Tell derivatives of the results with respect to these keys, such as bar.viscosity,left.gap")
-      ->type_name("KEY,KEY...")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-}
-
-int RunCommand::operator()() const {
+int run_scene(const RunOptions& asked) {
   RecordOptions options;
-  if (!checkpoint_.empty()) options.checkpoint = checkpoint_every(checkpoint_);
-  options.figures = output_.figures;
-  const auto wall_time = wall_time_of(wall_time_);
+  if (!asked.checkpoint.empty()) options.checkpoint = checkpoint_every(asked.checkpoint);
+  options.figures = asked.figures;
+  const auto wall_time = wall_time_of(asked.wall_time);
   std::vector<std::string> settings;
-  if (!sensitivity_.empty()) settings.push_back(sensitivities_of(sensitivity_));
-  if (!error_.empty()) settings.push_back("accuracy.error=" + error_);
-  const SceneFile scene = scene_.read({}, settings);
+  if (!asked.sensitivity.empty())
+    settings.push_back(fmt::format("sensitivity.of=['{}']", fmt::join(asked.sensitivity, "', '")));
+  if (!asked.error.empty()) settings.push_back("accuracy.error=" + asked.error);
+  const SceneFile scene = asked.scene.read(settings);
   // Each checkpoint holds the times of all before it: these write 8 n^2 / 2 bytes for that, 40 GB.
   constexpr double most_checkpoints = 1e5;
   if (options.checkpoint && options.checkpoint->clock == CheckpointEvery::Clock::simulated &&
       scene.run.end / options.checkpoint->interval > most_checkpoints)
-    throw std::invalid_argument(
-        fmt::format("--checkpoint: {} makes more than {} checkpoints until t = {}; the shortest interval is {:.3g}",
-                    checkpoint_, most_checkpoints, scene.run.end, scene.run.end / most_checkpoints));
-  const fs::path directory = output_.directory(scene_);
-  if (!output_.quiet) warn_of_other_scenes(directory, scene, "summary.json");
-  return shown(scene, directory, scene_.json, output_.quiet, wall_time, options, [&](const RecordOptions& chosen) {
-    if (scene.accuracy) return record_to_accuracy(scene, directory, chosen);
-    return no_estimate_ ? record_run(scene, directory, chosen) : record_with_estimate(scene, directory, chosen);
-  });
+    refuse("--checkpoint: {} makes more than {} checkpoints until t = {}; the shortest interval is {:.3g}",
+           asked.checkpoint, most_checkpoints, scene.run.end, scene.run.end / most_checkpoints);
+  const fs::path directory = asked.output.directory(asked.scene.file);
+  detail("results go to " + directory.string());
+  if (!asked.output.quiet) warn_of_other_scenes(directory, scene, ResultKind::run);
+  return shown(scene, directory, asked.scene.json, asked.output.quiet, wall_time, options,
+               [&](const RecordOptions& chosen) {
+                 if (scene.accuracy) return record_to_accuracy(scene, directory, chosen);
+                 return asked.no_estimate ? record_run(scene, directory, chosen)
+                                          : record_with_estimate(scene, directory, chosen);
+               });
 }
 
-ResumeCommand::ResumeCommand(CLI::App& app)
-    : Command(app, "resume", "Continue a run that was stopped, from its last checkpoint") {
-  command_.add_option("directory", directory_, "Where the run put its results")->required()->type_name("DIR");
-  add_json(command_, json_);
-  add_quiet(command_, quiet_);
-  add_figures(command_, figures_);
-  add_wall_time(command_, wall_time_);
-}
+struct ResumeOptions {
+  std::string directory, wall_time;
+  bool json = false, quiet = false, figures = false;
+};
 
-int ResumeCommand::operator()() const {
-  const fs::path directory = directory_;
+int resume(const ResumeOptions& asked) {
+  const fs::path directory = asked.directory;
   RecordOptions options;
-  options.figures = figures_;
-  const auto wall_time = wall_time_of(wall_time_);
+  options.figures = asked.figures;
+  const auto wall_time = wall_time_of(asked.wall_time);
   if (clear_whole_run(directory)) {
     std::ifstream summary(directory / "summary.json");
-    if (json_)
+    if (asked.json)
       print(std::string(std::istreambuf_iterator<char>(summary), {}));
-    else if (!quiet_)
+    else if (!asked.quiet)
       say(directory.string() + ": the run was stopped when it was complete");
     return success;
   }
   const SceneFile scene = scene_of_checkpoint(directory);
-  return shown(scene, directory, json_, quiet_, wall_time, options,
+  return shown(scene, directory, asked.json, asked.quiet, wall_time, options,
                [&](const RecordOptions& chosen) { return resume_to_accuracy(scene, directory, chosen, warn); });
+}
+
+}  // namespace
+
+Action run_command(CLI::App& command) {
+  const auto asked = std::make_shared<RunOptions>(command);
+  add(command, "--checkpoint", "INTERVAL", asked->checkpoint,
+      "Make checkpoints to go on from with resume: in the time of the scene, such as 0.5, or on the clock, such as 30s, "
+      "5min or 1h");
+  add_wall_time(command, asked->wall_time);
+  asked->scene.takes_accuracy = true;
+  add_error(command, asked->error, "Choose what the scene leaves open so that this error is kept");
+  command.add_flag("--no-estimate", asked->no_estimate,
+                   "Make no runs on coarser meshes to estimate the error of a scene that asks for none");
+  add_list(command, "--sensitivity", "KEY,KEY...", asked->sensitivity,
+           "Tell derivatives of the results with respect to these keys, such as bar.viscosity,left.gap");
+  return [asked] { return run_scene(*asked); };
+}
+
+Action resume_command(CLI::App& command) {
+  const auto asked = std::make_shared<ResumeOptions>();
+  add(command, "directory", "DIR", asked->directory, "Where the run put its results")->required();
+  add_json(command, asked->json);
+  add_quiet(command, asked->quiet);
+  add_figures(command, asked->figures);
+  add_wall_time(command, asked->wall_time);
+  return [asked] { return resume(*asked); };
 }
 
 }  // namespace viscobar::cli

@@ -1,10 +1,15 @@
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {
+
+/// parse_scene() without the description, which nobody reads of the thousands of a sweep. @throws SceneError
+SceneFile parse_case(const std::string& text, const std::string& source, std::span<const std::string> overrides,
+                     const Adaptation& adapt = {});
 
 /// A scene file that says what SceneFile::description does.
 std::string scene_text(const std::string& description);

@@ -13,10 +13,9 @@
 #include <tuple>
 #include <utility>
 
-#include "input/formula_switches.hpp"
-#include "input/formula_taylor.hpp"
-#include "input/text_check.hpp"
-#include "scene/printable.hpp"
+#include "input/input_text.hpp"
+#include "input/toml_text.hpp"
+#include "scene/message_text.hpp"
 #include "text/nearest_name.hpp"
 
 namespace viscobar {
@@ -31,13 +30,10 @@ void define_names(mu::Parser& parser, const Parameters& parameters) {
   parser.ClearFun();
   parser.ClearConst();
   using Unary = double (*)(double);
-  parser.DefineFun("sin", static_cast<Unary>(std::sin));
-  parser.DefineFun("cos", static_cast<Unary>(std::cos));
-  parser.DefineFun("tan", static_cast<Unary>(std::tan));
-  parser.DefineFun("exp", static_cast<Unary>(std::exp));
-  parser.DefineFun("log", static_cast<Unary>(std::log));
-  parser.DefineFun("sqrt", static_cast<Unary>(std::sqrt));
-  parser.DefineFun("abs", static_cast<Unary>(std::fabs));
+  constexpr std::pair<const char*, Unary> unary[] = {{"sin", std::sin}, {"cos", std::cos}, {"tan", std::tan},
+                                                     {"exp", std::exp}, {"log", std::log}, {"sqrt", std::sqrt},
+                                                     {"abs", std::fabs}};
+  for (const auto& [name, function] : unary) parser.DefineFun(name, function);
   parser.DefineFun(
       "min", +[](const double* values, int n) { return *std::min_element(values, values + n); });
   parser.DefineFun(
@@ -54,8 +50,8 @@ struct Machine {
     parser.DefineVar("t", &t);
     parser.SetExpr(text);
   }
-  std::string text;
-  Parameters parameters;
+  const std::string text;
+  const Parameters parameters;
   double x = 0.0, t = 0.0;
   mu::Parser parser;
 };
@@ -118,11 +114,8 @@ constexpr std::size_t longest = 4096, deepest = 200;
 
 std::string at(std::size_t index) { return fmt::format(" at character {}", index + 1); }
 
-/// What to write instead of what other languages know.
-struct Habit {
-  std::string_view word, instead;
-};
-constexpr Habit habits[] = {
+/// What other languages know, and what to write instead.
+constexpr std::pair<std::string_view, std::string_view> habits[] = {
     {"ln", "log is the natural logarithm"},
     {"pow", "a power is written x^2"},
     {"e", "the exponential function is exp"},
@@ -136,16 +129,13 @@ constexpr Habit habits[] = {
     {"L", "the length is written as a number"},
 };
 
-bool starts_name(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+bool starts_name(char c) { return is_letter(c) || c == '_'; }
 
 std::string foreign_character(std::string_view text, std::size_t i) {
-  const auto continues = [&](std::size_t k) { return k < text.size() && (text[k] & 0xC0) == 0x80; };
-  std::size_t end = i + 1, before = 0;
-  while (continues(end)) ++end;
-  for (std::size_t k = 0; k < i; ++k) before += continues(k) ? 0 : 1;
-  const std::string_view ascii = ascii_for(text.substr(i, end - i));
-  return fmt::format("the formula holds a character that is no part of a formula{}{}{}", at(before),
-                     ascii.empty() ? "" : "; write ", ascii == " " ? "a plain blank" : ascii);
+  const std::string_view ascii = ascii_for(text.substr(i, character_length(text, i)));
+  return fmt::format("the formula holds a character that is no part of a formula{}{}{}",
+                     at(characters(text.substr(0, i))), ascii.empty() ? "" : "; write ",
+                     ascii == " " ? "a plain blank" : ascii);
 }
 
 void check_size(std::string_view text) {
@@ -167,10 +157,10 @@ void check_characters(std::string_view text) {
     if (!blank && (c < ' ' || c > '~' || c == '"')) throw FormulaError(foreign_character(text, i));
     if (text.substr(i).starts_with("**")) throw FormulaError("the formula has **" + at(i) + "; a power is written ^");
     if (c != '=') continue;
-    const bool compares = (i > 0 && std::string_view("<>!").find(text[i - 1]) != std::string_view::npos) ||
-                          (i + 1 < text.size() && text[i + 1] == '=');
-    if (!compares) throw FormulaError("the formula assigns with =" + at(i) + "; comparison is ==");
-    if (i + 1 < text.size() && text[i + 1] == '=') ++i;
+    const bool equality = text.substr(i).starts_with("==");
+    if (!equality && (i == 0 || std::string_view("<>!").find(text[i - 1]) == std::string_view::npos))
+      throw FormulaError("the formula assigns with =" + at(i) + "; comparison is ==");
+    if (equality) ++i;
   }
 }
 
@@ -181,10 +171,10 @@ std::string unknown_token(std::string_view token, std::string_view variables, st
     return fmt::format("cannot be understood from \"{}\"{} on", token, at(position));
   if (token == "x" || token == "t")
     return fmt::format("uses {}{}, but is a function of {} alone", token, at(position), variables);
-  if (std::find(functions.begin(), functions.end(), token) != functions.end())
+  if (std::ranges::find(functions, token) != functions.end())
     return fmt::format("names the function {}{} without its arguments in parentheses", token, at(position));
-  for (const Habit& habit : habits)
-    if (habit.word == token) return fmt::format("knows no \"{}\"{}; {}", token, at(position), habit.instead);
+  for (const auto& [word, instead] : habits)
+    if (word == token) return fmt::format("knows no \"{}\"{}; {}", token, at(position), instead);
   std::optional<std::string_view> nearest;
   if (token.size() > 1) nearest = nearest_name(token, functions);
   for (const auto& [name, value] : parameters)
@@ -224,7 +214,7 @@ std::string explain(const mu::ParserError& error, std::string_view text, std::st
 }  // namespace
 
 std::string parameter_name_problem(std::string_view name) {
-  const auto part = [](char c) { return starts_name(c) || (c >= '0' && c <= '9'); };
+  const auto part = [](char c) { return starts_name(c) || is_digit(c); };
   if (name.empty() || !starts_name(name.front()) || !std::ranges::all_of(name, part))
     return "is no name for formulas: letters, digits and _, a letter first";
   constexpr std::size_t longest = 100;  // that muParser takes
@@ -237,15 +227,10 @@ std::string parameter_name_problem(std::string_view name) {
 Formula::Formula(std::string text, std::string_view variables, const Parameters& parameters)
     : parameters_(parameters), text_(std::move(text)) {
   // A scene asks for each of its formulas several times, and a sweep for those of thousands of scenes.
-  struct Known {
-    std::string used;
-    double constant;
-  };
-  thread_local std::map<std::tuple<std::string, std::string, Parameters>, Known> all_known;
+  thread_local std::map<std::tuple<std::string, std::string, Parameters>, std::pair<std::string, double>> all_known;
   const auto key = std::tuple(text_, std::string(variables), parameters_);
   if (const auto known = all_known.find(key); known != all_known.end()) {
-    used_ = known->second.used;
-    constant_ = known->second.constant;
+    std::tie(used_, constant_) = known->second;
     return;
   }
   check_size(text_);
@@ -267,7 +252,7 @@ Formula::Formula(std::string text, std::string_view variables, const Parameters&
     throw FormulaError(fmt::format("must be finite, is {}", printable(constant_)));
   constexpr std::size_t most = 100;
   if (all_known.size() >= most) all_known.clear();
-  all_known.emplace(key, Known{used_, constant_});
+  all_known.emplace(key, std::pair(used_, constant_));
 }
 
 SpaceFunction Formula::of_x() const {
@@ -278,12 +263,6 @@ SpaceFunction Formula::of_x() const {
 TimeFunction Formula::of_t() const {
   if (is_constant()) return [value = constant_](double) { return value; };
   return [f = Compiled(text_, parameters_)](double t) mutable { return f(0.0, t); };
-}
-
-TimeFunction Formula::derivative_of_t(int order) const {
-  if (is_constant()) return [](double) { return 0.0; };
-  return [f = FormulaTaylor(parse_formula(text_, parameters_), "t"),
-          k = static_cast<std::size_t>(order)](double t) mutable { return f(0.0, t)[k]; };
 }
 
 SpaceTimeFunction Formula::of_x_t() const {
@@ -313,9 +292,12 @@ SpaceTimeFunction Formula::derivative(std::string_view by) const {
 }
 
 TimeFunction Formula::derivative_of_t(int order, std::string_view by) const {
+  if (by.empty() && order == 0) return of_t();
   if (is_constant() && order > 0) return [](double) { return 0.0; };
-  return [f = TaylorFormula<Dual>(parse_formula(text_, parameters_), "t", by),
-          k = static_cast<std::size_t>(order)](double t) mutable { return f(0.0, t)[k].slope; };
+  const auto k = static_cast<std::size_t>(order);
+  const FormulaTree tree = parse_formula(text_, parameters_);
+  if (by.empty()) return [f = FormulaTaylor(tree, "t"), k](double t) mutable { return f(0.0, t)[k]; };
+  return [f = TaylorFormula<Dual>(tree, "t", by), k](double t) mutable { return f(0.0, t)[k].slope; };
 }
 
 bool Formula::moves_jump(std::string_view by) const {

@@ -3,7 +3,6 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "input/formula_tree.hpp"
 #include "viscobar/scene/scene.hpp"
@@ -33,15 +32,15 @@ class Formula {
 
   bool uses(char variable) const { return used_.find(variable) != used_.npos; }
   bool is_constant() const { return used_.empty(); }
+  bool is_zero() const { return is_constant() && constant_ == 0.0; }
   double constant() const { return constant_; }  ///< of a constant formula
 
   SpaceFunction of_x() const;
   TimeFunction of_t() const;
   SpaceTimeFunction of_x_t() const;
-  /// The first or second derivative of a formula in t.
-  TimeFunction derivative_of_t(int order) const;
-  /// Likewise of its derivative with respect to a parameter; that itself for 0.
-  TimeFunction derivative_of_t(int order, std::string_view by) const;
+  /// The first or second derivative of a formula in t, itself for 0; of its derivative with respect to a parameter,
+  /// where `by` names one.
+  TimeFunction derivative_of_t(int order, std::string_view by = "") const;
 
   /// Where it is not a smooth function of t, for all x at once, and what depends on x, too (see FormulaSwitches); empty
   /// functions where there is nothing of the kind.

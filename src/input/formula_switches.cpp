@@ -1,6 +1,6 @@
-#include "input/formula_switches.hpp"
-
 #include <utility>
+
+#include "input/formula_tree.hpp"
 
 namespace viscobar {
 
@@ -11,17 +11,7 @@ using Operation = FormulaTree::Operation;
 constexpr int thorough = 4096;  // evaluations of a search before it becomes coarse
 
 bool takes_two(Operation operation) {
-  switch (operation) {
-    case Operation::less:
-    case Operation::at_most:
-    case Operation::greater:
-    case Operation::at_least:
-    case Operation::equal:
-    case Operation::unequal:
-    case Operation::min:
-    case Operation::max: return true;
-    default: return false;
-  }
+  return is_comparison(operation) || operation == Operation::min || operation == Operation::max;
 }
 
 }  // namespace

@@ -1,9 +1,8 @@
-#include "input/formula_taylor.hpp"
-
-#include <algorithm>
 #include <cmath>
 #include <type_traits>
 #include <utility>
+
+#include "input/formula_tree.hpp"
 
 namespace viscobar {
 

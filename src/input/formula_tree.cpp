@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cstdlib>
-#include <span>
 #include <string>
 #include <utility>
 
 #include "input/formula.hpp"
+#include "input/input_text.hpp"
 
 namespace viscobar {
 
@@ -21,18 +19,15 @@ using Operation = FormulaTree::Operation;
 struct Operator {
   std::string_view sign;
   Operation operation;
+  int level = 0;  // of binary ones: those of a higher level bind tighter, those of one are taken from the left
 };
-using Level = std::span<const Operator>;
-
-// From the loosest binary operators to the tightest but the power; those of a level from the left.
-constexpr Operator or_level[] = {{"||", Operation::either}};
-constexpr Operator and_level[] = {{"&&", Operation::both}};
-constexpr Operator comparisons[] = {{"<=", Operation::at_most}, {">=", Operation::at_least}, {"==", Operation::equal},
-                                    {"!=", Operation::unequal}, {"<", Operation::less},      {">", Operation::greater}};
-constexpr Operator sums[] = {{"+", Operation::add}, {"-", Operation::subtract}};
-constexpr Operator products[] = {{"*", Operation::multiply}, {"/", Operation::divide}};
-constexpr std::array<Level, 5> levels = {Level(or_level), Level(and_level), Level(comparisons), Level(sums),
-                                         Level(products)};
+constexpr Operator binary_operators[] = {
+    {"||", Operation::either, 0},   {"&&", Operation::both, 1},    {"<=", Operation::at_most, 2},
+    {">=", Operation::at_least, 2}, {"==", Operation::equal, 2},   {"!=", Operation::unequal, 2},
+    {"<", Operation::less, 2},      {">", Operation::greater, 2},  {"+", Operation::add, 3},
+    {"-", Operation::subtract, 3},  {"*", Operation::multiply, 4}, {"/", Operation::divide, 4},
+};
+constexpr int tightest = 4;
 
 constexpr Operator function_operators[] = {{"sin", Operation::sin}, {"cos", Operation::cos}, {"tan", Operation::tan},
                                            {"exp", Operation::exp}, {"log", Operation::log}, {"sqrt", Operation::sqrt},
@@ -99,19 +94,16 @@ class Parser {
     return add({Operation::choose, condition, then, otherwise});
   }
 
-  int binary(std::size_t level) {
-    if (level == levels.size()) return signed_power();
+  int binary(int level) {
+    if (level > tightest) return signed_power();
     int left = binary(level + 1);
-    while (const Operator* found = sign_of(level)) {
+    const auto follows = [&](const Operator& each) { return each.level == level && take(each.sign); };
+    while (true) {
+      const auto* found = std::ranges::find_if(binary_operators, follows);
+      if (found == std::end(binary_operators)) return left;
       const int right = binary(level + 1);
       left = add({found->operation, left, right});
     }
-    return left;
-  }
-  const Operator* sign_of(std::size_t level) {
-    for (const Operator& each : levels[level])
-      if (take(each.sign)) return &each;
-    return nullptr;
   }
 
   int signed_power() {
@@ -132,7 +124,7 @@ class Parser {
       require(")");
       return inside;
     }
-    if (!rest().empty() && (std::isdigit(static_cast<unsigned char>(rest().front())) || rest().front() == '.')) {
+    if (const std::string_view here = rest(); !here.empty() && (is_digit(here.front()) || here.front() == '.')) {
       char* end = nullptr;
       const double number = std::strtod(text_.c_str() + at_, &end);
       if (end == text_.c_str() + at_) refuse();
@@ -150,7 +142,7 @@ class Parser {
 
   std::string_view name() {
     const std::string_view here = rest();
-    const auto part = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
+    const auto part = [](char c) { return is_letter(c) || is_digit(c) || c == '_'; };
     return here.substr(0, static_cast<std::size_t>(std::ranges::find_if_not(here, part) - here.begin()));
   }
 
@@ -185,6 +177,8 @@ class Parser {
   FormulaTree tree_;
 };
 
+std::optional<bool> negated(std::optional<bool> a) { return a ? std::optional(!*a) : std::nullopt; }
+
 // Whether d, a difference, compares with 0 like that; nothing where some of its values do and some do not.
 std::optional<bool> compared(Operation operation, Interval d) {
   switch (operation) {
@@ -195,10 +189,7 @@ std::optional<bool> compared(Operation operation, Interval d) {
     case Operation::greater: return compared(Operation::less, -d);
     case Operation::at_least: return compared(Operation::at_most, -d);
     case Operation::unequal: return truth(d);
-    default: {
-      const auto differs = truth(d);
-      return differs ? std::optional(!*differs) : std::nullopt;
-    }
+    default: return negated(truth(d));
   }
 }
 
@@ -211,8 +202,6 @@ std::optional<bool> both(std::optional<bool> a, std::optional<bool> b) {
   if (a == false || b == false) return false;
   return a == true && b == true ? std::optional(true) : std::nullopt;
 }
-
-std::optional<bool> negated(std::optional<bool> a) { return a ? std::optional(!*a) : std::nullopt; }
 
 Jet chosen(std::optional<bool> condition, const Jet& then, const Jet& otherwise) {
   if (condition) return *condition ? then : otherwise;

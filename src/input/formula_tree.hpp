@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,35 +17,15 @@ using Parameters = std::map<std::string, double, std::less<>>;
 
 /// What a formula computes, in the order in which it can be: the last node is the formula.
 struct FormulaTree {
+  // clang-format off
   enum class Operation : unsigned char {
-    number,
-    x,
-    t,
-    negate,
-    add,
-    subtract,
-    multiply,
-    divide,
-    power,
-    less,
-    at_most,
-    greater,
-    at_least,
-    equal,
-    unequal,
-    both,
-    either,
-    choose,
-    sin,
-    cos,
-    tan,
-    exp,
-    log,
-    sqrt,
-    abs,
-    min,
-    max
+    number, x, t,
+    negate, add, subtract, multiply, divide, power,
+    less, at_most, greater, at_least, equal, unequal,
+    both, either, choose,
+    sin, cos, tan, exp, log, sqrt, abs, min, max
   };
+  // clang-format on
   struct Node {
     Operation operation = Operation::number;
     int a = -1, b = -1, c = -1;  ///< operands, earlier nodes
@@ -66,7 +48,81 @@ struct FormulaTree {
   void bound(double x, Interval t, std::vector<Jet>& out) const;
 };
 
+inline bool is_comparison(FormulaTree::Operation operation) {
+  return operation >= FormulaTree::Operation::less && operation <= FormulaTree::Operation::unequal;
+}
+
 /// Of a formula that Formula accepts. @throws FormulaError for any other
 FormulaTree parse_formula(std::string_view text, const Parameters& parameters = {});
+
+/// Where a formula of x and t is not a smooth function of t. It switches where the argument g of one of its parts
+/// changes sign:
+///
+///     a < b, a <= b, a > b, a >= b, a == b, a != b, min(a, b), max(a, b)    g = a - b
+///     abs(a)                                                                g = a
+///
+/// All else that a formula knows is smooth wherever it is finite. What lies in a branch of ?: counts only where that
+/// branch is taken.
+///
+/// Sign changes are isolated by interval arithmetic on g and its derivative: an interval of time is given up when g
+/// provably keeps its sign on it, and is halved until g is monotone there. So no pulse is too short to be seen. (A g
+/// that touches zero may count, too.) Only a g that interval arithmetic cannot tell from zero, such as sin(t) - sin(t),
+/// uses up the effort of a search; then what changes sign twice within a 1024th of the time searched may be missed.
+class FormulaSwitches {
+ public:
+  /// Those whose g uses t: with x as well, or without.
+  FormulaSwitches(FormulaTree tree, bool with_x);
+
+  bool empty() const { return switches_.empty(); }
+
+  /// The first sign change in (after, until), to the number next to it; absent: none.
+  std::optional<double> first(double x, double after, double until);
+
+ private:
+  bool excluded(int branch) const;
+  std::optional<double> first_within(double begin, double end);
+  std::optional<double> flip(std::size_t argument, double begin, double end);
+  double argument_at(std::size_t argument, double t);
+
+  FormulaTree tree_;
+  std::vector<std::size_t> switches_;  // nodes: the g
+  std::vector<std::size_t> open_;      // those that may change sign
+  std::vector<Jet> jets_;              // of all nodes
+  double x_ = 0.0, coarse_ = 0.0;
+  int effort_ = 0;
+};
+
+/// A number and its derivative with respect to a parameter.
+struct Dual {
+  double value = 0.0, slope = 0.0;
+};
+
+/// f, f' and f''.
+template <class Number>
+using TaylorOf = std::array<Number, 3>;
+using Taylor = TaylorOf<double>;
+
+/// A formula with its first two derivatives with respect to one name, by the rules of calculus on its tree: they have
+/// the digits that a value has. At a switch (see FormulaSwitches) they are those of the side that the formula takes
+/// there. In Duals each has its derivative with respect to a parameter.
+template <class Number>
+class TaylorFormula {
+ public:
+  /// `by` is "x", "t" or the name of a parameter; `slope_by`, of Duals, that of the other one.
+  TaylorFormula(FormulaTree tree, std::string_view by, std::string_view slope_by = "");
+
+  bool is_zero() const { return depends_.empty() || !depends_.back(); }  ///< f' is zero everywhere
+  bool moves_jump() const { return moves_jump_; }                        ///< a condition depends on `by`
+  TaylorOf<Number> operator()(double x, double t);
+
+ private:
+  FormulaTree tree_;
+  std::vector<bool> depends_;  // of each node: its value changes smoothly with `by`
+  std::vector<bool> has_slope_;
+  std::vector<TaylorOf<Number>> of_nodes_;
+  bool moves_jump_ = false;
+};
+
+using FormulaTaylor = TaylorFormula<double>;
 
 }  // namespace viscobar

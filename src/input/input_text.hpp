@@ -13,6 +13,10 @@ std::string input_text(const std::filesystem::path& file);
 /// The same of a stream, which `name` names in the error.
 std::string input_text(std::istream& stream, const std::string& name);
 
+inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
+/// Of ASCII.
+inline bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
 /// Without blanks, tabs and carriage returns at both ends.
 std::string_view trimmed(std::string_view text);
 

@@ -1,12 +1,9 @@
-#include "input/scene_direction.hpp"
-
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <utility>
 
+#include "input/scene_entries.hpp"
 #include "text/nearest_name.hpp"
 
 namespace viscobar {
@@ -56,33 +53,37 @@ std::optional<Load> rate_of_load(const SceneEntries& entries, const std::string&
 void add_rates_of_end(const SceneEntries& entries, const std::string& side, const EndInput& input,
                       const std::string& by, EndCondition& end, EndInput& rates) {
   const auto dependent = [&](const char* key) {
-    auto formula = entries.formula(fmt::format("{}.{}", side, key));
+    auto formula = entries.formula(side + key);
     if (formula && !formula->derivative(by)) formula.reset();
     return formula;
   };
-  const auto scaled = [](const TimeFunction& of, double scale, double offset) -> TimeFunction {
-    return [of, scale, offset](double t) { return scale * of(t) + offset; };
-  };
-  const auto motion = [&](const Formula& f, double scale, double offset) {
-    return EndMotion{scaled(f.derivative_of_t(0, by), scale, offset), scaled(f.derivative_of_t(1, by), scale, 0.0),
-                     scaled(f.derivative_of_t(2, by), scale, 0.0), f.breaks()};
-  };
-  if (const auto force = dependent("force"))
+  if (const auto force = dependent(".force"))
     rates.force = EndForce{force->derivative_of_t(0, by), force->breaks(), force->is_constant()};
-  if (const auto moved = dependent("motion"); moved && input.motion) rates.motion = motion(*moved, 1.0, 0.0);
+  if (const auto moved = dependent(".motion"); moved && input.motion) rates.motion = motion_of(*moved, by, 1.0, 0.0);
   if (auto* obstacle = std::get_if<Obstacle>(&end))
-    if (const auto gap = dependent("gap")) {
+    if (const auto gap = dependent(".gap")) {
       obstacle->gap = gap->derivative_of_t(0, by)(0.0);
-      const double sign = obstacle->side == Side::above ? -1.0 : 1.0;
-      if (input.motion) rates.motion = motion(*gap, -sign, sign * obstacle->gap);
+      if (input.motion) rates.motion = motion_of_gap(*gap, by, *obstacle);
     }
 }
 
 }  // namespace
 
+EndMotion motion_of(const Formula& f, const std::string& by, double scale, double offset) {
+  const auto derivative = [&](int order, double plus) -> TimeFunction {
+    return [of = f.derivative_of_t(order, by), scale, plus](double t) { return scale * of(t) + plus; };
+  };
+  return {derivative(0, offset), derivative(1, 0.0), derivative(2, 0.0), f.breaks()};
+}
+
+EndMotion motion_of_gap(const Formula& gap, const std::string& by, const Obstacle& obstacle) {
+  const double sign = obstacle.side == Side::above ? -1.0 : 1.0;
+  return motion_of(gap, by, -sign, sign * obstacle.gap);
+}
+
 Direction direction_of(const SceneEntries& entries, const Case& run, const std::string& key) {
   const bool parameter = is_parameter(key), length = key == "bar.length";
-  const std::string by = length ? "x" : parameter ? key.substr(key.find('.') + 1) : "";
+  const std::string by(length ? "x" : parameter ? parameter_name(key) : "");
   if (parameter && !entries.parameters().contains(by)) {
     std::vector<std::string> names;
     for (const auto& [name, value] : entries.parameters()) names.push_back(name);

@@ -7,11 +7,10 @@
 #include <utility>
 
 #include "input/input_text.hpp"
+#include "input/scene_keys.hpp"
 #include "input/scene_values.hpp"
-#include "input/synonyms.hpp"
 #include "scene/end_kinds.hpp"
 #include "text/printable_text.hpp"
-#include "text/utf8.hpp"
 
 namespace viscobar {
 
@@ -20,8 +19,8 @@ namespace {
 constexpr std::string_view override_source = "--set";
 
 // The text of a sweep's scene is read again and again.
-const TomlDocument& document_of(const std::string& text) {
-  thread_local std::optional<std::pair<std::string, TomlDocument>> last;
+const TomlNode& tree_of(const std::string& text) {
+  thread_local std::optional<std::pair<std::string, TomlNode>> last;
   if (!last || last->first != text) {
     last.reset();  // of a text that is none nothing is kept
     last.emplace(text, parse_toml(text));
@@ -54,14 +53,16 @@ std::string suggestion(const SceneKey* nearest, std::string_view table) {
   return fmt::format("; known here: {}", listed(siblings));
 }
 
+std::string unknown_table(std::string_view table) {
+  const auto nearest = meant_name(table, scene_tables());
+  return nearest ? fmt::format("unknown table; nearest is [{}]", *nearest)
+                 : fmt::format("unknown table; known are {}", listed(scene_tables()));
+}
+
 }  // namespace
 
 std::string unknown_key(std::string_view table, std::string_view leaf) {
-  if (!table.empty() && !is_scene_table(table)) {
-    const auto nearest = meant_name(table, scene_tables());
-    return nearest ? fmt::format("unknown table; nearest is [{}]", *nearest)
-                   : fmt::format("unknown table; known are {}", listed(scene_tables()));
-  }
+  if (!table.empty() && !is_scene_table(table)) return unknown_table(table);
   return "unknown key" + suggestion(nearest_scene_key(table, leaf), table);
 }
 
@@ -75,33 +76,40 @@ SceneEntries::SceneEntries(const std::string& text, const std::string& source, s
 }
 
 void SceneEntries::add_text(const std::string& text) {
-  const TomlDocument* read = nullptr;
+  const TomlNode* read = nullptr;
   try {
-    read = &document_of(text);
+    read = &tree_of(text);
   } catch (const TextError& error) {
     readable_ = false;
     report_at({end_.source, error.at}, "", error.what());
     return;
   }
-  const TomlDocument& document = *read;
   end_.at = position_in(text, text.size());
 
   // A misspelt table or key stands for the one it resembles, unless that one is there, too: so its values are checked,
   // and nothing counts as missing.
-  std::map<std::string, std::string> meant{{"", ""}};
-  for (const TomlTable& table : document.tables)
-    if (is_scene_table(table.name)) tables_[meant[table.name] = table.name] = {end_.source, table.at};
-  for (const TomlTable& table : document.tables) {
-    if (is_scene_table(table.name)) continue;
-    const auto nearest = meant_name(table.name, scene_tables());
-    report_unknown_table({end_.source, table.at}, table.name, nearest);
-    if (nearest && tables_.try_emplace(std::string(*nearest), Place{end_.source, table.at}).second)
-      meant[table.name] = *nearest;
+  std::map<std::string, std::string> meant;
+  const auto is_table = [](const TomlNode& node) { return node.kind == TomlNode::Kind::table; };
+  for (const TomlNode& table : read->inside)
+    if (is_table(table) && is_scene_table(table.key))
+      tables_[meant[table.key] = table.key] = {end_.source, table.value_at};
+  for (const TomlNode& table : read->inside) {
+    if (!is_table(table) || is_scene_table(table.key)) continue;
+    const Place place{end_.source, table.value_at};
+    report_at(place, table.key, unknown_table(table.key));
+    if (const auto nearest = meant_name(table.key, scene_tables()))
+      if (tables_.try_emplace(std::string(*nearest), place).second) meant[table.key] = *nearest;
   }
-  for (const bool known : {true, false})
-    for (const TomlEntry& entry : document.entries)
-      if (const auto table = meant.find(entry.table); table != meant.end())
-        if (known == (find_scene_key(table->second, entry.key) != nullptr)) add(entry, table->second, end_.source);
+  for (const bool known : {true, false}) {
+    const auto add_if_known = [&](const TomlNode& entry, const std::string& written, const std::string& table) {
+      if (known == (find_scene_key(table, entry.key) != nullptr)) add(entry, written, table, end_.source);
+    };
+    for (const TomlNode& node : read->inside)
+      if (!is_table(node))
+        add_if_known(node, "", "");
+      else if (const auto table = meant.find(node.key); table != meant.end())
+        for (const TomlNode& entry : node.inside) add_if_known(entry, node.key, table->second);
+  }
 }
 
 void SceneEntries::add_override(const std::string& text) {
@@ -121,20 +129,23 @@ void SceneEntries::add_override(const std::string& text) {
   const std::string table(dot == name.npos ? "" : name.substr(0, dot));
   const Place place{source, position(name)};
   if (!table.empty()) {
-    if (!is_scene_table(table))
-      return report_unknown_table(place, std::string(name), meant_name(table, scene_tables()));
+    if (!is_scene_table(table)) return report_at(place, std::string(name), unknown_table(table));
     tables_.try_emplace(table, place);
   }
-  add({table, std::string(name.substr(dot + 1)), value_of(value), place.at, position(value)}, table, source);
+  TomlNode entry;
+  entry.key = name.substr(dot + 1);
+  entry.value = value_of(value);
+  entry.key_at = place.at;
+  entry.value_at = position(value);
+  add(entry, table, table, source);
 }
 
 // As if the scene did not have the key, nor a table that is empty then.
 void SceneEntries::unset(std::string_view name) {
-  if (const auto entry = entries_.find(name); entry != entries_.end()) entries_.erase(entry);
+  entries_.erase(std::string(name));
   const std::string_view table = find_scene_key(name)->table();
   const auto of_table = [&](const auto& entry) { return find_scene_key(entry.first)->table() == table; };
-  if (std::none_of(entries_.begin(), entries_.end(), of_table))
-    if (const auto empty = tables_.find(table); empty != tables_.end()) tables_.erase(empty);
+  if (std::none_of(entries_.begin(), entries_.end(), of_table)) tables_.erase(std::string(table));
 }
 
 // An end that an override makes another kind leaves behind what the text says of the old one.
@@ -153,7 +164,8 @@ void SceneEntries::drop_what_no_longer_belongs() {
   }
 }
 
-void SceneEntries::add(const TomlEntry& entry, std::string_view table, const std::string& source) {
+void SceneEntries::add(const TomlNode& entry, const std::string& written, std::string_view table,
+                       const std::string& source) {
   const Place key_place{source, entry.key_at};
   Entry value{entry.value, {source, entry.value_at}};
   if (const SceneKey* key = find_scene_key(table, entry.key)) {
@@ -168,7 +180,7 @@ void SceneEntries::add(const TomlEntry& entry, std::string_view table, const std
       if (own.table() == entry.key) faulty_.emplace(own.name);
   } else {
     const SceneKey* nearest = nearest_scene_key(table, entry.key);
-    report_at(key_place, entry.table.empty() ? entry.key : entry.table + "." + entry.key,
+    report_at(key_place, written.empty() ? entry.key : written + "." + entry.key,
               nearest && nearest->name == entry.key
                   ? fmt::format("unknown key; write {} below [{}], or {} without quotes", nearest->leaf(),
                                 nearest->table(), nearest->name)
@@ -178,18 +190,17 @@ void SceneEntries::add(const TomlEntry& entry, std::string_view table, const std
 }
 
 void SceneEntries::check_values() {
-  for (const auto& [name, entry] : entries_)
-    if (is_parameter(name)) {
-      const std::string of_name = parameter_name_problem(std::string_view(name).substr(name.find('.') + 1));
-      const std::string problem = of_name.empty() ? problem_with(*find_scene_key(name), entry.value) : of_name;
-      if (!problem.empty()) report(name, problem);
-    }
-  const Parameters known = parameters();
-  for (const auto& [name, entry] : entries_) {
-    if (is_parameter(name)) continue;
-    const std::string problem = problem_with(*find_scene_key(name), entry.value, known);
+  const auto check = [&](const std::string& name, const Entry& entry, const Parameters& known) {
+    const SceneKey& key = *find_scene_key(name);
+    std::string problem = is_parameter(name) ? parameter_name_problem(parameter_name(name)) : "";
+    if (problem.empty()) problem = problem_with(key, entry.value, known);
     if (!problem.empty()) report(name, problem);
-  }
+  };
+  for (const auto& [name, entry] : entries_)
+    if (is_parameter(name)) check(name, entry, {});
+  const Parameters known = parameters();
+  for (const auto& [name, entry] : entries_)
+    if (!is_parameter(name)) check(name, entry, known);
 }
 
 void SceneEntries::fill_in() {
@@ -197,7 +208,7 @@ void SceneEntries::fill_in() {
     if (present(key.name) || faulty(key.name)) continue;
     const bool table_is_there = tables_.contains(key.table());
     if (key.presence == Presence::required || (key.presence == Presence::required_in_table && table_is_there))
-      report(key.name, fmt::format("is missing: {}", key.meaning));
+      report(key.name, "is missing: {}", key.meaning);
     else if (!key.fallback.empty())
       filled_in_.emplace(key.name), entries_.emplace(key.name, Entry{fallback_of(key), place_of(key.name)});
   }
@@ -228,7 +239,7 @@ std::vector<std::string> SceneEntries::list(std::string_view key) const {
 Parameters SceneEntries::parameters() const {
   Parameters known;
   for (const auto& [name, entry] : entries_)
-    if (is_parameter(name) && !faulty(name)) known[name.substr(name.find('.') + 1)] = *number(name);
+    if (is_parameter(name) && !faulty(name)) known.emplace(parameter_name(name), *number(name));
   return known;
 }
 
@@ -248,26 +259,16 @@ void SceneEntries::report(std::string_view key, const std::string& message) {
   report_at(place_of(key), std::string(key), message);
 }
 
-void SceneEntries::report_unknown_table(const Place& place, const std::string& key,
-                                        std::optional<std::string_view> nearest) {
-  report_at(place, key,
-            nearest ? fmt::format("unknown table; nearest is [{}]", *nearest)
-                    : fmt::format("unknown table; known are {}", listed(scene_tables())));
-}
-
 void SceneEntries::report_at(const Place& place, const std::string& key, const std::string& message) {
   found_.push_back({place.source, place.at.line, place.at.column, one_line(key), one_line(message)});
 }
 
 std::vector<Diagnostic> SceneEntries::diagnostics() const {
   std::vector<Diagnostic> sorted = found_;
-  std::stable_sort(sorted.begin(), sorted.end(), [](const Diagnostic& a, const Diagnostic& b) {
-    const auto rank = [](const Diagnostic& found) {
-      const bool from_override = found.source == override_source;
-      return from_override ? std::tuple(true, std::size_t{0}, std::size_t{0})
-                           : std::tuple(false, found.line, found.column);
-    };
-    return rank(a) < rank(b);
+  std::ranges::stable_sort(sorted, {}, [](const Diagnostic& found) {
+    const bool from_override = found.source == override_source;
+    return from_override ? std::tuple(true, std::size_t{0}, std::size_t{0})
+                         : std::tuple(false, found.line, found.column);
   });
   return sorted;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <map>
 #include <optional>
 #include <set>
@@ -33,6 +35,7 @@ class SceneEntries {
   /// Present, and not as a fallback.
   bool given(std::string_view key) const { return present(key) && !filled_in_.contains(key); }
   bool faulty(std::string_view key) const { return faulty_.contains(key); }
+  bool sound(std::string_view key) const { return present(key) && !faulty(key); }
   std::vector<std::string> faulty_keys() const { return {faulty_.begin(), faulty_.end()}; }
 
   // Values of keys that are present and not faulty.
@@ -48,6 +51,10 @@ class SceneEntries {
 
   /// Notes what is wrong with a key, at its value, or else at its table, or else at the end of the text.
   void report(std::string_view key, const std::string& message);
+  template <class... Args>
+  void report(std::string_view key, fmt::format_string<Args...> message, Args&&... args) {
+    report(key, fmt::format(message, std::forward<Args>(args)...));
+  }
 
   /// All that was found, in the order of the text, overrides last.
   std::vector<Diagnostic> diagnostics() const;
@@ -64,14 +71,14 @@ class SceneEntries {
 
   void add_text(const std::string& text);
   void add_override(const std::string& text);
-  void add(const TomlEntry& entry, std::string_view table, const std::string& source);
+  /// Of a table, which the text may have written otherwise.
+  void add(const TomlNode& entry, const std::string& written, std::string_view table, const std::string& source);
   void unset(std::string_view name);
   void drop_what_no_longer_belongs();
   void check_values();
   void fill_in();
   const TomlValue* sound_value(std::string_view key) const;
   Place place_of(std::string_view key) const;
-  void report_unknown_table(const Place& place, const std::string& key, std::optional<std::string_view> nearest);
   void report_at(const Place& place, const std::string& key, const std::string& message);
 
   Place end_;
@@ -81,5 +88,15 @@ class SceneEntries {
   std::set<std::string, std::less<>> faulty_, filled_in_;
   std::vector<Diagnostic> found_;
 };
+
+/// What scale f(t) + offset, or its derivative with respect to a parameter, is to an end.
+EndMotion motion_of(const Formula& f, const std::string& by, double scale, double offset);
+/// What moves an obstacle with that gap, or the derivative of it; the obstacle has the gap at the start.
+EndMotion motion_of_gap(const Formula& gap, const std::string& by, const Obstacle& obstacle);
+
+/// The direction of a key of a scene file, or of parameters.NAME: formulas are differentiated, not differenced. `run`
+/// is the case of the entries but for its method, where that is chosen for it.
+/// @throws std::invalid_argument where there is none
+Direction direction_of(const SceneEntries& entries, const Case& run, const std::string& key);
 
 }  // namespace viscobar

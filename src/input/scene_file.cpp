@@ -8,13 +8,12 @@
 #include <set>
 
 #include "case/method_table.hpp"
+#include "input/described_scene.hpp"
 #include "input/input_text.hpp"
-#include "input/parse_case.hpp"
-#include "input/scene_direction.hpp"
 #include "input/scene_entries.hpp"
 #include "input/scene_values.hpp"
 #include "scene/end_kinds.hpp"
-#include "scene/printable.hpp"
+#include "scene/message_text.hpp"
 
 namespace viscobar {
 
@@ -24,11 +23,17 @@ using Json = nlohmann::ordered_json;
 
 constexpr Stepper all_steppers[] = {Stepper::automatic, Stepper::rosenbrock4, Stepper::dopri5, Stepper::symplectic};
 
+// The one that the key names.
+template <class All, class One>
+One chosen(const SceneEntries& entries, const std::string& key, const All& all, One otherwise) {
+  const auto word = entries.text(key);
+  for (const One one : all)
+    if (word == name(one)) return one;
+  return otherwise;
+}
+
 Side side_of(const SceneEntries& entries, const std::string& table) {
-  const auto word = entries.text(table + ".side");
-  for (const Side side : all_sides)
-    if (word == name(side)) return side;
-  return Side::below;
+  return chosen(entries, table + ".side", all_sides, Side::below);
 }
 
 EndCondition end_of(const SceneEntries& entries, const std::string& side) {
@@ -45,98 +50,81 @@ EndCondition end_of(const SceneEntries& entries, const std::string& side) {
   return Free{};
 }
 
-// What scale f(t) + offset is to an end.
-EndMotion motion_of(const Formula& f, double scale, double offset) {
-  const auto scaled = [scale](const TimeFunction& of, double plus) -> TimeFunction {
-    return [of, scale, plus](double t) { return scale * of(t) + plus; };
-  };
-  return {scaled(f.of_t(), offset), scaled(f.derivative_of_t(1), 0.0), scaled(f.derivative_of_t(2), 0.0), f.breaks()};
-}
-
 EndInput input_of(const SceneEntries& entries, const std::string& side, const EndCondition& end) {
   EndInput input;
-  const auto formula = [&](const char* key) { return entries.formula(fmt::format("{}.{}", side, key)); };
-  const auto number = [&](const char* key) { return entries.number(fmt::format("{}.{}", side, key)).value_or(0.0); };
-  input.stiffness = number("stiffness");
-  input.dashpot = number("dashpot");
-  if (const auto force = formula("force"); force && !(force->is_constant() && force->constant() == 0.0))
+  const auto number = [&](const char* key) { return entries.number(side + key).value_or(0.0); };
+  input.stiffness = number(".stiffness");
+  input.dashpot = number(".dashpot");
+  if (const auto force = entries.formula(side + ".force"); force && !force->is_zero())
     input.force = EndForce{force->of_t(), force->breaks(), force->is_constant()};
-  if (const auto motion = formula("motion"); motion && !(motion->is_constant() && motion->constant() == 0.0))
-    input.motion = motion_of(*motion, 1.0, 0.0);
+  if (const auto motion = entries.formula(side + ".motion"); motion && !motion->is_zero())
+    input.motion = motion_of(*motion, "", 1.0, 0.0);
   if (const auto* obstacle = std::get_if<Obstacle>(&end))
-    if (const auto gap = formula("gap"); gap && !gap->is_constant()) {
-      const double sign = obstacle->side == Side::above ? -1.0 : 1.0;
-      input.motion = motion_of(*gap, -sign, sign * obstacle->gap);
-    }
+    if (const auto gap = entries.formula(side + ".gap"); gap && !gap->is_constant())
+      input.motion = motion_of_gap(*gap, "", *obstacle);
   return input;
 }
 
 // The narrowest kind of load that the formulas allow, and none at all for one that is zero.
 std::optional<Load> load_of(const SceneEntries& entries) {
-  const auto is_zero = [](const Formula& formula) { return formula.is_constant() && formula.constant() == 0.0; };
   if (const auto density = entries.formula("load.density")) {
-    if (is_zero(*density)) return std::nullopt;
+    if (density->is_zero()) return std::nullopt;
     if (!density->uses('t')) return SteadyLoad{density->of_x()};
     if (!density->uses('x')) return SeparableLoad{[](double) { return 1.0; }, density->of_t(), density->breaks()};
     return GeneralLoad{density->of_x_t(), density->breaks(), density->breaks_at()};
   }
   const auto profile = entries.formula("load.profile"), history = entries.formula("load.history");
-  if (!profile || !history || is_zero(*profile) || is_zero(*history)) return std::nullopt;
+  if (!profile || !history || profile->is_zero() || history->is_zero()) return std::nullopt;
   if (history->is_constant())
     return SteadyLoad{[f = profile->of_x(), factor = history->constant()](double x) { return factor * f(x); }};
   return SeparableLoad{profile->of_x(), history->of_t(), history->breaks()};
 }
 
 OutputFiles files_of(const SceneEntries& entries) {
-  if (!entries.present("output.write") || entries.faulty("output.write")) return {};
+  if (!entries.sound("output.write")) return {};
   const auto words = entries.list("output.write");
   const auto named = [&](std::string_view file) { return std::ranges::find(words, file) != words.end(); };
   return {named("ends"), named("events"), named("field"), named("energy"), named("report")};
 }
 
 // The case that the sound keys make; a faulty one gets a value that does no harm.
-Case case_of(const SceneEntries& entries, std::vector<std::string>& refusals) {
+Case case_of(SceneEntries& entries) {
   const auto number = [&](const char* key, double otherwise) { return entries.number(key).value_or(otherwise); };
-  const auto chosen = [&](const char* key, const auto& all, auto otherwise) {
-    const auto text = entries.text(key);
-    for (const auto one : all)
-      if (text == name(one)) return one;
-    return otherwise;
-  };
   const auto function = [&](const char* key) {
     return entries.faulty("bar.length") ? Formula(0.0).of_x() : entries.formula(key).value_or(Formula(0.0)).of_x();
   };
 
   Case run;
-  run.scene.title = entries.text("title").value_or("");
+  const auto text = [&](const char* key) { return entries.text(key).value_or(""); };
+  run.scene.title = text("title");
   run.scene.bar = {number("bar.length", 1.0), number("bar.density", 1.0), number("bar.modulus", 1.0),
                    number("bar.viscosity", 1.0)};
-  run.scene.left = end_of(entries, "left");
-  run.scene.right = end_of(entries, "right");
-  run.scene.left_input = input_of(entries, "left", run.scene.left);
-  run.scene.right_input = input_of(entries, "right", run.scene.right);
-  if (entries.present("span.gap")) run.scene.span = Obstacle{number("span.gap", 1e100), side_of(entries, "span")};
-  run.scene.displacement = function("initial.displacement");
-  run.scene.velocity = function("initial.velocity");
-  run.scene.load = load_of(entries);
-  const auto unit = [&](const char* key) { return entries.text(key).value_or(""); };
-  run.scene.units = {unit("units.length"), unit("units.time"), unit("units.mass"), unit("units.force"),
-                     unit("units.stress")};
+  Scene& scene = run.scene;
+  scene.left = end_of(entries, "left");
+  scene.right = end_of(entries, "right");
+  scene.left_input = input_of(entries, "left", scene.left);
+  scene.right_input = input_of(entries, "right", scene.right);
+  if (entries.present("span.gap")) scene.span = Obstacle{number("span.gap", 1e100), side_of(entries, "span")};
+  scene.displacement = function("initial.displacement");
+  scene.velocity = function("initial.velocity");
+  scene.load = load_of(entries);
+  scene.units = {text("units.length"), text("units.time"), text("units.mass"), text("units.force"),
+                 text("units.stress")};
 
   run.elements =
       entries.faulty("mesh.elements") ? 1 : static_cast<std::size_t>(number("mesh.elements", default_elements));
   run.grading = number("mesh.grading", 1.0);
-  if (entries.present("mesh.mass")) run.mass = chosen("mesh.mass", all_masses, Mass::consistent);
+  if (entries.present("mesh.mass")) run.mass = chosen(entries, "mesh.mass", all_masses, Mass::consistent);
   run.epsilon = entries.number("contact.epsilon");
   run.restitution = entries.number("contact.restitution");
   run.automatic = entries.text("method.name").value_or(std::string(automatic)) == automatic;
-  run.method = chosen("method.name", all_methods, MethodName::cvode);
+  run.method = chosen(entries, "method.name", all_methods, MethodName::cvode);
   const bool local = entries.text("method.error_control") == "local";
   run.tolerance = {number("method.relative_tolerance", Tolerance{}.relative),
                    entries.number("method.absolute_tolerance"), local ? ErrorControl::local : ErrorControl::global};
   const auto formulas = entries.text("method.formulas");
   run.formulas = formulas == "adams" ? Formulas::adams : formulas == "bdf" ? Formulas::bdf : Formulas::automatic;
-  run.stepper = chosen("method.stepper", all_steppers, Stepper::automatic);
+  run.stepper = chosen(entries, "method.stepper", all_steppers, Stepper::automatic);
   run.impact = entries.text("method.impact") == "moreau" ? Impact::moreau : Impact::paoli_schatzman;
   run.start = entries.text("method.start") == "second_order" ? Start::second_order : Start::first_order;
 
@@ -145,7 +133,7 @@ Case case_of(const SceneEntries& entries, std::vector<std::string>& refusals) {
     try {
       run.directions.push_back(direction_of(entries, run, key));
     } catch (const std::exception& refused) {
-      refusals.push_back(refused.what());
+      entries.report("sensitivity.of", refused.what());
     }
   }
   if (run.automatic) {
@@ -163,22 +151,18 @@ void check_end(SceneEntries& entries, const std::string& side) {
   const auto word = entries.text(side + ".kind");
   if (!word) return;
   for (const EndKind& kind : end_kinds)
-    for (const EndNumber& number : kind.numbers) {
-      const std::string key = fmt::format("{}.{}", side, number.key);
-      if (entries.faulty(key) || entries.present(key) == (*word == kind.name)) continue;
-      entries.report(key, *word == kind.name
-                              ? fmt::format("is missing: {} has a {}, {}", kind.in_words, number.key, number.meaning)
-                              : fmt::format("belongs to {}; this end is {}", kind.in_words, *word));
-    }
-  for (const EndKind& kind : end_kinds)
-    for (const std::string_view key : kind.inputs) {
-      const std::string name = fmt::format("{}.{}", side, key);
-      if (entries.present(name) && !entries.faulty(name) && !belongs_to_end(*word, key))
-        entries.report(name, fmt::format("belongs to {}; this end is {}",
-                                         key == "motion" ? "a fixed end" : "a free end or an obstacle", *word));
-    }
-  if (entries.present(side + ".side") && !belongs_to_end(*word, "side"))
-    entries.report(side + ".side", fmt::format("belongs to an obstacle; this end is {}", *word));
+    for (const EndNumber& number : kind.numbers)
+      if (const std::string key = fmt::format("{}.{}", side, number.key);
+          *word == kind.name && !entries.present(key) && !entries.faulty(key))
+        entries.report(key, "is missing: {} has a {}, {}", kind.in_words, number.key, number.meaning);
+  for (const SceneKey& key : scene_keys()) {
+    const std::string_view leaf = key.leaf();
+    if (key.table() != side || leaf == "kind" || !entries.sound(key.name) || belongs_to_end(*word, leaf)) continue;
+    const char* owner = belongs_to_end("free", leaf)       ? "a free end or an obstacle"
+                        : belongs_to_end("obstacle", leaf) ? "an obstacle"
+                                                           : "a fixed end";
+    entries.report(key.name, "belongs to {}; this end is {}", owner, *word);
+  }
 }
 
 void check_load_keys(SceneEntries& entries) {
@@ -193,9 +177,8 @@ void check_load_keys(SceneEntries& entries) {
 }
 
 // validate() asks this of the initial data; a load is not looked at before a run.
-std::vector<Finding> check_load_values(const SceneEntries& entries, const Mesh& mesh) {
-  std::vector<Finding> findings;
-  if (entries.faulty("bar.length")) return findings;
+void check_load_values(SceneEntries& entries, const Mesh& mesh) {
+  if (entries.faulty("bar.length")) return;
   for (const char* key : {"load.density", "load.profile", "load.history", "left.force", "right.force", "left.gap",
                           "right.gap", "left.motion", "right.motion"}) {
     const auto formula = entries.formula(key);
@@ -205,12 +188,11 @@ std::vector<Finding> check_load_values(const SceneEntries& entries, const Mesh& 
     for (std::size_t j = 0; j < nodes; ++j) {
       const double x = mesh.node(j), value = f(x, 0.0);
       if (std::isfinite(value)) continue;
-      const std::string where = formula->uses('x') ? fmt::format("x = {}, t = 0", x) : "t = 0";
-      findings.push_back({key, fmt::format("is {} at {}", printable(value), where)});
+      const std::string where = formula->uses('x') ? fmt::format("x = {}, ", x) : "";
+      entries.report(key, "is {} at {}t = 0", printable(value), where);
       break;
     }
   }
-  return findings;
 }
 
 // What moves the bar.
@@ -230,11 +212,10 @@ void check_motion(SceneEntries& entries) {
 // The values of keys that the scene leaves out and the program chooses.
 std::string choose(const SceneEntries& entries, Case& run) {
   Json json = Json::object();
-  const Scene& scene = run.scene;
-  const bool obstacle = is_obstacle(scene.left) || is_obstacle(scene.right) || scene.span;
   if (!entries.present("mesh.elements")) json["mesh"]["elements"] = run.elements;
   if (!run.mass && run.method != MethodName::characteristics) json["mesh"]["mass"] = name(effective_mass(run));
-  if (is_penalised(run.method) && obstacle && !run.epsilon) json["contact"]["epsilon"] = effective_epsilon(run);
+  if (is_penalised(run.method) && meets_obstacle(run.scene) && !run.epsilon)
+    json["contact"]["epsilon"] = effective_epsilon(run);
   if (is_scheme(run.method) && !run.step) json["method"]["step"] = scheme_step(run);
   return json.dump(2);
 }
@@ -243,21 +224,19 @@ void check_sensitivity(SceneEntries& entries, const Case& run) {
   if (run.directions.empty() || entries.faulty("method.name")) return;
   if (!method_row(run.method).differentiates)
     entries.report("sensitivity.of",
-                   fmt::format("{} has no derivatives; use rigid, or the penalised cvode, ida or arkode, or leave "
-                               "method.name out",
-                               name(run.method)));
+                   "{} has no derivatives; use rigid, or the penalised cvode, ida or arkode, or leave "
+                   "method.name out",
+                   name(run.method));
   std::set<std::string> seen;
   for (const Direction& along : run.directions) {
-    if (!seen.insert(along.key).second) entries.report("sensitivity.of", fmt::format("{} is given twice", along.key));
+    if (!seen.insert(along.key).second) entries.report("sensitivity.of", "{} is given twice", along.key);
     if (along.key == "contact.epsilon" && !is_penalised(run.method))
-      entries.report("sensitivity.of", fmt::format("contact.epsilon: {} has no epsilon", name(run.method)));
+      entries.report("sensitivity.of", "contact.epsilon: {} has no epsilon", name(run.method));
   }
 }
 
 Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
-  std::vector<std::string> refusals;
-  Case run = case_of(entries, refusals);
-  for (const std::string& refusal : refusals) entries.report("sensitivity.of", refusal);
+  Case run = case_of(entries);
   if (adapt) {
     const MethodName before = run.method;
     adapt(run);
@@ -266,19 +245,17 @@ Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
   }
   check_sensitivity(entries, run);
   for (const Finding& finding : validate(run, entries.faulty_keys())) entries.report(finding.key, finding.problem);
-  for (const Finding& finding : check_load_values(entries, run.mesh())) entries.report(finding.key, finding.problem);
+  check_load_values(entries, run.mesh());
   return run;
 }
 
 std::optional<AccuracyRequest> accuracy_of(SceneEntries& entries, const Case& run) {
-  if (!entries.present("accuracy.error") || entries.faulty("accuracy.error")) return std::nullopt;
+  if (!entries.sound("accuracy.error")) return std::nullopt;
   AccuracyRequest request;
   const auto* share = std::get_if<std::string>(&entries.value("accuracy.error"));
   request.relative = share != nullptr;
   request.error = share ? *percentage(*share) : *entries.number("accuracy.error");
-  const auto of = entries.text("accuracy.of");
-  for (const Goal goal : all_goals)
-    if (of == name(goal)) request.of = goal;
+  request.of = chosen(entries, "accuracy.of", all_goals, request.of);
   request.given = {entries.given("mesh.elements"),
                    entries.given("mesh.mass"),
                    entries.given("method.name") && !run.automatic,
@@ -317,27 +294,10 @@ std::string describe(const SceneEntries& entries, const Case& run) {
 }
 
 std::string all_texts(const std::vector<Diagnostic>& found) {
-  std::vector<std::string> texts;
-  for (const Diagnostic& one : found) texts.push_back(one.text());
-  return fmt::format("{}", fmt::join(texts, "\n"));
+  std::string all;
+  for (const Diagnostic& one : found) all += (all.empty() ? "" : "\n") + one.text();
+  return all;
 }
-
-}  // namespace
-
-std::string Diagnostic::text() const {
-  return fmt::format("{}:{}:{}: {}{}{}", source, line, column, key, key.empty() ? "" : ": ", message);
-}
-
-SceneError::SceneError(std::vector<Diagnostic> found)
-    : std::runtime_error(all_texts(found)), diagnostics(std::move(found)) {}
-
-std::string SceneFile::complete() const {
-  auto json = nlohmann::ordered_json::parse(description);
-  json.merge_patch(nlohmann::ordered_json::parse(chosen));
-  return json.dump(2);
-}
-
-namespace {
 
 SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt) {
   SceneFile scene;
@@ -354,6 +314,19 @@ SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt) {
 }
 
 }  // namespace
+
+std::string Diagnostic::text() const {
+  return fmt::format("{}:{}:{}: {}{}{}", source, line, column, key, key.empty() ? "" : ": ", message);
+}
+
+SceneError::SceneError(std::vector<Diagnostic> found)
+    : std::runtime_error(all_texts(found)), diagnostics(std::move(found)) {}
+
+std::string SceneFile::complete() const {
+  Json json = Json::parse(description);
+  json.merge_patch(Json::parse(chosen));
+  return json.dump(2);
+}
 
 SceneFile parse_case(const std::string& text, const std::string& source, std::span<const std::string> overrides,
                      const Adaptation& adapt) {

@@ -4,11 +4,12 @@
 
 #include <algorithm>
 #include <list>
+#include <map>
 #include <unordered_map>
 #include <vector>
 
 #include "case/method_table.hpp"
-#include "input/synonyms.hpp"
+#include "input/input_text.hpp"
 #include "scene/end_kinds.hpp"
 #include "text/nearest_name.hpp"
 #include "viscobar/case/accuracy.hpp"
@@ -138,27 +139,61 @@ constexpr std::string_view tables[] = {"bar",      "left",       "right",       
 
 constexpr std::string_view any_parameter = "parameters.NAME";
 
-template <class Rows, class Word>
-std::vector<Choice> choices_of(const Rows& rows_of_all, Word word) {
-  std::vector<Choice> choices;
-  for (const auto& row : rows_of_all) choices.push_back(word(row));
-  return choices;
+/// What viscobar calls a thing, and what papers and other programs call it, in lower case.
+struct Synonyms {
+  std::string_view ours, theirs;
+};
+constexpr Synonyms synonyms[] = {
+    {"viscosity", "alpha eta damping"},
+    {"density", "rho force"},
+    {"modulus", "young youngs youngs_modulus elasticity elastic_modulus e"},
+    {"kind", "type"},
+    {"length", "l"},
+    {"displacement", "u u0"},
+    {"velocity", "v v0"},
+    {"gap", "position distance"},
+    {"end", "t t_end duration"},
+    {"elements", "j nodes cells"},
+    {"epsilon", "penalty compliance"},
+    {"step", "dt h"},
+    {"relative_tolerance", "rtol tolerance"},
+    {"absolute_tolerance", "atol"},
+    {"every", "interval dt_out"},
+    {"obstacle", "wall contact signorini rigid"},
+    {"fixed", "clamped dirichlet"},
+    {"free", "none neumann"},
+    {"lumped", "diagonal"},
+    {"finite_difference", "fd"},
+    {"odeint", "rk45"},
+    {"method", "solver integrator"},
+    {"bar", "material"},
+    {"load", "forcing"},
+};
+
+/// "alpha" is the viscosity, "clamped" is fixed; the word itself when it is no synonym.
+std::string_view usual_name(std::string_view word) {
+  const std::string plain = plain_name(word);
+  for (const auto& [ours, theirs] : synonyms)
+    if (std::ranges::count(split(theirs, ' '), std::string_view(plain)) > 0) return ours;
+  return word;
 }
 
+// The words of masses, goals, methods and kinds of ends, which have tables of their own.
 std::span<const Choice> own_choices(std::string_view key) {
-  static const auto masses = choices_of(all_masses, [](Mass mass) { return Choice{name(mass), meaning(mass)}; });
-  static const auto goals = choices_of(all_goals, [](Goal goal) { return Choice{name(goal), meaning(goal)}; });
-  static constexpr auto words = [](const auto& row) { return Choice{row.name, row.meaning}; };
-  static const auto ends = choices_of(end_kinds, words);
-  static const auto methods = [] {
-    auto all = choices_of(method_table(), words);
-    all.insert(all.begin(),
-               {automatic, "the method that suits the scene best, one for the whole run; summary.json names it"});
-    return all;
+  static const auto all = [] {
+    std::vector<Choice> masses, goals, ends,
+        methods{{automatic, "the method that suits the scene best, one for the whole run; summary.json names it"}};
+    for (const Mass mass : all_masses) masses.push_back({name(mass), meaning(mass)});
+    for (const Goal goal : all_goals) goals.push_back({name(goal), meaning(goal)});
+    for (const MethodRow& row : method_table()) methods.push_back({row.name, row.meaning});
+    for (const EndKind& kind : end_kinds) ends.push_back({kind.name, kind.meaning});
+    return std::map<std::string_view, std::vector<Choice>>{{"mesh.mass", masses},
+                                                           {"accuracy.of", goals},
+                                                           {"method.name", methods},
+                                                           {"left.kind", ends},
+                                                           {"right.kind", ends}};
   }();
-  if (key == "mesh.mass") return masses;
-  if (key == "accuracy.of") return goals;
-  return key == "method.name" ? methods : ends;
+  return all.at(key);
 }
 
 // The keys of an end but its kind, whose texts live as long as the program.
@@ -178,37 +213,7 @@ void add_end_keys(std::string_view end, std::vector<SceneKey>& keys) {
   }
 }
 
-template <class Condition>
-const SceneKey* first_key(Condition condition) {
-  const auto keys = scene_keys();
-  const auto found = std::find_if(keys.begin(), keys.end(), condition);
-  return found == keys.end() ? nullptr : &*found;
-}
-
 }  // namespace
-
-std::string type_words(const SceneKey& key) {
-  switch (key.type) {
-    case text: return "text";
-    case choice: return fmt::format("`{}`", fmt::join(key.choice_names(), "`, `"));
-    case number: return key.range.words.empty() ? "number" : fmt::format("number {}", key.range.words);
-    case count: return fmt::format("whole number {}", key.range.words);
-    case amount: return fmt::format("number {}, or percentage in quotes", key.range.words);
-    case formula:
-      return fmt::format("number{}{}, or formula in {}", key.range.words.empty() ? "" : " ", key.range.words,
-                         key.variables == "xt" ? "x and t" : key.variables);
-    case list:
-      return key.choices.empty() ? "list of keys" : fmt::format("list of `{}`", fmt::join(key.choice_names(), "`, `"));
-  }
-  return {};
-}
-
-std::string default_words(const SceneKey& key) {
-  if (key.presence == required) return "required";
-  const std::string value = key.fallback.empty() ? "none" : fmt::format("`{}`", key.fallback);
-  if (key.presence == optional) return value;
-  return fmt::format("required in `[{}]`{}", key.table(), key.fallback.empty() ? "" : ", else " + value);
-}
 
 std::string_view SceneKey::table() const {
   const std::size_t dot = name.find('.');
@@ -236,16 +241,13 @@ std::span<const SceneKey> scene_keys() {
   return keys;
 }
 
-bool is_parameter(std::string_view name) {
-  constexpr std::string_view table = "parameters.";
-  return name.size() > table.size() && name.starts_with(table);
-}
+std::string_view parameter_name(std::string_view name) { return name.substr(name.find('.') + 1); }
+
+bool is_parameter(std::string_view name) { return name.starts_with("parameters.") && !parameter_name(name).empty(); }
 
 std::span<const std::string_view> scene_tables() { return tables; }
 
-bool is_scene_table(std::string_view name) {
-  return std::find(std::begin(tables), std::end(tables), name) != std::end(tables);
-}
+bool is_scene_table(std::string_view name) { return std::ranges::find(tables, name) != std::end(tables); }
 
 const SceneKey* find_scene_key(std::string_view name) {
   if (is_parameter(name)) name = any_parameter;
@@ -264,15 +266,24 @@ const SceneKey* find_scene_key(std::string_view table, std::string_view leaf) {
   return find_scene_key(table.empty() ? std::string(leaf) : fmt::format("{}.{}", table, leaf));
 }
 
+std::optional<std::string_view> meant_name(std::string_view word, std::span<const std::string_view> candidates) {
+  const std::string_view usual = usual_name(word);
+  if (const auto found = std::ranges::find(candidates, usual); found != candidates.end()) return *found;
+  const auto nearest = nearest_name(word, candidates);
+  return nearest ? nearest : nearest_name(usual, candidates);
+}
+
 const SceneKey* nearest_scene_key(std::string_view table, std::string_view leaf) {
   std::vector<std::string_view> siblings;
   for (const SceneKey& key : scene_keys())
     if (key.table() == table || table.empty()) siblings.push_back(key.leaf());
   const auto nearest = meant_name(leaf, siblings);
-  if (nearest && !table.empty()) return find_scene_key(table, *nearest);
-  if (nearest) return first_key([&](const SceneKey& key) { return key.leaf() == *nearest; });
   const std::string_view usual = usual_name(leaf);
-  return first_key([&](const SceneKey& key) { return key.leaf() == leaf || key.leaf() == usual; });
+  const auto found = std::ranges::find_if(scene_keys(), [&](const SceneKey& key) {
+    if (nearest) return key.leaf() == *nearest && (table.empty() || key.table() == table);
+    return key.leaf() == leaf || key.leaf() == usual;
+  });
+  return found == scene_keys().end() ? nullptr : &*found;
 }
 
 }  // namespace viscobar

@@ -1,27 +1,17 @@
 #pragma once
 
+#include <optional>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
 namespace viscobar {
 
-enum class KeyType {
-  text,
-  choice,
-  number,
-  count,
-  formula,
-  list,
-  amount  ///< a number, or a percentage as a text
-};
+/// An amount is a number, or a percentage as a text.
+enum class KeyType { text, choice, number, count, formula, list, amount };
 
-enum class Presence {
-  required,           ///< in every scene
-  required_in_table,  ///< where its table is
-  optional
-};
+/// Whether a key has to be there: in every scene, where its table is, or nowhere.
+enum class Presence { required, required_in_table, optional };
 
 /// Closed interval of the values that a number may have.
 struct Range {
@@ -60,17 +50,19 @@ const SceneKey* find_scene_key(std::string_view table, std::string_view leaf);
 
 /// Whether that is the name of a parameter, "parameters.NAME" with any NAME.
 bool is_parameter(std::string_view name);
+/// That NAME.
+std::string_view parameter_name(std::string_view name);
 
 /// Names of the tables, in the order of scene_keys().
 std::span<const std::string_view> scene_tables();
 bool is_scene_table(std::string_view name);
 
+/// The candidate that `word` was probably meant to be: what papers and other programs call so, or else the nearest by
+/// its letters.
+std::optional<std::string_view> meant_name(std::string_view word, std::span<const std::string_view> candidates);
+
 /// The key that an unknown one was probably meant to be: the nearest one of the same table, or the one of that name in
 /// another table; above the first table, the nearest one of any.
 const SceneKey* nearest_scene_key(std::string_view table, std::string_view leaf);
-
-/// Type and default of a key in words, with `code` marked as in Markdown.
-std::string type_words(const SceneKey& key);
-std::string default_words(const SceneKey& key);
 
 }  // namespace viscobar

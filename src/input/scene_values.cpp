@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "input/input_text.hpp"
-#include "input/synonyms.hpp"
+#include "text/number.hpp"
 
 namespace viscobar {
 
@@ -21,15 +20,8 @@ std::optional<TomlValue> plain_number(std::string_view text) {
   const std::string_view whole = text.substr(digits, std::min({point, exponent, text.size()}) - digits);
   if (whole.empty() || (whole.size() > 1 && whole.front() == '0') || whole.find('-') != whole.npos) return std::nullopt;
   if (point != text.npos && (point + 1 == text.size() || text[point + 1] == 'e')) return std::nullopt;
-  const char* const end = text.data() + text.size();
-  if (point == text.npos && exponent == text.npos) {
-    std::int64_t value = 0;
-    const auto [at, error] = std::from_chars(text.data(), end, value);
-    return error == std::errc() && at == end ? std::optional<TomlValue>(value) : std::nullopt;
-  }
-  double value = 0.0;
-  const auto [at, error] = std::from_chars(text.data(), end, value);
-  return error == std::errc() && at == end ? std::optional<TomlValue>(value) : std::nullopt;
+  if (point == text.npos && exponent == text.npos) return number_in<std::int64_t>(text);
+  return number_in<double>(text);
 }
 
 }  // namespace
@@ -37,8 +29,8 @@ std::optional<TomlValue> plain_number(std::string_view text) {
 TomlValue value_of(std::string_view text) {
   if (auto number = plain_number(text)) return *std::move(number);
   try {
-    const TomlDocument document = parse_toml("value = " + std::string(text));
-    if (document.tables.empty() && document.entries.size() == 1) return document.entries.front().value;
+    const TomlNode root = parse_toml("value = " + std::string(text));
+    if (root.inside.size() == 1 && root.inside.front().kind != TomlNode::Kind::table) return root.inside.front().value;
   } catch (const TextError&) {  // a bare string
   }
   return std::string(text);
@@ -80,19 +72,13 @@ std::string number_advice(const std::string& text) {
     return "; formulas are for initial data, loads, and what moves the ends";
   const std::size_t after = text.find_first_not_of("0123456789+-.eE");
   if (after == text.npos && text.size() > 18) return "; it is too large";
-  const auto begins_unit = [](char c) { return c == ' ' || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
-  const bool with_unit = after != text.npos && after > 0 && begins_unit(text[after]);
+  const bool with_unit = after != text.npos && after > 0 && (text[after] == ' ' || is_letter(text[after]));
   return with_unit ? "; units are not written: any consistent ones will do" : "";
-}
-
-std::string advice_on(const TomlValue& value) {
-  const auto* text = std::get_if<std::string>(&value);
-  return text ? number_advice(*text) : "";
 }
 
 std::string choice_problem(const SceneKey& key, const std::string& value) {
   const std::vector<std::string_view> names = key.choice_names();
-  if (std::find(names.begin(), names.end(), value) != names.end()) return {};
+  if (std::ranges::find(names, value) != names.end()) return {};
   const std::string known = fmt::format("\"{}\"", fmt::join(names, "\", \""));
   const auto nearest = meant_name(value, names);
   return fmt::format("cannot be \"{}\"; {}", value,
@@ -134,29 +120,27 @@ std::string list_problem(const SceneKey& key, const TomlValue& value) {
 std::optional<double> percentage(std::string_view text) {
   if (!text.ends_with('%')) return std::nullopt;
   text = trimmed(text.substr(0, text.size() - 1));
-  double value = 0.0;
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || rest != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value / 100.0;
+  const auto value = number_in<double>(text);
+  return value && std::isfinite(*value) ? std::optional(*value / 100.0) : std::nullopt;
 }
 
 std::string problem_with(const SceneKey& key, const TomlValue& value, const Parameters& parameters) {
+  const auto* text = std::get_if<std::string>(&value);
+  const auto number = number_of(value);
   switch (key.type) {
     case KeyType::text:
     case KeyType::choice:
-      if (const auto* text = std::get_if<std::string>(&value))
-        return key.type == KeyType::text ? "" : choice_problem(key, *text);
-      return fmt::format("must be a string, is {}", kind_of(value));
+      if (!text) return fmt::format("must be a string, is {}", kind_of(value));
+      return key.type == KeyType::text ? "" : choice_problem(key, *text);
     case KeyType::count:
       if (std::holds_alternative<double>(value)) return "must be a whole number, written without point or exponent";
       [[fallthrough]];
     case KeyType::number:
-      if (const auto number = number_of(value)) return range_problem(key.range, *number);
+      if (number) return range_problem(key.range, *number);
       return fmt::format("must be a {}, is {}{}", key.type == KeyType::count ? "whole number" : "number",
-                         kind_of(value), advice_on(value));
+                         kind_of(value), text ? number_advice(*text) : "");
     case KeyType::amount: {
-      if (const auto number = number_of(value)) return range_problem(key.range, *number);
-      const auto* text = std::get_if<std::string>(&value);
+      if (number) return range_problem(key.range, *number);
       const auto share = text ? percentage(*text) : std::nullopt;
       if (!share)
         return fmt::format("must be a number, or a percentage such as \"0.01 %\", is {}",

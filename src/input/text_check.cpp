@@ -1,6 +1,8 @@
-#include "input/text_check.hpp"
-
 #include <algorithm>
+#include <utility>
+
+#include "input/input_text.hpp"
+#include "input/toml_text.hpp"
 
 namespace viscobar {
 
@@ -9,13 +11,10 @@ namespace {
 constexpr std::size_t most_parts = 32;  // of a dotted name; each part costs the parser a level of recursion
 
 bool is_ascii(std::string_view text) {
-  return std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; });
+  return std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) < 0x80; });
 }
 
-struct Letter {
-  std::string_view letter, ascii;
-};
-constexpr Letter letters[] = {
+constexpr std::pair<std::string_view, std::string_view> letters[] = {
     {"\u201c", "\""}, {"\u201d", "\""}, {"\u201e", "\""}, {"\u2018", "'"},      {"\u2019", "'"},       {"\u2212", "-"},
     {"\u2013", "-"},  {"\u2014", "-"},  {"\u00a0", " "},  {"\u202f", " "},      {"\u2009", " "},       {"\u00b7", "*"},
     {"\u00d7", "*"},  {"\u22c5", "*"},  {"\u00f7", "/"},  {"\u00b2", "^2"},     {"\u00b3", "^3"},      {"\u03c0", "pi"},
@@ -43,18 +42,10 @@ class Scanner {
     std::string open;    // brackets of arrays and inline tables
     char before = '\n';  // the last character that is no blank
     std::size_t parts = 1;
-    while (!at_end()) {
+    for (skip_blanks(); !at_end(); skip_blanks()) {
       const char c = text_[i_];
-      if (is_blank(c)) {
-        ++i_;
-        continue;
-      }
-      if (c == '#') {
-        skip_comment();
-        continue;
-      }
-      if (c == '[' && statement_begins) {
-        skip_header();
+      if (c == '#' || (c == '[' && statement_begins)) {
+        c == '#' ? skip_comment() : skip_header();
         continue;
       }
       if (!is_ascii({&c, 1})) fail_at_letter();
@@ -86,9 +77,7 @@ class Scanner {
   static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
   static bool is_quote(char c) { return c == '"' || c == '\''; }
   static bool is_one_of(char c, std::string_view list) { return list.find(c) != list.npos; }
-  static bool is_bare(char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-  }
+  static bool is_bare(char c) { return is_letter(c) || is_digit(c) || c == '_' || c == '-'; }
   [[noreturn]] void fail(std::size_t offset, const std::string& what) const {
     throw TextError(position_in(text_, offset), what);
   }
@@ -183,8 +172,8 @@ class Scanner {
 }  // namespace
 
 std::string_view ascii_for(std::string_view character) {
-  for (const Letter& known : letters)
-    if (known.letter == character) return known.ascii;
+  for (const auto& [letter, ascii] : letters)
+    if (letter == character) return ascii;
   return {};
 }
 

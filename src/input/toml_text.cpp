@@ -1,11 +1,11 @@
 #include "input/toml_text.hpp"
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <tuple>
-#include <utility>
 
-#include "input/toml_mistakes.hpp"
+#include "input/input_text.hpp"
 
 namespace {
 
@@ -30,6 +30,80 @@ constexpr void assume(bool condition) {
 namespace viscobar {
 
 namespace {
+
+using Words = std::span<const std::string_view>;
+bool is_one_of(std::string_view word, Words words) { return std::ranges::find(words, word) != words.end(); }
+bool begins_with_one_of(std::string_view text, Words words) {
+  return std::ranges::any_of(words, [&](std::string_view word) { return text.starts_with(word); });
+}
+
+constexpr std::string_view conflict[] = {"<<<<<<<", "=======", ">>>>>>>"};
+constexpr std::string_view foreign_comment[] = {";", "//", "%", "!", "--"};
+constexpr std::string_view capital_boolean[] = {"True", "False", "TRUE", "FALSE", "yes", "no"};
+constexpr std::string_view nothing[] = {"None", "null", "nil", "NULL", "NA"};
+constexpr std::string_view not_finite[] = {"NaN", "NAN", "Infinity", "-Infinity", "Inf", "-Inf"};
+
+std::string_view about_line(std::string_view line) {
+  if (begins_with_one_of(line, conflict)) return "a merge conflict was left here";
+  if (begins_with_one_of(line, foreign_comment)) return "a comment begins with #";
+  if (line.starts_with('(')) return "a table begins with its name in brackets, like [bar]";
+  if (line.starts_with('<') || line.starts_with('{')) return "a file consists of [tables] and lines key = value";
+  if (line.find(':') != line.npos) return "key and value are joined by =";
+  return "a line has the form key = value";
+}
+
+// What follows the digits, points, signs and exponent that a value begins with.
+std::string_view about_number(std::string_view value) {
+  const std::size_t end = std::min(value.find_first_not_of("0123456789+-."), value.size());
+  const std::string_view rest = value.substr(end);
+  const bool open_point = end > 0 && value[end - 1] == '.';
+  if (value[0] == '.' || open_point) return "a decimal point has digits on both sides";
+  if (end > 1 && value[0] == '0' && is_digit(value[1])) return "a whole number begins with another digit than 0";
+  if (rest.empty()) return end > 18 ? "so large a number is written with an exponent, like 1e20" : "";
+  if (rest == "e" || rest == "E") return "the exponent lacks its digits";
+  if (rest.starts_with(',')) return "decimals are written with a point, and one value is given";
+  if (rest.starts_with('x')) return "a number with a fraction is written in decimals";
+  const bool exponent = rest.size() > 1 && (is_digit(rest[1]) || rest[1] == '-' || rest[1] == '+');
+  if ((rest[0] == 'd' || rest[0] == 'D') && exponent) return "an exponent is written with e, like 1e-4";
+  if (rest.find_first_of("*/^()") < rest.size() && trimmed(rest).front() != '/') return "formulas stand in quotes";
+  if (rest.starts_with('/')) return "a quotient is a formula, which stands in quotes, or written out as a number";
+  if (trimmed(rest).starts_with("//") || trimmed(rest).starts_with('%')) return "a comment begins with #";
+  if (rest.starts_with(';')) return "a line ends without ;";
+  if ((is_letter(rest[0]) || rest[0] == '_') && rest[0] != 'e' && rest[0] != 'E')
+    return "units are not written: any consistent ones will do";
+  if (rest.starts_with(' ')) return "one value is given, and a new key begins on a new line";
+  return "";
+}
+
+std::string_view about_value(std::string_view value) {
+  if (value.empty()) return "the key needs a value";
+  if (value.starts_with('=')) return "one = joins key and value";
+  if (value.starts_with('$') || value.starts_with("{{")) return "a placeholder was not filled in";
+  const std::string_view word = value.substr(0, value.find_first_of(" \t#;,"));
+  if (is_one_of(word, capital_boolean)) return "a boolean is true or false";
+  if (is_one_of(word, nothing)) return "a key without a value is left out";
+  if (is_one_of(word, not_finite)) return "a number is finite";
+  if (is_digit(value[0]) || value[0] == '.' ||
+      ((value[0] == '-' || value[0] == '+') && value.size() > 1 && (is_digit(value[1]) || value[1] == '.')))
+    return about_number(value);
+  if (is_letter(value[0]) || value[0] == '_' || value[0] == '-' || value[0] == '(')
+    return "words and formulas stand in quotes";
+  return "";
+}
+
+/// What somebody meant who wrote this line, which is not TOML, and what to write instead: habits from other languages
+/// and formats, such as a decimal comma, // before a comment, a formula without quotes. Empty when it is none of them.
+std::string_view toml_advice(std::string_view line) {
+  line = trimmed(line);
+  if (line.empty() || line.starts_with('#') || line.starts_with('[')) return "";
+  const std::size_t equals = line.find('=');
+  if (equals == line.npos || equals == 0 || begins_with_one_of(line, conflict) || line.starts_with('<'))
+    return about_line(line);
+  const std::string_view key = trimmed(line.substr(0, equals));
+  if (key.find_first_of(" \t") != key.npos && key.find_first_of("\"'") == key.npos)
+    return "a key is one word, and its value follows after =";
+  return about_value(trimmed(line.substr(equals + 1)));
+}
 
 TextPosition position(const toml::source_region& region) { return {region.begin.line, region.begin.column}; }
 
@@ -77,7 +151,7 @@ std::string_view line_of(std::string_view text, std::size_t number) {
 
 }  // namespace
 
-TomlNode parse_toml_tree(std::string_view text) {
+TomlNode parse_toml(std::string_view text) {
   check_text(text);
   try {
     return tree(toml::parse(text));
@@ -88,22 +162,6 @@ TomlNode parse_toml_tree(std::string_view text) {
   } catch (const BrokenAssumption&) {
     throw TextError({}, "not a TOML text");
   }
-}
-
-TomlDocument parse_toml(std::string_view text) {
-  TomlDocument document;
-  const auto add = [&](const std::string& table, const TomlNode& node) {
-    document.entries.push_back({table, node.key, node.value, node.key_at, node.value_at});
-  };
-  for (const TomlNode& node : parse_toml_tree(text).inside) {
-    if (node.kind != TomlNode::Kind::table) {
-      add("", node);
-      continue;
-    }
-    document.tables.push_back({node.key, node.value_at});
-    for (const TomlNode& entry : node.inside) add(node.key, entry);
-  }
-  return document;
 }
 
 }  // namespace viscobar

@@ -1,14 +1,33 @@
 #pragma once
 
 #include <cstdint>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
-#include "input/text_check.hpp"
+#include "text/printable_text.hpp"
 
 namespace viscobar {
+
+/// A text that is not TOML.
+class TextError : public std::runtime_error {
+ public:
+  TextError(TextPosition position, const std::string& what) : std::runtime_error(what), at(position) {}
+  TextPosition at;
+};
+
+/// The ASCII that somebody meant who has this character from a word processor or a book: - for a typographic minus, a
+/// plain quote for a curved one, pi for the Greek letter. Empty when it is none of them.
+std::string_view ascii_for(std::string_view character);
+
+/// Refuses text in UTF-16 and lines that end in a carriage return alone, and what toml++ 3.3 answers with undefined
+/// behaviour or unbounded recursion: text that is not UTF-8, letters beyond ASCII outside of strings and comments, in
+/// quotes within a bare word, or first after a backslash in a string of several lines, malformed table headers, dotted
+/// names of very many parts, strings that do not end. What passes may still be wrong TOML.
+/// @throws TextError at the first fault
+void check_text(std::string_view text);
 
 /// A value that no key of a scene has; `what` names it with its article.
 struct OtherValue {
@@ -17,27 +36,6 @@ struct OtherValue {
 
 /// Strings are a list where a table of values has an array of them.
 using TomlValue = std::variant<std::string, std::int64_t, double, bool, OtherValue, std::vector<std::string>>;
-
-struct TomlTable {
-  std::string name;
-  TextPosition at;
-};
-
-struct TomlEntry {
-  std::string table;  ///< empty above the first table
-  std::string key;
-  TomlValue value;
-  TextPosition key_at, value_at;
-};
-
-/// A TOML text, which for a scene is tables of values and no more: anything deeper is an OtherValue.
-struct TomlDocument {
-  std::vector<TomlTable> tables;
-  std::vector<TomlEntry> entries;
-};
-
-/// @throws TextError
-TomlDocument parse_toml(std::string_view text);
 
 /// A value with all that is inside of it, in the order of the text: of an array the elements, of a table the entries.
 struct TomlNode {
@@ -50,6 +48,6 @@ struct TomlNode {
 };
 
 /// The whole text as one table. @throws TextError
-TomlNode parse_toml_tree(std::string_view text);
+TomlNode parse_toml(std::string_view text);
 
 }  // namespace viscobar

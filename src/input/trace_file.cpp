@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 
 #include "input/input_text.hpp"
 #include "text/nearest_name.hpp"
+#include "text/number.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/input/scene_file.hpp"
 
@@ -43,10 +43,10 @@ TraceFile read_traces(const std::filesystem::path& file, const std::vector<std::
     if (found.size() < most_faults) found.push_back({file.string(), line, column, one_line(key), one_line(what)});
   };
   std::size_t number = 0;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    const std::string_view line(text.data() + begin, end - begin);
-    begin = end + 1;
+  std::vector<std::size_t> number_of_row;
+  std::string_view lines = text;
+  if (lines.ends_with('\n')) lines.remove_suffix(1);
+  for (const std::string_view line : split(lines, '\n')) {
     ++number;
     const std::vector<std::string> cells = cells_of(line);
     if (cells.size() == 1 && cells.front().empty()) continue;
@@ -70,30 +70,28 @@ TraceFile read_traces(const std::filesystem::path& file, const std::vector<std::
       continue;
     }
     ++table.rows;
+    number_of_row.push_back(number);
     for (std::size_t k = 0; k < cells.size(); ++k) {
       TraceFile::Column& column = table.columns[k];
       double value = std::numeric_limits<double>::quiet_NaN();
       const std::string& cell = cells[k];
       if (!contains(words, column.name) && !cell.empty()) {
-        const char* from = cell.data() + (cell.front() == '+' ? 1 : 0);
-        const auto [rest, error] = std::from_chars(from, cell.data() + cell.size(), value);
-        if (error != std::errc{} || rest != cell.data() + cell.size() || std::isinf(value))
-          report(number, k + 1, column.name, fmt::format("\"{}\" is no number", cell));
+        value = number_in<double>(std::string_view(cell).substr(cell.front() == '+' ? 1 : 0)).value_or(HUGE_VAL);
+        if (std::isinf(value)) report(number, k + 1, column.name, fmt::format("\"{}\" is no number", cell));
       }
       column.cells.push_back(cell);
       column.values.push_back(value);
     }
   }
-  if (found.empty() && table.rows == 0) report(std::max<std::size_t>(number, 1), 1, "", "holds no data");
+  if (found.empty() && table.rows == 0) report(number, 1, "", "holds no data");
   if (const auto* t = table.column("t"); t && found.empty())
     for (std::size_t k = 0; k < t->values.size(); ++k) {
-      if (!(t->values[k] >= 0.0)) {
-        report(k + 2, 1, "t", fmt::format("must be a time, not negative, is {}", t->cells[k]));
-        break;
-      } else if (k > 0 && t->values[k] < t->values[k - 1]) {
-        report(k + 2, 1, "t", fmt::format("must not fall, is {} after {}", t->cells[k], t->cells[k - 1]));
-        break;
-      }
+      const std::string& cell = t->cells[k];
+      if (!(t->values[k] >= 0.0))
+        report(number_of_row[k], 1, "t", fmt::format("must be a time, not negative, is {}", cell));
+      else if (k > 0 && t->values[k] < t->values[k - 1])
+        report(number_of_row[k], 1, "t", fmt::format("must not fall, is {} after {}", cell, t->cells[k - 1]));
+      if (!found.empty()) break;
     }
   if (!found.empty()) throw SceneError(std::move(found));
   return table;

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "input/scene_keys.hpp"
-#include "viscobar/case/case.hpp"
+#include "case/method_table.hpp"
 
 namespace viscobar {
 
@@ -16,47 +16,47 @@ using Json = nlohmann::ordered_json;
 
 std::string code(std::string_view word) { return fmt::format("`{}`", word); }
 
-MethodName method_named(std::string_view word) {
-  return *std::find_if(std::begin(all_methods), std::end(all_methods),
-                       [&](MethodName method) { return name(method) == word; });
-}
-
-std::string_view obstacle_words(MethodName method) { return is_penalised(method) ? "penalty" : "exact"; }
-
-std::string_view accuracy_words(MethodName method) {
-  if (is_scheme(method)) return "`method.step`";
-  return is_adaptive(method) ? "tolerances" : "rounding";
-}
-
-std::string_view name(KeyType type) {
-  switch (type) {
+std::string type_words(const SceneKey& key) {
+  const std::string_view range = key.range.words;
+  const std::string names = fmt::format("`{}`", fmt::join(key.choice_names(), "`, `"));
+  switch (key.type) {
     case KeyType::text: return "text";
-    case KeyType::choice: return "choice";
-    case KeyType::number: return "number";
-    case KeyType::count: return "count";
-    case KeyType::formula: return "formula";
-    case KeyType::amount: return "amount";
-    case KeyType::list: return "list";
+    case KeyType::choice: return names;
+    case KeyType::number: return range.empty() ? "number" : fmt::format("number {}", range);
+    case KeyType::count: return fmt::format("whole number {}", range);
+    case KeyType::amount: return fmt::format("number {}, or percentage in quotes", range);
+    case KeyType::formula:
+      return fmt::format("number{}{}, or formula in {}", range.empty() ? "" : " ", range,
+                         key.variables == "xt" ? "x and t" : key.variables);
+    case KeyType::list: return key.choices.empty() ? "list of keys" : "list of " + names;
   }
   return {};
 }
 
-std::string_view name(Presence presence) {
-  switch (presence) {
-    case Presence::required: return "always";
-    case Presence::required_in_table: return "in its table";
-    case Presence::optional: return "never";
-  }
-  return {};
+std::string default_words(const SceneKey& key) {
+  if (key.presence == Presence::required) return "required";
+  const std::string value = key.fallback.empty() ? "none" : code(key.fallback);
+  if (key.presence == Presence::optional) return value;
+  return fmt::format("required in `[{}]`{}", key.table(), key.fallback.empty() ? "" : ", else " + value);
+}
+
+std::string_view accuracy_words(Accuracy accuracy) {
+  constexpr std::string_view words[] = {"tolerances", "`method.step`", "rounding"};
+  return words[static_cast<std::size_t>(accuracy)];
 }
 
 /// A fallback is written as TOML: a text in quotes, or a number.
 Json fallback_value(const SceneKey& key) { return key.fallback.empty() ? Json(nullptr) : Json::parse(key.fallback); }
 
 Json to_json(const SceneKey& key) {
-  Json json = {
-      {"key", key.name},  {"type", name(key.type)}, {"required", name(key.presence)}, {"default", fallback_value(key)},
-      {"unit", key.unit}, {"meaning", key.meaning}};
+  constexpr std::string_view types[] = {"text", "choice", "number", "count", "formula", "list", "amount"};
+  constexpr std::string_view presences[] = {"always", "in its table", "never"};
+  Json json = {{"key", key.name},
+               {"type", types[static_cast<std::size_t>(key.type)]},
+               {"required", presences[static_cast<std::size_t>(key.presence)]},
+               {"default", fallback_value(key)},
+               {"unit", key.unit},
+               {"meaning", key.meaning}};
   if (key.type == KeyType::number || key.type == KeyType::count || key.type == KeyType::amount)
     json["limits"] = {{"low", key.range.low}, {"high", key.range.high}};
   if (!key.choices.empty()) json["choices"] = key.choice_names();
@@ -64,42 +64,58 @@ Json to_json(const SceneKey& key) {
   return json;
 }
 
+std::span<const Choice> choices_of(std::string_view key) { return find_scene_key(key)->choices; }
+
+/// What the scene of the template has; the other keys are commented out.
+bool is_given(const SceneKey& key) {
+  constexpr std::string_view given[] = {"title",         "bar.length",           "bar.viscosity",    "left.kind",
+                                        "left.gap",      "right.kind",           "right.gap",        "time.end",
+                                        "mesh.elements", "initial.displacement", "initial.velocity", "method.name",
+                                        "output.every"};
+  return std::ranges::find(given, key.name) != std::end(given);
+}
+
+/// Lines of at most 100 characters that begin with "# ".
+std::string comment(std::string_view text) {
+  constexpr std::size_t width = 98;
+  std::string lines;
+  while (!text.empty()) {
+    std::size_t end = text.size();
+    if (end > width && (end = text.rfind(' ', width)) == text.npos) end = std::min(text.find(' '), text.size());
+    lines += fmt::format("# {}\n", text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return lines;
+}
+
 }  // namespace
 
 std::string_view name(Vocabulary vocabulary) {
-  switch (vocabulary) {
-    case Vocabulary::methods: return "methods";
-    case Vocabulary::masses: return "masses";
-    case Vocabulary::keys: return "keys";
-  }
-  return {};
+  constexpr std::string_view names[] = {"methods", "masses", "keys"};
+  return names[static_cast<std::size_t>(vocabulary)];
 }
 
 Table vocabulary_table(Vocabulary vocabulary) {
   Table table;
+  const auto add = [&](std::string_view word, std::initializer_list<std::string_view> cells) {
+    auto& row = table.rows.emplace_back(std::vector{code(word)});
+    row.insert(row.end(), cells.begin(), cells.end());
+  };
   switch (vocabulary) {
     case Vocabulary::methods:
       table.header = {"method", "obstacle", "accuracy by", "meaning"};
-      for (const auto& [word, meaning] : find_scene_key("method.name")->choices) {
-        if (word == automatic) {
-          table.rows.push_back({code(word), "as the method chosen", "tolerances", std::string(meaning)});
-          continue;
-        }
-        const MethodName method = method_named(word);
-        table.rows.push_back({code(word), std::string(obstacle_words(method)), std::string(accuracy_words(method)),
-                              std::string(meaning)});
-      }
+      add(automatic, {"as the method chosen", "tolerances", choices_of("method.name").front().meaning});
+      for (const MethodRow& method : method_table())
+        add(method.name, {method.penalised ? "penalty" : "exact", accuracy_words(method.accuracy), method.meaning});
       break;
     case Vocabulary::masses:
       table.header = {"mass", "meaning"};
-      for (const auto& [word, meaning] : find_scene_key("mesh.mass")->choices)
-        table.rows.push_back({code(word), std::string(meaning)});
+      for (const auto& [word, meaning] : choices_of("mesh.mass")) add(word, {meaning});
       break;
     case Vocabulary::keys:
       table.header = {"key", "type", "default", "unit", "meaning"};
       for (const SceneKey& key : scene_keys())
-        table.rows.push_back(
-            {code(key.name), type_words(key), default_words(key), std::string(key.unit), std::string(key.meaning)});
+        add(key.name, {type_words(key), default_words(key), key.unit, key.meaning});
       break;
   }
   table.words = table.header.size();
@@ -110,21 +126,16 @@ std::string vocabulary_json(Vocabulary vocabulary) {
   Json json = Json::array();
   switch (vocabulary) {
     case Vocabulary::methods:
-      for (const auto& [word, meaning] : find_scene_key("method.name")->choices) {
-        if (word == automatic) {
-          json.push_back({{"method", word}, {"meaning", meaning}});
-          continue;
-        }
-        const MethodName method = method_named(word);
-        json.push_back({{"method", word},
-                        {"penalised", is_penalised(method)},
-                        {"uses_tolerances", is_adaptive(method)},
-                        {"needs_step", is_scheme(method)},
-                        {"meaning", meaning}});
-      }
+      json.push_back({{"method", automatic}, {"meaning", choices_of("method.name").front().meaning}});
+      for (const MethodRow& method : method_table())
+        json.push_back({{"method", method.name},
+                        {"penalised", method.penalised},
+                        {"uses_tolerances", method.accuracy == Accuracy::tolerances},
+                        {"needs_step", method.accuracy == Accuracy::step},
+                        {"meaning", method.meaning}});
       break;
     case Vocabulary::masses:
-      for (const auto& [word, meaning] : find_scene_key("mesh.mass")->choices)
+      for (const auto& [word, meaning] : choices_of("mesh.mass"))
         json.push_back({{"mass", word}, {"meaning", meaning}});
       break;
     case Vocabulary::keys:
@@ -132,6 +143,33 @@ std::string vocabulary_json(Vocabulary vocabulary) {
       break;
   }
   return json.dump();
+}
+
+std::string facts(const SceneKey& key) {
+  const std::string fallback = default_words(key);
+  std::string words = type_words(key);
+  words += fallback == "none" ? "; no default" : (fallback.starts_with("required") ? "; " : "; default ") + fallback;
+  if (!key.unit.empty() && key.unit != "1") words += fmt::format("; unit: {}", key.unit);
+  std::erase(words, '`');
+  return words;
+}
+
+std::string scene_template() {
+  std::string text =
+      "# A scene of viscobar. Keys that are commented out are optional. `viscobar check FILE` describes the scene,\n"
+      "# `viscobar run FILE` computes it, docs/scene-file.md explains every key.\n\n";
+  std::string_view table;
+  const auto given_there = [&](const SceneKey& key) { return key.table() == table && is_given(key); };
+  for (const SceneKey& key : scene_keys()) {
+    if (key.table() != table) {
+      table = key.table();
+      text += fmt::format("\n{}[{}]\n", std::ranges::any_of(scene_keys(), given_there) ? "" : "#", table);
+    }
+    text += comment(fmt::format("{} ({})", key.meaning, facts(key)));
+    text += fmt::format("{}{} = {}\n", is_given(key) ? "" : "#", key.leaf(),
+                        key.example.empty() ? key.fallback : key.example);
+  }
+  return text;
 }
 
 }  // namespace viscobar

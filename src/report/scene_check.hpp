@@ -5,9 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "case/first_impact.hpp"
-#include "case/memory.hpp"
 #include "case/regime.hpp"
+#include "case/run_cost.hpp"
 #include "results/csv.hpp"
 #include "viscobar/case/accuracy.hpp"
 #include "viscobar/input/scene_file.hpp"

@@ -71,17 +71,15 @@ inline constexpr EndKind end_kinds[] = {
 static_assert(std::size(end_kinds) == std::variant_size_v<EndCondition>);
 
 inline const EndKind& end_kind(const EndCondition& end) {
-  return *std::find_if(std::begin(end_kinds), std::end(end_kinds),
-                       [&](const EndKind& kind) { return kind.harmless.index() == end.index(); });
+  return *std::ranges::find(end_kinds, end.index(), [](const EndKind& kind) { return kind.harmless.index(); });
 }
 
 /// Whether an end of that kind has that key.
 inline bool belongs_to_end(std::string_view kind, std::string_view key) {
-  const auto known =
-      std::find_if(std::begin(end_kinds), std::end(end_kinds), [&](const EndKind& one) { return one.name == kind; });
+  const auto* known = std::ranges::find(end_kinds, kind, &EndKind::name);
   if (known == std::end(end_kinds)) return false;
-  return (known->sided && key == "side") || std::ranges::find(known->inputs, key) != known->inputs.end() ||
-         std::any_of(known->numbers.begin(), known->numbers.end(), [&](const EndNumber& n) { return n.key == key; });
+  return (known->sided && key == "side") || std::ranges::count(known->inputs, key) > 0 ||
+         std::ranges::count(known->numbers, key, &EndNumber::key) > 0;
 }
 
 inline EndNode end_node(const EndCondition& end, double initial_displacement) {

@@ -4,22 +4,24 @@
 
 #include <cmath>
 
-#include "scene/bound_text.hpp"
 #include "scene/end_kinds.hpp"
+#include "scene/message_text.hpp"
 
 namespace viscobar {
 
 namespace {
 
-void require(std::vector<Finding>& findings, bool sound, std::string key, std::string problem) {
-  if (!sound) findings.push_back({std::move(key), std::move(problem)});
+template <class... Args>
+void require(std::vector<Finding>& findings, bool sound, const std::string& key, fmt::format_string<Args...> problem,
+             Args&&... args) {
+  if (!sound) findings.push_back({key, fmt::format(problem, std::forward<Args>(args)...)});
 }
 
 void check_input(std::vector<Finding>& findings, const std::string& table, const EndCondition& end,
                  const EndInput& input, double length) {
   const auto check_number = [&](const char* key, double value) {
     require(findings, std::isfinite(value) && value >= 0.0, fmt::format("{}.{}", table, key),
-            fmt::format("must be finite and not negative, is {}", value));
+            "must be finite and not negative, is {}", value);
     require(findings, !is_fixed(end) || value == 0.0, fmt::format("{}.{}", table, key),
             "belongs to a free end or an obstacle; a fixed end does not feel it");
   };
@@ -38,7 +40,7 @@ void check_input(std::vector<Finding>& findings, const std::string& table, const
     return findings.push_back({key, "has to be given with its first and second derivative in time"});
   const double start = motion.displacement(0.0);
   require(findings, std::abs(start) <= 1e-12 * length, key,
-          fmt::format("must be 0 at t = 0, where the end is at its initial displacement, is {}", start));
+          "must be 0 at t = 0, where the end is at its initial displacement, is {}", start);
 }
 
 void check_end(std::vector<Finding>& findings, const std::string& table, const Scene& scene, EndCondition end,
@@ -48,7 +50,7 @@ void check_end(std::vector<Finding>& findings, const std::string& table, const S
   for (const EndNumber& number : end_kind(end).numbers) {
     const double value = number.of(end);
     require(findings, value >= number.low && value <= number.high, fmt::format("{}.{}", table, number.key),
-            fmt::format("must be finite and {}, is {}", number.range, value));
+            "must be finite and {}, is {}", number.range, value);
   }
   if (findings.size() != before) return;
   const double u = scene.displacement ? scene.displacement(x) : 0.0;
@@ -72,19 +74,18 @@ std::vector<Finding> validate(const Scene& scene) {
   std::vector<Finding> findings;
   const Bar& bar = scene.bar;
   const auto positive = [&](const char* key, double value) {
-    require(findings, std::isfinite(value) && value > 0.0, key,
-            fmt::format("must be positive and finite, is {}", value));
+    require(findings, std::isfinite(value) && value > 0.0, key, "must be positive and finite, is {}", value);
   };
   positive("bar.length", bar.length);
   positive("bar.density", bar.density);
   positive("bar.modulus", bar.modulus);
   require(findings, std::isfinite(bar.viscosity) && bar.viscosity >= 0.0, "bar.viscosity",
-          fmt::format("must be finite and not negative, is {}", bar.viscosity));
+          "must be finite and not negative, is {}", bar.viscosity);
   check_end(findings, "left", scene, scene.left, scene.left_input, 0.0);
   check_end(findings, "right", scene, scene.right, scene.right_input, bar.length);
   if (scene.span)
     require(findings, std::isfinite(scene.span->gap) && scene.span->gap >= 0.0, "span.gap",
-            fmt::format("must be finite and not negative, is {}", scene.span->gap));
+            "must be finite and not negative, is {}", scene.span->gap);
   return findings;
 }
 

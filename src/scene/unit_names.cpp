@@ -12,8 +12,13 @@ namespace viscobar {
 
 namespace {
 
-/// Powers of length, time, mass, force and stress.
-using Powers = std::array<int, 5>;
+constexpr std::pair<std::string_view, std::string Units::*> kinds[] = {{"length", &Units::length},
+                                                                       {"time", &Units::time},
+                                                                       {"mass", &Units::mass},
+                                                                       {"force", &Units::force},
+                                                                       {"stress", &Units::stress}};
+/// Powers of these.
+using Powers = std::array<int, std::size(kinds)>;
 
 /// Of a stress, in units that are named.
 std::optional<Powers> stress_powers(const Units& units) {
@@ -64,14 +69,11 @@ std::string unit_name(const Units& units, const UnitPowers& powers) {
     for (std::size_t k = 0; k < all.size(); ++k) all[k] += stress * (*parts)[k];
   }
   // The force first, and the mass: "N s/m^2", "kg/s^2".
-  const std::pair<std::string_view, int> names[] = {{units.stress, all[4]},
-                                                    {units.force, all[3]},
-                                                    {units.mass, all[2]},
-                                                    {units.length, all[0]},
-                                                    {units.time, all[1]}};
   std::string above, below;
   int divisors = 0;
-  for (const auto& [name, exponent] : names) {
+  for (const std::size_t k : {4, 3, 2, 0, 1}) {
+    const std::string& name = units.*kinds[k].second;
+    const int exponent = all[k];
     if (exponent == 0) continue;
     if (name.empty()) return {};
     std::string& part = exponent > 0 ? above : below;
@@ -91,12 +93,8 @@ std::string with_unit(std::string_view words, const Units& units, Dimension quan
 
 std::string named_units(const Units& units) {
   std::string all;
-  for (const auto& [what, name] : {std::pair("length", &units.length),
-                                   {"time", &units.time},
-                                   {"mass", &units.mass},
-                                   {"force", &units.force},
-                                   {"stress", &units.stress}})
-    if (!name->empty()) all += fmt::format("{}{}: {}", all.empty() ? "" : ", ", what, *name);
+  for (const auto& [what, name] : kinds)
+    if (!(units.*name).empty()) all += fmt::format("{}{}: {}", all.empty() ? "" : ", ", what, units.*name);
   return all;
 }
 

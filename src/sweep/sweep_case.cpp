@@ -4,11 +4,10 @@
 #include <string_view>
 
 #include "case/alarm.hpp"
-#include "input/parse_case.hpp"
-#include "input/text_check.hpp"
+#include "input/described_scene.hpp"
+#include "input/toml_text.hpp"
 #include "studies/accuracy/plan.hpp"
 #include "text/printable_text.hpp"
-#include "text/utf8.hpp"
 #include "viscobar/record/record_run.hpp"
 #include "viscobar/sweep/sweep.hpp"
 

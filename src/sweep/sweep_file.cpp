@@ -4,9 +4,9 @@
 #include <set>
 #include <tuple>
 
-#include "case/cost_estimate.hpp"
+#include "case/run_cost.hpp"
+#include "input/described_scene.hpp"
 #include "input/input_text.hpp"
-#include "input/parse_case.hpp"
 #include "input/scene_entries.hpp"
 #include "input/scene_values.hpp"
 #include "studies/parallel.hpp"
@@ -35,7 +35,7 @@ class SweepReader {
   SweepFile read(const std::string& text) {
     TomlNode root;
     try {
-      root = parse_toml_tree(text);
+      root = parse_toml(text);
     } catch (const TextError& error) {
       report("", error.at, error.what());
       throw SceneError(std::move(found_));

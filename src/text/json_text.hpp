@@ -9,7 +9,18 @@
 namespace viscobar::plot {
 
 /// A JSON string that may also stand in a <script>.
-std::string json_string(std::string_view text);
+inline std::string json_string(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\')
+      (out += '\\') += c;
+    else if (static_cast<unsigned char>(c) < 0x20 || c == '<')
+      out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+    else
+      out += c;
+  }
+  return out + '"';
+}
 
 /// A JSON array of value(item) with so many significant digits; null for what is not finite.
 template <class Range, class Value>

@@ -1,9 +1,20 @@
 #pragma once
 
+#include <charconv>
 #include <cstddef>
+#include <optional>
 #include <string>
+#include <string_view>
 
 namespace viscobar {
+
+/// The number that the whole text is; absent where it is none, or something follows it.
+template <class Number>
+std::optional<Number> number_in(std::string_view text) {
+  Number value{};
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && rest == text.data() + text.size() ? std::optional(value) : std::nullopt;
+}
 
 /// A number for people: a few digits, with a true minus sign; 1.2 x 10^k where it is very large or small.
 std::string readable(double value, int digits = 4);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "case/memory.hpp"
+#include "case/run_cost.hpp"
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "case/alarm.hpp"
-#include "case/first_impact.hpp"
+#include "case/regime.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 #include "viscobar/record/record_run.hpp"

@@ -1,6 +1,5 @@
 #include "cli/command.hpp"
-#include "input/scene_keys.hpp"
-#include "input/scene_template.hpp"
+#include "input/vocabulary.hpp"
 #include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {

@@ -118,7 +118,7 @@ TEST_F(Sensitivity, OfAFitSaysWhatIsWrongWithItsData) {
   refused("u_left\n1\n", "t: is missing");
   refused("t,u_left\n0,1\n1,x\n", "data.csv:3:2: u_left: \"x\" is no number");
   refused("t,u_left\n0,1\n1\n", "has 1 values for 2 columns");
-  refused("t,u_left\n1,1\n0,1\n", "must not fall");
+  refused("t,u_left\n1,1\n\n0,1\n", "data.csv:4:1: t: must not fall");
   refused("t,u_left\n0,1\n0,1\n", "is there twice");
   refused("t,u_left\n", "holds no data");
   refused("t\n0\n", "has no column of values");

@@ -27,6 +27,13 @@ TEST_F(StandardInput, IsNamedInFrontOfItsMistakes) {
       << ended.error;
 }
 
+TEST_F(StandardInput, IsReadOnceForTheManyRunsOfAFit) {
+  ASSERT_EQ(viscobar("run scene.toml --quiet --set time.end=0.5 -o out").code, 0);
+  const auto fit =
+      viscobar("fit - --quiet --set time.end=0.5 --data out/ends.csv --parameters bar.viscosity <scene.toml");
+  EXPECT_EQ(fit.code, 0) << fit.error;
+}
+
 class WallTime : public StandardInput {};
 
 TEST_F(WallTime, StopsARunFromWhichResumeGoesOn) {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "input/formula_taylor.hpp"
+#include "input/formula_tree.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 

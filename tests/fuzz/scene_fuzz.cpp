@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "claim.hpp"
-#include "input/text_check.hpp"
+#include "input/toml_text.hpp"
 #include "support/description.hpp"
 
 namespace viscobar {

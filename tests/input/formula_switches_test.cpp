@@ -1,5 +1,3 @@
-#include "input/formula_switches.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "input/formula.hpp"
+#include "input/formula_tree.hpp"
 
 namespace viscobar {
 namespace {

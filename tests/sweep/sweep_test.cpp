@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-#include "case/cost_estimate.hpp"
+#include "case/run_cost.hpp"
 
 namespace viscobar {
 namespace {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <string>
@@ -149,5 +150,11 @@ std::vector<Finding> validate(const Scene& scene);
 inline bool is_obstacle(const EndCondition& end) { return std::holds_alternative<Obstacle>(end); }
 /// Whether the end stands still.
 inline bool is_fixed(const EndCondition& end) { return std::holds_alternative<Fixed>(end); }
+/// How many ends meet an obstacle.
+inline std::size_t end_obstacles(const Scene& scene) {
+  return std::size_t{is_obstacle(scene.left)} + std::size_t{is_obstacle(scene.right)};
+}
+/// Whether the bar can touch anything, at an end or along the span.
+inline bool meets_obstacle(const Scene& scene) { return end_obstacles(scene) > 0 || scene.span; }
 
 }  // namespace viscobar

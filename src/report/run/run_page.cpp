@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "case/peak_remark.hpp"
+#include "case/regime.hpp"
 #include "report/page.hpp"
 #include "report/plot/figure.hpp"
 #include "report/run/estimate_text.hpp"

@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "case/cost_estimate.hpp"
+#include "case/run_cost.hpp"
 #include "studies/accuracy/plan.hpp"
 
 namespace viscobar::accuracy {

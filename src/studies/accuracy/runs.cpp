@@ -5,7 +5,7 @@
 #include <thread>
 #include <utility>
 
-#include "case/cost_estimate.hpp"
+#include "case/run_cost.hpp"
 #include "studies/parallel.hpp"
 
 namespace viscobar::accuracy {

@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <string>
 
 #include "viscobar/scene/scene.hpp"
 
 namespace viscobar {
+
+/// A number as messages show it: not a number is "nan", whatever sign the processor gives it.
+inline double printable(double value) { return std::isnan(value) ? std::abs(value) : value; }
 
 /// What a displacement beyond the obstacle has passed, such as "< -gap = -0.1".
 inline std::string bound_text(const Obstacle& obstacle, double u) {

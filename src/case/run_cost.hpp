@@ -1,10 +1,12 @@
 #pragma once
 
-#include <cstddef>
-
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {
+
+/// About how long a sound case takes, in seconds: start + steps (a + b nodes). Decides which of several cases to begin
+/// with. docs/internals/sweep-balance.md has the formulas, their errors and the machine.
+double estimated_seconds(const Case& run);
 
 /// What a run allocates that grows with its size, in vectors with an entry an unknown node, and with the list of its
 /// output times; to a third or so.
