@@ -17,7 +17,7 @@
 #include "cli/interrupt.hpp"
 #include "cli/messages.hpp"
 #include "cli/progress.hpp"
-#include "report/run/estimate_text.hpp"
+#include "report/run/run_page.hpp"
 #include "results/csv.hpp"
 #include "results/result_directory.hpp"
 #include "scene/unit_names.hpp"

@@ -134,6 +134,12 @@ void remove_file(const std::filesystem::path& file);
 /// Returns when the names in a directory are on the disk.
 void sync_directory(const std::filesystem::path& directory);
 
+/// With those above it. @throws IoError
+void make_directories(const std::filesystem::path& directory);
+
+/// A whole file. @throws IoError
+std::string file_content(const std::filesystem::path& file);
+
 /// Writes a whole file so that a reader sees the old content or the new, never a part.
 void write_atomically(const std::filesystem::path& path, std::string_view text);
 

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <stdexcept>
 #include <vector>
 
+#include "results/json.hpp"
 #include "results/result_directory.hpp"
-#include "results/sweep_info.hpp"
+#include "results/sweep_frame.hpp"
 #include "text/printable_text.hpp"
 #include "text/table.hpp"
 #include "viscobar/results/io_error.hpp"
@@ -21,7 +21,6 @@ namespace viscobar {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 using Pointer = Json::json_pointer;
 
 /// One thing worth knowing: its name in JSON, which with spaces is its name on the terminal, and how a summary tells
@@ -230,9 +229,7 @@ std::string sweep_text(const Json& result) {
 
 }  // namespace
 
-std::string result_json(const fs::path& place) {
-  return describe(place).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
+std::string result_json(const fs::path& place) { return json_text(describe(place)); }
 
 std::string result_text(const fs::path& place) {
   const Json described = describe(place);

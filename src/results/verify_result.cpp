@@ -3,18 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <utility>
 
 #include "results/checkpoint_file.hpp"
+#include "results/json.hpp"
 #include "results/result_directory.hpp"
-#include "results/sealed_summary.hpp"
+#include "results/summary.hpp"
 #include "results/sweep_frame.hpp"
 #include "text/printable_text.hpp"
 #include "text/table.hpp"
@@ -25,14 +23,6 @@ namespace viscobar {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
-std::string content(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) throw IoError(file, "cannot be read");
-  return text;
-}
 
 /// What is known of the files of a directory. A file that several summaries tell of, as a picture that a later study
 /// replaced, is sound when it is what one of them says.
@@ -85,7 +75,7 @@ class Verification {
   }
 
   void summary(const std::string& name) {
-    const std::string text = content(directory_ / name);
+    const std::string text = file_content(directory_ / name);
     switch (seal_of(text)) {
       case Seal::broken: return tell(name, FileState::damaged, "its checksum is not the one that was written");
       case Seal::absent: return tell(name, FileState::unchecked, "of a version that made no checksums");
@@ -129,7 +119,7 @@ class Verification {
     std::optional<RunCheckpoint> newest;
     for (const char* name : {"checkpoint.bin", "checkpoint.previous.bin"}) {
       if (!found_.contains(name)) continue;
-      const std::string bytes = content(directory_ / name);
+      const std::string bytes = file_content(directory_ / name);
       try {
         unsealed(bytes);
       } catch (const ArchiveError& error) {
@@ -211,7 +201,7 @@ std::string verification_json(const fs::path& directory, const std::vector<Verif
     json["files"].push_back({{"name", file.name}, {"bytes", file.bytes}, {"state", word(file.state)}});
     if (!file.reason.empty()) json["files"].back()["reason"] = file.reason;
   }
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 std::string verification_text(const fs::path& directory, const std::vector<VerifiedFile>& files) {

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "checkpoint/process.hpp"
-#include "results/sealed_summary.hpp"
+#include "results/summary.hpp"
 #include "results/verify_result.hpp"
 #include "support/scene_text.hpp"
 #include "support/scratch.hpp"

@@ -1,4 +1,4 @@
-#include "record/pace_watch.hpp"
+#include "record/run_outcome.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "report/plot/colour_map.hpp"
+#include "report/plot/colours.hpp"
 
 namespace viscobar::plot {
 

@@ -1,20 +1,47 @@
 #include "report/run/run_data.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "dynamics/element_stress.hpp"
 
 namespace viscobar {
 
-ReportData::ReportData(const Case& run, const BarSystem& system)
-    : field(system.mesh()), stress(system.mesh(), ThinnedField::At::elements), system_(system) {
-  if (is_penalised(run.method) && !system.contacts().empty()) epsilon_ = effective_epsilon(run);
+ThinnedField::ThinnedField(const Mesh& mesh, At at) : node_stride_((mesh.elements + most - 1) / most) {
+  const bool nodal = at == At::nodes;
+  const std::size_t last = nodal ? mesh.elements : mesh.elements - 1;
+  for (std::size_t j = 0; j < last; j += node_stride_) nodes_.push_back(j);
+  nodes_.push_back(last);
+  for (const std::size_t j : nodes_) x_.push_back(nodal ? mesh.node(j) : 0.5 * (mesh.node(j) + mesh.node(j + 1)));
+  last_.values.resize(nodes_.size());
 }
+
+std::vector<double> ThinnedField::times() const {
+  std::vector<double> all(rows());
+  for (std::size_t row = 0; row < all.size(); ++row) all[row] = time(row);
+  return all;
+}
+
+plot::Range ThinnedField::range() const {
+  plot::Range range;
+  for (std::size_t row = 0; row < rows(); ++row) range.add(this->row(row));
+  return range;
+}
+
+ReportData::ReportData(const Case& run, const BarSystem& system)
+    : field(system.mesh()),
+      stress(system.mesh(), ThinnedField::At::elements),
+      system_(system),
+      has_springs_(is_penalised(run.method) && !system.contacts().empty()) {}
 
 std::vector<plot::Interval> ReportData::End::in_contact(double now) const {
   std::vector<plot::Interval> all = contacts.intervals();
   if (closed_since) all.push_back({*closed_since, now});
   return all;
+}
+
+void ReportData::Fastest::join(const Fastest& next) {
+  if (std::abs(next.event.velocity) > std::abs(event.velocity)) event = next.event;
 }
 
 void ReportData::add(const Snapshot& at) {
@@ -48,7 +75,7 @@ void ReportData::add(const Snapshot& at) {
 
 void ReportData::add(const Event& event) {
   if (first_events.size() < most_events) first_events.push_back(event);
-  marked_events.add(event);
+  marked_events.add({event});
   if (event.where == Where::span) return;
   End& end = event.where == Where::left ? left : right;
   if (event.change == Change::closing) {

@@ -1,4 +1,4 @@
-// A field over space and time, the displacement at nodes or the stress of elements, as thinned and rounded by the program (report/run/run_script_data.hpp).
+// A field over space and time, the displacement at nodes or the stress of elements, as thinned and rounded by the program (report/run/run_page.hpp).
 
 class Field {
   constructor({ t, x, low, high, u }) {

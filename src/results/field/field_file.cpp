@@ -16,28 +16,6 @@ namespace {
 
 constexpr std::size_t block_bytes = 1 << 20;
 
-hid_t create_file(const std::filesystem::path& path) {
-  begin_hdf5();
-  return hdf5_checked(path, "cannot be created",
-                      [&] { return H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT); });
-}
-
-// That grows by rows.
-hid_t create_growing(const std::filesystem::path& path, hid_t file, const char* name, std::span<const hsize_t> chunk) {
-  const int rank = static_cast<int>(chunk.size());
-  const Hdf5Properties properties(H5Pcreate(H5P_DATASET_CREATE));
-  H5Pset_chunk(properties.get(), rank, chunk.data());
-  std::vector<hsize_t> extent(chunk.begin(), chunk.end()), largest = extent;
-  extent[0] = 0;
-  largest[0] = H5S_UNLIMITED;
-  const Hdf5Dataspace space(H5Screate_simple(rank, extent.data(), largest.data()));
-  const Hdf5Properties link(H5Pcreate(H5P_LINK_CREATE));
-  H5Pset_create_intermediate_group(link.get(), 1);
-  return hdf5_checked(path, "cannot create a dataset", [&] {
-    return H5Dcreate2(file, name, H5T_IEEE_F64LE, space.get(), link.get(), properties.get(), H5P_DEFAULT);
-  });
-}
-
 std::string_view bytes_of(const auto& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof values.front()};
 }
@@ -82,14 +60,19 @@ FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, s
 
 void FieldFile::create(const FieldOrigin& of) {
   new_.emplace(path_);
-  file_.reset(create_file(new_->part()));
+  begin_hdf5();
+  file_.reset(hdf5_checked(new_->part(), "cannot be created",
+                           [&] { return H5Fcreate(new_->part().c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT); }));
   using Extent = std::array<hsize_t, 2>;
   for (Growing& grown : growing_) {
-    const Extent chunk{grown.chunk_rows, grown.row_values};
-    grown.dataset.reset(create_growing(path_, file_.get(), grown.name.c_str(), std::span(chunk).first(grown.rank)));
+    const Extent chunk{grown.chunk_rows, grown.row_values}, none{0, grown.row_values};
+    const Hdf5Properties properties(H5Pcreate(H5P_DATASET_CREATE));
+    H5Pset_chunk(properties.get(), static_cast<int>(grown.rank), chunk.data());
+    grown.dataset =
+        new_dataset(path_, file_, grown.name, H5T_IEEE_F64LE, std::span(none).first(grown.rank), properties.get());
   }
   const auto fix = [&](const char* name, Extent extent, std::size_t rank, const auto& values) {
-    const Hdf5Dataset dataset = write_dataset(path_, file_.get(), name, std::span(extent).first(rank), values);
+    const Hdf5Dataset dataset = write_dataset(path_, file_, name, std::span(extent).first(rank), values);
     fixed_.push_back(
         {H5Dget_offset(dataset.get()), H5Dget_storage_size(dataset.get()), Checksum::of(bytes_of(values))});
   };
@@ -102,19 +85,18 @@ void FieldFile::create(const FieldOrigin& of) {
 }
 
 void FieldFile::describe(const FieldOrigin& of) {
-  const hid_t file = file_.get();
   // The format takes no more in one attribute.
   constexpr std::size_t most = 60'000;
   const auto of_file = [&](const char* name, const std::string& text) {
-    if (!text.empty()) write_attribute(path_, file, name, text.size() <= most ? text : "too long: see summary.json");
+    if (!text.empty())
+      write_attribute(path_, file_.get(), name, text.size() <= most ? text : "too long: see summary.json");
   };
   of_file("title", of.title);
   of_file("scene", of.scene);
   of_file("units", named_units(of.units));
   of_file("version", "viscobar " + versions().viscobar);
   const auto of_dataset = [&](const std::string& name, const std::string& meaning, const std::string& unit) {
-    const Hdf5Dataset dataset(
-        hdf5_checked(path_, "lacks a dataset", [&] { return H5Dopen2(file, name.c_str(), H5P_DEFAULT); }));
+    const Hdf5Dataset dataset = hdf5_dataset(path_, file_, name);
     write_attribute(path_, dataset.get(), "long_name", meaning);
     if (!unit.empty()) write_attribute(path_, dataset.get(), "units", unit);
   };
@@ -193,14 +175,12 @@ void FieldFile::flush() {
 void FieldFile::append_rows(Growing& grown) {
   const std::vector<double>& values = grown.waiting;
   const std::size_t rows = values.size() / grown.row_values;
-  const std::array<hsize_t, 2> first{rows_, 0}, count{rows, grown.row_values}, extent{rows_ + rows, grown.row_values};
+  const std::array<hsize_t, 2> extent{rows_ + rows, grown.row_values};
   const hid_t dataset = grown.dataset.get();
   hdf5_checked(path_, "cannot grow", [&] { return H5Dset_extent(dataset, extent.data()); });
-  const Hdf5Dataspace target(H5Dget_space(dataset));
-  const Hdf5Dataspace source(H5Screate_simple(H5Sget_simple_extent_ndims(target.get()), count.data(), nullptr));
-  H5Sselect_hyperslab(target.get(), H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr);
+  const Hdf5Rows target(grown.dataset, rows_, rows, grown.row_values);
   hdf5_checked(path_, "cannot be written", [&] {
-    return H5Dwrite(dataset, H5T_NATIVE_DOUBLE, source.get(), target.get(), H5P_DEFAULT, values.data());
+    return H5Dwrite(dataset, H5T_NATIVE_DOUBLE, target.memory.get(), target.file.get(), H5P_DEFAULT, values.data());
   });
   const std::size_t chunk_bytes = sizeof(double) * grown.row_values * grown.chunk_rows;
   for (std::string_view rest = bytes_of(values); !rest.empty();) {
@@ -214,15 +194,12 @@ void FieldFile::append_rows(Growing& grown) {
 }
 
 void FieldFile::go_on(const FieldMark& mark) {
-  begin_hdf5();
   put_back(path_, mark);
-  file_.reset(
-      hdf5_checked(path_, "cannot be opened", [&] { return H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT); }));
+  file_ = hdf5_file(path_, H5F_ACC_RDWR);
   rows_ = mark.rows;
   auto end = mark.regions.end();  // of those of a dataset, in the order of regions()
   for (auto grown = growing_.rbegin(); grown != growing_.rend(); ++grown) {
-    grown->dataset.reset(hdf5_checked(path_, "lacks a dataset",
-                                      [&] { return H5Dopen2(file_.get(), grown->name.c_str(), H5P_DEFAULT); }));
+    grown->dataset = hdf5_dataset(path_, file_, grown->name);
     const auto begin = end - static_cast<std::ptrdiff_t>((rows_ + grown->chunk_rows - 1) / grown->chunk_rows);
     grown->chunks.assign(begin, end);
     grown->located = grown->chunks.size();
@@ -232,9 +209,7 @@ void FieldFile::go_on(const FieldMark& mark) {
   identity_.emplace(path_);
   xdmf_.begin();
   std::vector<double> times(rows_);
-  hdf5_checked(path_, "cannot be read", [&] {
-    return H5Dread(growing_.front().dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, times.data());
-  });
+  read_values(path_, growing_.front().dataset, H5T_NATIVE_DOUBLE, times.data());
   xdmf_.append(times);
 }
 
