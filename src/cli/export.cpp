@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "cli/commands.hpp"
-#include "results/export_result.hpp"
+#include "results/result_info.hpp"
 #include "text/printable_text.hpp"
 
 namespace viscobar::cli {

@@ -1,5 +1,4 @@
 #include <optional>
-#include <utility>
 
 #include "input/described_scene.hpp"
 #include "results/json.hpp"

@@ -1,7 +1,6 @@
 #include "viscobar/record/record_run.hpp"
 
 #include <algorithm>
-#include <chrono>
 
 #include "case/chatter.hpp"
 #include "input/described_scene.hpp"

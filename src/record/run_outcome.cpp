@@ -1,7 +1,5 @@
 #include "record/run_outcome.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>

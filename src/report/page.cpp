@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
 #include "report/scene_ends.hpp"
 #include "results/output_file.hpp"
 #include "scene/end_kinds.hpp"

@@ -7,7 +7,6 @@
 #include <system_error>
 
 #include "results/output_file.hpp"
-#include "run/archive.hpp"
 #include "viscobar/results/io_error.hpp"
 #include "viscobar/results/versions.hpp"
 

@@ -1,5 +1,3 @@
-#include "results/export_result.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,6 +14,7 @@
 #include "results/field/xdmf_file.hpp"
 #include "results/output_file.hpp"
 #include "results/result_directory.hpp"
+#include "results/result_info.hpp"
 #include "viscobar/results/io_error.hpp"
 
 namespace viscobar {
@@ -37,51 +36,40 @@ void for_each_block(const FieldReader& field, Quantity quantity, Take&& take) {
   }
 }
 
-/// An array of doubles in NumPy's format 1.0, row by row: 8 bytes "\x93NUMPY\1\0", the length of the header in two
-/// bytes, the header, a Python dictionary padded with blanks to a multiple of 64, then the numbers, little-endian.
-/// @throws IoError
-class NpyFile {
- public:
-  /// All extents are known beforehand; one extent makes a vector.
-  NpyFile(const fs::path& path, const std::vector<std::size_t>& shape) : file_(path) {
-    // A tuple of one number ends with a comma.
-    std::string head =
-        fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}", fmt::join(shape, ", "));
-    constexpr std::size_t before = 10, alignment = 64;
-    head.resize((before + head.size() + 1 + alignment - 1) / alignment * alignment - before - 1, ' ');
-    head += '\n';
-    std::string start("\x93NUMPY\x01\x00", 8);
-    start += static_cast<char>(head.size() & 0xff);
-    start += static_cast<char>(head.size() >> 8);
-    start += head;
-    file_.write_at(0, start);
-    written_ = start.size();
-  }
-
-  void append(std::span<const double> values) {
+/// Writes an array of doubles in NumPy's format 1.0, row by row: 8 bytes "\x93NUMPY\1\0", the length of the header in
+/// two bytes, the header, a Python dictionary padded with blanks to a multiple of 64, then the numbers, little-endian.
+/// `fill` appends them; one extent makes a vector. @throws IoError
+template <class Fill>
+void write_npy(const fs::path& path, const std::vector<std::size_t>& shape, Fill&& fill) {
+  // A tuple of one number ends with a comma.
+  std::string head =
+      fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}", fmt::join(shape, ", "));
+  constexpr std::size_t before = 10, alignment = 64;
+  head.resize((before + head.size() + 1 + alignment - 1) / alignment * alignment - before - 1, ' ');
+  head += '\n';
+  std::string start("\x93NUMPY\x01\x00", 8);
+  start += static_cast<char>(head.size() & 0xff);
+  start += static_cast<char>(head.size() >> 8);
+  start += head;
+  OutputFile file(path);
+  file.write_at(0, start);
+  std::size_t written = start.size();
+  fill([&](std::span<const double> values) {
     static_assert(std::endian::native == std::endian::little, "the numbers are written as they lie in memory");
-    const auto bytes = std::as_bytes(values);
-    file_.write_at(written_, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    written_ += bytes.size();
-  }
-
-  void close() { file_.close(); }
-
- private:
-  OutputFile file_;
-  std::size_t written_ = 0;
-};
-
-void write_npy(const fs::path& path, std::span<const double> values, const std::vector<std::size_t>& shape) {
-  NpyFile file(path, shape);
-  file.append(values);
+    file.write_at(written, {reinterpret_cast<const char*>(values.data()), values.size_bytes()});
+    written += values.size_bytes();
+  });
   file.close();
 }
 
+void write_npy(const fs::path& path, std::span<const double> values, const std::vector<std::size_t>& shape) {
+  write_npy(path, shape, [&](auto&& append) { append(values); });
+}
+
 void write_npy(const fs::path& path, const FieldReader& field, Quantity quantity) {
-  NpyFile file(path, {field.rows(), field.width(quantity)});
-  for_each_block(field, quantity, [&](std::size_t, std::span<const double> block) { file.append(block); });
-  file.close();
+  write_npy(path, {field.rows(), field.width(quantity)}, [&](auto&& append) {
+    for_each_block(field, quantity, [&](std::size_t, std::span<const double> block) { append(block); });
+  });
 }
 
 void write_csv(const fs::path& path, const FieldReader& field, Quantity quantity) {

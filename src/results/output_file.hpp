@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cstddef>
 #include <filesystem>
 #include <iterator>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "results/checksum.hpp"
 

@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <fstream>
 #include <span>
 #include <stdexcept>
-#include <vector>
 
 #include "results/json.hpp"
 #include "results/result_directory.hpp"

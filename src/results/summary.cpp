@@ -55,16 +55,6 @@ Json sensitivity_json(const Case& run, const Outcome& outcome) {
   return json;
 }
 
-Json to_json(const EnergyAccount& energy) {
-  Json json = {{"initial", energy.initial},
-               {"final", energy.final},
-               {"dissipated", energy.dissipated},
-               {"work", energy.work},
-               {"balance_error", energy.balance_error()}};
-  if (energy.end_inertia != 0.0) json["end_inertia"] = energy.end_inertia;
-  return json;
-}
-
 Json to_json(const ErrorEstimate& estimate) {
   Json json = {{"of", name(estimate.of)},
                {"total", estimate.total},
@@ -100,6 +90,20 @@ std::string_view name(Ending ending) {
 }
 
 }  // namespace
+
+Json to_json(const EnergyAccount& energy) {
+  Json json = {{"initial", energy.initial},
+               {"final", energy.final},
+               {"dissipated", energy.dissipated},
+               {"work", energy.work},
+               {"balance_error", energy.balance_error()}};
+  if (energy.end_inertia != 0.0) json["end_inertia"] = energy.end_inertia;
+  return json;
+}
+
+Json to_json(const Allowance& absolute) {
+  return {{"displacement", absolute.displacement}, {"velocity", absolute.velocity}};
+}
 
 std::string summary_json(const SceneFile& scene, const BarSystem& system, const Outcome& outcome,
                          const FileChecksums& files) {
@@ -138,10 +142,8 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
   json["contact"] = contact_json(scene.run.scene, outcome);
   json["scene"] = Json::parse(scene.complete());
   json["chosen"] = Json::parse(scene.chosen);
-  if (is_adaptive(scene.run.method)) {
-    const Allowance absolute = allowance(scene.run.tolerance, system, scene.run.end);
-    json["absolute_tolerance"] = {{"displacement", absolute.displacement}, {"velocity", absolute.velocity}};
-  }
+  if (is_adaptive(scene.run.method))
+    json["absolute_tolerance"] = to_json(allowance(scene.run.tolerance, system, scene.run.end));
   json["mass"] = name(system.mass());
   const Versions used = versions();
   json["versions"] = {{"viscobar", used.viscobar},

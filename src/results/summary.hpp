@@ -3,7 +3,6 @@
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <string_view>
 
 #include "results/checksum.hpp"
 #include "viscobar/case/case.hpp"
@@ -19,6 +18,10 @@ using FileChecksums = std::map<std::string, Checksum>;
 /// could not tell are null. `max_reaction` of an impact may have no limit under refinement: see peak_remark().
 std::string summary_json(const SceneFile& scene, const BarSystem& system, const Outcome& outcome,
                          const FileChecksums& files);
+
+/// As summaries tell them.
+nlohmann::ordered_json to_json(const EnergyAccount& energy);
+nlohmann::ordered_json to_json(const Allowance& absolute);
 
 /// The text of a summary with the files that belong to it and its own checksum behind all else:
 ///

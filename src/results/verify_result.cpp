@@ -1,5 +1,3 @@
-#include "results/verify_result.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,11 +5,11 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
-#include <utility>
 
 #include "results/checkpoint_file.hpp"
 #include "results/json.hpp"
 #include "results/result_directory.hpp"
+#include "results/result_info.hpp"
 #include "results/summary.hpp"
 #include "results/sweep_frame.hpp"
 #include "text/printable_text.hpp"
@@ -52,10 +50,6 @@ class Verification {
   }
 
  private:
-  struct Found : VerifiedFile {
-    Found() { state = FileState::foreign; }
-  };
-
   void tell(const std::string& name, FileState state, const std::string& reason = "") {
     VerifiedFile& file = found_[name];
     if (file.state == FileState::sound) return;
@@ -156,7 +150,7 @@ class Verification {
   }
 
   const fs::path directory_;
-  std::map<std::string, Found> found_;
+  std::map<std::string, VerifiedFile> found_;
   std::size_t rows_at_the_end_ = 0;
 };
 

@@ -9,7 +9,7 @@
 
 #include "checkpoint/process.hpp"
 #include "results/summary.hpp"
-#include "results/verify_result.hpp"
+#include "results/result_info.hpp"
 #include "support/scene_text.hpp"
 #include "support/scratch.hpp"
 #include "sweep/sweep_results.hpp"

@@ -75,9 +75,7 @@ Picture ends_picture(const Scene& scene, const Comparison& check) {
       return left ? recording.displacement(k).front() : recording.displacement(k).back();
     });
     const std::vector<double>& times = traces.runs.front()->recording->times;
-    const std::vector<double> places = end.surface(times);
-    std::vector<Point> surface;
-    for (std::size_t k = 0; k < places.size(); ++k) surface.push_back({times[k], places[k]});
+    const std::vector<Point> surface = plot::points_of(times, end.surface(times));
     traces.range.add(surface);
     const std::vector<ObstacleLevel> levels = levels_of(surface.empty() ? end.obstacle() : nullptr);
     const bool shown = !levels.empty() && traces.range.reach(levels.front().u);
@@ -191,8 +189,7 @@ Json to_json(const MethodRun& run) {
   if (run.built_in && is_scheme(run.run.method)) json["step"] = scheme_step(run.run);
   if (run.built_in && is_adaptive(run.run.method)) {
     json["relative_tolerance"] = run.run.tolerance.relative;
-    const Allowance absolute = allowance(run.run.tolerance, make_system(run.run), run.run.end);
-    json["absolute_tolerance"] = {{"displacement", absolute.displacement}, {"velocity", absolute.velocity}};
+    json["absolute_tolerance"] = to_json(allowance(run.run.tolerance, make_system(run.run), run.run.end));
   }
   if (run.built_in && is_penalised(run.run.method)) json["epsilon"] = effective_epsilon(run.run);
   if (run.run.restitution) json["restitution"] = *run.run.restitution;
@@ -205,12 +202,7 @@ Json to_json(const MethodRun& run) {
   json["integration_seconds"] = s.integration_seconds;
   json["events"] = run.recording->events.size();
   json["max_penetration"] = s.max_penetration;
-  if (s.energy)
-    json["energy"] = {{"initial", s.energy->initial},
-                      {"final", s.energy->final},
-                      {"dissipated", s.energy->dissipated},
-                      {"work", s.energy->work},
-                      {"balance_error", s.energy->balance_error()}};
+  if (s.energy) json["energy"] = to_json(*s.energy);
   json["contacts"] = Json::array();
   for (const ContactPeriod& period : run.contacts) {
     Json contact = {{"where", place(period)}};

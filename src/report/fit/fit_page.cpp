@@ -70,13 +70,6 @@ Table estimates(const FitResult& result) {
   return table;
 }
 
-std::vector<plot::Point> points(const FitStudy& study, const std::vector<double>& values) {
-  std::vector<plot::Point> all;
-  for (std::size_t k = 0; k < values.size(); ++k)
-    if (std::isfinite(values[k])) all.push_back({study.times[k], values[k]});
-  return all;
-}
-
 Picture traces_picture(const FitStudy& study, const FitResult& result) {
   Picture picture{
       "Data and model",
@@ -86,8 +79,8 @@ Picture traces_picture(const FitStudy& study, const FitResult& result) {
     const std::string column(name(data.column));
     std::vector<double> left(result.traces[i].size());
     for (std::size_t k = 0; k < left.size(); ++k) left[k] = result.traces[i][k] - data.values[k];
-    const auto measured = points(study, data.values), model = points(study, result.traces[i]);
-    const auto residual = points(study, left);
+    const auto measured = plot::points_of(study.times, data.values);
+    const auto model = plot::points_of(study.times, result.traces[i]), residual = plot::points_of(study.times, left);
     const plot::Axis t = plot::fitted("t", 0.0, study.times.back());
     plot::Range all{0.0, 0.0}, of_rest{0.0, 0.0};
     all.add(measured);

@@ -5,6 +5,13 @@
 
 namespace viscobar::plot {
 
+std::vector<Point> points_of(std::span<const double> x, std::span<const double> y) {
+  std::vector<Point> points;
+  for (std::size_t k = 0; k < std::min(x.size(), y.size()); ++k)
+    if (std::isfinite(y[k])) points.push_back({x[k], y[k]});
+  return points;
+}
+
 void ThinnedLine::Bucket::join(const Bucket& next) {
   if (next.lowest.y < lowest.y) lowest = next.lowest;
   if (next.highest.y > highest.y) highest = next.highest;

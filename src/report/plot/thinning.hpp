@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -10,6 +9,9 @@ struct Point {
   double x, y;
   static void members(auto& point, auto&& each) { each(point.x, point.y); }
 };
+
+/// (x_k, y_k), but for those that are not finite.
+std::vector<Point> points_of(std::span<const double> x, std::span<const double> y);
 
 /// Items without end, kept in at most `capacity` buckets of `stride` items each, a power of 2: full, neighbours are
 /// joined. A bucket begins as one item and takes the next ones in by join().

@@ -45,32 +45,26 @@ void ReportData::Fastest::join(const Fastest& next) {
 }
 
 void ReportData::add(const Snapshot& at) {
-  if (snapshots++ == 0) {
-    // An end that presses at the start has been closed from there; that of a fixed one is never asked.
-    if (at.reaction_left != 0.0) left.closed_since = at.time;
-    if (at.reaction_right != 0.0) right.closed_since = at.time;
-  }
   const auto stress_of = [&](std::size_t j) { return element_stress(system_.bar(), system_.mesh(), at.u, at.v, j); };
   field.add(at.time, at.u);
   stress.add_each(at.time, stress_of);
-  left.traction.add({at.time, stress_of(0)});
-  right.traction.add({at.time, stress_of(system_.mesh().elements - 1)});
-  left.displacement.add({at.time, at.u.front()});
-  right.displacement.add({at.time, at.u.back()});
-  left.reaction.add({at.time, at.reaction_left});
-  right.reaction.add({at.time, at.reaction_right});
+  const auto add_to = [&](End& end, double u, double reaction, double traction) {
+    // An end that presses at the start has been closed from there; that of a fixed one is never asked.
+    if (snapshots == 0 && reaction != 0.0) end.closed_since = at.time;
+    end.displacement.add({at.time, u});
+    end.reaction.add({at.time, reaction});
+    end.traction.add({at.time, traction});
+  };
+  add_to(left, at.u.front(), at.reaction_left, stress_of(0));
+  add_to(right, at.u.back(), at.reaction_right, stress_of(system_.mesh().elements - 1));
+  ++snapshots;
   sensitivities.resize(std::max(sensitivities.size(), at.sensitivities.size()));
   for (std::size_t k = 0; k < at.sensitivities.size(); ++k) {
     sensitivities[k].left.add({at.time, at.sensitivities[k].u.front()});
     sensitivities[k].right.add({at.time, at.sensitivities[k].u.back()});
   }
   if (!at.energy) return;
-  energy.kinetic.add({at.time, at.energy->kinetic});
-  energy.elastic.add({at.time, at.energy->elastic});
-  if (has_springs()) energy.contact.add({at.time, at.energy->contact});
-  energy.total.add({at.time, at.energy->total()});
-  energy.dissipated.add({at.time, at.energy->dissipated + at.energy->end_inertia});
-  energy.work.add({at.time, at.energy->work});
+  for (std::size_t k = 0; k < energy.size(); ++k) energy[k].add({at.time, energy_columns[k].value(*at.energy)});
 }
 
 void ReportData::add(const Event& event) {

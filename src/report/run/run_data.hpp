@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cstddef>
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -82,14 +82,21 @@ class ReportData {
       each(end.displacement, end.reaction, end.traction, end.contacts, end.closed_since);
     }
   };
-  /// The columns of energy.csv.
-  struct Energy {
-    plot::ThinnedLine kinetic{buckets}, elastic{buckets}, contact{buckets}, dissipated{buckets}, work{buckets},
-        total{buckets};
-    static void members(auto& energy, auto&& each) {
-      each(energy.kinetic, energy.elastic, energy.contact, energy.dissipated, energy.work, energy.total);
-    }
+  /// Columns of energy.csv as they are drawn.
+  enum class Drawn { always, with_springs, where_not_zero };
+  struct EnergyColumn {
+    const char* name;
+    Drawn drawn;
+    double (*value)(const EnergyState& energy);
   };
+  static constexpr std::array energy_columns = {
+      EnergyColumn{"kinetic", Drawn::always, [](const EnergyState& energy) { return energy.kinetic; }},
+      EnergyColumn{"elastic", Drawn::always, [](const EnergyState& energy) { return energy.elastic; }},
+      EnergyColumn{"contact springs", Drawn::with_springs, [](const EnergyState& energy) { return energy.contact; }},
+      EnergyColumn{"dissipated", Drawn::where_not_zero,
+                   [](const EnergyState& e) { return e.dissipated + e.end_inertia; }},
+      EnergyColumn{"work", Drawn::where_not_zero, [](const EnergyState& energy) { return energy.work; }},
+      EnergyColumn{"total", Drawn::always, [](const EnergyState& energy) { return energy.total(); }}};
   /// Derivatives of the ends' displacements by a parameter.
   struct Slopes {
     plot::ThinnedLine left{buckets}, right{buckets};
@@ -106,8 +113,8 @@ class ReportData {
   std::size_t snapshots = 0;
   ThinnedField field, stress;
   End left, right;
-  Energy energy;
-  std::vector<Slopes> sensitivities;  // of each direction
+  std::vector<plot::ThinnedLine> energy{energy_columns.size(), plot::ThinnedLine(buckets)};  // of energy_columns
+  std::vector<Slopes> sensitivities;                                                         // of each direction
   std::vector<Event> first_events;
   plot::Thinned<Fastest> marked_events{most_marks};
   static void members(auto& data, auto&& each) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <vector>
 
 #include "case/peak_remark.hpp"
 #include "results/csv.hpp"

@@ -23,14 +23,6 @@ std::string displacement_label(const Case& run, std::string_view words) {
   return with_unit(words, run.scene.units, Dimension::length);
 }
 
-// Of an obstacle that moves; none of one that does not.
-std::vector<Point> moving_surface(const SceneEnd& end, const ReportData& data) {
-  const std::vector<double> times = data.field.times(), places = end.surface(times);
-  std::vector<Point> surface;
-  for (std::size_t k = 0; k < places.size(); ++k) surface.push_back({times[k], places[k]});
-  return surface;
-}
-
 }  // namespace
 
 FieldColours field_colours(const Case& run, const ReportData& data) {
@@ -111,11 +103,9 @@ Picture profiles(const Case& run, const ReportData& data) {
 
   Figure figure = with_obstacles(of_few, 320.0, 0.0);
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    std::vector<Point> line;
-    const auto u = field.row(rows[k]);
-    for (std::size_t j = 0; j < u.size(); ++j) line.push_back({field.x()[j], u[j]});
     const double part = rows.size() > 1 ? static_cast<double>(k) / static_cast<double>(rows.size() - 1) : 0.0;
-    figure.line(line, {plot::sequence_colour(part), false, 1.8}, "t = " + readable(field.time(rows[k])));
+    figure.line(plot::points_of(field.x(), field.row(rows[k])), {plot::sequence_colour(part), false, 1.8},
+                "t = " + readable(field.time(rows[k])));
   }
   return {
       "The bar",
@@ -126,6 +116,7 @@ Picture profiles(const Case& run, const ReportData& data) {
 }
 
 Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& data) {
+  const std::vector<double> times = data.field.times();
   std::vector<Panel> panels;
   for (const SceneEnd& end : ends_of(run.scene)) {
     if (is_fixed(end.condition) && !end.input.motion) continue;
@@ -137,7 +128,7 @@ Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& da
     Range range;
     range.add(points);
     const Obstacle* body = end.obstacle();
-    const std::vector<Point> surface = moving_surface(end, data);
+    const std::vector<Point> surface = plot::points_of(times, end.surface(times));
     range.add(surface);
     std::vector<ObstacleLevel> shown = levels_of(surface.empty() ? body : nullptr), span = levels_of(run.scene.span);
     for (std::vector<ObstacleLevel>* levels : {&shown, &span})
@@ -198,19 +189,16 @@ Picture reactions(const Case& run, const ReportData& data) {
 }
 
 Picture energies(const Case& run, const ReportData& data) {
-  const auto& energy = data.energy;
-  if (energy.total.empty()) return {};
-  std::vector<TimeLine> lines = {{energy.kinetic.points(), {plot::series_colour(0)}, "kinetic"},
-                                 {energy.elastic.points(), {plot::series_colour(1)}, "elastic"}};
-  if (data.has_springs()) lines.push_back({energy.contact.points(), {plot::series_colour(2)}, "contact springs"});
-  const auto add_moving = [&](const plot::ThinnedLine& line, std::size_t colour, std::string_view name) {
-    const std::vector<Point> points = line.points();
-    if (std::ranges::any_of(points, [](const Point& point) { return point.y != 0.0; }))
-      lines.push_back({points, {plot::series_colour(colour)}, name});
-  };
-  add_moving(energy.dissipated, 3, "dissipated");
-  add_moving(energy.work, 4, "work");
-  lines.push_back({energy.total.points(), {"var(--ink)", true, 1.6}, "total"});
+  if (data.energy.front().empty()) return {};
+  std::vector<TimeLine> lines;
+  for (std::size_t k = 0; k < data.energy.size(); ++k) {
+    const auto& [name, drawn, value] = ReportData::energy_columns[k];
+    std::vector<Point> points = data.energy[k].points();
+    const bool zero = std::ranges::all_of(points, [](const Point& point) { return point.y == 0.0; });
+    if (drawn == ReportData::Drawn::with_springs ? data.has_springs() : drawn == ReportData::Drawn::always || !zero)
+      lines.push_back({std::move(points), {plot::series_colour(k)}, name});
+  }
+  lines.back().style = {"var(--ink)", true, 1.6};  // the total
   const std::string axis = with_unit("energy", run.scene.units, Dimension::energy);
   return {"Energy",
           fmt::format("{} The total and what was dissipated grow by the work that is done on the bar alone.{}",

@@ -2,16 +2,13 @@
 
 class Field {
   constructor({ t, x, low, high, u }) {
-    this.t = t;
-    this.x = x;
-    this.low = low;
-    this.high = high;
+    Object.assign(this, { t, x, low, high });
     const bytes = Uint8Array.from(atob(u), (c) => c.charCodeAt(0));
     this.u = new Float64Array(bytes.length / 2);
     for (let i = 0; i < this.u.length; ++i) this.u[i] = low + ((high - low) * (bytes[2 * i] + 256 * bytes[2 * i + 1])) / 65535;
   }
 
-  /// The index below a value among increasing ones, and the part of the way to the next.
+  /// Among increasing values: the index of the last one up to a value, and the part of the way to the next.
   static locate(values, value) {
     let low = 0, high = values.length - 1;
     while (high - low > 1) {
@@ -55,9 +52,7 @@ class Field {
 class FieldColours {
   static steps = 255;
   constructor({ anchors, low, high, touching, contactLevel, contactFrom }, field) {
-    this.low = low;
-    this.high = high;
-    this.touching = touching;
+    Object.assign(this, { low, high, touching });
     // The field is rounded, so what touches may lie half a step above.
     const slack = (0.75 * (field.high - field.low)) / 65535;
     this.contactLevel = contactLevel === undefined ? -Infinity : contactLevel + slack;

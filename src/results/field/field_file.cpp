@@ -1,13 +1,13 @@
 #include "results/field/field_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
+#include <fstream>
 #include <span>
 #include <string_view>
-#include <utility>
 
 #include "dynamics/element_stress.hpp"
-#include "scene/unit_names.hpp"
 #include "viscobar/results/versions.hpp"
 
 namespace viscobar {
@@ -33,7 +33,68 @@ void write_attribute(const std::filesystem::path& path, hid_t object, const char
   hdf5_checked(path, "cannot write an attribute", [&] { return H5Awrite(attribute.get(), type.get(), &value); });
 }
 
+/// Visits the file in its order: a gap (of length 0 where there is none), the region behind it, and so on; behind the
+/// last gap comes a region of length 0.
+template <class Visit>
+void for_each_part(const FieldMark& mark, Visit&& visit) {
+  std::vector<FieldMark::Region> regions = mark.regions;
+  std::ranges::sort(regions, {}, &FieldMark::Region::begin);
+  regions.push_back({mark.length, 0, {}});
+  std::size_t at = 0;
+  for (const FieldMark::Region& region : regions) {
+    visit(at, region.begin - at, region);
+    at = region.begin + region.length;
+  }
+}
+
 }  // namespace
+
+Checksum FieldMark::checksum() const {
+  Checksum whole;
+  std::string_view rest = others;
+  for_each_part(*this, [&](std::size_t, std::size_t gap, const Region& region) {
+    whole.add(rest.substr(0, gap));
+    rest.remove_prefix(gap);
+    whole.append(region.values);
+    whole.append(Checksum::of_zeros(region.length - region.values.bytes));
+  });
+  return whole;
+}
+
+void FieldMark::check_values(const std::filesystem::path& file) const {
+  for (const Region& region : regions)
+    if (checksum_of_file(file, region.begin, region.values.bytes) != region.values)
+      throw IoError(file,
+                    fmt::format("its bytes {} to {} are not those of the checkpoint: it was changed or damaged since",
+                                region.begin, region.begin + region.values.bytes));
+}
+
+FieldMark marked(const std::filesystem::path& file, std::size_t rows, std::vector<FieldMark::Region> regions) {
+  FieldMark mark{rows, std::filesystem::file_size(file), std::move(regions), {}};
+  std::ifstream stream(file, std::ios::binary);
+  for_each_part(mark, [&](std::size_t gap, std::size_t length, const FieldMark::Region&) {
+    const std::size_t before = mark.others.size();
+    mark.others.resize(before + length);
+    stream.seekg(static_cast<std::streamoff>(gap));
+    stream.read(mark.others.data() + before, static_cast<std::streamsize>(length));
+  });
+  if (!stream) throw IoError(file, "cannot be read back");
+  return mark;
+}
+
+void put_back(const std::filesystem::path& file, const FieldMark& mark) {
+  OutputFile raw(file, OutputFile::Content::keep);
+  raw.cut_at(mark.length);
+  std::string_view others = mark.others;
+  for_each_part(mark, [&](std::size_t gap, std::size_t length, const FieldMark::Region& region) {
+    raw.write_at(gap, others.substr(0, length));
+    others.remove_prefix(length);
+    // Values that came later.
+    raw.write_at(region.begin + region.values.bytes, std::string(region.length - region.values.bytes, '\0'));
+  });
+  raw.sync();
+  raw.close();
+}
 
 FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, std::size_t expected_rows,
                      const FieldMark* mark, const FieldOrigin& of)
@@ -100,31 +161,30 @@ void FieldFile::describe(const FieldOrigin& of) {
     write_attribute(path_, dataset.get(), "long_name", meaning);
     if (!unit.empty()) write_attribute(path_, dataset.get(), "units", unit);
   };
-  const auto unit = [&](Dimension quantity) { return unit_name(of.units, quantity); };
-  of_dataset("t", "output times", unit(Dimension::time));
-  of_dataset("x", "nodes", unit(Dimension::length));
-  of_dataset("u", "displacement of the nodes, times x nodes", unit(Dimension::length));
-  of_dataset("v", "velocity of the nodes, times x nodes", unit(Dimension::velocity));
-  of_dataset("stress", "mean stress of each element, times x elements", unit(Dimension::stress));
-  of_dataset("points", "nodes in space, for field.xdmf", unit(Dimension::length));
-  of_dataset("line", "the two nodes of each element, for field.xdmf", "");
-  struct Derived {
-    const char *name, *what;
+  struct Meaning {
+    const char *name, *words;
     Dimension quantity;
   };
+  const Meaning u{"u", "displacement of the nodes, times x nodes", Dimension::length},
+      v{"v", "velocity of the nodes, times x nodes", Dimension::velocity};
+  for (const auto& [name, words, quantity] :
+       {Meaning{"t", "output times", Dimension::time}, Meaning{"x", "nodes", Dimension::length}, u, v,
+        Meaning{"stress", "mean stress of each element, times x elements", Dimension::stress},
+        Meaning{"points", "nodes in space, for field.xdmf", Dimension::length}})
+    of_dataset(name, words, unit_name(of.units, quantity));
+  of_dataset("line", "the two nodes of each element, for field.xdmf", "");
   for (const auto& [key, per] : of.keys)
-    for (const Derived& one : {Derived{"u", "displacement of the nodes, times x nodes", Dimension::length},
-                               {"v", "velocity of the nodes, times x nodes", Dimension::velocity},
-                               {"reaction_left", "reaction at the left end", Dimension::stress},
-                               {"reaction_right", "reaction at the right end", Dimension::stress}}) {
+    for (const auto& [name, words, quantity] :
+         {u, v, Meaning{"reaction_left", "reaction at the left end", Dimension::stress},
+          Meaning{"reaction_right", "reaction at the right end", Dimension::stress}}) {
       std::string unit_of_quotient;
       if (per) {
-        UnitPowers powers = unit_powers(one.quantity);
+        UnitPowers powers = unit_powers(quantity);
         for (std::size_t k = 0; k < powers.size(); ++k) powers[k] -= (*per)[k];
         const bool number = powers == UnitPowers{} && !named_units(of.units).empty();
         unit_of_quotient = number ? "1" : unit_name(of.units, powers);
       }
-      of_dataset("sensitivity/" + key + "/" + one.name, "derivative with respect to " + key + ": " + one.what,
+      of_dataset("sensitivity/" + key + "/" + name, fmt::format("derivative with respect to {}: {}", key, words),
                  unit_of_quotient);
     }
 }
