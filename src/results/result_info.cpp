@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <set>
 #include <span>
 #include <stdexcept>
 
@@ -168,14 +169,12 @@ std::uintmax_t bytes(const fs::directory_entry& entry) {
 }
 
 Json files_in(const fs::path& directory) {
-  std::vector<fs::directory_entry> entries;
-  for (const auto& entry : fs::directory_iterator(directory))
-    if (entry.is_regular_file() || entry.is_directory()) entries.push_back(entry);
-  std::sort(entries.begin(), entries.end());
+  const std::set<fs::directory_entry> entries(fs::directory_iterator(directory), fs::directory_iterator{});
   Json files = Json::array();
   for (const auto& entry : entries)
-    files.push_back(
-        {{"name", entry.path().filename().string() + (entry.is_directory() ? "/" : "")}, {"bytes", bytes(entry)}});
+    if (entry.is_regular_file() || entry.is_directory())
+      files.push_back(
+          {{"name", entry.path().filename().string() + (entry.is_directory() ? "/" : "")}, {"bytes", bytes(entry)}});
   return files;
 }
 

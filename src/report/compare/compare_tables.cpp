@@ -100,8 +100,7 @@ Table contact_table(const Comparison& check, NumberText number) {
                                     period.where == Where::span ? "" : number(period.impulse), count(period.bounces)});
     }
   }
-  std::stable_sort(groups.begin(), groups.end(),
-                   [](const Group& a, const Group& b) { return a.first.begin < b.first.begin; });
+  std::ranges::stable_sort(groups, {}, [](const Group& group) { return group.first.begin; });
   if (groups.size() > most_contacts) groups.resize(most_contacts);
   for (Group& group : groups)
     for (auto& row : group.rows) table.rows.push_back(std::move(row));
@@ -137,10 +136,10 @@ std::vector<std::string> remarks(const MethodChoice& choice, const Comparison& c
         "the masses differ, so a difference is also one between semi-discretisations of the same bar, "
         "which only a finer mesh removes: " +
         masses);
-  const bool penalty = std::any_of(check.runs.begin(), check.runs.end(), [](const MethodRun& run) {
+  const bool penalty = std::ranges::any_of(check.runs, [](const MethodRun& run) {
     return run.built_in && is_penalised(run.run.method) && !make_system(run.run).contacts().empty();
   });
-  const bool exact = std::any_of(check.runs.begin(), check.runs.end(), [](const MethodRun& run) {
+  const bool exact = std::ranges::any_of(check.runs, [](const MethodRun& run) {
     return run.built_in &&
            (is_scheme(run.run.method) || (run.run.method == MethodName::rigid && run.mass != Mass::redistributed));
   });

@@ -95,10 +95,7 @@ class BarPicture {
 }
 
 /// Of an obstacle that moves, linear in between output times.
-function surfaceAt({ surface }, field, time) {
-  const [row, part] = Field.locate(field.t, time);
-  return Field.between(surface, row, part);
-}
+const surfaceAt = ({ surface }, field, time) => Field.interpolated(field.t, surface, time);
 
 /// 1 for an obstacle below, -1 for one above.
 const signOf = (obstacle) => (obstacle.above ? -1 : 1);
@@ -150,10 +147,7 @@ class AxialPicture {
   draw(chart, context, time) {
     const { field, stress, magnification: s } = this, { x } = field, u = field.profile(time), values = stress.profile(time);
     const { top, height } = chart.box, half = (AxialPicture.thickness / 2) * chart.ratio, middle = top + height / 2;
-    const place = (at) => {
-      const [node, part] = Field.locate(x, at);
-      return chart.px(at + s * Field.between(u, node, part));
-    };
+    const place = (at) => chart.px(at + s * Field.interpolated(x, u, at));
     for (const [side, end] of [["left", x[0]], ["right", x.at(-1)]]) {
       const { surface, above = false } = this.supports[side];
       if (surface) layerPainters.wall(chart, context, { x: end + s * surfaceAt(this.supports[side], field, time), right: above, open: above !== (side === "right") });

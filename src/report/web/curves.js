@@ -9,7 +9,7 @@ class Curve {
   at(place) {
     const { x, y } = this;
     if (x.length === 0 || place < x[0] || place > x.at(-1)) return NaN;
-    return Field.between(y, ...Field.locate(x, place));
+    return Field.interpolated(x, y, place);
   }
   /// The values over [from, to], at its ends too.
   values(from, to) {

@@ -28,10 +28,9 @@ class Field {
     return profile;
   }
 
-  value(time, x) {
-    const [node, part] = Field.locate(this.x, x), profile = this.profile(time);
-    return Field.between(profile, node, part);
-  }
+  value(time, x) { return Field.interpolated(this.x, this.profile(time), x); }
+  /// Of values at increasing places.
+  static interpolated(places, values, at) { return Field.between(values, ...Field.locate(places, at)); }
   static between(profile, node, part) {
     return part > 0 ? profile[node] + part * (profile[node + 1] - profile[node]) : profile[node];
   }
