@@ -1,6 +1,6 @@
-#include "record/run_outcome.hpp"
-
 #include <gtest/gtest.h>
+
+#include "record/run_outcome.hpp"
 
 namespace viscobar {
 namespace {
