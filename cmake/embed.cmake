@@ -1,6 +1,6 @@
 # cmake -DOUTPUT=FILE.cpp -DROOT=DIR -P embed.cmake -- NAME=FILE,FILE... : text files of the source tree as string_views
 # of viscobar::page_files. Run by the build whenever one of them changes.
-set(code "#include \"report/page_files.hpp\"\n\nnamespace viscobar::page_files {\n")
+set(code "#include <string_view>\n\nnamespace viscobar::page_files {\n")
 set(options FALSE)
 math(EXPR last "${CMAKE_ARGC} - 1")
 foreach(i RANGE ${last})
@@ -19,7 +19,7 @@ foreach(i RANGE ${last})
     if(text MATCHES "\\)embedded\"")
       message(FATAL_ERROR "${name}: holds the mark that ends a raw string")
     endif()
-    string(APPEND code "const std::string_view ${name} = R\"embedded(${text})embedded\";\n")
+    string(APPEND code "extern const std::string_view ${name};\nconst std::string_view ${name} = R\"embedded(${text})embedded\";\n")
   endif()
 endforeach()
 string(APPEND code "}  // namespace viscobar::page_files\n")

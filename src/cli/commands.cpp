@@ -15,7 +15,8 @@
 
 #include "input/input_text.hpp"
 #include "input/scene_keys.hpp"
-#include "report/write_page.hpp"
+#include "report/page.hpp"
+#include "results/result_directory.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/results/io_error.hpp"
 #include "viscobar/studies/limit/limit.hpp"

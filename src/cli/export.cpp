@@ -2,7 +2,7 @@
 #include <array>
 
 #include "cli/commands.hpp"
-#include "results/export_result.hpp"
+#include "results/result_info.hpp"
 #include "text/printable_text.hpp"
 
 namespace viscobar::cli {

@@ -1,6 +1,5 @@
 #include "cli/commands.hpp"
 #include "results/result_info.hpp"
-#include "results/verify_result.hpp"
 
 namespace viscobar::cli {
 

@@ -9,7 +9,7 @@
 
 #include "case/regime.hpp"
 #include "cli/commands.hpp"
-#include "report/run/estimate_text.hpp"
+#include "report/run/run_page.hpp"
 #include "results/csv.hpp"
 #include "results/result_directory.hpp"
 #include "scene/unit_names.hpp"

@@ -1,8 +1,7 @@
-#include <nlohmann/json.hpp>
 #include <optional>
-#include <utility>
 
 #include "input/described_scene.hpp"
+#include "results/json.hpp"
 #include "studies/accuracy/plan.hpp"
 #include "studies/accuracy/quick_estimate.hpp"
 #include "viscobar/record/record_run.hpp"
@@ -16,11 +15,8 @@ RunRecord not_begun(const std::filesystem::path& directory) {
   record.outcome.ending = Ending::interrupted;
   record.outcome.error = "interrupted before the solution was begun; nothing was written";
   record.directory = directory;
-  record.summary =
-      nlohmann::ordered_json{
-          {"completed", false}, {"ending", "interrupted"}, {"error", record.outcome.error}, {"reached_time", 0.0}}
-          .dump(2) +
-      "\n";
+  record.summary = json_text(
+      {{"completed", false}, {"ending", "interrupted"}, {"error", record.outcome.error}, {"reached_time", 0.0}});
   return record;
 }
 

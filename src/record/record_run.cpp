@@ -1,12 +1,12 @@
 #include "viscobar/record/record_run.hpp"
 
+#include <algorithm>
+
 #include "case/chatter.hpp"
 #include "input/described_scene.hpp"
-#include "record/checkpoint_clock.hpp"
-#include "record/pace_watch.hpp"
 #include "record/run_outcome.hpp"
+#include "report/page.hpp"
 #include "report/run/run_page.hpp"
-#include "report/write_page.hpp"
 #include "results/checkpoint_file.hpp"
 #include "results/growing_files.hpp"
 #include "results/output_file.hpp"
@@ -30,9 +30,30 @@ void attempt(Outcome& outcome, Action&& action) {
   }
 }
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// When checkpoints are due on the clock: so many seconds after the last one was made, or as many as it took where that
+/// is longer, so that the run keeps half of the time at least.
+class CheckpointClock {
+ public:
+  explicit CheckpointClock(double interval) : interval_(interval) {}
+
+  bool due() const { return seconds_since(last_) >= std::max(interval_, cost_); }
+
+  template <class Make>
+  void make(Make&& make) {
+    const auto begin = Clock::now();
+    make();
+    cost_ = seconds_since(begin);
+    last_ = Clock::now();
+  }
+
+ private:
+  double interval_, cost_ = 0.0;
+  Clock::time_point last_ = Clock::now();
+};
 
 /// A run and its files, from the beginning or from a checkpoint.
 class RecordedRun {
@@ -178,8 +199,8 @@ class RecordedRun {
     if (!scene_.run.files.report) return;
     attempt(outcome(), [&] {
       const Page page = report_page(scene_.run, system_, outcome(), data_);
-      written_.merge(write_page(place_, "report.html",
-                                {page.html(), options_.figures ? page.figure_files() : std::vector<FigureFile>{}}));
+      written_.merge(
+          write_page(place_, "report.html", options_.figures ? page.with_figures() : PicturedPage{page.html(), {}}));
     });
     outcome().wall_seconds = wall_seconds();
   }

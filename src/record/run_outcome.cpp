@@ -1,7 +1,5 @@
 #include "record/run_outcome.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -74,10 +72,9 @@ std::optional<std::string> graze_warning(const Outcome& outcome, const Statistic
 }  // namespace
 
 void fail(Outcome& outcome, Ending ending, const std::string& error) {
-  if (outcome.ending == Ending::completed) {
-    outcome.ending = ending;
-    outcome.error = error;
-  }
+  if (outcome.ending != Ending::completed) return;
+  outcome.ending = ending;
+  outcome.error = error;
 }
 
 void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, const std::optional<Checkpoint>& from,
@@ -106,15 +103,17 @@ void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, c
 
 void judge(Outcome& outcome, const Case& run, const BarSystem& system,
            const std::function<void(const std::string& warning)>& warn) {
-  if (outcome.statistics) {
-    if (const auto warning = sensitivity_warning(*outcome.statistics)) warn(*warning);
-    if (const auto warning = graze_warning(outcome, *outcome.statistics)) warn(*warning);
-  }
-  if (!outcome.statistics || !outcome.statistics->energy) return;
+  if (!outcome.statistics) return;
   const Statistics& done = *outcome.statistics;
-  if (const auto warning = growth_warning(run, done)) warn(*warning);
-  if (const auto warning = representation_warning(done)) warn(*warning);
-  if (const auto warning = penetration_warning(run, system, done)) warn(*warning);
+  const auto pass_on = [&](const std::optional<std::string>& warning) {
+    if (warning) warn(*warning);
+  };
+  pass_on(sensitivity_warning(done));
+  pass_on(graze_warning(outcome, done));
+  if (!done.energy) return;
+  pass_on(growth_warning(run, done));
+  pass_on(representation_warning(done));
+  pass_on(penetration_warning(run, system, done));
   for (const Alarm& alarm : alarms(run, system, done)) {
     const std::string what = fmt::format(
         "{}; the result is further from the solution than the tolerances promise: take another method.name or a "

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <functional>
 #include <optional>
 #include <string>
@@ -21,5 +23,38 @@ void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, c
 /// outcome. The result is kept either way.
 void judge(Outcome& outcome, const Case& run, const BarSystem& system,
            const std::function<void(const std::string& warning)>& warn);
+
+/// Notices a run that will take very long: every `look` steps, the time they advanced tells how many the rest would
+/// take at that pace. Counted in steps, so that it says the same on every machine.
+class PaceWatch {
+ public:
+  PaceWatch(double begin, double end, std::size_t look = 1'000'000, double many = 1e8)
+      : end_(end), look_(look), many_(many), since_(begin) {}
+
+  /// To be told the time that each step led to; what it has to say, once.
+  std::optional<std::string> heard(double t) {
+    if (++steps_ < look_) return std::nullopt;
+    const double before = since_, rest = static_cast<double>(look_) * ((end_ - t) / (t - before));
+    steps_ = 0;
+    since_ = t;
+    if (told_ || !(rest > many_)) return std::nullopt;
+    told_ = true;
+    return fmt::format(
+        "slow: the last {} steps led from t = {:.6g} to {:.6g}, at that pace the end is {:.1e} steps away; remedies: "
+        "an earlier time.end, a larger method.relative_tolerance, a load.history or load.density that varies more "
+        "slowly, a larger contact.epsilon",
+        look_, before, t, rest);
+  }
+
+  static void members(auto& self, auto&& each) { each(self.steps_, self.since_, self.told_); }
+
+ private:
+  double end_;
+  std::size_t look_;
+  double many_;
+  std::size_t steps_ = 0;
+  double since_;
+  bool told_ = false;
+};
 
 }  // namespace viscobar

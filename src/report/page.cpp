@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
-#include "report/obstacle_levels.hpp"
-#include "report/page_files.hpp"
+#include "report/scene_ends.hpp"
+#include "results/output_file.hpp"
 #include "scene/end_kinds.hpp"
 #include "text/json_text.hpp"
 #include "text/number.hpp"
@@ -13,6 +11,12 @@
 #include "viscobar/results/versions.hpp"
 
 namespace viscobar {
+
+/// The files that pages are made of, embedded by cmake/embed.cmake.
+namespace page_files {
+extern const std::string_view style, script;                             // src/report/web
+extern const std::string_view chart_style, chart_script, chart_licence;  // third_party/uplot
+}  // namespace page_files
 
 namespace {
 
@@ -36,6 +40,14 @@ std::string grouped(std::size_t value) {
   return digits;
 }
 
+std::string figure_place(const std::string& name) { return "figures/" + name + ".svg"; }
+
+FileChecksums checksums_of(const std::string& file, const PicturedPage& page) {
+  FileChecksums files{{file, Checksum::of(page.html)}};
+  for (const auto& [name, svg] : page.figures) files[figure_place(name)] = Checksum::of(svg);
+  return files;
+}
+
 }  // namespace
 
 std::string model_html(const Scene& scene) {
@@ -51,7 +63,7 @@ std::string model_html(const Scene& scene) {
       damped ? " − <i>η u<sub>xxt</sub></i>" : "", load, readable(bar.length), readable(bar.density),
       readable(bar.modulus), damped ? ", <i>η</i> = " + readable(bar.viscosity) : "",
       end_text(scene.left, scene.left_input), end_text(scene.right, scene.right_input));
-  for (const ObstacleLevel& level : levels_of(scene.span ? &*scene.span : nullptr))
+  for (const ObstacleLevel& level : levels_of(scene.span))
     text += fmt::format("; {} the whole span <i>u</i>\u00a0{}\u00a0{}", level.above ? "above" : "under",
                         level.above ? "≤" : "≥", readable(level.u));
   return text + ".";
@@ -79,7 +91,9 @@ std::string notes_html(const std::vector<std::string>& sentences) {
   return html;
 }
 
-Page::Page(std::string title, const Scene& scene) : title_(std::move(title)), model_(model_html(scene)) {}
+Page Page::of_study(const Scene& scene, std::string_view what) {
+  return Page((scene.title.empty() ? "A scene" : scene.title) + std::string(what), scene);
+}
 
 void Page::add(Picture picture) {
   if (picture.panels.empty()) return;
@@ -100,9 +114,7 @@ void Page::add_data(std::string_view key, std::string_view json) {
 
 std::string Page::html() const {
   const Versions used = versions();
-  std::string styles = plot::palette_css(), scripts;
-  styles += plot::drawing_css();
-  styles += page_files::style;
+  std::string styles = fmt::format("{}{}{}", plot::palette_css(), plot::drawing_css(), page_files::style), scripts;
   if (!live_.empty() || !data_.empty()) {
     (styles += page_files::chart_style) += '\n';
     scripts = fmt::format(
@@ -121,10 +133,26 @@ std::string Page::html() const {
       used.viscobar, used.sundials, used.hdf5, used.eigen, escaped(used.platform), scripts);
 }
 
-std::vector<FigureFile> Page::figure_files() const {
-  std::vector<FigureFile> files;
-  for (const Panel& panel : panels_) files.push_back({panel.name, panel.figure.file(panel.title)});
-  return files;
+PicturedPage Page::with_figures() const {
+  PicturedPage page{html(), {}};
+  for (const Panel& panel : panels_) page.figures.push_back({panel.name, panel.figure.file(panel.title)});
+  return page;
+}
+
+FileChecksums write_page(const std::filesystem::path& directory, const std::string& file, const PicturedPage& page) {
+  write_atomically(directory / file, page.html);
+  if (!page.figures.empty()) make_directories(directory / "figures");
+  for (const auto& [name, svg] : page.figures) write_atomically(directory / figure_place(name), svg);
+  return checksums_of(file, page);
+}
+
+std::string write_study(const std::filesystem::path& directory, const std::string& name, const std::string& summary,
+                        PicturedPage page, bool with_figures) {
+  if (!with_figures) page.figures.clear();
+  const std::string text = sealed_summary(summary, checksums_of(name + ".html", page));
+  write_atomically(directory / (name + ".json"), text);
+  write_page(directory, name + ".html", page);
+  return text;
 }
 
 }  // namespace viscobar

@@ -1,13 +1,12 @@
 #pragma once
 
-#include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <utility>
 #include <vector>
 
 #include "report/plot/figure.hpp"
+#include "results/summary.hpp"
 #include "viscobar/report/reports.hpp"
 #include "viscobar/scene/scene.hpp"
 
@@ -51,26 +50,35 @@ struct Picture {
 /// from one JSON document in the page, {"figures": {NAME: Figure::live()}, KEY: ...}.
 class Page {
  public:
-  Page(std::string title, const Scene& scene);
+  Page(std::string title, const Scene& scene) : title_(std::move(title)), model_(model_html(scene)) {}
   /// One without an equation.
   explicit Page(std::string title) : title_(std::move(title)) {}
+  /// "TITLE: the penalty limit"
+  static Page of_study(const Scene& scene, std::string_view what);
 
   /// HTML below the equation.
   void add_head(std::string_view html) { head_ += html; }
   /// HTML.
   void add(std::string_view html) { body_ += html; }
   void add(Picture picture);
+  void add_section(std::string_view heading, std::string_view content) { add(section_html(heading, content)); }
   /// A further member of the document that the script reads.
   void add_data(std::string_view key, std::string_view json);
 
   std::string html() const;
-  /// Each figure as an SVG file.
-  std::vector<FigureFile> figure_files() const;
-  PicturedPage with_figures() const { return {html(), figure_files()}; }
+  PicturedPage with_figures() const;
 
  private:
   std::string title_, model_, head_, body_, live_, data_;
   std::vector<Panel> panels_;
 };
+
+/// Writes DIR/FILE, and DIR/figures/NAME.svg for each figure; returns their checksums. @throws IoError
+FileChecksums write_page(const std::filesystem::path& directory, const std::string& file, const PicturedPage& page);
+
+/// Writes DIR/NAME.json, with the checksums of the files of the study, and DIR/NAME.html, figures where they are
+/// wanted; returns the text of the former. @throws IoError
+std::string write_study(const std::filesystem::path& directory, const std::string& name, const std::string& summary,
+                        PicturedPage page, bool with_figures);
 
 }  // namespace viscobar

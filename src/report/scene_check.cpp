@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
-#include <tuple>
 
 #include "case/chatter.hpp"
 #include "dynamics/natural_scales.hpp"
+#include "report/scene_ends.hpp"
+#include "results/json.hpp"
 #include "studies/accuracy/quick_estimate.hpp"
 
 namespace viscobar {
@@ -57,8 +57,6 @@ std::string contact_kind(const Case& run) {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 /// What a contact that bounces means for the limit epsilon -> 0, and what to change.
 std::string advice(const Case& run, const ContactRegime& regime) {
   const bool span = regime.where == Where::span;
@@ -88,32 +86,30 @@ std::vector<std::string> warnings_of(const Case& run, const BarSystem& system,
                                      const std::vector<ContactRegime>& regimes) {
   std::vector<std::string> found;
   if (!run.reservation.empty()) found.push_back(run.reservation);
-  const auto held = [&](const EndCondition& end, const EndInput& input, double x, const char* where) {
-    if (!is_fixed(end)) return;
-    const double v = run.scene.velocity(x);
-    if (!input.motion && v != 0.0)
-      found.push_back(fmt::format("the {} end is fixed, but its initial velocity is {}: it is held still", where, v));
-    const double begins = input.motion ? input.motion->velocity(0.0) : 0.0;
-    const double scale = std::max(std::abs(v), std::abs(begins));
-    if (input.motion && std::abs(v - begins) > 1e-9 * scale)
+  for (const SceneEnd& end : ends_of(run.scene)) {
+    if (!is_fixed(end.condition)) continue;
+    const auto& motion = end.input.motion;
+    const double v = run.scene.velocity(end.x);
+    if (!motion && v != 0.0)
+      found.push_back(
+          fmt::format("the {} end is fixed, but its initial velocity is {}: it is held still", end.name, v));
+    const double begins = motion ? motion->velocity(0.0) : 0.0;
+    if (motion && std::abs(v - begins) > 1e-9 * std::max(std::abs(v), std::abs(begins)))
       found.push_back(
           fmt::format("the motion of the {} end begins with the velocity {:.6g}, but its initial velocity is "
                       "{:.6g}: the end goes with its motion at once, and sends a front",
-                      where, begins, v));
-  };
-  held(run.scene.left, run.scene.left_input, 0.0, "left");
-  held(run.scene.right, run.scene.right_input, run.scene.bar.length, "right");
+                      end.name, begins, v));
+  }
   for (const ContactRegime& regime : regimes)
     if (regime.chatters) found.push_back(advice(run, regime));
   const double displacement = natural_scales(system, run.end).displacement;
   for (const ContactRegime& regime : regimes)
-    if (regime.impact &&
-        is_no_obstacle(regime.impact->penetration, std::max(displacement, gap_of(run.scene, regime.where))))
+    if (const double gap = gap_of(run.scene, regime.where);
+        regime.impact && is_no_obstacle(regime.impact->penetration, std::max(displacement, gap)))
       found.push_back(fmt::format(
           "{}: a penetration of {:.2g} is predicted, beside a gap of {:.2g} and displacements of {:.2g}: that is no "
           "obstacle; {}",
-          name(regime.where), regime.impact->penetration, gap_of(run.scene, regime.where), displacement,
-          stiffer_advice(run)));
+          name(regime.where), regime.impact->penetration, gap, displacement, stiffer_advice(run)));
   return found;
 }
 
@@ -134,7 +130,7 @@ Json to_json(const FirstImpact& impact) {
 Json to_json(const ContactRegime& regime) {
   Json json = {{"where", name(regime.where)},
                {"effective_mass", regime.effective_mass},
-               {"damping_ratio", regime.damping_ratio ? Json(*regime.damping_ratio) : Json(nullptr)},
+               {"damping_ratio", regime.damping_ratio},
                {"chatter_expected", regime.chatters},
                {"quiet_epsilon", regime.where == Where::span ? Json(nullptr) : Json(regime.quiet_epsilon)}};
   json["impact"] = regime.impact ? Json{{"speed", regime.impact->speed},
@@ -178,9 +174,9 @@ std::string check_json(const SceneFile& scene, const SceneCheck& check) {
                    {"damping", system.damped()},
                    {"load", load_kind(run.scene)},
                    {"contact", system.contacts().empty() ? Json(nullptr) : Json(contact_kind(run))}};
-  for (const auto& [table, end, input] : {std::tuple{"left", &run.scene.left, &run.scene.left_input},
-                                          {"right", &run.scene.right, &run.scene.right_input}})
-    if (const auto words = inputs_text(system.bar(), *end, *input); !words.empty()) json["terms"][table] = words;
+  for (const SceneEnd& end : ends_of(run.scene))
+    if (const auto words = inputs_text(system.bar(), end.condition, end.input); !words.empty())
+      json["terms"][end.name] = words;
   json["contact_nodes"] = system.contacts().size();
   json["event_functions"] = is_scheme(run.method) ? 0 : system.contacts().size();
   json["memory"] = {{"vectors", std::llround(check.memory.vectors)}, {"bytes", std::llround(check.memory.bytes)}};
@@ -196,7 +192,7 @@ std::string check_json(const SceneFile& scene, const SceneCheck& check) {
   json["warnings"] = check.warnings;
   json["scene"] = Json::parse(scene.complete());
   json["chosen"] = Json::parse(scene.chosen);
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 }  // namespace viscobar

@@ -7,30 +7,11 @@
 
 namespace viscobar {
 
-namespace {
-
-Table differences(const TrialResult& result) {
-  Table table{{"reference", "u, L2", "u, H1", "v, L2", "end trace", "changes matched", "largest shift"}, 1, {}};
-  const auto known = [](const std::optional<double>& value) { return value ? plain_number(*value) : std::string("-"); };
-  for (std::size_t i = 0; i + 1 < result.check.runs.size(); ++i) {
-    const Difference* d = result.to(i);
-    if (!d) continue;
-    table.rows.push_back({result.check.runs[i].label, known(d->displacement_l2), known(d->displacement_h1),
-                          known(d->velocity_l2), plain_number(d->end_trace),
-                          fmt::format("{} of {}, {}", d->events_matched, d->events, d->events_other),
-                          known(d->largest_event_shift)});
-  }
-  return table;
-}
-
-}  // namespace
-
 std::string trial_text(const TrialResult& result) {
   std::string out =
       fmt::format("{}: {} against its references, largest over time\n", result.name, result.scheme().label) +
-      text(differences(result));
-  if (const Table contacts = contact_table(result.check, plain_number); !contacts.rows.empty())
-    out += "\nContact periods, bounces within a hundredth of the run counted as one\n" + text(contacts);
+      text(difference_table(result.check, plain_number, "reference", [&](std::size_t i) { return result.to(i); })) +
+      contact_text(result.check);
   for (const Finding& finding : result.findings) out += fmt::format("  {}: {}\n", finding.key, finding.problem);
   return out;
 }

@@ -3,13 +3,10 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <system_error>
 
 #include "results/output_file.hpp"
-#include "run/archive.hpp"
 #include "viscobar/results/io_error.hpp"
 #include "viscobar/results/versions.hpp"
 
@@ -34,10 +31,7 @@ std::string archived(const Numbers&... numbers) {
 
 std::string content(const fs::path& file) {
   if (!fs::is_regular_file(fs::symlink_status(file))) throw ArchiveError("is no regular file");
-  std::ifstream stream(file, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) throw ArchiveError("cannot be read");
-  return bytes;
+  return file_content(file);
 }
 
 }  // namespace

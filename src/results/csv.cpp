@@ -2,12 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
 namespace viscobar {
 
-std::string ends_row(const Snapshot& at) {
-  return fmt::format("{},{},{},{},{},{},{}", at.time, at.u.front(), at.v.front(), at.reaction_left, at.u.back(),
-                     at.v.back(), at.reaction_right);
+namespace {
+
+// Of an instant or of its derivatives, in the order of ends.csv.
+std::array<double, 6> at_ends(const auto& of) {
+  return {of.u.front(), of.v.front(), of.reaction_left, of.u.back(), of.v.back(), of.reaction_right};
 }
+
+}  // namespace
+
+std::string ends_row(const Snapshot& at) { return fmt::format("{},{}", at.time, fmt::join(at_ends(at), ",")); }
 
 std::string events_row(const Event& event) {
   return fmt::format("{},{},{},{}", event.time, place(event), event.change == Change::closing ? "closing" : "opening",
@@ -29,9 +37,7 @@ std::string sensitivity_header(std::span<const Direction> directions) {
 
 std::string sensitivity_row(const Snapshot& at) {
   std::string row = fmt::format("{}", at.time);
-  for (const FieldSensitivity& s : at.sensitivities)
-    for (const double value : {s.u.front(), s.v.front(), s.reaction_left, s.u.back(), s.v.back(), s.reaction_right})
-      row += fmt::format(",{}", value);
+  for (const FieldSensitivity& s : at.sensitivities) row += fmt::format(",{}", fmt::join(at_ends(s), ","));
   return row;
 }
 

@@ -3,17 +3,17 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
-#include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
+
+#include "results/output_file.hpp"
 
 namespace viscobar {
 
@@ -50,13 +50,6 @@ int open_lock(const std::filesystem::path& file) {
   return descriptor < 0 && errno == EACCES ? ::open(file.c_str(), O_RDONLY | flags) : descriptor;
 }
 
-bool same_file(int descriptor, const std::filesystem::path& file) {
-  struct stat held {};
-  struct stat there {};
-  return ::fstat(descriptor, &held) == 0 && ::lstat(file.c_str(), &there) == 0 && held.st_dev == there.st_dev &&
-         held.st_ino == there.st_ino;
-}
-
 }  // namespace
 
 DirectoryLock::DirectoryLock(std::filesystem::path directory) : file_(directory / file_name) {
@@ -75,7 +68,7 @@ DirectoryLock::DirectoryLock(std::filesystem::path directory) : file_(directory 
     }
     held_ = locked == 0;
     // The one before removes the file before it lets it go: what was locked may be a file that is no longer there.
-  } while (held_ && !same_file(descriptor_, file_));
+  } while (held_ && FileIdentity(descriptor_) != FileIdentity(file_));
   const std::string who = this_process();
   // Only for the message to others, so neither a full disk nor a file of another user matters.
   if (::ftruncate(descriptor_, 0) == 0) [[maybe_unused]]

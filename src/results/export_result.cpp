@@ -1,5 +1,3 @@
-#include "results/export_result.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,16 +5,16 @@
 #include <bit>
 #include <charconv>
 #include <fstream>
+#include <functional>
 #include <optional>
 #include <span>
 #include <stdexcept>
-#include <system_error>
-#include <utility>
 
 #include "results/field/field_reader.hpp"
 #include "results/field/xdmf_file.hpp"
 #include "results/output_file.hpp"
 #include "results/result_directory.hpp"
+#include "results/result_info.hpp"
 #include "viscobar/results/io_error.hpp"
 
 namespace viscobar {
@@ -38,51 +36,40 @@ void for_each_block(const FieldReader& field, Quantity quantity, Take&& take) {
   }
 }
 
-/// An array of doubles in NumPy's format 1.0, row by row: 8 bytes "\x93NUMPY\1\0", the length of the header in two
-/// bytes, the header, a Python dictionary padded with blanks to a multiple of 64, then the numbers, little-endian.
-/// @throws IoError
-class NpyFile {
- public:
-  /// All extents are known beforehand; one extent makes a vector.
-  NpyFile(const fs::path& path, const std::vector<std::size_t>& shape) : file_(path) {
-    // A tuple of one number ends with a comma.
-    std::string head =
-        fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}", fmt::join(shape, ", "));
-    constexpr std::size_t before = 10, alignment = 64;
-    head.resize((before + head.size() + 1 + alignment - 1) / alignment * alignment - before - 1, ' ');
-    head += '\n';
-    std::string start("\x93NUMPY\x01\x00", 8);
-    start += static_cast<char>(head.size() & 0xff);
-    start += static_cast<char>(head.size() >> 8);
-    start += head;
-    file_.write_at(0, start);
-    written_ = start.size();
-  }
-
-  void append(std::span<const double> values) {
+/// Writes an array of doubles in NumPy's format 1.0, row by row: 8 bytes "\x93NUMPY\1\0", the length of the header in
+/// two bytes, the header, a Python dictionary padded with blanks to a multiple of 64, then the numbers, little-endian.
+/// `fill` appends them; one extent makes a vector. @throws IoError
+template <class Fill>
+void write_npy(const fs::path& path, const std::vector<std::size_t>& shape, Fill&& fill) {
+  // A tuple of one number ends with a comma.
+  std::string head =
+      fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}", fmt::join(shape, ", "));
+  constexpr std::size_t before = 10, alignment = 64;
+  head.resize((before + head.size() + 1 + alignment - 1) / alignment * alignment - before - 1, ' ');
+  head += '\n';
+  std::string start("\x93NUMPY\x01\x00", 8);
+  start += static_cast<char>(head.size() & 0xff);
+  start += static_cast<char>(head.size() >> 8);
+  start += head;
+  OutputFile file(path);
+  file.write_at(0, start);
+  std::size_t written = start.size();
+  fill([&](std::span<const double> values) {
     static_assert(std::endian::native == std::endian::little, "the numbers are written as they lie in memory");
-    const auto bytes = std::as_bytes(values);
-    file_.write_at(written_, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    written_ += bytes.size();
-  }
-
-  void close() { file_.close(); }
-
- private:
-  OutputFile file_;
-  std::size_t written_ = 0;
-};
-
-void write_npy(const fs::path& path, std::span<const double> values, const std::vector<std::size_t>& shape) {
-  NpyFile file(path, shape);
-  file.append(values);
+    file.write_at(written, {reinterpret_cast<const char*>(values.data()), values.size_bytes()});
+    written += values.size_bytes();
+  });
   file.close();
 }
 
+void write_npy(const fs::path& path, std::span<const double> values, const std::vector<std::size_t>& shape) {
+  write_npy(path, shape, [&](auto&& append) { append(values); });
+}
+
 void write_npy(const fs::path& path, const FieldReader& field, Quantity quantity) {
-  NpyFile file(path, {field.rows(), field.width(quantity)});
-  for_each_block(field, quantity, [&](std::size_t, std::span<const double> block) { file.append(block); });
-  file.close();
+  write_npy(path, {field.rows(), field.width(quantity)}, [&](auto&& append) {
+    for_each_block(field, quantity, [&](std::size_t, std::span<const double> block) { append(block); });
+  });
 }
 
 void write_csv(const fs::path& path, const FieldReader& field, Quantity quantity) {
@@ -103,38 +90,32 @@ void write_csv(const fs::path& path, const FieldReader& field, Quantity quantity
 /// field.h5 and field.xdmf with a dataset for each time (u/0, u/1, ...): for readers that know no part of a dataset,
 /// such as meshio.
 void export_xdmf(const FieldReader& field, const fs::path& target) {
-  NewFile values(target / "field.h5"), description(target / "field.xdmf");
+  NewFile values(target / "field.h5");
   const fs::path& path = values.part();
-  begin_hdf5();
   Hdf5File file(hdf5_checked(path, "cannot be created",
                              [&] { return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT); }));
-  const Hdf5Properties groups(H5Pcreate(H5P_LINK_CREATE));
-  H5Pset_create_intermediate_group(groups.get(), 1);
   const std::size_t n = field.nodes();
-  write_dataset(path, file.get(), "points", std::array<hsize_t, 2>{n, 3}, xdmf::points(field.x()));
-  write_dataset(path, file.get(), "line", std::array<hsize_t, 2>{n - 1, 2}, xdmf::line(n));
+  write_dataset(path, file, "points", std::array<hsize_t, 2>{n, 3}, xdmf::points(field.x()));
+  write_dataset(path, file, "line", std::array<hsize_t, 2>{n - 1, 2}, xdmf::line(n));
 
   std::string text(xdmf::head);
   std::vector<double> row;
   for (std::size_t k = 0; k < field.rows(); ++k) {
     text += xdmf::grid_head(k, field.times()[k], n);
-    for (const auto& [name, quantity] :
-         {std::pair("u", Quantity::displacement), {"v", Quantity::velocity}, {"stress", Quantity::stress}}) {
+    for (const Quantity quantity : FieldReader::quantities) {
       if (!field.has(quantity)) continue;
       row.resize(field.width(quantity));
       field.read(quantity, k, row);
+      const char* name = FieldReader::name(quantity);
       const std::string place = fmt::format("{}/{}", name, k);
-      write_dataset(path, file.get(), place, std::array<hsize_t, 1>{row.size()}, row, groups.get());
+      write_dataset(path, file, place, std::array<hsize_t, 1>{row.size()}, row);
       text += xdmf::attribute(name, row.size(), place);
     }
     text += "</Grid>\n";
   }
   hdf5_checked(path, "cannot be closed", [&] { return H5Fclose(file.release()); });
   values.take_place();
-  OutputFile out(description.part());
-  out.write_at(0, text.append(xdmf::closing_tags));
-  out.close();
-  description.take_place();
+  write_atomically(target / "field.xdmf", text.append(xdmf::closing_tags));
 }
 
 /// The numbers of a table such as ends.csv. A last line that a killed run left half written is not one of them.
@@ -168,22 +149,14 @@ Columns read_table(const fs::path& path) {
 }
 
 /// What is there is replaced where it begins as an earlier export does. @throws std::invalid_argument
-void check_targets(const std::vector<fs::path>& targets, std::string_view beginning) {
-  for (const fs::path& target : targets) {
-    if (!fs::is_regular_file(target)) continue;  // OutputFile refuses what is none
-    std::string begin(beginning.size(), '\0');
-    std::ifstream stream(target, std::ios::binary);
-    stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-    if (stream.gcount() > 0 && begin != beginning)
-      throw std::invalid_argument(fmt::format(
-          "{} is not an earlier export of a result; nothing was changed, choose another place", target.string()));
-  }
-}
-
-void create(const fs::path& directory) {
-  std::error_code error;
-  fs::create_directories(directory, error);
-  if (error) throw IoError(directory, "cannot be created: " + error.message());
+void check_target(const fs::path& target, std::string_view beginning) {
+  if (!fs::is_regular_file(target)) return;  // OutputFile refuses what is none
+  std::string begin(beginning.size(), '\0');
+  std::ifstream stream(target, std::ios::binary);
+  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  if (stream.gcount() > 0 && begin != beginning)
+    throw std::invalid_argument(fmt::format(
+        "{} is not an earlier export of a result; nothing was changed, choose another place", target.string()));
 }
 
 void copy_table(const fs::path& from, const fs::path& to) {
@@ -198,56 +171,55 @@ void copy_table(const fs::path& from, const fs::path& to) {
 
 std::vector<fs::path> export_result(const fs::path& result, ExportFormat format, const fs::path& target) {
   settle_result_directory(result);
-  const bool npy = format == ExportFormat::npy;
-  std::vector<std::string> tables;
-  for (const char* table : {"ends", "energy"})
-    if (fs::exists(result / fmt::format("{}.csv", table))) tables.push_back(table);
   std::optional<FieldReader> field;
   if (fs::exists(result / "field.h5")) field.emplace(result / "field.h5");
-  if (!field && tables.empty())
+  const auto is_there = [&](const std::string& table) { return fs::exists(result / (table + ".csv")); };
+  if (!field && !is_there("ends") && !is_there("energy"))
     throw std::invalid_argument(
         fmt::format("{} holds no result of `viscobar run` with numbers to export (no field.h5, ends.csv or energy.csv)",
                     result.string()));
-  std::vector<std::pair<std::string, Quantity>> fields;
-  for (const auto& [name, quantity] :
-       {std::pair("u", Quantity::displacement), {"v", Quantity::velocity}, {"stress", Quantity::stress}})
-    if (field && field->has(quantity)) fields.emplace_back(name, quantity);
-
+  const bool in_place = fs::exists(target) && fs::equivalent(result, target);
   if (format == ExportFormat::xdmf) {
     if (!field) throw std::invalid_argument(fmt::format("{} has no field.h5 to export", result.string()));
-    if (fs::exists(target) && fs::equivalent(result, target))
+    if (in_place)
       throw std::invalid_argument(
           "an export of this format has files of the same names as the result: choose another directory");
-    const std::vector<fs::path> files = {target / "field.h5", target / "field.xdmf"};
-    check_targets({files[0]}, "\x89HDF");
-    check_targets({files[1]}, "<?xml");
-    create(target);
+    check_target(target / "field.h5", "\x89HDF");
+    check_target(target / "field.xdmf", "<?xml");
+    make_directories(target);
     export_xdmf(*field, target);
-    return files;
+    return {target / "field.h5", target / "field.xdmf"};
   }
-  std::vector<fs::path> targets;
-  const auto path_of = [&](const std::string& name) { return target / (name + (npy ? ".npy" : ".csv")); };
-  if (field && npy) targets = {path_of("x"), path_of("t")};
-  for (const auto& [name, quantity] : fields) targets.push_back(path_of(name));
-  for (const std::string& table : tables) targets.push_back(path_of(table));
-  check_targets(targets, npy ? "\x93NUMPY" : "t,");
-  create(target);
+  const bool npy = format == ExportFormat::npy;
+  std::vector<fs::path> files;
+  std::vector<std::function<void(const fs::path& file)>> writers;
+  const auto add = [&](const std::string& name, auto&& write) {
+    files.push_back(target / (name + (npy ? ".npy" : ".csv")));
+    writers.push_back(write);
+  };
   if (field && npy) {
-    write_npy(path_of("x"), field->x(), {field->nodes()});
-    write_npy(path_of("t"), field->times(), {field->rows()});
+    add("x", [&](const fs::path& file) { write_npy(file, field->x(), {field->nodes()}); });
+    add("t", [&](const fs::path& file) { write_npy(file, field->times(), {field->rows()}); });
   }
-  for (const auto& [name, quantity] : fields)
-    npy ? write_npy(path_of(name), *field, quantity) : write_csv(path_of(name), *field, quantity);
-  for (const std::string& table : tables) {
-    const fs::path from = result / (table + ".csv");
-    if (npy) {
-      const Columns columns = read_table(from);
-      write_npy(path_of(table), columns.values, {columns.values.size() / columns.count, columns.count});
-    } else if (!fs::equivalent(result, target)) {
-      copy_table(from, path_of(table));
-    }
-  }
-  return targets;
+  for (const Quantity quantity : FieldReader::quantities)
+    if (field && field->has(quantity))
+      add(FieldReader::name(quantity), [&, quantity](const fs::path& file) {
+        npy ? write_npy(file, *field, quantity) : write_csv(file, *field, quantity);
+      });
+  for (const std::string table : {"ends", "energy"})
+    if (is_there(table))
+      add(table, [&, from = result / (table + ".csv")](const fs::path& file) {
+        if (npy) {
+          const Columns columns = read_table(from);
+          write_npy(file, columns.values, {columns.values.size() / columns.count, columns.count});
+        } else if (!in_place) {
+          copy_table(from, file);
+        }
+      });
+  for (const fs::path& file : files) check_target(file, npy ? "\x93NUMPY" : "t,");
+  make_directories(target);
+  for (std::size_t k = 0; k < files.size(); ++k) writers[k](files[k]);
+  return files;
 }
 
 }  // namespace viscobar

@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
+#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -128,6 +128,19 @@ void sync_directory(const std::filesystem::path& directory) {
   const std::string error = last_error();
   ::close(descriptor);
   if (!synced) throw IoError(directory, "cannot be brought to the disk: " + error);
+}
+
+void make_directories(const std::filesystem::path& directory) {
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  if (error) throw IoError(directory, "cannot be created: " + error.message());
+}
+
+std::string file_content(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream) throw IoError(file, "cannot be read");
+  return text;
 }
 
 void write_atomically(const std::filesystem::path& path, std::string_view text) {

@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cstddef>
 #include <filesystem>
 #include <iterator>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "results/checksum.hpp"
 
@@ -133,6 +131,12 @@ void remove_file(const std::filesystem::path& file);
 
 /// Returns when the names in a directory are on the disk.
 void sync_directory(const std::filesystem::path& directory);
+
+/// With those above it. @throws IoError
+void make_directories(const std::filesystem::path& directory);
+
+/// A whole file. @throws IoError
+std::string file_content(const std::filesystem::path& file);
 
 /// Writes a whole file so that a reader sees the old content or the new, never a part.
 void write_atomically(const std::filesystem::path& path, std::string_view text);

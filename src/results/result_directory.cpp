@@ -5,18 +5,14 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <fstream>
-#include <iterator>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <system_error>
 #include <vector>
 
 #include "results/checkpoint_file.hpp"
+#include "results/json.hpp"
 #include "results/output_file.hpp"
 #include "viscobar/results/io_error.hpp"
 
@@ -50,7 +46,7 @@ const std::array<Files, 6>& all_files() {
   return files;
 }
 
-const Files& files_of(ResultKind kind) { return all_files()[static_cast<std::size_t>(kind)]; }
+const Files& files_of_kind(ResultKind kind) { return all_files()[static_cast<std::size_t>(kind)]; }
 
 fs::file_type type(const fs::path& file) {
   std::error_code error;
@@ -59,8 +55,7 @@ fs::file_type type(const fs::path& file) {
 
 std::string content(const fs::path& file) {
   if (type(file) != fs::file_type::regular) return {};
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+  return file_content(file);
 }
 
 bool has_result(const fs::path& directory, const Files& files) {
@@ -75,7 +70,7 @@ bool completed(const fs::path& summary) {
 }
 
 bool holds_whole_run(const fs::path& directory) {
-  return has_result(directory, files_of(ResultKind::run)) && completed(directory / "summary.json");
+  return has_result(directory, files_of_kind(ResultKind::run)) && completed(directory / "summary.json");
 }
 
 /// What a command leaves that was killed before it had a summary.
@@ -121,7 +116,7 @@ const fs::path& checked_name(const fs::path& directory) {
 
 void check_inner(const fs::path& inner) {
   if (type(inner) == fs::file_type::not_found) return;
-  const Files& files = files_of(ResultKind::run);
+  const Files& files = files_of_kind(ResultKind::run);
   const auto is_begun = [&] { return std::all_of(fs::directory_iterator(inner), fs::directory_iterator(), begun); };
   if (type(inner) != fs::file_type::directory ||
       !(has_result(inner, files) || fs::exists(inner / ResultDirectory::final_summary) || is_begun()))
@@ -143,17 +138,16 @@ void check_place(const fs::path& directory, ResultKind kind) {
                                 " holds files and no result of viscobar (no summary.json); nothing was overwritten, "
                                 "choose another directory");
   if (error) throw IoError(directory, "cannot be read: " + error.message());
-  check_files(directory, files_of(kind));
+  check_files(directory, files_of_kind(kind));
   if (kind != ResultKind::run) return;
   for (const char* name : {unfinished, finished}) check_inner(directory / name);
-  if (type(directory / unfinished) == fs::file_type::directory) check_files(directory / unfinished, files_of(kind));
+  if (type(directory / unfinished) == fs::file_type::directory)
+    check_files(directory / unfinished, files_of_kind(kind));
 }
 
 const fs::path& created(const fs::path& directory, ResultKind kind) {
   check_place(checked_name(directory), kind);
-  std::error_code error;
-  fs::create_directories(directory, error);
-  if (error) throw IoError(directory, "cannot be created: " + error.message());
+  make_directories(directory);
   return directory;
 }
 
@@ -170,7 +164,7 @@ void take_places(const fs::path& directory) {
   if (type(from / ResultDirectory::final_summary) == fs::file_type::regular) {
     // First the one that says the run is going on: nothing may be called completed meanwhile.
     if (fs::exists(from / "summary.json")) rename_file(from / "summary.json", directory / "summary.json");
-    for (const std::string_view name : files_of(ResultKind::run).others) {
+    for (const std::string_view name : files_of_kind(ResultKind::run).others) {
       if (!fs::exists(from / name)) continue;
       if (name.starts_with("checkpoint"))
         fs::remove(from / name);
@@ -184,8 +178,8 @@ void take_places(const fs::path& directory) {
       fs::remove(from / "figures");
     }
     // Files of the earlier result that the later run did not write.
-    const FileChecksums written = viscobar::files_of(content(from / ResultDirectory::final_summary));
-    for (const std::string_view name : files_of(ResultKind::run).others)
+    const FileChecksums written = files_of(content(from / ResultDirectory::final_summary));
+    for (const std::string_view name : files_of_kind(ResultKind::run).others)
       if (!name.starts_with("checkpoint") && !written.contains(std::string(name)) &&
           type(directory / name) == fs::file_type::regular)
         remove_file(directory / name);
@@ -215,7 +209,7 @@ ResultDirectory::ResultDirectory(const fs::path& directory, ResultKind kind)
 ResultDirectory::ResultDirectory(const fs::path& directory)
     : directory_(checked_name(directory)), unfinished_(directory_ / unfinished), lock_(directory) {
   take_places(directory_);
-  for (const fs::path& place : {directory_, unfinished_}) remove_parts(place, files_of(ResultKind::run));
+  for (const fs::path& place : {directory_, unfinished_}) remove_parts(place, files_of_kind(ResultKind::run));
 }
 
 // Of a run that could not begin nothing is left.
@@ -224,11 +218,8 @@ ResultDirectory::~ResultDirectory() { ::rmdir(unfinished_.c_str()); }
 fs::path ResultDirectory::place_of_new_run() const {
   if (!holds_whole_run(directory_)) return directory_;
   remove_checkpoints(directory_);  // a run that was killed when it was whole may have left them
-  const fs::path place = unfinished_;
-  std::error_code error;
-  fs::create_directory(place, error);
-  if (error) throw IoError(place, "cannot be created: " + error.message());
-  return place;
+  make_directories(unfinished_);
+  return unfinished_;
 }
 
 void check_run_files(const fs::path& place, const FileChecksums& written) {
@@ -239,7 +230,7 @@ void check_run_files(const fs::path& place, const FileChecksums& written) {
 
 void ResultDirectory::replace_by_finished() const {
   // What is missing later has been moved already; what is missing now has been removed by somebody.
-  check_run_files(unfinished_, viscobar::files_of(content(unfinished_ / final_summary)));
+  check_run_files(unfinished_, files_of(content(unfinished_ / final_summary)));
   rename_file(unfinished_, directory_ / finished);
   take_places(directory_);
 }

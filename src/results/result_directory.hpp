@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "results/directory_lock.hpp"
-#include "results/sealed_summary.hpp"
+#include "results/summary.hpp"
 
 namespace viscobar {
 

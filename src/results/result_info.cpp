@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <fstream>
-#include <nlohmann/json.hpp>
+#include <set>
 #include <span>
 #include <stdexcept>
-#include <vector>
 
+#include "results/json.hpp"
 #include "results/result_directory.hpp"
-#include "results/sweep_info.hpp"
+#include "results/sweep_frame.hpp"
 #include "text/printable_text.hpp"
 #include "text/table.hpp"
 #include "viscobar/results/io_error.hpp"
@@ -21,7 +20,6 @@ namespace viscobar {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 using Pointer = Json::json_pointer;
 
 /// One thing worth knowing: its name in JSON, which with spaces is its name on the terminal, and how a summary tells
@@ -171,14 +169,12 @@ std::uintmax_t bytes(const fs::directory_entry& entry) {
 }
 
 Json files_in(const fs::path& directory) {
-  std::vector<fs::directory_entry> entries;
-  for (const auto& entry : fs::directory_iterator(directory))
-    if (entry.is_regular_file() || entry.is_directory()) entries.push_back(entry);
-  std::sort(entries.begin(), entries.end());
+  const std::set<fs::directory_entry> entries(fs::directory_iterator(directory), fs::directory_iterator{});
   Json files = Json::array();
   for (const auto& entry : entries)
-    files.push_back(
-        {{"name", entry.path().filename().string() + (entry.is_directory() ? "/" : "")}, {"bytes", bytes(entry)}});
+    if (entry.is_regular_file() || entry.is_directory())
+      files.push_back(
+          {{"name", entry.path().filename().string() + (entry.is_directory() ? "/" : "")}, {"bytes", bytes(entry)}});
   return files;
 }
 
@@ -230,9 +226,7 @@ std::string sweep_text(const Json& result) {
 
 }  // namespace
 
-std::string result_json(const fs::path& place) {
-  return describe(place).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
+std::string result_json(const fs::path& place) { return json_text(describe(place)); }
 
 std::string result_text(const fs::path& place) {
   const Json described = describe(place);

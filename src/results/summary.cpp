@@ -1,39 +1,35 @@
 #include "results/summary.hpp"
 
-#include <nlohmann/json.hpp>
+#include <algorithm>
+#include <charconv>
 
+#include "results/json.hpp"
 #include "viscobar/results/versions.hpp"
 
 namespace viscobar {
 
-using Json = nlohmann::ordered_json;
-
 namespace {
 
-Json to_json(const EndAccount& end, double reached) {
-  return {{"closings", end.closings},
-          {"time_in_contact", end.contact.total(reached)},
-          {"impulse", end.impulse},
-          {"max_reaction", end.peak_reaction}};
-}
+constexpr std::string_view no_digits = "0000000000000000", before = "\"crc64\": \"", behind = "\"\n}\n";
 
 // Of the obstacles that there are.
 Json contact_json(const Scene& scene, const Outcome& outcome) {
-  const RunAccount* account =
-      outcome.statistics && outcome.statistics->account ? &*outcome.statistics->account : nullptr;
+  const auto account = outcome.statistics ? outcome.statistics->account : std::nullopt;
   Json contacts = Json::object();
-  const auto add = [&](const char* where, bool there, auto json) {
-    if (there) contacts[where] = account ? json() : Json(nullptr);
+  const auto add = [&](const char* where, bool there, auto RunAccount::*obstacle) {
+    if (!there) return;
+    Json& json = contacts[where];
+    if (!account) return;
+    const auto& of = (*account).*obstacle;
+    json["closings"] = of.closings;
+    if constexpr (requires { of.openings; }) json["openings"] = of.openings;
+    json["time_in_contact"] = of.contact.total(outcome.reached_time);
+    json["impulse"] = of.impulse;
+    json["max_reaction"] = of.peak_reaction;
   };
-  add("left", is_obstacle(scene.left), [&] { return to_json(account->left, outcome.reached_time); });
-  add("right", is_obstacle(scene.right), [&] { return to_json(account->right, outcome.reached_time); });
-  add("span", scene.span.has_value(), [&] {
-    return Json{{"closings", account->span.closings},
-                {"openings", account->span.openings},
-                {"time_in_contact", account->span.contact.total(outcome.reached_time)},
-                {"impulse", account->span.impulse},
-                {"max_reaction", account->span.peak_reaction}};
-  });
+  add("left", is_obstacle(scene.left), &RunAccount::left);
+  add("right", is_obstacle(scene.right), &RunAccount::right);
+  add("span", scene.span.has_value(), &RunAccount::span);
   return contacts;
 }
 
@@ -54,41 +50,30 @@ Json sensitivity_json(const Case& run, const Outcome& outcome) {
                                    {"impulse_left", known(&SensitivityAccount::impulse_left)},
                                    {"impulse_right", known(&SensitivityAccount::impulse_right)},
                                    {"energy_final", known(&SensitivityAccount::energy)},
-                                   {"until", account && account->lost ? Json(*account->lost) : Json(nullptr)}};
+                                   {"until", account ? Json(account->lost) : Json(nullptr)}};
   }
   return json;
 }
 
-Json to_json(const EnergyAccount& energy) {
-  Json json = {{"initial", energy.initial},
-               {"final", energy.final},
-               {"dissipated", energy.dissipated},
-               {"work", energy.work},
-               {"balance_error", energy.balance_error()}};
-  if (energy.end_inertia != 0.0) json["end_inertia"] = energy.end_inertia;
-  return json;
-}
-
 Json to_json(const ErrorEstimate& estimate) {
-  const auto known = [](const auto& value) { return value ? Json(*value) : Json(nullptr); };
   Json json = {{"of", name(estimate.of)},
                {"total", estimate.total},
                {"space", estimate.space},
                {"penalty", estimate.penalty},
                {"time", estimate.time},
-               {"requested", known(estimate.requested)},
+               {"requested", estimate.requested},
                {"kept", estimate.requested ? Json(estimate.kept) : Json(nullptr)},
                {"largest", estimate.largest},
-               {"order", known(estimate.order)},
+               {"order", estimate.order},
                {"effectivity", estimate.effectivity},
-               {"doubt", estimate.doubt.empty() ? Json(nullptr) : Json(estimate.doubt)},
+               {"doubt", text_or_null(estimate.doubt)},
                {"reasons", estimate.reasons},
                {"seconds", estimate.seconds},
                {"runs", Json::array()}};
   for (const ErrorEstimate::Run& run : estimate.runs)
     json["runs"].push_back({{"elements", run.elements},
-                            {"setting", known(run.setting)},
-                            {"epsilon", known(run.epsilon)},
+                            {"setting", run.setting},
+                            {"epsilon", run.epsilon},
                             {"changes", run.changes},
                             {"seconds", run.seconds},
                             {"search", run.search}});
@@ -107,6 +92,20 @@ std::string_view name(Ending ending) {
 
 }  // namespace
 
+Json to_json(const EnergyAccount& energy) {
+  Json json = {{"initial", energy.initial},
+               {"final", energy.final},
+               {"dissipated", energy.dissipated},
+               {"work", energy.work},
+               {"balance_error", energy.balance_error()}};
+  if (energy.end_inertia != 0.0) json["end_inertia"] = energy.end_inertia;
+  return json;
+}
+
+Json to_json(const Allowance& absolute) {
+  return {{"displacement", absolute.displacement}, {"velocity", absolute.velocity}};
+}
+
 std::string summary_json(const SceneFile& scene, const BarSystem& system, const Outcome& outcome,
                          const FileChecksums& files) {
   const auto known = [&](auto member) {
@@ -118,7 +117,7 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
   json["method_requested"] = scene.run.automatic ? automatic : name(scene.run.method);
   json["completed"] = outcome.ending == Ending::completed;
   json["ending"] = name(outcome.ending);
-  json["error"] = outcome.error.empty() ? Json(nullptr) : Json(outcome.error);
+  json["error"] = text_or_null(outcome.error);
   json["warnings"] = outcome.warnings;
   json["reached_time"] = outcome.reached_time;
   json["wall_seconds"] = outcome.wall_seconds;
@@ -144,10 +143,8 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
   json["contact"] = contact_json(scene.run.scene, outcome);
   json["scene"] = Json::parse(scene.complete());
   json["chosen"] = Json::parse(scene.chosen);
-  if (is_adaptive(scene.run.method)) {
-    const Allowance absolute = allowance(scene.run.tolerance, system, scene.run.end);
-    json["absolute_tolerance"] = {{"displacement", absolute.displacement}, {"velocity", absolute.velocity}};
-  }
+  if (is_adaptive(scene.run.method))
+    json["absolute_tolerance"] = to_json(allowance(scene.run.tolerance, system, scene.run.end));
   json["mass"] = name(system.mass());
   const Versions used = versions();
   json["versions"] = {{"viscobar", used.viscobar},
@@ -157,6 +154,45 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
                       {"eigen", used.eigen}};
   json["platform"] = used.platform;
   return sealed_summary(std::move(json), files);
+}
+
+std::string sealed_summary(Json summary, const FileChecksums& files) {
+  Json& list = summary["files"] = Json::object();
+  for (const auto& [name, sum] : files) list[name] = {{"bytes", sum.bytes}, {"crc64", sum.digits()}};
+  summary["crc64"] = no_digits;
+  std::string text = json_text(summary);
+  text.replace(text.size() - behind.size() - no_digits.size(), no_digits.size(), Checksum::of(text).digits());
+  return text;
+}
+
+std::string sealed_summary(const std::string& summary, const FileChecksums& files) {
+  return sealed_summary(Json::parse(summary), files);
+}
+
+Seal seal_of(std::string_view text) {
+  constexpr std::size_t length = before.size() + no_digits.size() + behind.size();
+  const std::string_view seal = text.substr(text.size() - std::min(text.size(), length));
+  if (seal.size() == length && seal.starts_with(before) && seal.ends_with(behind)) {
+    Checksum sum = Checksum::of(text.substr(0, text.size() - no_digits.size() - behind.size()));
+    sum.add(no_digits);
+    sum.add(behind);
+    return sum.digits() == seal.substr(before.size(), no_digits.size()) ? Seal::sound : Seal::broken;
+  }
+  // Damage in one place may hide the seal, not also the list of files before it.
+  const Json read = Json::parse(text, nullptr, false);
+  return read.is_object() && !read.contains("files") ? Seal::absent : Seal::broken;
+}
+
+FileChecksums files_of(std::string_view summary) {
+  FileChecksums files;
+  const Json read = Json::parse(summary);
+  for (const auto& [name, entry] : read.at("files").items()) {
+    Checksum& sum = files[name];
+    sum.bytes = entry.at("bytes");
+    const std::string digits = entry.at("crc64");
+    std::from_chars(digits.data(), digits.data() + digits.size(), sum.crc64, 16);
+  }
+  return files;
 }
 
 }  // namespace viscobar

@@ -1,20 +1,16 @@
-#include "results/verify_result.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <stdexcept>
-#include <utility>
 
 #include "results/checkpoint_file.hpp"
+#include "results/json.hpp"
 #include "results/result_directory.hpp"
-#include "results/sealed_summary.hpp"
+#include "results/result_info.hpp"
+#include "results/summary.hpp"
 #include "results/sweep_frame.hpp"
 #include "text/printable_text.hpp"
 #include "text/table.hpp"
@@ -25,14 +21,6 @@ namespace viscobar {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
-std::string content(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) throw IoError(file, "cannot be read");
-  return text;
-}
 
 /// What is known of the files of a directory. A file that several summaries tell of, as a picture that a later study
 /// replaced, is sound when it is what one of them says.
@@ -62,10 +50,6 @@ class Verification {
   }
 
  private:
-  struct Found : VerifiedFile {
-    Found() { state = FileState::foreign; }
-  };
-
   void tell(const std::string& name, FileState state, const std::string& reason = "") {
     VerifiedFile& file = found_[name];
     if (file.state == FileState::sound) return;
@@ -85,7 +69,7 @@ class Verification {
   }
 
   void summary(const std::string& name) {
-    const std::string text = content(directory_ / name);
+    const std::string text = file_content(directory_ / name);
     switch (seal_of(text)) {
       case Seal::broken: return tell(name, FileState::damaged, "its checksum is not the one that was written");
       case Seal::absent: return tell(name, FileState::unchecked, "of a version that made no checksums");
@@ -129,7 +113,7 @@ class Verification {
     std::optional<RunCheckpoint> newest;
     for (const char* name : {"checkpoint.bin", "checkpoint.previous.bin"}) {
       if (!found_.contains(name)) continue;
-      const std::string bytes = content(directory_ / name);
+      const std::string bytes = file_content(directory_ / name);
       try {
         unsealed(bytes);
       } catch (const ArchiveError& error) {
@@ -166,7 +150,7 @@ class Verification {
   }
 
   const fs::path directory_;
-  std::map<std::string, Found> found_;
+  std::map<std::string, VerifiedFile> found_;
   std::size_t rows_at_the_end_ = 0;
 };
 
@@ -211,7 +195,7 @@ std::string verification_json(const fs::path& directory, const std::vector<Verif
     json["files"].push_back({{"name", file.name}, {"bytes", file.bytes}, {"state", word(file.state)}});
     if (!file.reason.empty()) json["files"].back()["reason"] = file.reason;
   }
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 std::string verification_text(const fs::path& directory, const std::vector<VerifiedFile>& files) {

@@ -8,7 +8,7 @@
 #include <sys/utsname.h>
 
 #include <Eigen/Core>
-#include <cstdint>
+#include <algorithm>
 #include <cstring>
 #include <span>
 #include <string_view>
@@ -17,42 +17,31 @@ namespace viscobar {
 
 namespace {
 
-// The object that holds our code, and the identity that the linker has given it (ld --build-id).
-struct Wanted {
-  std::uintptr_t code;
-  std::string build;
-};
+// Where the object that holds this code begins in memory: the linker defines it.
+extern "C" __attribute__((visibility("hidden"))) const char __ehdr_start[];
 
-bool holds(const dl_phdr_info& object, std::uintptr_t code) {
-  for (const ElfW(Phdr) & part : std::span(object.dlpi_phdr, object.dlpi_phnum))
-    if (part.p_type == PT_LOAD && code - (object.dlpi_addr + part.p_vaddr) < part.p_memsz) return true;
-  return false;
-}
-
-int look(dl_phdr_info* object, std::size_t, void* data) {
-  Wanted& wanted = *static_cast<Wanted*>(data);
-  if (!holds(*object, wanted.code)) return 0;
-  for (const ElfW(Phdr) & part : std::span(object->dlpi_phdr, object->dlpi_phnum)) {
+// The identity that the linker has given this object (ld --build-id).
+std::string build() {
+  ElfW(Ehdr) head{};
+  std::memcpy(&head, __ehdr_start, sizeof head);
+  const std::span parts(reinterpret_cast<const ElfW(Phdr)*>(__ehdr_start + head.e_phoff), head.e_phnum);
+  const auto first = std::ranges::find(parts, ElfW(Word){PT_LOAD}, &ElfW(Phdr)::p_type);
+  const auto padded = [](std::size_t bytes) { return (bytes + 3) / 4 * 4; };
+  std::string identity;
+  for (const ElfW(Phdr) & part : parts) {
     if (part.p_type != PT_NOTE) continue;
-    const char* at = reinterpret_cast<const char*>(object->dlpi_addr + part.p_vaddr);
-    const auto padded = [](std::size_t bytes) { return (bytes + 3) / 4 * 4; };
+    const char* at = __ehdr_start + (part.p_vaddr - first->p_vaddr);
     for (const char* const end = at + part.p_memsz; at + sizeof(ElfW(Nhdr)) <= end;) {
       ElfW(Nhdr) note{};
       std::memcpy(&note, at, sizeof note);
       const char *const name = at + sizeof note, *const value = name + padded(note.n_namesz);
       if (note.n_type == NT_GNU_BUILD_ID && std::string_view(name, note.n_namesz) == std::string_view("GNU\0", 4))
         for (std::size_t i = 0; i < note.n_descsz; ++i)
-          wanted.build += fmt::format("{:02x}", static_cast<unsigned char>(value[i]));
+          identity += fmt::format("{:02x}", static_cast<unsigned char>(value[i]));
       at = value + padded(note.n_descsz);
     }
   }
-  return 1;
-}
-
-std::string build() {
-  Wanted wanted{reinterpret_cast<std::uintptr_t>(&look), ""};
-  dl_iterate_phdr(look, &wanted);
-  return wanted.build.empty() ? "unknown, by compiler " __VERSION__ : wanted.build;
+  return identity.empty() ? "unknown, by compiler " __VERSION__ : identity;
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 #include <numeric>
 
 #include "report/page.hpp"
-#include "report/plot/colour_map.hpp"
-#include "report/plot/range.hpp"
+#include "report/plot/axis.hpp"
+#include "report/plot/colours.hpp"
 #include "text/json_text.hpp"
 #include "text/number.hpp"
 #include "text/printable_text.hpp"

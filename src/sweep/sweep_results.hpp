@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "results/result_directory.hpp"
-#include "results/sealed_summary.hpp"
+#include "results/summary.hpp"
 #include "viscobar/sweep/sweep.hpp"
 
 namespace viscobar {

@@ -86,7 +86,7 @@ class ARunsReport(Browsed):
         self.assertTrue(self.value("document.documentElement.classList.contains('scripted')"))
 
     def test_map_has_the_colours_of_the_displacement(self):
-        # Independent of the page's data: u from the field by `viscobar export`, the scale as io/plot/colour_map.hpp says.
+        # Independent of the page's data: u from the field by `viscobar export`, the scale as report/plot/colours.hpp says.
         # Half a pixel off in x and t, u changes by less than 0.5 % of the scale, which is 0.1 of the distance of two anchors,
         # and so does a step of the 255 of the palette; anchors are at most 40 apart: 2 * 0.1 * 40.
         tolerance = 8

@@ -8,8 +8,8 @@
 #include <random>
 
 #include "checkpoint/process.hpp"
-#include "results/sealed_summary.hpp"
-#include "results/verify_result.hpp"
+#include "results/result_info.hpp"
+#include "results/summary.hpp"
 #include "support/scene_text.hpp"
 #include "support/scratch.hpp"
 #include "sweep/sweep_results.hpp"

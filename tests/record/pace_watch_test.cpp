@@ -1,6 +1,6 @@
-#include "record/pace_watch.hpp"
-
 #include <gtest/gtest.h>
+
+#include "record/run_outcome.hpp"
 
 namespace viscobar {
 namespace {

@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "report/plot/axis.hpp"
-#include "report/plot/colour_map.hpp"
+#include "report/plot/colours.hpp"
 #include "report/plot/figure.hpp"
 #include "report/plot/png.hpp"
 #include "report/plot/thinning.hpp"
-#include "report/run/thinned_field.hpp"
+#include "report/run/run_data.hpp"
 #include "text/number.hpp"
 
 namespace viscobar::plot {

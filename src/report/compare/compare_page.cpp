@@ -1,12 +1,10 @@
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "report/compare/compare_tables.hpp"
-#include "report/obstacle_levels.hpp"
 #include "report/page.hpp"
-#include "report/plot/figure.hpp"
-#include "report/plot/range.hpp"
+#include "report/scene_ends.hpp"
+#include "results/csv.hpp"
+#include "results/json.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/report/reports.hpp"
 #include "viscobar/results/versions.hpp"
@@ -15,7 +13,6 @@ namespace viscobar {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using plot::Axis;
 using plot::Figure;
 using plot::Interval;
@@ -48,43 +45,52 @@ Axis time_axis(const Comparison& check) {
   return {.label = "time t", .low = times.front(), .high = times.back(), .link = "t"};
 }
 
-/// Lines over each other, each thinner than the one below, so that all show where they coincide.
-void draw(Figure& figure, const std::vector<const MethodRun*>& runs, const std::vector<std::vector<Point>>& lines) {
-  for (std::size_t i = 0; i < runs.size(); ++i)
-    figure.line(lines[i], {colour(*runs[i]), false, 1.4 + 1.1 * static_cast<double>(runs.size() - 1 - i), i},
-                label(*runs[i]));
-}
+/// A line of each method and the range of them all.
+struct Traces {
+  std::vector<const MethodRun*> runs;
+  std::vector<std::vector<Point>> lines{};
+  Range range{};
 
-Picture ends_picture(const Scene& scene, const Comparison& check) {
-  const auto runs = finished(check);
-  const auto panel = [&](const EndCondition& end, const EndInput& input, bool left, const char* axis) -> Panel {
-    std::vector<std::vector<Point>> lines;
-    Range range;
+  template <class Value>
+  Traces(const Comparison& check, Value value) : runs(finished(check)) {
     for (const MethodRun* run : runs) {
-      const Recording& r = *run->recording;
-      lines.push_back(
-          trace(r, [&](std::size_t k) { return left ? r.displacement(k).front() : r.displacement(k).back(); }));
+      lines.push_back(trace(*run->recording, [&](std::size_t k) { return value(*run->recording, k); }));
       range.add(lines.back());
     }
-    const auto* obstacle = std::get_if<Obstacle>(&end);
-    const bool moves = obstacle && input.motion;
-    std::vector<Point> surface;
-    if (moves)
-      for (const double t : runs.front()->recording->times) surface.push_back({t, surface_at(*obstacle, input, t)});
-    range.add(surface);
-    const std::vector<ObstacleLevel> levels = levels_of(moves ? nullptr : obstacle);
-    const bool shown = !levels.empty() && range.reach(levels.front().u);
-    Figure figure(time_axis(check), range.axis(axis), 240.0);
+  }
+
+  /// Over each other, each thinner than the one below, so that all show where they coincide.
+  void draw(Figure& figure) const {
+    for (std::size_t i = 0; i < runs.size(); ++i)
+      figure.line(lines[i], {colour(*runs[i]), false, 1.4 + 1.1 * static_cast<double>(runs.size() - 1 - i), i},
+                  label(*runs[i]));
+  }
+};
+
+Picture ends_picture(const Scene& scene, const Comparison& check) {
+  std::vector<Panel> panels;
+  for (const SceneEnd& end : ends_of(scene)) {
+    const bool left = end.name == "left";
+    Traces traces(check, [&](const Recording& recording, std::size_t k) {
+      return left ? recording.displacement(k).front() : recording.displacement(k).back();
+    });
+    const std::vector<double>& times = traces.runs.front()->recording->times;
+    const std::vector<Point> surface = plot::points_of(times, end.surface(times));
+    traces.range.add(surface);
+    const std::vector<ObstacleLevel> levels = levels_of(surface.empty() ? end.obstacle() : nullptr);
+    const bool shown = !levels.empty() && traces.range.reach(levels.front().u);
+    const std::string axis = left ? "u(0, t)" : "u(L, t)";
+    Figure figure(time_axis(check), traces.range.axis(axis), 240.0);
     if (shown) figure.level(levels.front().u, {"var(--ink)", true, 1.2}, "obstacle");
-    if (moves) figure.line(surface, {"var(--ink)", true, 1.2}, "obstacle");
-    draw(figure, runs, lines);
-    return {left ? "left-end" : "right-end", std::string("Displacement over time by each method: ") + axis, figure};
-  };
+    if (!surface.empty()) figure.line(surface, {"var(--ink)", true, 1.2}, "obstacle");
+    traces.draw(figure);
+    panels.push_back({fmt::format("{}-end", end.name), "Displacement over time by each method: " + axis, figure});
+  }
   return {
       "Ends",
       "Displacement of the left and of the right end. Lines lie over each other from wide to narrow, so that all show "
       "where the methods agree.",
-      {panel(scene.left, scene.left_input, true, "u(0, t)"), panel(scene.right, scene.right_input, false, "u(L, t)")}};
+      panels};
 }
 
 Picture differences_picture(const Comparison& check) {
@@ -136,18 +142,18 @@ std::vector<Interval> contact_intervals(const Recording& recording, Where where)
 Picture contacts_picture(const Scene& scene, const Comparison& check) {
   const auto runs = finished(check);
   std::vector<Panel> panels;
-  const auto panel = [&](Where where, const char* name, const char* axis) {
+  const auto panel = [&](Where where, const std::string& axis) {
     const double rows = static_cast<double>(runs.size());
     Figure figure(time_axis(check), {axis, rows - 0.5, -0.5, plot::Scale::linear, true},
                   plot::height_of_bars(runs.size()));
     for (std::size_t i = 0; i < runs.size(); ++i)
       figure.bars(contact_intervals(*runs[i]->recording, where), static_cast<double>(i), colour(*runs[i]),
                   label(*runs[i]));
-    panels.push_back({name, std::string("Times in contact by each method: ") + axis, figure});
+    panels.push_back({fmt::format("contact-{}", name(where)), "Times in contact by each method: " + axis, figure});
   };
-  if (is_obstacle(scene.left)) panel(Where::left, "contact-left", "left end");
-  if (is_obstacle(scene.right)) panel(Where::right, "contact-right", "right end");
-  if (scene.span) panel(Where::span, "contact-span", "span");
+  if (is_obstacle(scene.left)) panel(Where::left, "left end");
+  if (is_obstacle(scene.right)) panel(Where::right, "right end");
+  if (scene.span) panel(Where::span, "span");
   return {"Contact",
           std::string("Times in contact. A bar broken into short pieces is a node that chatters.") +
               (scene.span ? " Under the span: times when any node is in contact." : ""),
@@ -155,24 +161,18 @@ Picture contacts_picture(const Scene& scene, const Comparison& check) {
 }
 
 Picture reactions_picture(const Scene& scene, const Comparison& check) {
-  const auto runs = finished(check);
   std::vector<Panel> panels;
-  const auto panel = [&](bool left, const char* axis) {
-    std::vector<std::vector<Point>> lines;
-    Range range;
-    range.add(0.0);
-    for (const MethodRun* run : runs) {
-      const Recording& r = *run->recording;
-      lines.push_back(trace(r, [&](std::size_t k) { return left ? r.reaction_left[k] : r.reaction_right[k]; }));
-      range.add(lines.back());
-    }
-    Figure figure(time_axis(check), range.axis(axis), 240.0);
-    draw(figure, runs, lines);
-    panels.push_back(
-        {left ? "reaction-left" : "reaction-right", std::string("Reaction over time by each method: ") + axis, figure});
-  };
-  if (scene.span || is_obstacle(scene.left)) panel(true, "reaction, left");
-  if (scene.span || is_obstacle(scene.right)) panel(false, "reaction, right");
+  for (const SceneEnd& end : ends_of(scene)) {
+    if (!scene.span && !end.obstacle()) continue;
+    Traces traces(check, [&](const Recording& recording, std::size_t k) {
+      return end.name == "left" ? recording.reaction_left[k] : recording.reaction_right[k];
+    });
+    traces.range.add(0.0);
+    const std::string axis = fmt::format("reaction, {}", end.name);
+    Figure figure(time_axis(check), traces.range.axis(axis), 240.0);
+    traces.draw(figure);
+    panels.push_back({fmt::format("reaction-{}", end.name), "Reaction over time by each method: " + axis, figure});
+  }
   return {"Reactions",
           "Force of the obstacle on each end, at the output times: of a node that chatters, single samples.", panels};
 }
@@ -189,8 +189,7 @@ Json to_json(const MethodRun& run) {
   if (run.built_in && is_scheme(run.run.method)) json["step"] = scheme_step(run.run);
   if (run.built_in && is_adaptive(run.run.method)) {
     json["relative_tolerance"] = run.run.tolerance.relative;
-    const Allowance absolute = allowance(run.run.tolerance, make_system(run.run), run.run.end);
-    json["absolute_tolerance"] = {{"displacement", absolute.displacement}, {"velocity", absolute.velocity}};
+    json["absolute_tolerance"] = to_json(allowance(run.run.tolerance, make_system(run.run), run.run.end));
   }
   if (run.built_in && is_penalised(run.run.method)) json["epsilon"] = effective_epsilon(run.run);
   if (run.run.restitution) json["restitution"] = *run.run.restitution;
@@ -203,12 +202,7 @@ Json to_json(const MethodRun& run) {
   json["integration_seconds"] = s.integration_seconds;
   json["events"] = run.recording->events.size();
   json["max_penetration"] = s.max_penetration;
-  if (s.energy)
-    json["energy"] = {{"initial", s.energy->initial},
-                      {"final", s.energy->final},
-                      {"dissipated", s.energy->dissipated},
-                      {"work", s.energy->work},
-                      {"balance_error", s.energy->balance_error()}};
+  if (s.energy) json["energy"] = to_json(*s.energy);
   json["contacts"] = Json::array();
   for (const ContactPeriod& period : run.contacts) {
     Json contact = {{"where", place(period)}};
@@ -222,7 +216,6 @@ Json to_json(const MethodRun& run) {
 
 std::string compare_json(const SceneFile& scene, const MethodChoice& choice, const Comparison& check) {
   const auto method = [&](std::size_t i) { return Json(check.runs[i].label); };
-  const auto known = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
   Json json;
   json["title"] = scene.run.scene.title;
   json["reference"] = check.reference ? method(*check.reference) : Json(nullptr);
@@ -233,15 +226,15 @@ std::string compare_json(const SceneFile& scene, const MethodChoice& choice, con
   for (const auto& [first, other, d] : check.pairs) {
     Json pair = {{"first", method(first)},
                  {"other", method(other)},
-                 {"displacement_l2", known(d.displacement_l2)},
-                 {"displacement_h1", known(d.displacement_h1)},
-                 {"velocity_l2", known(d.velocity_l2)},
+                 {"displacement_l2", d.displacement_l2},
+                 {"displacement_h1", d.displacement_h1},
+                 {"velocity_l2", d.velocity_l2},
                  {"end_trace", d.end_trace},
                  {"events_first", d.events},
                  {"events_other", d.events_other},
                  {"events_matched", d.events_matched},
-                 {"largest_event_shift", known(d.largest_event_shift)},
-                 {"energy_final", known(d.energy_final)},
+                 {"largest_event_shift", d.largest_event_shift},
+                 {"energy_final", d.energy_final},
                  {"contacts", Json::array()}};
     for (const auto& [a, b] : d.contacts)
       pair["contacts"].push_back({{"where", place(a)}, {"first", to_json(a)}, {"other", to_json(b)}});
@@ -254,7 +247,7 @@ std::string compare_json(const SceneFile& scene, const MethodChoice& choice, con
   json["scene"] = Json::parse(scene.complete());
   json["chosen"] = Json::parse(scene.chosen);
   json["version"] = versions().viscobar;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 std::string compare_text(const MethodChoice& choice, const Comparison& check) {
@@ -262,36 +255,35 @@ std::string compare_text(const MethodChoice& choice, const Comparison& check) {
   if (const Table differences = difference_table(check, plain_number); !differences.rows.empty())
     out +=
         fmt::format("\nDifference to {}: largest over time\n", label(check.runs[*check.reference])) + text(differences);
-  if (const Table contacts = contact_table(check, plain_number); !contacts.rows.empty())
-    out += "\nContact periods, bounces within a hundredth of the run counted as one\n" + text(contacts);
+  out += contact_text(check);
   out += "\n";
   for (const std::string& remark : remarks(choice, check)) out += fmt::format("  note: {}\n", remark);
   return out;
 }
 
 PicturedPage compare_page(const Scene& scene, const MethodChoice& choice, const Comparison& check) {
-  Page page((scene.title.empty() ? "A scene" : scene.title) + ", by several methods", scene);
+  Page page = Page::of_study(scene, ", by several methods");
   for (const MethodRun& run : check.runs)
     if (!run.recording)
       page.add_head(
           fmt::format("<p class=\"failed\"><b>{} did not complete.</b> {}</p>\n", label(run), escaped(run.error)));
-  page.add(section_html("Methods", html(method_table(check, readable_number))));
+  page.add_section("Methods", html(method_table(check, readable_number)));
   if (!check.reference) return page.with_figures();
   if (const Table differences = difference_table(check, readable_number); !differences.rows.empty())
-    page.add(section_html("Difference to " + label(check.runs[*check.reference]),
-                          html(differences) +
-                              "<p class=\"note\">Largest over the output times; changes matched: place by place and in "
-                              "order of time, of those of the reference and of the method.</p>\n" +
-                              notes_html(remarks(choice, check))));
+    page.add_section("Difference to " + label(check.runs[*check.reference]),
+                     html(differences) +
+                         "<p class=\"note\">Largest over the output times; changes matched: place by place and in "
+                         "order of time, of those of the reference and of the method.</p>\n" +
+                         notes_html(remarks(choice, check)));
   page.add(ends_picture(scene, check));
   page.add(differences_picture(check));
   page.add(contacts_picture(scene, check));
   page.add(reactions_picture(scene, check));
   if (const Table contacts = contact_table(check, readable_number); !contacts.rows.empty())
-    page.add(section_html("Contact periods",
-                          html(contacts) +
-                              "<p class=\"note\">Bounces within a hundredth of the run count as one contact. "
-                              "The impulse is that of the reaction.</p>\n"));
+    page.add_section("Contact periods",
+                     html(contacts) +
+                         "<p class=\"note\">Bounces within a hundredth of the run count as one contact. "
+                         "The impulse is that of the reaction.</p>\n");
   return page.with_figures();
 }
 

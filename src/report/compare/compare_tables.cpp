@@ -35,15 +35,16 @@ Table method_table(const Comparison& check, NumberText number) {
       3,
       {}};
   for (const MethodRun& run : check.runs) {
-    std::vector<std::string> row = {run.label, std::string(name(run.mass)), settings(run, number)};
+    std::vector<std::string> row = {run.label, std::string(name(run.mass)), settings(run, number), "failed"};
     if (run.recording) {
       const Statistics& s = run.recording->statistics;
-      row.insert(row.end(), {count(s.steps), number(s.integration_seconds), count(run.recording->events.size()),
-                             number(s.max_penetration)});
-      row.insert(row.end(), {s.energy ? fmt::format("{:.5g}", s.energy->final) : "",
-                             s.energy ? fmt::format("{:.5g}", s.energy->dissipated) : ""});
-    } else {
-      row.insert(row.end(), {"failed", "", "", "", "", ""});
+      const auto energy = [&](double EnergyAccount::*member) {
+        return s.energy ? fmt::format("{:.5g}", (*s.energy).*member) : "";
+      };
+      row.back() = count(s.steps);
+      row.insert(row.end(),
+                 {number(s.integration_seconds), count(run.recording->events.size()), number(s.max_penetration),
+                  energy(&EnergyAccount::final), energy(&EnergyAccount::dissipated)});
     }
     table.rows.push_back(std::move(row));
   }
@@ -51,12 +52,17 @@ Table method_table(const Comparison& check, NumberText number) {
 }
 
 Table difference_table(const Comparison& check, NumberText number) {
+  return difference_table(check, number, "method", [&](std::size_t run) { return check.to_reference(run); });
+}
+
+Table difference_table(const Comparison& check, NumberText number, const std::string& what,
+                       const std::function<const Difference*(std::size_t run)>& difference) {
   Table table{
-      {"method", "mass", "u, L2", "u, H1", "v, L2", "end trace", "changes matched", "largest shift", "final energy"},
+      {what, "mass", "u, L2", "u, H1", "v, L2", "end trace", "changes matched", "largest shift", "final energy"},
       2,
       {}};
   for (std::size_t i = 0; i < check.runs.size(); ++i) {
-    const Difference* d = check.to_reference(i);
+    const Difference* d = difference(i);
     if (!d) continue;
     const auto known = [&](const std::optional<double>& value) { return value ? number(*value) : std::string(); };
     table.rows.push_back({check.runs[i].label, std::string(name(check.runs[i].mass)), known(d->displacement_l2),
@@ -94,12 +100,17 @@ Table contact_table(const Comparison& check, NumberText number) {
                                     period.where == Where::span ? "" : number(period.impulse), count(period.bounces)});
     }
   }
-  std::stable_sort(groups.begin(), groups.end(),
-                   [](const Group& a, const Group& b) { return a.first.begin < b.first.begin; });
+  std::ranges::stable_sort(groups, {}, [](const Group& group) { return group.first.begin; });
   if (groups.size() > most_contacts) groups.resize(most_contacts);
   for (Group& group : groups)
     for (auto& row : group.rows) table.rows.push_back(std::move(row));
   return table;
+}
+
+std::string contact_text(const Comparison& check) {
+  const Table contacts = contact_table(check, plain_number);
+  if (contacts.rows.empty()) return {};
+  return "\nContact periods, bounces within a hundredth of the run counted as one\n" + text(contacts);
 }
 
 std::vector<std::string> remarks(const MethodChoice& choice, const Comparison& check) {
@@ -125,10 +136,10 @@ std::vector<std::string> remarks(const MethodChoice& choice, const Comparison& c
         "the masses differ, so a difference is also one between semi-discretisations of the same bar, "
         "which only a finer mesh removes: " +
         masses);
-  const bool penalty = std::any_of(check.runs.begin(), check.runs.end(), [](const MethodRun& run) {
+  const bool penalty = std::ranges::any_of(check.runs, [](const MethodRun& run) {
     return run.built_in && is_penalised(run.run.method) && !make_system(run.run).contacts().empty();
   });
-  const bool exact = std::any_of(check.runs.begin(), check.runs.end(), [](const MethodRun& run) {
+  const bool exact = std::ranges::any_of(check.runs, [](const MethodRun& run) {
     return run.built_in &&
            (is_scheme(run.run.method) || (run.run.method == MethodName::rigid && run.mass != Mass::redistributed));
   });

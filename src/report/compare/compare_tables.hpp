@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,10 +11,14 @@ namespace viscobar {
 
 /// What each method ran on, what it cost and where it ended.
 Table method_table(const Comparison& check, NumberText number);
-/// Each method against the reference.
+/// Each method against the reference; or each run, called `what`, by another `difference`, null where there is none.
 Table difference_table(const Comparison& check, NumberText number);
+Table difference_table(const Comparison& check, NumberText number, const std::string& what,
+                       const std::function<const Difference*(std::size_t run)>& difference);
 /// Contact periods of the reference and, matched with them, of each other method.
 Table contact_table(const Comparison& check, NumberText number);
+/// The same for the terminal, with its heading; empty without contact.
+std::string contact_text(const Comparison& check);
 
 /// What a reader must know to judge the differences: methods left out, steps chosen, masses that are not the same.
 std::vector<std::string> remarks(const MethodChoice& choice, const Comparison& check);

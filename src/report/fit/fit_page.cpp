@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "report/page.hpp"
-#include "report/plot/figure.hpp"
-#include "report/plot/range.hpp"
+#include "results/json.hpp"
 #include "text/number.hpp"
 #include "text/printable_text.hpp"
 #include "text/table.hpp"
@@ -17,8 +15,6 @@
 namespace viscobar {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // What is not a number becomes null.
 Json matrix(const std::vector<double>& entries, std::size_t n) {
@@ -47,13 +43,14 @@ std::vector<std::string> remarks(const FitStudy& study, const FitResult& result)
     found.push_back(fmt::format(
         "the data do not determine a change of the parameters by ({}), each counted in its estimate", shares));
   }
-  for (std::size_t a = 0; a < result.parameters.size(); ++a) {
-    if (result.parameters[a].at_bound)
-      found.push_back(fmt::format("{} is at its bound, and would go further", result.parameters[a].key));
-    for (std::size_t b = a + 1; b < result.parameters.size(); ++b)
-      if (std::abs(result.correlation[a * result.parameters.size() + b]) > 0.99)
-        found.push_back(fmt::format("{} and {} are hard to tell apart: correlation {:.4f}", result.parameters[a].key,
-                                    result.parameters[b].key, result.correlation[a * result.parameters.size() + b]));
+  const std::vector<Estimate>& parameters = result.parameters;
+  for (std::size_t a = 0; a < parameters.size(); ++a) {
+    if (parameters[a].at_bound)
+      found.push_back(fmt::format("{} is at its bound, and would go further", parameters[a].key));
+    for (std::size_t b = a + 1; b < parameters.size(); ++b)
+      if (const double correlation = result.correlation[a * parameters.size() + b]; std::abs(correlation) > 0.99)
+        found.push_back(fmt::format("{} and {} are hard to tell apart: correlation {:.4f}", parameters[a].key,
+                                    parameters[b].key, correlation));
   }
   if (result.lost)
     found.push_back(
@@ -73,38 +70,26 @@ Table estimates(const FitResult& result) {
   return table;
 }
 
-std::vector<plot::Point> points(const FitStudy& study, const std::vector<double>& values) {
-  std::vector<plot::Point> all;
-  for (std::size_t k = 0; k < values.size(); ++k)
-    if (std::isfinite(values[k])) all.push_back({study.times[k], values[k]});
-  return all;
-}
-
-plot::Axis axis(const std::string& label, const std::vector<plot::Point>& all) {
-  double low = 0.0, high = 0.0;
-  for (const plot::Point& point : all) low = std::min(low, point.y), high = std::max(high, point.y);
-  return plot::fitted(label, low, high);
-}
-
 Picture traces_picture(const FitStudy& study, const FitResult& result) {
-  Picture picture{"Data and model",
-                  "Markers are measured, the line is the model with the estimates. Below each, what "
-                  "is left: model less data.",
-                  {}};
+  Picture picture{
+      "Data and model",
+      "Markers are measured, the line is the model with the estimates. Below each, what is left: model less data."};
   for (std::size_t i = 0; i < study.traces.size(); ++i) {
     const MeasuredTrace& data = study.traces[i];
     const std::string column(name(data.column));
     std::vector<double> left(result.traces[i].size());
     for (std::size_t k = 0; k < left.size(); ++k) left[k] = result.traces[i][k] - data.values[k];
-    const auto measured = points(study, data.values), model = points(study, result.traces[i]);
-    const auto residual = points(study, left);
+    const auto measured = plot::points_of(study.times, data.values);
+    const auto model = plot::points_of(study.times, result.traces[i]), residual = plot::points_of(study.times, left);
     const plot::Axis t = plot::fitted("t", 0.0, study.times.back());
-    std::vector<plot::Point> all = measured;
-    all.insert(all.end(), model.begin(), model.end());
-    plot::Figure both(t, axis(column, all));
+    plot::Range all{0.0, 0.0}, of_rest{0.0, 0.0};
+    all.add(measured);
+    all.add(model);
+    of_rest.add(residual);
+    plot::Figure both(t, all.axis(column));
     both.markers(measured, plot::series_colour(1), "measured");
     both.line(model, {plot::series_colour(0)}, "model");
-    plot::Figure rest(t, axis("model - data", residual), 160.0);
+    plot::Figure rest(t, of_rest.axis("model - data"), 160.0);
     rest.level(0.0, {"var(--soft)", true, 1.0});
     rest.markers(residual, plot::series_colour(1), "residual");
     picture.panels.push_back({"fit-" + column, column + ", measured and of the model", both});
@@ -154,7 +139,7 @@ std::string fit_json(const SceneFile& scene, const FitStudy& study, const FitRes
   json["scene"] = Json::parse(scene.complete());
   json["version"] = versions().viscobar;
   json["platform"] = versions().platform;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 std::string fit_text(const FitStudy& study, const FitResult& result) {
@@ -168,8 +153,7 @@ std::string fit_text(const FitStudy& study, const FitResult& result) {
 }
 
 PicturedPage fit_page(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
-  const Scene& of = scene.run.scene;
-  Page page((of.title.empty() ? "A scene" : of.title) + ": fit", of);
+  Page page = Page::of_study(scene.run.scene, ": fit");
   page.add_head(html(estimates(result)));
   Numbers numbers;
   numbers.add("Numbers measured", result.measured);
@@ -178,7 +162,7 @@ PicturedPage fit_page(const SceneFile& scene, const FitStudy& study, const FitRe
   page.add(numbers.html("The fit"));
   page.add(traces_picture(study, result));
   const std::vector<std::string> notes = remarks(study, result);
-  if (!notes.empty()) page.add(section_html("What the data do not tell", notes_html(notes)));
+  if (!notes.empty()) page.add_section("What the data do not tell", notes_html(notes));
   return page.with_figures();
 }
 

@@ -1,11 +1,7 @@
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
-#include "report/limit/limit_pictures.hpp"
 #include "report/limit/limit_tables.hpp"
-#include "report/page.hpp"
-#include "report/plot/figure.hpp"
+#include "results/json.hpp"
 #include "text/number.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/report/reports.hpp"
@@ -15,19 +11,16 @@ namespace viscobar {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json value_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 Json order_or_null(const std::optional<ObservedOrder>& order) { return order ? Json(order->order) : Json(nullptr); }
 
 Json to_json(const LimitEvidence& evidence) {
   return {{"difference", evidence.difference},
-          {"penalty_error", value_or_null(evidence.penalty_error)},
-          {"scheme_error", value_or_null(evidence.scheme_error)},
+          {"penalty_error", evidence.penalty_error},
+          {"scheme_error", evidence.scheme_error},
           {"extrapolated", evidence.extrapolated},
-          {"apart_at_least", value_or_null(evidence.lower())},
-          {"apart_at_most", value_or_null(evidence.upper())},
-          {"stake", value_or_null(evidence.stake)}};
+          {"apart_at_least", evidence.lower()},
+          {"apart_at_most", evidence.upper()},
+          {"stake", evidence.stake}};
 }
 
 Json to_json(const std::vector<SchemeRun>& runs) {
@@ -45,14 +38,13 @@ Json detailed(const std::optional<ObservedOrder>& order) {
 Json to_json(const std::optional<LocalPower>& of) {
   if (!of) return nullptr;
   const LocalPower& local = *of;
-  const std::optional<bool> agrees = local.agrees();
   return {{"difference", local.difference},
-          {"derivative", value_or_null(local.power)},
+          {"derivative", local.power},
           {"error", local.power ? Json(local.error) : Json(nullptr)},
-          {"observed", value_or_null(local.observed)},
-          {"mean", value_or_null(local.mean)},
+          {"observed", local.observed},
+          {"mean", local.mean},
           {"bound", local.mean ? Json(local.bound) : Json(nullptr)},
-          {"agrees", agrees ? Json(*agrees) : Json(nullptr)}};
+          {"agrees", local.agrees()}};
 }
 
 Json to_json(const LimitRow& row, bool derivatives) {
@@ -75,17 +67,17 @@ Json to_json(const LimitStudy& study, const LimitOrders& orders, std::span<const
   Json json = {{"elements", orders.elements},
                {"verdict", name(orders.verdict)},
                {"reason", verdict_reason(study, orders, rows)},
-               {"boundary", value_or_null(orders.boundary)},
+               {"boundary", orders.boundary},
                {"small_epsilon",
                 {{"penetration", detailed(orders.penetration)},
                  {"to_scheme", detailed(orders.to_scheme)},
                  {"to_rigid", detailed(orders.to_rigid)},
                  {"theory_penetration", powers.penetration},
-                 {"theory_difference", value_or_null(powers.difference)}}},
+                 {"theory_difference", powers.difference}}},
                {"layer_resolved",
                 {{"penetration", detailed(orders.penetration_layer)},
                  {"to_rigid", detailed(orders.to_rigid_layer)},
-                 {"theory", value_or_null(powers.layer)}}},
+                 {"theory", powers.layer}}},
                {"scheme_step", orders.scheme_step},
                {"scheme_error", orders.scheme_error},
                {"scheme_events", orders.scheme_events},
@@ -105,23 +97,17 @@ Json to_json(const CouplingResult& result) {
     json["meshes"].push_back({{"elements", mesh.elements},
                               {"spacing", mesh.spacing},
                               {"mesh_error", mesh.mesh_error},
-                              {"epsilon", value_or_null(mesh.epsilon)},
+                              {"epsilon", mesh.epsilon},
                               {"local_order", mesh.epsilon ? Json(mesh.local_order) : Json(nullptr)}});
   return json;
-}
-
-std::string verdict_sentence(const LimitStudy& study, const LimitResult& result, std::size_t mesh) {
-  return fmt::format("{}: {}.", name(result.orders[mesh].verdict),
-                     verdict_reason(study, result.orders[mesh], rows_of(result, mesh)));
 }
 
 std::string head(const LimitStudy& study, const LimitResult& result) {
   std::string out;
   for (std::size_t m = 0; m < result.orders.size(); ++m) {
     const LimitOrders& orders = result.orders[m];
-    const std::string_view verdict = name(orders.verdict);
     const std::string mesh = result.orders.size() > 1 ? fmt::format(" on {} elements", orders.elements) : "";
-    out += fmt::format("<p class=\"verdict {0}\"><b>{0}{1}</b>: {2}.</p>\n", verdict, mesh,
+    out += fmt::format("<p class=\"verdict {0}\"><b>{0}{1}</b>: {2}.</p>\n", name(orders.verdict), mesh,
                        escaped(verdict_reason(study, orders, rows_of(result, m))));
   }
   return out;
@@ -172,7 +158,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   json["order_to_scheme"] = order_or_null(orders.to_scheme);
   json["budget"] = study.budget;
   json["mass"] = name(effective_mass(study.scene));
-  json["restitution"] = value_or_null(study.scene.restitution);
+  json["restitution"] = study.scene.restitution;
   json["rows"] = Json::array();
   for (const LimitRow& row : result.rows) json["rows"].push_back(to_json(row, study.derivatives));
   json["failed"] = Json::array();
@@ -186,7 +172,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   json["scene"] = Json::parse(scene.complete());
   json["chosen"] = Json::parse(scene.chosen);
   json["version"] = versions().viscobar;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 std::string limit_text(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
@@ -198,8 +184,9 @@ std::string limit_text(const LimitStudy& study, const LimitResult& result, const
     out += "\n";
   }
   for (std::size_t m = 0; m < result.orders.size(); ++m) {
-    if (result.orders.size() > 1) out += fmt::format("{} elements, ", result.orders[m].elements);
-    out += verdict_sentence(study, result, m) + "\n";
+    const LimitOrders& orders = result.orders[m];
+    if (result.orders.size() > 1) out += fmt::format("{} elements, ", orders.elements);
+    out += fmt::format("{}: {}.\n", name(orders.verdict), verdict_reason(study, orders, rows_of(result, m)));
   }
   if (result.orders.size() > 1) {
     out += fmt::format("\n{}\n", coupling_sentence(coupling, plain_number));
@@ -209,26 +196,23 @@ std::string limit_text(const LimitStudy& study, const LimitResult& result, const
 }
 
 PicturedPage limit_page(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
-  const Scene& scene = study.scene.scene;
-  Page page((scene.title.empty() ? "A scene" : scene.title) + ": the penalty limit", scene);
+  Page page = Page::of_study(study.scene.scene, ": the penalty limit");
   page.add_head(head(study, result));
   page.add(numbers(study, result));
   page.add(penetration_picture(study, result));
   page.add(difference_picture(study, result));
   page.add(events_picture(result));
   page.add(cost_picture(result));
-  page.add(
-      section_html("Observed powers of ε",
+  page.add_section("Observed powers of ε",
                    html(order_table(study, result)) +
                        "<p class=\"note\">Least squares on logarithms with the standard error of the slope; values "
-                       "at a floor are left out.</p>\n"));
+                       "at a floor are left out.</p>\n");
   if (study.derivatives) page.add(local_powers(result));
   if (result.orders.size() > 1)
-    page.add(
-        section_html("Penalty and mesh in balance",
+    page.add_section("Penalty and mesh in balance",
                      fmt::format("<p>{}</p>\n{}", escaped(coupling_sentence(coupling, readable_number)),
-                                 coupling.coupling ? html(coupling_table(*coupling.coupling, readable_number)) : "")));
-  page.add(section_html("Every run", html(limit_table(result, readable_number))));
+                                 coupling.coupling ? html(coupling_table(*coupling.coupling, readable_number)) : ""));
+  page.add_section("Every run", html(limit_table(result, readable_number)));
   return page.with_figures();
 }
 

@@ -1,15 +1,9 @@
-#include "report/limit/limit_pictures.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "report/limit/limit_tables.hpp"
-#include "report/page.hpp"
-#include "report/plot/figure.hpp"
-#include "report/plot/range.hpp"
 #include "text/number.hpp"
 
 namespace viscobar {
@@ -170,27 +164,22 @@ Picture difference_picture(const LimitStudy& study, const LimitResult& result) {
 }
 
 Picture events_picture(const LimitResult& result) {
-  Lines lines;
+  Lines lines(result.orders.size());
   std::vector<double> levels;
-  double least = std::numeric_limits<double>::infinity(), most = 0.0;
-  for (std::size_t m = 0; m < result.orders.size(); ++m) {
-    lines.emplace_back();
-    for (const LimitRow& row : rows_of(result, m)) {
-      const auto events = static_cast<double>(row.events);
-      lines.back().push_back({row.epsilon, events});
-      least = std::min(least, events);
-      most = std::max(most, events);
-    }
+  Range penalised;
+  for (std::size_t m = 0; m < lines.size(); ++m) {
+    for (const LimitRow& row : rows_of(result, m)) lines[m].push_back({row.epsilon, static_cast<double>(row.events)});
+    penalised.add(lines[m]);
     levels.push_back(static_cast<double>(result.orders[m].scheme_events));
   }
   constexpr double linear_up_to = 30.0;
-  Range range;
-  range.add(0.0);
-  range.add(std::max(most, *std::max_element(levels.begin(), levels.end())));
-  Figure figure(
-      epsilon_axis(result),
-      most > linear_up_to && least > 0.0 ? decades_of("contact changes", lines, levels) : range.axis("contact changes"),
-      260.0);
+  Range all = penalised;
+  all.add(0.0);
+  all.add(levels);
+  Figure figure(epsilon_axis(result),
+                penalised.high > linear_up_to && penalised.low > 0.0 ? decades_of("contact changes", lines, levels)
+                                                                     : all.axis("contact changes"),
+                260.0);
   for (std::size_t m = 0; m < lines.size(); ++m) {
     figure.series(lines[m], {mesh_colour(result, m)}, mesh_label(result, m));
     figure.level(levels[m], {mesh_colour(result, m), true, 1.2}, m + 1 == lines.size() ? "scheme" : "");

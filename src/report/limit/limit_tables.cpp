@@ -30,8 +30,7 @@ std::span<const LimitRow> rows_of(const LimitResult& result, std::size_t mesh) {
 }
 
 std::size_t finest(const LimitResult& result) {
-  const auto found = std::max_element(result.orders.begin(), result.orders.end(),
-                                      [](const auto& a, const auto& b) { return a.elements < b.elements; });
+  const auto found = std::ranges::max_element(result.orders, {}, &LimitOrders::elements);
   return static_cast<std::size_t>(found - result.orders.begin());
 }
 
@@ -129,8 +128,8 @@ std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, s
 }
 
 Table limit_table(const LimitResult& result, NumberText number) {
-  const bool rigid = std::any_of(result.rows.begin(), result.rows.end(),
-                                 [](const LimitRow& row) { return row.difference_to_rigid.has_value(); });
+  const bool rigid =
+      std::ranges::any_of(result.rows, [](const LimitRow& row) { return row.difference_to_rigid.has_value(); });
   Table table{{"elements", "epsilon", "contact changes", "largest penetration", "to the scheme"}, 0, {}};
   if (rigid) table.header.emplace_back("to the rigid limit");
   table.header.insert(table.header.end(), {"steps", "seconds"});
@@ -157,27 +156,20 @@ Table order_table(const LimitStudy& study, const LimitResult& result) {
       return !o.boundary || row.epsilon <= 0.01 * *o.boundary;
     });
     const bool mixed = o.boundary && below < 2;
-    const std::string of_penetration = mixed ? "-" : power(powers.penetration);
-    const std::string of_difference = mixed ? "-" : power(powers.difference);
-    std::vector<std::string> small = {fmt::format("{}", o.elements),
-                                      !o.boundary ? "every epsilon"
-                                      : mixed     ? "every epsilon, regimes mixed"
-                                                  : fmt::format("epsilon < {:.2g}", 0.01 * *o.boundary),
-                                      with_error(o.penetration),
-                                      of_penetration,
-                                      with_error(o.to_scheme),
-                                      of_difference};
-    if (rigid) small.insert(small.end(), {with_error(o.to_rigid), of_difference});
-    table.rows.push_back(std::move(small));
-    if (!o.penetration_layer) continue;
-    std::vector<std::string> layer = {fmt::format("{}", o.elements),
-                                      fmt::format("epsilon > {:.2g}, layer resolved", 100.0 * *o.boundary),
-                                      with_error(o.penetration_layer),
-                                      power(powers.layer),
-                                      "-",
-                                      "-"};
-    if (rigid) layer.insert(layer.end(), {with_error(o.to_rigid_layer), power(powers.layer)});
-    table.rows.push_back(std::move(layer));
+    const std::string difference = mixed ? "-" : power(powers.difference), layer = power(powers.layer);
+    const auto add = [&](const std::string& regime, std::vector<std::string> cells) {
+      cells.insert(cells.begin(), {fmt::format("{}", o.elements), regime});
+      cells.resize(table.header.size());  // without the rigid limit
+      table.rows.push_back(std::move(cells));
+    };
+    add(!o.boundary ? "every epsilon"
+        : mixed     ? "every epsilon, regimes mixed"
+                    : fmt::format("epsilon < {:.2g}", 0.01 * *o.boundary),
+        {with_error(o.penetration), mixed ? "-" : power(powers.penetration), with_error(o.to_scheme), difference,
+         with_error(o.to_rigid), difference});
+    if (o.penetration_layer)
+      add(fmt::format("epsilon > {:.2g}, layer resolved", 100.0 * *o.boundary),
+          {with_error(o.penetration_layer), layer, "-", "-", with_error(o.to_rigid_layer), layer});
   }
   return table;
 }

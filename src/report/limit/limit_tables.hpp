@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "report/page.hpp"
 #include "text/table.hpp"
 #include "viscobar/studies/limit/coupling.hpp"
 #include "viscobar/studies/limit/limit.hpp"
@@ -37,5 +38,11 @@ Table local_power_table(const LimitResult& result, NumberText number);
 std::vector<std::string> local_power_remarks(const LimitResult& result);
 Table coupling_table(const Coupling& coupling, NumberText number);
 std::string coupling_sentence(const CouplingResult& coupling, NumberText number);
+
+// The pictures of the page, epsilon on a logarithmic axis.
+Picture penetration_picture(const LimitStudy& study, const LimitResult& result);
+Picture difference_picture(const LimitStudy& study, const LimitResult& result);
+Picture events_picture(const LimitResult& result);
+Picture cost_picture(const LimitResult& result);
 
 }  // namespace viscobar

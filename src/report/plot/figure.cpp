@@ -6,6 +6,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <functional>
 #include <iterator>
 
 #include "text/json_text.hpp"
@@ -33,16 +34,14 @@ std::string json(const Axis& axis) {
 std::string json(std::span<const Interval> parts) {
   std::vector<double> ends;
   for (const Interval& part : parts) ends.insert(ends.end(), {part.begin, part.end});
-  return json_numbers(
-      ends, [](double end) { return end; }, digits_of_x);
+  return json_numbers(ends, std::identity(), digits_of_x);
 }
 
 std::string json(std::span<const Point> points, const Axis& y) {
-  return fmt::format(R"("x":{},"y":{})",
-                     json_numbers(
-                         points, [](Point p) { return p.x; }, digits_of_x),
-                     json_numbers(
-                         points, [](Point p) { return p.y; }, y.significant_digits(digits_of_y)));
+  const auto x_of = [](Point point) { return point.x; };
+  const auto y_of = [](Point point) { return point.y; };
+  return fmt::format(R"("x":{},"y":{})", json_numbers(points, x_of, digits_of_x),
+                     json_numbers(points, y_of, y.significant_digits(digits_of_y)));
 }
 
 std::string json(const Style& style, std::string_view legend) {
@@ -96,58 +95,52 @@ double Figure::place_y(double value) const {
   return bottom - y_.position(value) * (bottom - top);
 }
 
-void Figure::shade(std::span<const Interval> bands, const std::string& colour, std::string_view legend) {
+std::string Figure::boxes(std::span<const Interval> parts, double top, double height, double least) const {
   std::string d;
-  for (const Interval& band : bands) {
-    const double from = place_x(std::max(band.begin, x_.low)), to = place_x(std::min(band.end, x_.high));
-    // A short contact still shows.
-    if (to >= from)
-      fmt::format_to(std::back_inserter(d), "M{:.2f} {}h{:.2f}V{}h{:.2f}z", from, top, std::max(1.0, to - from),
-                     height_ - below, -std::max(1.0, to - from));
+  for (const Interval& part : parts) {
+    const double from = place_x(std::max(part.begin, x_.low)), to = place_x(std::min(part.end, x_.high));
+    if (to < from) continue;
+    const double size = std::max(least, to - from);
+    fmt::format_to(std::back_inserter(d), "M{:.2f} {:.2f}h{:.2f}v{}h{:.2f}z", from, top, size, height, -size);
   }
+  return d;
+}
+
+void Figure::shade(std::span<const Interval> bands, const std::string& colour, std::string_view legend) {
+  const std::string d = boxes(bands, top, height_ - below - top, 1.0);
   if (d.empty()) return;
   live_layer(fmt::format(R"({{"kind":"bands","colour":{},"label":{},"parts":{}}})", json_string(colour),
                          json_string(legend), json(bands)));
   content_ += fmt::format("<path class=\"band\" style=\"fill:{}\" d=\"{}\"/>\n", colour, d);
-  if (!legend.empty()) {
-    legend_ += fmt::format("<rect class=\"band\" style=\"fill:{}\" x=\"{}\" y=\"{}\" width=\"20\" height=\"10\"/>",
-                           colour, right + 14, legend_y_ - 5);
-    legend_text(legend);
-  }
+  if (!legend.empty()) legend_box(colour, legend, "band");
 }
 
 void Figure::level(double y, const Style& style, std::string_view legend) {
   live_layer(fmt::format(R"({{"kind":"level","y":{:.9g},{}}})", y, json(style, legend)));
   stroke(std::vector<Point>{{x_.low, y}, {x_.high, y}}, style);
-  if (!legend.empty()) legend_line(style, legend);
+  legend_line(style, legend);
 }
 
 void Figure::body(double y, Interval part, bool above) {
   const double from = place_x(part.begin), to = place_x(part.end), surface = place_y(y);
-  const double depth = std::min(12.0, above ? surface : height_ - below - surface);
+  const double depth = std::clamp(above ? surface : height_ - below - surface, 0.0, 12.0);
   live_layer(fmt::format(R"({{"kind":"body","y":{:.9g},"from":{:.9g},"to":{:.9g}{}}})", y, part.begin, part.end,
                          above ? R"(,"above":true)" : ""));
   content_ += fmt::format(
       "<rect class=\"body\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"/>"
       "<path class=\"surface\" d=\"M{:.2f} {:.2f}H{:.2f}\"/>\n",
-      from, above ? surface - std::max(0.0, depth) : surface, to - from, std::max(0.0, depth), from, surface, to);
-}
-
-std::string Figure::path(std::span<const Point> points) const {
-  std::string d;
-  char command = 'M';
-  for (const Point& point : points) {
-    const double x = place_x(point.x), y = place_y(point.y);
-    if (!std::isfinite(x) || !std::isfinite(y)) continue;
-    fmt::format_to(std::back_inserter(d), "{}{:.1f} {:.1f}", command, x, y);
-    command = 'L';
-  }
-  return d;
+      from, above ? surface - depth : surface, to - from, depth, from, surface, to);
 }
 
 void Figure::stroke(std::span<const Point> points, const Style& style) {
+  std::string d;
+  for (const Point& point : points) {
+    const double x = place_x(point.x), y = place_y(point.y);
+    if (std::isfinite(x) && std::isfinite(y))
+      fmt::format_to(std::back_inserter(d), "{}{:.1f} {:.1f}", d.empty() ? 'M' : 'L', x, y);
+  }
   content_ += fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}{}\" d=\"{}\"/>\n", style.colour,
-                          style.width, dash_css(style), path(points));
+                          style.width, dash_css(style), d);
 }
 
 void Figure::line(std::span<const Point> points, const Style& style, std::string_view legend) {
@@ -157,7 +150,7 @@ void Figure::line(std::span<const Point> points, const Style& style, std::string
     stroke(thin(points, told_apart), style);
   else
     stroke(points, style);
-  if (!legend.empty()) legend_line(style, legend);
+  legend_line(style, legend);
 }
 
 void Figure::markers(std::span<const Point> points, const std::string& colour, std::string_view legend,
@@ -165,12 +158,13 @@ void Figure::markers(std::span<const Point> points, const std::string& colour, s
   constexpr double radius = 3.5;
   live_layer(fmt::format(R"({{"kind":"marks","colour":{},"label":{},"shape":{},{}}})", json_string(colour),
                          json_string(legend), shape, json(points, y_)));
-  for (const Point& point : points)
-    content_ += fmt::format("<path class=\"marker\" style=\"fill:{0};stroke:{0}\" d=\"{1}\"/>\n", colour,
-                            marker_path(shape, place_x(point.x), place_y(point.y), radius));
+  const auto marker = [&](double x, double y) {
+    return fmt::format("<path class=\"marker\" style=\"fill:{0};stroke:{0}\" d=\"{1}\"/>", colour,
+                       marker_path(shape, x, y, radius));
+  };
+  for (const Point& point : points) content_ += marker(place_x(point.x), place_y(point.y)) + '\n';
   if (legend.empty()) return;
-  legend_ += fmt::format("<path class=\"marker\" style=\"fill:{0};stroke:{0}\" d=\"{1}\"/>", colour,
-                         marker_path(shape, right + 24, legend_y_, radius));
+  legend_ += marker(right + 24, legend_y_);
   legend_text(legend);
 }
 
@@ -193,18 +187,11 @@ void Figure::marker_line(double x, const Style& style, std::string_view text) {
 }
 
 void Figure::bars(std::span<const Interval> parts, double y, const std::string& colour, std::string_view legend) {
-  constexpr double thickness = 11.0, least_length = 0.75;
+  constexpr double thickness = 11.0;
   live_layer(fmt::format(R"({{"kind":"bars","y":{},"colour":{},"label":{},"parts":{}}})", y, json_string(colour),
                          json_string(legend), json(parts)));
-  std::string d;
-  for (const Interval& part : parts) {
-    const double from = place_x(std::max(part.begin, x_.low)), to = place_x(std::min(part.end, x_.high));
-    if (to >= from)
-      fmt::format_to(std::back_inserter(d), "M{:.2f} {:.2f}h{:.2f}", from, place_y(y),
-                     std::max(least_length, to - from));
-  }
-  content_ +=
-      fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}\" d=\"{}\"/>\n", colour, thickness, d);
+  content_ += fmt::format("<path style=\"fill:{}\" d=\"{}\"/>\n", colour,
+                          boxes(parts, place_y(y) - thickness / 2, thickness, 0.75));
   legend_box(colour, legend);
 }
 
@@ -279,9 +266,9 @@ void Figure::colour_bar(const ColourMap& map, const Axis& values) {
   legend_y_ = bottom + 22;
 }
 
-void Figure::legend_box(const std::string& colour, std::string_view text) {
-  legend_ += fmt::format("<rect style=\"fill:{}\" x=\"{}\" y=\"{}\" width=\"16\" height=\"10\"/>", colour, right + 20,
-                         legend_y_ - 5);
+void Figure::legend_box(const std::string& colour, std::string_view text, std::string_view kind) {
+  legend_ += fmt::format("<rect class=\"{}\" style=\"fill:{}\" x=\"{}\" y=\"{}\" width=\"20\" height=\"10\"/>", kind,
+                         colour, right + 14, legend_y_ - 5);
   legend_text(text);
 }
 
@@ -291,6 +278,7 @@ void Figure::legend_note(std::string_view text) {
 }
 
 void Figure::legend_line(const Style& style, std::string_view text) {
+  if (text.empty()) return;
   legend_ += fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}{}\" d=\"M{} {}h20\"/>", style.colour,
                          std::max(1.6, style.width), dash_css(style), right + 14, legend_y_);
   legend_text(text);

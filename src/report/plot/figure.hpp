@@ -1,15 +1,12 @@
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "report/plot/axis.hpp"
-#include "report/plot/colour_map.hpp"
-#include "report/plot/palette.hpp"
+#include "report/plot/colours.hpp"
 #include "report/plot/thinning.hpp"
 
 namespace viscobar::plot {
@@ -67,7 +64,7 @@ class Figure {
   /// A colour bar in place of a legend.
   void colour_bar(const ColourMap& map, const Axis& values);
   /// A line of the legend that stands for nothing drawn by line().
-  void legend_box(const std::string& colour, std::string_view text);
+  void legend_box(const std::string& colour, std::string_view text, std::string_view kind = "");
 
   /// A line of the legend without a mark.
   void legend_note(std::string_view text);
@@ -84,7 +81,8 @@ class Figure {
  private:
   double place_x(double value) const;
   double place_y(double value) const;
-  std::string path(std::span<const Point> points) const;
+  /// An SVG path of boxes over the parts in view, none shorter than `least`.
+  std::string boxes(std::span<const Interval> parts, double top, double height, double least) const;
   void stroke(std::span<const Point> points, const Style& style);
   void legend_line(const Style& style, std::string_view text);
   void legend_text(std::string_view text, double indent = 41.0);

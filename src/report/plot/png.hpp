@@ -1,13 +1,11 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 
-#include "report/plot/colour_map.hpp"
+#include "report/plot/colours.hpp"
 
 namespace viscobar::plot {
 

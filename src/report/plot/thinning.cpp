@@ -5,6 +5,13 @@
 
 namespace viscobar::plot {
 
+std::vector<Point> points_of(std::span<const double> x, std::span<const double> y) {
+  std::vector<Point> points;
+  for (std::size_t k = 0; k < std::min(x.size(), y.size()); ++k)
+    if (std::isfinite(y[k])) points.push_back({x[k], y[k]});
+  return points;
+}
+
 void ThinnedLine::Bucket::join(const Bucket& next) {
   if (next.lowest.y < lowest.y) lowest = next.lowest;
   if (next.highest.y > highest.y) highest = next.highest;
@@ -13,29 +20,12 @@ void ThinnedLine::Bucket::join(const Bucket& next) {
 
 void ThinnedLine::add(Point point) {
   if (!std::isfinite(point.x) || !std::isfinite(point.y)) return;
-  const Bucket single{point, point, point, point};
-  if (!buckets_.empty() && in_last_ < stride_) {
-    buckets_.back().join(single);
-    ++in_last_;
-    return;
-  }
-  if (buckets_.size() == capacity_) {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < buckets_.size(); i += 2) {
-      buckets_[kept] = buckets_[i];
-      if (i + 1 < buckets_.size()) buckets_[kept].join(buckets_[i + 1]);
-      ++kept;
-    }
-    buckets_.resize(kept);
-    stride_ *= 2;
-  }
-  buckets_.push_back(single);
-  in_last_ = 1;
+  thinned_.add({point, point, point, point});
 }
 
 std::vector<Point> ThinnedLine::points() const {
   std::vector<Point> kept;
-  for (const Bucket& bucket : buckets_) {
+  for (const Bucket& bucket : thinned_.buckets()) {
     const bool falling = bucket.highest.x < bucket.lowest.x;
     for (const Point& point : {bucket.first, falling ? bucket.highest : bucket.lowest,
                                falling ? bucket.lowest : bucket.highest, bucket.last})

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -11,19 +10,59 @@ struct Point {
   static void members(auto& point, auto&& each) { each(point.x, point.y); }
 };
 
-/// A polyline that grows without bound in x, kept in at most `capacity` buckets of equally many points. A bucket keeps
-/// its first, lowest, highest and last point, so no peak is lost; full, neighbours are merged. Points that are not
-/// finite are left out.
+/// (x_k, y_k), but for those that are not finite.
+std::vector<Point> points_of(std::span<const double> x, std::span<const double> y);
+
+/// Items without end, kept in at most `capacity` buckets of `stride` items each, a power of 2: full, neighbours are
+/// joined. A bucket begins as one item and takes the next ones in by join().
+template <class Bucket>
+class Thinned {
+ public:
+  explicit Thinned(std::size_t capacity) : capacity_(capacity) {}
+
+  void add(const Bucket& item) {
+    if (!buckets_.empty() && in_last_ < stride_) {
+      buckets_.back().join(item);
+      ++in_last_;
+      return;
+    }
+    if (buckets_.size() == capacity_) {
+      std::size_t kept = 0;
+      for (std::size_t i = 0; i < buckets_.size(); i += 2) {
+        buckets_[kept] = buckets_[i];
+        if (i + 1 < buckets_.size()) buckets_[kept].join(buckets_[i + 1]);
+        ++kept;
+      }
+      buckets_.resize(kept);
+      stride_ *= 2;
+    }
+    buckets_.push_back(item);
+    in_last_ = 1;
+  }
+  const std::vector<Bucket>& buckets() const { return buckets_; }
+  std::size_t stride() const { return stride_; }
+  /// Items in the last bucket.
+  std::size_t in_last() const { return in_last_; }
+
+  static void members(auto& self, auto&& each) { each(self.stride_, self.in_last_, self.buckets_); }
+
+ private:
+  std::size_t capacity_, stride_ = 1, in_last_ = 0;
+  std::vector<Bucket> buckets_;
+};
+
+/// A polyline that grows without bound in x. A bucket keeps its first, lowest, highest and last point, so no peak is
+/// lost. Points that are not finite are left out.
 class ThinnedLine {
  public:
-  explicit ThinnedLine(std::size_t capacity = 600) : capacity_(capacity) {}
+  explicit ThinnedLine(std::size_t capacity = 600) : thinned_(capacity) {}
 
   void add(Point point);
   /// The points kept, in their order: at most four a bucket.
   std::vector<Point> points() const;
-  bool empty() const { return buckets_.empty(); }
+  bool empty() const { return thinned_.buckets().empty(); }
 
-  static void members(auto& line, auto&& each) { each(line.stride_, line.in_last_, line.buckets_); }
+  static void members(auto& line, auto&& each) { each(line.thinned_); }
 
  private:
   struct Bucket {
@@ -31,8 +70,7 @@ class ThinnedLine {
     void join(const Bucket& next);
     static void members(auto& bucket, auto&& each) { each(bucket.first, bucket.lowest, bucket.highest, bucket.last); }
   };
-  std::size_t capacity_, stride_ = 1, in_last_ = 0;
-  std::vector<Bucket> buckets_;
+  Thinned<Bucket> thinned_;
 };
 
 /// The same of a line that is there.

@@ -1,12 +1,7 @@
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
-#include "report/page.hpp"
-#include "report/plot/figure.hpp"
-#include "report/precision/precision_advice.hpp"
-#include "report/precision/precision_pictures.hpp"
 #include "report/precision/precision_tables.hpp"
+#include "results/json.hpp"
 #include "text/number.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/report/reports.hpp"
@@ -16,8 +11,6 @@ namespace viscobar {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 std::string norm(const PrecisionResult& result) {
   return fmt::format(
       "largest |u - u_ref| over {} times, {:.3g} apart, and the nodes of the mesh, in the unit of u, the start left "
@@ -25,24 +18,22 @@ std::string norm(const PrecisionResult& result) {
       result.times, result.every);
 }
 
-Json value_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
-Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
-
 Json to_json(const PrecisionResult& result, const PrecisionRow& row) {
   const bool failed = !row.failure.empty();
   const ErrorParts& parts = result.parts_of(row);
-  Json json = {{"method", name(row.method)}, {"label", row.label}};
-  json["error"] = value_or_null(row.error);
-  json["seconds"] = failed ? Json(nullptr) : Json(row.seconds);
-  json["steps"] = failed ? Json(nullptr) : Json(row.steps);
-  json["runs"] = row.runs;
-  json["elements"] = row.elements;
-  json["mass"] = name(row.mass);
+  Json json = {{"method", name(row.method)},
+               {"label", row.label},
+               {"error", row.error},
+               {"seconds", failed ? Json(nullptr) : Json(row.seconds)},
+               {"steps", failed ? Json(nullptr) : Json(row.steps)},
+               {"runs", row.runs},
+               {"elements", row.elements},
+               {"mass", name(row.mass)}};
   if (is_adaptive(row.method)) json["tolerance"] = row.setting;
   if (is_scheme(row.method)) json["step"] = row.setting;
-  json["space"] = value_or_null(parts.space);
-  json["penalty"] = value_or_null(parts.penalty);
-  json["time"] = value_or_null(row.time_error);
+  json["space"] = parts.space;
+  json["penalty"] = parts.penalty;
+  json["time"] = row.time_error;
   json["largest_part"] = text_or_null(largest_part(result, row));
   json["failure"] = text_or_null(row.failure);
   return json;
@@ -52,10 +43,10 @@ Json to_json(const PrecisionResult& result, const ErrorParts& parts) {
   return {{"method", name(parts.method)},
           {"elements", parts.elements},
           {"mass", name(parts.mass)},
-          {"epsilon", value_or_null(parts.epsilon)},
-          {"space", value_or_null(parts.space)},
-          {"penalty", value_or_null(parts.penalty)},
-          {"penalty_order", value_or_null(parts.penalty_order)},
+          {"epsilon", parts.epsilon},
+          {"space", parts.space},
+          {"penalty", parts.penalty},
+          {"penalty_order", parts.penalty_order},
           {"penalty_against", text_or_null(parts.penalty_against)},
           {"time_reference", text_or_null(parts.time_reference)},
           {"time_reference_error", parts.time_reference.empty() ? Json(nullptr) : Json(parts.time_reference_error)},
@@ -70,11 +61,11 @@ Json to_json(const PrecisionResult& result) {
                {"kind", reference.closed_form ? "closed form" : "finer run"},
                {"what", reference.what},
                {"error", reference.error},
-               {"order", value_or_null(reference.order)},
+               {"order", reference.order},
                {"largest_displacement", reference.largest_displacement},
                {"meshes", Json::array()}};
   for (const auto& level : reference.levels)
-    json["meshes"].push_back({{"elements", level.elements}, {"difference_to_next", value_or_null(level.difference)}});
+    json["meshes"].push_back({{"elements", level.elements}, {"difference_to_next", level.difference}});
   return json;
 }
 
@@ -93,14 +84,12 @@ std::string numbers(const PrecisionStudy& study, const PrecisionResult& result) 
   return all.html("The study");
 }
 
-std::string head(const PrecisionResult& result) {
+/// Calls `tell` with the methods, "on so many elements" where there are several meshes, and the advice.
+void for_each_advice(const PrecisionResult& result, NumberText number, auto&& tell) {
   const auto meshes = meshes_in(result);
-  std::string out;
   for (const std::size_t elements : meshes)
-    for (const auto& [methods, text] : advice_on_mesh(result, elements, readable_number))
-      out += fmt::format("<b>{}{}</b>: {}.<br>\n", methods,
-                         meshes.size() > 1 ? fmt::format(" on {} elements", elements) : "", escaped(text));
-  return fmt::format("<p class=\"verdict\">{}</p>\n", out);
+    for (const auto& [methods, text] : advice_on_mesh(result, elements, number))
+      tell(methods + (meshes.size() > 1 ? fmt::format(" on {} elements", elements) : ""), text);
 }
 
 }  // namespace
@@ -110,7 +99,7 @@ std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, 
   json["title"] = study.scene.scene.title;
   json["norm"] = norm(result);
   json["reference"] = to_json(result);
-  json["epsilon"] = value_or_null(study.scene.epsilon);
+  json["epsilon"] = study.scene.epsilon;
   json["rows"] = Json::array();
   for (const PrecisionRow& row : result.rows) json["rows"].push_back(to_json(result, row));
   json["parts"] = Json::array();
@@ -126,16 +115,14 @@ std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, 
   json["chosen"] = Json::parse(scene.chosen);
   json["version"] = versions().viscobar;
   json["platform"] = versions().platform;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 std::string precision_text(const PrecisionStudy& study, const PrecisionResult& result) {
   std::string out = text(precision_table(result, plain_number)) + "\n";
-  const auto meshes = meshes_in(result);
-  for (const std::size_t elements : meshes)
-    for (const auto& [methods, advised] : advice_on_mesh(result, elements, plain_number))
-      out += fmt::format("{}{}: {}.\n", methods, meshes.size() > 1 ? fmt::format(" on {} elements", elements) : "",
-                         advised);
+  for_each_advice(result, plain_number, [&](const std::string& methods, const std::string& advised) {
+    out += fmt::format("{}: {}.\n", methods, advised);
+  });
   out += fmt::format("\n{}\nThe error is the {}.\n", reference_sentence(result, plain_number), norm(result));
   out += fmt::format("\n{}", text(time_reference_table(result, plain_number)));
   if (const auto lines = remarks(study, result); !lines.empty()) {
@@ -146,20 +133,23 @@ std::string precision_text(const PrecisionStudy& study, const PrecisionResult& r
 }
 
 PicturedPage precision_page(const PrecisionStudy& study, const PrecisionResult& result) {
-  const Scene& scene = study.scene.scene;
-  Page page((scene.title.empty() ? "A scene" : scene.title) + ": speed against error", scene);
-  page.add_head(head(result));
+  Page page = Page::of_study(study.scene.scene, ": speed against error");
+  std::string advised;
+  for_each_advice(result, readable_number, [&](const std::string& methods, const std::string& text) {
+    advised += fmt::format("<b>{}</b>: {}.<br>\n", methods, escaped(text));
+  });
+  page.add_head(fmt::format("<p class=\"verdict\">{}</p>\n", advised));
   page.add(numbers(study, result));
   page.add(error_picture(result));
   page.add(time_error_picture(result));
   page.add(parts_picture(result));
-  page.add(section_html("Every run", html(precision_table(result, readable_number))));
+  page.add_section("Every run", html(precision_table(result, readable_number)));
   std::string references = fmt::format("<p>{}</p>\n", escaped(reference_sentence(result, readable_number))) +
                            html(time_reference_table(result, readable_number));
   if (result.reference && !result.reference->levels.empty())
     references +=
         fmt::format("<h2>Refinement of the reference</h2>\n{}", html(mesh_table(*result.reference, readable_number)));
-  page.add(section_html("What the errors are against", references + notes_html(remarks(study, result))));
+  page.add_section("What the errors are against", references + notes_html(remarks(study, result)));
   return page.with_figures();
 }
 

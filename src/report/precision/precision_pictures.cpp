@@ -1,16 +1,8 @@
-#include "report/precision/precision_pictures.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <utility>
-#include <vector>
 
-#include "report/page.hpp"
-#include "report/plot/figure.hpp"
-#include "report/plot/range.hpp"
 #include "report/precision/precision_tables.hpp"
 
 namespace viscobar {
@@ -25,19 +17,20 @@ using plot::Style;
 
 constexpr const char* soft = "var(--soft)";
 
+bool among(const auto& values, const auto& value) { return std::ranges::find(values, value) != values.end(); }
+
 std::vector<MethodName> methods_in(const PrecisionResult& result) {
   std::vector<MethodName> methods;
   for (const ErrorParts& parts : result.parts)
-    if (std::find(methods.begin(), methods.end(), parts.method) == methods.end()) methods.push_back(parts.method);
+    if (!among(methods, parts.method)) methods.push_back(parts.method);
   return methods;
 }
 
 /// The same in every picture; schemes are dashed, so that the palette may come round.
 Style style_of(const PrecisionResult& result, MethodName method) {
   const auto methods = methods_in(result);
-  const auto place = std::find(methods.begin(), methods.end(), method) - methods.begin();
-  return {plot::series_colour(static_cast<std::size_t>(place)), is_scheme(method), 1.8,
-          static_cast<std::size_t>(place)};
+  const auto place = static_cast<std::size_t>(std::ranges::find(methods, method) - methods.begin());
+  return {plot::series_colour(place), is_scheme(method), 1.8, place};
 }
 
 template <class X, class Y>
@@ -57,28 +50,22 @@ std::optional<double> error(const PrecisionRow& row) { return row.error; }
 constexpr double margin = 1.3;  // room for the marks at either end
 
 /// Labels in the frame, those that would lie on each other joined.
-class Labels {
- public:
-  Labels(Axis x, Axis y) : x_(std::move(x)), y_(std::move(y)) {}
-
-  void add(Point at, const std::string& text) {
-    constexpr double close = 0.05;
-    for (auto& [place, known] : labels_)
-      if (std::abs(x_.position(place.x) - x_.position(at.x)) < close &&
-          std::abs(y_.position(place.y) - y_.position(at.y)) < close) {
-        if (!known.ends_with(text)) known += ", " + text;
-        return;
-      }
-    labels_.emplace_back(at, text);
+void draw_labels(Figure& figure, const Axis& x, const Axis& y,
+                 const std::vector<std::pair<Point, std::string>>& labels) {
+  constexpr double close = 0.05;
+  std::vector<std::pair<Point, std::string>> joined;
+  for (const auto& [at, text] : labels) {
+    const auto known = std::ranges::find_if(joined, [&, place = at](const auto& label) {
+      return std::abs(x.position(label.first.x) - x.position(place.x)) < close &&
+             std::abs(y.position(label.first.y) - y.position(place.y)) < close;
+    });
+    if (known == joined.end())
+      joined.emplace_back(at, text);
+    else if (!known->second.ends_with(text))
+      known->second += ", " + text;
   }
-  void draw(Figure& figure) const {
-    for (const auto& [place, text] : labels_) figure.label(place, text);
-  }
-
- private:
-  Axis x_, y_;
-  std::vector<std::pair<Point, std::string>> labels_;
-};
+  for (const auto& [at, text] : joined) figure.label(at, text);
+}
 
 /// A line for each method on each mesh, the mesh named at its end where there are several.
 template <class Error>
@@ -88,26 +75,26 @@ std::optional<Figure> diagram(const PrecisionResult& result, std::span<const std
   for (const ErrorParts& parts : result.parts)
     for (const Point& point : points_of(rows_of(result, parts), seconds, value)) {
       x.add(point.x);
-      if (std::find(meshes.begin(), meshes.end(), parts.elements) != meshes.end()) y.add(point.y);
+      if (among(meshes, parts.elements)) y.add(point.y);
     }
   if (!(y.low <= y.high)) return std::nullopt;
   if (meshes.size() > 1) x.add(3.0 * x.high);  // room for the labels
   const Axis along = x.decades("seconds", margin), up = y.decades(label, margin);
   Figure figure(along, up, 420.0);
-  Labels labels(along, up);
+  std::vector<std::pair<Point, std::string>> labels;
   if (meshes.size() == 1 && meshes_in(result).size() > 1) figure.legend_note(fmt::format("{} elements", meshes[0]));
   if (floor > up.low && floor < up.high) figure.level(floor, {soft, true, 1.2}, "reference's own");
   std::vector<MethodName> named;
   for (const ErrorParts& parts : result.parts) {
-    if (std::find(meshes.begin(), meshes.end(), parts.elements) == meshes.end()) continue;
+    if (!among(meshes, parts.elements)) continue;
     const auto points = points_of(rows_of(result, parts), seconds, value);
     if (points.empty()) continue;
-    const bool known = std::find(named.begin(), named.end(), parts.method) != named.end();
-    figure.series(points, style_of(result, parts.method), known ? std::string_view() : name(parts.method));
+    figure.series(points, style_of(result, parts.method),
+                  among(named, parts.method) ? std::string_view() : name(parts.method));
     named.push_back(parts.method);
-    if (meshes.size() > 1) labels.add(points.back(), fmt::format("{}", parts.elements));
+    if (meshes.size() > 1) labels.emplace_back(points.back(), fmt::format("{}", parts.elements));
   }
-  labels.draw(figure);
+  draw_labels(figure, along, up, labels);
   return figure;
 }
 
@@ -142,7 +129,7 @@ Picture time_error_picture(const PrecisionResult& result) {
 
 Picture parts_picture(const PrecisionResult& result) {
   const auto meshes = meshes_in(result);
-  const std::size_t finest = *std::max_element(meshes.begin(), meshes.end());
+  const std::size_t finest = std::ranges::max(meshes);
   const auto resolved = [&](const PrecisionRow& row) { return resolved_time_error(result, row); };
   std::vector<Panel> panels;
   for (const ErrorParts& parts : result.parts) {

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "report/page.hpp"
 #include "text/table.hpp"
 #include "viscobar/studies/precision/precision.hpp"
 
@@ -38,5 +38,19 @@ Table mesh_table(const PrecisionReference& reference, NumberText number);
 
 /// What failed, what was left out, and what is not what it seems.
 std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionResult& result);
+
+/// What to pay for: which part dominates, and from which tolerance (or step) and epsilon on nothing is gained.
+std::string advice(const PrecisionResult& result, const ErrorParts& parts, NumberText number);
+
+/// Advice for the methods on a mesh, those named together that get the same.
+struct Advice {
+  std::string methods, text;
+};
+std::vector<Advice> advice_on_mesh(const PrecisionResult& result, std::size_t elements, NumberText number);
+
+// The pictures of the page, on logarithmic axes; without panels where there is nothing to draw.
+Picture error_picture(const PrecisionResult& result);
+Picture time_error_picture(const PrecisionResult& result);
+Picture parts_picture(const PrecisionResult& result);
 
 }  // namespace viscobar

@@ -1,5 +1,3 @@
-#include "report/run/field_map.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +5,7 @@
 #include <cmath>
 
 #include "report/plot/png.hpp"
-#include "report/plot/range.hpp"
+#include "report/run/run_page.hpp"
 #include "scene/unit_names.hpp"
 #include "text/number.hpp"
 
@@ -33,9 +31,7 @@ Place locate(const Values& values, std::size_t count, double at, std::size_t fro
 }  // namespace
 
 FieldColours colours_of(const ThinnedField& field, const std::string& label) {
-  plot::Range range;
-  for (std::size_t row = 0; row < field.rows(); ++row)
-    for (const double value : field.row(row)) range.add(value);
+  plot::Range range = field.range();
   const bool two_signs = std::min(range.high, -range.low) > 0.1 * std::max(range.high, -range.low);
   if (two_signs) {
     range.add(-range.low);

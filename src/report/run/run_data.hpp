@@ -1,15 +1,65 @@
 #pragma once
 
-#include <cstddef>
+#include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "report/plot/axis.hpp"
 #include "report/plot/thinning.hpp"
-#include "report/run/thinned_events.hpp"
-#include "report/run/thinned_field.hpp"
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {
+
+/// A field over space and time as far as a picture shows it: every 2^k-th output time, k growing so that there
+/// are never more than 400 of them, and every stride-th place, at most 401 of them, the ends always among them. The
+/// last output time is kept, too.
+class ThinnedField {
+ public:
+  /// Of values at the nodes of a mesh, or at the middles of its elements.
+  enum class At { nodes, elements };
+  explicit ThinnedField(const Mesh& mesh, At at = At::nodes);
+
+  void add(double time, std::span<const double> values) {
+    add_each(time, [&](std::size_t j) { return values[j]; });
+  }
+  /// value(j) at place j
+  template <class Value>
+  void add_each(double time, Value&& value) {
+    last_.time = time;
+    for (std::size_t k = 0; k < nodes_.size(); ++k) last_.values[k] = value(nodes_[k]);
+    kept_.add(last_);
+  }
+
+  /// Output times kept, the last one included.
+  std::size_t rows() const { return kept_.buckets().size() + (kept_.in_last() > 1 ? 1 : 0); }
+  double time(std::size_t row) const { return at(row).time; }
+  std::vector<double> times() const;
+  std::span<const double> row(std::size_t row) const { return at(row).values; }
+  const std::vector<double>& x() const { return x_; }
+  plot::Range range() const;
+
+  std::size_t time_stride() const { return kept_.stride(); }
+  std::size_t node_stride() const { return node_stride_; }
+
+  static void members(auto& field, auto&& each) { each(field.kept_, field.last_); }
+
+ private:
+  static constexpr std::size_t most = 400;
+  struct Row {
+    double time = 0.0;
+    std::vector<double> values;
+    void join(const Row&) {}  // the first of some stands for all
+    static void members(auto& row, auto&& each) { each(row.time, row.values); }
+  };
+  const Row& at(std::size_t row) const { return row < kept_.buckets().size() ? kept_.buckets()[row] : last_; }
+
+  std::size_t node_stride_;
+  std::vector<std::size_t> nodes_;
+  std::vector<double> x_;
+  plot::Thinned<Row> kept_{most};
+  Row last_;
+};
 
 /// What the report shows of a run, collected while it runs in memory that does not grow with it.
 class ReportData {
@@ -32,39 +82,52 @@ class ReportData {
       each(end.displacement, end.reaction, end.traction, end.contacts, end.closed_since);
     }
   };
-  /// The columns of energy.csv.
-  struct Energy {
-    plot::ThinnedLine kinetic{buckets}, elastic{buckets}, contact{buckets}, dissipated{buckets}, work{buckets},
-        total{buckets};
-    static void members(auto& energy, auto&& each) {
-      each(energy.kinetic, energy.elastic, energy.contact, energy.dissipated, energy.work, energy.total);
-    }
+  /// Columns of energy.csv as they are drawn.
+  enum class Drawn { always, with_springs, where_not_zero };
+  struct EnergyColumn {
+    const char* name;
+    Drawn drawn;
+    double (*value)(const EnergyState& energy);
   };
+  static constexpr std::array energy_columns = {
+      EnergyColumn{"kinetic", Drawn::always, [](const EnergyState& energy) { return energy.kinetic; }},
+      EnergyColumn{"elastic", Drawn::always, [](const EnergyState& energy) { return energy.elastic; }},
+      EnergyColumn{"contact springs", Drawn::with_springs, [](const EnergyState& energy) { return energy.contact; }},
+      EnergyColumn{"dissipated", Drawn::where_not_zero,
+                   [](const EnergyState& e) { return e.dissipated + e.end_inertia; }},
+      EnergyColumn{"work", Drawn::where_not_zero, [](const EnergyState& energy) { return energy.work; }},
+      EnergyColumn{"total", Drawn::always, [](const EnergyState& energy) { return energy.total(); }}};
   /// Derivatives of the ends' displacements by a parameter.
   struct Slopes {
     plot::ThinnedLine left{buckets}, right{buckets};
     static void members(auto& slopes, auto&& each) { each(slopes.left, slopes.right); }
   };
-  static constexpr std::size_t most_events = 50;
+  /// The one with the larger velocity of some events in a row.
+  struct Fastest {
+    Event event;
+    void join(const Fastest& next);
+    static void members(auto& fastest, auto&& each) { each(fastest.event); }
+  };
+  static constexpr std::size_t most_events = 50, most_marks = 2000;
 
   std::size_t snapshots = 0;
   ThinnedField field, stress;
   End left, right;
-  Energy energy;
-  std::vector<Slopes> sensitivities;  // of each direction
+  std::vector<plot::ThinnedLine> energy{energy_columns.size(), plot::ThinnedLine(buckets)};  // of energy_columns
+  std::vector<Slopes> sensitivities;                                                         // of each direction
   std::vector<Event> first_events;
-  ThinnedEvents marked_events;
+  plot::Thinned<Fastest> marked_events{most_marks};
   static void members(auto& data, auto&& each) {
     each(data.snapshots, data.field, data.stress, data.left, data.right, data.energy, data.sensitivities,
          data.first_events, data.marked_events);
   }
 
   /// Contact springs exist: an obstacle and a penalised method.
-  bool has_springs() const { return epsilon_.has_value(); }
+  bool has_springs() const { return has_springs_; }
 
  private:
   const BarSystem& system_;
-  std::optional<double> epsilon_;
+  bool has_springs_;
 };
 
 }  // namespace viscobar

@@ -3,12 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <vector>
 
 #include "case/regime.hpp"
-#include "report/page.hpp"
-#include "report/plot/figure.hpp"
-#include "report/run/estimate_text.hpp"
 #include "results/csv.hpp"
 #include "text/number.hpp"
 #include "text/printable_text.hpp"
@@ -17,6 +13,8 @@
 namespace viscobar {
 
 namespace {
+
+constexpr const char* how_far = "How far from the bar itself";
 
 std::string seconds(double value) { return readable(value, 3) + " s"; }
 
@@ -95,7 +93,47 @@ std::string event_section(const Outcome& outcome, const ReportData& data) {
                      html(table), rest);
 }
 
+std::string_view of_words(Goal goal) {
+  switch (goal) {
+    case Goal::displacement: return "of displacements";
+    case Goal::end_traces: return "of the ends' displacements";
+    case Goal::contact_times: return "of contact times";
+    case Goal::impulse: return "of impulses";
+    case Goal::peak_reaction: return "of peak reactions";
+  }
+  return {};
+}
+
+std::string verdict(const ErrorEstimate& estimate) {
+  if (!estimate.requested) return "";
+  return fmt::format("; {:.2g} asked for: {}", *estimate.requested, estimate.kept ? "kept" : "not kept");
+}
+
+std::string estimate_section(const ErrorEstimate& estimate) {
+  Numbers all;
+  all.add("Error, estimated", readable(estimate.total, 2), of_words(estimate.of));
+  all.add("of the mesh", readable(estimate.space, 2),
+          estimate.order ? fmt::format("observed power {:.2g} of the mesh", *estimate.order) : std::string());
+  all.add("of the penalty", readable(estimate.penalty, 2));
+  all.add("of the time integration", readable(estimate.time, 2));
+  if (estimate.requested) all.add("asked for", readable(*estimate.requested, 2), estimate.kept ? "kept" : "not kept");
+  all.add("Largest value", readable(estimate.largest));
+  if (!estimate.runs.empty()) all.add("Runs for the estimate", estimate.runs.size());
+  std::string list;
+  for (const std::string& reason : estimate.reasons) list += fmt::format("<li>{}</li>\n", escaped(reason));
+  return all.html(how_far) + (list.empty() ? "" : fmt::format("<ul class=\"note\">\n{}</ul>\n", list));
+}
+
 }  // namespace
+
+std::vector<std::pair<std::string, std::string>> estimate_rows(const ErrorEstimate& estimate) {
+  std::vector<std::pair<std::string, std::string>> rows;
+  rows.emplace_back("error, estimated", fmt::format("{:.2g} {} (space {:.2g}, penalty {:.2g}, time {:.2g}){}",
+                                                    estimate.total, of_words(estimate.of), estimate.space,
+                                                    estimate.penalty, estimate.time, verdict(estimate)));
+  for (const std::string& reason : estimate.reasons) rows.emplace_back("", reason);
+  return rows;
+}
 
 Page report_page(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data) {
   Page page(run.scene.title.empty() ? "A run of viscobar" : run.scene.title, run.scene);
@@ -124,7 +162,8 @@ Page report_page(const Case& run, const BarSystem& system, const Outcome& outcom
   }
   page.add(numbers(run, system, outcome, data));
   if (outcome.error_estimate) page.add(estimate_section(*outcome.error_estimate));
-  if (!outcome.no_estimate.empty()) page.add(no_estimate_section(outcome.no_estimate));
+  if (!outcome.no_estimate.empty())
+    page.add(section_html(how_far, fmt::format("<p>There is no estimate: {}</p>\n", escaped(outcome.no_estimate))));
   page.add(contact_section(run, system, outcome));
   page.add(event_section(outcome, data));
   return page;

@@ -1,15 +1,45 @@
 #pragma once
 
+#include <limits>
+#include <string>
+#include <vector>
+
 #include "report/page.hpp"
-#include "report/run/field_map.hpp"
 #include "report/run/run_data.hpp"
-#include "report/run/run_script_data.hpp"
 #include "viscobar/results/outcome.hpp"
 
 namespace viscobar {
 
 /// The page report.html, with the pictures that the scene gives rise to.
 Page report_page(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data);
+
+/// The estimate of a run's error as rows of a terminal's table, name and value.
+std::vector<std::pair<std::string, std::string>> estimate_rows(const ErrorEstimate& estimate);
+
+/// How the values of a field are coloured.
+struct FieldColours {
+  plot::ColourMap map;
+  plot::Axis values;  ///< the ends of the scale
+  /// Up to the one, and from the other on, a node touches the span obstacle.
+  double contact_up_to = -std::numeric_limits<double>::infinity(), contact_from = -contact_up_to;
+  static constexpr plot::Colour touching = 0xe0218a;
+};
+
+/// Of values of two signs by a scale whose pale middle is zero.
+FieldColours colours_of(const ThinnedField& field, const std::string& label);
+
+/// The time of a page's pictures.
+plot::Axis time_axis(const ThinnedField& field, const Units& units);
+
+/// A field over time, to the right, and space, upwards. `layer` is what the script draws.
+plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldColours& colours,
+                        const std::string& layer);
+
+/// What a caption says of the scale, and of what the picture was drawn from: `what` are the values of a row.
+std::string map_remark(const Case& run, const ThinnedField& field, const FieldColours& colours, const char* what);
+
+/// Output times of the field at about `count` equal distances.
+std::vector<std::size_t> rows_of_few_times(const ThinnedField& field, std::size_t count);
 
 /// A line of a picture over time, as points of the run's data.
 struct TimeLine {
@@ -22,6 +52,7 @@ plot::Figure over_time(const Case& run, const ReportData& data, const std::strin
                        const std::vector<TimeLine>& lines);
 
 FieldColours field_colours(const Case& run, const ReportData& data);
+FieldColours stress_colours(const Case& run, const ReportData& data);
 
 /// The pictures of a report.
 Picture displacement_map(const Case& run, const ReportData& data, const FieldColours& colours);
@@ -30,12 +61,22 @@ Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& da
 Picture reactions(const Case& run, const ReportData& data);
 Picture energies(const Case& run, const ReportData& data);
 Picture sensitivities(const Case& run, const ReportData& data);
-FieldColours stress_colours(const Case& run, const ReportData& data);
 Picture stress_map(const Case& run, const ReportData& data, const FieldColours& colours);
 Picture end_tractions(const Case& run, const ReportData& data);
 /// The points x + s u, s being axial_magnification(), in the colours of the stress, between the walls of the ends.
 Picture axial_bar(const Case& run, const ReportData& data, const FieldColours& colours);
 /// By how much displacements are drawn larger along the bar: 1, 2 or 5 times a power of ten.
 double axial_magnification(const Case& run, const ReportData& data);
+
+// For the page's script, as JSON.
+
+/// A field over space and time: its values are low + (high - low) q / 65535, q in row after row of 16 bits, low byte
+/// first, as base64.
+std::string field_json(const ThinnedField& field, const FieldColours& colours);
+/// The contact changes that the page marks, as columns.
+std::string events_json(const ReportData& data, std::size_t happened);
+/// What holds the ends and the span: kind, gap, and the times in contact. An obstacle that moves has its surface at the
+/// times of the field.
+std::string supports_json(const Scene& scene, const Outcome& outcome, const ReportData& data);
 
 }  // namespace viscobar

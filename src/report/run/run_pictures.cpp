@@ -1,13 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
-#include "report/obstacle_levels.hpp"
-#include "report/plot/figure.hpp"
-#include "report/plot/range.hpp"
 #include "report/run/run_page.hpp"
+#include "report/scene_ends.hpp"
 #include "scene/unit_names.hpp"
 #include "text/number.hpp"
 
@@ -17,41 +13,24 @@ namespace {
 
 using plot::Axis;
 using plot::Figure;
-using plot::fitted;
 using plot::Interval;
 using plot::Point;
 using plot::Range;
 
-Range field_range(const ReportData& data) {
-  Range range;
-  for (std::size_t row = 0; row < data.field.rows(); ++row)
-    for (const double u : data.field.row(row)) range.add(u);
-  return range;
-}
-
 std::string obstacle_text(const ObstacleLevel& level) { return "obstacle " + readable(level.u); }
 
-const Obstacle* obstacle(const EndCondition& end) { return std::get_if<Obstacle>(&end); }
-
-// Of an obstacle that moves; none of one that does not.
-std::vector<Point> moving_surface(const EndCondition& end, const EndInput& input, const ReportData& data) {
-  std::vector<Point> surface;
-  if (!is_obstacle(end) || !input.motion) return surface;
-  for (std::size_t row = 0; row < data.field.rows(); ++row) {
-    const double t = data.field.time(row);
-    surface.push_back({t, surface_at(*obstacle(end), input, t)});
-  }
-  return surface;
+std::string displacement_label(const Case& run, std::string_view words) {
+  return with_unit(words, run.scene.units, Dimension::length);
 }
 
 }  // namespace
 
 FieldColours field_colours(const Case& run, const ReportData& data) {
-  FieldColours colours = colours_of(data.field, with_unit("displacement u", run.scene.units, Dimension::length));
+  FieldColours colours = colours_of(data.field, displacement_label(run, "displacement u"));
   // Rounding apart, a constrained node lies on the obstacle and a penalised one in it.
-  const Range range = field_range(data);
+  const Range range = data.field.range();
   const double size = range.high - range.low;
-  for (const ObstacleLevel& level : levels_of(run.scene.span ? &*run.scene.span : nullptr))
+  for (const ObstacleLevel& level : levels_of(run.scene.span))
     (level.above ? colours.contact_from : colours.contact_up_to) = level.u + (level.above ? -1e-9 : 1e-9) * size;
   return colours;
 }
@@ -68,13 +47,10 @@ Picture profiles(const Case& run, const ReportData& data) {
   const double length = run.scene.bar.length;
   const std::vector<std::size_t> rows = rows_of_few_times(field, 6);
   Range of_few;
-  for (const std::size_t row : rows)
-    for (const double u : field.row(row)) of_few.add(u);
+  for (const std::size_t row : rows) of_few.add(field.row(row));
   const double depth = 0.03 * length;
-  const Axis position{.label = with_unit("position x", run.scene.units, Dimension::length),
-                      .low = -depth,
-                      .high = length + depth,
-                      .link = "x"};
+  const Axis position{
+      .label = displacement_label(run, "position x"), .low = -depth, .high = length + depth, .link = "x"};
 
   // The obstacles, and what is said of those that lie outside.
   std::string hidden;
@@ -83,30 +59,28 @@ Picture profiles(const Case& run, const ReportData& data) {
     std::vector<std::pair<ObstacleLevel, Interval>> bodies;
     hidden.clear();
     bool moves = false;
-    const auto place_moving = [&](const EndCondition& end, const EndInput& input, const char* where) {
-      const std::vector<Point> surface = moving_surface(end, input, data);
-      if (surface.empty()) return false;
-      Range way;
-      way.add(surface);
-      Range with_it = range;
-      const bool near = with_it.reach(way.low) && with_it.reach(way.high);
-      if (near) range = with_it, moves = true;
-      hidden += fmt::format(" The obstacle {} moves{}, between {} and {}.", where, near ? "" : " outside",
-                            readable(way.low), readable(way.high));
-      return true;
-    };
-    const auto place = [&](const Obstacle* body, Interval part, const char* where) {
-      for (const ObstacleLevel& level : levels_of(body))
+    const auto place = [&](const std::vector<ObstacleLevel>& levels, Interval part, const std::string& where) {
+      for (const ObstacleLevel& level : levels)
         if (range.reach(level.u))
           bodies.push_back({level, part});
         else
           hidden += fmt::format(" The obstacle {} lies outside, at {}.", where, readable(level.u));
     };
-    if (!place_moving(run.scene.left, run.scene.left_input, "at the left end"))
-      place(obstacle(run.scene.left), {-depth, depth}, "at the left end");
-    if (!place_moving(run.scene.right, run.scene.right_input, "at the right end"))
-      place(obstacle(run.scene.right), {length - depth, length + depth}, "at the right end");
-    place(run.scene.span ? &*run.scene.span : nullptr, {-depth, length + depth}, "of the span");
+    for (const SceneEnd& end : ends_of(run.scene)) {
+      const std::string where = fmt::format("at the {} end", end.name);
+      Range way;
+      way.add(end.surface(field.times()));
+      if (!(way.low <= way.high)) {
+        place(levels_of(end.obstacle()), {end.x - depth, end.x + depth}, where);
+        continue;
+      }
+      Range with_it = range;
+      const bool near = with_it.reach(way.low) && with_it.reach(way.high);
+      if (near) range = with_it, moves = true;
+      hidden += fmt::format(" The obstacle {} moves{}, between {} and {}.", where, near ? "" : " outside",
+                            readable(way.low), readable(way.high));
+    }
+    place(levels_of(run.scene.span), {-depth, length + depth}, "of the span");
     has_drawn = !bodies.empty();
     has_bodies = moves || has_drawn;
     const double room = room_below * (range.high - range.low), low = range.low, high = range.high;
@@ -115,71 +89,66 @@ Picture profiles(const Case& run, const ReportData& data) {
     };
     if (moves || any(false)) range.add(low - room);
     if (moves || any(true)) range.add(high + room);
-    Figure figure(position, range.axis(with_unit("displacement u", run.scene.units, Dimension::length)), height);
+    Figure figure(position, range.axis(displacement_label(run, "displacement u")), height);
     for (const auto& [level, part] : bodies) figure.body(level.u, part, level.above);
     return figure;
   };
 
-  Figure live = with_obstacles(field_range(data), 340.0, 0.2);  // for gap and reaction below the obstacles
+  Figure live = with_obstacles(field.range(), 340.0, 0.2);  // for gap and reaction below the obstacles
   live.live_layer(R"({"kind":"bar"})");
-  const std::string live_caption =
-      std::string(
-          "The bar at the time of the slider, its displacement drawn upwards and coloured as in its map; "
-          "shaded: where it has been and will be.") +
-      (has_bodies ? " Hatched: obstacles, with the gap left and the reaction while in contact." : "") + hidden;
+  const std::string live_caption = fmt::format(
+      "The bar at the time of the slider, its displacement drawn upwards and coloured as in its map; shaded: where it "
+      "has been and will be.{}{}",
+      has_bodies ? " Hatched: obstacles, with the gap left and the reaction while in contact." : "", hidden);
 
   Figure figure = with_obstacles(of_few, 320.0, 0.0);
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    std::vector<Point> line;
-    const auto u = field.row(rows[k]);
-    for (std::size_t j = 0; j < u.size(); ++j) line.push_back({field.x()[j], u[j]});
     const double part = rows.size() > 1 ? static_cast<double>(k) / static_cast<double>(rows.size() - 1) : 0.0;
-    figure.line(line, {plot::sequence_colour(part), false, 1.8}, "t = " + readable(field.time(rows[k])));
+    figure.line(plot::points_of(field.x(), field.row(rows[k])), {plot::sequence_colour(part), false, 1.8},
+                "t = " + readable(field.time(rows[k])));
   }
-  const std::string still_caption =
-      "The bar's displacement <i>u</i>(<i>x</i>, ·) at a few times, from the first (light) to the last (dark)." +
-      std::string(has_drawn ? " Grey: obstacles." : "") + hidden;
-  return {"The bar",
-          fmt::format("<span class=\"still\">{}</span><span class=\"live\">{}</span>", still_caption, live_caption),
-          {{"bar", "Displacement over space at a few times", figure, live}}};
+  return {
+      "The bar",
+      fmt::format("<span class=\"still\">The bar's displacement <i>u</i>(<i>x</i>, ·) at a few times, from the first "
+                  "(light) to the last (dark).{}{}</span><span class=\"live\">{}</span>",
+                  has_drawn ? " Grey: obstacles." : "", hidden, live_caption),
+      {{"bar", "Displacement over space at a few times", figure, live}}};
 }
 
 Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& data) {
+  const std::vector<double> times = data.field.times();
   std::vector<Panel> panels;
-  const auto panel = [&](const char* name, const EndCondition& end, const EndInput& input, const ReportData::End& trace,
-                         std::size_t colour, const char* label) {
-    if (is_fixed(end) && !input.motion) return;
+  for (const SceneEnd& end : ends_of(run.scene)) {
+    if (is_fixed(end.condition) && !end.input.motion) continue;
+    const bool is_left = end.name == "left";
+    const ReportData::End& trace = is_left ? data.left : data.right;
+    const std::size_t colour = is_left ? 0 : 1;
+    const std::string label = is_left ? "u(0, t)" : "u(L, t)";
     const std::vector<Point> points = trace.displacement.points();
     Range range;
     range.add(points);
-    const Obstacle* body = obstacle(end);
-    const std::vector<Point> surface = moving_surface(end, input, data);
+    const Obstacle* body = end.obstacle();
+    const std::vector<Point> surface = plot::points_of(times, end.surface(times));
     range.add(surface);
-    std::vector<ObstacleLevel> shown, span_shown;
-    for (const ObstacleLevel& level : levels_of(surface.empty() ? body : nullptr))
-      if (range.reach(level.u)) shown.push_back(level);
-    for (const ObstacleLevel& level : levels_of(run.scene.span ? &*run.scene.span : nullptr))
-      if (range.reach(level.u)) span_shown.push_back(level);
-    Figure figure(time_axis(data.field, run.scene.units),
-                  range.axis(with_unit(label, run.scene.units, Dimension::length)), 220.0);
+    std::vector<ObstacleLevel> shown = levels_of(surface.empty() ? body : nullptr), span = levels_of(run.scene.span);
+    for (std::vector<ObstacleLevel>* levels : {&shown, &span})
+      std::erase_if(*levels, [&](const ObstacleLevel& level) { return !range.reach(level.u); });
+    Figure figure(time_axis(data.field, run.scene.units), range.axis(displacement_label(run, label)), 220.0);
     if (body) figure.shade(trace.in_contact(outcome.reached_time), plot::series_colour(colour), "in contact");
     for (const ObstacleLevel& level : shown) figure.level(level.u, {"var(--ink)", true, 1.2}, obstacle_text(level));
     if (!surface.empty()) figure.line(surface, {"var(--ink)", true, 1.2}, "obstacle");
     if (body && surface.empty() && shown.empty())
       figure.legend_note(obstacle_text(levels_of(body).front()) + " (outside)");
-    for (const ObstacleLevel& level : span_shown)
+    for (const ObstacleLevel& level : span)
       figure.level(level.u, {"var(--soft)", true, 1.2}, "span at " + readable(level.u));
     figure.line(points, {plot::series_colour(colour)}, label);
-    panels.push_back({name, std::string("Displacement over time: ") + label, figure});
-  };
-  panel("left-end", run.scene.left, run.scene.left_input, data.left, 0, "u(0, t)");
-  panel("right-end", run.scene.right, run.scene.right_input, data.right, 1, "u(L, t)");
-  return {
-      "Ends",
-      std::string(panels.size() < 2 ? "Displacement of the end that moves." : "Displacement of the two ends.") +
-          (is_obstacle(run.scene.left) || is_obstacle(run.scene.right) ? " Dashed: obstacle; shaded: times in contact."
-                                                                       : ""),
-      panels};
+    panels.push_back({fmt::format("{}-end", end.name), "Displacement over time: " + label, figure});
+  }
+  const bool obstacles = is_obstacle(run.scene.left) || is_obstacle(run.scene.right);
+  return {"Ends",
+          fmt::format("Displacement of the {}.{}", panels.size() < 2 ? "end that moves" : "two ends",
+                      obstacles ? " Dashed: obstacle; shaded: times in contact." : ""),
+          panels};
 }
 
 plot::Figure over_time(const Case& run, const ReportData& data, const std::string& axis, double height,
@@ -220,25 +189,22 @@ Picture reactions(const Case& run, const ReportData& data) {
 }
 
 Picture energies(const Case& run, const ReportData& data) {
-  const auto& energy = data.energy;
-  if (energy.total.empty()) return {};
-  std::vector<TimeLine> lines = {{energy.kinetic.points(), {plot::series_colour(0)}, "kinetic"},
-                                 {energy.elastic.points(), {plot::series_colour(1)}, "elastic"}};
-  if (data.has_springs()) lines.push_back({energy.contact.points(), {plot::series_colour(2)}, "contact springs"});
-  const auto add_moving = [&](const plot::ThinnedLine& line, std::size_t colour, std::string_view name) {
-    const std::vector<Point> points = line.points();
-    if (std::ranges::any_of(points, [](const Point& point) { return point.y != 0.0; }))
-      lines.push_back({points, {plot::series_colour(colour)}, name});
-  };
-  add_moving(energy.dissipated, 3, "dissipated");
-  add_moving(energy.work, 4, "work");
-  lines.push_back({energy.total.points(), {"var(--ink)", true, 1.6}, "total"});
+  if (data.energy.front().empty()) return {};
+  std::vector<TimeLine> lines;
+  for (std::size_t k = 0; k < data.energy.size(); ++k) {
+    const auto& [name, drawn, value] = ReportData::energy_columns[k];
+    std::vector<Point> points = data.energy[k].points();
+    const bool zero = std::ranges::all_of(points, [](const Point& point) { return point.y == 0.0; });
+    if (drawn == ReportData::Drawn::with_springs ? data.has_springs() : drawn == ReportData::Drawn::always || !zero)
+      lines.push_back({std::move(points), {plot::series_colour(k)}, name});
+  }
+  lines.back().style = {"var(--ink)", true, 1.6};  // the total
   const std::string axis = with_unit("energy", run.scene.units, Dimension::energy);
   return {"Energy",
-          std::string(data.has_springs() ? "Energy of the bar and that stored in the penalty springs of the contacts."
-                                         : "Kinetic and elastic energy of the bar.") +
-              " The total and what was dissipated grow by the work that is done on the bar alone." +
-              (run.files.energy ? " energy.csv has the numbers." : ""),
+          fmt::format("{} The total and what was dissipated grow by the work that is done on the bar alone.{}",
+                      data.has_springs() ? "Energy of the bar and that stored in the penalty springs of the contacts."
+                                         : "Kinetic and elastic energy of the bar.",
+                      run.files.energy ? " energy.csv has the numbers." : ""),
           {{"energy", "Energy over time", over_time(run, data, axis, 280.0, lines)}}};
 }
 

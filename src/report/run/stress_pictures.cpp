@@ -3,12 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 #include <vector>
 
-#include "report/obstacle_levels.hpp"
-#include "report/plot/range.hpp"
 #include "report/run/run_page.hpp"
+#include "report/scene_ends.hpp"
 #include "scene/unit_names.hpp"
 #include "text/number.hpp"
 
@@ -34,15 +32,6 @@ struct Moving {
   Figure::Wall wall;
   std::vector<double> places;
 };
-
-/// Where an obstacle that moves is at the times of the field; nothing of one that does not.
-std::vector<double> surface_over(const Obstacle& obstacle, const EndInput& input, const ThinnedField& field) {
-  std::vector<double> surface;
-  if (input.motion)
-    for (std::size_t row = 0; row < field.rows(); ++row)
-      surface.push_back(surface_at(obstacle, input, field.time(row)));
-  return surface;
-}
 
 }  // namespace
 
@@ -82,11 +71,10 @@ double axial_magnification(const Case& run, const ReportData& data) {
     }
   }
   // Walls are to be seen, too, as far as they are near.
-  for (const auto& [end, input] :
-       {std::pair{&run.scene.left, &run.scene.left_input}, {&run.scene.right, &run.scene.right_input}})
-    if (const auto* wall = std::get_if<Obstacle>(end)) {
+  for (const SceneEnd& end : ends_of(run.scene))
+    if (const Obstacle* wall = end.obstacle()) {
       double far = wall->gap;
-      for (const double place : surface_over(*wall, *input, field)) far = std::max(far, std::abs(place));
+      for (const double place : end.surface(field.times())) far = std::max(far, std::abs(place));
       largest = std::max(largest, std::min(far, 3.0 * largest));
     }
   if (!(largest > 0.0)) return 1.0;
@@ -106,29 +94,27 @@ Picture axial_bar(const Case& run, const ReportData& data, const FieldColours& c
   std::vector<Figure::Wall> walls;
   std::vector<Moving> moving;
   std::string hidden;
-  const auto add = [&](const EndCondition& end, const EndInput& given, double x, const char* where) {
-    const auto* obstacle = std::get_if<Obstacle>(&end);
-    if (!obstacle) return;
+  for (const SceneEnd& end : ends_of(run.scene)) {
+    const Obstacle* obstacle = end.obstacle();
+    if (!obstacle) continue;
     const bool above = obstacle->side == Side::above;
     // A wall that bounds the end on its outer side stands there whole; one on the inner side lets the bar pass.
-    const Figure::Wall wall{x + s * (above ? obstacle->gap : -obstacle->gap), above, above != (x > 0.0)};
-    std::vector<double> places = surface_over(*obstacle, given, field);
-    for (double& place : places) place = x + s * place;
+    const Figure::Wall wall{end.x + s * (above ? obstacle->gap : -obstacle->gap), above, above != (end.x > 0.0)};
+    std::vector<double> places = end.surface(field.times());
+    for (double& place : places) place = end.x + s * place;
     if (places.empty()) places.push_back(wall.at);
     const auto [least, greatest] = std::ranges::minmax(places);
     Range with_it = range;
     if (!with_it.reach(least) || !with_it.reach(greatest)) {
-      hidden += fmt::format(" The wall of the {} end lies outside.", where);
-      return;
+      hidden += fmt::format(" The wall of the {} end lies outside.", end.name);
+      continue;
     }
     range = with_it;
-    if (given.motion)
+    if (end.input.motion)
       moving.push_back({wall, std::move(places)});
     else
       walls.push_back(wall);
-  };
-  add(run.scene.left, run.scene.left_input, 0.0, "left");
-  add(run.scene.right, run.scene.right_input, length, "right");
+  }
   const double room = 0.05 * (range.high - range.low);
   const Axis place{.label = with_unit(s == 1.0 ? "place x + u" : fmt::format("place x + {} u", readable(s)),
                                       run.scene.units, Dimension::length),

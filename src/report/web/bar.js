@@ -22,14 +22,12 @@ class BarPicture {
 
   draw(chart, context, time) {
     const { x } = this.field, profile = this.field.profile(time), lift = BarPicture.thickness * chart.ratio;
-    const lower = new Path2D(), outline = new Path2D();
-    for (let j = 0; j < x.length; ++j) {
-      lower.lineTo(chart.px(x[j]), chart.py(profile[j]));
-      outline.lineTo(chart.px(x[j]), chart.py(profile[j]));
-    }
+    const outline = new Path2D();
+    for (let j = 0; j < x.length; ++j) outline.lineTo(chart.px(x[j]), chart.py(profile[j]));
     for (let j = x.length - 1; j >= 0; --j) outline.lineTo(chart.px(x[j]), chart.py(profile[j]) - lift);
     outline.closePath();
-    context.fillStyle = this.shades(chart, context, profile);
+    context.fillStyle = shadesAlong(context, chart.px(x[0]), chart.px(x.at(-1)), x.length,
+      (j) => chart.px(x[j]), (j) => this.colours.shade(profile[j]));
     context.fill(outline);
     strokeStyle(chart, context, "var(--ink)", 1);
     context.lineJoin = "round";
@@ -37,19 +35,7 @@ class BarPicture {
     this.drawTouching(chart, context, profile);
     const { span } = this.supports;
     if (span) for (const sign of span.side === "both" ? [1, -1] : [signOf(span)]) this.drawSpanGap(chart, context, profile, sign);
-    this.drawEnd(chart, context, "left", profile, time);
-    this.drawEnd(chart, context, "right", profile, time);
-  }
-
-  /// Colours along the bar.
-  shades(chart, context, profile) {
-    const { x } = this.field, last = x.length - 1, stops = Math.min(last, 120), begin = x[0], length = x[last] - begin;
-    const gradient = context.createLinearGradient(chart.px(x[0]), 0, chart.px(x[last]), 0);
-    for (let k = 0; k <= stops; ++k) {
-      const j = Math.round((k * last) / stops), part = Math.min(1, Math.max(0, (x[j] - begin) / length));
-      gradient.addColorStop(part, this.colours.shade(profile[j]));
-    }
-    return gradient;
+    for (const side of ["left", "right"]) this.drawEnd(chart, context, side, profile, time);
   }
 
   /// What lies on the obstacle along the span: stretches, and single nodes as dots.
@@ -109,24 +95,19 @@ class BarPicture {
 }
 
 /// Of an obstacle that moves, linear in between output times.
-function surfaceAt({ surface }, field, time) {
-  const [row, part] = Field.locate(field.t, time);
-  return Field.between(surface, row, part);
-}
+const surfaceAt = ({ surface }, field, time) => Field.interpolated(field.t, surface, time);
 
 /// 1 for an obstacle below, -1 for one above.
 const signOf = (obstacle) => (obstacle.above ? -1 : 1);
 
 /// Whether a value lies in one of the intervals [begin, end, begin, end, ...].
-function inParts(parts, value) {
-  if (!parts || parts.length === 0) return false;
-  let low = 0, high = parts.length / 2;
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (parts[2 * middle] <= value) low = middle + 1;
-    else high = middle;
-  }
-  return low > 0 && value <= parts[2 * low - 1];
+const inParts = (parts = [], value) => parts.some((begin, i) => i % 2 === 0 && begin <= value && value <= parts[i + 1]);
+
+/// A gradient along a bar, from and to its ends, of about 120 colours at places between.
+function shadesAlong(context, from, to, count, place, shade) {
+  const gradient = context.createLinearGradient(from, 0, to, 0), stride = Math.max(1, Math.floor(count / 120));
+  for (let j = 0; j < count; j += stride) gradient.addColorStop(Math.min(1, Math.max(0, (place(j) - from) / (to - from))), shade(j));
+  return gradient;
 }
 
 function dot(context, x, y, radius) {
@@ -166,19 +147,13 @@ class AxialPicture {
   draw(chart, context, time) {
     const { field, stress, magnification: s } = this, { x } = field, u = field.profile(time), values = stress.profile(time);
     const { top, height } = chart.box, half = (AxialPicture.thickness / 2) * chart.ratio, middle = top + height / 2;
-    const place = (at) => {
-      const [node, part] = Field.locate(x, at);
-      return chart.px(at + s * Field.between(u, node, part));
-    };
+    const place = (at) => chart.px(at + s * Field.interpolated(x, u, at));
     for (const [side, end] of [["left", x[0]], ["right", x.at(-1)]]) {
       const { surface, above = false } = this.supports[side];
       if (surface) layerPainters.wall(chart, context, { x: end + s * surfaceAt(this.supports[side], field, time), right: above, open: above !== (side === "right") });
     }
     const left = place(x[0]), right = place(x.at(-1)), size = Math.max(right - left, 1e-9);
-    const gradient = context.createLinearGradient(left, 0, right, 0), stride = Math.max(1, Math.floor(values.length / 120));
-    for (let j = 0; j < values.length; j += stride)
-      gradient.addColorStop(Math.min(1, Math.max(0, (place(stress.x[j]) - left) / size)), this.colours.shade(values[j]));
-    context.fillStyle = gradient;
+    context.fillStyle = shadesAlong(context, left, left + size, values.length, (j) => place(stress.x[j]), (j) => this.colours.shade(values[j]));
     context.fillRect(left, middle - half, size, 2 * half);
     strokeStyle(chart, context, "var(--ink)", 1);
     context.strokeRect(left, middle - half, size, 2 * half);

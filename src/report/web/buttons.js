@@ -15,6 +15,17 @@ function svgElement(name, attributes = {}, ...children) {
   return node;
 }
 
+/// A table: names of the columns, and for each row its cells and what a click on it does. `kinds` are classes of the cells.
+function tableOf(heads, rows, kinds = []) {
+  const cells = (tag, texts) => texts.map((text, i) => element(tag, { textContent: text, className: kinds[i] ?? "", ...(tag === "th" && { scope: "col" }) }));
+  const body = element("tbody", {}, ...rows.map(({ texts, action }) => {
+    const row = element("tr", {}, ...cells("td", texts));
+    row.addEventListener("click", action);
+    return row;
+  }));
+  return element("table", {}, element("thead", {}, element("tr", {}, ...cells("th", heads))), body);
+}
+
 /// Paths in a square of 16.
 const icons = {
   play: "M4 2.5v11l9.5-5.5z",

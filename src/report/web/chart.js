@@ -40,7 +40,7 @@ class Chart {
       paths: uPlot.paths.linear(), points: { show: false } }));
     const none = { facets: [{ scale: "x", auto: false }, { scale: "y", auto: false }], paths: () => null, points: { show: false } };
     return {
-      mode: 2, width: this.width, height: this.height, padding: [10, 14, 0, 0], pxAlign: 0,
+      mode: 2, width: this.width, height: this.height, padding: [10, 20, 0, 0], pxAlign: 0,
       scales: { x: scale(x, "x"), y: scale(y, "y") },
       axes: [this.axis(x, "x"), this.axis(y, "y")],
       series: [{}, ...series, none],

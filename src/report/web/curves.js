@@ -8,33 +8,20 @@ class Curve {
   }
   at(place) {
     const { x, y } = this;
-    if (x.length === 0 || place < x[0] || place > x[x.length - 1]) return NaN;
-    if (x.length === 1) return y[0];
-    const [index, part] = Field.locate(x, place);
-    return y[index] + part * (y[index + 1] - y[index]);
+    if (x.length === 0 || place < x[0] || place > x.at(-1)) return NaN;
+    return Field.interpolated(x, y, place);
   }
-  /// Least and greatest value over [from, to].
-  range(from, to) {
-    let low = Infinity, high = -Infinity;
-    const add = (value) => {
-      if (value < low) low = value;
-      if (value > high) high = value;
-    };
-    add(this.at(from));
-    add(this.at(to));
-    for (let i = 0; i < this.x.length; ++i) if (this.x[i] >= from && this.x[i] <= to) add(this.y[i]);
-    return [low, high];
+  /// The values over [from, to], at its ends too.
+  values(from, to) {
+    const inside = this.y.filter((_, i) => this.x[i] >= from && this.x[i] <= to);
+    return [this.at(from), ...inside, this.at(to)].filter(Number.isFinite);
   }
 }
 
 /// An axis for what is visible of some curves, with room around them and the levels that lie near.
 function fittedRange(curves, levels, from, to) {
-  let low = Infinity, high = -Infinity;
-  for (const curve of curves) {
-    const [least, most] = curve.range(from, to);
-    low = Math.min(low, least);
-    high = Math.max(high, most);
-  }
+  const values = curves.flatMap((curve) => curve.values(from, to));
+  let low = Math.min(...values), high = Math.max(...values);
   if (!(low <= high)) return null;
   const size = Math.max(high - low, 1e-9 * Math.max(Math.abs(low), Math.abs(high)));
   if (size === 0) return null;

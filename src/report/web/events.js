@@ -64,19 +64,12 @@ class Events {
 
   /// A table of all of them in place of the page's own; arrow keys move, Enter and a click jump there.
   table(section, jump) {
-    const rows = this.list.map((event) => {
-      const cells = [[readable(event.time, 8)], [Events.name(event), "word"], [event.closes ? "closes" : "opens", "word"],
-        [readable(event.velocity)]];
-      const row = element("tr", { tabIndex: -1 }, ...cells.map(([text, kind = ""]) => element("td", { textContent: text, className: kind })));
-      row.addEventListener("click", () => jump(event));
-      return row;
-    });
-    const heads = [["time"], ["where", "word"], ["change", "word"], ["velocity"]].map(([text, kind = ""]) =>
-      element("th", { textContent: text, className: kind, scope: "col" }));
-    const body = element("tbody", {}, ...rows);
-    const scroller = element("div", { className: "live scroller" },
-      element("table", { ariaLabel: "Contact changes" }, element("thead", {}, element("tr", {}, ...heads)), body));
-    if (rows.length > 0) rows[0].tabIndex = 0;
+    const table = tableOf(["time", "where", "change", "velocity"], this.list.map((event) => ({
+      texts: [readable(event.time, 8), Events.name(event), event.closes ? "closes" : "opens", readable(event.velocity)],
+      action: () => jump(event) })), ["", "word", "word", ""]);
+    table.ariaLabel = "Contact changes";
+    const scroller = element("div", { className: "live scroller" }, table), body = table.tBodies[0], rows = [...body.rows];
+    rows.forEach((row, i) => { row.tabIndex = i === 0 ? 0 : -1; });
     body.addEventListener("keydown", (event) => {
       const at = rows.indexOf(event.target);
       const goal = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: rows.length - 1 }[event.key];

@@ -1,17 +1,14 @@
-// A field over space and time, the displacement at nodes or the stress of elements, as thinned and rounded by the program (report/run/run_script_data.hpp).
+// A field over space and time, the displacement at nodes or the stress of elements, as thinned and rounded by the program (report/run/run_page.hpp).
 
 class Field {
   constructor({ t, x, low, high, u }) {
-    this.t = t;
-    this.x = x;
-    this.low = low;
-    this.high = high;
+    Object.assign(this, { t, x, low, high });
     const bytes = Uint8Array.from(atob(u), (c) => c.charCodeAt(0));
     this.u = new Float64Array(bytes.length / 2);
     for (let i = 0; i < this.u.length; ++i) this.u[i] = low + ((high - low) * (bytes[2 * i] + 256 * bytes[2 * i + 1])) / 65535;
   }
 
-  /// The index below a value among increasing ones, and the part of the way to the next.
+  /// Among increasing values: the index of the last one up to a value, and the part of the way to the next.
   static locate(values, value) {
     let low = 0, high = values.length - 1;
     while (high - low > 1) {
@@ -31,10 +28,9 @@ class Field {
     return profile;
   }
 
-  value(time, x) {
-    const [node, part] = Field.locate(this.x, x), profile = this.profile(time);
-    return Field.between(profile, node, part);
-  }
+  value(time, x) { return Field.interpolated(this.x, this.profile(time), x); }
+  /// Of values at increasing places.
+  static interpolated(places, values, at) { return Field.between(values, ...Field.locate(places, at)); }
   static between(profile, node, part) {
     return part > 0 ? profile[node] + part * (profile[node + 1] - profile[node]) : profile[node];
   }
@@ -55,9 +51,7 @@ class Field {
 class FieldColours {
   static steps = 255;
   constructor({ anchors, low, high, touching, contactLevel, contactFrom }, field) {
-    this.low = low;
-    this.high = high;
-    this.touching = touching;
+    Object.assign(this, { low, high, touching });
     // The field is rounded, so what touches may lie half a step above.
     const slack = (0.75 * (field.high - field.low)) / 65535;
     this.contactLevel = contactLevel === undefined ? -Infinity : contactLevel + slack;

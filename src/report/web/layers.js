@@ -15,23 +15,13 @@ const markerPath = (shape, x, y, r) => [
 
 const layerPainters = {
   bands(chart, context, { parts, colour: css }) {
-    const { top, height } = chart.box;
-    context.fillStyle = colour(css);
     context.globalAlpha = 0.2;
-    for (let i = 0; i < parts.length; i += 2) {
-      const from = chart.px(parts[i]);
-      context.fillRect(from, top, Math.max(chart.ratio, chart.px(parts[i + 1]) - from), height);
-    }
+    boxes(chart, context, parts, css, chart.box.top, chart.box.height, 1);
     context.globalAlpha = 1;
   },
 
   bars(chart, context, { parts, y, colour: css }) {
-    const middle = chart.py(y), half = 5.5 * chart.ratio;
-    context.fillStyle = colour(css);
-    for (let i = 0; i < parts.length; i += 2) {
-      const from = chart.px(parts[i]);
-      context.fillRect(from, middle - half, Math.max(0.75 * chart.ratio, chart.px(parts[i + 1]) - from), 2 * half);
-    }
+    boxes(chart, context, parts, css, chart.py(y) - 5.5 * chart.ratio, 11 * chart.ratio, 0.75);
   },
 
   level(chart, context, { y, colour: css, dashed, width }) {
@@ -44,30 +34,17 @@ const layerPainters = {
   body(chart, context, { y, from, to, above }) {
     const left = chart.px(from), right = chart.px(to), surface = chart.py(y), depth = 11 * chart.ratio;
     const top = above ? surface - depth : surface;
-    context.save();
-    context.beginPath();
-    context.rect(left, top, right - left, depth);
-    context.clip();
     context.fillStyle = colour("var(--faint)");
     context.fillRect(left, top, right - left, depth);
-    strokeStyle(chart, context, "var(--soft)", 1);
-    for (let x = left - depth; x < right; x += 6 * chart.ratio) segment(context, x, top + depth, x + depth, top);
-    context.restore();
+    hatched(chart, context, left, top, right - left, depth, 6);
     strokeStyle(chart, context, "var(--ink)", 1.6);
     segment(context, left, surface, right, surface);
   },
 
   /// Upright, hatched on the side where the material is; an open one lets the bar pass.
   wall(chart, context, { x, right, open }) {
-    const { top, height } = chart.box, at = chart.px(x), depth = (right ? 11 : -11) * chart.ratio;
-    context.save();
-    context.beginPath();
-    context.rect(Math.min(at, at + depth), top, Math.abs(depth), height);
-    context.clip();
-    strokeStyle(chart, context, "var(--soft)", 1);
-    for (let y = top; y < top + height + 12 * chart.ratio; y += 7 * chart.ratio)
-      segment(context, Math.min(at, at + depth), y, Math.max(at, at + depth), y - 11 * chart.ratio);
-    context.restore();
+    const { top, height } = chart.box, at = chart.px(x), depth = 11 * chart.ratio;
+    hatched(chart, context, right ? at : at - depth, top, depth, height, 7);
     strokeStyle(chart, context, "var(--ink)", 1.6, open);
     segment(context, at, top, at, top + height);
   },
@@ -101,6 +78,27 @@ function strokeStyle(chart, context, css, width, dashed = false) {
   context.strokeStyle = colour(css);
   context.lineWidth = width * chart.ratio;
   context.setLineDash(dashed ? [6 * chart.ratio, 4 * chart.ratio] : []);
+}
+
+/// Boxes over parts [begin, end, begin, end, ...] of x, none shorter than some pixels.
+function boxes(chart, context, parts, css, top, height, least) {
+  context.fillStyle = colour(css);
+  for (let i = 0; i < parts.length; i += 2) {
+    const from = chart.px(parts[i]);
+    context.fillRect(from, top, Math.max(least * chart.ratio, chart.px(parts[i + 1]) - from), height);
+  }
+}
+
+/// Strokes of 45 degrees in a rectangle.
+function hatched(chart, context, left, top, width, height, pitch) {
+  context.save();
+  context.beginPath();
+  context.rect(left, top, width, height);
+  context.clip();
+  strokeStyle(chart, context, "var(--soft)", 1);
+  for (let along = 0; along < width + height; along += pitch * chart.ratio)
+    segment(context, left + along - height, top + height, left + along, top);
+  context.restore();
 }
 
 /// A straight line.

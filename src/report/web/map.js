@@ -2,11 +2,8 @@
 
 class FieldMap {
   constructor(field, colours) {
-    this.field = field;
-    this.colours = colours;
+    Object.assign(this, { field, colours, bitmap: null, key: "" });
     this.words = Uint32Array.from(colours.palette, ([r, g, b]) => 0xff000000 | (b << 16) | (g << 8) | r);
-    this.bitmap = null;
-    this.key = "";
   }
 
   draw(chart, context) {

@@ -18,16 +18,18 @@ function startPage() {
   const special = {};
   if (fieldData) {
     const field = new Field(fieldData), colours = new FieldColours(fieldData.colours, field);
-    const map = new FieldMap(field, colours);
-    const bar = new BarPicture(field, colours, supports, reactionsOf(figures));
-    figures.bar.layers.unshift({ kind: "envelope" });
-    special.map = (chart, context) => map.draw(chart, context);
-    special.envelope = (chart, context) => bar.drawEnvelope(chart, context);
-    special.bar = (chart, context) => bar.draw(chart, context, shownTime() ?? field.t[0]);
     const stress = new Field(stressData), ofStress = new FieldColours(stressData.colours, stress);
-    const stressMap = new FieldMap(stress, ofStress), axial = new AxialPicture(field, stress, ofStress, supports, magnification);
-    special["stress-map"] = (chart, context) => stressMap.draw(chart, context);
-    special.axial = (chart, context) => axial.draw(chart, context, shownTime() ?? field.t[0]);
+    const bar = new BarPicture(field, colours, supports, reactionsOf(figures));
+    const axial = new AxialPicture(field, stress, ofStress, supports, magnification);
+    const map = new FieldMap(field, colours), stressMap = new FieldMap(stress, ofStress);
+    figures.bar.layers.unshift({ kind: "envelope" });
+    Object.assign(special, {
+      map: (chart, context) => map.draw(chart, context),
+      "stress-map": (chart, context) => stressMap.draw(chart, context),
+      envelope: (chart, context) => bar.drawEnvelope(chart, context),
+      bar: (chart, context) => bar.draw(chart, context, shownTime() ?? field.t[0]),
+      axial: (chart, context) => axial.draw(chart, context, shownTime() ?? field.t[0]),
+    });
     Object.assign(reference, { field, colours, bar, stress, ofStress, axial });
     links.t.rest = field.t[0];
   }
@@ -71,8 +73,7 @@ function startRun(reference, eventData) {
     });
     events.onChosen.add(() => chart.redraw());
   }
-  const bar = charts.get("bar");
-  const axial = charts.get("axial");
+  const bar = charts.get("bar"), axial = charts.get("axial");
   links.t.onPlace.add(() => { bar.redraw(); axial.redraw(); });
   addReadout(addColourScale(charts.get("displacement"), "u", colours), "u", field, links);
   addReadout(addColourScale(charts.get("stress"), "s", ofStress), "s", stress, links);

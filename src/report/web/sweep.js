@@ -26,13 +26,9 @@ class SweepAxis {
       const stride = Math.ceil(this.words.length / most);
       return this.words.map((word, i) => [i, word]).filter(([i]) => i % stride === 0);
     }
-    if (this.log) {
-      const ticks = decadeTicks(this.low, this.high), labels = decadeLabels(ticks, this.low, this.high, most);
-      return ticks.map((tick, i) => [tick, labels[i]]);
-    }
-    const step = tickSteps.find((size) => size * most >= this.high - this.low), ticks = [];
-    for (let k = Math.ceil(this.low / step); k * step <= this.high; ++k) ticks.push(k * step);
-    const labels = linearLabels(ticks, step);
+    const step = tickSteps.find((size) => size * most >= this.high - this.low), ticks = this.log ? decadeTicks(this.low, this.high) : [];
+    if (!this.log) for (let k = Math.ceil(this.low / step); k * step <= this.high; ++k) ticks.push(k * step);
+    const labels = this.log ? decadeLabels(ticks, this.low, this.high, most) : linearLabels(ticks, step);
     return ticks.map((tick, i) => [tick, labels[i]]);
   }
 }
@@ -157,7 +153,8 @@ class SweepPage {
       const places = own.map((point) => [this.placeOn(x, key, point.x), y.at(point.value)]);
       if (key.numeric && places.length > 1)
         svg.append(svgElement("path", { class: "line", style: `stroke:${css};stroke-width:1.6;stroke-dasharray:${dash || "none"}`, d: `M${places.map((place) => place.map((v) => v.toFixed(1)).join(" ")).join("L")}` }));
-      own.forEach((point, i) => svg.append(this.mark(point, column, markerPath(k, ...places[i], own.length > 120 ? 2 : 4), css)));
+      own.forEach((point, i) => svg.append(this.shape(point, column, "path", "mark",
+        { style: `fill:${css};stroke:${css}`, d: markerPath(k, ...places[i], own.length > 120 ? 2 : 4) })));
       if (!second || k > 18) continue;
       const height = 24 + 19 * k;
       svg.append(svgElement("path", { class: "line", style: `stroke:${css};stroke-width:1.6;stroke-dasharray:${dash || "none"}`, d: `M${right + 12} ${height}h26` }),
@@ -167,8 +164,9 @@ class SweepPage {
     if (second) svg.append(svgElement("text", { class: "note", x: right + 12, y: 10 }, second.name));
   }
 
-  mark(point, column, d, css) {
-    const node = svgElement("path", { class: `mark${point.row === this.state.chosen ? " chosen" : ""}`, style: `fill:${css};stroke:${css}`, d },
+  /// What stands for a case: a click on it shows its run.
+  shape(point, column, name, kind, attributes) {
+    const node = svgElement(name, { class: `${kind}${point.row === this.state.chosen ? " chosen" : ""}`, ...attributes },
       svgElement("title", {}, `${this.words(point)}: ${column.name} = ${readable(point.value, 6)}`));
     node.addEventListener("click", () => this.choose(point.row));
     return node;
@@ -188,11 +186,8 @@ class SweepPage {
     this.frame(svg, x, y, key.name, second.name);
     for (const point of points) {
       const known = point.value !== null && (!state.log || point.value > 0);
-      const node = svgElement("rect", { class: `cell${point.row === state.chosen ? " chosen" : ""}`, x: x.at(point.x) - width / 2, y: y.at(point.second) - height / 2,
-        width, height, style: known ? `fill:${shade(scale.part(point.value))}` : "fill:var(--faint)" },
-        svgElement("title", {}, `${this.words(point)}: ${column.name} = ${readable(point.value, 6)}`));
-      node.addEventListener("click", () => this.choose(point.row));
-      svg.append(node);
+      svg.append(this.shape(point, column, "rect", "cell", { x: x.at(point.x) - width / 2, y: y.at(point.second) - height / 2,
+        width, height, style: `fill:${known ? shade(scale.part(point.value)) : "var(--faint)"}` }));
     }
     const steps = 60, [top, bottom] = [14, SweepPage.height - 56];
     for (let k = 0; k < steps; ++k)
@@ -225,15 +220,13 @@ class SweepPage {
 
   showList(points, column) {
     const most = 200, { keys, data } = this;
-    const head = element("tr", {}, ...["case", ...keys.map(({ name }) => name), column.name].map((name) => element("th", { textContent: name })));
-    const rows = points.slice(0, most).map((point) => {
-      const cells = [data.index[point.row], ...keys.map(({ values }, k) => this.valueText(values[point.choice[k]])),
-        data.errors[point.row] ? "failed" : readable(point.value, 6)];
-      const row = element("tr", { ariaSelected: String(point.row === this.state.chosen) }, ...cells.map((cell) => element("td", { textContent: cell })));
-      row.addEventListener("click", () => this.choose(point.row));
-      return row;
-    });
-    this.list.replaceChildren(element("table", {}, element("thead", {}, head), element("tbody", {}, ...rows)),
+    const shown = points.slice(0, most);
+    const table = tableOf(["case", ...keys.map(({ name }) => name), column.name], shown.map(({ row, choice, value }) => ({
+      texts: [data.index[row], ...keys.map(({ values }, k) => this.valueText(values[choice[k]])),
+        data.errors[row] ? "failed" : readable(value, 6)],
+      action: () => this.choose(row) })));
+    shown.forEach(({ row }, i) => { table.tBodies[0].rows[i].ariaSelected = String(row === this.state.chosen); });
+    this.list.replaceChildren(table,
       ...(points.length > most ? [element("p", { className: "note", textContent: `and ${points.length - most} more, in sweep.csv` })] : []));
   }
 }

@@ -1,13 +1,13 @@
 #include "results/field/field_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
+#include <fstream>
 #include <span>
 #include <string_view>
-#include <utility>
 
 #include "dynamics/element_stress.hpp"
-#include "scene/unit_names.hpp"
 #include "viscobar/results/versions.hpp"
 
 namespace viscobar {
@@ -15,28 +15,6 @@ namespace viscobar {
 namespace {
 
 constexpr std::size_t block_bytes = 1 << 20;
-
-hid_t create_file(const std::filesystem::path& path) {
-  begin_hdf5();
-  return hdf5_checked(path, "cannot be created",
-                      [&] { return H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT); });
-}
-
-// That grows by rows.
-hid_t create_growing(const std::filesystem::path& path, hid_t file, const char* name, std::span<const hsize_t> chunk) {
-  const int rank = static_cast<int>(chunk.size());
-  const Hdf5Properties properties(H5Pcreate(H5P_DATASET_CREATE));
-  H5Pset_chunk(properties.get(), rank, chunk.data());
-  std::vector<hsize_t> extent(chunk.begin(), chunk.end()), largest = extent;
-  extent[0] = 0;
-  largest[0] = H5S_UNLIMITED;
-  const Hdf5Dataspace space(H5Screate_simple(rank, extent.data(), largest.data()));
-  const Hdf5Properties link(H5Pcreate(H5P_LINK_CREATE));
-  H5Pset_create_intermediate_group(link.get(), 1);
-  return hdf5_checked(path, "cannot create a dataset", [&] {
-    return H5Dcreate2(file, name, H5T_IEEE_F64LE, space.get(), link.get(), properties.get(), H5P_DEFAULT);
-  });
-}
 
 std::string_view bytes_of(const auto& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof values.front()};
@@ -55,7 +33,68 @@ void write_attribute(const std::filesystem::path& path, hid_t object, const char
   hdf5_checked(path, "cannot write an attribute", [&] { return H5Awrite(attribute.get(), type.get(), &value); });
 }
 
+/// Visits the file in its order: a gap (of length 0 where there is none), the region behind it, and so on; behind the
+/// last gap comes a region of length 0.
+template <class Visit>
+void for_each_part(const FieldMark& mark, Visit&& visit) {
+  std::vector<FieldMark::Region> regions = mark.regions;
+  std::ranges::sort(regions, {}, &FieldMark::Region::begin);
+  regions.push_back({mark.length, 0, {}});
+  std::size_t at = 0;
+  for (const FieldMark::Region& region : regions) {
+    visit(at, region.begin - at, region);
+    at = region.begin + region.length;
+  }
+}
+
 }  // namespace
+
+Checksum FieldMark::checksum() const {
+  Checksum whole;
+  std::string_view rest = others;
+  for_each_part(*this, [&](std::size_t, std::size_t gap, const Region& region) {
+    whole.add(rest.substr(0, gap));
+    rest.remove_prefix(gap);
+    whole.append(region.values);
+    whole.append(Checksum::of_zeros(region.length - region.values.bytes));
+  });
+  return whole;
+}
+
+void FieldMark::check_values(const std::filesystem::path& file) const {
+  for (const Region& region : regions)
+    if (checksum_of_file(file, region.begin, region.values.bytes) != region.values)
+      throw IoError(file,
+                    fmt::format("its bytes {} to {} are not those of the checkpoint: it was changed or damaged since",
+                                region.begin, region.begin + region.values.bytes));
+}
+
+FieldMark marked(const std::filesystem::path& file, std::size_t rows, std::vector<FieldMark::Region> regions) {
+  FieldMark mark{rows, std::filesystem::file_size(file), std::move(regions), {}};
+  std::ifstream stream(file, std::ios::binary);
+  for_each_part(mark, [&](std::size_t gap, std::size_t length, const FieldMark::Region&) {
+    const std::size_t before = mark.others.size();
+    mark.others.resize(before + length);
+    stream.seekg(static_cast<std::streamoff>(gap));
+    stream.read(mark.others.data() + before, static_cast<std::streamsize>(length));
+  });
+  if (!stream) throw IoError(file, "cannot be read back");
+  return mark;
+}
+
+void put_back(const std::filesystem::path& file, const FieldMark& mark) {
+  OutputFile raw(file, OutputFile::Content::keep);
+  raw.cut_at(mark.length);
+  std::string_view others = mark.others;
+  for_each_part(mark, [&](std::size_t gap, std::size_t length, const FieldMark::Region& region) {
+    raw.write_at(gap, others.substr(0, length));
+    others.remove_prefix(length);
+    // Values that came later.
+    raw.write_at(region.begin + region.values.bytes, std::string(region.length - region.values.bytes, '\0'));
+  });
+  raw.sync();
+  raw.close();
+}
 
 FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, std::size_t expected_rows,
                      const FieldMark* mark, const FieldOrigin& of)
@@ -82,14 +121,19 @@ FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, s
 
 void FieldFile::create(const FieldOrigin& of) {
   new_.emplace(path_);
-  file_.reset(create_file(new_->part()));
+  begin_hdf5();
+  file_.reset(hdf5_checked(new_->part(), "cannot be created",
+                           [&] { return H5Fcreate(new_->part().c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT); }));
   using Extent = std::array<hsize_t, 2>;
   for (Growing& grown : growing_) {
-    const Extent chunk{grown.chunk_rows, grown.row_values};
-    grown.dataset.reset(create_growing(path_, file_.get(), grown.name.c_str(), std::span(chunk).first(grown.rank)));
+    const Extent chunk{grown.chunk_rows, grown.row_values}, none{0, grown.row_values};
+    const Hdf5Properties properties(H5Pcreate(H5P_DATASET_CREATE));
+    H5Pset_chunk(properties.get(), static_cast<int>(grown.rank), chunk.data());
+    grown.dataset =
+        new_dataset(path_, file_, grown.name, H5T_IEEE_F64LE, std::span(none).first(grown.rank), properties.get());
   }
   const auto fix = [&](const char* name, Extent extent, std::size_t rank, const auto& values) {
-    const Hdf5Dataset dataset = write_dataset(path_, file_.get(), name, std::span(extent).first(rank), values);
+    const Hdf5Dataset dataset = write_dataset(path_, file_, name, std::span(extent).first(rank), values);
     fixed_.push_back(
         {H5Dget_offset(dataset.get()), H5Dget_storage_size(dataset.get()), Checksum::of(bytes_of(values))});
   };
@@ -102,47 +146,45 @@ void FieldFile::create(const FieldOrigin& of) {
 }
 
 void FieldFile::describe(const FieldOrigin& of) {
-  const hid_t file = file_.get();
   // The format takes no more in one attribute.
   constexpr std::size_t most = 60'000;
   const auto of_file = [&](const char* name, const std::string& text) {
-    if (!text.empty()) write_attribute(path_, file, name, text.size() <= most ? text : "too long: see summary.json");
+    if (!text.empty())
+      write_attribute(path_, file_.get(), name, text.size() <= most ? text : "too long: see summary.json");
   };
   of_file("title", of.title);
   of_file("scene", of.scene);
   of_file("units", named_units(of.units));
   of_file("version", "viscobar " + versions().viscobar);
   const auto of_dataset = [&](const std::string& name, const std::string& meaning, const std::string& unit) {
-    const Hdf5Dataset dataset(
-        hdf5_checked(path_, "lacks a dataset", [&] { return H5Dopen2(file, name.c_str(), H5P_DEFAULT); }));
+    const Hdf5Dataset dataset = hdf5_dataset(path_, file_, name);
     write_attribute(path_, dataset.get(), "long_name", meaning);
     if (!unit.empty()) write_attribute(path_, dataset.get(), "units", unit);
   };
-  const auto unit = [&](Dimension quantity) { return unit_name(of.units, quantity); };
-  of_dataset("t", "output times", unit(Dimension::time));
-  of_dataset("x", "nodes", unit(Dimension::length));
-  of_dataset("u", "displacement of the nodes, times x nodes", unit(Dimension::length));
-  of_dataset("v", "velocity of the nodes, times x nodes", unit(Dimension::velocity));
-  of_dataset("stress", "mean stress of each element, times x elements", unit(Dimension::stress));
-  of_dataset("points", "nodes in space, for field.xdmf", unit(Dimension::length));
-  of_dataset("line", "the two nodes of each element, for field.xdmf", "");
-  struct Derived {
-    const char *name, *what;
+  struct Meaning {
+    const char *name, *words;
     Dimension quantity;
   };
+  const Meaning u{"u", "displacement of the nodes, times x nodes", Dimension::length},
+      v{"v", "velocity of the nodes, times x nodes", Dimension::velocity};
+  for (const auto& [name, words, quantity] :
+       {Meaning{"t", "output times", Dimension::time}, Meaning{"x", "nodes", Dimension::length}, u, v,
+        Meaning{"stress", "mean stress of each element, times x elements", Dimension::stress},
+        Meaning{"points", "nodes in space, for field.xdmf", Dimension::length}})
+    of_dataset(name, words, unit_name(of.units, quantity));
+  of_dataset("line", "the two nodes of each element, for field.xdmf", "");
   for (const auto& [key, per] : of.keys)
-    for (const Derived& one : {Derived{"u", "displacement of the nodes, times x nodes", Dimension::length},
-                               {"v", "velocity of the nodes, times x nodes", Dimension::velocity},
-                               {"reaction_left", "reaction at the left end", Dimension::stress},
-                               {"reaction_right", "reaction at the right end", Dimension::stress}}) {
+    for (const auto& [name, words, quantity] :
+         {u, v, Meaning{"reaction_left", "reaction at the left end", Dimension::stress},
+          Meaning{"reaction_right", "reaction at the right end", Dimension::stress}}) {
       std::string unit_of_quotient;
       if (per) {
-        UnitPowers powers = unit_powers(one.quantity);
+        UnitPowers powers = unit_powers(quantity);
         for (std::size_t k = 0; k < powers.size(); ++k) powers[k] -= (*per)[k];
         const bool number = powers == UnitPowers{} && !named_units(of.units).empty();
         unit_of_quotient = number ? "1" : unit_name(of.units, powers);
       }
-      of_dataset("sensitivity/" + key + "/" + one.name, "derivative with respect to " + key + ": " + one.what,
+      of_dataset("sensitivity/" + key + "/" + name, fmt::format("derivative with respect to {}: {}", key, words),
                  unit_of_quotient);
     }
 }
@@ -193,14 +235,12 @@ void FieldFile::flush() {
 void FieldFile::append_rows(Growing& grown) {
   const std::vector<double>& values = grown.waiting;
   const std::size_t rows = values.size() / grown.row_values;
-  const std::array<hsize_t, 2> first{rows_, 0}, count{rows, grown.row_values}, extent{rows_ + rows, grown.row_values};
+  const std::array<hsize_t, 2> extent{rows_ + rows, grown.row_values};
   const hid_t dataset = grown.dataset.get();
   hdf5_checked(path_, "cannot grow", [&] { return H5Dset_extent(dataset, extent.data()); });
-  const Hdf5Dataspace target(H5Dget_space(dataset));
-  const Hdf5Dataspace source(H5Screate_simple(H5Sget_simple_extent_ndims(target.get()), count.data(), nullptr));
-  H5Sselect_hyperslab(target.get(), H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr);
+  const Hdf5Rows target(grown.dataset, rows_, rows, grown.row_values);
   hdf5_checked(path_, "cannot be written", [&] {
-    return H5Dwrite(dataset, H5T_NATIVE_DOUBLE, source.get(), target.get(), H5P_DEFAULT, values.data());
+    return H5Dwrite(dataset, H5T_NATIVE_DOUBLE, target.memory.get(), target.file.get(), H5P_DEFAULT, values.data());
   });
   const std::size_t chunk_bytes = sizeof(double) * grown.row_values * grown.chunk_rows;
   for (std::string_view rest = bytes_of(values); !rest.empty();) {
@@ -214,15 +254,12 @@ void FieldFile::append_rows(Growing& grown) {
 }
 
 void FieldFile::go_on(const FieldMark& mark) {
-  begin_hdf5();
   put_back(path_, mark);
-  file_.reset(
-      hdf5_checked(path_, "cannot be opened", [&] { return H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT); }));
+  file_ = hdf5_file(path_, H5F_ACC_RDWR);
   rows_ = mark.rows;
   auto end = mark.regions.end();  // of those of a dataset, in the order of regions()
   for (auto grown = growing_.rbegin(); grown != growing_.rend(); ++grown) {
-    grown->dataset.reset(hdf5_checked(path_, "lacks a dataset",
-                                      [&] { return H5Dopen2(file_.get(), grown->name.c_str(), H5P_DEFAULT); }));
+    grown->dataset = hdf5_dataset(path_, file_, grown->name);
     const auto begin = end - static_cast<std::ptrdiff_t>((rows_ + grown->chunk_rows - 1) / grown->chunk_rows);
     grown->chunks.assign(begin, end);
     grown->located = grown->chunks.size();
@@ -232,9 +269,7 @@ void FieldFile::go_on(const FieldMark& mark) {
   identity_.emplace(path_);
   xdmf_.begin();
   std::vector<double> times(rows_);
-  hdf5_checked(path_, "cannot be read", [&] {
-    return H5Dread(growing_.front().dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, times.data());
-  });
+  read_values(path_, growing_.front().dataset, H5T_NATIVE_DOUBLE, times.data());
   xdmf_.append(times);
 }
 

@@ -1,22 +1,13 @@
 #include "results/field/field_reader.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
 #include <cassert>
 
 namespace viscobar {
 
 namespace {
-
-Hdf5File open(const std::filesystem::path& path) {
-  begin_hdf5();
-  return Hdf5File(
-      hdf5_checked(path, "cannot be opened", [&] { return H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT); }));
-}
-
-Hdf5Dataset open(const std::filesystem::path& path, const Hdf5File& file, const char* name) {
-  return Hdf5Dataset(hdf5_checked(path, "lacks a dataset", [&] { return H5Dopen2(file.get(), name, H5P_DEFAULT); }));
-}
 
 /// Extents of a dataset that must have so many dimensions.
 template <std::size_t Rank>
@@ -30,33 +21,28 @@ std::array<hsize_t, Rank> extent(const std::filesystem::path& path, const Hdf5Da
 }
 
 std::vector<double> vector(const std::filesystem::path& path, const Hdf5File& file, const char* name) {
-  const Hdf5Dataset dataset = open(path, file, name);
+  const Hdf5Dataset dataset = hdf5_dataset(path, file, name);
   std::vector<double> values(extent<1>(path, dataset)[0]);
-  hdf5_checked(path, "cannot be read",
-               [&] { return H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()); });
+  read_values(path, dataset, H5T_NATIVE_DOUBLE, values.data());
   return values;
 }
 
 }  // namespace
 
+const char* FieldReader::name(Quantity quantity) {
+  return std::array{"u", "v", "stress"}[static_cast<std::size_t>(quantity)];
+}
+
 FieldReader::FieldReader(const std::filesystem::path& file)
-    : path_(file),
-      file_(open(path_)),
-      u_(open(path_, file_, "u")),
-      v_(open(path_, file_, "v")),
-      x_(vector(path_, file_, "x")),
-      times_(vector(path_, file_, "t")) {
-  if (H5Lexists(file_.get(), "stress", H5P_DEFAULT) > 0) stress_.emplace(open(path_, file_, "stress"));
-  // A run that was killed may have left a time without its row.
-  for (const Hdf5Dataset* dataset : {&u_, &v_}) {
-    const auto [rows, nodes] = extent<2>(path_, *dataset);
-    if (nodes != x_.size()) throw IoError(path_, "is no field file of viscobar: x and the field differ in length");
-    times_.resize(std::min<std::size_t>(times_.size(), rows));
-  }
-  if (stress_) {
-    const auto [rows, elements] = extent<2>(path_, *stress_);
-    if (elements + 1 != x_.size())
-      throw IoError(path_, "is no field file of viscobar: x and the stress do not fit each other");
+    : path_(file), file_(hdf5_file(path_)), x_(vector(path_, file_, "x")), times_(vector(path_, file_, "t")) {
+  for (const Quantity quantity : quantities) {
+    if (quantity == Quantity::stress && H5Lexists(file_.get(), "stress", H5P_DEFAULT) <= 0) continue;
+    Hdf5Dataset& dataset = datasets_[static_cast<std::size_t>(quantity)];
+    dataset = hdf5_dataset(path_, file_, name(quantity));
+    const auto [rows, values] = extent<2>(path_, dataset);
+    if (x_.empty() || values != width(quantity))
+      throw IoError(path_, fmt::format("is no field file of viscobar: x and {} differ in length", name(quantity)));
+    // A run that was killed may have left a time without its row.
     times_.resize(std::min<std::size_t>(times_.size(), rows));
   }
 }
@@ -64,12 +50,10 @@ FieldReader::FieldReader(const std::filesystem::path& file)
 void FieldReader::read(Quantity quantity, std::size_t first, std::span<double> values) const {
   const std::size_t n = width(quantity);
   assert(has(quantity) && values.size() % n == 0 && first + values.size() / n <= rows());
-  const Hdf5Dataset& dataset = quantity == Quantity::displacement ? u_ : quantity == Quantity::velocity ? v_ : *stress_;
-  const std::array<hsize_t, 2> begin{first, 0}, count{values.size() / n, n};
-  const Hdf5Dataspace source(H5Dget_space(dataset.get())), target(H5Screate_simple(2, count.data(), nullptr));
-  H5Sselect_hyperslab(source.get(), H5S_SELECT_SET, begin.data(), nullptr, count.data(), nullptr);
+  const Hdf5Rows source(dataset(quantity), first, values.size() / n, n);
   hdf5_checked(path_, "cannot be read", [&] {
-    return H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, target.get(), source.get(), H5P_DEFAULT, values.data());
+    return H5Dread(dataset(quantity).get(), H5T_NATIVE_DOUBLE, source.memory.get(), source.file.get(), H5P_DEFAULT,
+                   values.data());
   });
 }
 

@@ -2,6 +2,7 @@
 
 #include <sys/mman.h>
 
+#include <array>
 #include <cstdlib>
 #include <new>
 #include <string_view>
@@ -31,6 +32,41 @@ void begin_hdf5() {
   if (room == MAP_FAILED) throw std::bad_alloc();
   munmap(room, needed);
   [[maybe_unused]] static const herr_t once = H5dont_atexit();
+}
+
+Hdf5File hdf5_file(const std::filesystem::path& path, unsigned access, hid_t properties) {
+  begin_hdf5();
+  return Hdf5File(hdf5_checked(path, "cannot be opened", [&] { return H5Fopen(path.c_str(), access, properties); }));
+}
+
+Hdf5Dataset hdf5_dataset(const std::filesystem::path& path, const Hdf5File& file, const std::string& name,
+                         const char* lacking) {
+  return Hdf5Dataset(hdf5_checked(path, lacking, [&] { return H5Dopen2(file.get(), name.c_str(), H5P_DEFAULT); }));
+}
+
+Hdf5Dataset new_dataset(const std::filesystem::path& path, const Hdf5File& file, const std::string& name, hid_t type,
+                        std::span<const hsize_t> extent, hid_t properties) {
+  std::vector<hsize_t> largest(extent.begin(), extent.end());
+  if (extent[0] == 0) largest[0] = H5S_UNLIMITED;
+  const Hdf5Dataspace space(
+      H5Screate_simple(static_cast<int>(extent.size()), extent.data(), extent[0] == 0 ? largest.data() : nullptr));
+  const Hdf5Properties link(H5Pcreate(H5P_LINK_CREATE));
+  H5Pset_create_intermediate_group(link.get(), 1);
+  return Hdf5Dataset(hdf5_checked(path, "cannot create a dataset", [&] {
+    return H5Dcreate2(file.get(), name.c_str(), type, space.get(), link.get(), properties, H5P_DEFAULT);
+  }));
+}
+
+void read_values(const std::filesystem::path& path, const Hdf5Dataset& dataset, hid_t type, void* values) {
+  hdf5_checked(path, "cannot be read",
+               [&] { return H5Dread(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values); });
+}
+
+Hdf5Rows::Hdf5Rows(const Hdf5Dataset& dataset, hsize_t first, hsize_t rows, hsize_t row_values)
+    : file(H5Dget_space(dataset.get())) {
+  const std::array<hsize_t, 2> begin{first, 0}, count{rows, row_values};
+  memory.reset(H5Screate_simple(H5Sget_simple_extent_ndims(file.get()), count.data(), nullptr));
+  H5Sselect_hyperslab(file.get(), H5S_SELECT_SET, begin.data(), nullptr, count.data(), nullptr);
 }
 
 }  // namespace viscobar

@@ -18,9 +18,11 @@ template <herr_t (*Close)(hid_t)>
 class Hdf5Handle {
  public:
   explicit Hdf5Handle(hid_t id = H5I_INVALID_HID) : id_(id) {}
-  Hdf5Handle(Hdf5Handle&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)) {}
-  Hdf5Handle(const Hdf5Handle&) = delete;
-  Hdf5Handle& operator=(const Hdf5Handle&) = delete;
+  Hdf5Handle(Hdf5Handle&& other) noexcept : id_(other.release()) {}
+  Hdf5Handle& operator=(Hdf5Handle&& other) noexcept {
+    reset(other.release());
+    return *this;
+  }
   ~Hdf5Handle() { reset(); }
   void reset(hid_t id = H5I_INVALID_HID) {
     if (id_ >= 0) {
@@ -39,7 +41,6 @@ class Hdf5Handle {
 using Hdf5File = Hdf5Handle<H5Fclose>;
 using Hdf5Dataset = Hdf5Handle<H5Dclose>;
 using Hdf5Attribute = Hdf5Handle<H5Aclose>;
-
 using Hdf5Dataspace = Hdf5Handle<H5Sclose>;
 using Hdf5Properties = Hdf5Handle<H5Pclose>;
 using Hdf5Type = Hdf5Handle<H5Tclose>;
@@ -57,28 +58,41 @@ auto hdf5_checked(const std::filesystem::path& path, const char* what, Call&& ca
   return result;
 }
 
-/// Writes a new dataset of doubles or whole numbers, in its final size. @throws IoError
+/// Before HDF5 is used: it crashes at exit when it tries once more to write what a full disk refused, and nothing of
+/// ours waits for the exit; and it goes on in memory that it did not get, so that is asked for before.
+/// @throws std::bad_alloc
+void begin_hdf5();
+
+// The rest throws IoError with the name of the file. `lacking` is what is said where there is no such dataset.
+
+Hdf5File hdf5_file(const std::filesystem::path& path, unsigned access = H5F_ACC_RDONLY, hid_t properties = H5P_DEFAULT);
+Hdf5Dataset hdf5_dataset(const std::filesystem::path& path, const Hdf5File& file, const std::string& name,
+                         const char* lacking = "lacks a dataset");
+/// With the groups in its name. A first extent of 0 may grow without bound.
+Hdf5Dataset new_dataset(const std::filesystem::path& path, const Hdf5File& file, const std::string& name, hid_t type,
+                        std::span<const hsize_t> extent, hid_t properties = H5P_DEFAULT);
+
+/// All values of a dataset.
+void read_values(const std::filesystem::path& path, const Hdf5Dataset& dataset, hid_t type, void* values);
+
+/// A space of doubles and the rows of a dataset, all of their columns, that they are: for reading or writing them.
+struct Hdf5Rows {
+  Hdf5Rows(const Hdf5Dataset& dataset, hsize_t first, hsize_t rows, hsize_t row_values);
+  Hdf5Dataspace memory, file;
+};
+
+/// Writes a new dataset of doubles or whole numbers, in its final size.
 template <class Value>
-Hdf5Dataset write_dataset(const std::filesystem::path& path, hid_t file, const std::string& name,
-                          std::span<const hsize_t> extent, const std::vector<Value>& values,
-                          hid_t links = H5P_DEFAULT) {
+Hdf5Dataset write_dataset(const std::filesystem::path& path, const Hdf5File& file, const std::string& name,
+                          std::span<const hsize_t> extent, const std::vector<Value>& values) {
   constexpr bool real = std::is_same_v<Value, double>;
   static_assert(real || std::is_same_v<Value, int>);
-  const Hdf5Dataspace space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr));
-  Hdf5Dataset dataset(hdf5_checked(path, "cannot create a dataset", [&] {
-    return H5Dcreate2(file, name.c_str(), real ? H5T_IEEE_F64LE : H5T_STD_I32LE, space.get(), links, H5P_DEFAULT,
-                      H5P_DEFAULT);
-  }));
+  Hdf5Dataset dataset = new_dataset(path, file, name, real ? H5T_IEEE_F64LE : H5T_STD_I32LE, extent);
   hdf5_checked(path, "cannot be written", [&] {
     return H5Dwrite(dataset.get(), real ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT,
                     values.data());
   });
   return dataset;
 }
-
-/// Before HDF5 is used: it crashes at exit when it tries once more to write what a full disk refused, and nothing of
-/// ours waits for the exit; and it goes on in memory that it did not get, so that is asked for before.
-/// @throws std::bad_alloc
-void begin_hdf5();
 
 }  // namespace viscobar
