@@ -24,10 +24,8 @@ Statistics integrate(const Scene& scene, const Mesh& mesh, const std::optional<C
   refuse_directions("characteristics", observers);
   require(scene, times, method);
   const StartingPoint start = from ? StartingPoint(*from) : StartingPoint(State{});
-  return run_in_parts(start, times, observers, [&](const StartingPoint& part) {
-    const auto* checkpoint = std::get_if<Checkpoint>(&part);
-    const auto begin = checkpoint ? std::optional(*checkpoint) : std::nullopt;
-    return Run(scene, mesh, begin, times, method, observers)(begin);
+  return run_in_parts(start, times, observers, [&](const StartingPoint& begin) {
+    return Run(scene, mesh, std::get_if<Checkpoint>(&begin), times, method, observers)();
   });
 }
 
@@ -37,7 +35,7 @@ std::optional<double> roughens(const Scene& scene, double end) {
   const Observers nobody;
   require(scene, times, method);
   try {
-    Run(scene, Mesh{scene.bar.length, 1}, std::nullopt, times, method, nobody, work_awaited)(std::nullopt);
+    Run(scene, Mesh{scene.bar.length, 1}, nullptr, times, method, nobody, work_awaited)();
   } catch (const IntegrationError& error) {
     if (error.failure != Failure::detail) throw;
     return error.statistics.reached_time;

@@ -1,10 +1,28 @@
 #pragma once
 
+#include <chrono>
+
 #include "run/parts.hpp"
-#include "run/stopwatch.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
+
+/// Wall time since construction, without what ran outside().
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+  /// Calls `call` off the clock.
+  void outside(auto&& call) {
+    const auto paused = Clock::now();
+    call();
+    start_ += Clock::now() - paused;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
 
 /// What a part of a run tells its observers, its clock stopped meanwhile if they ask for it, and what it counts on the
 /// way.

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <exception>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -24,10 +25,6 @@ void members(Like<SweepRow> auto& row, auto&& each) {
        row.seconds, row.integration_seconds);
 }
 void members(Like<SweepCase> auto& one, auto&& each) { each(one.index, one.overrides); }
-
-}  // namespace viscobar
-
-namespace viscobar {
 
 namespace {
 
@@ -172,10 +169,9 @@ std::vector<double> Ranks::plan(const SweepFile& sweep) {
 
 bool Ranks::run(const SweepWork& work) {
   ran_ = true;
-  std::vector<bool> told_to_stop(static_cast<std::size_t>(size_));
+  std::set<int> stopping;  // told so, or gone
   const auto tell_to_stop = [&](int rank) {
-    if (!told_to_stop[static_cast<std::size_t>(rank)]) send(rank, stop);
-    told_to_stop[static_cast<std::size_t>(rank)] = true;
+    if (stopping.insert(rank).second) send(rank, stop);
   };
   std::size_t next = 0;
   bool given_up = false;
@@ -210,8 +206,7 @@ bool Ranks::run(const SweepWork& work) {
     pause = 10us;
     if (message->tag == left) {
       --present;
-      const bool by_itself = !told_to_stop[static_cast<std::size_t>(message->rank)];
-      told_to_stop[static_cast<std::size_t>(message->rank)] = true;
+      const bool by_itself = stopping.insert(message->rank).second;
       if (by_itself && !given_up) give_up();
       continue;
     }

@@ -1,4 +1,4 @@
-#include "run/stopwatch.hpp"
+#include "run/telling.hpp"
 
 #include <gtest/gtest.h>
 
