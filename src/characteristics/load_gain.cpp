@@ -1,10 +1,6 @@
 #include "characteristics/load_gain.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <array>
-#include <utility>
 #include <variant>
 
 #include "characteristics/gauss_legendre.hpp"

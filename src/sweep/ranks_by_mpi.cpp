@@ -4,7 +4,6 @@
 #define MPICH_SKIP_MPICXX 1
 #include <mpi.h>
 
-#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <optional>
@@ -13,7 +12,6 @@
 #include <string>
 #include <string_view>
 #include <thread>
-#include <vector>
 
 #include "run/archive.hpp"
 #include "viscobar/record/record_run.hpp"
@@ -102,29 +100,6 @@ void broadcast(std::string& text) {
   text.resize(size);
   MPI_Bcast(text.data(), static_cast<int>(size), MPI_BYTE, 0, MPI_COMM_WORLD);
 }
-
-/// Whether a worker should give up its case; looks for messages twenty times a second.
-class StopWatch {
- public:
-  explicit StopWatch(const std::function<bool()>& interrupted) : interrupted_(interrupted) {}
-
-  bool operator()() {
-    if (stopped_ || interrupted_()) return true;
-    if (++calls_ % 64 != 0) return false;
-    const auto now = std::chrono::steady_clock::now();
-    if (now < next_) return false;
-    next_ = now + 50ms;
-    int there = 0;
-    MPI_Iprobe(0, stop, MPI_COMM_WORLD, &there, MPI_STATUS_IGNORE);
-    return stopped_ = there != 0;
-  }
-
- private:
-  const std::function<bool()>& interrupted_;
-  bool stopped_ = false;
-  std::size_t calls_ = 0;
-  std::chrono::steady_clock::time_point next_ = std::chrono::steady_clock::now();
-};
 
 }  // namespace
 
@@ -233,11 +208,21 @@ void Ranks::serve() {
     send(0, Tag::plan, pack(costs));
   }
   send(0, ready);
-  StopWatch stopped(interrupted_);
+  // Looks for messages twenty times a second.
+  auto next_look = std::chrono::steady_clock::now();
+  std::size_t calls = 0;
+  int told = 0;
+  const auto stopped = [&] {
+    if (told == 0 && ++calls % 64 == 0 && std::chrono::steady_clock::now() >= next_look) {
+      next_look = std::chrono::steady_clock::now() + 50ms;
+      MPI_Iprobe(0, stop, MPI_COMM_WORLD, &told, MPI_STATUS_IGNORE);
+    }
+    return told != 0 || interrupted_();
+  };
   for (;;) {
     const Message message = wait_for_message();
     if (message.tag == stop) break;
-    const auto done = run_case(scene_text, unpack<SweepCase>(message.bytes), [&] { return stopped(); });
+    const auto done = run_case(scene_text, unpack<SweepCase>(message.bytes), stopped);
     if (!done) break;
     send(0, row, pack(*done));
   }

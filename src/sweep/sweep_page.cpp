@@ -48,11 +48,11 @@ std::vector<std::size_t> by_interest(const std::vector<std::size_t>& shown) {
                                 time_in_contact_left,
                                 time_in_contact_right,
                                 steps};
-  std::vector<std::size_t> columns;
+  std::vector<std::size_t> found;
   for (const Quantity quantity : order)
     if (const auto k = static_cast<std::size_t>(quantity); std::ranges::find(shown, k) != shown.end())
-      columns.push_back(k);
-  return columns;
+      found.push_back(k);
+  return found;
 }
 
 std::string word(const std::string& value) { return value; }

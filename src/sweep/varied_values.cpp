@@ -124,7 +124,7 @@ std::vector<double> by_decade(const Range& range) {
   return values;
 }
 
-std::string text_of(const TomlValue& value) {
+std::string plain_text(const TomlValue& value) {
   if (const auto* text = std::get_if<std::string>(&value)) return *text;
   if (const auto* whole = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *whole);
   return fmt::format("{}", std::get<double>(value));
@@ -191,7 +191,7 @@ VariedKey varied_key(const SceneKey& key, const TomlNode& node, const Report& re
   if (key.type == KeyType::number || numbers)
     return varied([](const TomlValue& value) { return *finite_number(value); });
   if (key.type == KeyType::count) return varied([](const TomlValue& value) { return std::get<std::int64_t>(value); });
-  return varied(text_of);
+  return varied(plain_text);
 }
 
 }  // namespace viscobar
