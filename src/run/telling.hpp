@@ -32,7 +32,9 @@ class Telling {
   Telling(const Observers& observers, Statistics& statistics)
       : observers_(observers), statistics_(statistics), seconds_before_(statistics.integration_seconds) {}
 
-  void snapshot(const Snapshot& now) { tell(observers_.snapshot, now); }
+  void snapshot(const Snapshot& now) {
+    if (observers_.snapshot) timed([&] { observers_.snapshot(now); });
+  }
   /// Counts it, too.
   void event(double t, const BarSystem& system, const Contact& contact, Change change, double velocity,
              const std::vector<ChangeSensitivity>& sensitivities = {}) {
@@ -41,25 +43,22 @@ class Telling {
     told(event);
   }
   /// One that has been counted.
-  void told(const Event& event) { tell(observers_.event, event); }
+  void told(const Event& event) {
+    if (observers_.event) timed([&] { observers_.event(event); });
+  }
   /// After a step: whether the run goes on.
-  bool progress(double t) { return tell(observers_.progress, t) == RunControl::go_on; }
+  bool progress(double t) { return goes_on(observers_.progress, t); }
   /// After a checkpoint likewise, by a method whose run goes on as it is.
-  bool checkpoint(const Checkpoint& now) { return tell(observers_.checkpoints->take, now) == RunControl::go_on; }
+  bool checkpoint(const Checkpoint& now) { return goes_on(observers_.checkpoints->take, now); }
 
   /// Of all parts.
   void count_seconds() { statistics_.integration_seconds = seconds_before_ + watch_.seconds(); }
 
  private:
-  template <class Result, class Argument>
-  Result tell(const std::function<Result(Argument)>& observer, const auto& what) {
-    if constexpr (std::is_void_v<Result>) {
-      if (observer) timed([&] { observer(what); });
-    } else {
-      Result verdict = Result::go_on;
-      if (observer) timed([&] { verdict = observer(what); });
-      return verdict;
-    }
+  bool goes_on(const auto& observer, const auto& what) {
+    RunControl verdict = RunControl::go_on;
+    if (observer) timed([&] { verdict = observer(what); });
+    return verdict == RunControl::go_on;
   }
   void timed(auto&& call) {
     if (observers_.off_the_clock)

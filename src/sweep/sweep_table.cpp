@@ -125,8 +125,9 @@ std::string_view in_memory(const auto& value) { return {reinterpret_cast<const c
 }  // namespace
 
 SweepTable::SweepTable(const fs::path& file, const SweepPlan& plan, const std::string& identity)
-    : path_(file), plan_(plan), fields_(row_fields(plan)), identity_(Checksum::of(identity)) {
+    : path_(file), plan_(plan), identity_(Checksum::of(identity)) {
   begin_hdf5();
+  fields_ = row_fields(plan);
   if (!fs::exists(path_)) create(identity);
   const std::optional<SweepFrame> frame = SweepFrame::read(path_);
   if (!frame)

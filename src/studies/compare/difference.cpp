@@ -14,10 +14,6 @@ namespace viscobar {
 
 namespace {
 
-// A uniform mesh has one size, and its sums are of nodal values alone.
-double size_in_sums(const Mesh& mesh, std::size_t j) { return mesh.uniform() ? 1.0 : mesh.element(j); }
-double size_of_sums(const Mesh& mesh) { return mesh.uniform() ? mesh.spacing() : 1.0; }
-
 using Place = std::pair<Where, std::size_t>;
 
 // Trapezoidal rule of a trace given on a grid, over part of it.
@@ -73,18 +69,26 @@ std::optional<double> largest_difference(const Recording& first, const Recording
 
 double l2_norm(const Mesh& mesh, std::span<const double> nodal) {
   double sum = 0.0;
+  const auto size = [&](std::size_t j) { return mesh.uniform() ? 1.0 : mesh.element(j); };
   for (std::size_t j = 0; j + 1 < nodal.size(); ++j)
-    sum += size_in_sums(mesh, j) * (nodal[j] * nodal[j] + nodal[j] * nodal[j + 1] + nodal[j + 1] * nodal[j + 1]);
-  return std::sqrt(sum * size_of_sums(mesh) / 3.0);
+    sum += size(j) * (nodal[j] * nodal[j] + nodal[j] * nodal[j + 1] + nodal[j + 1] * nodal[j + 1]);
+  return std::sqrt((mesh.uniform() ? sum * mesh.spacing() : sum) / 3.0);
 }
 
 double h1_seminorm(const Mesh& mesh, std::span<const double> nodal) {
   double sum = 0.0;
+  if (!mesh.uniform()) {
+    for (std::size_t j = 0; j + 1 < nodal.size(); ++j) {
+      const double difference = nodal[j + 1] - nodal[j];
+      sum += difference * difference / mesh.element(j);
+    }
+    return std::sqrt(sum);
+  }
   for (std::size_t j = 0; j + 1 < nodal.size(); ++j) {
     const double difference = nodal[j + 1] - nodal[j];
-    sum += difference * difference / size_in_sums(mesh, j);
+    sum += difference * difference;
   }
-  return std::sqrt(sum / size_of_sums(mesh));
+  return std::sqrt(sum / mesh.spacing());
 }
 
 // Where the run kept no account, by the trapezoidal rule over the recording's times.

@@ -28,7 +28,8 @@ struct Difference {
   }
   double mean_product(const std::vector<double>& a, const std::vector<double>& b) const {
     double sum = 0.0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += weights[i % times] * (a[i] * b[i]);
+    for (std::size_t first = 0; first < a.size(); first += times)
+      for (std::size_t k = 0; k < times; ++k) sum += weights[k] * (a[first + k] * b[first + k]);
     return sum / static_cast<double>(a.size() / times);
   }
   double largest_change() const {
