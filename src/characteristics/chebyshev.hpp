@@ -25,6 +25,13 @@ class Chebyshev {
   static std::span<const double> points(std::size_t n);
   /// Through the values at points(values.size()).
   static Chebyshev through(std::span<const double> values);
+  /// Through those of f at points(n).
+  static Chebyshev of(std::size_t n, auto&& f) {
+    const std::span<const double> at = points(n);
+    std::array<double, most_terms> values;
+    for (std::size_t j = 0; j < n; ++j) values[j] = f(at[j]);
+    return through({values.data(), n});
+  }
 
   std::size_t terms() const { return terms_; }
   std::span<const double> coefficients() const { return {c_.data(), terms_}; }

@@ -89,13 +89,12 @@ void DrivenEnd::add(const End& end, const Piecewise& moved, Account& account) co
     const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
     const bool held = end.held_at(middle);
     const Chebyshev answer = moved.on(j, from, to);
-    std::array<double, Chebyshev::fitted_terms> values{};
-    const std::span<const double> points = Chebyshev::points(values.size());
-    for (std::size_t k = 0; k < values.size(); ++k)
-      values[k] = velocity.value(middle + half * points[k]) + (held ? 0.0 : answer(points[k]));
+    const auto moving = Chebyshev::of(Chebyshev::fitted_terms, [&](double z) {
+      return velocity.value(middle + half * z) + (held ? 0.0 : answer(z));
+    });
     const double t = start_ + passage_ * (static_cast<double>(now_) + from);
     const double u = end.displacement_at(from, along) + displacement(t);
-    const Chebyshev path = half * passage_ * Chebyshev::through(values).antiderivative() + u;
+    const Chebyshev path = half * passage_ * moving.antiderivative() + u;
     const double tolerance = 64.0 * rounding * path.bound();
     account.highest = maximum(path, std::max({account.highest, path(-1.0), path(1.0)}), tolerance);
     account.lowest = std::min({account.lowest, path(-1.0), path(1.0)});

@@ -113,20 +113,15 @@ std::optional<std::pair<Stretch, double>> merged(const Stretch& left, const Stre
   const double from = left.piece.begin, to = right.piece.end, border = left.piece.end;
   if (std::abs(left(border) - right(right.piece.begin)) > tolerance) return std::nullopt;
   Stretch one{{from, to, 0.5 * (from + to), 0.5 * (to - from)}, {}};
-  const auto fit = [&](std::size_t terms) {
-    std::array<double, Chebyshev::fitted_terms> values;
-    const std::span<const double> points = Chebyshev::points(terms);
-    for (std::size_t j = 0; j < terms; ++j) {
-      const double s = one.piece.middle + one.piece.half * points[j];
-      values[j] = s <= border ? left(s) : right(s);
-    }
-    return Chebyshev::through({values.data(), terms});
+  const auto value = [&](double z) {
+    const double s = one.piece.middle + one.piece.half * z;
+    return s <= border ? left(s) : right(s);
   };
   // A polynomial of the higher degree of the two is one, if any is; a higher one still, where series converge.
   const std::size_t least = std::max(left.p.terms(), right.p.terms());
   for (const std::size_t terms : {least, std::min<std::size_t>(2 * least + 2, Chebyshev::fitted_terms)}) {
     if (terms > Chebyshev::fitted_terms) break;
-    one.p = fit(terms);
+    one.p = Chebyshev::of(terms, value);
     double off = one.p.chop(0.1 * tolerance);
     for (const double part : {0.0, 0.13, 0.37, 0.61, 0.89, 1.0})
       for (const Stretch* half : {&left, &right})

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <thread>
 
-#include "run/archive.hpp"
+#include "run/parts.hpp"
 #include "viscobar/record/record_run.hpp"
 
 namespace viscobar {
@@ -44,15 +44,7 @@ struct PlannedCost {
   static void members(auto& self, auto&& each) { each(self.index, self.seconds); }
 };
 
-/// All ranks run the same program, as an archive asks.
-template <class Value>
-std::string pack(const Value& value) {
-  ArchiveWriter archive;
-  archive(value);
-  return archive.take();
-}
-
-/// @throws ArchiveError
+/// What archived() made: all ranks run the same program. @throws ArchiveError
 template <class Value>
 Value unpack(std::string_view bytes) {
   Value value;
@@ -128,7 +120,7 @@ std::vector<double> Ranks::plan(const SweepFile& sweep) {
   const auto send_some = [&](int rank) {
     std::vector<SweepCase> cases;
     while (next < costs.size() && cases.size() < at_a_time) cases.push_back(case_of(sweep, next++));
-    if (!cases.empty()) send(rank, Tag::plan, pack(cases));
+    if (!cases.empty()) send(rank, Tag::plan, archived(cases));
     return !cases.empty();
   };
   int busy = 0;
@@ -187,7 +179,7 @@ bool Ranks::run(const SweepWork& work) {
     }
     // The worker first, so that it does not wait for the disk.
     if (!given_up && next < work.order.size())
-      send(message->rank, job, pack(case_of(work.sweep, work.order[next++])));
+      send(message->rank, job, archived(case_of(work.sweep, work.order[next++])));
     else
       tell_to_stop(message->rank);
     if (message->tag == row) guarded([&] { work.take(unpack<SweepRow>(message->bytes)); });
@@ -205,7 +197,7 @@ void Ranks::serve() {
     std::vector<PlannedCost> costs;
     for (const SweepCase& one : unpack<std::vector<SweepCase>>(message.bytes))
       costs.push_back({one.index, planned_seconds(scene_text, one)});
-    send(0, Tag::plan, pack(costs));
+    send(0, Tag::plan, archived(costs));
   }
   send(0, ready);
   // Looks for messages twenty times a second.
@@ -224,7 +216,7 @@ void Ranks::serve() {
     if (message.tag == stop) break;
     const auto done = run_case(scene_text, unpack<SweepCase>(message.bytes), stopped);
     if (!done) break;
-    send(0, row, pack(*done));
+    send(0, row, archived(*done));
   }
   send(0, left);
 }
