@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -72,10 +71,42 @@ double zero(const Chebyshev& p, double from, double to) {
   return low <= -high ? from : to;
 }
 
+// p on part of its interval, which is halved depth first from the left.
 struct Part {
   Chebyshev p;
-  double begin, end;
+  double begin = -1.0, end = 1.0;
+
+  std::array<Part, 2> halves() const {
+    const double middle = 0.5 * (begin + end);
+    return {Part{p.restricted(-1.0, 0.0), begin, middle}, Part{p.restricted(0.0, 1.0), middle, end}};
+  }
 };
+
+std::optional<double> first_descent(const Chebyshev& whole, const Part& part, double band) {
+  const Chebyshev& p = part.p;
+  // A sixteenth of the band is given away, so that what stays at its border is not halved for ever.
+  if (p.lower() >= -1.0625 * band) return std::nullopt;
+  if (p(-1.0) < -band) return part.begin;
+  const Chebyshev slope = p.derivative();
+  if (slope.upper() <= 0.0 || part.end - part.begin <= 4.0 * rounding) {
+    if (p(1.0) >= -band) return std::nullopt;
+    // Where the interval begins within the band, that is as near to a zero as anybody knows.
+    return whole(part.begin) < 0.0 ? part.begin : zero(whole, part.begin, part.end);
+  }
+  if (slope.lower() >= 0.0) return std::nullopt;
+  for (const Part& half : part.halves())
+    if (const auto z = first_descent(whole, half, band)) return z;
+  return std::nullopt;
+}
+
+double maximum(const Part& part, double known, double tolerance) {
+  const Chebyshev& p = part.p;
+  known = std::max({known, p(-1.0), p(1.0)});
+  // A maximum inside so small a part is a rounding above its ends.
+  if (p.upper() <= known + tolerance || p.terms() <= 2 || part.end - part.begin < 1e-8) return known;
+  for (const Part& half : part.halves()) known = maximum(half, known, tolerance);
+  return known;
+}
 
 }  // namespace
 
@@ -83,8 +114,6 @@ Chebyshev::Chebyshev(std::span<const double> coefficients) : terms_(coefficients
   assert(terms_ <= most_terms);
   std::copy(coefficients.begin(), coefficients.end(), c_.begin());
 }
-
-Chebyshev Chebyshev::constant(double value) { return Chebyshev(std::span(&value, 1)); }
 
 std::span<const double> Chebyshev::points(std::size_t n) { return transform(n).points; }
 
@@ -212,48 +241,11 @@ double Chebyshev::chop(double tolerance) {
 std::optional<double> first_descent(const Chebyshev& p, double band) {
   if (p.lower() >= -band) return std::nullopt;
   if (p(-1.0) < -band) return -1.0;
-  // Depth first from the left. At most one interval of each length waits, and one more.
-  std::array<Part, 64> waiting;
-  std::size_t count = 0;
-  waiting[count++] = {p, -1.0, 1.0};
-  while (count > 0) {
-    const Part now = waiting[--count];
-    // A sixteenth of the band is given away, so that what stays at its border is not halved for ever.
-    if (now.p.lower() >= -1.0625 * band) continue;
-    if (now.p(-1.0) < -band) return now.begin;
-    const double width = now.end - now.begin;
-    const Chebyshev slope = now.p.derivative();
-    const bool falls = slope.upper() <= 0.0, rises = slope.lower() >= 0.0;
-    const bool small = width <= 4.0 * rounding || count + 2 > waiting.size();
-    if (falls || rises || small) {
-      if ((falls || small) && now.p(1.0) < -band) {
-        // Where the interval begins within the band, that is as near to a zero as anybody knows.
-        return p(now.begin) < 0.0 ? now.begin : zero(p, now.begin, now.end);
-      }
-      continue;
-    }
-    const double middle = 0.5 * (now.begin + now.end);
-    waiting[count++] = {now.p.restricted(0.0, 1.0), middle, now.end};
-    waiting[count++] = {now.p.restricted(-1.0, 0.0), now.begin, middle};
-  }
-  return std::nullopt;
+  return first_descent(p, Part{p}, band);
 }
 
 double maximum(const Chebyshev& p, double known, double tolerance) {
-  if (p.upper() <= known) return known;
-  std::array<Part, 64> waiting;
-  std::size_t count = 0;
-  waiting[count++] = {p, -1.0, 1.0};
-  while (count > 0) {
-    const Part now = waiting[--count];
-    known = std::max({known, now.p(-1.0), now.p(1.0)});
-    if (now.p.upper() <= known + tolerance || now.p.terms() <= 2 || count + 2 > waiting.size()) continue;
-    const double middle = 0.5 * (now.begin + now.end);
-    if (now.end - now.begin < 1e-8) continue;  // a maximum inside is a rounding above its ends
-    waiting[count++] = {now.p.restricted(0.0, 1.0), middle, now.end};
-    waiting[count++] = {now.p.restricted(-1.0, 0.0), now.begin, middle};
-  }
-  return known;
+  return p.upper() <= known ? known : maximum(Part{p}, known, tolerance);
 }
 
 }  // namespace viscobar::characteristics

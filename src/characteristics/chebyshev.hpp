@@ -20,11 +20,18 @@ class Chebyshev {
 
   Chebyshev() = default;  // zero
   explicit Chebyshev(std::span<const double> coefficients);
-  static Chebyshev constant(double value);
+  static Chebyshev constant(double value) { return Chebyshev(std::span(&value, 1)); }
   /// z_j = cos(pi (2 j + 1) / (2 n)), inside the interval: its ends may be where a function breaks.
   static std::span<const double> points(std::size_t n);
   /// Through the values at points(values.size()).
   static Chebyshev through(std::span<const double> values);
+  /// Through those of f at points(n).
+  static Chebyshev of(std::size_t n, auto&& f) {
+    const std::span<const double> at = points(n);
+    std::array<double, most_terms> values;
+    for (std::size_t j = 0; j < n; ++j) values[j] = f(at[j]);
+    return through({values.data(), n});
+  }
 
   std::size_t terms() const { return terms_; }
   std::span<const double> coefficients() const { return {c_.data(), terms_}; }
@@ -56,6 +63,10 @@ class Chebyshev {
   std::array<double, most_terms> c_;
   std::size_t terms_ = 0;
 };
+
+inline Chebyshev operator*(double factor, Chebyshev p) { return p *= factor; }
+inline Chebyshev operator-(Chebyshev p) { return p *= -1.0; }
+inline Chebyshev operator+(Chebyshev p, double constant) { return p += constant; }
 
 /// The first zero through which p passes to below -band, or a place within the band just before; -1 where it begins
 /// below. Absent: p >= -band throughout. No pair of zeros is missed: an interval is given up only once its coefficients

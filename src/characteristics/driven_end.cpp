@@ -16,24 +16,18 @@ DrivenEnd::DrivenEnd(const EndInput& input, double impedance, double passage, do
       passage_(passage),
       start_(start),
       factor_(1.0 + input.dashpot / impedance),
-      active_(input.force || input.motion || input.dashpot != 0.0) {}
-
-void DrivenEnd::enter(std::size_t passage) {
-  if (!active_) return;
-  now_ = passage;
-  force_.clear();
-  velocity_.clear();
-  if (input_.force) {
-    const auto per_impedance = [this](double t) { return input_.force->value(t) / impedance_; };
-    force_ = fitted(fit_, per_impedance, input_.force->breaks, "the force at an end");
-  }
-  if (input_.motion) velocity_ = fitted(fit_, input_.motion->velocity, input_.motion->breaks, "the velocity of an end");
-  for (Piecewise* none : {&force_, &velocity_})
-    if (none->empty()) none->append(1.0, 0.0, 1.0, Chebyshev::constant(0.0));
+      active_(input.force || input.motion || input.dashpot != 0.0) {
+  for (Piecewise* none : {&force_, &velocity_}) none->append(1.0, 0.0, 1.0, Chebyshev::constant(0.0));
 }
 
-const Piecewise& DrivenEnd::fitted(PiecewiseFit& fit, const TimeFunction& f, const NextBreak& breaks,
-                                   const char* what) {
+void DrivenEnd::enter(std::size_t passage) {
+  now_ = passage;
+  const auto per_impedance = [this](double t) { return input_.force->value(t) / impedance_; };
+  if (input_.force) fit(per_impedance, input_.force->breaks, "the force at an end", force_);
+  if (input_.motion) fit(input_.motion->velocity, input_.motion->breaks, "the velocity of an end", velocity_);
+}
+
+void DrivenEnd::fit(const TimeFunction& f, const NextBreak& breaks, const char* what, Piecewise& fitted) {
   const double begin = start_ + passage_ * static_cast<double>(now_), end = begin + passage_;
   breaks_.clear();
   // What breaks twice within so little breaks once.
@@ -48,9 +42,8 @@ const Piecewise& DrivenEnd::fitted(PiecewiseFit& fit, const TimeFunction& f, con
     return finite_load(
         t, [&] { return f(t); }, [&] { return fmt::format("{} at t = {}", what, t); });
   };
-  const Piecewise& pieces = fit.of(of_s, {.breaks = breaks_, .argument = static_cast<double>(now_) + 1.0});
-  error_ += fit.error();
-  return pieces;
+  fitted = fit_.of(of_s, {.breaks = breaks_, .argument = static_cast<double>(now_) + 1.0});
+  error_ += fit_.error();
 }
 
 const Piecewise& DrivenEnd::relative(const Piecewise& arriving) {
@@ -86,21 +79,27 @@ DrivenEnd::Flow DrivenEnd::flow(const End& end, const Piecewise& moved, double u
   return sum;
 }
 
-void DrivenEnd::add_range(double from, double to, bool held, const Chebyshev& moved, double u) {
-  const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
-  Cursor velocity(velocity_);
-  std::array<double, Chebyshev::fitted_terms> values{};
-  const std::span<const double> points = Chebyshev::points(values.size());
-  for (std::size_t k = 0; k < values.size(); ++k)
-    values[k] = velocity.value(middle + half * points[k]) + (held ? 0.0 : moved(points[k]));
-  Chebyshev path = Chebyshev::through(values).antiderivative();
-  path *= half * passage_;
-  path += u;
-  const double tolerance = 64.0 * rounding * path.bound();
-  account_.highest = maximum(path, std::max({account_.highest, path(-1.0), path(1.0)}), tolerance);
-  account_.lowest = std::min({account_.lowest, path(-1.0), path(1.0)});
-  path *= -1.0;
-  account_.lowest = -maximum(path, -account_.lowest, tolerance);
+void DrivenEnd::add(const End& end, const Piecewise& moved, Account& account) const {
+  const Flow whole = flow(end, moved, moved.end());
+  account.work += whole.work;
+  account.dissipated += whole.dissipated;
+  if (!moves()) return;
+  Cursor along(moved), velocity(velocity_);
+  for_common_pieces(velocity_, moved, moved.end(), [&](double from, double to, std::size_t, std::size_t j) {
+    const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
+    const bool held = end.held_at(middle);
+    const Chebyshev answer = moved.on(j, from, to);
+    const auto moving = Chebyshev::of(Chebyshev::fitted_terms, [&](double z) {
+      return velocity.value(middle + half * z) + (held ? 0.0 : answer(z));
+    });
+    const double t = start_ + passage_ * (static_cast<double>(now_) + from);
+    const double u = end.displacement_at(from, along) + displacement(t);
+    const Chebyshev path = half * passage_ * moving.antiderivative() + u;
+    const double tolerance = 64.0 * rounding * path.bound();
+    account.highest = maximum(path, std::max({account.highest, path(-1.0), path(1.0)}), tolerance);
+    account.lowest = std::min({account.lowest, path(-1.0), path(1.0)});
+    account.lowest = -maximum(-path, -account.lowest, tolerance);
+  });
 }
 
 }  // namespace viscobar::characteristics

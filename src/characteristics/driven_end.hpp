@@ -42,22 +42,17 @@ class DrivenEnd {
   Flow flow(const End& end, const Piecewise& moved, double until) const;
 
   /// What it has done since the start.
-  struct Account {
-    double work = 0.0, dissipated = 0.0;
+  struct Account : Flow {
     double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;  // u, where it moves
     static void members(auto& account, auto&& each) {
       each(account.work, account.dissipated, account.lowest, account.highest);
     }
   };
-  const Account& account() const { return account_; }
-  void restore(const Account& account) { account_ = account; }
-  /// Adds the passage in which `end` moved so; `displacement_at(s)` gives its displacements.
-  template <class Displacement>
-  void add(const End& end, const Piecewise& moved, Displacement&& displacement_at);
+  /// Adds the passage in which `end` moved so.
+  void add(const End& end, const Piecewise& moved, Account& account) const;
 
  private:
-  const Piecewise& fitted(PiecewiseFit& fit, const TimeFunction& f, const NextBreak& breaks, const char* what);
-  void add_range(double from, double to, bool held, const Chebyshev& moved, double u);
+  void fit(const TimeFunction& f, const NextBreak& breaks, const char* what, Piecewise& fitted);
 
   const EndInput& input_;
   double impedance_, passage_, start_, factor_ = 1.0, error_ = 0.0;
@@ -66,18 +61,6 @@ class DrivenEnd {
   PiecewiseFit fit_;
   Piecewise force_, velocity_, relative_, scratch_;  // force_ is F / Z
   std::vector<double> breaks_;
-  Account account_;
 };
-
-template <class Displacement>
-void DrivenEnd::add(const End& end, const Piecewise& moved, Displacement&& displacement_at) {
-  const Flow whole = flow(end, moved, moved.end());
-  account_.work += whole.work;
-  account_.dissipated += whole.dissipated;
-  if (!moves()) return;
-  for_common_pieces(velocity_, moved, moved.end(), [&](double from, double to, std::size_t, std::size_t j) {
-    add_range(from, to, end.held_at(0.5 * (from + to)), moved.on(j, from, to), displacement_at(from));
-  });
-}
 
 }  // namespace viscobar::characteristics

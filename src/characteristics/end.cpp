@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 namespace viscobar::characteristics {
@@ -13,13 +12,23 @@ constexpr double roundings = 64.0 * rounding;
 
 }  // namespace
 
+End::End(const EndCondition& condition, double displacement, double passage) : passage_(passage), place_(displacement) {
+  if (is_fixed(condition)) kind_ = Kind::fixed;
+  const auto* obstacle = std::get_if<Obstacle>(&condition);
+  if (!obstacle) return;
+  kind_ = Kind::obstacle;
+  sign_ = obstacle->side == Side::above ? -1.0 : 1.0;
+  gap_ = obstacle->gap;
+  const double clearance = sign_ * displacement + gap_, touch = 4.0 * rounding * (std::abs(displacement) + gap_);
+  place_ = clearance <= touch ? 0.0 : clearance;
+}
+
 void End::answer(const Piecewise& arriving, double until, const Scale& scale, Piecewise& sent) {
   sent.clear();
   marks_.clear();
   turns_.clear();
   marks_.push_back({0.0, place_, 0.0, borne_.impulse, closed_});
-  borne_.lowest = std::min(borne_.lowest, place_);
-  borne_.highest = std::max(borne_.highest, place_);
+  widen_to(place_);
   for (std::size_t i = 0; i < arriving.size() && arriving[i].begin < until; ++i) {
     const double end = std::min(until, arriving[i].end);
     if (kind_ == Kind::obstacle)
@@ -28,52 +37,43 @@ void End::answer(const Piecewise& arriving, double until, const Scale& scale, Pi
       send(arriving[i], arriving.polynomial(i), end, sent);
   }
   const Mark& last = marks_.back();
-  place_ = last.place;
-  if (kind_ != Kind::fixed && !last.closed) place_ += passage_ * (of_sent(sent.integral()) - last.sent);
+  place_ = kind_ == Kind::fixed || last.closed ? last.place : place_after(last, sent.integral());
 }
 
 void End::send(const Piecewise::Piece& piece, const Chebyshev& arriving, double until, Piecewise& sent) {
-  Chebyshev p = arriving;
-  if (kind_ == Kind::fixed || closed_) p *= -1.0;
-  const double from = piece.middle - piece.half, to = piece.middle + piece.half;
-  const double before = of_sent(sent.integral()), begin = sent.end();
+  const Chebyshev p = kind_ == Kind::fixed || closed_ ? -arriving : arriving;
+  const double before = sent.integral(), begin = sent.end();
   if (until <= begin) return;
-  if (sign_ < 0.0) {
-    Chebyshev turned = p;
-    turned *= -1.0;
-    sent.append(until, from, to, turned);
-  } else {
-    sent.append(until, from, to, p);
-  }
+  sent.append(until, piece, sign_ * p);
   if (kind_ == Kind::fixed) return;
   const double z_begin = piece.z(begin), z_end = piece.z(until);
   if (!closed_) {
     const Mark& last = marks_.back();
-    const auto place = [&](double integral) { return last.place + passage_ * (integral - last.sent); };
-    return widen(p.restricted(z_begin, z_end), until - begin, place(before), place(of_sent(sent.integral())));
+    return widen(p.restricted(z_begin, z_end), until - begin, place_after(last, before),
+                 place_after(last, sent.integral()));
   }
-  borne_.impulse += of_sent(sent.integral()) - before;
+  borne_.impulse += of_sent(sent.integral()) - of_sent(before);
   if (p.upper() > borne_.max_reaction)
     borne_.max_reaction = maximum(p.restricted(z_begin, z_end), borne_.max_reaction, roundings * p.bound());
+}
+
+void End::widen_to(double place) {
+  borne_.lowest = std::min(borne_.lowest, place);
+  borne_.highest = std::max(borne_.highest, place);
 }
 
 // The range of places by a path that leads from one to another; within it is looked for an extreme only where the
 // velocity may have a zero that leads beyond what is known.
 void End::widen(const Chebyshev& velocity, double duration, double from, double to) {
-  for (const double place : {from, to}) {
-    borne_.lowest = std::min(borne_.lowest, place);
-    borne_.highest = std::max(borne_.highest, place);
-  }
+  widen_to(from);
+  widen_to(to);
   if (velocity.lower() >= 0.0 || velocity.upper() <= 0.0) return;
   const double reach = passage_ * duration * velocity.bound();
   if (from - reach >= borne_.lowest && from + reach <= borne_.highest) return;
-  Chebyshev path = velocity.antiderivative();
-  path *= 0.5 * duration * passage_;
-  path += from;
+  const Chebyshev path = (0.5 * duration * passage_) * velocity.antiderivative() + from;
   const double tolerance = roundings * path.bound();
   borne_.highest = maximum(path, borne_.highest, tolerance);
-  path *= -1.0;
-  borne_.lowest = -maximum(path, -borne_.lowest, tolerance);
+  borne_.lowest = -maximum(-path, -borne_.lowest, tolerance);
 }
 
 void End::turn(double s, double velocity, const Piecewise& sent) {
@@ -85,50 +85,38 @@ void End::turn(double s, double velocity, const Piecewise& sent) {
 // Piece i of what arrives, from where `sent` ends up to `end`.
 void End::meet(const Piecewise& arriving, std::size_t i, double end, const Scale& scale, Piecewise& sent) {
   const Piecewise::Piece& piece = arriving[i];
-  Chebyshev whole = arriving.polynomial(i);
-  if (sign_ < 0.0) whole *= -1.0;
+  const Chebyshev whole = sign_ * arriving.polynomial(i);
   const double band = roundings * scale.velocity, touch = roundings * scale.place;
   // What is sent lags behind by less than the shortest piece, where it begins with one that is shorter.
-  for (double begin = sent.end(); begin < end;) {
+  double begin = sent.end();
+  while (begin < end) {
     const double half = 0.5 * (end - begin);
-    if (half < 0.5 * Piecewise::shortest) return send(piece, whole, end, sent);
-    // A zero after the beginning that rounds to it would be met again and again.
-    const auto place = [&](double z) {
-      if (z <= -1.0) return begin;
-      return z >= 1.0 ? end : std::min(end, begin + std::max(half * (z + 1.0), Piecewise::shortest));
-    };
-    if (closed_) {
-      if (whole.upper() <= band) return send(piece, whole, end, sent);
-      ++searched_;
-      const Chebyshev p = whole.restricted(piece.z(begin), piece.z(end));
-      Chebyshev pressed = p;
-      pressed *= -1.0;
-      const auto z = first_descent(pressed, band);
-      if (!z) return send(piece, whole, end, sent);
-      begin = place(*z);
-      send(piece, whole, begin, sent);
-      turn(begin, p(*z), sent);
-      continue;
-    }
-    const Mark& last = marks_.back();
-    const double clearance = last.place + passage_ * (of_sent(sent.integral()) - last.sent);
-    if (clearance + 2.0 * half * passage_ * std::min(0.0, whole.lower()) >= -touch && clearance > touch)
-      return send(piece, whole, end, sent);
+    if (half < 0.5 * Piecewise::shortest) break;
+    const double clearance = closed_ ? 0.0 : place_after(marks_.back(), sent.integral());
+    const double fall = 2.0 * half * passage_ * std::min(0.0, whole.lower());
+    if (closed_ ? whole.upper() <= band : clearance + fall >= -touch && clearance > touch) break;
     ++searched_;
     const Chebyshev p = whole.restricted(piece.z(begin), piece.z(end));
-    Chebyshev path = p.antiderivative();
-    path *= half * passage_;
-    path += clearance;
     std::optional<double> z;
-    // What touches and is pressed closes where the pressure begins: the path tells no more than that it falls.
-    if (clearance <= touch)
-      if (const auto pressed = first_descent(p, band); pressed && path(*pressed) <= touch) z = pressed;
-    if (!z) z = first_descent(path, touch);
-    if (!z) return send(piece, whole, end, sent);
-    begin = place(*z);
+    if (closed_) {
+      z = first_descent(-p, band);
+    } else {
+      const Chebyshev path = (half * passage_) * p.antiderivative() + clearance;
+      // What touches and is pressed closes where the pressure begins: the path tells no more than that it falls.
+      if (clearance <= touch)
+        if (const auto pressed = first_descent(p, band); pressed && path(*pressed) <= touch) z = pressed;
+      if (!z) z = first_descent(path, touch);
+    }
+    if (!z) break;
+    // A zero after the beginning that rounds to it would be met again and again.
+    if (*z >= 1.0)
+      begin = end;
+    else if (*z > -1.0)
+      begin = std::min(end, begin + std::max(half * (*z + 1.0), Piecewise::shortest));
     send(piece, whole, begin, sent);
     turn(begin, p(*z), sent);
   }
+  if (begin < end) send(piece, whole, end, sent);
 }
 
 const End::Mark& End::mark_at(double s) const {
@@ -137,20 +125,23 @@ const End::Mark& End::mark_at(double s) const {
   return next == marks_.begin() ? *next : *(next - 1);
 }
 
+std::pair<double, double> End::range() const {
+  const double a = displacement_of(borne_.lowest), b = displacement_of(borne_.highest);
+  return sign_ < 0.0 ? std::pair(b, a) : std::pair(a, b);
+}
+
 double End::impulse_at(double s, Cursor& sent) const {
   const Mark& mark = mark_at(s);
   return sign_ * (mark.impulse + (mark.closed ? of_sent(sent.integral(s)) - mark.sent : 0.0));
 }
 
-double End::place_at(double s, Cursor& sent) const {
+double End::displacement_at(double s, Cursor& sent) const {
   const Mark& mark = mark_at(s);
-  if (kind_ == Kind::fixed || mark.closed) return mark.place;
-  return mark.place + passage_ * (of_sent(sent.integral(s)) - mark.sent);
+  const bool held = kind_ == Kind::fixed || mark.closed;
+  return displacement_of(held ? mark.place : place_after(mark, sent.integral(s)));
 }
 
-double End::velocity_at(double s, Cursor& sent) const {
-  return kind_ == Kind::fixed || mark_at(s).closed ? 0.0 : sent.value(s);
-}
+double End::velocity_at(double s, Cursor& sent) const { return held_at(s) ? 0.0 : sent.value(s); }
 
 double End::force_at(double s, Cursor& sent) const {
   if (kind_ == Kind::fixed) return sent.value(s);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "characteristics/piecewise.hpp"
@@ -16,16 +17,6 @@ struct Turn {
   double velocity;  ///< of the end beside it: before a closing, after an opening
 };
 
-/// What an end has borne, in the units of a passage: multiply impulses by rho c L / c and reactions by rho c, both away
-/// from an obstacle. Its places are those of End::place().
-struct Borne {
-  double impulse = 0.0, max_reaction = 0.0;
-  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
-  static void members(auto& borne, auto&& each) {
-    each(borne.impulse, borne.max_reaction, borne.lowest, borne.highest);
-  }
-};
-
 /// One end of the bar. A passage is the time that a wave takes through the bar, s = 0 ... 1; within it what arrives, w
 /// = v -+ s/(rho c), is known, and the end answers with what it sends back:
 ///
@@ -38,11 +29,8 @@ struct Borne {
 /// integrals differ by at most d give clearances that differ by at most 2 d.
 class End {
  public:
-  enum class Kind { free, fixed, obstacle };
-
-  /// `place` is the displacement, of an obstacle's end its clearance s u + gap. `passage` is L / c, `sign` s.
-  End(Kind kind, double place, double passage, double sign = 1.0)
-      : kind_(kind), passage_(passage), sign_(sign), place_(place) {}
+  /// `passage` is L / c. Data that touch up to their rounding touch.
+  End(const EndCondition& condition, double displacement, double passage);
 
   /// How large displacements and velocities are: what is smaller by 64 roundings is nothing.
   struct Scale {
@@ -51,40 +39,59 @@ class End {
   /// What it sends while `arriving` arrives, up to s = until.
   void answer(const Piecewise& arriving, double until, const Scale& scale, Piecewise& sent);
 
-  double place() const { return place_; }  ///< displacement or clearance, as between two passages
+  /// Displacement, of an obstacle's end its clearance s u + gap, as between two passages.
+  double place() const { return place_; }
+  double displacement() const { return displacement_of(place_); }  ///< likewise
   /// Within the passage answered last, of which `sent` was sent.
-  double place_at(double s, Cursor& sent) const;  ///< displacement or clearance
+  double displacement_at(double s, Cursor& sent) const;
   double velocity_at(double s, Cursor& sent) const;
-  double force_at(double s, Cursor& sent) const;             ///< of what holds it, / (rho c), in the direction of u
-  double impulse_at(double s, Cursor& sent) const;           ///< from the beginning on, likewise
-  double impulse() const { return sign_ * borne_.impulse; }  ///< so far
+  double force_at(double s, Cursor& sent) const;    ///< of what holds it, / (rho c), in the direction of u
+  double impulse_at(double s, Cursor& sent) const;  ///< from the beginning on, likewise
+  bool held_at(double s) const { return kind_ == Kind::fixed || mark_at(s).closed; }  ///< fixed, or in contact
 
-  /// Whether it is fixed, or in contact.
-  bool held_at(double s) const { return kind_ == Kind::fixed || mark_at(s).closed; }
+  /// From the beginning on: multiply impulses by rho c L / c and reactions by rho c.
+  double impulse() const { return sign_ * borne_.impulse; }
+  double max_reaction() const { return borne_.max_reaction; }  ///< away from an obstacle
+  std::pair<double, double> range() const;                     ///< the least displacement and the largest
 
   const std::vector<Turn>& turns() const { return turns_; }  ///< of that passage, in order
-  const Borne& borne() const { return borne_; }              ///< from the beginning on
   std::size_t searched() const { return searched_; }         ///< pieces, for turns
 
   /// As between two passages.
   static void members(auto& end, auto&& each) { each(end.place_, end.closed_, end.borne_, end.searched_); }
 
  private:
+  enum class Kind { free, fixed, obstacle };
+
+  // What it has borne, away from an obstacle, and the range of its places.
+  struct Borne {
+    double impulse = 0.0, max_reaction = 0.0;
+    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+    static void members(auto& borne, auto&& each) {
+      each(borne.impulse, borne.max_reaction, borne.lowest, borne.highest);
+    }
+  };
   // From here on, until the next.
   struct Mark {
     double s, place, sent, impulse;  // sent: its integral, by of_sent(); both so far
     bool closed;
   };
+
   const Mark& mark_at(double s) const;
+  double place_after(const Mark& mark, double sent) const {
+    return mark.place + passage_ * (of_sent(sent) - mark.sent);
+  }
+  double displacement_of(double place) const { return kind_ == Kind::obstacle ? sign_ * (place - gap_) : place; }
   void meet(const Piecewise& arriving, std::size_t i, double end, const Scale& scale, Piecewise& sent);
   void turn(double s, double velocity, const Piecewise& sent);
   void send(const Piecewise::Piece& piece, const Chebyshev& arriving, double until, Piecewise& sent);
   void widen(const Chebyshev& velocity, double duration, double from, double to);
+  void widen_to(double place);
 
   double of_sent(double value) const { return sign_ * value; }  // of its integral or value, towards open contact
 
-  Kind kind_;
-  double passage_, sign_;
+  Kind kind_ = Kind::free;
+  double passage_, sign_ = 1.0, gap_ = 0.0;
   double place_;
   bool closed_ = false;
   Borne borne_;

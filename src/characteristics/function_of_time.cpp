@@ -126,13 +126,11 @@ FunctionOfTime spline_through(std::span<const double> t, std::span<const double>
   std::vector<Piece> pieces;
   for (std::size_t i = 0; i + 1 < n; ++i) {
     const double h = t[i + 1] - t[i];
-    std::vector<double> values;
-    for (const double z : Chebyshev::points(4)) {  // Hermite's cubic
+    const auto hermite = [&](double z) {
       const double s = 0.5 * (1.0 + z), r = 1.0 - s;
-      values.push_back(r * r * ((1.0 + 2.0 * s) * y[i] + s * h * m[i]) +
-                       s * s * ((1.0 + 2.0 * r) * y[i + 1] - r * h * m[i + 1]));
-    }
-    pieces.push_back(piece_of(t[i], t[i + 1], t[i], t[i + 1], Chebyshev::through(values)));
+      return r * r * ((1.0 + 2.0 * s) * y[i] + s * h * m[i]) + s * s * ((1.0 + 2.0 * r) * y[i + 1] - r * h * m[i + 1]);
+    };
+    pieces.push_back(piece_of(t[i], t[i + 1], t[i], t[i + 1], Chebyshev::of(4, hermite)));
   }
   return moved_by(std::move(pieces));
 }

@@ -1,5 +1,3 @@
-#include "characteristics/general_gain.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <utility>
 
 #include "characteristics/gauss_legendre.hpp"
+#include "characteristics/load_gain.hpp"
 
 namespace viscobar::characteristics {
 
@@ -74,7 +73,7 @@ class GeneralGain final : public LoadGain {
     r = inside_.first < inside_.second ? std::clamp(r, inside_.first, inside_.second) : r;
     const double x = frame_.x(std::clamp(way.rightward ? way.place - r : way.place + r, 0.0, 1.0));
     const double t = frame_.t(std::max(0.0, way.time - r));
-    const double value = finite(
+    const double value = finite_load(
         t, [&] { return density_(x, t); }, [&] { return fmt::format("the load at x = {}, t = {}", x, t); });
     largest_ = std::max(largest_, std::abs(value));
     return value;

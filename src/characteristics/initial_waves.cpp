@@ -1,5 +1,3 @@
-#include "characteristics/initial_waves.hpp"
-
 #include <fmt/format.h>
 
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <stdexcept>
 
 #include "characteristics/piecewise_fit.hpp"
+#include "characteristics/run.hpp"
 
 namespace viscobar::characteristics {
 
@@ -35,16 +34,14 @@ double refuse_jumps(const Piecewise& u, double length) {
   double sum = 0.0;
   const double scale = u.bound();
   for (std::size_t i = 0; i + 1 < u.size(); ++i) {
-    const double at = u[i].end;
-    const double before = u.polynomial(i)(u[i].z(at)), after = u.polynomial(i + 1)(u[i + 1].z(at));
+    const double at = u[i].end, before = u(i, at), after = u(i + 1, at);
     // Pieces as short as roundings of the place are a jump that has been halved to its end.
-    const double within = u[i].end - u[i].begin < 1e-12 ? u.polynomial(i).upper() - u.polynomial(i).lower() : 0.0;
+    const double within = u[i].width() < 1e-12 ? u.polynomial(i).upper() - u.polynomial(i).lower() : 0.0;
     sum += std::abs(after - before);
     if (std::abs(after - before) > visible * scale || within > visible * scale)
       throw std::invalid_argument(
           fmt::format("initial.displacement jumps from {:.6g} to {:.6g} at x = {:.6g}: the strain is infinite there; "
-                      "characteristics "
-                      "needs a continuous displacement",
+                      "characteristics needs a continuous displacement",
                       before, after, length * at));
   }
   return sum;
@@ -63,9 +60,7 @@ InitialData initial_data(const Scene& scene) {
   const double factor = std::sqrt(bar.modulus / bar.density) / bar.length;
   for (std::size_t i = 0; i < data.displacement.size(); ++i) {
     const Piecewise::Piece& piece = data.displacement[i];
-    Chebyshev slope = data.displacement.polynomial(i).derivative();
-    slope *= factor / piece.half;
-    data.strain_velocity.append(piece.end, piece.middle - piece.half, piece.middle + piece.half, slope);
+    data.strain_velocity.append(piece.end, piece, factor / piece.half * data.displacement.polynomial(i).derivative());
   }
   return data;
 }

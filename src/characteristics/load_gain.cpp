@@ -1,15 +1,9 @@
 #include "characteristics/load_gain.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <array>
-#include <utility>
 #include <variant>
 
 #include "characteristics/gauss_legendre.hpp"
-#include "characteristics/general_gain.hpp"
-#include "characteristics/load_in_passages.hpp"
 
 namespace viscobar::characteristics {
 
@@ -17,27 +11,28 @@ namespace {
 
 constexpr std::size_t most_pairs = 400;  // of a break in x and one in t
 
+const Piecewise& fitted(PiecewiseFit& fit, const SpaceFunction& profile, const Frame& frame, const char* what) {
+  return fit.of([&](double place) {
+    const double x = frame.x(place);
+    return finite_load(
+        frame.start, [&] { return profile(x); }, [&] { return fmt::format("{} at x = {}", what, x); });
+  });
+}
+
 class SteadyGain final : public LoadGain {
  public:
   SteadyGain(const SteadyLoad& load, const Frame& frame) {
-    const Piecewise& density = fit_.of([&](double place) {
-      const double x = frame.x(place);
-      return finite(
-          frame.start, [&] { return load.profile(x); }, [&] { return fmt::format("the load at x = {}", x); });
-    });
+    const Piecewise& density = fitted(fit_, load.profile, frame, "the load");
     evaluations_ = fit_.evaluations();
-    errors_.arrivals = frame.factor * fit_.error();
+    errors.arrivals = frame.factor * fit_.error();
     const double whole = frame.factor * density.integral();
     for (std::size_t i = 0; i < density.size(); ++i) {
       const Piecewise::Piece& piece = density[i];
-      const double from = piece.middle - piece.half, to = piece.middle + piece.half;
       Chebyshev sum = density.polynomial(i).antiderivative();
       sum += piece.before / piece.half - sum(piece.z(piece.begin));
       sum *= piece.half * frame.factor;
-      rightward_.append(piece.end, from, to, sum);
-      sum *= -1.0;
-      sum += whole;
-      leftward_.append(piece.end, from, to, sum);
+      rightward_.append(piece.end, piece, sum);
+      leftward_.append(piece.end, piece, -sum + whole);
     }
     arriving_right_.append(1.0, 0.0, 1.0, Chebyshev::constant(whole));
     arriving_left_ = arriving_right_;
@@ -55,11 +50,7 @@ class SeparableGain final : public LoadGain {
  public:
   SeparableGain(const SeparableLoad& load, const Frame& frame)
       : history_(load.history), frame_(frame), breaks_of_history_(load.breaks, frame) {
-    profile_ = fit_.of([&](double place) {
-      const double x = frame.x(place);
-      return finite(
-          frame.start, [&] { return load.profile(x); }, [&] { return fmt::format("the profile at x = {}", x); });
-    });
+    profile_ = fitted(fit_, load.profile, frame, "the profile");
     profile_error_ = fit_.error();
     profile_bound_ = profile_.bound();
     evaluations_ = profile_evaluations_ = fit_.evaluations();
@@ -77,13 +68,13 @@ class SeparableGain final : public LoadGain {
     now_ = history_fit_.of(
         [&](double s) {
           const double t = frame_.t(begin + s);
-          return finite(
+          return finite_load(
               t, [&] { return history_(t); }, [&] { return fmt::format("the history of the load at t = {}", t); });
         },
         {.breaks = cuts_,
          .apart = 64.0 * rounding * (begin + 2.0 + std::abs(frame_.start) / frame_.passage),
          .argument = begin + 1.0 + std::abs(frame_.start) / frame_.passage});
-    errors_.arrivals += frame_.factor * (profile_error_ * now_.bound() + profile_bound_ * history_fit_.error());
+    errors.arrivals += frame_.factor * (profile_error_ * now_.bound() + profile_bound_ * history_fit_.error());
     evaluations_ = profile_evaluations_ + history_fit_.evaluations();
     times_.clear();
     if (passage > 0)
@@ -204,7 +195,7 @@ void LoadGain::arrivals() {
     arriving = represented([&](double s) {
       return gain({rightward ? 1.0 : 0.0, begin + s, std::min(1.0, begin + s), rightward});
     });
-    errors_.arrivals += fit_.error();
+    errors.arrivals += fit_.error();
   }
 }
 
@@ -224,7 +215,7 @@ void LoadGain::look(double s) {
     on_the_way = represented([&](double place) {
       return gain({place, now, std::min(onward ? place : 1.0 - place, now), onward});
     });
-    errors_.looked_at = std::max(errors_.looked_at, fit_.error());
+    errors.looked_at = std::max(errors.looked_at, fit_.error());
   }
 }
 

@@ -1,12 +1,18 @@
 #pragma once
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "characteristics/piecewise_fit.hpp"
+#include "dynamics/finite_load.hpp"
 #include "viscobar/scene/scene.hpp"
 
 namespace viscobar::characteristics {
@@ -47,8 +53,7 @@ class LoadGain {
     double arrivals = 0.0, looked_at = 0.0;
     static void members(auto& errors, auto&& each) { each(errors.arrivals, errors.looked_at); }
   };
-  const Errors& errors() const { return errors_; }
-  void restore(const Errors& errors) { errors_ = errors; }
+  Errors errors;  ///< to be set where a run goes on from a checkpoint
   std::size_t evaluations() const { return evaluations_; }
 
  protected:
@@ -67,8 +72,52 @@ class LoadGain {
   Piecewise arriving_right_, arriving_left_, rightward_, leftward_;
   PiecewiseFit fit_;
   std::vector<double> breaks_;
-  Errors errors_;
   std::size_t evaluations_ = 0;  // of the load itself
 };
+
+inline constexpr double sums = 8.0;  // roundings that a sum of some dozens of terms adds up
+
+// The bar, in lengths of it and in passages.
+struct Frame {
+  double length, passage, start, factor;  // factor: L / (rho c)
+  double x(double place) const { return length * place; }
+  double t(double time) const { return start + passage * time; }
+};
+
+// Breaks of a load in time, in passages, of the present passage and the one before.
+class Breaks {
+ public:
+  Breaks(NextBreak next, const Frame& frame) : next_(std::move(next)), frame_(frame) {}
+
+  void enter(std::size_t passage) {
+    const auto begin = static_cast<double>(passage);
+    std::erase_if(times_, [&](double time) { return time < begin - 1.0; });
+    if (passage == 0) times_.push_back(0.0);  // there the load begins
+    if (!next_) return;
+    const double until = frame_.t(begin + 1.0);
+    const double apart = 64.0 * rounding * std::max(std::abs(until), std::abs(frame_.start));
+    double after = frame_.t(begin) - (passage == 0 ? 0.0 : apart);
+    for (std::size_t count = 0;; ++count) {
+      const std::optional<double> at = next_(after, until);
+      if (!at) return;
+      if (count == most_breaks)
+        throw LoadError(*at, fmt::format("the load breaks more than {} times in a passage of the wave", most_breaks));
+      after = *at + apart;
+      const double time = (*at - frame_.start) / frame_.passage;
+      if (times_.empty() || time > times_.back()) times_.push_back(time);
+    }
+  }
+  std::span<const double> times() const { return times_; }
+
+ private:
+  static constexpr std::size_t most_breaks = 10'000;  // of a load, in one passage
+
+  NextBreak next_;
+  Frame frame_;
+  std::vector<double> times_;
+};
+
+// What waves gain from a load of which nothing is known but its values, in a run of so many passages.
+std::unique_ptr<LoadGain> general_gain(const GeneralLoad& load, const Frame& frame, double passages);
 
 }  // namespace viscobar::characteristics

@@ -15,31 +15,24 @@ void Piecewise::clear() {
 }
 
 void Piecewise::append(double end, double from, double to, const Chebyshev& p) {
-  const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
   const double width = end - end_;
   if (width < shortest) {
     // At the beginning it is the next piece that reaches back.
     left_out_ += std::max(width, 0.0) * p.bound();
     if (pieces_.empty() || width <= 0.0) return;
     left_out_ += width * polynomial(size() - 1).bound();
-    Piece& last = pieces_.back();
-    integral_ += width * polynomial(size() - 1)(last.z(end));
-    last.end = end_ = end;
+    integral_ += width * (*this)(size() - 1, end);
+    pieces_.back().end = end_ = end;
     return;
   }
-  Piece piece{end_,
-              end,
-              middle,
-              half,
-              integral_,
-              static_cast<std::uint32_t>(coefficients_.size()),
-              static_cast<std::uint32_t>(p.terms())};
+  const auto first = static_cast<std::uint32_t>(coefficients_.size()), terms = static_cast<std::uint32_t>(p.terms());
+  const Piece piece{end_, end, 0.5 * (from + to), 0.5 * (to - from), integral_, first, terms};
   coefficients_.insert(coefficients_.end(), p.coefficients().begin(), p.coefficients().end());
   if (end_ == from && end == to) {
-    integral_ += half * p.integral();
+    integral_ += piece.half * p.integral();
   } else {
     const Chebyshev sum = p.antiderivative();
-    integral_ += half * (sum(piece.z(end)) - sum(piece.z(end_)));
+    integral_ += piece.half * (sum(piece.z(end)) - sum(piece.z(end_)));
   }
   pieces_.push_back(piece);
   end_ = end;
@@ -51,8 +44,8 @@ Chebyshev Piecewise::polynomial(std::size_t i) const {
 
 Chebyshev Piecewise::on(std::size_t i, double from, double to) const {
   const Piece& piece = pieces_[i];
-  const bool all = from == piece.middle - piece.half && to == piece.middle + piece.half;
-  return all ? polynomial(i) : polynomial(i).restricted(piece.z(from), piece.z(to));
+  if (from == piece.from() && to == piece.to()) return polynomial(i);
+  return polynomial(i).restricted(piece.z(from), piece.z(to));
 }
 
 double Piecewise::bound() const {
@@ -90,113 +83,95 @@ double Cursor::integral(double s) {
 void combine(const Piecewise& f, double factor_f, const Piecewise& g, double factor_g, Piecewise& out) {
   out.clear();
   for_common_pieces(f, g, std::min(f.end(), g.end()), [&](double from, double to, std::size_t i, std::size_t j) {
-    Chebyshev sum = f.on(i, from, to), other = g.on(j, from, to);
-    sum *= factor_f;
-    other *= factor_g;
-    sum += other;
-    out.append(to, from, to, sum);
+    Chebyshev sum = factor_f * f.on(i, from, to);
+    out.append(to, from, to, sum += factor_g * g.on(j, from, to));
   });
 }
 
 Piecewise mirrored(const Piecewise& f) {
   Piecewise out;
-  for (std::size_t i = f.size(); i-- > 0;) {
-    const Piecewise::Piece& piece = f[i];
-    out.append(1.0 - piece.begin, 1.0 - (piece.middle + piece.half), 1.0 - (piece.middle - piece.half),
-               f.polynomial(i).mirrored());
-  }
+  for (std::size_t i = f.size(); i-- > 0;)
+    out.append(1.0 - f[i].begin, 1.0 - f[i].to(), 1.0 - f[i].from(), f.polynomial(i).mirrored());
   return out;
 }
 
 namespace {
 
-struct Merged {
+// A piece by itself.
+struct Stretch {
+  Piecewise::Piece piece;
   Chebyshev p;
-  double change;
+
+  double operator()(double s) const { return p(piece.z(s)); }
+  double width() const { return piece.width(); }
+  // So far into it.
+  double at(double part) const { return piece.begin + part * width(); }
 };
 
-// One polynomial for the pieces i and j = i + 1 from `from` to `to`, where it is both to the tolerance.
-std::optional<Merged> merged(const Chebyshev& p, const Piecewise::Piece& left, const Chebyshev& q,
-                             const Piecewise::Piece& right, double tolerance) {
-  const double from = left.begin, to = right.end;
-  if (std::abs(p(left.z(left.end)) - q(right.z(right.begin))) > tolerance) return std::nullopt;
-  const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
-  const auto value = [&](double s) { return s <= left.end ? p(left.z(s)) : q(right.z(s)); };
-  const auto fit = [&](std::size_t terms) {
-    std::array<double, Chebyshev::fitted_terms> values;
-    const std::span<const double> points = Chebyshev::points(terms);
-    for (std::size_t j = 0; j < terms; ++j) values[j] = value(middle + half * points[j]);
-    return Chebyshev::through({values.data(), terms});
+// One polynomial for two neighbours, where it is both to the tolerance, and int |change|.
+std::optional<std::pair<Stretch, double>> merged(const Stretch& left, const Stretch& right, double tolerance) {
+  const double from = left.piece.begin, to = right.piece.end, border = left.piece.end;
+  if (std::abs(left(border) - right(right.piece.begin)) > tolerance) return std::nullopt;
+  Stretch one{{from, to, 0.5 * (from + to), 0.5 * (to - from)}, {}};
+  const auto value = [&](double z) {
+    const double s = one.piece.middle + one.piece.half * z;
+    return s <= border ? left(s) : right(s);
   };
   // A polynomial of the higher degree of the two is one, if any is; a higher one still, where series converge.
-  const std::size_t least = std::max(p.terms(), q.terms());
+  const std::size_t least = std::max(left.p.terms(), right.p.terms());
   for (const std::size_t terms : {least, std::min<std::size_t>(2 * least + 2, Chebyshev::fitted_terms)}) {
     if (terms > Chebyshev::fitted_terms) break;
-    Chebyshev sum = fit(terms);
-    const double left_out = sum.chop(0.1 * tolerance);
-    double off = left_out;
-    for (const double part : {0.0, 0.13, 0.37, 0.61, 0.89, 1.0}) {
-      const double a = left.begin + part * (left.end - left.begin), b = right.begin + part * (right.end - right.begin);
-      off = std::max(
-          {off, std::abs(sum((a - middle) / half) - p(left.z(a))), std::abs(sum((b - middle) / half) - q(right.z(b)))});
-    }
-    if (off <= tolerance) return Merged{sum, off * (to - from)};
+    one.p = Chebyshev::of(terms, value);
+    double off = one.p.chop(0.1 * tolerance);
+    for (const double part : {0.0, 0.13, 0.37, 0.61, 0.89, 1.0})
+      for (const Stretch* half : {&left, &right})
+        off = std::max(off, std::abs(one(half->at(part)) - (*half)(half->at(part))));
+    if (off <= tolerance) return std::pair(one, off * (to - from));
     if (least <= 2) break;  // lines meet in a kink
   }
   return std::nullopt;
 }
 
-// int |change| where a piece p is left to its neighbour q.
-double absence(const Chebyshev& p, const Piecewise::Piece& piece, const Chebyshev& q,
-               const Piecewise::Piece& neighbour) {
+// int |change| where a piece is left to its neighbour.
+double absence(const Stretch& left_out, const Stretch& neighbour) {
   double most = 0.0;
+  const Piecewise::Piece& piece = left_out.piece;
   for (const double s : {piece.begin, 0.5 * (piece.begin + piece.end), piece.end})
-    most = std::max(most, std::abs(p(piece.z(s)) - q(neighbour.z(s))));
-  return most * (piece.end - piece.begin);
+    most = std::max(most, std::abs(left_out(s) - neighbour(s)));
+  return most * piece.width();
 }
 
 }  // namespace
 
 double simplify(Piecewise& f, double tolerance, double negligible, double brief, Piecewise& scratch) {
+  if (f.empty()) return 0.0;
   double change = 0.0;
   scratch.clear();
-  const auto end = f.end();
-  // The piece that grows.
-  Piecewise::Piece now;
-  Chebyshev p;
-  bool any = false;
-  const auto flush = [&] {
-    if (any) scratch.append(now.end, now.middle - now.half, now.middle + now.half, p);
-  };
+  const double end = f.end();
+  const auto part = [&](std::size_t i) { return Stretch{f[i], f.polynomial(i)}; };
+  std::optional<Stretch> now;  // the piece that grows
+  const auto flush = [&] { scratch.append(now->piece.end, now->piece, now->p); };
   for (std::size_t i = 0; i < f.size(); ++i) {
-    const Piecewise::Piece& next = f[i];
-    const Chebyshev q = f.polynomial(i);
-    if (next.end - next.begin < brief && (any || i + 1 < f.size())) {
-      const double lost = any ? absence(q, next, p, now) : absence(q, next, f.polynomial(i + 1), f[i + 1]);
+    Stretch next = part(i);
+    if (next.width() < brief && (now || i + 1 < f.size())) {
+      const double lost = absence(next, now ? *now : part(i + 1));
       if (lost <= negligible) {
         change += lost;
-        if (any) now.end = next.end;
+        if (now) now->piece.end = next.piece.end;
         continue;
       }
     }
-    if (any) {
-      if (auto one = merged(p, now, q, next, tolerance)) {
-        change += one->change;
-        p = one->p;
-        now.end = next.end;
-        now.middle = 0.5 * (now.begin + now.end);
-        now.half = 0.5 * (now.end - now.begin);
-        continue;
-      }
+    const auto one = now ? merged(*now, next, tolerance) : std::nullopt;
+    if (one) {
+      now = one->first;
+      change += one->second;
+      continue;
     }
-    flush();
-    const double begin = any ? now.end : 0.0;
+    if (now) flush();
+    next.piece.begin = now ? now->piece.end : 0.0;
     now = next;
-    now.begin = begin;
-    p = q;
-    any = true;
   }
-  if (any) now.end = end;
+  now->piece.end = end;
   flush();
   std::swap(f, scratch);
   return change;

@@ -19,6 +19,9 @@ class Piecewise {
     std::uint32_t first = 0, terms = 0;
 
     double z(double s) const { return (s - middle) / half; }
+    double from() const { return middle - half; }  ///< of that interval
+    double to() const { return middle + half; }    ///< likewise
+    double width() const { return end - begin; }
 
     static void members(auto& piece, auto&& each) {
       each(piece.begin, piece.end, piece.middle, piece.half, piece.before, piece.first, piece.terms);
@@ -31,16 +34,19 @@ class Piecewise {
   void clear();
   /// The next piece, from end() on: `p` is written on [from, to]. A piece that is too short is left to its neighbours.
   void append(double end, double from, double to, const Chebyshev& p);
+  /// Of which `p` is written on the interval of a piece.
+  void append(double end, const Piece& on, const Chebyshev& p) { append(end, on.from(), on.to(), p); }
 
   bool empty() const { return pieces_.empty(); }
   std::size_t size() const { return pieces_.size(); }
   std::size_t coefficients() const { return coefficients_.size(); }
   const Piece& operator[](std::size_t i) const { return pieces_[i]; }
   double end() const { return end_; }
-  double integral() const { return integral_; }  ///< from 0 to end()
-  Chebyshev polynomial(std::size_t i) const;     ///< as it is written
-  Chebyshev on(std::size_t i, double from, double to) const;
-  double bound() const;                          ///< of |f|
+  double integral() const { return integral_; }               ///< from 0 to end()
+  Chebyshev polynomial(std::size_t i) const;                  ///< as it is written
+  Chebyshev on(std::size_t i, double from, double to) const;  ///< written on [from, to]
+  double operator()(std::size_t i, double s) const { return polynomial(i)(pieces_[i].z(s)); }  ///< of piece i
+  double bound() const;                                                                        ///< of |f|
   double left_out() const { return left_out_; }  ///< int |change| of the pieces too short since clear()
 
   static void members(auto& f, auto&& each) { each(f.pieces_, f.coefficients_, f.end_, f.integral_, f.left_out_); }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace viscobar::characteristics {
@@ -25,21 +24,17 @@ const Piecewise& PiecewiseFit::of(const std::function<double(double)>& f, const 
   for (std::size_t k = 0; k < (options.smooth ? few_guards : guards); ++k) {
     // Multiples of the golden section: no formula has its period.
     const double s = std::fmod(0.5 + 0.6180339887498949 * static_cast<double>(k), 1.0);
-    guards_.push_back({s, at(s)});
+    guards_.push_back(sample(s));
     scale_ = std::max(scale_, std::abs(guards_.back().value));
   }
   std::ranges::sort(guards_, {}, &Sample::s);
-  for (double tolerance = 4.0 * rounding;; tolerance *= 16.0) {
+  bool done = false;
+  for (double tolerance = 4.0 * rounding; !done; tolerance *= 16.0) {
     pieces_.clear();
     error_ = lost_ = 0.0;
-    bool done = true;
     double begin = 0.0;
-    for (std::size_t k = 0; k <= options.breaks.size() && done; ++k) {
-      const double end = k < options.breaks.size() ? options.breaks[k] : 1.0;
-      done = halve(begin, end, tolerance);
-      begin = end;
-    }
-    if (done) break;
+    const auto halve_up_to = [&](double end) { return halve(std::exchange(begin, end), end, tolerance); };
+    done = std::ranges::all_of(options.breaks, halve_up_to) && halve_up_to(1.0);
   }
   lost_ += pieces_.left_out();
   if (pieces_.size() > 1) {
@@ -51,29 +46,21 @@ const Piecewise& PiecewiseFit::of(const std::function<double(double)>& f, const 
 
 // False: it would take too many pieces.
 bool PiecewiseFit::halve(double begin, double end, double tolerance) {
-  waiting_.assign(1, {begin, end});
-  while (!waiting_.empty()) {
-    const Interval now = waiting_.back();
-    waiting_.pop_back();
-    if (!fits(now, tolerance)) {
-      const double middle = 0.5 * (now.begin + now.end);
-      waiting_.push_back({middle, now.end});
-      waiting_.push_back({now.begin, middle});
-      continue;
-    }
-    // Around a jump the largest difference says nothing: what the piece adds to an integral does.
-    if (now.end - now.begin < brief)
-      lost_ += fit_error_ * (now.end - now.begin);
-    else
-      error_ = std::max(error_, fit_error_);
-    pieces_.append(now.end, now.begin, now.end, fit_);
-    if (pieces_.size() > most_pieces && tolerance < 1e-6) return false;
+  if (!fits(begin, end, tolerance)) {
+    const double middle = 0.5 * (begin + end);
+    return halve(begin, middle, tolerance) && halve(middle, end, tolerance);
   }
-  return true;
+  // Around a jump the largest difference says nothing: what the piece adds to an integral does.
+  if (end - begin < brief)
+    lost_ += fit_error_ * (end - begin);
+  else
+    error_ = std::max(error_, fit_error_);
+  pieces_.append(end, begin, end, fit_);
+  return pieces_.size() <= most_pieces || tolerance >= 1e-6;
 }
 
-bool PiecewiseFit::fits(const Interval& interval, double tolerance) {
-  const double width = interval.end - interval.begin, middle = 0.5 * (interval.begin + interval.end);
+bool PiecewiseFit::fits(double begin, double end, double tolerance) {
+  const double width = end - begin, middle = 0.5 * (begin + end);
   std::array<double, Chebyshev::fitted_terms> values;
   for (const std::size_t terms : {std::size_t{9}, std::size_t{17}, Chebyshev::fitted_terms}) {
     const std::span<const double> points = Chebyshev::points(terms);
@@ -95,19 +82,16 @@ bool PiecewiseFit::fits(const Interval& interval, double tolerance) {
     const std::span<const double> c = fit_.coefficients();
     if (std::abs(c[terms - 1]) + std::abs(c[terms - 2]) > allowed) continue;
     fit_error_ = fit_.chop(0.25 * allowed);
-    const auto check = [&](double s, double value) {
-      fit_error_ = std::max(fit_error_, std::abs(fit_((s - middle) / (0.5 * width)) - value));
+    const auto check = [&](const Sample& sample) {
+      fit_error_ = std::max(fit_error_, std::abs(fit_((sample.s - middle) / (0.5 * width)) - sample.value));
     };
-    for (const double part : {0.0214, 0.3141, 0.7071, 0.9732}) {
-      const double s = interval.begin + part * width;
-      check(s, at(s));
-    }
+    for (const double part : {0.0214, 0.3141, 0.7071, 0.9732}) check(sample(begin + part * width));
     // What breaks beyond the last of the points shows at the ends.
     const double inside = std::min(apart_, 0.01 * width);
-    check(interval.begin + inside, at(interval.begin + inside));
-    check(interval.end - inside, at(interval.end - inside));
-    const auto first = std::ranges::lower_bound(guards_, interval.begin, {}, &Sample::s);
-    for (auto guard = first; guard != guards_.end() && guard->s < interval.end; ++guard) check(guard->s, guard->value);
+    check(sample(begin + inside));
+    check(sample(end - inside));
+    const auto first = std::ranges::lower_bound(guards_, begin, {}, &Sample::s);
+    for (auto guard = first; guard != guards_.end() && guard->s < end; ++guard) check(*guard);
     if (fit_error_ <= 2.0 * allowed) return true;
   }
   return false;
@@ -117,13 +101,13 @@ bool PiecewiseFit::fits(const Interval& interval, double tolerance) {
 // function is the one or the other there, the break is where it changes.
 void PiecewiseFit::locate_breaks() {
   scratch_.clear();
-  for (std::size_t i = 0; i < pieces_.size();) {
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
     const Piecewise::Piece left = pieces_[i];
     const Chebyshev p = pieces_.polynomial(i);
     double end = left.end;
     std::size_t j = i + 1;
-    while (j < pieces_.size() && pieces_[j].end - pieces_[j].begin < brief) ++j;
-    if (j > i + 1 && j < pieces_.size() && left.end - left.begin >= brief) {
+    while (j < pieces_.size() && pieces_[j].width() < brief) ++j;
+    if (j > i + 1 && j < pieces_.size() && left.width() >= brief) {
       const Piecewise::Piece& right = pieces_[j];
       const Chebyshev q = pieces_.polynomial(j);
       const auto off = [&](double s, bool of_left) {
@@ -135,19 +119,16 @@ void PiecewiseFit::locate_breaks() {
         (off(s, true) <= off(s, false) ? low : high) = s;
       }
       double worst = 0.0;
-      for (const double part : {0.11, 0.52, 0.93}) {
-        worst = std::max(worst, off(left.end + part * (low - left.end), true));
-        worst = std::max(worst, off(high + part * (right.begin - high), false));
-      }
-      const bool both = worst <= 64.0 * rounding * scale_ + 1e-3 * std::abs(p(left.z(low)) - q(right.z(high)));
-      if (both) {
+      for (const double part : {0.11, 0.52, 0.93})
+        worst = std::max(
+            {worst, off(left.end + part * (low - left.end), true), off(high + part * (right.begin - high), false)});
+      if (worst <= 64.0 * rounding * scale_ + 1e-3 * std::abs(p(left.z(low)) - q(right.z(high)))) {
         end = low;
         lost_ += worst * (right.begin - left.end);
         i = j - 1;  // the next piece begins where this one ends
       }
     }
-    scratch_.append(end, left.middle - left.half, left.middle + left.half, p);
-    ++i;
+    scratch_.append(end, left, p);
   }
   std::swap(pieces_, scratch_);
 }

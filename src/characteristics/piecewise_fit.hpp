@@ -36,15 +36,11 @@ class PiecewiseFit {
   const Piecewise& of(const std::function<double(double)>& f, const Options& options);
   const Piecewise& of(const std::function<double(double)>& f) { return of(f, Options()); }
 
-  double error() const {
-    return error_ + lost_;
-  }  ///< of the last: the largest difference seen, and an integral around breaks
+  /// Of the last: the largest difference seen, and an integral around breaks.
+  double error() const { return error_ + lost_; }
   std::size_t evaluations() const { return evaluations_; }  ///< of all
 
  private:
-  struct Interval {
-    double begin, end;
-  };
   struct Sample {
     double s, value;
   };
@@ -52,8 +48,9 @@ class PiecewiseFit {
     ++evaluations_;
     return (*f_)(s);
   }
+  Sample sample(double s) { return {s, at(s)}; }
   bool halve(double begin, double end, double tolerance);
-  bool fits(const Interval& interval, double tolerance);
+  bool fits(double begin, double end, double tolerance);
   void locate_breaks();
 
   const std::function<double(double)>* f_ = nullptr;
@@ -61,7 +58,6 @@ class PiecewiseFit {
   Chebyshev fit_;
   double fit_error_ = 0.0;
   std::vector<Sample> guards_;
-  std::vector<Interval> waiting_;
   double apart_ = 0.0, argument_ = 1.0, scale_ = 0.0, error_ = 0.0, lost_ = 0.0;
   std::size_t evaluations_ = 0;
 };

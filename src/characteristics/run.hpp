@@ -11,87 +11,127 @@
 
 #include "characteristics/driven_end.hpp"
 #include "characteristics/end.hpp"
-#include "characteristics/field.hpp"
-#include "characteristics/initial_waves.hpp"
 #include "characteristics/load_gain.hpp"
 #include "run/parts.hpp"
 #include "run/telling.hpp"
 #include "viscobar/characteristics/characteristics.hpp"
-#include "viscobar/dynamics/bar_system.hpp"
 
 namespace viscobar::characteristics {
 
-inline double sign_of(const EndCondition& end) {
-  const auto* obstacle = std::get_if<Obstacle>(&end);
-  return obstacle && obstacle->side == Side::above ? -1.0 : 1.0;
-}
+/// The data of a bar at the start, over places in lengths of it.
+struct InitialData {
+  Piecewise displacement, velocity;
+  Piecewise strain_velocity;  ///< c u_0'
+  double displacement_error = 0.0, velocity_error = 0.0;
+};
 
-/// Of a place of an End.
-inline double displacement_at(const EndCondition& end, double place) {
-  const auto* obstacle = std::get_if<Obstacle>(&end);
-  return obstacle ? sign_of(end) * (place - obstacle->gap) : place;
-}
+/// @throws std::invalid_argument where they are not finite, or the displacement jumps
+InitialData initial_data(const Scene& scene);
 
-inline End end_of(const EndCondition& end, double displacement, double passage) {
-  if (is_fixed(end)) return {End::Kind::fixed, displacement, passage};
-  if (!is_obstacle(end)) return {End::Kind::free, displacement, passage};
-  // Data that touch up to their rounding touch.
-  const double sign = sign_of(end), gap = std::get<Obstacle>(end).gap, clearance = sign * displacement + gap;
-  const double touch = 4.0 * rounding * (std::abs(displacement) + gap);
-  return {End::Kind::obstacle, clearance <= touch ? 0.0 : clearance, passage, sign};
-}
+/// The bar at one time, by place in lengths of it: the waves on their way through it, and what they have gained.
+class Field {
+ public:
+  /// What the two ends sent in this passage, up to s, and in the one before; what a load has added since then.
+  struct Sent {
+    const Piecewise &left_now, &left_before, &right_now, &right_before;
+    const Piecewise *rightward_gain, *leftward_gain;  ///< null without a load
+  };
+  /// `left` and `right` are the displacements of the ends, `passage` is L / c.
+  Field(const Sent& sent, double s, double left, double right, double passage)
+      : left_(left),
+        passage_(passage),
+        right_going_(sent.left_now, sent.left_before, s),
+        left_going_(sent.right_now, sent.right_before, s) {
+    if (sent.rightward_gain) rightward_.emplace(*sent.rightward_gain);
+    if (sent.leftward_gain) leftward_.emplace(*sent.leftward_gain);
+    whole_left_going_ = left_going_.integral(1.0);
+    correction_ = right - displacement(1.0);
+  }
+
+  double rightward(double place) { return right_going_.value(place) + (rightward_ ? rightward_->value(place) : 0.0); }
+  double leftward(double place) { return left_going_.value(1.0 - place) + (leftward_ ? leftward_->value(place) : 0.0); }
+  double velocity(double place) { return 0.5 * (rightward(place) + leftward(place)); }
+  /// From the left end by the strain; what it misses the right end by, a rounding, is spread over the bar.
+  double displacement(double place) {
+    double sum = whole_left_going_ - left_going_.integral(1.0 - place) - right_going_.integral(place);
+    if (rightward_) sum -= rightward_->integral(place);
+    if (leftward_) sum += leftward_->integral(place);
+    return left_ + 0.5 * passage_ * sum + place * correction_;
+  }
+
+ private:
+  // What an end has sent, by the way l that it has come: sent at s - l of this passage, or of the one before.
+  class Train {
+   public:
+    Train(const Piecewise& now, const Piecewise& before, double s)
+        : now_(now), before_(before), s_(s), now_integral_(now_.integral(s)), before_integral_(before.integral()) {}
+    double value(double way) { return way < s_ ? now_.value(s_ - way) : before_.value(1.0 + s_ - way); }
+    double integral(double way) {
+      return way < s_ ? now_integral_ - now_.integral(s_ - way)
+                      : now_integral_ + before_integral_ - before_.integral(1.0 + s_ - way);
+    }
+
+   private:
+    Cursor now_, before_;
+    double s_, now_integral_, before_integral_;
+  };
+
+  double left_, passage_;
+  Train right_going_, left_going_;
+  std::optional<Cursor> rightward_, leftward_;
+  double whole_left_going_ = 0.0, correction_ = 0.0;
+};
 
 /// A run of the method `characteristics`. It goes from passage to passage. A passage is the time in which a wave
 /// crosses the bar. All that arrives at an end in a passage was sent by the other end in the passage before. So each
 /// end answers for itself. What both ends have sent gives output and events.
 class Run {
  public:
-  Run(const Scene& scene, const Mesh& mesh, const std::optional<Checkpoint>& from, std::span<const double> times,
+  Run(const Scene& scene, const Mesh& mesh, const Checkpoint* from, std::span<const double> times,
       const Characteristics& method, const Observers& observers,
-      double most_work = std::numeric_limits<double>::infinity())
-      : scene_(scene),
-        mesh_(mesh),
-        times_(times),
-        observers_(observers),
-        method_(method),
-        most_work_(most_work),
-        passage_(scene.bar.length / std::sqrt(scene.bar.modulus / scene.bar.density)),
-        impedance_(std::sqrt(scene.bar.modulus * scene.bar.density)),
-        statistics_(from ? from->statistics : Statistics{}),
-        load_evaluations_before_(statistics_.load_evaluations),
-        telling_(observers, statistics_),
-        t_(from ? from->time : times.front()),
-        schedule_(observers, times, t_),
-        data_(initial_data(scene_)),
-        left_(end_of(scene.left, data_.displacement.polynomial(0)(data_.displacement[0].z(0.0)), passage_)),
-        right_(end_of(scene.right, last_value(data_.displacement), passage_)),
-        driven_left_(scene_.left_input, impedance_, passage_, times.front()),
-        driven_right_(scene_.right_input, impedance_, passage_, times.front()) {
-    if (scene.load) load_ = LoadGain::of(*scene_.load, scene.bar, passage_, times.front(), times.back());
-    if (observers_.snapshot) u_.resize(mesh.nodes()), v_.resize(mesh.nodes());
-    const double until = (times.back() - times.front()) / passage_;
-    last_passage_ = static_cast<std::size_t>(std::max(0.0, std::ceil(until) - 1.0));
-    if (last_passage_ > 0 && until - static_cast<double>(last_passage_) < least_passage) --last_passage_;
-  }
+      double most_work = std::numeric_limits<double>::infinity());
 
-  PartEnd operator()(const std::optional<Checkpoint>& from);
+  PartEnd operator()();
 
   /// What a checkpoint holds: the state at the beginning of its passage, and how much of the passage has been told.
   static void members(auto& run, auto&& each) {
-    each(run.nodes_, run.k_, run.sent_left_before_, run.sent_right_before_, run.left_begin_, run.right_begin_,
-         run.work_begin_, run.error_begin_, run.gain_errors_begin_, run.velocity_scale_begin_, run.place_scale_begin_,
-         run.simplified_left_, run.simplified_right_, run.initial_moment_, run.told_, run.largest_,
-         run.driven_left_begin_, run.driven_right_begin_);
+    each(run.nodes_, run.k_, run.left_, run.right_, run.begin_, run.gain_errors_begin_, run.initial_moment_, run.told_,
+         run.largest_);
   }
 
  private:
   static constexpr double least_passage = 1e-12;     // of the last passage, in passages
   static constexpr double work_of_evaluation = 0.1;  // in pieces that are carried through a passage
 
-  static double last_value(const Piecewise& f) {
-    const std::size_t last = f.size() - 1;
-    return f.polynomial(last)(f[last].z(1.0));
-  }
+  // One end of the bar, with what it has sent.
+  struct BarEnd {
+    struct Memory {
+      End end;
+      DrivenEnd::Account driven = {};
+      static void members(auto& memory, auto&& each) { each(memory.end, memory.driven); }
+    };
+    Memory now, begin;  // the latter at the beginning of the passage
+    DrivenEnd driven;
+    Piecewise moved_if_driven = {}, sent = {}, sent_before = {};
+    std::size_t simplified = 0;  // pieces after the last time
+
+    static void members(auto& end, auto&& each) { each(end.sent_before, end.begin, end.simplified); }
+
+    // What it sends against what holds or bounds it, by which it moves.
+    const Piecewise& moved() const { return driven.active() ? moved_if_driven : sent; }
+    double displacement_at(double s, double t) const {
+      Cursor along(moved());
+      return now.end.displacement_at(s, along) + driven.displacement(t);
+    }
+  };
+  BarEnd end_of(const EndCondition& condition, const EndInput& input, double displacement) const;
+
+  // Sums and largest values so far.
+  struct Sums {
+    double velocity_scale = 0.0, place_scale = 0.0;
+    double work = 0.0, error = 0.0;  // of a varying load; what was simplified
+    static void members(auto& self, auto&& each) { each(self.velocity_scale, self.place_scale, self.work, self.error); }
+  };
 
   double time_at(double s) const { return times_.front() + passage_ * (static_cast<double>(k_) + s); }
   // Of a time in the present passage.
@@ -101,14 +141,13 @@ class Run {
   Statistics reached();
 
   // Of R = impedance * (what arrives), over the passages so far.
-  void account(EndAccount& account, const End& end, const DrivenEnd& driven, const EndCondition& condition) const;
+  void account(EndAccount& account, const BarEnd& end) const;
   [[noreturn]] void fail(Failure why, const std::string& what);
   void begin();
 
   // int f u dx of a steady load: f = (rho c) d(gain)/dx, so by parts no derivative is needed but that of the load's own
   // pieces.
-  template <class Make>
-  double moment(Make&& make);
+  double moment(std::vector<double> breaks, auto&& displacement) const;
   void go_on(const Checkpoint& checkpoint);
 
   double worked() const {
@@ -117,11 +156,7 @@ class Run {
 
   // What both ends send in passage k.
   void enter();
-  void answer(End& end, DrivenEnd& driven, const Piecewise& sent, const Piecewise* gain, double until, Piecewise& moved,
-              Piecewise& answer);
-
-  // What an end sends against what holds or bounds it, by which it moves.
-  const Piecewise& moved(bool left) const;
+  void answer(BarEnd& end, const Piecewise& sent, const Piecewise* gain, double until);
 
   // (w + g)^2 - w^2 of what has arrived.
   double arrived_work(const Piecewise& sent, const Piecewise& gain, double until) const;
@@ -131,17 +166,15 @@ class Run {
 
   // Work of the load up to s in this passage. Of a load that varies it is what the load has given to waves: to those
   // that have arrived and to those on their way.
-  double work_at(double s, Field& now);
+  double work_at(double s, Field& now, const std::vector<double>& breaks) const;
 
   // The most terms of a polynomial in the field.
   std::size_t most_terms() const;
-  EnergyState energy_at(double s, Field& now);
+  EnergyState energy_at(double s, Field& now) const;
 
   struct Told {
-    double s;
+    Turn turn;
     Where where;
-    Change change;
-    double velocity;
   };
 
   void merge_turns();
@@ -149,10 +182,9 @@ class Run {
   // Outputs, events and checkpoints of the present passage; the end of this part of the run, where it is there.
   std::optional<PartEnd> tell_passage();
 
-  // An output tells the side before an event.
-  void tell_events_before(double t);
-  void tell_events(double t);
-  double time_of(const Told& event) const { return std::clamp(time_at(event.s), t_, times_.back()); }
+  // Those before t, and those at t, too, where `and_at`.
+  void tell_events(double t, bool and_at);
+  double time_of(const Told& event) const { return std::clamp(time_at(event.turn.s), t_, times_.back()); }
 
   void tell(const Told& event);
   Field field(double s, double t);
@@ -167,6 +199,7 @@ class Run {
   const Observers& observers_;
   const Characteristics method_;
   const double most_work_;
+  const Checkpoint* from_;
   double carried_ = 0.0;        // pieces, of all passages
   double passage_, impedance_;  // L / c, rho c
   Statistics statistics_;
@@ -178,24 +211,16 @@ class Run {
   std::unique_ptr<LoadGain> load_;  // absent without a load
 
   std::size_t k_ = 0, last_passage_ = 0;
-  End left_, right_;
-  DrivenEnd driven_left_, driven_right_;
-  Piecewise moved_left_, moved_right_;  // of ends that are given something
-  Piecewise sent_left_, sent_left_before_, sent_right_, sent_right_before_, arriving_;
-  std::size_t simplified_left_ = 0, simplified_right_ = 0;  // pieces after the last time
-  double velocity_scale_ = 0.0, place_scale_ = 0.0;
-  double work_ = 0.0, error_ = 0.0;  // of a varying load; what was simplified
-  double initial_moment_ = 0.0;      // int f u dx
-  std::size_t largest_ = 0;
-  // At the beginning of the passage.
-  End left_begin_ = left_, right_begin_ = right_;
-  double velocity_scale_begin_ = 0.0, place_scale_begin_ = 0.0, work_begin_ = 0.0, error_begin_ = 0.0;
+  BarEnd left_, right_;
+  Piecewise arriving_;
+  Sums now_, begin_;  // the latter at the beginning of the passage
   LoadGain::Errors gain_errors_begin_;
-  DrivenEnd::Account driven_left_begin_, driven_right_begin_;
+  double initial_moment_ = 0.0;  // int f u dx
+  std::size_t largest_ = 0;
 
   std::vector<Told> events_;
   std::size_t told_ = 0, skip_ = 0, next_output_ = 0;
-  std::vector<double> u_, v_, moment_breaks_;
+  std::vector<double> u_, v_;
 };
 
 }  // namespace viscobar::characteristics

@@ -1,5 +1,7 @@
+#include <tuple>
 #include <utility>
 
+#include "characteristics/gauss_legendre.hpp"
 #include "characteristics/run.hpp"
 
 namespace viscobar::characteristics {
@@ -7,10 +9,8 @@ namespace viscobar::characteristics {
 namespace {
 
 // Integral of f of a place over [0, 1], polynomial of degree 2 points - 1 between the breaks.
-template <class Function>
-double integral(std::vector<double>& breaks, Function&& f, std::size_t points = 36) {
-  breaks.push_back(0.0);
-  breaks.push_back(1.0);
+double integral(std::vector<double> breaks, auto&& f, std::size_t points = 36) {
+  breaks.insert(breaks.end(), {0.0, 1.0});
   std::ranges::sort(breaks);
   double sum = 0.0;
   for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
@@ -27,32 +27,25 @@ void add_breaks(const Piecewise& f, std::vector<double>& breaks) {
 
 }  // namespace
 
-template <class Make>
-double Run::moment(Make&& make) {
+double Run::moment(std::vector<double> breaks, auto&& displacement) const {
   const Piecewise& gain = load_->rightward();
-  auto displacement = make();
-  std::vector<double> breaks = moment_breaks_;
   add_breaks(gain, breaks);
   add_breaks(data_.displacement, breaks);
   std::size_t i = 0;
-  double sum = 0.0;
-  sum = integral(breaks, [&](double place) {
-    while (i + 1 < gain.size() && gain[i].end <= place) ++i;
-    while (i > 0 && gain[i].begin > place) --i;
-    return gain.polynomial(i).derivative()(gain[i].z(place)) / gain[i].half * displacement(place);
-  });
-  return impedance_ * sum;
+  return impedance_ * integral(std::move(breaks), [&](double place) {
+           while (i + 1 < gain.size() && gain[i].end <= place) ++i;
+           while (i > 0 && gain[i].begin > place) --i;
+           return gain.polynomial(i).derivative()(gain[i].z(place)) / gain[i].half * displacement(place);
+         });
 }
 
-void Run::account(EndAccount& account, const End& end, const DrivenEnd& driven, const EndCondition& condition) const {
-  const Borne& borne = end.borne();
-  account.displacement = displacement_at(condition, end.place()) + driven.displacement(t_);
-  account.lowest = displacement_at(condition, borne.lowest);
-  account.highest = displacement_at(condition, borne.highest);
-  if (sign_of(condition) < 0.0) std::swap(account.lowest, account.highest);
-  if (driven.moves()) account.lowest = driven.account().lowest, account.highest = driven.account().highest;
-  account.impulse = impedance_ * driven.force_factor() * passage_ * end.impulse();
-  account.peak_reaction = impedance_ * driven.force_factor() * borne.max_reaction;
+void Run::account(EndAccount& account, const BarEnd& bar_end) const {
+  const auto& [end, driven] = bar_end.now;
+  account.displacement = end.displacement() + bar_end.driven.displacement(t_);
+  std::tie(account.lowest, account.highest) = end.range();
+  if (bar_end.driven.moves()) account.lowest = driven.lowest, account.highest = driven.highest;
+  account.impulse = impedance_ * bar_end.driven.force_factor() * passage_ * end.impulse();
+  account.peak_reaction = impedance_ * bar_end.driven.force_factor() * end.max_reaction();
 }
 
 void Run::begin() {
@@ -61,23 +54,17 @@ void Run::begin() {
   combine(data_.velocity, 1.0, data_.strain_velocity, -1.0, rightward);
   combine(data_.velocity, 1.0, data_.strain_velocity, 1.0, leftward);
   if (load_ && load_->steady()) {
-    Piecewise without;
-    combine(rightward, 1.0, load_->rightward(), -1.0, without);
-    rightward = without;
-    combine(leftward, 1.0, load_->leftward(), -1.0, without);
-    leftward = without;
+    combine(Piecewise(rightward), 1.0, load_->rightward(), -1.0, rightward);
+    combine(Piecewise(leftward), 1.0, load_->leftward(), -1.0, leftward);
   }
-  sent_left_before_ = mirrored(rightward);
-  sent_right_before_ = leftward;
-  place_scale_ = data_.displacement.bound();
-  velocity_scale_ = std::max(data_.velocity.bound(), data_.strain_velocity.bound());
+  left_.sent_before = mirrored(rightward);
+  right_.sent_before = leftward;
+  now_.place_scale = data_.displacement.bound();
+  now_.velocity_scale = std::max(data_.velocity.bound(), data_.strain_velocity.bound());
   if (observers_.account) statistics_.account.emplace();
   if (observers_.energy) {
     std::vector<double> breaks;
-    add_breaks(rightward, breaks);
-    add_breaks(leftward, breaks);
-    add_breaks(data_.velocity, breaks);
-    add_breaks(data_.strain_velocity, breaks);
+    for (const Piecewise* f : {&rightward, &leftward, &data_.velocity, &data_.strain_velocity}) add_breaks(*f, breaks);
     Cursor v(data_.velocity), e(data_.strain_velocity);
     statistics_.energy.emplace().initial =
         0.5 * scene_.bar.density * scene_.bar.length * integral(breaks, [&](double place) {
@@ -85,8 +72,7 @@ void Run::begin() {
           return of_velocity * of_velocity + of_strain * of_strain;
         });
     if (load_ && load_->steady())
-      initial_moment_ =
-          moment([&] { return [u = Cursor(data_.displacement)](double place) mutable { return u.value(place); }; });
+      initial_moment_ = moment({}, [u = Cursor(data_.displacement)](double place) mutable { return u.value(place); });
   }
 }
 
@@ -105,10 +91,13 @@ double Run::arrived_work(const Piecewise& sent, const Piecewise& gain, double un
 
 std::vector<double> Run::breaks_at(double s) const {
   std::vector<double> breaks{s, 1.0 - s};
-  for (std::size_t i = 0; i < sent_left_.size(); ++i) breaks.push_back(s - sent_left_[i].begin);
-  for (std::size_t i = 0; i < sent_right_.size(); ++i) breaks.push_back(1.0 - (s - sent_right_[i].begin));
-  for (std::size_t i = 0; i < sent_left_before_.size(); ++i) breaks.push_back(1.0 + s - sent_left_before_[i].begin);
-  for (std::size_t i = 0; i < sent_right_before_.size(); ++i) breaks.push_back(sent_right_before_[i].begin - s);
+  const auto add = [&](const Piecewise& sent, auto&& place) {
+    for (std::size_t i = 0; i < sent.size(); ++i) breaks.push_back(place(sent[i].begin));
+  };
+  add(left_.sent, [s](double begin) { return s - begin; });
+  add(right_.sent, [s](double begin) { return 1.0 - (s - begin); });
+  add(left_.sent_before, [s](double begin) { return 1.0 + s - begin; });
+  add(right_.sent_before, [s](double begin) { return begin - s; });
   if (load_) {
     add_breaks(load_->rightward(), breaks);
     add_breaks(load_->leftward(), breaks);
@@ -117,56 +106,45 @@ std::vector<double> Run::breaks_at(double s) const {
   return breaks;
 }
 
-double Run::work_at(double s, Field& now) {
-  if (load_->steady())
-    return moment([&] { return [&](double place) { return now.displacement(place); }; }) - initial_moment_;
+double Run::work_at(double s, Field& now, const std::vector<double>& breaks) const {
+  if (load_->steady()) return moment(breaks, [&](double place) { return now.displacement(place); }) - initial_moment_;
   Cursor right_gain(load_->rightward()), left_gain(load_->leftward());
-  const double arrived = work_begin_ + arrived_work(sent_right_before_, load_->arriving_left(), s) +
-                         arrived_work(sent_left_before_, load_->arriving_right(), s);
-  return arrived + 0.25 * scene_.bar.density * scene_.bar.length * integral(moment_breaks_, [&](double place) {
+  const double arrived = begin_.work + arrived_work(right_.sent_before, load_->arriving_left(), s) +
+                         arrived_work(left_.sent_before, load_->arriving_right(), s);
+  return arrived + 0.25 * scene_.bar.density * scene_.bar.length * integral(breaks, [&](double place) {
                      const double g = right_gain.value(place), h = left_gain.value(place);
                      return g * (2.0 * now.rightward(place) - g) + h * (2.0 * now.leftward(place) - h);
                    });
 }
 
 std::size_t Run::most_terms() const {
+  std::vector<const Piecewise*> parts{&left_.sent, &right_.sent, &left_.sent_before, &right_.sent_before};
+  if (load_) parts.insert(parts.end(), {&load_->rightward(), &load_->leftward()});
   std::size_t most = 1;
-  const auto look = [&](const Piecewise& f) {
-    for (std::size_t i = 0; i < f.size(); ++i) most = std::max<std::size_t>(most, f[i].terms);
-  };
-  for (const Piecewise* sent : {&sent_left_, &sent_right_, &sent_left_before_, &sent_right_before_}) look(*sent);
-  if (load_) look(load_->rightward()), look(load_->leftward());
+  for (const Piecewise* f : parts)
+    for (std::size_t i = 0; i < f->size(); ++i) most = std::max<std::size_t>(most, (*f)[i].terms);
   return most;
 }
 
-EnergyState Run::energy_at(double s, Field& now) {
-  std::vector<double> breaks = moment_breaks_ = breaks_at(s);
-  const double share = 0.125 * scene_.bar.density * scene_.bar.length;
+EnergyState Run::energy_at(double s, Field& now) const {
+  const std::vector<double> breaks = breaks_at(s);
   const std::size_t points = std::min<std::size_t>(most_terms(), 36);
+  const auto energy_of = [&](double sign) {
+    const auto square = [&](double place) {
+      const double sum = now.rightward(place) + sign * now.leftward(place);
+      return sum * sum;
+    };
+    return 0.125 * scene_.bar.density * scene_.bar.length * integral(breaks, square, points);
+  };
   EnergyState energy;
-  energy.kinetic = share * integral(
-                               breaks,
-                               [&](double place) {
-                                 const double v = now.rightward(place) + now.leftward(place);
-                                 return v * v;
-                               },
-                               points);
-  breaks = moment_breaks_;
-  energy.elastic = share * integral(
-                               breaks,
-                               [&](double place) {
-                                 const double e = now.rightward(place) - now.leftward(place);
-                                 return e * e;
-                               },
-                               points);
-  if (load_) energy.work = work_at(s, now);
-  for (const bool left : {true, false}) {
-    const DrivenEnd& driven = left ? driven_left_ : driven_right_;
-    if (!driven.active()) continue;
-    const DrivenEnd::Account& begin = left ? driven_left_begin_ : driven_right_begin_;
-    const DrivenEnd::Flow since = driven.flow(left ? left_ : right_, moved(left), s);
-    energy.work += begin.work + since.work;
-    energy.dissipated += begin.dissipated + since.dissipated;
+  energy.kinetic = energy_of(1.0);
+  energy.elastic = energy_of(-1.0);
+  if (load_) energy.work = work_at(s, now, breaks);
+  for (const BarEnd* end : {&left_, &right_}) {
+    if (!end->driven.active()) continue;
+    const DrivenEnd::Flow since = end->driven.flow(end->now.end, end->moved(), s);
+    energy.work += end->begin.driven.work + since.work;
+    energy.dissipated += end->begin.driven.dissipated + since.dissipated;
   }
   return energy;
 }
@@ -175,18 +153,18 @@ void Run::finish() {
   t_ = times_.back();
   statistics_.completed = true;
   if (!statistics_.energy) return;
-  const double s = sent_left_.end();
+  const double s = left_.sent.end();
   Field now = field(s, t_);
-  std::vector<double> breaks = moment_breaks_ = breaks_at(s);
-  const double share = 0.25 * scene_.bar.density * scene_.bar.length;
+  const std::vector<double> breaks = breaks_at(s);
   EnergyAccount& energy = *statistics_.energy;
-  energy.final = share * integral(breaks, [&](double place) {
+  energy.final = 0.25 * scene_.bar.density * scene_.bar.length * integral(breaks, [&](double place) {
                    const double a = now.rightward(place), b = now.leftward(place);
                    return a * a + b * b;
                  });
-  energy.dissipated = driven_left_.account().dissipated + driven_right_.account().dissipated;
-  energy.work = driven_left_.account().work + driven_right_.account().work;
-  if (load_) energy.work += work_at(s, now);
+  const DrivenEnd::Account &left = left_.now.driven, &right = right_.now.driven;
+  energy.dissipated = left.dissipated + right.dissipated;
+  energy.work = left.work + right.work;
+  if (load_) energy.work += work_at(s, now, breaks);
 }
 
 }  // namespace viscobar::characteristics

@@ -3,13 +3,12 @@
 #include <cstddef>
 #include <cstring>
 #include <optional>
-#include <span>
+#include <ranges>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "viscobar/run/run.hpp"
 
@@ -88,32 +87,19 @@ class ArchiveWriter {
     else
       members(value, *this);
   }
-  void write(const std::string& text) {
-    write(text.size());
-    bytes_ += text;
-  }
   template <class T>
   void write(const std::optional<T>& value) {
     write(value.has_value());
     if (value) write(*value);
   }
-  template <class T>
-  void write(const std::vector<T>& values) {
+  template <std::ranges::contiguous_range Values>
+  void write(const Values& values) {
     write(values.size());
-    write_elements<T>(values);
-  }
-  template <class T>
-  void write(const std::span<T>& values) {
-    write(values.size());
-    write_elements<std::remove_const_t<T>>(values);
-  }
-
-  template <class T>
-  void write_elements(std::span<const T> values) {
-    if constexpr (Plain<T>)
-      write_bytes(values.data(), values.size_bytes());
+    using Value = std::ranges::range_value_t<Values>;
+    if constexpr (Plain<Value>)
+      write_bytes(values.data(), values.size() * sizeof(Value));
     else
-      for (const T& value : values) write(value);
+      for (const Value& value : values) write(value);
   }
 
   std::string bytes_;
@@ -136,13 +122,6 @@ class ArchiveReader {
     if (count > 0) std::memcpy(data, rest_.data(), count);
     rest_.remove_prefix(count);
   }
-  // Of things of at least `bytes` each: more than could follow is wrong, before memory is asked for.
-  std::size_t read_count(std::size_t bytes) {
-    std::size_t count = 0;
-    read(count);
-    if (count > rest_.size() / bytes) throw ArchiveError("ends too early");
-    return count;
-  }
 
   template <class T>
   void read(T& value) {
@@ -158,10 +137,6 @@ class ArchiveReader {
       members(value, *this);
     }
   }
-  void read(std::string& text) {
-    text.resize(read_count(1));
-    read_bytes(text.data(), text.size());
-  }
   template <class T>
   void read(std::optional<T>& value) {
     bool there = false;
@@ -169,22 +144,22 @@ class ArchiveReader {
     value.reset();
     if (there) read(value.emplace());
   }
-  template <class T>
-  void read(std::vector<T>& values) {
-    values.resize(read_count(Plain<T> ? sizeof(T) : 1));
-    read_elements<T>(values);
-  }
-  template <class T>
-  void read(std::span<T>& values) {
-    if (read_count(1) != values.size()) throw ArchiveError("has another length");
-    read_elements<T>(values);
-  }
-  template <class T>
-  void read_elements(std::span<T> values) {
-    if constexpr (Plain<T>)
-      read_bytes(values.data(), values.size_bytes());
+  template <std::ranges::contiguous_range Values>
+  void read(Values& values) {
+    using Value = std::ranges::range_value_t<Values>;
+    // Of things of so many bytes each at least: more than could follow is wrong, before memory is asked for.
+    constexpr std::size_t bytes = Plain<Value> ? sizeof(Value) : 1;
+    std::size_t count = 0;
+    read(count);
+    if (count > rest_.size() / bytes) throw ArchiveError("ends too early");
+    if constexpr (requires { values.resize(count); })
+      values.resize(count);
+    else if (count != values.size())
+      throw ArchiveError("has another length");
+    if constexpr (Plain<Value>)
+      read_bytes(values.data(), count * sizeof(Value));
     else
-      for (T& value : values) read(value);
+      for (Value& value : values) read(value);
   }
 
   std::string_view rest_;

@@ -1,10 +1,28 @@
 #pragma once
 
+#include <chrono>
+
 #include "run/parts.hpp"
-#include "run/stopwatch.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
+
+/// Wall time since construction, without what ran outside().
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+  /// Calls `call` off the clock.
+  void outside(auto&& call) {
+    const auto paused = Clock::now();
+    call();
+    start_ += Clock::now() - paused;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
 
 /// What a part of a run tells its observers, its clock stopped meanwhile if they ask for it, and what it counts on the
 /// way.
@@ -14,7 +32,9 @@ class Telling {
   Telling(const Observers& observers, Statistics& statistics)
       : observers_(observers), statistics_(statistics), seconds_before_(statistics.integration_seconds) {}
 
-  void snapshot(const Snapshot& now) { tell(observers_.snapshot, now); }
+  void snapshot(const Snapshot& now) {
+    if (observers_.snapshot) timed([&] { observers_.snapshot(now); });
+  }
   /// Counts it, too.
   void event(double t, const BarSystem& system, const Contact& contact, Change change, double velocity,
              const std::vector<ChangeSensitivity>& sensitivities = {}) {
@@ -23,25 +43,22 @@ class Telling {
     told(event);
   }
   /// One that has been counted.
-  void told(const Event& event) { tell(observers_.event, event); }
+  void told(const Event& event) {
+    if (observers_.event) timed([&] { observers_.event(event); });
+  }
   /// After a step: whether the run goes on.
-  bool progress(double t) { return tell(observers_.progress, t) == RunControl::go_on; }
+  bool progress(double t) { return goes_on(observers_.progress, t); }
   /// After a checkpoint likewise, by a method whose run goes on as it is.
-  bool checkpoint(const Checkpoint& now) { return tell(observers_.checkpoints->take, now) == RunControl::go_on; }
+  bool checkpoint(const Checkpoint& now) { return goes_on(observers_.checkpoints->take, now); }
 
   /// Of all parts.
   void count_seconds() { statistics_.integration_seconds = seconds_before_ + watch_.seconds(); }
 
  private:
-  template <class Result, class Argument>
-  Result tell(const std::function<Result(Argument)>& observer, const auto& what) {
-    if constexpr (std::is_void_v<Result>) {
-      if (observer) timed([&] { observer(what); });
-    } else {
-      Result verdict = Result::go_on;
-      if (observer) timed([&] { verdict = observer(what); });
-      return verdict;
-    }
+  bool goes_on(const auto& observer, const auto& what) {
+    RunControl verdict = RunControl::go_on;
+    if (observer) timed([&] { verdict = observer(what); });
+    return verdict == RunControl::go_on;
   }
   void timed(auto&& call) {
     if (observers_.off_the_clock)

@@ -2,31 +2,22 @@
 
 #include <unistd.h>
 
-#include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 namespace viscobar {
 
 namespace {
 
-std::vector<std::string> own_arguments() {
-  std::ifstream file("/proc/self/cmdline", std::ios::binary);
-  std::vector<std::string> arguments;
-  for (std::string one; std::getline(file, one, '\0');) arguments.push_back(one);
-  return arguments;
-}
-
 /// This process becomes the program that is linked to MPI, beside this one; returns where there is none.
 void become_rank() {
   const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "viscobar-mpi";
-  std::vector<std::string> arguments = own_arguments();
+  std::ifstream command("/proc/self/cmdline", std::ios::binary);
+  std::vector<std::string> arguments;
+  for (std::string one; std::getline(command, one, '\0');) arguments.push_back(one);
   std::vector<char*> pointers;
   for (std::string& one : arguments) pointers.push_back(one.data());
   pointers.push_back(nullptr);

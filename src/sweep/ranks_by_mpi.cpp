@@ -4,17 +4,16 @@
 #define MPICH_SKIP_MPICXX 1
 #include <mpi.h>
 
-#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
 #include <thread>
-#include <vector>
 
-#include "run/archive.hpp"
+#include "run/parts.hpp"
 #include "viscobar/record/record_run.hpp"
 
 namespace viscobar {
@@ -24,10 +23,6 @@ void members(Like<SweepRow> auto& row, auto&& each) {
        row.seconds, row.integration_seconds);
 }
 void members(Like<SweepCase> auto& one, auto&& each) { each(one.index, one.overrides); }
-
-}  // namespace viscobar
-
-namespace viscobar {
 
 namespace {
 
@@ -49,15 +44,7 @@ struct PlannedCost {
   static void members(auto& self, auto&& each) { each(self.index, self.seconds); }
 };
 
-/// All ranks run the same program, as an archive asks.
-template <class Value>
-std::string pack(const Value& value) {
-  ArchiveWriter archive;
-  archive(value);
-  return archive.take();
-}
-
-/// @throws ArchiveError
+/// What archived() made: all ranks run the same program. @throws ArchiveError
 template <class Value>
 Value unpack(std::string_view bytes) {
   Value value;
@@ -106,29 +93,6 @@ void broadcast(std::string& text) {
   MPI_Bcast(text.data(), static_cast<int>(size), MPI_BYTE, 0, MPI_COMM_WORLD);
 }
 
-/// Whether a worker should give up its case; looks for messages twenty times a second.
-class StopWatch {
- public:
-  explicit StopWatch(const std::function<bool()>& interrupted) : interrupted_(interrupted) {}
-
-  bool operator()() {
-    if (stopped_ || interrupted_()) return true;
-    if (++calls_ % 64 != 0) return false;
-    const auto now = std::chrono::steady_clock::now();
-    if (now < next_) return false;
-    next_ = now + 50ms;
-    int there = 0;
-    MPI_Iprobe(0, stop, MPI_COMM_WORLD, &there, MPI_STATUS_IGNORE);
-    return stopped_ = there != 0;
-  }
-
- private:
-  const std::function<bool()>& interrupted_;
-  bool stopped_ = false;
-  std::size_t calls_ = 0;
-  std::chrono::steady_clock::time_point next_ = std::chrono::steady_clock::now();
-};
-
 }  // namespace
 
 Ranks::Ranks(std::function<bool()> interrupted) : interrupted_(std::move(interrupted)) {
@@ -156,7 +120,7 @@ std::vector<double> Ranks::plan(const SweepFile& sweep) {
   const auto send_some = [&](int rank) {
     std::vector<SweepCase> cases;
     while (next < costs.size() && cases.size() < at_a_time) cases.push_back(case_of(sweep, next++));
-    if (!cases.empty()) send(rank, Tag::plan, pack(cases));
+    if (!cases.empty()) send(rank, Tag::plan, archived(cases));
     return !cases.empty();
   };
   int busy = 0;
@@ -172,10 +136,9 @@ std::vector<double> Ranks::plan(const SweepFile& sweep) {
 
 bool Ranks::run(const SweepWork& work) {
   ran_ = true;
-  std::vector<bool> told_to_stop(static_cast<std::size_t>(size_));
+  std::set<int> stopping;  // told so, or gone
   const auto tell_to_stop = [&](int rank) {
-    if (!told_to_stop[static_cast<std::size_t>(rank)]) send(rank, stop);
-    told_to_stop[static_cast<std::size_t>(rank)] = true;
+    if (stopping.insert(rank).second) send(rank, stop);
   };
   std::size_t next = 0;
   bool given_up = false;
@@ -210,14 +173,13 @@ bool Ranks::run(const SweepWork& work) {
     pause = 10us;
     if (message->tag == left) {
       --present;
-      const bool by_itself = !told_to_stop[static_cast<std::size_t>(message->rank)];
-      told_to_stop[static_cast<std::size_t>(message->rank)] = true;
+      const bool by_itself = stopping.insert(message->rank).second;
       if (by_itself && !given_up) give_up();
       continue;
     }
     // The worker first, so that it does not wait for the disk.
     if (!given_up && next < work.order.size())
-      send(message->rank, job, pack(case_of(work.sweep, work.order[next++])));
+      send(message->rank, job, archived(case_of(work.sweep, work.order[next++])));
     else
       tell_to_stop(message->rank);
     if (message->tag == row) guarded([&] { work.take(unpack<SweepRow>(message->bytes)); });
@@ -235,16 +197,26 @@ void Ranks::serve() {
     std::vector<PlannedCost> costs;
     for (const SweepCase& one : unpack<std::vector<SweepCase>>(message.bytes))
       costs.push_back({one.index, planned_seconds(scene_text, one)});
-    send(0, Tag::plan, pack(costs));
+    send(0, Tag::plan, archived(costs));
   }
   send(0, ready);
-  StopWatch stopped(interrupted_);
+  // Looks for messages twenty times a second.
+  auto next_look = std::chrono::steady_clock::now();
+  std::size_t calls = 0;
+  int told = 0;
+  const auto stopped = [&] {
+    if (told == 0 && ++calls % 64 == 0 && std::chrono::steady_clock::now() >= next_look) {
+      next_look = std::chrono::steady_clock::now() + 50ms;
+      MPI_Iprobe(0, stop, MPI_COMM_WORLD, &told, MPI_STATUS_IGNORE);
+    }
+    return told != 0 || interrupted_();
+  };
   for (;;) {
     const Message message = wait_for_message();
     if (message.tag == stop) break;
-    const auto done = run_case(scene_text, unpack<SweepCase>(message.bytes), [&] { return stopped(); });
+    const auto done = run_case(scene_text, unpack<SweepCase>(message.bytes), stopped);
     if (!done) break;
-    send(0, row, pack(*done));
+    send(0, row, archived(*done));
   }
   send(0, left);
 }

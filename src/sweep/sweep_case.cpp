@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <chrono>
 #include <limits>
 #include <string_view>
@@ -15,44 +14,25 @@ namespace viscobar {
 
 namespace {
 
-void tell(SweepRow& row, const Statistics& done) {
-  row[Quantity::unknowns] = static_cast<double>(done.unknowns);
-  row[Quantity::steps] = static_cast<double>(done.steps);
-  row[Quantity::rhs_evaluations] = static_cast<double>(done.rhs_evaluations);
-  row[Quantity::linear_solves] = static_cast<double>(done.linear_solves);
-  row[Quantity::reached_time] = done.reached_time;
-  row[Quantity::max_penetration] = done.max_penetration;
-  row.integration_seconds = done.integration_seconds;
-  if (!done.energy) return;
-  row[Quantity::energy_initial] = done.energy->initial;
-  row[Quantity::energy_final] = done.energy->final;
-  row[Quantity::energy_dissipated] = done.energy->dissipated;
-  row[Quantity::energy_work] = done.energy->work;
-  row[Quantity::energy_balance_error] = done.energy->balance_error();
-}
-
-void tell(SweepRow& row, const EndAccount& end, bool obstacle, double reached, Quantity final, Quantity closings) {
-  const auto at = [&row](Quantity first, std::size_t k) -> double& {
-    return row.values[static_cast<std::size_t>(first) + k];
-  };
-  at(final, 0) = end.displacement;
-  at(final, 1) = end.lowest;
-  at(final, 2) = end.highest;
-  if (!obstacle) return;
-  at(closings, 0) = static_cast<double>(end.closings);
-  at(closings, 1) = end.contact.total(reached);
-  at(closings, 2) = end.impulse;
-  at(closings, 3) = end.peak_reaction;
-}
-
 void tell(SweepRow& row, const Scene& scene, const Statistics& done) {
-  tell(row, done);
+  const auto set = [&row](Quantity first, const auto&... values) {
+    auto at = row.values.begin() + static_cast<std::ptrdiff_t>(first);
+    ((*at++ = static_cast<double>(values)), ...);
+  };
+  set(Quantity::unknowns, done.unknowns, done.steps, done.rhs_evaluations, done.linear_solves);
+  set(Quantity::reached_time, done.reached_time, done.max_penetration);
+  row.integration_seconds = done.integration_seconds;
+  if (const auto& energy = done.energy)
+    set(Quantity::energy_initial, energy->initial, energy->final, energy->dissipated, energy->work,
+        energy->balance_error());
   if (!done.account) return;
-  const RunAccount& account = *done.account;
-  tell(row, account.left, is_obstacle(scene.left), done.reached_time, Quantity::u_left_final, Quantity::closings_left);
-  tell(row, account.right, is_obstacle(scene.right), done.reached_time, Quantity::u_right_final,
-       Quantity::closings_right);
-  if (scene.span) row[Quantity::closings_span] = static_cast<double>(account.span.closings);
+  const auto set_end = [&](const EndAccount& end, bool obstacle, Quantity final, Quantity closings) {
+    set(final, end.displacement, end.lowest, end.highest);
+    if (obstacle) set(closings, end.closings, end.contact.total(done.reached_time), end.impulse, end.peak_reaction);
+  };
+  set_end(done.account->left, is_obstacle(scene.left), Quantity::u_left_final, Quantity::closings_left);
+  set_end(done.account->right, is_obstacle(scene.right), Quantity::u_right_final, Quantity::closings_right);
+  if (scene.span) set(Quantity::closings_span, done.account->span.closings);
 }
 
 // The columns of `differentiated`, gathered while a run goes on.
@@ -66,23 +46,18 @@ struct Derivatives {
   }
   std::vector<double> row(const Statistics& done) const {
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    const SensitivityAccount account = done.sensitivity.value_or(SensitivityAccount{});
     std::vector<double> values;
     for (std::size_t k = 0; k < keys; ++k) {
-      const auto account = [&](const std::vector<double> SensitivityAccount::*member) {
-        if (!done.sensitivity || k >= ((*done.sensitivity).*member).size()) return none;
-        return ((*done.sensitivity).*member)[k];
-      };
-      const auto time = [&](const std::vector<ChangeSensitivity>& first) {
-        return k < first.size() ? first[k].time : none;
-      };
-      for (const double value :
-           {account(&SensitivityAccount::impulse_left), account(&SensitivityAccount::impulse_right),
-            account(&SensitivityAccount::energy), time(closing), time(opening)})
-        values.push_back(value);
+      for (const auto* list : {&account.impulse_left, &account.impulse_right, &account.energy})
+        values.push_back(k < list->size() ? (*list)[k] : none);
+      for (const auto* first : {&closing, &opening}) values.push_back(k < first->size() ? (*first)[k].time : none);
     }
     return values;
   }
 };
+
+void add_sentence(std::string& text, const std::string& sentence) { text += (text.empty() ? "" : "; ") + sentence; }
 
 // Whether nothing interrupted it.
 bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& interrupted,
@@ -111,12 +86,9 @@ bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
     if (statistics) *statistics = done;
     tell(row, run.scene, done);
     row.derivatives = derivatives.row(done);
-    row.completed = true;
-    for (const Alarm& alarm : alarms(run, system, done)) {
-      if (!alarm.ruinous) continue;
-      row.completed = false;
-      row.error += (row.error.empty() ? "" : "; ") + alarm.what;
-    }
+    for (const Alarm& alarm : alarms(run, system, done))
+      if (alarm.ruinous) add_sentence(row.error, alarm.what);
+    row.completed = row.error.empty();
   } catch (const IntegrationError& error) {
     tell(row, run.scene, error.statistics);
     row.derivatives = derivatives.row(error.statistics);
@@ -178,8 +150,7 @@ std::optional<SweepRow> run_case(const std::string& scene_text, const SweepCase&
     if (!(scene.accuracy ? solve_into(row, scene, interrupted) : simulate_into(row, scene.run, interrupted)))
       return std::nullopt;
   } catch (const SceneError& error) {
-    for (const Diagnostic& found : error.diagnostics)
-      row.error += (row.error.empty() ? "" : "; ") + found.key + ": " + found.message;
+    for (const Diagnostic& found : error.diagnostics) add_sentence(row.error, found.key + ": " + found.message);
   } catch (const std::exception& error) {
     row.error = error.what();
   }

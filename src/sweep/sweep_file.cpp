@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <set>
-#include <tuple>
+#include <utility>
 
 #include "case/run_cost.hpp"
 #include "input/described_scene.hpp"
@@ -22,10 +22,6 @@ namespace {
 
 constexpr double most_cases = 1e7;
 
-std::string number_text(double value) { return fmt::format("{}", value); }
-std::string number_text(std::int64_t value) { return fmt::format("{}", value); }
-const std::string& number_text(const std::string& value) { return value; }
-
 /// Reads a sweep file, collecting what is wrong with it.
 class SweepReader {
  public:
@@ -41,7 +37,7 @@ class SweepReader {
       throw SceneError(std::move(found_));
     }
     end_ = position_in(text, text.size());
-    if (const TomlNode* bar = inside(root, "bar"); bar && !inside(root, "vary")) {
+    if (const TomlNode* bar = entry_of(root, "bar"); bar && !entry_of(root, "vary")) {
       report("", bar->key_at, "this is a scene; a sweep names one, scene = \"...\", and has a table [vary]");
       throw SceneError(std::move(found_));
     }
@@ -51,9 +47,7 @@ class SweepReader {
     check_command_line();
     check_sizes();
     if (!found_.empty()) {
-      std::stable_sort(found_.begin(), found_.end(), [](const Diagnostic& a, const Diagnostic& b) {
-        return std::tie(a.line, a.column) < std::tie(b.line, b.column);
-      });
+      std::ranges::stable_sort(found_, {}, [](const Diagnostic& one) { return std::pair(one.line, one.column); });
       throw SceneError(std::move(found_));
     }
     sweep_.settings.insert(sweep_.settings.end(), overrides_.begin(), overrides_.end());
@@ -63,12 +57,6 @@ class SweepReader {
   }
 
  private:
-  static const TomlNode* inside(const TomlNode& table, std::string_view key) {
-    const auto found =
-        std::find_if(table.inside.begin(), table.inside.end(), [&](const TomlNode& entry) { return entry.key == key; });
-    return found == table.inside.end() ? nullptr : &*found;
-  }
-
   bool has(const std::string& key) const { return seen_.contains(key); }
 
   void report(const std::string& key, TextPosition at, const std::string& message) {
@@ -78,13 +66,11 @@ class SweepReader {
   void top_level(const TomlNode& entry) {
     static constexpr std::string_view known[] = {"title", "scene", "combine", "set", "vary"};
     std::string key = entry.key;
-    if (std::find(std::begin(known), std::end(known), key) == std::end(known)) {
+    if (std::ranges::find(known, key) == std::end(known)) {
       if (is_scene_table(key))
         return report(key, entry.key_at, "belongs to the scene; its keys are given in [set] or [vary]");
+      report(key, entry.key_at, "unknown key; " + instead_of(key, known));
       const auto nearest = nearest_name(key, known);
-      report(key, entry.key_at,
-             nearest ? fmt::format("unknown key; nearest is \"{}\"", *nearest)
-                     : fmt::format("unknown key; known are {}", fmt::join(known, ", ")));
       if (!nearest || has(std::string(*nearest))) return;
       key = *nearest;  // so that its value is checked, and does not count as missing
     }
@@ -105,14 +91,9 @@ class SweepReader {
 
   void combine(const std::string& word, TextPosition at) {
     static constexpr std::string_view known[] = {"grid", "zip"};
-    if (word == "zip") {
-      sweep_.plan.combine = Combine::zip;
-    } else if (word != "grid") {
-      const auto nearest = nearest_name(word, known);
-      report("combine", at,
-             fmt::format("cannot be \"{}\"; {}", word,
-                         nearest ? fmt::format("nearest is \"{}\"", *nearest) : "there are \"grid\" and \"zip\""));
-    }
+    if (word == "zip") sweep_.plan.combine = Combine::zip;
+    if (std::ranges::find(known, word) == std::end(known))
+      report("combine", at, fmt::format("cannot be \"{}\"; {}", word, instead_of(word, known)));
   }
 
   void scene(const std::string& name, TextPosition at) {
@@ -139,8 +120,8 @@ class SweepReader {
                     dot == name.npos ? unknown_key("", name) : unknown_key(name.substr(0, dot), name.substr(dot + 1)));
     SceneKey named = *key;
     named.name = name;  // of a parameter its own
-    if (!sweep_.places.try_emplace(name, Diagnostic{source_, node.value_at.line, node.value_at.column, name, ""})
-             .second)
+    const Diagnostic place{source_, node.value_at.line, node.value_at.column, name, ""};
+    if (!sweep_.places.try_emplace(name, place).second)
       return report(name, node.key_at, "is given twice: in [set], or in [vary]");
     if (!varied) return setting(named, node);
     const std::size_t before_count = found_.size();
@@ -161,15 +142,18 @@ class SweepReader {
     sweep_.settings.push_back(one.overrides(0).front());
   }
 
+  // At the place of a key that is given.
+  void report_at(const std::string& key, const std::string& message) {
+    const Diagnostic& at = sweep_.places.at(key);
+    report(key, {at.line, at.column}, message);
+  }
+
   void check_command_line() {
     for (const std::string& text : overrides_) {
       std::string name = text.substr(0, text.find('='));
-      name.erase(std::remove(name.begin(), name.end(), ' '), name.end());
-      for (const VariedKey& key : sweep_.plan.keys)
-        if (key.key == name) {
-          const Diagnostic& at = sweep_.places.at(name);
-          report(name, {at.line, at.column}, "varies, so --set cannot give it one value");
-        }
+      std::erase(name, ' ');
+      if (std::ranges::find(sweep_.plan.keys, name, &VariedKey::key) != sweep_.plan.keys.end())
+        report_at(name, "varies, so --set cannot give it one value");
     }
   }
 
@@ -178,12 +162,9 @@ class SweepReader {
     if (faulty_ || keys.empty()) return;
     if (sweep_.plan.combine == Combine::zip) {
       for (const VariedKey& key : keys)
-        if (key.size() != keys.front().size()) {
-          const Diagnostic& at = sweep_.places.at(key.key);
-          report(key.key, {at.line, at.column},
-                 fmt::format("has {} values where {} has {}: zipped keys have the same number", key.size(),
-                             keys.front().key, keys.front().size()));
-        }
+        if (key.size() != keys.front().size())
+          report_at(key.key, fmt::format("has {} values where {} has {}: zipped keys have the same number", key.size(),
+                                         keys.front().key, keys.front().size()));
       return;
     }
     double cases = 1.0;
@@ -222,11 +203,8 @@ std::string SweepFile::identity() const {
   text += plan.combine == Combine::zip ? "zip\n" : "grid\n";
   for (const VariedKey& key : plan.keys) {
     text += key.key + ":";
-    std::visit(
-        [&](const auto& list) {
-          for (const auto& value : list) text += " " + number_text(value) + ",";
-        },
-        key.values);
+    for (std::size_t k = 0; k < key.size(); ++k)
+      std::visit([&](const auto& list) { text += fmt::format(" {},", list[k]); }, key.values);
     text += "\n";
   }
   return text + scene_text;
@@ -243,7 +221,7 @@ SweepFile parse_sweep(const std::string& text, const std::filesystem::path& file
 
 SweepCase case_of(const SweepFile& sweep, std::size_t index) {
   SweepCase one{index, sweep.settings};
-  for (std::string& text : sweep.plan.overrides(index)) one.overrides.push_back(std::move(text));
+  std::ranges::move(sweep.plan.overrides(index), std::back_inserter(one.overrides));
   return one;
 }
 
@@ -268,7 +246,7 @@ std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads) {
         }
       },
       threads);
-  if (std::any_of(refused.begin(), refused.end(), [](const auto& list) { return list.empty(); })) return costs;
+  if (std::ranges::any_of(refused, [](const auto& list) { return list.empty(); })) return costs;
 
   // No case can run: the input is wrong as a whole. What an override brought in stands in the sweep file.
   std::vector<Diagnostic> all;
@@ -276,8 +254,7 @@ std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads) {
   for (const auto& list : refused)
     for (Diagnostic found : list) {
       if (const auto place = sweep.places.find(found.key); found.source == "--set" && place != sweep.places.end()) {
-        const std::string message = found.message;
-        found = place->second;
+        const std::string message = std::exchange(found, place->second).message;
         found.message = message;
       }
       if (texts.insert(found.text()).second) all.push_back(found);

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numeric>
 
 #include "report/page.hpp"
 #include "report/plot/axis.hpp"
@@ -33,35 +31,33 @@ std::vector<std::size_t> telling_columns(const SweepPlan& plan, std::span<const 
   return shown;
 }
 
-/// The first column to look at: one that says what the bar did.
-constexpr Quantity by_interest[] = {Quantity::events,
-                                    Quantity::max_reaction_left,
-                                    Quantity::max_reaction_right,
-                                    Quantity::impulse_left,
-                                    Quantity::impulse_right,
-                                    Quantity::max_penetration,
-                                    Quantity::energy_final,
-                                    Quantity::u_left_min,
-                                    Quantity::u_right_max,
-                                    Quantity::u_left_final,
-                                    Quantity::u_right_final,
-                                    Quantity::time_in_contact_left,
-                                    Quantity::time_in_contact_right,
-                                    Quantity::steps};
-
-std::string word(const VariedKey& key, std::size_t choice, bool for_json) {
-  return std::visit(
-      [&](const auto& values) {
-        using Value = std::decay_t<decltype(values[choice])>;
-        if constexpr (std::is_same_v<Value, std::string>)
-          return for_json ? json_string(values[choice]) : values[choice];
-        else if constexpr (std::is_same_v<Value, double>)
-          return for_json ? fmt::format("{}", values[choice]) : fmt::format("{:.6g}", values[choice]);
-        else
-          return fmt::format("{}", values[choice]);
-      },
-      key.values);
+/// What to look at first of these columns: what says what the bar did.
+std::vector<std::size_t> by_interest(const std::vector<std::size_t>& shown) {
+  using enum Quantity;
+  constexpr Quantity order[] = {events,
+                                max_reaction_left,
+                                max_reaction_right,
+                                impulse_left,
+                                impulse_right,
+                                max_penetration,
+                                energy_final,
+                                u_left_min,
+                                u_right_max,
+                                u_left_final,
+                                u_right_final,
+                                time_in_contact_left,
+                                time_in_contact_right,
+                                steps};
+  std::vector<std::size_t> found;
+  for (const Quantity quantity : order)
+    if (const auto k = static_cast<std::size_t>(quantity); std::ranges::find(shown, k) != shown.end())
+      found.push_back(k);
+  return found;
 }
+
+std::string word(const std::string& value) { return value; }
+std::string word(std::int64_t value) { return fmt::format("{}", value); }
+std::string word(double value) { return fmt::format("{:.6g}", value); }
 
 std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.7g}", value) : "null"; }
 
@@ -72,28 +68,23 @@ std::string list(const Values& values, Text&& text) {
   return all + "]";
 }
 
-std::vector<std::size_t> first_numbers(std::size_t count) {
-  std::vector<std::size_t> numbers(count);
-  std::iota(numbers.begin(), numbers.end(), std::size_t{0});
-  return numbers;
-}
-
-std::string settings_text(const SweepFile& sweep) {
-  std::string text = fmt::format("viscobar run {}", sweep.scene_source);
-  for (const std::string& setting : sweep.settings) text += fmt::format(" --set '{}'", setting);
-  return text;
-}
-
 std::string data_json(const SweepFile& sweep, std::span<const SweepRow* const> rows,
                       const std::vector<std::size_t>& shown) {
   const auto& keys = sweep.plan.keys;
-  std::string errors;
+  std::string errors, command = fmt::format("viscobar run {}", sweep.scene_source);
+  for (const std::string& setting : sweep.settings) command += fmt::format(" --set '{}'", setting);
   for (std::size_t row = 0; row < rows.size(); ++row)
     if (!rows[row]->completed)
       errors += fmt::format("{}\"{}\":{}", errors.empty() ? "" : ",", row, json_string(rows[row]->error));
+  const auto value_json = [](const auto& value) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(value)>, std::string>)
+      return json_string(value);
+    else
+      return fmt::format("{}", value);
+  };
   const auto key_json = [&](const VariedKey& key) {
     return fmt::format(R"({{"name":{},"values":{}}})", json_string(key.key),
-                       list(first_numbers(key.size()), [&](std::size_t i) { return word(key, i, true); }));
+                       std::visit([&](const auto& values) { return list(values, value_json); }, key.values));
   };
   const std::vector<std::string> derivatives = sweep.plan.derivatives();
   const auto column_json = [&](std::size_t k) {
@@ -104,20 +95,15 @@ std::string data_json(const SweepFile& sweep, std::span<const SweepRow* const> r
                        json_string(column.unit), json_string(column.meaning),
                        list(rows, [&](const SweepRow* row) { return number(row->column(k)); }));
   };
-  const auto first = std::ranges::find_if(by_interest, [&](Quantity quantity) {
-    return std::ranges::find(shown, static_cast<std::size_t>(quantity)) != shown.end();
-  });
+  const std::vector<std::size_t> interesting = by_interest(shown);
   return fmt::format(
       R"({{"zip":{},"first":{},"command":{},"keys":{},"columns":{},"index":{},"choice":{},"errors":{{{}}},"anchors":{}}})",
       sweep.plan.combine == Combine::zip,
-      json_string(first == std::end(by_interest) ? "" : quantity_columns()[static_cast<std::size_t>(*first)].name),
-      json_string(settings_text(sweep)), list(keys, key_json), list(shown, column_json),
-      list(rows, [](const SweepRow* row) { return fmt::format("{}", row->index); }),
-      list(rows,
-           [&](const SweepRow* row) {
-             return list(sweep.plan.choice(row->index), [](std::size_t i) { return fmt::format("{}", i); });
-           }),
-      errors, list(plot::sequential().anchors, [](plot::Colour colour) { return json_string(plot::hex(colour)); }));
+      json_string(interesting.empty() ? "" : quantity_columns()[interesting.front()].name), json_string(command),
+      list(keys, key_json), list(shown, column_json),
+      list(rows, [&](const SweepRow* row) { return value_json(row->index); }),
+      list(rows, [&](const SweepRow* row) { return list(sweep.plan.choice(row->index), value_json); }), errors,
+      list(plot::sequential().anchors, [](plot::Colour colour) { return json_string(plot::hex(colour)); }));
 }
 
 }  // namespace
@@ -126,18 +112,16 @@ Table sweep_text_table(const SweepFile& sweep, std::span<const SweepRow* const> 
   const auto& keys = sweep.plan.keys;
   Table table{{"case"}, 1 + keys.size(), {}};
   for (const VariedKey& key : keys) table.header.push_back(key.key);
-  const std::vector<std::size_t> telling = telling_columns(sweep.plan, rows);
-  std::vector<std::size_t> shown;
+  std::vector<std::size_t> shown = by_interest(telling_columns(sweep.plan, rows));
   constexpr std::size_t most_columns = 4;
-  for (const Quantity quantity : by_interest)
-    if (shown.size() < most_columns && std::ranges::find(telling, static_cast<std::size_t>(quantity)) != telling.end())
-      shown.push_back(static_cast<std::size_t>(quantity));
+  shown.resize(std::min(shown.size(), most_columns));
   for (const std::size_t k : shown) table.header.emplace_back(quantity_columns()[k].name);
   table.header.emplace_back("seconds");
   for (const SweepRow* row : rows.first(std::min(rows.size(), most))) {
     std::vector<std::string> cells{fmt::format("{}", row->index)};
     const std::vector<std::size_t> chosen = sweep.plan.choice(row->index);
-    for (std::size_t k = 0; k < keys.size(); ++k) cells.push_back(one_line(word(keys[k], chosen[k], false)));
+    for (std::size_t k = 0; k < keys.size(); ++k)
+      std::visit([&](const auto& values) { cells.push_back(one_line(word(values[chosen[k]]))); }, keys[k].values);
     for (const std::size_t k : shown)
       cells.push_back(!row->completed              ? "failed"
                       : std::isnan(row->values[k]) ? ""

@@ -6,6 +6,8 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "results/result_directory.hpp"
@@ -57,5 +59,12 @@ class SweepResults {
   FileChecksums checksums_;
   Clock::time_point next_ = Clock::now(), next_commit_ = next_;
 };
+
+/// sweep.csv: index, varied keys, completed (1 or 0), error, quantities; numbers in the shortest form that reads back
+/// as the same double, nothing where there is none.
+std::string sweep_csv(const SweepPlan& plan, std::span<const SweepRow* const> rows);
+
+/// timings.csv: index, seconds, integration_seconds. Apart, so that the rows do not depend on the machine's load.
+std::string timings_csv(std::span<const SweepRow* const> rows);
 
 }  // namespace viscobar

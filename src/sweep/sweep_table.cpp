@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -18,37 +19,53 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array timing_names = {"seconds", "integration_seconds"};
-
 struct Timings {
   double seconds, integration_seconds;
 };
 
-Hdf5Type native(const TableField& field) {
-  switch (field.kind) {
-    case TableField::Kind::real: return Hdf5Type(H5Tcopy(H5T_IEEE_F64LE));
-    case TableField::Kind::whole: return Hdf5Type(H5Tcopy(H5T_STD_I64LE));
-    case TableField::Kind::flag: return Hdf5Type(H5Tcopy(H5T_STD_U8LE));
-    case TableField::Kind::text: break;
+std::vector<TableField> timing_fields() {
+  return {{"seconds", H5T_IEEE_F64LE, sizeof(double)}, {"integration_seconds", H5T_IEEE_F64LE, sizeof(double)}};
+}
+
+std::vector<TableField> row_fields(const SweepPlan& plan) {
+  const TableField real{"", H5T_IEEE_F64LE, 8}, whole{"", H5T_STD_I64LE, 8}, flag{"", H5T_STD_U8LE, 1};
+  std::vector<TableField> fields;
+  const auto add = [&](std::string_view name, TableField field) {
+    field.name = name;
+    fields.push_back(std::move(field));
+  };
+  add("index", whole);
+  for (const VariedKey& key : plan.keys) {
+    TableField text{"", H5T_C_S1, 1};
+    if (const auto* texts = std::get_if<std::vector<std::string>>(&key.values))
+      for (const std::string& one : *texts) text.bytes = std::max(text.bytes, one.size());
+    add(key.key, std::array{real, whole, text}[key.values.index()]);
   }
-  Hdf5Type type(H5Tcopy(H5T_C_S1));
-  H5Tset_size(type.get(), field.bytes);
-  H5Tset_cset(type.get(), H5T_CSET_UTF8);
-  H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
-  return type;
+  add("completed", flag);
+  add("error", {"", H5T_C_S1, longest_error});
+  for (const QuantityColumn& column : quantity_columns()) add(column.name, real);
+  for (const std::string& name : plan.derivatives()) add(name, real);
+  return fields;
+}
+
+std::size_t bytes_of(std::span<const TableField> fields) {
+  return std::accumulate(fields.begin(), fields.end(), std::size_t{0},
+                         [](std::size_t sum, const TableField& field) { return sum + field.bytes; });
 }
 
 Hdf5Type compound(std::span<const TableField> fields) {
-  Hdf5Type type(H5Tcreate(H5T_COMPOUND, fields.back().offset + fields.back().bytes));
-  for (const TableField& field : fields) H5Tinsert(type.get(), field.name.c_str(), field.offset, native(field).get());
+  Hdf5Type type(H5Tcreate(H5T_COMPOUND, bytes_of(fields)));
+  std::size_t offset = 0;
+  for (const TableField& field : fields) {
+    const Hdf5Type own(H5Tcopy(field.type));
+    if (field.type == H5T_C_S1) {
+      H5Tset_size(own.get(), field.bytes);
+      H5Tset_cset(own.get(), H5T_CSET_UTF8);
+      H5Tset_strpad(own.get(), H5T_STR_NULLPAD);
+    }
+    H5Tinsert(type.get(), field.name.c_str(), std::exchange(offset, offset + field.bytes), own.get());
+  }
   return type;
-}
-
-std::vector<TableField> timing_fields() {
-  std::vector<TableField> fields;
-  for (const char* name : timing_names)
-    fields.push_back({name, TableField::Kind::real, sizeof(double), fields.size() * sizeof(double)});
-  return fields;
 }
 
 // At its full size from the beginning, in one piece, filled with zeros by the file system.
@@ -82,11 +99,15 @@ Hdf5File open_file(const fs::path& path) {
                                [&] { return H5Fopen(path.c_str(), H5F_ACC_RDWR, access.get()); }));
 }
 
+void read_all(const fs::path& path, const Hdf5Dataset& dataset, hid_t type, void* out) {
+  hdf5_checked(path, "cannot be read",
+               [&] { return H5Dread(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, out); });
+}
+
 std::string text_of(const fs::path& path, const Hdf5Dataset& dataset) {
   const Hdf5Dataspace space(H5Dget_space(dataset.get()));
   std::string text(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space.get())), '\0');
-  hdf5_checked(path, "cannot be read",
-               [&] { return H5Dread(dataset.get(), H5T_NATIVE_CHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()); });
+  read_all(path, dataset, H5T_NATIVE_CHAR, text.data());
   return text;
 }
 
@@ -98,56 +119,15 @@ void write_row(const fs::path& path, const Hdf5Dataset& dataset, hid_t type, hsi
                [&] { return H5Dwrite(dataset.get(), type, source.get(), target.get(), H5P_DEFAULT, data); });
 }
 
-template <class Value>
-void put(std::vector<char>& buffer, const TableField& field, Value value) {
-  std::memcpy(buffer.data() + field.offset, &value, sizeof value);
-}
-
-void put_text(std::vector<char>& buffer, const TableField& field, std::string_view text) {
-  std::fill_n(buffer.data() + field.offset, field.bytes, '\0');
-  std::copy_n(text.begin(), std::min(text.size(), field.bytes), buffer.data() + field.offset);
-}
-
-template <class Value>
-Value get(const char* row, const TableField& field) {
-  Value value;
-  std::memcpy(&value, row + field.offset, sizeof value);
-  return value;
-}
+std::string_view in_memory(const std::string& text) { return text; }
+std::string_view in_memory(const auto& value) { return {reinterpret_cast<const char*>(&value), sizeof value}; }
 
 }  // namespace
 
-std::vector<TableField> table_fields(const SweepPlan& plan) {
-  using Kind = TableField::Kind;
-  std::vector<TableField> fields;
-  const auto add = [&](std::string_view name, Kind kind, std::size_t bytes) {
-    const std::size_t offset = fields.empty() ? 0 : fields.back().offset + fields.back().bytes;
-    fields.push_back({std::string(name), kind, bytes, offset});
-  };
-  add("index", Kind::whole, 8);
-  for (const VariedKey& key : plan.keys) {
-    if (const auto* texts = std::get_if<std::vector<std::string>>(&key.values)) {
-      std::size_t longest = 1;
-      for (const std::string& text : *texts) longest = std::max(longest, text.size());
-      add(key.key, Kind::text, longest);
-    } else {
-      add(key.key, key.values.index() == 0 ? Kind::real : Kind::whole, 8);
-    }
-  }
-  add("completed", Kind::flag, 1);
-  add("error", Kind::text, longest_error);
-  for (std::size_t k = 0; k < quantities; ++k) add(quantity_columns()[k].name, Kind::real, 8);
-  for (const std::string& name : plan.derivatives()) add(name, Kind::real, 8);
-  return fields;
-}
-
 SweepTable::SweepTable(const fs::path& file, const SweepPlan& plan, const std::string& identity)
-    : path_(file),
-      plan_(plan),
-      fields_(table_fields(plan)),
-      row_bytes_(fields_.back().offset + fields_.back().bytes),
-      identity_(Checksum::of(identity)) {
+    : path_(file), plan_(plan), identity_(Checksum::of(identity)) {
   begin_hdf5();
+  fields_ = row_fields(plan);
   if (!fs::exists(path_)) create(identity);
   const std::optional<SweepFrame> frame = SweepFrame::read(path_);
   if (!frame)
@@ -164,7 +144,6 @@ SweepTable::SweepTable(const fs::path& file, const SweepPlan& plan, const std::s
   for (const auto& [name, dataset] :
        {std::pair{"rows", &rows_}, {"timings", &timings_}, {"checksums", &checksums_}, {"done", &done_}})
     dataset->reset(open_dataset(path_, file_.get(), name).release());
-  buffer_.resize(row_bytes_);
   row_type_.reset(compound(fields_).release());
   timing_type_.reset(compound(timing_fields()).release());
   damaged_ = check_rows(path_, *frame).damaged;
@@ -201,28 +180,29 @@ std::vector<SweepRow> SweepTable::read() const {
   const std::size_t cases = plan_.size();
   std::vector<std::uint8_t> done(cases);
   std::vector<Timings> timings(cases);
-  const auto all = [&](const Hdf5Dataset& dataset, hid_t type, void* out) {
-    hdf5_checked(path_, "cannot be read",
-                 [&] { return H5Dread(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, out); });
-  };
-  all(done_, H5T_STD_U8LE, done.data());
-  all(timings_, timing_type_.get(), timings.data());
+  read_all(path_, done_, H5T_STD_U8LE, done.data());
+  read_all(path_, timings_, timing_type_.get(), timings.data());
   std::vector<SweepRow> rows;
-  if (std::none_of(done.begin(), done.end(), [](std::uint8_t one) { return one == 1; })) return rows;
-  std::vector<char> bytes(cases * row_bytes_);
-  all(rows_, row_type_.get(), bytes.data());
-  const std::size_t completed = 1 + plan_.keys.size();
+  if (std::ranges::count(done, 1) == 0) return rows;
+  const std::size_t row_bytes = bytes_of(fields_), before = bytes_of(std::span(fields_).first(1 + plan_.keys.size()));
+  std::vector<char> bytes(cases * row_bytes);
+  read_all(path_, rows_, row_type_.get(), bytes.data());
   for (std::size_t i = 0; i < cases; ++i) {
     if (done[i] != 1 || std::ranges::binary_search(damaged_, i)) continue;
-    const char* from = bytes.data() + i * row_bytes_;
+    const char* from = bytes.data() + i * row_bytes + before;
+    const auto get = [&from](auto& value) {
+      std::memcpy(&value, std::exchange(from, from + sizeof value), sizeof value);
+    };
     SweepRow row;
     row.index = i;
-    row.completed = get<std::uint8_t>(from, fields_[completed]) != 0;
-    const char* error = from + fields_[completed + 1].offset;
-    row.error.assign(error, strnlen(error, longest_error));
-    for (std::size_t k = 0; k < quantities; ++k) row.values[k] = get<double>(from, fields_[completed + 2 + k]);
-    for (std::size_t k = completed + 2 + quantities; k < fields_.size(); ++k)
-      row.derivatives.push_back(get<double>(from, fields_[k]));
+    std::uint8_t completed = 0;
+    get(completed);
+    row.completed = completed != 0;
+    row.error.assign(from, strnlen(from, longest_error));
+    from += longest_error;
+    for (double& value : row.values) get(value);
+    row.derivatives.resize(plan_.derivatives().size());
+    for (double& value : row.derivatives) get(value);
     row.seconds = timings[i].seconds;
     row.integration_seconds = timings[i].integration_seconds;
     rows.push_back(std::move(row));
@@ -231,23 +211,24 @@ std::vector<SweepRow> SweepTable::read() const {
 }
 
 void SweepTable::write(const SweepRow& row) {
+  std::string bytes;
   auto field = fields_.begin();
-  put(buffer_, *field++, static_cast<std::int64_t>(row.index));
+  const auto put = [&](std::string_view value) {  // a text is cut off, or filled up
+    const std::size_t begin = bytes.size();
+    bytes += value.substr(0, field->bytes);
+    bytes.resize(begin + (field++)->bytes);
+  };
+  put(in_memory(static_cast<std::int64_t>(row.index)));
   const std::vector<std::size_t> chosen = plan_.choice(row.index);
-  for (std::size_t k = 0; k < plan_.keys.size(); ++k, ++field) {
-    const VariedKey::Values& values = plan_.keys[k].values;
-    if (const auto* reals = std::get_if<0>(&values)) put(buffer_, *field, (*reals)[chosen[k]]);
-    if (const auto* wholes = std::get_if<1>(&values)) put(buffer_, *field, (*wholes)[chosen[k]]);
-    if (const auto* texts = std::get_if<2>(&values)) put_text(buffer_, *field, (*texts)[chosen[k]]);
-  }
-  put(buffer_, *field++, static_cast<std::uint8_t>(row.completed));
-  put_text(buffer_, *field++, row.error);
-  for (std::size_t k = 0; field != fields_.end(); ++k) put(buffer_, *field++, row.column(k));
+  for (std::size_t k = 0; k < chosen.size(); ++k)
+    std::visit([&](const auto& list) { put(in_memory(list[chosen[k]])); }, plan_.keys[k].values);
+  put(in_memory(static_cast<std::uint8_t>(row.completed)));
+  put(row.error);
+  for (std::size_t k = 0; field != fields_.end(); ++k) put(in_memory(row.column(k)));
 
   const Timings timings{row.seconds, row.integration_seconds};
-  const std::uint64_t sum = row_checksum(identity_, {buffer_.data(), buffer_.size()},
-                                         {reinterpret_cast<const char*>(&timings), sizeof timings});
-  write_row(path_, rows_, row_type_.get(), row.index, buffer_.data());
+  const std::uint64_t sum = row_checksum(identity_, bytes, in_memory(timings));
+  write_row(path_, rows_, row_type_.get(), row.index, bytes.data());
   write_row(path_, timings_, timing_type_.get(), row.index, &timings);
   write_row(path_, checksums_, H5T_STD_U64LE, row.index, &sum);
   unmarked_.push_back(row.index);

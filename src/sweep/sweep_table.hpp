@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -14,14 +13,10 @@ namespace viscobar {
 
 /// One field of a row of `rows`.
 struct TableField {
-  enum class Kind { real, whole, flag, text };
   std::string name;
-  Kind kind;
-  std::size_t bytes, offset;
+  hid_t type;
+  std::size_t bytes;
 };
-
-/// The fields of a sweep's row: index, the varied keys, completed, error, the quantities.
-std::vector<TableField> table_fields(const SweepPlan& plan);
 
 /// sweep.h5, a row for each case, in the order of the cases:
 ///
@@ -60,15 +55,13 @@ class SweepTable {
 
   std::filesystem::path path_;
   const SweepPlan& plan_;
-  std::vector<TableField> fields_;
-  std::size_t row_bytes_ = 0;
+  std::vector<TableField> fields_;  // index, the varied keys, completed, error, the quantities
   Hdf5File file_;
   Hdf5Type row_type_, timing_type_;
   Hdf5Dataset rows_, timings_, checksums_, done_;
   Checksum identity_;
   std::string build_;
   std::vector<std::size_t> damaged_, unmarked_;  // the latter written since the last commit
-  std::vector<char> buffer_;
 };
 
 }  // namespace viscobar

@@ -34,96 +34,72 @@ std::optional<double> finite_number(const TomlValue& value) {
   return std::nullopt;
 }
 
-struct ProgressionRange {
-  double from = 0.0, to = 0.0;
-  std::optional<double> count, per_decade;
+struct Range {
+  double from = 1.0, to = 1.0;
+  std::optional<std::size_t> count, per_decade;
   bool logarithmic = false;
 };
 
-/// What a range says, as far as it is sound.
-class RangeReader {
- public:
-  RangeReader(const TomlNode& node, const Report& report) : node_(node), report_(report) {}
-
-  std::optional<ProgressionRange> read() {
-    static constexpr std::string_view known[] = {"from", "to", "count", "per_decade", "spacing"};
-    for (const TomlNode& entry : node_.inside)
-      if (std::find(std::begin(known), std::end(known), entry.key) == std::end(known)) {
-        const auto nearest = nearest_name(entry.key, known);
-        fail(entry.key_at, nearest
-                               ? fmt::format("unknown key \"{}\" of a range; nearest is \"{}\"", entry.key, *nearest)
-                               : fmt::format("unknown key \"{}\" of a range; known are from, to, count, per_decade, "
-                                             "spacing",
-                                             entry.key));
-      }
-    const auto from = number("from"), to = number("to");
-    for (const auto& [name, value] : {std::pair("from", from), std::pair("to", to)})
-      if (!value && !find(name)) fail(node_.value_at, fmt::format("the range lacks {}", name));
-    ProgressionRange range{from.value_or(1.0), to.value_or(1.0), whole("count"), whole("per_decade"), false};
-    const TomlNode *count = find("count"), *per_decade = find("per_decade");
-    if (!count && !per_decade && sound_) fail(node_.value_at, "the range lacks count or per_decade");
-    if (count && per_decade) fail(per_decade->key_at, "excludes count: a range has one or the other");
-    read_spacing(range);
-    if (sound_ && range.count && *range.count == 1.0 && range.from != range.to)
-      fail(count->value_at, "count must be at least 2, for both ends of the range");
-    if (sound_ && range.logarithmic)
-      for (const char* end : {"from", "to"})
-        if (*number(end) <= 0.0)
-          fail(find(end)->value_at, fmt::format("{} must be positive in a logarithmic range", end));
-    if (sound_ && range.logarithmic && !std::isnormal(range.to / range.from))
-      fail(node_.value_at, fmt::format("from {:.3g} to {:.3g} is more than 307 decades", range.from, range.to));
-    return sound_ ? std::optional(range) : std::nullopt;
-  }
-
- private:
-  const TomlNode* find(std::string_view name) const {
-    const auto found =
-        std::find_if(node_.inside.begin(), node_.inside.end(), [&](const TomlNode& one) { return one.key == name; });
-    return found == node_.inside.end() ? nullptr : &*found;
-  }
-
-  std::optional<double> number(std::string_view name) {
+/// Absent after a report.
+std::optional<Range> read_range(const TomlNode& node, const Report& report) {
+  static constexpr std::string_view known[] = {"from", "to", "count", "per_decade", "spacing"};
+  bool sound = true;
+  const auto fail = [&](TextPosition at, const std::string& message) {
+    sound = false;
+    report(at, message);
+  };
+  const auto find = [&](std::string_view name) { return entry_of(node, name); };
+  const auto read_end = [&](const char* name, double& end) {
     const TomlNode* entry = find(name);
-    if (!entry) return std::nullopt;
-    const auto value = finite_number(entry->value);
-    if (!value) fail(entry->value_at, fmt::format("{} must be a finite number", name));
-    return value;
-  }
-
-  std::optional<double> whole(std::string_view name) {
+    const auto value = entry ? finite_number(entry->value) : std::nullopt;
+    if (!entry) fail(node.value_at, fmt::format("the range lacks {}", name));
+    if (entry && !value) fail(entry->value_at, fmt::format("{} must be a finite number", name));
+    end = value.value_or(end);
+  };
+  const auto read_whole = [&](const char* name, std::optional<std::size_t>& whole) {
     const TomlNode* entry = find(name);
-    if (!entry) return std::nullopt;
+    if (!entry) return;
     const auto* value = std::get_if<std::int64_t>(&entry->value);
-    if (value && *value >= 1 && static_cast<std::size_t>(*value) <= most_values) return static_cast<double>(*value);
-    fail(entry->value_at, fmt::format("{} must be a whole number from 1 to {}", name, most_values));
-    return std::nullopt;
-  }
+    if (value && *value >= 1 && static_cast<std::size_t>(*value) <= most_values)
+      whole = static_cast<std::size_t>(*value);
+    else
+      fail(entry->value_at, fmt::format("{} must be a whole number from 1 to {}", name, most_values));
+  };
 
-  void read_spacing(ProgressionRange& range) {
-    range.logarithmic = find("per_decade") != nullptr;
-    const TomlNode* spacing = find("spacing");
-    if (!spacing) return;
+  for (const TomlNode& entry : node.inside)
+    if (std::ranges::find(known, entry.key) == std::end(known))
+      fail(entry.key_at, fmt::format("unknown key \"{}\" of a range; {}", entry.key, instead_of(entry.key, known)));
+  Range range;
+  read_end("from", range.from);
+  read_end("to", range.to);
+  read_whole("count", range.count);
+  read_whole("per_decade", range.per_decade);
+  const TomlNode *count = find("count"), *per_decade = find("per_decade"), *spacing = find("spacing");
+  if (!count && !per_decade && sound) fail(node.value_at, "the range lacks count or per_decade");
+  if (count && per_decade) fail(per_decade->key_at, "excludes count: a range has one or the other");
+
+  range.logarithmic = per_decade != nullptr;
+  if (spacing) {
     const auto* word = std::get_if<std::string>(&spacing->value);
     if (!word || (*word != "linear" && *word != "log"))
       fail(spacing->value_at, "spacing must be \"linear\" or \"log\"");
-    else if (*word == "linear" && range.logarithmic)
+    else if (*word == "linear" && per_decade)
       fail(spacing->value_at, "per_decade has the spacing \"log\"");
     else
       range.logarithmic = *word == "log";
   }
+  if (sound && range.count == 1u && range.from != range.to)
+    fail(count->value_at, "count must be at least 2, for both ends of the range");
+  if (sound && range.logarithmic)
+    for (const auto& [name, end] : {std::pair("from", range.from), std::pair("to", range.to)})
+      if (end <= 0.0) fail(find(name)->value_at, fmt::format("{} must be positive in a logarithmic range", name));
+  if (sound && range.logarithmic && !std::isnormal(range.to / range.from))
+    fail(node.value_at, fmt::format("from {:.3g} to {:.3g} is more than 307 decades", range.from, range.to));
+  return sound ? std::optional(range) : std::nullopt;
+}
 
-  void fail(TextPosition at, const std::string& message) {
-    sound_ = false;
-    report_(at, message);
-  }
-
-  const TomlNode& node_;
-  const Report& report_;
-  bool sound_ = true;
-};
-
-std::vector<double> by_count(const ProgressionRange& range) {
-  const auto count = static_cast<std::size_t>(*range.count);
+std::vector<double> by_count(const Range& range) {
+  const std::size_t count = *range.count;
   std::vector<double> values = {range.from};
   for (std::size_t k = 1; k < count; ++k) {
     const double share = static_cast<double>(k) / static_cast<double>(count - 1);
@@ -135,7 +111,7 @@ std::vector<double> by_count(const ProgressionRange& range) {
 }
 
 // From `from` towards `to`; `to` itself where the steps meet it.
-std::vector<double> by_decade(const ProgressionRange& range) {
+std::vector<double> by_decade(const Range& range) {
   const auto each = static_cast<int>(*range.per_decade);
   const double steps = std::abs(std::log10(range.to / range.from)) * each;
   const int sign = range.to < range.from ? -1 : 1;
@@ -148,34 +124,23 @@ std::vector<double> by_decade(const ProgressionRange& range) {
   return values;
 }
 
-template <class Value>
-Value as(const TomlValue& value);
-
-template <>
-double as<double>(const TomlValue& value) {
-  return *finite_number(value);
-}
-
-template <>
-std::int64_t as<std::int64_t>(const TomlValue& value) {
-  return std::get<std::int64_t>(value);
-}
-
-template <>
-std::string as<std::string>(const TomlValue& value) {
+std::string plain_text(const TomlValue& value) {
   if (const auto* text = std::get_if<std::string>(&value)) return *text;
   if (const auto* whole = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *whole);
   return fmt::format("{}", std::get<double>(value));
 }
 
-template <class Value>
-VariedKey converted(const SceneKey& key, const std::vector<TomlValue>& values) {
-  std::vector<Value> list;
-  for (const TomlValue& value : values) list.push_back(as<Value>(value));
-  return {std::string(key.name), std::move(list)};
+}  // namespace
+
+const TomlNode* entry_of(const TomlNode& table, std::string_view key) {
+  const auto found = std::ranges::find(table.inside, key, &TomlNode::key);
+  return found == table.inside.end() ? nullptr : &*found;
 }
 
-}  // namespace
+std::string instead_of(std::string_view word, std::span<const std::string_view> known) {
+  const auto nearest = nearest_name(word, known);
+  return nearest ? fmt::format("nearest is \"{}\"", *nearest) : fmt::format("known are {}", fmt::join(known, ", "));
+}
 
 VariedKey varied_key(const SceneKey& key, const TomlNode& node, const Report& report) {
   std::vector<TomlValue> values;
@@ -196,7 +161,7 @@ VariedKey varied_key(const SceneKey& key, const TomlNode& node, const Report& re
     const bool takes_numbers =
         key.type == KeyType::number || key.type == KeyType::count || key.type == KeyType::formula;
     if (!takes_numbers) report(node.value_at, "takes no numbers, so give a list of its values, not a range");
-    const auto range = takes_numbers ? RangeReader(node, report).read() : std::nullopt;
+    const auto range = takes_numbers ? read_range(node, report) : std::nullopt;
     if (range)
       for (const double value : range->count ? by_count(*range) : by_decade(*range)) {
         if (key.type != KeyType::count) {
@@ -218,9 +183,15 @@ VariedKey varied_key(const SceneKey& key, const TomlNode& node, const Report& re
   const bool numbers =
       key.type == KeyType::formula && !values.empty() &&
       std::ranges::all_of(values, [](const TomlValue& value) { return finite_number(value).has_value(); });
-  if (key.type == KeyType::number || numbers) return converted<double>(key, values);
-  if (key.type == KeyType::count) return converted<std::int64_t>(key, values);
-  return converted<std::string>(key, values);
+  const auto varied = [&](auto&& as) {
+    std::vector<std::decay_t<decltype(as(values.front()))>> list;
+    for (const TomlValue& value : values) list.push_back(as(value));
+    return VariedKey{std::string(key.name), std::move(list)};
+  };
+  if (key.type == KeyType::number || numbers)
+    return varied([](const TomlValue& value) { return *finite_number(value); });
+  if (key.type == KeyType::count) return varied([](const TomlValue& value) { return std::get<std::int64_t>(value); });
+  return varied(plain_text);
 }
 
 }  // namespace viscobar

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "input/scene_keys.hpp"
 #include "input/toml_text.hpp"
@@ -11,6 +13,12 @@ namespace viscobar {
 
 /// Notes what is wrong at a place of the text.
 using Report = std::function<void(TextPosition at, const std::string& message)>;
+
+/// An entry of a table, or null.
+const TomlNode* entry_of(const TomlNode& table, std::string_view key);
+
+/// Of a word that is none of `known`: the one that was probably meant, or all.
+std::string instead_of(std::string_view word, std::span<const std::string_view> known);
 
 /// The values of a key that a sweep varies: a list, or a range
 ///

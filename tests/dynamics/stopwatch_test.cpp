@@ -1,9 +1,9 @@
-#include "run/stopwatch.hpp"
-
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <thread>
+
+#include "run/telling.hpp"
 
 namespace viscobar {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "support/scene_text.hpp"
 #include "support/scratch.hpp"
-#include "sweep/sweep_csv.hpp"
+#include "sweep/sweep_results.hpp"
 #include "sweep/sweep_table.hpp"
 #include "viscobar/sweep/sweep.hpp"
 

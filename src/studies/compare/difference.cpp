@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
@@ -10,34 +11,6 @@
 #include "studies/compare/matching.hpp"
 
 namespace viscobar {
-
-double l2_norm(const Mesh& mesh, std::span<const double> nodal) {
-  double sum = 0.0;
-  if (!mesh.uniform()) {
-    for (std::size_t j = 0; j + 1 < nodal.size(); ++j)
-      sum += mesh.element(j) * (nodal[j] * nodal[j] + nodal[j] * nodal[j + 1] + nodal[j + 1] * nodal[j + 1]);
-    return std::sqrt(sum / 3.0);
-  }
-  for (std::size_t j = 0; j + 1 < nodal.size(); ++j)
-    sum += nodal[j] * nodal[j] + nodal[j] * nodal[j + 1] + nodal[j + 1] * nodal[j + 1];
-  return std::sqrt(sum * mesh.spacing() / 3.0);
-}
-
-double h1_seminorm(const Mesh& mesh, std::span<const double> nodal) {
-  double sum = 0.0;
-  if (!mesh.uniform()) {
-    for (std::size_t j = 0; j + 1 < nodal.size(); ++j) {
-      const double difference = nodal[j + 1] - nodal[j];
-      sum += difference * difference / mesh.element(j);
-    }
-    return std::sqrt(sum);
-  }
-  for (std::size_t j = 0; j + 1 < nodal.size(); ++j) {
-    const double difference = nodal[j + 1] - nodal[j];
-    sum += difference * difference;
-  }
-  return std::sqrt(sum / mesh.spacing());
-}
 
 namespace {
 
@@ -55,98 +28,25 @@ double integral(std::span<const double> times, std::span<const double> values, d
   return sum;
 }
 
-// Whether the reaction at an end is that of this contact alone.
-const std::vector<double>* end_reaction(const Recording& recording, Where where) {
-  if (where == Where::span) return nullptr;
-  const auto& reaction = where == Where::left ? recording.reaction_left : recording.reaction_right;
-  return reaction.empty() ? nullptr : &reaction;
-}
-
-}  // namespace
-
-// Where the run kept no account, by the trapezoidal rule over the recording's times.
-std::vector<ContactPeriod> contact_periods(const Recording& recording, double merge) {
-  std::vector<ContactPeriod> periods;
-  std::vector<std::optional<double>> before;  // impulse of the reaction until a period begins
-  std::map<Place, std::size_t> latest;        // period of a place that may go on
-  std::map<Place, bool> open;
-  for (const Event& event : recording.events) {
-    const Place place{event.where, event.node};
-    const auto found = latest.find(place);
-    if (event.change == Change::opening) {
-      open[place] = true;
-      if (found == latest.end()) continue;
-      ContactPeriod& period = periods[found->second];
-      period.end = event.time;
-      if (event.impulse) period.impulse = *event.impulse - before[found->second].value_or(0.0);
-      continue;
-    }
-    open[place] = false;
-    if (found != latest.end() && event.time - periods[found->second].end < merge) {
-      ++periods[found->second].bounces;
-    } else {
-      latest[place] = periods.size();
-      periods.push_back({event.where, event.node, event.time, event.time, 0.0, 1});
-      before.push_back(event.impulse);
-    }
-  }
-  if (!recording.times.empty())
-    for (const auto& [place, index] : latest) {
-      if (open[place]) continue;
-      ContactPeriod& period = periods[index];
-      period.end = recording.times.back();
-      const auto& account = recording.statistics.account;
-      if (account && before[index])
-        period.impulse = (period.where == Where::left ? account->left : account->right).impulse - *before[index];
-    }
-  for (std::size_t k = 0; k < periods.size(); ++k) {
-    const auto* reaction = before[k] ? nullptr : end_reaction(recording, periods[k].where);
-    if (reaction) periods[k].impulse = integral(recording.times, *reaction, periods[k].begin, periods[k].end);
-  }
-  return periods;
-}
-
-namespace {
-
-// Two mean distances of the longer list; a single time is matched with a single one wherever it is.
-double reach(std::size_t first, std::size_t other, double duration) {
-  return 2.0 * duration / static_cast<double>(std::max(first, other));
-}
-
-void match_events(const Recording& first, const Recording& other, double duration, Difference& result) {
-  using Kind = std::tuple<Where, std::size_t, Change>;
-  std::map<Kind, std::pair<std::vector<double>, std::vector<double>>> times;
-  for (const Event& event : first.events) times[{event.where, event.node, event.change}].first.push_back(event.time);
-  for (const Event& event : other.events) times[{event.where, event.node, event.change}].second.push_back(event.time);
-  for (const auto& [kind, lists] : times) {
-    const auto& [a, b] = lists;
-    for (const Match& match : match_times(a, b, reach(a.size(), b.size(), duration))) {
-      const double shift = std::abs(a[match.first] - b[match.other]);
-      ++result.events_matched;
-      result.largest_event_shift = std::max(result.largest_event_shift.value_or(0.0), shift);
-    }
-  }
-}
-
-// By the middle of the period: one that two methods see merged differently is still the same.
-void match_contacts(const Recording& first, const Recording& other, double duration, Difference& result) {
-  // Bounces closer together than a hundredth of the run belong to one contact.
-  const double merge = 0.01 * duration;
-  std::map<Place, std::pair<std::vector<ContactPeriod>, std::vector<ContactPeriod>>> periods;
-  for (const ContactPeriod& p : contact_periods(first, merge)) periods[{p.where, p.node}].first.push_back(p);
-  for (const ContactPeriod& p : contact_periods(other, merge)) periods[{p.where, p.node}].second.push_back(p);
-  const auto middles = [](const std::vector<ContactPeriod>& list) {
-    std::vector<double> times;
-    for (const ContactPeriod& p : list) times.push_back(0.5 * (p.begin + p.end));
-    return times;
+// Calls `use` for each two items of one kind that are matched by their times. Two mean distances of the longer list are
+// the reach: a single time is matched with a single one wherever it is.
+template <class Item>
+void match(const std::vector<Item>& first, const std::vector<Item>& other, double duration, auto&& kind, auto&& time,
+           auto&& use) {
+  using List = std::vector<const Item*>;
+  std::map<decltype(kind(first.front())), std::pair<List, List>> kinds;
+  for (const Item& item : first) kinds[kind(item)].first.push_back(&item);
+  for (const Item& item : other) kinds[kind(item)].second.push_back(&item);
+  const auto times = [&](const List& list) {
+    std::vector<double> all;
+    for (const Item* item : list) all.push_back(time(*item));
+    return all;
   };
-  for (const auto& [place, lists] : periods) {
+  for (const auto& [key, lists] : kinds) {
     const auto& [a, b] = lists;
-    for (const Match& match : match_times(middles(a), middles(b), reach(a.size(), b.size(), duration)))
-      result.contacts.push_back({a[match.first], b[match.other]});
+    const double reach = 2.0 * duration / static_cast<double>(std::max(a.size(), b.size()));
+    for (const Match& pair : match_times(times(a), times(b), reach)) use(*a[pair.first], *b[pair.other]);
   }
-  std::stable_sort(result.contacts.begin(), result.contacts.end(),
-                   [](const auto& a, const auto& b) { return a.first.begin < b.first.begin; });
 }
 
 // Largest norm of the difference over time; absent where one of the two has no such field.
@@ -167,6 +67,74 @@ std::optional<double> largest_difference(const Recording& first, const Recording
 
 }  // namespace
 
+double l2_norm(const Mesh& mesh, std::span<const double> nodal) {
+  double sum = 0.0;
+  const auto size = [&](std::size_t j) { return mesh.uniform() ? 1.0 : mesh.element(j); };
+  for (std::size_t j = 0; j + 1 < nodal.size(); ++j)
+    sum += size(j) * (nodal[j] * nodal[j] + nodal[j] * nodal[j + 1] + nodal[j + 1] * nodal[j + 1]);
+  return std::sqrt((mesh.uniform() ? sum * mesh.spacing() : sum) / 3.0);
+}
+
+double h1_seminorm(const Mesh& mesh, std::span<const double> nodal) {
+  double sum = 0.0;
+  if (!mesh.uniform()) {
+    for (std::size_t j = 0; j + 1 < nodal.size(); ++j) {
+      const double difference = nodal[j + 1] - nodal[j];
+      sum += difference * difference / mesh.element(j);
+    }
+    return std::sqrt(sum);
+  }
+  for (std::size_t j = 0; j + 1 < nodal.size(); ++j) {
+    const double difference = nodal[j + 1] - nodal[j];
+    sum += difference * difference;
+  }
+  return std::sqrt(sum / mesh.spacing());
+}
+
+// Where the run kept no account, by the trapezoidal rule over the recording's times.
+std::vector<ContactPeriod> contact_periods(const Recording& recording, double merge) {
+  std::vector<ContactPeriod> periods;
+  std::vector<std::optional<double>> before;  // impulse of the reaction until a period begins
+  std::map<Place, std::size_t> latest;        // period of a place that may go on
+  std::set<Place> closed;
+  for (const Event& event : recording.events) {
+    const Place place{event.where, event.node};
+    const auto found = latest.find(place);
+    if (event.change == Change::opening) {
+      closed.erase(place);
+      if (found == latest.end()) continue;
+      ContactPeriod& period = periods[found->second];
+      period.end = event.time;
+      if (event.impulse) period.impulse = *event.impulse - before[found->second].value_or(0.0);
+      continue;
+    }
+    closed.insert(place);
+    if (found != latest.end() && event.time - periods[found->second].end < merge) {
+      ++periods[found->second].bounces;
+    } else {
+      latest[place] = periods.size();
+      periods.push_back({event.where, event.node, event.time, event.time, 0.0, 1});
+      before.push_back(event.impulse);
+    }
+  }
+  if (!recording.times.empty())
+    for (const Place& place : closed) {
+      const std::size_t index = latest.at(place);
+      ContactPeriod& period = periods[index];
+      period.end = recording.times.back();
+      const auto& account = recording.statistics.account;
+      if (account && before[index])
+        period.impulse = (period.where == Where::left ? account->left : account->right).impulse - *before[index];
+    }
+  for (std::size_t k = 0; k < periods.size(); ++k) {
+    ContactPeriod& period = periods[k];
+    const auto& reaction = period.where == Where::left ? recording.reaction_left : recording.reaction_right;
+    if (!before[k] && period.where != Where::span && !reaction.empty())
+      period.impulse = integral(recording.times, reaction, period.begin, period.end);
+  }
+  return periods;
+}
+
 Difference compare(const Recording& first, const Recording& other) {
   const bool same_mesh = same_nodes(first.mesh, other.mesh);
   if (first.times != other.times || !(same_mesh || first.mesh.elements == 1 || other.mesh.elements == 1))
@@ -185,8 +153,25 @@ Difference compare(const Recording& first, const Recording& other) {
     result.energy_final = first.statistics.energy->final - other.statistics.energy->final;
   if (first.times.empty()) return result;
   const double duration = first.times.back() - first.times.front();
-  match_events(first, other, duration, result);
-  match_contacts(first, other, duration, result);
+  match(
+      first.events, other.events, duration,
+      [](const Event& event) { return std::tuple(event.where, event.node, event.change); },
+      [](const Event& event) { return event.time; },
+      [&](const Event& a, const Event& b) {
+        ++result.events_matched;
+        result.largest_event_shift = std::max(result.largest_event_shift.value_or(0.0), std::abs(a.time - b.time));
+      });
+  // Bounces closer together than a hundredth of the run belong to one contact. By the middle of the period: one that
+  // two methods see merged differently is still the same.
+  const double merge = 0.01 * duration;
+  match(
+      contact_periods(first, merge), contact_periods(other, merge), duration,
+      [](const ContactPeriod& period) { return Place(period.where, period.node); },
+      [](const ContactPeriod& period) { return 0.5 * (period.begin + period.end); },
+      [&](const ContactPeriod& a, const ContactPeriod& b) {
+        result.contacts.push_back({a, b});
+      });
+  std::ranges::stable_sort(result.contacts, {}, [](const Difference::Contact& both) { return both.first.begin; });
   return result;
 }
 

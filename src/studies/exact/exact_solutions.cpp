@@ -1,7 +1,7 @@
 #include "viscobar/studies/exact/exact_solutions.hpp"
 
 #include <algorithm>
-#include <limits>
+#include <complex>
 
 #include "viscobar/studies/compare/difference.hpp"
 
@@ -107,23 +107,21 @@ double sum_over_ends(const ManufacturedContact& contact, double x, double t, Ter
   const double length = contact.bar.length;
   const bool both = contact.left && contact.right;
   double sum = 0.0;
-  if (contact.left)
-    sum += term(*contact.left, shapes(length, both, x), amplitudes(contact.bar, contact.left->omega, t));
-  if (contact.right)
-    sum += term(*contact.right, shapes(length, both, length - x), amplitudes(contact.bar, contact.right->omega, t));
+  for (const auto& [end, from_end] : {std::pair(contact.left, x), std::pair(contact.right, length - x)})
+    if (end) sum += term(*end, shapes(length, both, from_end), amplitudes(contact.bar, end->omega, t));
   return sum;
 }
 
 }  // namespace
 
 double ManufacturedContact::End::opening(double t) const {
-  const double s = std::max(0.0, std::sin(omega * t));
-  return s * s * s;
+  const double up = std::max(0.0, std::sin(omega * t));
+  return up * up * up;
 }
 
 double ManufacturedContact::End::reaction(double t) const {
-  const double s = std::min(0.0, std::sin(omega * t));
-  return s * s;
+  const double down = std::min(0.0, std::sin(omega * t));
+  return down * down;
 }
 
 double ManufacturedContact::u(double x, double t) const {
@@ -214,49 +212,126 @@ Solution later(Solution solution, double t0) {
   return solution;
 }
 
-Solver solver(Solution solution) {
-  return [solution = std::move(solution)](const Case& run) {
-    Recording recording;
-    recording.label = "exact";
-    recording.mesh = run.mesh();
-    recording.times = run.output_times();
-    for (const double t : recording.times) {
-      for (std::size_t j = 0; j < recording.mesh.nodes(); ++j) {
-        recording.u.push_back(solution.u(recording.mesh.node(j), t));
-        recording.v.push_back(solution.v(recording.mesh.node(j), t));
-      }
-      recording.reaction_left.push_back(solution.reaction_left ? solution.reaction_left(t) : 0.0);
-      recording.reaction_right.push_back(solution.reaction_right ? solution.reaction_right(t) : 0.0);
+namespace {
+
+Recording sampled(const Solution& solution, const Mesh& mesh, std::vector<double> times) {
+  Recording recording;
+  recording.label = "exact";
+  recording.mesh = mesh;
+  recording.times = std::move(times);
+  for (const double t : recording.times) {
+    for (std::size_t j = 0; j < mesh.nodes(); ++j) {
+      recording.u.push_back(solution.u(mesh.node(j), t));
+      recording.v.push_back(solution.v(mesh.node(j), t));
     }
-    return recording;
-  };
+    recording.reaction_left.push_back(solution.reaction_left ? solution.reaction_left(t) : 0.0);
+    recording.reaction_right.push_back(solution.reaction_right ? solution.reaction_right(t) : 0.0);
+  }
+  return recording;
+}
+
+// L1 norm in time, by the trapezoidal rule; 0 of what is not known.
+double distance(const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& times) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const double before = k > 0 ? times[k] - times[k - 1] : 0.0;
+    const double after = k + 1 < times.size() ? times[k + 1] - times[k] : 0.0;
+    sum += 0.5 * (before + after) * std::abs(a[k] - b[k]);
+  }
+  return sum;
+}
+
+}  // namespace
+
+Solver solver(Solution solution) {
+  return
+      [solution = std::move(solution)](const Case& run) { return sampled(solution, run.mesh(), run.output_times()); };
 }
 
 Error error(const Recording& recording, const Solution& solution) {
-  Error error;
-  const Mesh& mesh = recording.mesh;
-  std::vector<double> u(mesh.nodes()), v(mesh.nodes());
-  double left = 0.0, right = 0.0;
-  const auto reaction = [](const TimeFunction& exact, double t) { return exact ? exact(t) : 0.0; };
-  for (std::size_t k = 0; k < recording.times.size(); ++k) {
-    const double t = recording.times[k];
-    for (std::size_t j = 0; j < mesh.nodes(); ++j) {
-      u[j] = recording.displacement(k)[j] - solution.u(mesh.node(j), t);
-      if (!recording.v.empty()) v[j] = recording.velocity(k)[j] - solution.v(mesh.node(j), t);
-    }
-    error.displacement_l2 = std::max(error.displacement_l2, l2_norm(mesh, u));
-    error.velocity_l2 = std::max(error.velocity_l2, l2_norm(mesh, v));
-    error.end_trace = std::max({error.end_trace, std::abs(u.front()), std::abs(u.back())});
-    const double before = k > 0 ? t - recording.times[k - 1] : 0.0;
-    const double after = k + 1 < recording.times.size() ? recording.times[k + 1] - t : 0.0;
-    const double weight = 0.5 * (before + after);
-    if (!recording.reaction_left.empty())
-      left += weight * std::abs(recording.reaction_left[k] - reaction(solution.reaction_left, t));
-    if (!recording.reaction_right.empty())
-      right += weight * std::abs(recording.reaction_right[k] - reaction(solution.reaction_right, t));
+  const Recording exact = sampled(solution, recording.mesh, recording.times);
+  const Difference off = compare(recording, exact);
+  return {off.displacement_l2.value_or(0.0), off.velocity_l2.value_or(0.0), off.end_trace,
+          std::max(distance(recording.reaction_left, exact.reaction_left, recording.times),
+                   distance(recording.reaction_right, exact.reaction_right, recording.times))};
+}
+
+namespace {
+
+using Complex = std::complex<double>;
+
+// The roots s_k of s^2 (s + a) = b, a = E / eta, b = 1 / (epsilon^2 rho eta), but for the positive one.
+struct Roots {
+  Complex first, second;
+};
+
+Roots decaying_roots(double a, double b) {
+  // Newton from above on a convex increasing function descends to the positive root.
+  double positive = std::cbrt(b);
+  for (int k = 0; k < 100; ++k) {
+    const double step = (positive * positive * (positive + a) - b) / (positive * (3 * positive + 2 * a));
+    positive -= step;
+    if (std::abs(step) <= 1e-16 * positive) break;
   }
-  error.reaction_l1 = std::max(left, right);
-  return error;
+  // What is left is s^2 + (a + positive) s + (a + positive) positive.
+  const double sum = a + positive;
+  const Complex root = std::sqrt(Complex(sum * (a - 3 * positive)));
+  const Complex larger = -0.5 * (sum + root);
+  return {larger, sum * positive / larger};
+}
+
+// The `order`-th derivative of d in time: each term multiplied by (its exponent)^order.
+double inverse(const ImpactLaw& law, double t, int order) {
+  const double rho = law.bar.density, E = law.bar.modulus, eta = law.bar.viscosity, epsilon = law.epsilon;
+  const double rest = epsilon * std::sqrt(rho * E);
+  if (eta == 0.0) return law.speed * (order == 0 ? -rest * std::expm1(-t / rest) : std::exp(-t / rest));
+
+  const double a = E / eta, b = 1 / (epsilon * epsilon * rho * eta);
+  double sum = order == 0 ? rest : 0.0;
+  const Roots roots = decaying_roots(a, b);
+  for (const Complex s : {roots.first, roots.second})
+    sum += (std::pow(s, order) * std::exp(s * t) / (s + s * s * s * s / (2 * b))).real();
+
+  // x = a + y^2, y = e^w makes the integrand analytic in a strip of half-width pi/6 about the real w, where the
+  // trapezoidal rule converges like exp(-2 pi (pi/6) / step).
+  constexpr double step = 0.08;
+  const double low = 0.5 * std::log(std::min(a, std::cbrt(b))) - 14.0;
+  const double high = 0.5 * std::log(std::max(a, std::cbrt(b))) + 10.0;
+  double integral = 0.0;
+  for (double w = low; w < high; w += step) {
+    const double y = std::exp(w), x = a + y * y, z2 = rho * eta * y * y;
+    const double decay = std::exp(-x * t);
+    if (decay == 0.0) break;
+    const double power = order == 0 ? 1.0 : -x;
+    integral += power * decay * 2 * y * y * std::sqrt(z2) / (x * (1 + epsilon * epsilon * x * x * z2));
+  }
+  return law.speed * (sum + epsilon / std::numbers::pi * integral * step);
+}
+
+}  // namespace
+
+double ImpactLaw::penetration(double t) const { return t <= 0.0 ? 0.0 : inverse(*this, t, 0); }
+
+double ImpactLaw::rate(double t) const { return t < 0.0 ? 0.0 : t == 0.0 ? speed : inverse(*this, t, 1); }
+
+std::optional<ImpactLaw::Peak> ImpactLaw::peak() const {
+  if (bar.viscosity == 0.0) return {};
+  // Before the peak the bar is all viscosity or all elasticity, whichever stops it sooner.
+  const double tau = std::cbrt(epsilon * epsilon * bar.density * bar.viscosity);
+  const double rest = epsilon * std::sqrt(bar.density * bar.modulus);
+  double before = 0.0;
+  for (double after = 0.25 * std::min(tau, rest); after < 40.0 * std::max(tau, rest); after *= 1.25) {
+    if (rate(after) > 0.0) {
+      before = after;
+      continue;
+    }
+    for (int k = 0; k < 60; ++k) {
+      const double middle = 0.5 * (before + after);
+      (rate(middle) > 0.0 ? before : after) = middle;
+    }
+    return Peak{before, penetration(before)};
+  }
+  return {};
 }
 
 }  // namespace viscobar::exact

@@ -89,8 +89,7 @@ CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result
     return no("the error of the mesh and its order need three meshes or more (--elements 27,54,108)");
   std::vector<std::size_t> by_mesh(result.orders.size());
   std::iota(by_mesh.begin(), by_mesh.end(), std::size_t{0});
-  std::sort(by_mesh.begin(), by_mesh.end(),
-            [&](std::size_t a, std::size_t b) { return result.orders[a].elements < result.orders[b].elements; });
+  std::ranges::sort(by_mesh, {}, [&](std::size_t i) { return result.orders[i].elements; });
   const bool rigid = common_mass(study.scene) == Mass::redistributed;
   for (const LimitOrders& orders : result.orders)
     if (!rigid && orders.verdict == Verdict::plateau)
@@ -122,11 +121,9 @@ CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result
   for (const double h : spacings) sizes.push_back(h / finest);
   for (const double difference : differences) parts.push_back(difference / scale);
   const std::optional<MeshError> error = mesh_error(sizes, parts);
-  if (!error) {
-    std::string list;
-    for (const double difference : differences) list += fmt::format("{}{:.2g}", list.empty() ? "" : ", ", difference);
-    return no("from mesh to mesh the limits differ by " + list + ", which is no power of h");
-  }
+  if (!error)
+    return no(fmt::format("from mesh to mesh the limits differ by {:.2g}, which is no power of h",
+                          fmt::join(differences, ", ")));
 
   Coupling coupling;
   coupling.mesh_order = error->order;

@@ -10,7 +10,6 @@
 #include <span>
 #include <stdexcept>
 
-#include "studies/limit/local_power.hpp"
 #include "studies/limit/mesh_runs.hpp"
 #include "studies/parallel.hpp"
 
@@ -33,13 +32,6 @@ std::vector<double> natural_penalties(const Scene& scene, std::size_t per_decade
 namespace {
 
 bool has_obstacle(const Scene& scene) { return is_obstacle(scene.left) || is_obstacle(scene.right) || scene.span; }
-
-double largest_displacement(const EndTraces& traces) {
-  double largest = 0.0;
-  for (const auto* trace : EndTraces::all(traces))
-    for (const double u : *trace) largest = std::max(largest, std::abs(u));
-  return largest;
-}
 
 // The power in the values between two epsilons that lie above a floor; those within `range` of the smallest epsilon of
 // them, where the power is closest to its limit.
@@ -119,11 +111,7 @@ Judgement judge_mesh(MeshRuns& mesh, const LimitStudy& study, Progress& progress
       const std::size_t count = std::min<std::size_t>(4, cases.size());
       for (auto run = cases.end() - static_cast<std::ptrdiff_t>(count); run != cases.end(); ++run)
         mesh.other_law.push_back({with_other_law(**run)});
-      for (Run& run : mesh.other_law) try {
-          run_now(run);
-        } catch (const IntegrationError&) {
-          run.error = std::current_exception();
-        }
+      for (Run& run : mesh.other_law) run.attempt([&] { run_now(run); });
     }
     TraceSequence sequence;
     for (const Run& run : mesh.other_law)
@@ -155,11 +143,8 @@ void decide(std::vector<MeshRuns>& meshes, const LimitStudy& study, Progress& pr
           if (spent + scheme_refinement * last.seconds > study.budget) return;
           Run next{scheme_case(study, last.run.elements, mesh.step() / scheme_refinement)};
           progress.expect(1);
-          try {
-            next.trace(mesh.times);
-          } catch (const IntegrationError&) {
-            return;  // the verdict stays undecided, with the smallest step that ran
-          }
+          // Else the verdict stays undecided, with the smallest step that ran.
+          if (!next.attempt([&] { next.trace(mesh.times); })) return;
           spent += next.seconds;
           mesh.scheme.push_back(std::move(next));
           progress.done();
@@ -204,16 +189,6 @@ const Run& limit_of_penalty(const MeshRuns& mesh) {
   return *std::find_if(mesh.penalised.rbegin(), mesh.penalised.rend(), [](const Run& run) { return !run.error; });
 }
 
-std::vector<SchemeRun> scheme_runs(const MeshRuns& mesh) {
-  std::vector<SchemeRun> runs;
-  for (std::size_t i = 0; i < mesh.scheme.size(); ++i) {
-    const Run& run = mesh.scheme[i];
-    runs.push_back({*run.run.step, i > 0 ? largest_difference(run.traces, mesh.scheme[i - 1].traces) : 0.0,
-                    run.traces.events.size(), run.seconds});
-  }
-  return runs;
-}
-
 LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
   LimitOrders orders;
   const Case& scheme = mesh.scheme.back().run;
@@ -222,7 +197,11 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
   orders.scheme_step = *scheme.step;
   orders.scheme_error = mesh.judgement.scheme_error;
   orders.scheme_events = mesh.scheme.back().traces.events.size();
-  orders.scheme = scheme_runs(mesh);
+  for (std::size_t i = 0; i < mesh.scheme.size(); ++i) {
+    const Run& run = mesh.scheme[i];
+    orders.scheme.push_back({*run.run.step, i > 0 ? largest_difference(run.traces, mesh.scheme[i - 1].traces) : 0.0,
+                             run.traces.events.size(), run.seconds});
+  }
   orders.tolerance_error = tolerance_error(mesh);
   orders.verdict = mesh.judgement.verdict;
   orders.evidence = mesh.judgement.evidence;
@@ -287,6 +266,19 @@ LimitResult limit_of(const LimitStudy& study) {
     result.orders.push_back(orders);
   }
   return result;
+}
+
+AccuracyResult limit_to_accuracy(const LimitStudy& study, const AccuracyRequest& request) {
+  AccuracyStudy inner;
+  inner.scene = study.scene;
+  inner.scene.mass = common_mass(study.scene);
+  inner.scene.method = MethodName::rigid;
+  if (!validate(inner.scene).empty()) inner.scene.method = MethodName::fully_discrete;
+  inner.request = request;
+  inner.request.given.method = inner.request.given.mass = inner.request.given.restitution = true;
+  inner.request.given.tolerance = inner.request.given.step = false;
+  inner.threads = study.threads;
+  return solve(inner);
 }
 
 }  // namespace viscobar

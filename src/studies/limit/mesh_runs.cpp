@@ -39,12 +39,14 @@ Case rigid_case(const LimitStudy& study, std::size_t elements) {
   run.method = MethodName::rigid;
   return run;
 }
+
 /// Of the processor, of this thread: what a budget buys does not depend on who else is at work.
 double thread_seconds() {
   std::timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
+
 }  // namespace
 
 const double scheme_refinement = std::cbrt(10.0);
@@ -76,24 +78,17 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step) {
   }
   return runs;
 }
+
 void carry_out(std::vector<MeshRuns>& meshes, const LimitStudy& study, Progress& progress) {
-  struct Task {
-    MeshRuns* mesh;
-    Run* run;
-  };
-  std::vector<Task> tasks;
-  for (MeshRuns& mesh : meshes) mesh.each([&](Run& run) { tasks.push_back({&mesh, &run}); });
+  std::vector<std::pair<MeshRuns*, Run*>> tasks;
+  for (MeshRuns& mesh : meshes) mesh.each([&](Run& run) { tasks.emplace_back(&mesh, &run); });
   progress.expect(2 * tasks.size());
   const auto each = [&](const auto& work) {
     parallel_for(
         tasks.size(),
         [&](std::size_t k) {
-          const auto [mesh, run] = tasks[k];
-          try {
-            if (!run->error) work(*mesh, *run);
-          } catch (const IntegrationError&) {
-            run->error = std::current_exception();
-          }
+          const auto& [mesh, run] = tasks[k];
+          if (!run->error) run->attempt([&] { work(*mesh, *run); });
           progress.done();
         },
         study.threads);
@@ -113,8 +108,9 @@ void carry_out(std::vector<MeshRuns>& meshes, const LimitStudy& study, Progress&
     for (const Run& run : mesh.scheme)
       if (run.error) std::rethrow_exception(run.error);
     if (mesh.rigid && mesh.rigid->error && massless(*mesh.rigid)) std::rethrow_exception(mesh.rigid->error);
-    if (std::all_of(mesh.penalised.begin(), mesh.penalised.end(), [](const Run& run) { return run.error != nullptr; }))
+    if (std::ranges::all_of(mesh.penalised, [](const Run& run) { return run.error != nullptr; }))
       std::rethrow_exception(mesh.penalised.front().error);
   }
 }
+
 }  // namespace viscobar::limit

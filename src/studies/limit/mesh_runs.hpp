@@ -46,7 +46,17 @@ struct Run {
   std::exception_ptr error = {};
   double seconds = 0.0;
 
+  /// @throws IntegrationError
   void trace(std::span<const double> times);
+  /// Does what may fail as a run may; whether it succeeds.
+  bool attempt(const auto& work) {
+    try {
+      work();
+    } catch (const IntegrationError&) {
+      error = std::current_exception();
+    }
+    return !error;
+  }
 };
 
 /// The rigid limit on massless contact nodes decides about the limit; on others it stands beside it, and may fail, as
@@ -81,5 +91,12 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step);
 /// All runs of all meshes, independent, in two passes: where contacts change, then the traces on times that show it.
 /// @throws IntegrationError when the scheme, the rigid limit of massless nodes or every penalised run of a mesh failed
 void carry_out(std::vector<MeshRuns>& meshes, const LimitStudy& study, Progress& progress);
+
+/// Powers of epsilon in u_epsilon - U at each row of a mesh, by derivatives of its runs (see LocalPower), U the traces
+/// `limit`. Both norms are those of the common times, the integral by the trapezoidal rule, and so the formulas hold of
+/// them exactly, but for one thing: the time of the largest difference hops from one to the next as epsilon falls, and
+/// the power with it, by no more than it differs between neighbouring times. Differences below `floor`, the error of
+/// the time integration in them, have none.
+void add_local_powers(const MeshRuns& mesh, const EndTraces& limit, double floor, std::span<LimitRow> rows);
 
 }  // namespace viscobar::limit

@@ -16,8 +16,15 @@ std::string_view name(Verdict verdict) {
   return "undecided";
 }
 
+double largest_displacement(const EndTraces& traces) {
+  double largest = 0.0;
+  for (const auto* trace : EndTraces::all(traces))
+    for (const double u : *trace) largest = std::max(largest, std::abs(u));
+  return largest;
+}
+
 std::optional<double> LimitEvidence::lower() const {
-  if (!penalty_error || !scheme_error) return std::nullopt;
+  if (!upper()) return std::nullopt;
   return std::max(0.0, difference - *penalty_error - *scheme_error);
 }
 
@@ -56,26 +63,12 @@ double hardest_impact(const EndTraces& traces) {
 // Whether bodies meet at a speed that stays as epsilon goes to 0. A node that is pressed on its obstacle oscillates at
 // speeds of O(sqrt(epsilon)): half that order tells the two apart.
 bool impacts(const TraceSequence& penalised) {
-  std::vector<double> epsilons, speeds;
-  for (std::size_t i = penalised.x.size() - std::min<std::size_t>(3, penalised.x.size()); i < penalised.x.size(); ++i) {
-    epsilons.push_back(penalised.x[i]);
-    speeds.push_back(hardest_impact(penalised.traces[i]));
-  }
+  const std::size_t count = penalised.x.size(), first = count - std::min<std::size_t>(3, count);
+  std::vector<double> speeds;
+  for (std::size_t i = first; i < count; ++i) speeds.push_back(hardest_impact(penalised.traces[i]));
   if (speeds.back() == 0.0) return false;
-  const auto order = observed_order(epsilons, speeds);
+  const auto order = observed_order(std::span(penalised.x).subspan(first), speeds);
   return !order || order->order < 0.25;
-}
-
-/// The order of values over the last steps of x, from the last four of them.
-std::optional<ObservedOrder> last_order(std::span<const double> x, std::span<const double> values) {
-  const std::size_t first = values.size() - std::min(considered, values.size());
-  return observed_order(x.subspan(first, values.size() - first), values.subspan(first));
-}
-
-std::vector<double> distances(const TraceSequence& sequence, const EndTraces& to) {
-  std::vector<double> values;
-  for (const EndTraces& traces : sequence.traces) values.push_back(largest_difference(traces, to));
-  return values;
 }
 
 // What contact changes, and no more than the traces range: without the obstacle a bar under a load may go anywhere.
@@ -89,6 +82,12 @@ double stake_of_contact(const LimitTraces& mesh) {
   return std::min(range, largest_difference(traces, mesh.without_obstacles()));
 }
 
+Judgement known(Verdict verdict, Judgement found) {
+  found.verdict = verdict;
+  found.evidence.lack = Lack::nothing;
+  return found;
+}
+
 // Massless nodes: P(0) is the rigid limit, known apart from both sequences.
 Judgement judge_massless(const LimitTraces& mesh) {
   Judgement found;
@@ -96,18 +95,17 @@ Judgement judge_massless(const LimitTraces& mesh) {
   const EndTraces& rigid = *mesh.rigid;
   evidence.difference = largest_difference(mesh.penalised.last(), mesh.scheme.last());
   evidence.penalty_error = largest_difference(mesh.penalised.last(), rigid) + mesh.floor;
-  const std::vector<double> distance = distances(mesh.scheme, rigid);
+  std::vector<double> distance;
+  for (const EndTraces& scheme : mesh.scheme.traces) distance.push_back(largest_difference(scheme, rigid));
   const double left = distance.back() + mesh.floor;
   const Settling itself = settling(mesh.scheme, by_step, mesh.floor);
   found.scheme_error = left;
-  const auto order = distance.size() < 3 ? std::nullopt : last_order(mesh.scheme.x, distance);
-  if (distance.back() <= mesh.floor || (order && order->order >= 0.5)) {
+  const std::size_t first = distance.size() - std::min(considered, distance.size());
+  const auto order = observed_order(std::span(mesh.scheme.x).subspan(first), std::span(distance).subspan(first));
+  if (distance.back() <= mesh.floor || (distance.size() >= 3 && order && order->order >= 0.5)) {
     evidence.scheme_error = left;
     evidence.stake = stake_of_contact(mesh);
-    if (*evidence.penalty_error + left <= part_of_contact * *evidence.stake) {
-      found.verdict = Verdict::converges;
-      return found;
-    }
+    if (*evidence.penalty_error + left <= part_of_contact * *evidence.stake) return known(Verdict::converges, found);
     evidence.lack = left > *evidence.penalty_error ? Lack::smaller_step : Lack::smaller_epsilon;
     return found;
   }
@@ -116,11 +114,7 @@ Judgement judge_massless(const LimitTraces& mesh) {
   if (mesh.scheme.x.front() < 9.0 * mesh.scheme.x.back() || distance.back() < 0.5 * distance.front() || !itself.settled)
     return found;
   evidence.scheme_error = found.scheme_error = itself.error;
-  if (*evidence.lower() > 0.0) {
-    found.verdict = Verdict::plateau;
-    evidence.lack = Lack::nothing;
-  }
-  return found;
+  return *evidence.lower() > 0.0 ? known(Verdict::plateau, found) : found;
 }
 
 // Scheme traces from which a first power of dt is taken: T_i + (T_i - T_{i-1}) x_i / (x_{i-1} - x_i). Their limit is
@@ -162,11 +156,7 @@ Judgement judge_massive(const LimitTraces& mesh, const TraceSequence& schemes) {
   evidence.penalty_error = penalised.error;
   evidence.lack = Lack::smaller_step;
   if (!scheme.settled) return found;
-  if (*evidence.lower() > 0.0) {
-    found.verdict = Verdict::plateau;
-    evidence.lack = Lack::nothing;
-    return found;
-  }
+  if (*evidence.lower() > 0.0) return known(Verdict::plateau, found);
   const bool impact = impacts(mesh.penalised);
   // Two laws of impact do not lead to one limit because their difference is too small to be seen.
   if (impact && !mesh.one_law) {
@@ -188,11 +178,7 @@ Judgement judge_massive(const LimitTraces& mesh, const TraceSequence& schemes) {
   } else {
     evidence.stake = stake_of_contact(mesh);
   }
-  if (*evidence.upper() <= part * *evidence.stake) {
-    found.verdict = Verdict::converges;
-    evidence.lack = Lack::nothing;
-  }
-  return found;
+  return *evidence.upper() <= part * *evidence.stake ? known(Verdict::converges, found) : found;
 }
 
 Judgement judge_massive(const LimitTraces& mesh) {
@@ -232,30 +218,14 @@ Settling settling(const TraceSequence& sequence, const Approach& approach, doubl
           .grows = enough && !still && shown && shown->order < 0.0};
 }
 
-namespace {
-
-bool goes_through(const EndTraces& traces) {
-  double largest = 0.0;
-  for (const auto* trace : EndTraces::all(traces))
-    for (const double u : *trace) largest = std::max(largest, std::abs(u));
-  return is_no_obstacle(traces.statistics.max_penetration, largest);
-}
-
-}  // namespace
-
 Judgement judge(const LimitTraces& mesh) {
-  if (goes_through(mesh.penalised.last())) {
-    Judgement found;
-    found.evidence.difference = largest_difference(mesh.penalised.last(), mesh.scheme.last());
-    found.evidence.lack = Lack::obstacle;
-    found.scheme_error = settling(mesh.scheme, by_step, mesh.floor).error;
-    return found;
-  }
-  if (touches(mesh.penalised.last()) || (mesh.rigid && touches(*mesh.rigid)))
+  const EndTraces& penalised = mesh.penalised.last();
+  const bool through = is_no_obstacle(penalised.statistics.max_penetration, largest_displacement(penalised));
+  if (!through && (touches(penalised) || (mesh.rigid && touches(*mesh.rigid))))
     return mesh.rigid ? judge_massless(mesh) : judge_massive(mesh);
   Judgement found;
-  found.evidence.difference = largest_difference(mesh.penalised.last(), mesh.scheme.last());
-  found.evidence.lack = Lack::contact;
+  found.evidence.difference = largest_difference(penalised, mesh.scheme.last());
+  found.evidence.lack = through ? Lack::obstacle : Lack::contact;
   found.scheme_error = settling(mesh.scheme, by_step, mesh.floor).error;
   return found;
 }

@@ -61,4 +61,7 @@ struct Judgement {
 
 Judgement judge(const LimitTraces& mesh);
 
+/// max over time and traces of |u|.
+double largest_displacement(const EndTraces& traces);
+
 }  // namespace viscobar

@@ -40,6 +40,15 @@ double largest(const std::vector<Field>& fields) {
   return size;
 }
 
+Continuous known(const std::string& what, double error, std::vector<Field> fields) {
+  PrecisionReference reference;
+  reference.what = what;
+  reference.closed_form = true;
+  reference.error = error;
+  reference.largest_displacement = largest(fields);
+  return {std::move(reference), {}, std::move(fields)};
+}
+
 }  // namespace
 
 Continuous refine(const Case& scene, std::span<const Mesh> meshes, double seconds) {
@@ -86,34 +95,25 @@ Continuous refine(const Case& scene, std::span<const Mesh> meshes, double second
   return result;
 }
 
-Continuous closed_form(const KnownSolution& known, const Case& scene, std::span<const Mesh> meshes) {
-  Continuous result;
+Continuous closed_form(const KnownSolution& solution, const Case& scene, std::span<const Mesh> meshes) {
   const std::vector<double> times = scene.output_times();
-  for (const Mesh& mesh : meshes) result.fields.push_back(field_of(known.u, mesh, times));
-  PrecisionReference reference;
-  reference.what = known.name;
-  reference.closed_form = true;
-  reference.largest_displacement = largest(result.fields);
-  result.reference = std::move(reference);
-  return result;
+  std::vector<Field> fields;
+  for (const Mesh& mesh : meshes) fields.push_back(field_of(solution.u, mesh, times));
+  return known(solution.name, 0.0, std::move(fields));
 }
 
 Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, double seconds) {
-  Continuous result;
-  PrecisionReference reference;
+  std::vector<Field> fields;
+  double error = 0.0;
   for (const Mesh& mesh : meshes) {
     Case run = scene;
     run.method = MethodName::characteristics;
     run.elements = mesh.elements;
     Statistics done;
-    result.fields.push_back(std::move(fields_of(run, std::span(&mesh, 1), seconds, &done).front()));
-    if (done.representation) reference.error = std::max(reference.error, done.representation->error);
+    fields.push_back(field_of(run, mesh, seconds, &done));
+    if (done.representation) error = std::max(error, done.representation->error);
   }
-  reference.what = fmt::format("characteristics, which know the bar itself to {:.1e}", reference.error);
-  reference.closed_form = true;
-  reference.largest_displacement = largest(result.fields);
-  result.reference = std::move(reference);
-  return result;
+  return known(fmt::format("characteristics, which know the bar itself to {:.1e}", error), error, std::move(fields));
 }
 
 }  // namespace viscobar::precision

@@ -7,9 +7,7 @@
 #include <stdexcept>
 
 #include "studies/parallel.hpp"
-#include "studies/precision/field.hpp"
 #include "studies/precision/references.hpp"
-#include "studies/precision/timing.hpp"
 
 namespace viscobar {
 
@@ -29,13 +27,6 @@ double error_times(const Case& scene, const std::vector<Mesh>& meshes) {
                         : scene.output_every / std::floor(most / std::max(1.0, outputs));
 }
 
-/// Why the method does not fit the scene.
-std::optional<std::string> misfit(const Case& run) {
-  const std::vector<Finding> findings = validate(run);
-  if (findings.empty()) return std::nullopt;
-  return fmt::format("{}: {}", findings.front().key, findings.front().problem);
-}
-
 std::vector<Timed> timed_rows(const PrecisionStudy& study, const Case& scene, const std::vector<Mesh>& meshes,
                               PrecisionResult& result) {
   Spent spent;
@@ -49,16 +40,15 @@ std::vector<Timed> timed_rows(const PrecisionStudy& study, const Case& scene, co
       Case run = scene;
       run.elements = mesh.elements;
       run.method = method;
-      if (const auto reason = misfit(run)) {
+      if (const std::vector<Finding> findings = validate(run); !findings.empty()) {
+        const std::string reason = fmt::format("{}: {}", findings.front().key, findings.front().problem);
         if (!study.methods.empty())
-          throw std::invalid_argument(fmt::format("{} does not fit the scene: {}", name(method), *reason));
-        result.left_out.push_back({method, mesh.elements, "", *reason});
+          throw std::invalid_argument(fmt::format("{} does not fit the scene: {}", name(method), reason));
+        result.left_out.push_back({method, mesh.elements, "", reason});
         continue;
       }
       std::vector<Timed> rows = settings_of(study, run);
-      const auto [wall, processor] = time_rows(study, rows, result.left_out);
-      spent.wall += wall;
-      spent.processor += processor;
+      time_rows(study, rows, result.left_out, spent);
       std::move(rows.begin(), rows.end(), std::back_inserter(all));
     }
   if (spent.wall > 0.0) result.core_share = std::min(1.0, spent.processor / spent.wall);
@@ -94,9 +84,8 @@ void measure_errors(Timed& timed, const References& references) {
 }  // namespace
 
 const ErrorParts& PrecisionResult::parts_of(const PrecisionRow& row) const {
-  return *std::find_if(parts.begin(), parts.end(), [&](const ErrorParts& candidate) {
-    return candidate.method == row.method && candidate.elements == row.elements;
-  });
+  return *std::ranges::find_if(
+      parts, [&](const ErrorParts& of) { return of.method == row.method && of.elements == row.elements; });
 }
 
 PrecisionResult precision_of(const PrecisionStudy& study) {

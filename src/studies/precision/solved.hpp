@@ -3,13 +3,54 @@
 #include <compare>
 #include <cstddef>
 #include <optional>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "studies/precision/field.hpp"
 #include "viscobar/studies/precision/precision.hpp"
 
 namespace viscobar::precision {
+
+/// A displacement at the nodes of a mesh and the output times of a case.
+struct Field {
+  Mesh mesh;
+  std::vector<double> u;  // K x (J+1), row by row
+
+  std::span<const double> at(std::size_t k) const { return std::span(u).subspan(k * mesh.nodes(), mesh.nodes()); }
+};
+
+/// A run took longer than it may.
+class TooLong : public std::runtime_error {
+ public:
+  TooLong() : std::runtime_error("takes too long") {}
+};
+
+/// Runs the case as long as the clock allows. @throws TooLong, IntegrationError, std::invalid_argument
+Statistics simulate_within(double seconds, const Case& run, const BarSystem& system, Observers observers);
+
+/// P1 interpolation between meshes of one grading; exact at nodes that they share.
+void interpolate(const Mesh& from, std::span<const double> u, const Mesh& to, std::span<double> out);
+
+/// Runs the case and keeps its displacement on each of the meshes; `done`: what the run tells at its end. @throws
+/// TooLong, IntegrationError, std::invalid_argument
+std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, double seconds, Statistics* done = nullptr);
+
+/// Of one mesh.
+inline Field field_of(const Case& run, const Mesh& mesh, double seconds, Statistics* done = nullptr) {
+  return std::move(fields_of(run, std::span(&mesh, 1), seconds, done).front());
+}
+
+Field field_of(const SpaceTimeFunction& u, const Mesh& mesh, std::span<const double> times);
+
+double distance(std::span<const double> a, std::span<const double> b);
+
+/// max over nodes and times after the start, on the same mesh and times. What methods make of initial data that a
+/// massless node contradicts is no error of theirs.
+double distance(const Field& a, const Field& b);
+
+/// fine + (fine - coarse) / (ratio - 1), where the error of `coarse` is `ratio` times that of `fine`.
+Field extrapolated(const Field& fine, const Field& coarse, double ratio);
 
 /// Which semi-discrete problem a method solves.
 struct System {
@@ -53,7 +94,7 @@ struct Continuous {
 /// By refinement of the mesh from the finest of `meshes` on: `rigid`, on the fourth-order mass where the mesh is
 /// uniform, else, under a span obstacle, the scheme, whose step is refined with the mesh.
 Continuous refine(const Case& scene, std::span<const Mesh> meshes, double seconds);
-Continuous closed_form(const KnownSolution& known, const Case& scene, std::span<const Mesh> meshes);
+Continuous closed_form(const KnownSolution& solution, const Case& scene, std::span<const Mesh> meshes);
 /// By characteristics, of a scene that they fit. @throws what the run does
 Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, double seconds);
 

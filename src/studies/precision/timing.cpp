@@ -1,5 +1,3 @@
-#include "studies/precision/timing.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +5,7 @@
 #include <cmath>
 #include <ctime>
 
-#include "studies/precision/field.hpp"
+#include "studies/precision/references.hpp"
 
 namespace viscobar::precision {
 
@@ -85,9 +83,8 @@ std::vector<Timed> settings_of(const PrecisionStudy& study, const Case& run) {
   return all;
 }
 
-Spent time_rows(const PrecisionStudy& study, std::vector<Timed>& rows,
-                std::vector<PrecisionResult::LeftOut>& left_out) {
-  Spent spent;
+void time_rows(const PrecisionStudy& study, std::vector<Timed>& rows, std::vector<PrecisionResult::LeftOut>& left_out,
+               Spent& spent) {
   std::vector<double> seconds;
   for (auto timed = rows.begin(); timed != rows.end(); ++timed) {
     PrecisionRow& row = timed->row;
@@ -105,7 +102,6 @@ Spent time_rows(const PrecisionStudy& study, std::vector<Timed>& rows,
       row.failure = error.what();
     }
   }
-  return spent;
 }
 
 }  // namespace viscobar::precision

@@ -26,4 +26,17 @@ const char* words(Refusal why) {
 Unfit::Unfit(std::string_view method, Refusal why)
     : std::invalid_argument(std::string(method) + " cannot take the system: " + words(why)), refusal(why) {}
 
+void RunAccount::count(const Event& event) {
+  const bool closing = event.change == Change::closing;
+  if (event.where == Where::span) {
+    ++(closing ? span.closings : span.openings);
+    if (closing) span.contact.close(event.time);
+    if (span.closed() == 0) span.contact.open(event.time);
+    return;
+  }
+  EndAccount& end = event.where == Where::left ? left : right;
+  end.closings += closing;
+  closing ? end.contact.close(event.time) : end.contact.open(event.time);
+}
+
 }  // namespace viscobar

@@ -1,12 +1,76 @@
+#include "studies/precision/solved.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
-#include <vector>
-
-#include "studies/precision/solved.hpp"
 
 namespace viscobar::precision {
+
+Statistics simulate_within(double seconds, const Case& run, const BarSystem& system, Observers observers) {
+  using Clock = std::chrono::steady_clock;
+  observers.progress = [started = Clock::now(), seconds](double) {
+    const double passed = std::chrono::duration<double>(Clock::now() - started).count();
+    return passed > seconds ? RunControl::stop : RunControl::go_on;
+  };
+  const Statistics statistics = simulate(run, system, observers);
+  if (!statistics.completed) throw TooLong();
+  return statistics;
+}
+
+void interpolate(const Mesh& from, std::span<const double> u, const Mesh& to, std::span<double> out) {
+  for (std::size_t j = 0; j < to.nodes(); ++j) {
+    const std::size_t scaled = j * from.elements, element = scaled / to.elements, rest = scaled % to.elements;
+    out[j] = u[element];
+    if (rest == 0) continue;
+    if (from.uniform())
+      out[j] += (u[element + 1] - u[element]) * static_cast<double>(rest) / static_cast<double>(to.elements);
+    else
+      out[j] += (u[element + 1] - u[element]) * (to.node(j) - from.node(element)) / from.element(element);
+  }
+}
+
+std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, double seconds, Statistics* done) {
+  std::vector<Field> fields;
+  for (const Mesh& mesh : meshes) fields.push_back({mesh, {}});
+  Observers observers;
+  observers.snapshot = [&](const Snapshot& now) {
+    for (Field& field : fields) {
+      const std::size_t begin = field.u.size();
+      field.u.resize(begin + field.mesh.nodes());
+      interpolate(run.mesh(), now.u, field.mesh, std::span(field.u).subspan(begin));
+    }
+  };
+  const Statistics statistics = simulate_within(seconds, run, make_system(run), observers);
+  if (done) *done = statistics;
+  return fields;
+}
+
+Field field_of(const SpaceTimeFunction& u, const Mesh& mesh, std::span<const double> times) {
+  Field field{mesh, {}};
+  field.u.reserve(times.size() * mesh.nodes());
+  for (const double t : times)
+    for (std::size_t j = 0; j < mesh.nodes(); ++j) field.u.push_back(u(mesh.node(j), t));
+  return field;
+}
+
+double distance(std::span<const double> a, std::span<const double> b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+  return largest;
+}
+
+double distance(const Field& a, const Field& b) {
+  const std::size_t start = a.mesh.nodes();
+  return distance(std::span(a.u).subspan(start), std::span(b.u).subspan(start));
+}
+
+Field extrapolated(const Field& fine, const Field& coarse, double ratio) {
+  Field result = fine;
+  for (std::size_t i = 0; i < result.u.size(); ++i) result.u[i] += (fine.u[i] - coarse.u[i]) / (ratio - 1.0);
+  return result;
+}
 
 namespace {
 
@@ -51,9 +115,9 @@ std::vector<Case> routes(const Case& scene, const System& system, const Fineness
 }
 
 /// The limit of a scheme from three steps, by the order that they show; its error by what the smallest step changed.
-SemiDiscrete limit_of_steps(const std::vector<Case>& runs, std::span<const Mesh> mesh, double seconds) {
+SemiDiscrete limit_of_steps(const std::vector<Case>& runs, const Mesh& mesh, double seconds) {
   std::vector<Field> fields;
-  for (const Case& run : runs) fields.push_back(std::move(fields_of(run, mesh, seconds).front()));
+  for (const Case& run : runs) fields.push_back(field_of(run, mesh, seconds));
   const double here = distance(fields[0], fields[1]), before = distance(fields[1], fields[2]);
   const double order = here > 0.0 ? std::clamp(std::log2(before / here), 1.0, 2.0) : 2.0;
   SemiDiscrete result;
@@ -83,37 +147,40 @@ SemiDiscrete solve_in_time(const Case& scene, const System& system, const Finene
     result.problem = "the method has no mesh";
     return result;
   }
-  std::string problems;
   Mesh mesh = scene.mesh();
   mesh.elements = system.elements;
   const std::vector<Case> runs = routes(scene, system, fineness);
+  const auto fail = [&](const Case& run, const std::exception& error) {
+    result.problem += fmt::format("{}{}: {}", result.problem.empty() ? "" : "; ", described(run), error.what());
+  };
   if (system.law == System::Law::impact) {
     try {
-      return limit_of_steps(runs, std::span(&mesh, 1), seconds);
+      return limit_of_steps(runs, mesh, seconds);
     } catch (const std::exception& error) {
-      result.problem = fmt::format("{}: {}", described(runs.front()), error.what());
+      fail(runs.front(), error);
       return result;
     }
   }
   for (const Case& run : runs) {
     try {
-      Field field = std::move(fields_of(run, std::span(&mesh, 1), seconds).front());
+      Field field = field_of(run, mesh, seconds);
       if (result.field) {
         result.error = distance(*result.field, field);
         result.what += fmt::format(", checked by {}", described(run));
+        result.problem.clear();
         return result;
       }
       result.what = described(run);
       result.field = std::move(field);
     } catch (const std::exception& error) {
-      problems += fmt::format("{}{}: {}", problems.empty() ? "" : "; ", described(run), error.what());
+      fail(run, error);
       // The others would take as long, but for those that a dense exponential was too slow for.
       if (dynamic_cast<const TooLong*>(&error) && run.method != MethodName::exponential) break;
     }
   }
   // What nothing has checked is no reference.
   result.field.reset();
-  result.problem = problems.empty() ? "no method gives it" : problems;
+  if (result.problem.empty()) result.problem = "no method gives it";
   return result;
 }
 
