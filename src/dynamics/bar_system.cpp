@@ -28,21 +28,21 @@ SymmetricTridiagonal restrict_to(const SymmetricTridiagonal& matrix, std::size_t
 }
 
 // Sum over the elements of (difference of the ends' values)^2 / h.
-double graded_squared_slope(std::span<const double> x, const std::array<std::optional<double>, 2>& walls,
-                            std::span<const double> inverse_spacing) {
+double graded_squared_strain(std::span<const double> x, const double* left, const double* right,
+                             std::span<const double> inverse_spacing) {
   double sum = 0.0;
   const auto add = [&](std::size_t element, double difference) {
     sum += difference * difference * inverse_spacing[element];
   };
-  const std::size_t first = walls[0] ? 1 : 0;
+  const std::size_t first = left ? 1 : 0;
   for (std::size_t i = 0; i + 1 < x.size(); ++i) add(first + i, x[i + 1] - x[i]);
-  if (walls[0]) add(0, x.front() - *walls[0]);
-  if (walls[1]) add(inverse_spacing.size() - 1, *walls[1] - x.back());
+  if (left) add(0, x.front() - *left);
+  if (right) add(inverse_spacing.size() - 1, *right - x.back());
   return sum;
 }
 
 // Sum of the squared differences of neighbours, the fixed neighbours being given.
-double squared_differences(std::span<const double> x, const std::array<std::optional<double>, 2>& walls) {
+double squared_differences(std::span<const double> x, const double* left, const double* right) {
   // Partial sums, since one alone would wait for each addition.
   constexpr std::size_t lanes = 16;
   std::array<double, lanes> sums{};
@@ -54,9 +54,15 @@ double squared_differences(std::span<const double> x, const std::array<std::opti
     }
   double sum = std::accumulate(sums.begin(), sums.end(), 0.0);
   for (; i + 1 < x.size(); ++i) sum += (x[i + 1] - x[i]) * (x[i + 1] - x[i]);
-  if (walls[0]) sum += (x.front() - *walls[0]) * (x.front() - *walls[0]);
-  if (walls[1]) sum += (*walls[1] - x.back()) * (*walls[1] - x.back());
+  if (left) sum += (x.front() - *left) * (x.front() - *left);
+  if (right) sum += (*right - x.back()) * (*right - x.back());
   return sum;
+}
+
+double uniform_stiffness_diagonal(const BarSystem& system, std::size_t i) {
+  const bool bare_left = i == 0 && !system.left_fixed();
+  const bool bare_right = i + 1 == system.size() && !system.right_fixed();
+  return (2.0 - (bare_left ? 1.0 : 0.0) - (bare_right ? 1.0 : 0.0)) / system.mesh().spacing();
 }
 
 }  // namespace
@@ -190,10 +196,7 @@ void BarSystem::graded_force(std::span<const double> u, std::span<const double> 
 }
 
 double BarSystem::stiffness_diagonal(std::size_t i) const {
-  if (inverse_spacing_.empty()) {
-    const bool bare_left = i == 0 && !left_fixed(), bare_right = i + 1 == size() && !right_fixed();
-    return (2.0 - (bare_left ? 1.0 : 0.0) - (bare_right ? 1.0 : 0.0)) / mesh_.spacing();
-  }
+  if (inverse_spacing_.empty()) return uniform_stiffness_diagonal(*this, i);
   const std::size_t node = i + first_node();
   return (node > 0 ? inverse_spacing_[node - 1] : 0.0) + (node < mesh_.elements ? inverse_spacing_[node] : 0.0);
 }
@@ -204,46 +207,53 @@ double BarSystem::end_power(std::span<const double> w, std::span<const double> a
 }
 
 void BarSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const {
-  const std::size_t n = size(), first = first_node();
   const double scale = c * bar_.viscosity + k * bar_.modulus;
-  out.diagonal.resize(n);
-  out.off_diagonal.resize(n - 1);
-  const auto fill_off_diagonal = [&](auto&& stiffness) {
-    if (inertia_.is_diagonal())
-      for (std::size_t i = 0; i + 1 < n; ++i) out.off_diagonal[i] = stiffness(i);
-    else
-      for (std::size_t i = 0; i + 1 < n; ++i) out.off_diagonal[i] = m * inertia_.off_diagonal[i] + stiffness(i);
-  };
-  const auto fill_diagonal = [&](std::size_t i) {
-    out.diagonal[i] = m * inertia_.diagonal[i] + scale * stiffness_diagonal(i);
-  };
-  if (inverse_spacing_.empty()) {
-    const double inner = 2.0 * scale / mesh_.spacing(), off = -scale / mesh_.spacing();
-    for (std::size_t i = 0; i < n; ++i) out.diagonal[i] = m * inertia_.diagonal[i] + inner;
-    fill_diagonal(0);
-    fill_diagonal(n - 1);
-    fill_off_diagonal([off](std::size_t) { return off; });
-  } else {
-    for (std::size_t i = 0; i < n; ++i) fill_diagonal(i);
-    fill_off_diagonal([&](std::size_t i) { return -scale * inverse_spacing_[first + i]; });
-  }
-  out.end_rows.reset();
-  if (inertia_.end_rows) out.end_rows = inertia_.end_rows->times(m);
+  if (inverse_spacing_.empty())
+    uniform_stiffness(m, scale, out);
+  else
+    graded_stiffness(m, scale, out);
   for (const Mount& mount : mounts_) out.diagonal[mount.unknown] += c * mount.dashpot + k * mount.stiffness;
 }
 
-double BarSystem::squared_slope(std::span<const double> x, const std::array<std::optional<double>, 2>& walls) const {
-  if (!inverse_spacing_.empty()) return graded_squared_slope(x, walls, inverse_spacing_);
-  return squared_differences(x, walls) / mesh_.spacing();
+void BarSystem::uniform_stiffness(double m, double scale, SymmetricTridiagonal& out) const {
+  const std::size_t n = size();
+  const double off = -scale / mesh_.spacing();
+  out.diagonal.resize(n);
+  out.off_diagonal.resize(n - 1);
+  const double inner = 2.0 * scale / mesh_.spacing();
+  for (std::size_t i = 0; i < n; ++i) out.diagonal[i] = m * inertia_.diagonal[i] + inner;
+  out.diagonal[0] = m * inertia_.diagonal[0] + scale * uniform_stiffness_diagonal(*this, 0);
+  out.diagonal[n - 1] = m * inertia_.diagonal[n - 1] + scale * uniform_stiffness_diagonal(*this, n - 1);
+  if (inertia_.is_diagonal())
+    std::ranges::fill(out.off_diagonal, off);
+  else
+    for (std::size_t i = 0; i + 1 < n; ++i) out.off_diagonal[i] = m * inertia_.off_diagonal[i] + off;
+  out.end_rows.reset();
+  if (inertia_.end_rows) out.end_rows = inertia_.end_rows->times(m);
 }
 
-double BarSystem::squared_strain(std::span<const double> u) const { return squared_slope(u, walls_); }
+void BarSystem::graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const {
+  const std::size_t n = size(), first = first_node();
+  out.diagonal.resize(n);
+  out.off_diagonal.resize(n - 1);
+  for (std::size_t i = 0; i < n; ++i) out.diagonal[i] = m * inertia_.diagonal[i] + scale * stiffness_diagonal(i);
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    const double mass = inertia_.is_diagonal() ? 0.0 : m * inertia_.off_diagonal[i];
+    out.off_diagonal[i] = mass - scale * inverse_spacing_[first + i];
+  }
+}
+
+double BarSystem::squared_strain(std::span<const double> u) const {
+  const double *left = walls_[0] ? &*walls_[0] : nullptr, *right = walls_[1] ? &*walls_[1] : nullptr;
+  if (!inverse_spacing_.empty()) return graded_squared_strain(u, left, right, inverse_spacing_);
+  return squared_differences(u, left, right) / mesh_.spacing();
+}
 
 double BarSystem::squared_strain_rate(std::span<const double> w) const {
-  std::array<std::optional<double>, 2> still = walls_;
-  for (std::optional<double>& wall : still)
-    if (wall) wall = 0.0;
-  return squared_slope(w, still);
+  const double still = 0.0;
+  const double *left = walls_[0] ? &still : nullptr, *right = walls_[1] ? &still : nullptr;
+  if (!inverse_spacing_.empty()) return graded_squared_strain(w, left, right, inverse_spacing_);
+  return squared_differences(w, left, right) / mesh_.spacing();
 }
 
 double BarSystem::energy(std::span<const double> u, std::span<const double> w) const {

@@ -207,7 +207,10 @@ double StepPolynomial::defect(std::size_t i) const {
 
 double StepPolynomial::massive(std::size_t i, const Weights& weights) const {
   const std::size_t n = layout_.nodes;
-  return quintic(weights, begin_.y[n + i], end_.y[n + i], begin_.a[i], end_.a[i], defect(i));
+  const double h = length();
+  return h * (weights.w0 * begin_.y[n + i] + weights.w1 * end_.y[n + i] +
+              h * (weights.a0 * begin_.a[i] + weights.a1 * end_.a[i])) +
+         weights.defect * defect(i);
 }
 
 double StepPolynomial::relaxed(const Relaxation& relaxation, double s) const {
@@ -305,7 +308,10 @@ std::array<double, 2> StepPolynomial::derivative_at(std::size_t k, std::size_t i
   const double half = 0.5 * h * (y0[n + i] + y1[n + i]), rise = y1[i] - y0[i], a1 = end_.derivative_rates[rate];
   const double a0 = forgotten_ ? a1 + 12.0 / (h * h) * (rise - half) : begin_.derivative_rates[rate];
   const double missing = rise - half + h * h / 12.0 * (a1 - a0);
-  const auto at = [&](const Weights& weight) { return quintic(weight, y0[n + i], y1[n + i], a0, a1, missing); };
+  const auto at = [&](const Weights& weight) {
+    return h * (weight.w0 * y0[n + i] + weight.w1 * y1[n + i] + h * (weight.a0 * a0 + weight.a1 * a1)) +
+           weight.defect * missing;
+  };
   return {y0[i] + at(weights(s, 0)), at(weights(s, 1)) / h};
 }
 

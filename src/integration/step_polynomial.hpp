@@ -109,11 +109,6 @@ class StepPolynomial {
   };
 
   static Weights weights(double s, int derivative);
-  // By what the weights are of.
-  double quintic(const Weights& weights, double w0, double w1, double a0, double a1, double missing) const {
-    const double h = length();
-    return h * (weights.w0 * w0 + weights.w1 * w1 + h * (weights.a0 * a0 + weights.a1 * a1)) + weights.defect * missing;
-  }
   double defect(std::size_t i) const;
   double massive(std::size_t i, const Weights& weights) const;
   double relaxed(const Relaxation& relaxation, double s) const;

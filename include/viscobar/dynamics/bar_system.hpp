@@ -237,8 +237,8 @@ class BarSystem {
   void stop_fixed_ends(const Scene& scene, double coupling);
   void uniform_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
   void graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
-  // int x_x^2, with the displacements of fixed ends
-  double squared_slope(std::span<const double> x, const std::array<std::optional<double>, 2>& walls) const;
+  void uniform_stiffness(double m, double scale, SymmetricTridiagonal& out) const;  // scale K + m rho M
+  void graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const;   // likewise
 
   Mesh mesh_;
   Mass mass_;
