@@ -262,6 +262,10 @@ void StepPolynomial::add_account(double until, std::span<double> y) {
       y.subspan(2 * layout_.nodes, layout_.account()));
 }
 
+double StepPolynomial::value(std::size_t unknown, double s, int derivative) const {
+  return value(unknown, s, derivative, weights(s, derivative));
+}
+
 double StepPolynomial::value(std::size_t unknown, double s, int derivative, const Weights& weights) const {
   if (const std::size_t place = relaxation_of_[unknown]) {
     const Relaxation& relaxation = relaxations_[place - 1];
@@ -325,11 +329,10 @@ double StepPolynomial::relaxed_derivative(const Relaxation& relaxation, std::siz
     std::array<double, points> drive{};
     for (std::size_t j = 0; j < points; ++j) {
       const double at = static_cast<double>(j) / (points - 1), t = begin_.t + at * h;
-      const Weights of_u = weights(at, 0), of_w = weights(at, 1);
       const auto [of_next, rate_of_next] = derivative_at(k, next, at);
-      const double force = derivative.motion().load_alone(node, t) +
-                           derivative.drive_row(node, t, value(node, at, 0, of_u), value(next, at, 0, of_u),
-                                                value(node, at, 1, of_w), value(next, at, 1, of_w));
+      const double force =
+          derivative.motion().load_alone(node, t) +
+          derivative.drive_row(node, t, value(node, at, 0), value(next, at, 0), value(node, at, 1), value(next, at, 1));
       drive[j] = row.constant + row.neighbours[0].u_share * of_next + row.neighbours[0].w_share * rate_of_next +
                  row.load_share * force;
     }

@@ -113,6 +113,7 @@ class StepPolynomial {
   double massive(std::size_t i, const Weights& weights) const;
   double relaxed(const Relaxation& relaxation, double s) const;
   static double relaxed_rate(const Relaxation& relaxation, double s, double u);
+  double value(std::size_t unknown, double s, int derivative) const;
   double value(std::size_t unknown, double s, int derivative, const Weights& weights) const;
   void forget_acceleration();
   void smooth_unresolved();
