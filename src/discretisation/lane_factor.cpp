@@ -20,7 +20,7 @@ LaneFactor::LaneFactor(const SymmetricTridiagonal& matrix, double scale) : scale
 
 LaneFactor LaneFactor::without_rows(const SymmetricTridiagonal& matrix) {
   LaneFactor factor;
-  factor.order_ = {matrix.size(), 0, 0};
+  factor.order_ = {matrix.size()};
   factor.condensed_ = matrix;
   return factor;
 }
@@ -28,7 +28,7 @@ LaneFactor LaneFactor::without_rows(const SymmetricTridiagonal& matrix) {
 // Rows that are alike, with what couples them to their neighbours, divided evenly; the rest goes to the ends.
 void LaneFactor::find_order(const SymmetricTridiagonal& matrix) {
   const std::size_t n = matrix.size();
-  order_ = {n, 0, 0};
+  order_ = {n};
   constexpr std::size_t fewest_rows = 4;  // fewer are not worth the interface
   if (n < fewest_rows * lane_count + 2 || matrix.off_diagonal.empty()) return;
   const auto& diagonal = matrix.diagonal;
@@ -84,12 +84,8 @@ void LaneFactor::condense(const SymmetricTridiagonal& matrix, double e) {
     if (i + 1 >= first && i + 1 < separators_end) condensed_.diagonal[i] -= end_pull;
     if (i >= first && i < separators_end) condensed_.diagonal[i] -= end_pull;
     if (i + 1 == n) break;
-    if (i + 1 < first)
-      condensed_.off_diagonal[i] = matrix.off_diagonal[i];
-    else if (i + 1 < separators_end)
-      condensed_.off_diagonal[i] = through;
-    else
-      condensed_.off_diagonal[i] = matrix.off_diagonal[i + skipped];
+    const bool between = i + 1 >= first && i + 1 < separators_end;  // two separators, or the first and its neighbour
+    condensed_.off_diagonal[i] = between ? through : matrix.off_diagonal[i < first ? i : i + skipped];
   }
 }
 

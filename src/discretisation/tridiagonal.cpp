@@ -5,6 +5,20 @@
 
 namespace viscobar {
 
+EndRows EndRows::times(double factor) const {
+  EndRows rows = *this;
+  for (auto* row : {&rows.first, &rows.last})
+    for (double& entry : *row) entry *= factor;
+  return rows;
+}
+
+SymmetricTridiagonal& SymmetricTridiagonal::operator*=(double factor) {
+  for (std::vector<double>* entries : {&diagonal, &off_diagonal})
+    for (double& entry : *entries) entry *= factor;
+  if (end_rows) end_rows = end_rows->times(factor);
+  return *this;
+}
+
 double SymmetricTridiagonal::diagonal_entry(std::size_t i) const {
   double entry = diagonal[i];
   if (end_rows && i == 0) entry += end_rows->first[0];
@@ -41,23 +55,20 @@ void TridiagonalFactor::factorise(const SymmetricTridiagonal& matrix) {
   lower_.resize(matrix.off_diagonal.size());
   ends_.reset();
   if (matrix.end_rows) return factorise_ends(matrix);
-  double pivot = n ? matrix.diagonal[0] : 1.0;
-  bool positive = pivot > 0.0;
-  if (n) inverse_pivot_[0] = 1.0 / pivot;
-  if (lower_.empty()) {
-    for (std::size_t i = 1; i < n; ++i) {
-      positive &= matrix.diagonal[i] > 0.0;
-      inverse_pivot_[i] = 1.0 / matrix.diagonal[i];
-    }
-  } else {
-    for (std::size_t i = 1; i < n; ++i) {
-      const double off = matrix.off_diagonal[i - 1];
-      const double lower = off * inverse_pivot_[i - 1];
+  bool positive = true;
+  for (std::size_t i = 0; i < n && lower_.empty(); ++i) {
+    positive &= matrix.diagonal[i] > 0.0;
+    inverse_pivot_[i] = 1.0 / matrix.diagonal[i];
+  }
+  for (std::size_t i = 0; i < n && !lower_.empty(); ++i) {
+    double pivot = matrix.diagonal[i];
+    if (i > 0) {
+      const double off = matrix.off_diagonal[i - 1], lower = off * inverse_pivot_[i - 1];
       lower_[i - 1] = lower;
-      pivot = matrix.diagonal[i] - lower * off;
-      positive &= pivot > 0.0;
-      inverse_pivot_[i] = 1.0 / pivot;
+      pivot -= lower * off;
     }
+    positive &= pivot > 0.0;
+    inverse_pivot_[i] = 1.0 / pivot;
   }
   if (!positive) throw std::domain_error("tridiagonal matrix is not positive definite");
 }

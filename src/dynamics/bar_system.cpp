@@ -1,13 +1,7 @@
 #include "viscobar/dynamics/bar_system.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cassert>
-#include <cmath>
 #include <numeric>
-#include <stdexcept>
-#include <tuple>
-#include <utility>
 
 #include "scene/end_kinds.hpp"
 
@@ -15,12 +9,15 @@ namespace viscobar {
 
 namespace {
 
+std::vector<double> part_of(std::span<const double> entries, std::size_t first, std::size_t count) {
+  const auto part = entries.subspan(first, count);
+  return {part.begin(), part.end()};
+}
+
 SymmetricTridiagonal restrict_to(const SymmetricTridiagonal& matrix, std::size_t first, std::size_t count) {
   SymmetricTridiagonal part;
-  const auto begin = static_cast<std::ptrdiff_t>(first), n = static_cast<std::ptrdiff_t>(count);
-  part.diagonal.assign(matrix.diagonal.begin() + begin, matrix.diagonal.begin() + begin + n);
-  if (!matrix.off_diagonal.empty() && count > 1)
-    part.off_diagonal.assign(matrix.off_diagonal.begin() + begin, matrix.off_diagonal.begin() + begin + n - 1);
+  part.diagonal = part_of(matrix.diagonal, first, count);
+  if (!matrix.off_diagonal.empty() && count > 1) part.off_diagonal = part_of(matrix.off_diagonal, first, count - 1);
   const bool with_first = first == 0, with_last = first + count == matrix.size();
   if (matrix.end_rows && (with_first || with_last)) {
     part.end_rows.emplace();
@@ -28,12 +25,6 @@ SymmetricTridiagonal restrict_to(const SymmetricTridiagonal& matrix, std::size_t
     if (with_last) part.end_rows->last = matrix.end_rows->last;
   }
   return part;
-}
-
-std::vector<double> nodal_values(const Mesh& mesh, const SpaceFunction& f) {
-  std::vector<double> values(mesh.nodes());
-  for (std::size_t j = 0; j < values.size(); ++j) values[j] = f(mesh.node(j));
-  return values;
 }
 
 // Sum over the elements of (difference of the ends' values)^2 / h.
@@ -76,11 +67,11 @@ double uniform_stiffness_diagonal(const BarSystem& system, std::size_t i) {
 
 }  // namespace
 
-BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(mesh), mass_(mass), bar_(scene.bar) {
-  const EndNode left = end_node(scene.left, scene.displacement(0.0));
-  const EndNode right = end_node(scene.right, scene.displacement(mesh.length));
-  left_fixed_ = left.held;
-  right_fixed_ = right.held;
+BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
+    : mesh_(mesh), mass_(mass), bar_(scene.bar), inputs_{scene.left_input, scene.right_input} {
+  const std::array<EndNode, 2> ends = {end_node(scene.left, scene.displacement(0.0)),
+                                       end_node(scene.right, scene.displacement(mesh.length))};
+  walls_ = {ends[0].held, ends[1].held};
   const std::size_t fixed = static_cast<std::size_t>(left_fixed()) + static_cast<std::size_t>(right_fixed());
   if (mesh.nodes() <= fixed)
     throw std::invalid_argument("both ends are fixed and the mesh has no node between them: 2 elements are needed");
@@ -90,16 +81,12 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(me
   if (redistributed && scene.span)
     throw std::invalid_argument(
         "mass \"redistributed\" does not fit a span obstacle: every node is a contact node and must keep its mass");
-  massless_left_ = redistributed && left.obstacle;
-  massless_right_ = redistributed && right.obstacle;
+  massless_ = {redistributed && ends[0].obstacle, redistributed && ends[1].obstacle};
   if (!mesh.uniform())
     for (std::size_t j = 0; j < mesh.elements; ++j) inverse_spacing_.push_back(1.0 / mesh.element(j));
-  inputs_ = {scene.left_input, scene.right_input};
-  SymmetricTridiagonal whole = inertia_matrix(mesh, mass, massless_left_, massless_right_);
-  inertia_ = restrict_to(whole, first, n);
-  for (double& entry : inertia_.diagonal) entry *= bar_.density;
-  for (double& entry : inertia_.off_diagonal) entry *= bar_.density;
-  inertia_.end_rows = scaled_end_rows(bar_.density);
+  whole_inertia_ = inertia_matrix(mesh, mass, massless_[0], massless_[1]);
+  whole_inertia_ *= bar_.density;
+  inertia_ = restrict_to(whole_inertia_, first, n);
   massive_factor_.factorise(restrict_to(inertia_, massive_begin(), massive_end() - massive_begin()));
 
   const auto bound = [&](std::size_t unknown, const std::optional<Obstacle>& obstacle, double weight, Where where) {
@@ -107,47 +94,41 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass) : mesh_(me
     if (obstacle->bounds(Side::below)) contacts_.push_back({unknown, obstacle->gap, weight, where, 1.0});
     if (obstacle->bounds(Side::above)) contacts_.push_back({unknown, obstacle->gap, weight, where, -1.0});
   };
-  bound(0, left.obstacle, 1.0, Where::left);
-  bound(n - 1, right.obstacle, 1.0, Where::right);
+  bound(0, ends[0].obstacle, 1.0, Where::left);
+  bound(n - 1, ends[1].obstacle, 1.0, Where::right);
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t node = i + first;
     const double before = node > 0 ? mesh.element(node - 1) : 0.0;
     const double after = node < mesh.elements ? mesh.element(node) : 0.0;
     bound(i, scene.span, (before + after) / 2, Where::span);
+    initial_.u.push_back(scene.displacement(mesh.node(node)));
+    initial_.v.push_back(scene.velocity(mesh.node(node)));
   }
 
-  initial_.u.resize(n);
-  initial_.v.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    initial_.u[i] = scene.displacement(mesh.node(i + first));
-    initial_.v[i] = scene.velocity(mesh.node(i + first));
-  }
-
-  for (const auto& [input, fixed_end, unknown] :
-       {std::tuple{&scene.left_input, left_fixed(), std::size_t{0}}, {&scene.right_input, right_fixed(), n - 1}})
-    if (!fixed_end && (input->stiffness != 0.0 || input->dashpot != 0.0))
-      mounts_.push_back({unknown, input->stiffness, input->dashpot});
-  for (const Mount& mount : mounts_)
-    if (mount.unknown < massive_begin() || mount.unknown >= massive_end())
+  for (const bool right : {false, true}) {
+    const EndInput& input = inputs_[right];
+    if (walls_[right] || (input.stiffness == 0.0 && input.dashpot == 0.0)) continue;
+    mounts_.push_back({end(right), input.stiffness, input.dashpot});
+    if (massless(end(right)))
       throw std::invalid_argument(
           "mass \"redistributed\" does not fit a spring or a dashpot at an end with an obstacle, which want its mass");
+  }
   if (moving() && scene.span)
     throw std::invalid_argument("a span obstacle stands still, and does not fit ends that are moved");
-  const double coupling = whole.off_diagonal.empty() ? 0.0 : bar_.density * whole.off_diagonal.front();
   if (moving()) {
-    const EndCondition& other = inputs_[0].motion ? scene.right : scene.left;
-    rigid_frame_ = std::holds_alternative<Free>(other);
-    enter_frame(std::move(whole));
+    rigid_frame_ = std::holds_alternative<Free>(inputs_[0].motion ? scene.right : scene.left);
+    enter_frame();
   }
-  if (mass == Mass::fourth_order && fixed > 0) stop_fixed_ends(scene, coupling);
+  if (mass == Mass::fourth_order && fixed > 0) stop_fixed_ends(scene, whole_inertia_.off_diagonal.front());
+  if (!moving()) whole_inertia_ = {};
 
   if (scene.load) {
     const SymmetricTridiagonal load_mass = mass_matrix(mesh, mass);
     const auto weighted = [&](const SpaceFunction& profile) {
-      std::vector<double> out(mesh.nodes());
-      load_mass.multiply(nodal_values(mesh, profile), out);
-      const auto begin = out.begin() + static_cast<std::ptrdiff_t>(first);
-      return std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(n));
+      std::vector<double> values(mesh.nodes()), product(values);
+      for (std::size_t j = 0; j < values.size(); ++j) values[j] = profile(mesh.node(j));
+      load_mass.multiply(values, product);
+      return part_of(product, first, n);
     };
     if (const auto* steady = std::get_if<SteadyLoad>(&*scene.load)) load_ = SteadyVector{weighted(steady->profile)};
     if (const auto* separable = std::get_if<SeparableLoad>(&*scene.load))
@@ -166,8 +147,8 @@ void BarSystem::take_forces() {
   if (varying_forces_) return;
   if (!load_) load_ = SteadyVector{std::vector<double>(size(), 0.0)};
   std::vector<double>& weighted = std::get<SteadyVector>(*load_).weighted;
-  if (inputs_[0].force && !left_fixed()) weighted.front() += inputs_[0].force->value(0.0);
-  if (inputs_[1].force && !right_fixed()) weighted.back() += inputs_[1].force->value(0.0);
+  for (const bool right : {false, true})
+    if (inputs_[right].force && !walls_[right]) weighted[end(right)] += inputs_[right].force->value(0.0);
 }
 
 void BarSystem::internal_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
@@ -184,8 +165,8 @@ void BarSystem::uniform_force(std::span<const double> u, std::span<const double>
   const double stiffness = bar_.modulus / mesh_.spacing();
   const double damping = bar_.viscosity / mesh_.spacing();
   // Stress on the left of the first and on the right of the last unknown: none at an end that is not fixed.
-  const double left = left_fixed_ ? stiffness * (u[0] - *left_fixed_) + damping * w[0] : 0.0;
-  const double right = right_fixed_ ? stiffness * (*right_fixed_ - u[n - 1]) - damping * w[n - 1] : 0.0;
+  const double left = walls_[0] ? stiffness * (u[0] - *walls_[0]) + damping * w[0] : 0.0;
+  const double right = walls_[1] ? stiffness * (*walls_[1] - u[n - 1]) - damping * w[n - 1] : 0.0;
   if (n == 1) {
     out[0] = right - left;
     return;
@@ -204,13 +185,13 @@ void BarSystem::uniform_force(std::span<const double> u, std::span<const double>
 void BarSystem::graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
   const std::size_t n = size(), first = first_node();
   const double modulus = bar_.modulus, viscosity = bar_.viscosity;
-  double before = left_fixed_ ? inverse_spacing_[0] * (modulus * (u[0] - *left_fixed_) + viscosity * w[0]) : 0.0;
+  double before = walls_[0] ? inverse_spacing_[0] * (modulus * (u[0] - *walls_[0]) + viscosity * w[0]) : 0.0;
   for (std::size_t i = 0; i + 1 < n; ++i) {
     const double next = inverse_spacing_[first + i] * (modulus * (u[i + 1] - u[i]) + viscosity * (w[i + 1] - w[i]));
     out[i] = next - before;
     before = next;
   }
-  const double right = right_fixed_ ? modulus * (*right_fixed_ - u[n - 1]) - viscosity * w[n - 1] : 0.0;
+  const double right = walls_[1] ? modulus * (*walls_[1] - u[n - 1]) - viscosity * w[n - 1] : 0.0;
   out[n - 1] = inverse_spacing_.back() * right - before;
 }
 
@@ -218,14 +199,6 @@ double BarSystem::stiffness_diagonal(std::size_t i) const {
   if (inverse_spacing_.empty()) return uniform_stiffness_diagonal(*this, i);
   const std::size_t node = i + first_node();
   return (node > 0 ? inverse_spacing_[node - 1] : 0.0) + (node < mesh_.elements ? inverse_spacing_[node] : 0.0);
-}
-
-std::optional<EndRows> BarSystem::scaled_end_rows(double factor) const {
-  std::optional<EndRows> rows = inertia_.end_rows;
-  if (rows)
-    for (auto* row : {&rows->first, &rows->last})
-      for (double& entry : *row) entry *= factor;
-  return rows;
 }
 
 double BarSystem::end_power(std::span<const double> w, std::span<const double> a) const {
@@ -251,11 +224,12 @@ void BarSystem::uniform_stiffness(double m, double scale, SymmetricTridiagonal& 
   for (std::size_t i = 0; i < n; ++i) out.diagonal[i] = m * inertia_.diagonal[i] + inner;
   out.diagonal[0] = m * inertia_.diagonal[0] + scale * uniform_stiffness_diagonal(*this, 0);
   out.diagonal[n - 1] = m * inertia_.diagonal[n - 1] + scale * uniform_stiffness_diagonal(*this, n - 1);
-  if (inertia_.off_diagonal.empty())
-    std::fill(out.off_diagonal.begin(), out.off_diagonal.end(), off);
+  if (inertia_.is_diagonal())
+    std::ranges::fill(out.off_diagonal, off);
   else
     for (std::size_t i = 0; i + 1 < n; ++i) out.off_diagonal[i] = m * inertia_.off_diagonal[i] + off;
-  out.end_rows = scaled_end_rows(m);
+  out.end_rows.reset();
+  if (inertia_.end_rows) out.end_rows = inertia_.end_rows->times(m);
 }
 
 void BarSystem::graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const {
@@ -264,20 +238,20 @@ void BarSystem::graded_stiffness(double m, double scale, SymmetricTridiagonal& o
   out.off_diagonal.resize(n - 1);
   for (std::size_t i = 0; i < n; ++i) out.diagonal[i] = m * inertia_.diagonal[i] + scale * stiffness_diagonal(i);
   for (std::size_t i = 0; i + 1 < n; ++i) {
-    const double mass = inertia_.off_diagonal.empty() ? 0.0 : m * inertia_.off_diagonal[i];
+    const double mass = inertia_.is_diagonal() ? 0.0 : m * inertia_.off_diagonal[i];
     out.off_diagonal[i] = mass - scale * inverse_spacing_[first + i];
   }
 }
 
 double BarSystem::squared_strain(std::span<const double> u) const {
-  const double *left = left_fixed_ ? &*left_fixed_ : nullptr, *right = right_fixed_ ? &*right_fixed_ : nullptr;
+  const double *left = walls_[0] ? &*walls_[0] : nullptr, *right = walls_[1] ? &*walls_[1] : nullptr;
   if (!inverse_spacing_.empty()) return graded_squared_strain(u, left, right, inverse_spacing_);
   return squared_differences(u, left, right) / mesh_.spacing();
 }
 
 double BarSystem::squared_strain_rate(std::span<const double> w) const {
   const double still = 0.0;
-  const double *left = left_fixed_ ? &still : nullptr, *right = right_fixed_ ? &still : nullptr;
+  const double *left = walls_[0] ? &still : nullptr, *right = walls_[1] ? &still : nullptr;
   if (!inverse_spacing_.empty()) return graded_squared_strain(w, left, right, inverse_spacing_);
   return squared_differences(w, left, right) / mesh_.spacing();
 }
@@ -300,16 +274,16 @@ bool BarSystem::has_dashpots() const {
 
 void BarSystem::expand_displacement(std::span<const double> u, std::span<double> nodal) const {
   assert(nodal.size() == mesh_.nodes());
-  if (left_fixed_) nodal.front() = *left_fixed_;
-  if (right_fixed_) nodal.back() = *right_fixed_;
-  std::copy(u.begin(), u.end(), nodal.begin() + static_cast<std::ptrdiff_t>(first_node()));
+  if (walls_[0]) nodal.front() = *walls_[0];
+  if (walls_[1]) nodal.back() = *walls_[1];
+  std::ranges::copy(u, nodal.subspan(first_node()).begin());
 }
 
 void BarSystem::expand_velocity(std::span<const double> w, std::span<double> nodal) const {
   assert(nodal.size() == mesh_.nodes());
-  if (left_fixed_) nodal.front() = 0.0;
-  if (right_fixed_) nodal.back() = 0.0;
-  std::copy(w.begin(), w.end(), nodal.begin() + static_cast<std::ptrdiff_t>(first_node()));
+  if (walls_[0]) nodal.front() = 0.0;
+  if (walls_[1]) nodal.back() = 0.0;
+  std::ranges::copy(w, nodal.subspan(first_node()).begin());
 }
 
 // Held nodes that the initial velocity does not leave at rest stop at once, and the rows beside them keep their share
@@ -326,8 +300,8 @@ void BarSystem::stop_fixed_ends(const Scene& scene, double coupling) {
 }
 
 void BarSystem::accelerate(std::span<double> force) const {
-  if (massless_left_) force.front() = 0.0;
-  if (massless_right_) force.back() = 0.0;
+  if (massless_[0]) force.front() = 0.0;
+  if (massless_[1]) force.back() = 0.0;
   massive_factor_.solve(force.subspan(massive_begin(), massive_end() - massive_begin()));
 }
 

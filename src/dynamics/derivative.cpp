@@ -1,14 +1,8 @@
 #include "dynamics/derivative.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numbers>
-#include <optional>
-#include <utility>
 
 #include "dynamics/natural_scales.hpp"
-#include "viscobar/discretisation/mass.hpp"
 
 namespace viscobar {
 
@@ -43,9 +37,8 @@ MomentBuilder::MomentBuilder(const PenalisedSystem& system, std::span<Derivative
 
 Moment MomentBuilder::operator()(double t, std::span<const double> u, std::span<const double> w,
                                  std::span<const double> inertia) {
-  const std::span<const double> origin = system_.origin();
   if (!strain_.empty()) {
-    if (origin.empty())
+    if (const std::span<const double> origin = system_.origin(); origin.empty())
       stiffness_.multiply([&](std::size_t i) { return u[i]; }, strain_);
     else
       stiffness_.multiply([&](std::size_t i) { return u[i] + origin[i]; }, strain_);
@@ -80,17 +73,15 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
       const double stiffer = (contact.where == Where::span ? stretched : 0.0) - direction.epsilon / *penalty.epsilon;
       rates.stiffness = law.stiffness * stiffer;
       rates.damping = 0.5 * law.damping * (stiffer + inertia_);
-      const bool massless =
-          contact.unknown < system.bar().massive_begin() || contact.unknown >= system.bar().massive_end();
-      if (direction.restitution != 0.0 && !massless)
+      if (direction.restitution != 0.0 && !system.bar().massless(contact.unknown))
         rates.damping += 2.0 * damping_ratio_rate(penalty.restitution) * direction.restitution *
                          std::sqrt(law.stiffness * system.bar().contact_mass(contact));
     }
     laws_.push_back(rates);
   }
   for (const Mount& mount : system.bar().mounts()) {
-    const bool left = mount.unknown == 0 && !system.bar().left_fixed();
-    const EndInput& rates = left ? direction.data.left_input : direction.data.right_input;
+    const bool right = system.bar().is_right(mount.unknown);
+    const EndInput& rates = right ? direction.data.right_input : direction.data.left_input;
     if (rates.stiffness == 0.0 && rates.dashpot == 0.0) continue;
     mounts_.push_back({mount.unknown, rates.stiffness, rates.dashpot});
     relative_change_ += std::abs(rates.stiffness) * bar.length / bar.modulus +
@@ -98,19 +89,13 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
   }
   if (system.bar().moving()) {
     const BarSystem& of = system.bar();
-    whole_inertia_ = inertia_matrix(of.mesh(), of.mass(), of.massive_begin() > 0, of.massive_end() < of.size());
-    for (std::vector<double>* entries : {&whole_inertia_.diagonal, &whole_inertia_.off_diagonal})
-      for (double& entry : *entries) entry *= bar.density;
-    if (whole_inertia_.end_rows)
-      for (auto* row : {&whole_inertia_.end_rows->first, &whole_inertia_.end_rows->last})
-        for (double& entry : *row) entry *= bar.density;
     std::vector<double> share(of.mesh().nodes()), product(of.mesh().nodes());
-    for (const std::size_t right : {0, 1}) {
+    for (const bool right : {false, true}) {
       for (std::size_t j = 0; j < share.size(); ++j)
         share[j] = Lift{right ? 0.0 : 1.0, right ? 1.0 : 0.0}.at(of.mesh().node(j) / of.mesh().length);
-      whole_inertia_.multiply(share, product);
-      const auto begin = product.begin() + static_cast<std::ptrdiff_t>(of.first_node());
-      lift_inertia_[right].assign(begin, begin + static_cast<std::ptrdiff_t>(of.size()));
+      of.whole_inertia().multiply(share, product);
+      const auto of_unknowns = std::span(product).subspan(of.first_node(), of.size());
+      lift_inertia_[right].assign(of_unknowns.begin(), of_unknowns.end());
     }
   }
   driven_ = !mounts_.empty() || modulus_ != 0.0 || viscosity_ != 0.0 || inertia_ != 0.0 ||
@@ -142,14 +127,19 @@ double Derivative::lift_inertia(std::size_t unknown, const Lift& lift) const {
   return lift.left * lift_inertia_[0][unknown] + lift.right * lift_inertia_[1][unknown];
 }
 
-double Derivative::end_lift(std::size_t end, const Lift& lift) const {
-  return end == 0 && !system_.bar().left_fixed() ? lift.left : lift.right;
+double Derivative::displacement(std::size_t end, std::span<const double> u) const {
+  return u[end] + system_.origin_at(end) + lift_[0].of(system_.bar().is_right(end));
 }
 
 // Of the lift, as stretch() is of u, over the length of the element.
 double Derivative::lift_stretch(std::size_t end, const Lift& lift) const {
   const double strain = (lift.right - lift.left) / system_.bar().mesh().length;
-  return end == 0 && !system_.bar().left_fixed() ? -strain : strain;
+  return system_.bar().is_right(end) ? strain : -strain;
+}
+
+// Of what the matrices change by.
+double Derivative::lift_stress(const Lift& lift, const Lift& rate) const {
+  return (modulus_ * (lift.right - lift.left) + viscosity_ * (rate.right - rate.left)) / system_.bar().mesh().length;
 }
 
 void Derivative::drive(const Moment& at) {
@@ -180,11 +170,8 @@ void Derivative::drive(const Moment& at) {
     const double strain_rate = modulus_ * (lift_[1].right - lift_[1].left) / bar.mesh().length;
     rates[0] += strain_rate, rates[1] -= strain_rate;
   }
-  for (const auto& [node, stiffness, dashpot] : mounts_) {
-    const double origin = system_.origin().empty() ? 0.0 : system_.origin()[node];
-    added_[node] -= stiffness * (at.u[node] + origin + end_lift(node, lift_[0])) +
-                    dashpot * (at.w[node] + end_lift(node, lift_[1]));
-  }
+  for (const auto& [node, stiffness, dashpot] : mounts_)
+    added_[node] -= stiffness * displacement(node, at.u) + dashpot * (at.w[node] + lift_[1].of(bar.is_right(node)));
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!system_.closed(i) || system_.holds(i)) continue;
     const std::size_t node = system_.contact(i).unknown;
@@ -200,8 +187,7 @@ void Derivative::drive(const Moment& at) {
 void Derivative::add_frame() {
   const std::size_t n = added_.size();
   const BarSystem& bar = system_.bar();
-  const double stress =
-      (modulus_ * (lift_[0].right - lift_[0].left) + viscosity_ * (lift_[1].right - lift_[1].left)) / bar.mesh().length;
+  const double stress = lift_stress(lift_[0], lift_[1]);
   if (!bar.left_fixed()) added_[0] += stress;
   if (!bar.right_fixed()) added_[n - 1] -= stress;
   if (inertia_ != 0.0)
@@ -209,31 +195,24 @@ void Derivative::add_frame() {
 }
 
 double Derivative::drive_row(std::size_t end, double t, double u, double u_next, double w, double w_next) const {
-  const std::span<const double> origin = system_.origin();
-  const std::size_t next = end == 0 ? 1 : end - 1;
-  const double apart = origin.empty() ? 0.0 : origin[next] - origin[end];
+  const double apart = system_.origin_at(end == 0 ? 1 : end - 1) - system_.origin_at(end);
   double sum = (modulus_ * (u_next - u + apart) + viscosity_ * (w_next - w)) / system_.bar().spacing_at(end);
   if (system_.bar().moving()) {
-    const Lift lift = system_.lift(t, 0), rate = system_.lift(t, 1);
-    const double stress =
-        (modulus_ * (lift.right - lift.left) + viscosity_ * (rate.right - rate.left)) / system_.bar().mesh().length;
+    const double stress = lift_stress(system_.lift(t, 0), system_.lift(t, 1));
     sum += end == 0 ? stress : -stress;
   }
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     const Contact& contact = system_.contact(i);
     if (contact.unknown != end || !system_.closed(i) || system_.holds(i)) continue;
-    sum -=
-        contact.sign * laws_[i].stiffness * (contact.sign * u + contact.clearance(origin.empty() ? 0.0 : origin[end]));
+    sum -= contact.sign * laws_[i].stiffness * (contact.sign * u + contact.clearance(system_.origin_at(end)));
   }
   return sum;
 }
 
 double Derivative::reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate) {
   if (!system_.closed(i)) return 0.0;
-  if (system_.holds(i)) {
-    // What its row lacks; the inertia of the neighbours, of the bar itself, is in the added force.
-    return motion_.holding_force(i, at.t, s, rate);
-  }
+  // What its row lacks; the inertia of the neighbours, of the bar itself, is in the added force.
+  if (system_.holds(i)) return motion_.holding_force(i, at.t, s, rate);
   const std::size_t node = system_.contact(i).unknown;
   const PenaltyLaw& law = system_.law(i);
   const double sign = system_.contact(i).sign;
@@ -258,7 +237,7 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
     double sum = inertia.diagonal[end] * x[end];
     if (!inertia.off_diagonal.empty() && n > 1)
       sum += inertia.off_diagonal[end == 0 ? 0 : end - 1] * x[end == 0 ? 1 : end - 1];
-    if (inertia.end_rows) sum += end == 0 ? inertia.end_rows->first_times(x) : inertia.end_rows->last_times(x);
+    if (inertia.end_rows) sum += inertia.end_rows->row_times(end, x);
     return sum;
   };
   const BarSystem& bar = system_.bar();
@@ -266,14 +245,11 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
   double sum =
       row(rate) + inertia_ * row(at.w) +
       (bar.bar().viscosity * stretch(end, s, {}, data_) + viscosity_ * stretch(end, at.u, system_.origin(), bar)) / h;
-  const auto displacement = [&] {
-    return at.u[end] + (system_.origin().empty() ? 0.0 : system_.origin()[end]) + end_lift(end, lift_[0]);
-  };
   if (bar.moving()) sum += inertia_ * lift_inertia(end, lift_[1]) + viscosity_ * lift_stretch(end, lift_[0]);
   for (const Mount& mount : bar.mounts())
     if (mount.unknown == end) sum += mount.dashpot * s[end];
   for (const Mount& mount : mounts_)
-    if (mount.unknown == end) sum += mount.dashpot * displacement();
+    if (mount.unknown == end) sum += mount.dashpot * displacement(end, at.u);
   return sum;
 }
 
@@ -289,9 +265,8 @@ double Derivative::elastic_row(std::size_t end, double u, double u_stretch, doub
 
 double Derivative::momentum_loss(std::size_t end, const Moment& at, std::span<const double> s) {
   const BarSystem& bar = system_.bar();
-  const std::span<const double> origin = system_.origin();
-  const double u = at.u[end] + (origin.empty() ? 0.0 : origin[end]) + end_lift(end, lift_[0]);
-  const double sum = elastic_row(end, u, stretch(end, at.u, origin, bar), s[end], stretch(end, s, {}, data_));
+  const double sum = elastic_row(end, displacement(end, at.u), stretch(end, at.u, system_.origin(), bar), s[end],
+                                 stretch(end, s, {}, data_));
   return sum + (bar.moving() ? modulus_ * lift_stretch(end, lift_[0]) : 0.0) - (motion_.load(end, at.t) - added_[end]);
 }
 
@@ -308,7 +283,7 @@ double Derivative::energy(const Moment& at, std::span<const double> s, std::span
   bar.add_lift(lift_[1], w);
   expand(at.t, s, rate, of_u, of_w);
   const bool whole = bar.moving();
-  const SymmetricTridiagonal& inertia = whole ? whole_inertia_ : bar.inertia();
+  const SymmetricTridiagonal& inertia = whole ? bar.whole_inertia() : bar.inertia();
   const std::size_t first = whole ? 0 : bar.first_node(), n = inertia.size();
   const double *v = w.data() + first, *of_v = of_w.data() + first;
   double sum = 0.5 * inertia_ * inertia.quadratic_form({v, n});

@@ -1,16 +1,49 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <span>
-#include <vector>
-
 #include "dynamics/penalised_system.hpp"
-#include "dynamics/unit_stiffness.hpp"
-#include "viscobar/discretisation/tridiagonal.hpp"
 #include "viscobar/dynamics/sensitivity.hpp"
 
 namespace viscobar {
+
+/// K over the unknowns of a bar, by differences, which keep the digits of what is all but constant:
+///
+///     (K x)_i = (x_i - x_{i-1}) / h_i + (x_i - x_{i+1}) / h_{i+1},       x = 0 at a fixed end.
+class UnitStiffness {
+ public:
+  explicit UnitStiffness(const BarSystem& bar) {
+    const std::size_t first = bar.first_node();
+    for (std::size_t i = 0; i + 1 < bar.size(); ++i) coupling_.push_back(1.0 / bar.mesh().element(first + i));
+    if (bar.left_fixed()) ground_[0] = 1.0 / bar.mesh().element(0);
+    if (bar.right_fixed()) ground_[1] = 1.0 / bar.mesh().element(bar.mesh().elements - 1);
+  }
+
+  /// out = K x of the values x(i), which are numbers, or what is added and multiplied as such.
+  template <class Values, class Out>
+  void multiply(Values&& x, Out&& out) const {
+    const std::size_t n = coupling_.size() + 1;
+    auto here = x(0);
+    auto before = ground_[0] * here;
+    for (std::size_t i = 0; i + 1 < n; ++i) {
+      const auto next = x(i + 1);
+      const decltype(before) pull = coupling_[i] * (next - here);
+      out[i] = before - pull;
+      before = pull;
+      here = next;
+    }
+    out[n - 1] = before + ground_[1] * here;
+  }
+
+  /// What is to be added for displacements `left` and `right` of the fixed ends.
+  template <class Out>
+  void add_walls(double left, double right, Out&& out) const {
+    out[0] -= ground_[0] * left;
+    out[coupling_.size()] -= ground_[1] * right;
+  }
+
+ private:
+  std::vector<double> coupling_;    // 1 / h between an unknown and the next
+  std::array<double, 2> ground_{};  // of an element with a fixed end
+};
 
 class Derivative;
 
@@ -108,9 +141,11 @@ class Derivative {
     double stiffness, damping;
   };
   void add_frame();
+  // Of the frame, by the end's entry among the unknowns.
   double lift_inertia(std::size_t unknown, const Lift& lift) const;
-  double end_lift(std::size_t end, const Lift& lift) const;
   double lift_stretch(std::size_t end, const Lift& lift) const;
+  double lift_stress(const Lift& lift, const Lift& rate) const;
+  double displacement(std::size_t end, std::span<const double> u) const;  // of the bar itself
   double stretch(std::size_t end, std::span<const double> x, std::span<const double> origin,
                  const BarSystem& walls) const;
 
@@ -122,8 +157,7 @@ class Derivative {
   std::vector<LawRates> laws_;
   std::vector<Mount> mounts_;  // k' and c' of the ends that have a spring or a dashpot
   std::vector<double> added_;
-  SymmetricTridiagonal whole_inertia_;               // rho M of all nodes, where the frame moves
-  std::array<std::vector<double>, 2> lift_inertia_;  // rho M (1 - x/L) and rho M x/L, likewise
+  std::array<std::vector<double>, 2> lift_inertia_;  // rho M (1 - x/L) and rho M x/L, where the frame moves
   std::array<Lift, 3> lift_{};                       // and its rates, at the moment driven by last
   bool driven_ = false;                              // by the motion of the bar
 };

@@ -1,17 +1,7 @@
 // Nodes of a PenalisedSystem that follow their neighbours: those without mass, and those that rest on a stiff spring.
-#include <algorithm>
-#include <cmath>
-
 #include "dynamics/penalised_system.hpp"
 
 namespace viscobar {
-
-double PenalisedSystem::stiffness_of_closed(std::size_t unknown) const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < laws_.size(); ++i)
-    if (closed(i) && contact(i).unknown == unknown) sum += laws_[i].stiffness;
-  return sum;
-}
 
 void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<const double> u, std::span<double> w) {
   if (held(end)) {
@@ -23,8 +13,7 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<
   const std::size_t next = neighbour(end);
   if (bar_.damped()) {
     double force = modulus * (u[next] - u[end] + (origin_at(next) - origin_at(end))) + damping * w[next] + load(end, t);
-    for (std::size_t i = 0; i < laws_.size(); ++i)
-      if (closed(i) && contact(i).unknown == end) force -= contact(i).sign * laws_[i].stiffness * clearance(i, u);
+    for (const std::size_t i : closed_at(end)) force -= contact(i).sign * laws_[i].stiffness * clearance(i, u);
     w[end] = force / damping;
     return;
   }
@@ -35,7 +24,9 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<
     if (before < after) rate += (late - early) / (after - before);
   }
   rate += added_rates_[end == 0 ? 0 : 1];
-  w[end] = rate / (modulus + stiffness_of_closed(end));
+  double springs = 0.0;
+  for (const std::size_t i : closed_at(end)) springs += laws_[i].stiffness;
+  w[end] = rate / (modulus + springs);
 }
 
 std::pair<double, double> PenalisedSystem::beside(double t) const {
@@ -59,8 +50,7 @@ void PenalisedSystem::complete_displacement_of(std::size_t end, double t, std::s
   const double modulus = bar_.bar().modulus / bar_.spacing_at(end);
   const std::size_t next = neighbour(end);
   double force = modulus * (u[next] + (origin_at(next) - origin_at(end))) + load(end, t), stiffness = modulus;
-  for (std::size_t i = 0; i < laws_.size(); ++i) {
-    if (!closed(i) || contact(i).unknown != end) continue;
+  for (const std::size_t i : closed_at(end)) {
     force -= contact(i).sign * laws_[i].stiffness * offsets_[i];
     stiffness += laws_[i].stiffness;
   }
@@ -83,8 +73,7 @@ std::vector<PenalisedSystem::RelaxingRow> PenalisedSystem::relaxing_rows() const
     const double share = modulus / viscosity;
     RelaxingRow row{
         end, share, h / viscosity, share * (origin_at(next) - origin_at(end)), 0.0, {{{next, share, 1.0, 0.0}, {}}}, 1};
-    for (std::size_t i = 0; i < laws_.size(); ++i) {
-      if (!closed(i) || contact(i).unknown != end) continue;
+    for (const std::size_t i : closed_at(end)) {
       row.rate += laws_[i].stiffness * h / viscosity;
       row.constant -= contact(i).sign * laws_[i].stiffness * h / viscosity * offsets_[i];
     }
@@ -109,21 +98,16 @@ PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_in
     row.neighbours[row.count++] = {*next, modulus, viscosity, inertia.empty() ? 0.0 : inertia[std::min(i, *next)]};
   };
   const Mesh& mesh = bar_.mesh();
-  if (i > 0)
-    beside(mesh.element(node - 1), i - 1, {});
-  else if (bar_.left_fixed())
-    beside(mesh.element(node - 1), {}, bar_.left_displacement());
-  if (i + 1 < size())
-    beside(mesh.element(node), i + 1, {});
-  else if (bar_.right_fixed())
-    beside(mesh.element(node), {}, bar_.right_displacement());
+  const std::optional<std::size_t> none;
+  if (node > 0) beside(mesh.element(node - 1), i > 0 ? std::optional(i - 1) : none, bar_.left_displacement());
+  if (node < mesh.elements)
+    beside(mesh.element(node), i + 1 < size() ? std::optional(i + 1) : none, bar_.right_displacement());
   if (const auto& rows = bar_.inertia().end_rows; rows && row.count == 1) {
-    const std::array<double, 3>& shares = i == 0 ? rows->first : rows->last;
+    const std::array<double, 3>& shares = rows->row(i);
     row.neighbours[0].a_share += shares[1];
     row.neighbours[row.count++] = {i == 0 ? 2 : i - 2, 0.0, 0.0, shares[2]};
   }
-  for (std::size_t c = 0; c < laws_.size(); ++c) {
-    if (!closed(c) || contact(c).unknown != i) continue;
+  for (const std::size_t c : closed_at(i)) {
     row.rate += laws_[c].stiffness, damping += laws_[c].damping;
     row.constant -= contact(c).sign * laws_[c].stiffness * offsets_[c];
   }

@@ -1,8 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <limits>
-
 #include "dynamics/finite_load.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 
@@ -23,18 +20,14 @@ double density_at(const SpaceTimeFunction& density, double x, double t) {
 }  // namespace
 
 LoadVector::LoadVector(const BarSystem& system, double step) : system_(system), step_(step) {
-  const auto& load = system.load_;
-  const auto& inputs = system.inputs_;
-  steady_ =
-      load && std::holds_alternative<BarSystem::SteadyVector>(*load) && !system.varying_forces_ && !system.moving();
-  if (load)
-    if (const auto* separable = std::get_if<BarSystem::SeparableVector>(&*load)) breaks_.push_back(separable->breaks);
-  if (const auto* general = load ? std::get_if<BarSystem::GeneralVector>(&*load) : nullptr) {
+  steady_ = load_as<BarSystem::SteadyVector>() && !system.varying_forces_ && !system.moving();
+  if (const auto* separable = load_as<BarSystem::SeparableVector>()) breaks_.push_back(separable->breaks);
+  if (const auto* general = load_as<BarSystem::GeneralVector>()) {
     nodal_.resize(2 * system.mesh().nodes());
     breaks_.push_back(general->breaks);
     breaks_at_ = general->breaks_at;
   }
-  for (const EndInput& input : inputs) {
+  for (const EndInput& input : system.inputs_) {
     if (input.force && system.varying_forces_) breaks_.push_back(input.force->breaks);
     if (input.motion) breaks_.push_back(input.motion->breaks);
   }
@@ -43,8 +36,6 @@ LoadVector::LoadVector(const BarSystem& system, double step) : system_(system), 
     next_.assign(breaks_.size() + (breaks_at_ ? system.mesh().nodes() : 0), -std::numeric_limits<double>::infinity());
   if (!steady_) weighted_.resize(system.size());
 }
-
-bool LoadVector::steady() const { return steady_; }
 
 // Each break is searched for once, when the one before it at its place has been passed.
 double LoadVector::next_break(double after, double until) {
@@ -75,7 +66,7 @@ double LoadVector::enter(double t, double end) {
 }
 
 std::span<const double> LoadVector::at(double t) {
-  if (steady_) return std::get<BarSystem::SteadyVector>(*system_.load_).weighted;
+  if (steady_) return load_as<BarSystem::SteadyVector>()->weighted;
   t = inside(t);
   if (time_ == t) return weighted_;
   ++evaluations_;
@@ -88,33 +79,20 @@ std::span<const double> LoadVector::at(double t) {
 void LoadVector::find_distributed(double t) {
   if (!system_.load_) {
     std::ranges::fill(weighted_, 0.0);
-  } else if (const auto* steady = std::get_if<BarSystem::SteadyVector>(&*system_.load_)) {
+  } else if (const auto* steady = load_as<BarSystem::SteadyVector>()) {
     std::ranges::copy(steady->weighted, weighted_.begin());
-  } else if (const auto* separable = std::get_if<BarSystem::SeparableVector>(&*system_.load_)) {
+  } else if (const auto* separable = load_as<BarSystem::SeparableVector>()) {
     const double history = history_at(separable->history, t);
-    std::transform(separable->weighted.begin(), separable->weighted.end(), weighted_.begin(),
-                   [history](double profile) { return history * profile; });
+    for (std::size_t i = 0; i < weighted_.size(); ++i) weighted_[i] = history * separable->weighted[i];
   } else {
     const auto& general = std::get<BarSystem::GeneralVector>(*system_.load_);
     const Mesh& mesh = system_.mesh();
-    const std::span<double> values(nodal_.data(), mesh.nodes()), product(nodal_.data() + mesh.nodes(), mesh.nodes());
+    const std::span<double> values = std::span(nodal_).first(mesh.nodes()),
+                            product = std::span(nodal_).last(mesh.nodes());
     for (std::size_t j = 0; j < values.size(); ++j) values[j] = density_at(general.density, mesh.node(j), t);
     general.mass.multiply(values, product);
-    std::copy_n(product.begin() + static_cast<std::ptrdiff_t>(system_.first_node()), weighted_.size(),
-                weighted_.begin());
+    std::ranges::copy(product.subspan(system_.first_node(), weighted_.size()), weighted_.begin());
   }
-}
-
-// Of the forces alone; at a fixed end there is none.
-std::array<double, 2> LoadVector::end_forces(double t) const {
-  std::array<double, 2> forces{};
-  if (!system_.varying_forces_) return forces;
-  for (const bool right : {false, true})
-    if (const auto& force = system_.inputs_[right].force)
-      forces[right] = finite_load(
-          t, [&] { return force->value(t); },
-          [&] { return fmt::format("the force at the {} end at t = {}", right ? "right" : "left", t); });
-  return forces;
 }
 
 // A step back from the start there is no motion.
@@ -122,25 +100,30 @@ Lift LoadVector::lift(double t, int derivative) const {
   return step_ > 0.0 && t >= step_ ? system_.lift(t, derivative, step_) : system_.lift(t, derivative);
 }
 
-// -(E K + eta K) of what is linear, and what it does to the mounts.
-std::array<double, 2> LoadVector::lift_forces(const Lift& lift, const Lift& rate) const {
+// The given forces, of which a fixed end has none, and in a frame that moves -(E K + eta K) of what is linear, and what
+// that does to the mounts.
+std::array<double, 2> LoadVector::end_forces(double t) const {
+  std::array<double, 2> forces{};
+  for (const bool right : {false, true})
+    if (const auto& force = system_.inputs_[right].force; force && system_.varying_forces_)
+      forces[right] = finite_load(
+          t, [&] { return force->value(t); },
+          [&] { return fmt::format("the force at the {} end at t = {}", right ? "right" : "left", t); });
+  if (!system_.moving()) return forces;
+  const Lift at = lift(t, 0), rate = lift(t, 1);
   const Bar& bar = system_.bar();
-  const double stress =
-      (bar.modulus * (lift.right - lift.left) + bar.viscosity * (rate.right - rate.left)) / bar.length;
-  std::array<double, 2> forces = {stress, -stress};
+  const double stress = (bar.modulus * (at.right - at.left) + bar.viscosity * (rate.right - rate.left)) / bar.length;
+  std::array<double, 2> of_lift = {stress, -stress};
   for (const Mount& mount : system_.mounts()) {
-    const bool right = mount.unknown > 0 || system_.left_fixed();
-    forces[right] -= right ? mount.stiffness * lift.right + mount.dashpot * rate.right
-                           : mount.stiffness * lift.left + mount.dashpot * rate.left;
+    const bool right = system_.is_right(mount.unknown);
+    of_lift[right] -= mount.stiffness * at.of(right) + mount.dashpot * rate.of(right);
   }
-  return forces;
+  return {forces[0] + of_lift[0], forces[1] + of_lift[1]};
 }
 
 void LoadVector::add_inputs(double t) {
-  std::array<double, 2> forces = end_forces(t);
+  const std::array<double, 2> forces = end_forces(t);
   if (system_.moving()) {
-    const auto of_lift = lift_forces(lift(t, 0), lift(t, 1));
-    for (std::size_t end = 0; end < 2; ++end) forces[end] += of_lift[end];
     const Lift acceleration = lift(t, 2);
     const auto& [left, right] = system_.lift_inertia_;
     for (std::size_t i = 0; i < weighted_.size(); ++i)
@@ -151,17 +134,13 @@ void LoadVector::add_inputs(double t) {
 }
 
 double LoadVector::at(double t, std::size_t unknown) const {
-  if (steady_) return std::get<BarSystem::SteadyVector>(*system_.load_).weighted[unknown];
+  if (steady_) return load_as<BarSystem::SteadyVector>()->weighted[unknown];
   t = inside(t);
   double sum = distributed(t, unknown);
   const bool left = unknown == 0 && !system_.left_fixed();
   const bool right = unknown + 1 == system_.size() && !system_.right_fixed();
   if (left || right) {
-    std::array<double, 2> forces = end_forces(t);
-    if (system_.moving()) {
-      const auto of_lift = lift_forces(lift(t, 0), lift(t, 1));
-      for (std::size_t end = 0; end < 2; ++end) forces[end] += of_lift[end];
-    }
+    const std::array<double, 2> forces = end_forces(t);
     sum += (left ? forces[0] : 0.0) + (right ? forces[1] : 0.0);
   }
   if (!system_.moving()) return sum;
@@ -172,8 +151,8 @@ double LoadVector::at(double t, std::size_t unknown) const {
 
 double LoadVector::distributed(double t, std::size_t unknown) const {
   if (!system_.load_) return 0.0;
-  if (const auto* steady = std::get_if<BarSystem::SteadyVector>(&*system_.load_)) return steady->weighted[unknown];
-  if (const auto* separable = std::get_if<BarSystem::SeparableVector>(&*system_.load_))
+  if (const auto* steady = load_as<BarSystem::SteadyVector>()) return steady->weighted[unknown];
+  if (const auto* separable = load_as<BarSystem::SeparableVector>())
     return history_at(separable->history, t) * separable->weighted[unknown];
   const auto& general = std::get<BarSystem::GeneralVector>(*system_.load_);
   const std::size_t node = unknown + system_.first_node();

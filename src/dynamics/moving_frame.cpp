@@ -1,13 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
-#include <optional>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include "dynamics/finite_load.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
@@ -18,7 +12,7 @@ namespace viscobar {
 
 namespace {
 
-double motion_at(const EndMotion& motion, double t, int derivative, bool left) {
+double motion_at(const EndMotion& motion, double t, int derivative, bool right) {
   constexpr std::array<std::string_view, 3> words = {"displacement", "velocity", "acceleration"};
   const TimeFunction& f = derivative == 0   ? motion.displacement
                           : derivative == 1 ? motion.velocity
@@ -27,27 +21,21 @@ double motion_at(const EndMotion& motion, double t, int derivative, bool left) {
       t, [&] { return f(t); },
       [&] {
         return fmt::format("the {} of the motion at the {} end at t = {}", words[static_cast<std::size_t>(derivative)],
-                           left ? "left" : "right", t);
+                           right ? "right" : "left", t);
       });
 }
 
 }  // namespace
 
 // With the initial data at hand.
-void BarSystem::enter_frame(SymmetricTridiagonal whole_inertia) {
-  whole_inertia_ = std::move(whole_inertia);
-  for (std::vector<double>* entries : {&whole_inertia_.diagonal, &whole_inertia_.off_diagonal})
-    for (double& entry : *entries) entry *= bar_.density;
-  if (whole_inertia_.end_rows)
-    for (auto* row : {&whole_inertia_.end_rows->first, &whole_inertia_.end_rows->last})
-      for (double& entry : *row) entry *= bar_.density;
+void BarSystem::enter_frame() {
   std::vector<double> share(mesh_.nodes()), product(mesh_.nodes());
   for (const bool right : {false, true}) {
     for (std::size_t j = 0; j < share.size(); ++j)
       share[j] = right ? mesh_.node(j) / mesh_.length : (mesh_.length - mesh_.node(j)) / mesh_.length;
     whole_inertia_.multiply(share, product);
-    const auto begin = product.begin() + static_cast<std::ptrdiff_t>(first_node());
-    lift_inertia_[right ? 1 : 0].assign(begin, begin + static_cast<std::ptrdiff_t>(size()));
+    const auto of_unknowns = std::span(product).subspan(first_node(), size());
+    lift_inertia_[right].assign(of_unknowns.begin(), of_unknowns.end());
   }
   const Lift rate = lift(0.0, 1);
   for (std::size_t i = 0; i < size(); ++i) initial_.v[i] -= rate.at(this->share(i));
@@ -55,19 +43,20 @@ void BarSystem::enter_frame(SymmetricTridiagonal whole_inertia) {
 
 Lift BarSystem::lift(double t, int derivative) const {
   Lift lift;
-  if (inputs_[0].motion) lift.left = motion_at(*inputs_[0].motion, t, derivative, true);
-  if (inputs_[1].motion) lift.right = motion_at(*inputs_[1].motion, t, derivative, false);
+  for (const bool right : {false, true})
+    if (inputs_[right].motion) lift.of(right) = motion_at(*inputs_[right].motion, t, derivative, right);
   if (rigid_frame_) lift.left = lift.right = inputs_[0].motion ? lift.left : lift.right;
   return lift;
 }
 
 Lift BarSystem::lift(double t, int derivative, double step) const {
-  const Lift before = lift(t - step, 0), after = lift(t + step, 0);
-  if (derivative == 0) return {(before.left + after.left) / 2, (before.right + after.right) / 2};
-  if (derivative == 1) return {(after.left - before.left) / (2 * step), (after.right - before.right) / (2 * step)};
-  const Lift now = lift(t, 0);
-  const auto second = [step](double a, double b, double c) { return ((c - b) - (b - a)) / (step * step); };
-  return {second(before.left, now.left, after.left), second(before.right, now.right, after.right)};
+  const Lift before = lift(t - step, 0), after = lift(t + step, 0), now = derivative > 1 ? lift(t, 0) : Lift{};
+  const auto of = [&](bool right) {
+    const double a = before.of(right), b = now.of(right), c = after.of(right);
+    if (derivative == 0) return (a + c) / 2;
+    return derivative == 1 ? (c - a) / (2 * step) : ((c - b) - (b - a)) / (step * step);
+  };
+  return {of(false), of(true)};
 }
 
 std::optional<Lift> BarSystem::kink(double t, double end) const {
@@ -135,9 +124,9 @@ double BarSystem::lift_loss(const Lift& rate, double left, double right) const {
   const double strain_rate = (rate.right - rate.left) / mesh_.length;
   double sum = bar_.viscosity * strain_rate * (2.0 * (right - left) + strain_rate * mesh_.length);
   for (const Mount& mount : mounts_) {
-    const bool at_left = mount.unknown == 0 && !left_fixed();
-    const double frame = at_left ? rate.left : rate.right;
-    sum += mount.dashpot * frame * (2.0 * (at_left ? left : right) + frame);
+    const bool at_right = is_right(mount.unknown);
+    const double frame = rate.of(at_right);
+    sum += mount.dashpot * frame * (2.0 * (at_right ? right : left) + frame);
   }
   return sum;
 }

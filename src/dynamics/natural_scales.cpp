@@ -1,10 +1,7 @@
 #include "dynamics/natural_scales.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <exception>
 #include <numeric>
-#include <span>
 
 namespace viscobar {
 
@@ -18,22 +15,31 @@ double largest(std::span<const double> values) {
   return most;
 }
 
+// The mean over [0, end] of f at so many times. Where it is not finite it counts for nothing: a run that comes there
+// says so.
+double mean(double end, int looks, const auto& f) {
+  double sum = 0.0;
+  for (int k = 0; k < looks; ++k) try {
+      if (const double value = f(end * (k + 0.5) / looks); std::isfinite(value)) sum += value;
+    } catch (const std::exception&) {
+    }
+  return sum / looks;
+}
+
 // max over x of |f|, its mean over time: M f by the weight of a node inside. A load that is a blow moves the bar by its
 // impulse and not by its height.
 double mean_load(const BarSystem& system, double end) {
   if (!system.loaded()) return 0.0;
   LoadVector load(system);
-  const int looks = load.steady() ? 1 : looks_at_varying;
   // A force on an end is none along the bar.
   const auto& [left, right] = system.inputs();
   const bool ends = left.force || right.force || system.moving();
-  double sum = 0.0;
-  for (int k = 0; k < looks; ++k) try {
-      const std::span<const double> all = load.at(end * (k + 0.5) / looks);
-      sum += largest(ends && all.size() > 2 ? all.subspan(1, all.size() - 2) : all) / looks;
-    } catch (const LoadError&) {  // a run that comes there says so
-    }
-  return sum / system.mesh().spacing();
+  return mean(end, load.steady() ? 1 : looks_at_varying,
+              [&](double t) {
+                const std::span<const double> all = load.at(t);
+                return largest(ends && all.size() > 2 ? all.subspan(1, all.size() - 2) : all);
+              }) /
+         system.mesh().spacing();
 }
 
 // The displacement that forces on the ends and their motion make, by their means over time: F / (rho c) is the velocity
@@ -41,17 +47,12 @@ double mean_load(const BarSystem& system, double end) {
 double moved_by_ends(const BarSystem& system, double tau, double end) {
   const Bar& bar = system.bar();
   double most = 0.0;
+  const auto mean_size = [end](const TimeFunction& f) {
+    return mean(end, looks_at_varying, [&](double t) { return std::abs(f(t)); });
+  };
   for (const EndInput& input : system.inputs()) {
-    const auto mean = [&](const TimeFunction& f) {
-      double sum = 0.0;
-      for (int k = 0; k < looks_at_varying; ++k) try {
-          if (const double value = std::abs(f(end * (k + 0.5) / looks_at_varying)); std::isfinite(value)) sum += value;
-        } catch (const std::exception&) {  // as above
-        }
-      return sum / looks_at_varying;
-    };
-    if (input.force) most = std::max(most, tau * mean(input.force->value) / std::sqrt(bar.density * bar.modulus));
-    if (input.motion) most = std::max(most, mean(input.motion->displacement));
+    if (input.force) most = std::max(most, tau * mean_size(input.force->value) / std::sqrt(bar.density * bar.modulus));
+    if (input.motion) most = std::max(most, mean_size(input.motion->displacement));
   }
   return most;
 }

@@ -1,32 +1,30 @@
 #include "dynamics/penalised_system.hpp"
 
 #include <Eigen/Core>
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
 #include <numeric>
-#include <stdexcept>
-#include <utility>
 
 namespace viscobar {
 
 namespace {
 
 constexpr double stiff = 1e4;  // kappa = k h / E
+constexpr double infinite = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
 PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
-    : bar_(bar), closed_(bar.contacts().size(), 0), measured_(closed_), restitution_(penalty.restitution) {
-  rigid_ = penalty.epsilon == 0.0;
+    : bar_(bar),
+      closed_(bar.contacts().size(), 0),
+      measured_(closed_),
+      restitution_(penalty.restitution),
+      rigid_(penalty.epsilon == 0.0) {
   for (const Contact& contact : bar.contacts()) {
     if (rigid_ && contact.where == Where::span)
       throw std::invalid_argument("a rigid obstacle under the whole span stops several nodes at once: not for rigid");
     if (rigid_ && size() < 2)
       throw std::invalid_argument("a rigid obstacle needs an unknown node beside that of the contact");
     const bool dashpot = !rigid_ && penalty.restitution < 1.0;
-    laws_.push_back(rigid_ ? PenaltyLaw{std::numeric_limits<double>::infinity(), 0.0}
+    laws_.push_back(rigid_ ? PenaltyLaw{infinite, 0.0}
                            : penalty_law(penalty, contact.weight, dashpot ? bar.contact_mass(contact) : 0.0));
   }
   for (std::size_t i = 0; i < laws_.size(); ++i) {
@@ -47,21 +45,19 @@ void PenalisedSystem::measure_from_obstacle(std::size_t closing, std::span<doubl
   std::vector<bool> node_is_measured(size());  // from its other obstacle
   for (std::size_t i = 0; i < laws_.size(); ++i)
     if (measured_[i]) node_is_measured[contact(i).unknown] = true;
-  std::vector<std::size_t> together;
-  for (std::size_t i = 0; i < laws_.size(); ++i)
-    if (contact(i).where == contact(closing).where && contact(i).sign == contact(closing).sign &&
-        !node_is_measured[contact(i).unknown])
-      together.push_back(i);
-  if (together.empty()) return;
-  origin_.resize(size());
-  for (const std::size_t i : together) {
+  bool any = false;
+  for (std::size_t i = 0; i < laws_.size(); ++i) {
+    const std::size_t node = contact(i).unknown;
+    if (contact(i).where != contact(closing).where || contact(i).sign != contact(closing).sign ||
+        node_is_measured[node])
+      continue;
+    any = true;
     measured_[i] = 1;
-    const double surface = -contact(i).sign * contact(i).gap;
-    origin_[contact(i).unknown] = surface;
-    if (!u.empty()) u[contact(i).unknown] -= surface;
-    node_is_measured[contact(i).unknown] = true;
+    origin_.resize(size());
+    origin_[node] = -contact(i).sign * contact(i).gap;
+    if (!u.empty()) u[node] -= origin_[node];
   }
-  find_offsets();
+  if (any) find_offsets();
 }
 
 void PenalisedSystem::find_offsets() {
@@ -96,10 +92,6 @@ double PenalisedSystem::indicator_rounding(std::size_t i, double largest) const 
   return closed(i) && measured_[i] && !follows(i) && !holds(i) ? rounding / (1.0 + relative_stiffness(i)) : rounding;
 }
 
-bool PenalisedSystem::massless(std::size_t unknown) const {
-  return unknown < bar_.massive_begin() || unknown >= bar_.massive_end();
-}
-
 bool PenalisedSystem::gives_way_by_rounding(std::size_t i) const {
   const std::size_t node = contact(i).unknown;
   if (!massless(node)) return false;
@@ -110,20 +102,16 @@ bool PenalisedSystem::gives_way_by_rounding(std::size_t i) const {
 
 // By a closed contact.
 bool PenalisedSystem::held(std::size_t unknown) const {
-  for (std::size_t i = 0; i < laws_.size(); ++i)
-    if (closed(i) && contact(i).unknown == unknown && holds(i)) return true;
-  return false;
+  return std::ranges::any_of(closed_at(unknown), [this](std::size_t i) { return holds(i); });
 }
 
 std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const {
   const std::size_t node = contact(i).unknown;
-  if (collides(i) && bar_.has_end_rows())
-    return {node, neighbour(node), size() + neighbour(node), size() + (node == 0 ? 2 : node - 2)};
-  if (collides(i)) return {node, neighbour(node), size() + neighbour(node)};
-  if (!massless(node)) return {node};
-  if (!bar_.damped()) return {neighbour(node)};
-  if (holds(i)) return {node, neighbour(node), size() + neighbour(node)};
-  return {node};
+  if (follows(i)) return {neighbour(node)};
+  if (!holds(i)) return {node};
+  std::vector<std::size_t> entries = {node, neighbour(node), size() + neighbour(node)};
+  if (collides(i) && bar_.has_end_rows()) entries.push_back(size() + (node == 0 ? 2 : node - 2));
+  return entries;
 }
 
 double PenalisedSystem::indicator_linear(std::size_t i, std::span<const double> entries,
@@ -145,7 +133,7 @@ std::array<double, 2> PenalisedSystem::inertia_beside(std::size_t end) const {
   if (inertia.off_diagonal.empty()) return {0.0, 0.0};
   const double beside = inertia.off_diagonal[std::min(end, neighbour(end))];
   if (!inertia.end_rows) return {beside, 0.0};
-  const std::array<double, 3>& row = end == 0 ? inertia.end_rows->first : inertia.end_rows->last;
+  const std::array<double, 3>& row = inertia.end_rows->row(end);
   return {beside + row[1], row[2]};
 }
 
@@ -197,19 +185,17 @@ void PenalisedSystem::dynamic_stiffness(double m, double c, double k, SymmetricT
   bar_.dynamic_stiffness(m, c, k, out);
   for (std::size_t i = 0; i < laws_.size(); ++i)
     if (closed(i))
-      out.diagonal[contact(i).unknown] +=
-          holds(i) ? std::numeric_limits<double>::infinity() : k * laws_[i].stiffness + c * laws_[i].damping;
+      out.diagonal[contact(i).unknown] += holds(i) ? infinite : k * laws_[i].stiffness + c * laws_[i].damping;
 }
 
 void PenalisedSystem::accelerate(std::span<double> force) {
-  std::size_t held_with_mass = 0;
-  if (collides_)
-    for (std::size_t i = 0; i < laws_.size(); ++i) held_with_mass += indicator_needs_rates(i) ? 1 : 0;
-  if (held_with_mass == 0) return bar_.accelerate(force);
+  bool holds_mass = false;
+  for (std::size_t i = 0; collides_ && i < laws_.size(); ++i) holds_mass |= indicator_needs_rates(i);
+  if (!holds_mass) return bar_.accelerate(force);
   if (held_from_ != revision_) {
     SymmetricTridiagonal inertia = bar_.inertia();
     for (std::size_t i = 0; i < laws_.size(); ++i)
-      if (indicator_needs_rates(i)) inertia.diagonal[contact(i).unknown] = std::numeric_limits<double>::infinity();
+      if (indicator_needs_rates(i)) inertia.diagonal[contact(i).unknown] = infinite;
     held_factor_.factorise(inertia);
     held_from_ = revision_;
   }
@@ -285,13 +271,9 @@ std::array<double, 2> PenalisedSystem::end_reactions(double t, std::span<const d
     const bool left = node == 0 && !bar_.left_fixed(), right = node + 1 == size() && !bar_.right_fixed();
     if (!closed(i) || !(left || right)) continue;
     const double sign = contact(i).sign;
-    double reaction = 0.0;
-    if (!holds(i)) {
-      reaction = laws_[i].reaction(-clearance(i, u), -sign * w[node]);
-    } else {
-      if (collides(i) && !std::exchange(accelerated, true)) accelerate_held(t, u, w);
-      reaction = std::max(0.0, sign * (collides(i) ? held_force(i) : holding_force(i, t, u, w)));
-    }
+    if (collides(i) && !std::exchange(accelerated, true)) accelerate_held(t, u, w);
+    const double reaction = !holds(i) ? laws_[i].reaction(-clearance(i, u), -sign * w[node])
+                                      : std::max(0.0, sign * (collides(i) ? held_force(i) : holding_force(i, t, u, w)));
     if (left) sum[0] += sign * reaction;
     if (right) sum[1] += sign * reaction;
   }
@@ -328,10 +310,14 @@ double PenalisedSystem::held_force(std::size_t i) const {
   return sum;
 }
 
-double PenalisedSystem::energy(std::span<const double> u, std::span<const double> w) const {
+std::vector<double> PenalisedSystem::displacement(std::span<const double> u) const {
   std::vector<double> displacement(u.begin(), u.end());
   for (std::size_t i = 0; i < origin_.size(); ++i) displacement[i] += origin_[i];
-  return bar_.energy(displacement, w) + contact_energy(u);
+  return displacement;
+}
+
+double PenalisedSystem::energy(std::span<const double> u, std::span<const double> w) const {
+  return bar_.energy(displacement(u), w) + contact_energy(u);
 }
 
 double PenalisedSystem::contact_energy(std::span<const double> u) const {
@@ -343,9 +329,8 @@ double PenalisedSystem::contact_energy(std::span<const double> u) const {
 
 double PenalisedSystem::frame_energy(double t, std::span<const double> u, std::span<const double> w) const {
   if (!bar_.moving()) return 0.0;
-  std::vector<double> displacement(u.begin(), u.end());
-  for (std::size_t i = 0; i < origin_.size(); ++i) displacement[i] += origin_[i];
-  return bar_.lifted_energy(bar_.lift(t, 0), bar_.lift(t, 1), displacement, w).total() - bar_.energy(displacement, w);
+  const std::vector<double> in_frame = displacement(u);
+  return bar_.lifted_energy(bar_.lift(t, 0), bar_.lift(t, 1), in_frame, w).total() - bar_.energy(in_frame, w);
 }
 
 double PenalisedSystem::dissipated_power(std::span<const double> w) const {

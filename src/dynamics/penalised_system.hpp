@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <ranges>
 #include <span>
 #include <utility>
 #include <vector>
@@ -44,14 +45,15 @@ class PenalisedSystem {
   std::uint64_t revision() const { return revision_; }
 
   /// Measures the displacement of the node of contact i from its obstacle from here on, those of a span obstacle
-  /// together: the penetration keeps all its digits, however stiff the spring. `u` is changed to match, unless it is
-  /// empty; whatever takes a u below expects it so. A node is measured from one obstacle only, the first.
+  /// together, so that the penetration keeps all its digits. `u` is changed to match, unless it is empty; whatever
+  /// takes a u below expects it so. A node is measured from one obstacle only, the first.
   void measure_from_obstacle(std::size_t i, std::span<double> u);
   /// Whether that of contact i is.
   bool measured_from_obstacle(std::size_t i) const { return measured_[i] != 0; }
   /// What is to be added to u to have displacements: -s gap at nodes measured from their obstacle, 0 at others; empty
   /// where there are none.
   std::span<const double> origin() const { return origin_; }
+  double origin_at(std::size_t unknown) const { return origin_.empty() ? 0.0 : origin_[unknown]; }  ///< of one node
   /// max |u_j| of the displacements
   double largest_displacement(std::span<const double> u) const;
 
@@ -113,10 +115,9 @@ class PenalisedSystem {
   /// closed contacts elsewhere holding their nodes. A node that is already below the surface by d leaves with e (w_i^2
   /// - 2 A d)^(1/2), A being what the bar presses it on with. It takes (1 - e^2) m w_i^2 / 2, m the mass in that
   /// quotient. With e = 0 the node stays where the bar presses it on, a_i < 0 at w+. With e > 0 it leaves, unless the
-  /// bounces to come are negligible: pressed with m A it rises by H = (e w_i)^2 / (2 A), returns after 2 e |w_i| / A,
-  /// and so on until it rests after 2 e |w_i| / (A (1 - e)). It rests at once then, w+_i = 0. The bar has the same
-  /// impulse from that but for what momentum the node would have had meanwhile, m u_i'; the integral of that over time
-  /// is m u_i <= m H, so that nothing is displaced by more than H.
+  /// bounces to come are negligible: it would rise by H = (e w_i)^2 / (2 A) and rest after 2 e |w_i| / (A (1 - e)). It
+  /// rests at once then, w+_i = 0, and nothing is displaced by more than H: but for the node's momentum m u_i', whose
+  /// integral over time is m H at most, the bar has the same impulse.
   Collision collide(std::size_t i, double t, std::span<const double> u, std::span<double> w,
                     const Negligible& negligible);
   /// Whether contact i, while closed, holds its node at -s gap: a rigid one does, and a spring on a massless node that
@@ -133,8 +134,7 @@ class PenalisedSystem {
   /// obstacle, that of the strain beside it, which gives way by 1 / (1 + kappa) of it.
   double indicator_rounding(std::size_t i, double largest) const;
 
-  /// Acceleration from a force: force <- (rho M)^{-1} force, zero at massless nodes and where a rigid contact holds a
-  /// node with mass.
+  /// force <- (rho M)^{-1} force, zero at massless nodes and where a rigid contact holds a node with mass.
   void accelerate(std::span<double> force);
 
   /// out = M f(t) - E K u - eta K w + reactions; w is the velocity of all unknowns.
@@ -153,8 +153,7 @@ class PenalisedSystem {
   /// Sets the displacement of massless unknowns for eta = 0, where their rows are algebraic. Nothing to do otherwise.
   void complete_displacement(double t, std::span<double> u);
 
-  /// The row of an unknown whose inertia counts for little, as an equation of first order: with n the one or two
-  /// neighbours,
+  /// The row of an unknown whose inertia counts for little, of first order, n being its one or two neighbours:
   ///
   ///     u_i' + rate u_i = sum_n (u_share u_n + w_share u_n' - a_share u_n'') + load_share (M f)_i + constant.
   struct RelaxingRow {
@@ -185,7 +184,7 @@ class PenalisedSystem {
   /// From here on `force` acts beside the load: an entry for each unknown, which outlives this. `rates` are those of
   /// its first and last entry, where massless nodes without viscosity follow it.
   void add_force(std::span<const double> force, std::array<double, 2> rates) { added_ = force, added_rates_ = rates; }
-  /// The same, evaluated at that node alone: for times at which nobody asks for the whole load.
+  /// The same, evaluated at that node alone.
   double load_alone(std::size_t unknown, double t) const { return load_ ? load_->at(t, unknown) : 0.0; }
   /// Of the frame (see BarSystem::lift), on the same side of a break as the load.
   Lift lift(double t, int derivative) const { return bar_.moving() ? bar_.lift(load_->inside(t), derivative) : Lift{}; }
@@ -230,7 +229,7 @@ class PenalisedSystem {
   std::size_t load_evaluations() const { return load_ ? load_->evaluations() : 0; }
 
  private:
-  bool massless(std::size_t unknown) const;
+  bool massless(std::size_t unknown) const { return bar_.massless(unknown); }
   static std::size_t neighbour(std::size_t end) { return end == 0 ? 1 : end - 1; }
   std::array<double, 2> inertia_beside(std::size_t end) const;
   bool gives_way_by_rounding(std::size_t i) const;
@@ -239,11 +238,15 @@ class PenalisedSystem {
   double held_force(std::size_t i) const;
   void complete_velocity_of(std::size_t end, double t, std::span<const double> u, std::span<double> w);
   void complete_displacement_of(std::size_t end, double t, std::span<double> u);
-  double stiffness_of_closed(std::size_t unknown) const;
   // Whether the node of contact i follows its neighbour at once.
   bool follows(std::size_t i) const { return massless(contact(i).unknown) && !bar_.damped(); }
-  double origin_at(std::size_t unknown) const { return origin_.empty() ? 0.0 : origin_[unknown]; }
   void find_offsets();
+  std::vector<double> displacement(std::span<const double> u) const;
+  // The closed contacts of a node.
+  auto closed_at(std::size_t unknown) const {
+    return std::views::iota(std::size_t{0}, laws_.size()) |
+           std::views::filter([this, unknown](std::size_t i) { return closed(i) && contact(i).unknown == unknown; });
+  }
 
   const BarSystem& bar_;
   std::vector<PenaltyLaw> laws_;

@@ -1,12 +1,7 @@
 #include <arkode/arkode_arkstep.h>
 
-#include <memory>
-#include <span>
 #include <tuple>
-#include <utility>
-#include <vector>
 
-#include "integration/error_weights.hpp"
 #include "integration/step_polynomial.hpp"
 #include "integration/stepwise_run.hpp"
 #include "integration/sundials/leg.hpp"
@@ -17,10 +12,6 @@ namespace viscobar {
 namespace {
 
 using namespace sundials;
-
-struct ArkodeDeleter {
-  void operator()(void* memory) const noexcept { ARKStepFree(&memory); }
-};
 
 struct ArkodeStage {
   double t = 0.0, gamma = 0.0;
@@ -42,36 +33,30 @@ void solve_stage(Leg& leg, std::span<double> correction) {
   leg.solve_first_order(now.t, now.gamma, values(now.predicted), 1.0, values(now.known), correction);
 }
 
-// Steps of ARKODE's ESDIRK547L2SA2 on the legs of a run .
+// Steps of ARKODE's ESDIRK547L2SA2 on the legs of a run.
 //
 // The mass matrix is never given to the library, yet it is inverted once a leg only, for the rate at its beginning:
 // the rates of the stages follow from their own equations, f = (x - z) / gamma, and the last stage of a stiffly
 // accurate method is the new state.
-class ArkodeStepper final : public LegStepper {
+class ArkodeStepper final : public PolynomialStepper {
  public:
   ArkodeStepper(const StepperParts& parts, const Tolerance& tolerance)
-      : leg_(parts.system, Layout(parts.system, false, parts.derivatives.size()), parts.statistics, parts.derivatives),
+      : PolynomialStepper(parts, tolerance),
+        leg_(parts.system, motion_, parts.statistics, parts.derivatives, solve_stage),
         outer_(parts.layout),
-        weights_(parts.system, leg_.layout, tolerance, parts.times.back(), one_step_accumulation, parts.derivatives),
         end_(parts.times.back()),
-        step_(parts.system, parts.layout, parts.derivatives),
         state_(make_vector(leg_.layout.size, context_)),
         rate_(make_vector(leg_.layout.size, context_)),
-        solver_(make_step_solver(leg_, solve_stage, context_)) {}
-
-  void begin_run(std::vector<std::size_t> sampled_entries) override { step_.begin_run(std::move(sampled_entries)); }
+        solver_(make_step_solver(leg_, context_)) {}
 
   void restart(double t, double stop, std::span<const double> y) override {
     stop_ = stop;
     weights_.tighten(leg_.statistics.events);
-    std::ranges::copy(y.first(2 * leg_.layout.nodes), values(state_).begin());
-    std::ranges::copy(y.subspan(outer_.first_derivative),
-                      values(state_).begin() + static_cast<std::ptrdiff_t>(leg_.layout.first_derivative));
-    StepPolynomial::End& start = step_.end();
-    start.t = t;
-    std::ranges::copy(y, start.y.begin());
+    copy_motion(y, outer_, values(state_), motion_);
+    step_.end().t = t;
+    std::ranges::copy(y, step_.end().y.begin());
     evaluate(t, values(state_), values(rate_));
-    keep_rates(start);
+    keep_rates();
     step_.restart();
     // A reset keeps the step of the leg before, which chatter makes right more often than a first step found anew.
     if (memory_)
@@ -87,15 +72,12 @@ class ArkodeStepper final : public LegStepper {
     // It has freed what interpolates then, and ARKStepFree would do so again.
     if (flag == ARK_MEM_FAIL) std::ignore = memory_.release(), throw std::bad_alloc();
     require_memory();
-    if (flag < 0) fail(leg_, "ARKStepEvolve", flag, flag_name(ARKStepGetReturnFlagName(flag)), arkode_flags());
+    if (flag < 0) fail(leg_, "ARKStepEvolve", flag, flag_name(ARKStepGetReturnFlagName(flag)), Library::arkode);
     step_.advance();
-    StepPolynomial::End& reached = step_.end();
-    reached.t = t;
-    std::ranges::copy(values(state_).first(2 * leg_.layout.nodes), reached.y.begin());
-    std::ranges::copy(values(state_).subspan(leg_.layout.first_derivative),
-                      reached.y.begin() + static_cast<std::ptrdiff_t>(outer_.first_derivative));
+    step_.end().t = t;
+    copy_motion(values(state_), motion_, step_.end().y, outer_);
     std::ranges::copy(values(stage(leg_).rate), values(rate_).begin());
-    keep_rates(reached);
+    keep_rates();
     double length = 0.0;
     check("ARKStepGetLastStep", ARKStepGetLastStep(memory_.get(), &length));
     step_.tolerate(weights_.displacement_tolerance());
@@ -104,18 +86,17 @@ class ArkodeStepper final : public LegStepper {
     return t;
   }
 
-  std::size_t order() const override { return StepPolynomial::degree; }
-  void interpolate(double t, std::span<double> y) override { step_.at(t, y); }
-  std::span<const double> sample(double t, int derivative) override { return step_.sample(t, derivative); }
-  void select(std::span<const std::size_t> sampled) override { step_.select(sampled); }
-  void hull(std::span<double> lowest, std::span<double> highest) override { step_.hull(lowest, highest); }
-  ErrorWeights& weights() override { return weights_; }
-
  private:
-  void keep_rates(StepPolynomial::End& end) {
-    const std::span<const double> rates = values(rate_);
-    std::ranges::copy(leg_.layout.w(values(rate_)), end.a.begin());
-    std::ranges::copy(rates.subspan(leg_.layout.first_derivative), end.derivative_rates.begin());
+  // All but the energy account, which one of the two has not.
+  static void copy_motion(std::span<const double> from, const Layout& as, std::span<double> to, const Layout& become) {
+    std::ranges::copy(from.first(2 * as.nodes), to.begin());
+    std::ranges::copy(from.subspan(as.first_derivative), to.subspan(become.first_derivative).begin());
+  }
+
+  void keep_rates() {
+    const std::span<double> rates = values(rate_);
+    std::ranges::copy(motion_.w(rates), step_.end().a.begin());
+    std::ranges::copy(rates.subspan(motion_.first_derivative), step_.end().derivative_rates.begin());
   }
 
   void create(double t) {
@@ -143,18 +124,13 @@ class ArkodeStepper final : public LegStepper {
 
   void check(const char* call, int flag) {
     require_memory();
-    if (flag != ARK_SUCCESS) fail(leg_, call, flag, flag_name(ARKStepGetReturnFlagName(flag)), arkode_flags());
+    if (flag != ARK_SUCCESS) fail(leg_, call, flag, flag_name(ARKStepGetReturnFlagName(flag)), Library::arkode);
   }
 
-  void evaluate(double t, std::span<const double> y, std::span<double> rate) {
-    const Layout& layout = leg_.layout;
-    const std::span<double> w = layout.u(rate);
-    std::ranges::copy(y.subspan(layout.nodes, layout.nodes), w.begin());
-    leg_.system.complete_velocity(t, y.first(layout.nodes), w);
-    leg_.system.force(t, y.first(layout.nodes), w, layout.w(rate));
-    leg_.system.accelerate(layout.w(rate));
-    leg_.derivative_rates(t, y, w, layout.w(rate), rate);
-    ++leg_.statistics.rhs_evaluations;
+  void evaluate(double t, std::span<double> y, std::span<double> rate) {
+    std::ranges::copy(motion_.w(y), rate.begin());
+    leg_.system.complete_velocity(t, motion_.u(y), motion_.u(rate));
+    leg_.evaluate(t, y, rate);
   }
 
   // Asked for at the beginning of each step, where it is known, and once to find the first step.
@@ -176,13 +152,11 @@ class ArkodeStepper final : public LegStepper {
 
   Context context_;
   Leg leg_;
-  const Layout outer_;  // with the energy account
-  ErrorWeights weights_;
+  const Layout outer_;       // with the energy account
   double end_, stop_ = 0.0;  // of the run, and of the leg
-  StepPolynomial step_;
-  Vector state_, rate_;  // at the end of the last step
+  Vector state_, rate_;      // at the end of the last step
   NonlinearSolver solver_;
-  std::unique_ptr<void, ArkodeDeleter> memory_;
+  Memory<ARKStepFree> memory_;
 };
 
 }  // namespace

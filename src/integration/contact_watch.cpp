@@ -1,33 +1,74 @@
 #include "integration/contact_watch.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace viscobar {
 
 // Private functions that a step calls for each sample are inline.
 
-namespace {
+SpanForce::SpanForce(const PenalisedSystem& system, SpanAccount& account) : system_(system), account_(account) {
+  for (std::size_t i = 0; i < system.contact_count(); ++i)
+    if (system.contact(i).where == Where::span) nodes_.push_back({i, 0, 0, system.law(i).damping > 0.0});
+}
 
-void stand(EndAccount& account, double u) { account.displacement = account.lowest = account.highest = u; }
+void SpanForce::ask_for(std::vector<std::size_t>& entries) {
+  for (Node& node : nodes_) {
+    const std::size_t unknown = system_.contact(node.contact).unknown;
+    node.displacement = node.velocity = entries.size();
+    entries.push_back(unknown);
+    if (!node.damped) continue;
+    node.velocity = entries.size();
+    entries.push_back(system_.size() + unknown);
+  }
+}
 
-}  // namespace
+void SpanForce::select(std::vector<std::size_t>& positions) const {
+  for (const Node& node : nodes_) {
+    if (!system_.closed(node.contact)) continue;
+    positions.push_back(node.displacement);
+    if (node.damped) positions.push_back(node.velocity);
+  }
+}
+
+bool SpanForce::closed() const {
+  return std::ranges::any_of(nodes_, [this](const Node& node) { return system_.closed(node.contact); });
+}
+
+void SpanForce::add(double length, std::size_t order) {
+  if (!closed()) return;
+  const std::span<const double> force = std::span(force_).first(order + 1);
+  account_.impulse += length * Bernstein::mean(force);
+  const auto [least, most] = std::ranges::minmax(force);
+  const double beyond = std::max(most, -least) + Bernstein::excess(order) * (most - least);
+  if (beyond <= account_.peak_reaction) return;
+  const Bernstein polynomial = Bernstein::through(force);
+  account_.peak_reaction =
+      std::max(polynomial.largest(account_.peak_reaction), -polynomial.smallest(-account_.peak_reaction));
+}
+
+void SpanForce::look_at(std::size_t j, std::span<const double> y) {
+  double sum = 0.0;
+  for (const Node& node : nodes_) {
+    if (!system_.closed(node.contact)) continue;
+    const Contact& contact = system_.contact(node.contact);
+    const double origin = origin_.empty() ? 0.0 : origin_[contact.unknown];
+    const auto& law = system_.law(node.contact);
+    sum -= contact.sign * law.stiffness * (contact.sign * y[node.displacement] + contact.clearance(origin));
+    if (node.damped) sum -= law.damping * y[node.velocity];
+  }
+  force_[j] = sum;
+}
 
 ContactWatch::ContactWatch(PenalisedSystem& system, RunAccount& account)
     : system_(system), bar_(system.bar()), span_(system, account.span) {
-  const std::size_t last = system.size() - 1;
-  if (bar_.left_fixed() && bar_.moving())
-    follow(account.left, *bar_.left_displacement(), false);
-  else if (bar_.left_fixed())
-    stand(account.left, *bar_.left_displacement());
-  else
-    watch(account.left, 0, last > 0 ? std::optional<std::size_t>(1) : std::nullopt, bar_.right_displacement());
-  if (bar_.right_fixed() && bar_.moving())
-    follow(account.right, *bar_.right_displacement(), true);
-  else if (bar_.right_fixed())
-    stand(account.right, *bar_.right_displacement());
-  else
-    watch(account.right, last, last > 0 ? std::optional(last - 1) : std::nullopt, bar_.left_displacement());
+  for (const bool right : {false, true}) {
+    EndAccount& end = right ? account.right : account.left;
+    const std::optional<double>& wall = bar_.wall(right);
+    if (!wall)
+      watch(end, right);
+    else if (bar_.moving())
+      ends_.push_back({&end, right, *wall});
+    else
+      end.displacement = end.lowest = end.highest = *wall;
+  }
 }
 
 void ContactWatch::begin(double t, std::span<const double> y) {
@@ -65,7 +106,7 @@ bool ContactWatch::resolved() const {
   const auto smooth = [this](const Samples& values, double scale) {
     Samples rest = values;
     double largest = 0.0;
-    for (std::size_t j = 0; j <= order_; ++j) largest = std::max(largest, std::abs(values[j]));
+    for (const double value : used(values)) largest = std::max(largest, std::abs(value));
     for (std::size_t r = order_; r > 0; --r)
       for (std::size_t j = 0; j < r; ++j) rest[j] = rest[j + 1] - rest[j];
     return std::abs(rest[0]) <= std::max(1e-8 * largest, 1e-12 * scale);
@@ -102,53 +143,35 @@ void ContactWatch::add() {
       const auto [push, pull] = beyond(end.force);
       if (push > account.peak_reaction) account.peak_reaction = through(end.force).largest(account.peak_reaction);
       if (-pull > account.peak_reaction) account.peak_reaction = -through(end.force).smallest(-account.peak_reaction);
-      account.impulse += end.stored_now - end.stored + length_ * Bernstein::mean(std::span(end.rate).first(order_ + 1));
+      account.impulse += end.stored_now - end.stored + length_ * Bernstein::mean(used(end.rate));
     }
     end.stored = end.stored_now;
   }
 }
 
-// An end that is fixed in a frame that moves.
-void ContactWatch::follow(EndAccount& account, double displacement, bool right) {
-  End end{};
-  end.account = &account;
-  end.wall = displacement;
-  end.right = right;
-  ends_.push_back(std::move(end));
-}
-
-void ContactWatch::watch(EndAccount& account, std::size_t unknown, std::optional<std::size_t> next,
-                         std::optional<double> wall) {
-  const std::size_t n = system_.size();
+void ContactWatch::watch(EndAccount& account, bool right) {
+  const std::size_t n = system_.size(), unknown = bar_.end(right);
   const double h = bar_.spacing_at(unknown);
   const SymmetricTridiagonal& inertia = bar_.inertia();
-  const bool massless = unknown < bar_.massive_begin() || unknown >= bar_.massive_end();
-  const bool coupled = next && !inertia.off_diagonal.empty();
-  std::array<double, 3> row{};
-  if (inertia.end_rows) row = unknown == 0 ? inertia.end_rows->first : inertia.end_rows->last;
-  End end{&account,
-          unknown,
-          next,
-          wall.value_or(0.0),
-          {},
-          massless && !bar_.damped(),
-          bar_.bar().modulus / h,
-          bar_.bar().viscosity / h,
-          inertia.diagonal[unknown] + row[0],
-          coupled ? inertia.off_diagonal[std::min(unknown, *next)] + row[1] : 0.0,
-          row[2],
-          {}};
-  end.right = unknown > 0 || bar_.left_fixed();
+  const bool massless = bar_.massless(unknown);
+  const std::array<double, 3> row = inertia.end_rows ? inertia.end_rows->row(unknown) : std::array<double, 3>{};
+  End& end = ends_.emplace_back(End{&account, right, bar_.wall(!right).value_or(0.0), unknown});
+  if (n > 1) end.next = right ? unknown - 1 : 1;
+  end.follows = massless && !bar_.damped();
+  end.modulus = bar_.bar().modulus / h, end.viscosity = bar_.bar().viscosity / h;
+  end.mass = inertia.diagonal[unknown] + row[0], end.beyond = row[2];
+  if (end.next && !inertia.is_diagonal()) end.coupling = inertia.off_diagonal[std::min(unknown, *end.next)] + row[1];
   for (const Mount& mount : bar_.mounts())
     if (mount.unknown == unknown) end.stiffness = mount.stiffness, end.dashpot = mount.dashpot;
   for (std::size_t i = 0; i < system_.contact_count(); ++i)
     if (system_.contact(i).unknown == unknown) end.contacts.push_back(i);
-  end.entries = {unknown};
   if (end.follows)
-    end.entries = {*next};
-  else if (!end.contacts.empty() && next)
-    end.entries = {unknown, *next, n + unknown, n + *next};
-  else if (!end.contacts.empty())
+    end.entries = {*end.next};
+  else if (end.contacts.empty())
+    end.entries = {unknown};
+  else if (end.next)
+    end.entries = {unknown, *end.next, n + unknown, n + *end.next};
+  else
     end.entries = {unknown, unknown, n + unknown};
   // Without inertia, dashpot and rigidity no velocity counts.
   if (end.entries.size() > 2 && massless && std::ranges::none_of(end.contacts, [&](std::size_t i) {
@@ -156,7 +179,6 @@ void ContactWatch::watch(EndAccount& account, std::size_t unknown, std::optional
       }))
     end.entries.resize(2);
   if (inertia.end_rows && end.entries.size() == 4) end.entries.push_back(n + (unknown == 0 ? 2 : unknown - 2));
-  ends_.push_back(std::move(end));
 }
 
 inline bool ContactWatch::closed(const End& end) const {
@@ -220,7 +242,7 @@ inline void ContactWatch::look_at(End& end, std::size_t j, double t, std::span<c
 
 // What the polynomial cannot pass, above and below.
 inline std::pair<double, double> ContactWatch::beyond(const Samples& values) const {
-  const auto [least, most] = std::ranges::minmax(std::span(values).first(order_ + 1));
+  const auto [least, most] = std::ranges::minmax(used(values));
   const double excess = Bernstein::excess(order_) * (most - least);
   return {most + excess, least - excess};
 }

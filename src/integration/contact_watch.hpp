@@ -1,18 +1,50 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <optional>
-#include <span>
-#include <utility>
-#include <vector>
-
 #include "dynamics/penalised_system.hpp"
 #include "integration/bernstein.hpp"
-#include "integration/span_force.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
+
+/// The force of a span obstacle on the bar in the direction of u, the sum of its springs,
+///
+///     R(t) = sum over closed contacts i of  - s_i k_i (s_i u_i + gap_i) - c_i u_i'
+///
+/// (s, k, c as in PenalisedSystem), and the account of it: int R dt and max |R|, of the polynomial of each step.
+class SpanForce {
+ public:
+  /// Both outlive it. Without a span obstacle it asks for nothing.
+  SpanForce(const PenalisedSystem& system, SpanAccount& account);
+
+  /// Appends the entries of (u, w) that it samples.
+  void ask_for(std::vector<std::size_t>& entries);
+  /// What is to be added to u to have displacements from here on; empty: nothing.
+  void measure_from(std::span<const double> origin) { origin_ = origin; }
+  /// Appends the positions of the entries of closed contacts among all.
+  void select(std::vector<std::size_t>& positions) const;
+
+  bool closed() const;
+  /// Sample j of a step, by the entries of all.
+  void look_at(std::size_t j, std::span<const double> y);
+  /// R at the samples.
+  const std::array<double, Bernstein::max_degree + 1>& samples() const { return force_; }
+  /// max |R| so far
+  double peak() const { return account_.peak_reaction; }
+  /// Adds a step of that length.
+  void add(double length, std::size_t order);
+
+ private:
+  struct Node {
+    std::size_t contact, displacement, velocity;  // positions of its entries
+    bool damped;                                  // whether there is one of the velocity
+  };
+
+  const PenalisedSystem& system_;
+  SpanAccount& account_;
+  std::vector<Node> nodes_;
+  std::span<const double> origin_;
+  std::array<double, Bernstein::max_degree + 1> force_{};
+};
 
 /// Keeps the account of the ends and of a span obstacle's force (see RunAccount) over the steps of a stepwise run, on
 /// the polynomials that each step is interpolated by: range of u and peak of R are theirs. The impulse of a closed
@@ -77,11 +109,7 @@ class ContactWatch {
     }
   }
   /// The same in parts, by who has such samples of all entries anyway: after begin_look(), for each j in order.
-  void begin_look(double from, double to, std::size_t order) {
-    length_ = to - from;
-    seen_ = to;
-    order_ = order;
-  }
+  void begin_look(double from, double to, std::size_t order) { length_ = to - from, seen_ = to, order_ = order; }
   void look_at(std::size_t j, double t, std::span<const double> y);
 
   /// Whether the samples are those of polynomials, to about 1e-10: the last difference is far below the values.
@@ -108,34 +136,30 @@ class ContactWatch {
 
   struct End {
     EndAccount* account;
-    std::size_t unknown;
-    std::optional<std::size_t> next;    // absent: the neighbour is fixed
-    double wall;                        // displacement of a fixed neighbour
-    std::vector<std::size_t> contacts;  // of its node
-    bool follows;                       // its neighbour: massless and undamped
-    double modulus, viscosity;          // of the element beside it, over its length
-    double mass, coupling, beyond;      // of its row of rho M, which an end row takes one further
-    std::vector<std::size_t> entries;   // none of one that is fixed in a moving frame; u_n alone where it follows, u_e,
-                                        // or u_e, u_n, w_e, w_n, and the w beyond
+    bool right;
+    double wall;  // displacement of a fixed neighbour, or its own in a moving frame
+    std::size_t unknown = 0;
+    std::optional<std::size_t> next{};                // absent: the neighbour is fixed
+    std::vector<std::size_t> contacts{};              // of its node
+    bool follows = false;                             // its neighbour: massless and undamped
+    double modulus = 0.0, viscosity = 0.0;            // of the element beside it, over its length
+    double stiffness = 0.0, dashpot = 0.0;            // of its mount
+    double mass = 0.0, coupling = 0.0, beyond = 0.0;  // of its row of rho M, which an end row takes one further
+    // None of one that is fixed in a moving frame; u_n alone where it follows, u_e, or u_e, u_n, w_e, w_n, and the w
+    // beyond.
+    std::vector<std::size_t> entries{};
     double origin = 0.0, origin_next = 0.0, stored = 0.0, stored_now = 0.0;
     Samples u{}, force{}, rate{};  // over the step looked at; the last two of a closed contact
     Samples momentum{};            // of its row, where inertia has a share in the force
-    bool right = false;
-    double stiffness = 0.0, dashpot = 0.0;  // of its mount
 
     double stretch(std::span<const double> y) const {
       return next ? y[0] - y[1] + (origin - origin_next) : y[0] + (origin - wall);
     }
   };
 
-  void watch(EndAccount& account, std::size_t unknown, std::optional<std::size_t> next, std::optional<double> wall);
-  void follow(EndAccount& account, double displacement, bool right);
+  void watch(EndAccount& account, bool right);
   // What is to be added to displacements of the frame.
-  double lift(const End& end, double t) const {
-    if (!bar_.moving()) return 0.0;
-    const Lift lift = bar_.lift(t, 0);
-    return end.right ? lift.right : lift.left;
-  }
+  double lift(const End& end, double t) const { return bar_.moving() ? bar_.lift(t, 0).of(end.right) : 0.0; }
   bool closed(const End& end) const;
   bool holds_mass(const End& end) const;
   double momentum(const End& end, std::span<const double> y) const {
@@ -147,7 +171,8 @@ class ContactWatch {
   double reaction(const End& end, double t, std::span<const double> y) const;
   void look_at(End& end, std::size_t j, double t, std::span<const double> y);
   std::pair<double, double> beyond(const Samples& values) const;
-  Bernstein through(const Samples& values) const { return Bernstein::through(std::span(values).first(order_ + 1)); }
+  std::span<const double> used(const Samples& values) const { return std::span(values).first(order_ + 1); }
+  Bernstein through(const Samples& values) const { return Bernstein::through(used(values)); }
 
   PenalisedSystem& system_;
   const BarSystem& bar_;

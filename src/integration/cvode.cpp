@@ -1,8 +1,5 @@
 #include <cvode/cvode.h>
 
-#include <cmath>
-#include <memory>
-#include <stdexcept>
 #include <tuple>
 
 #include "integration/stepwise_run.hpp"
@@ -15,18 +12,10 @@ namespace {
 
 using namespace sundials;
 
-const MultistepLibrary library{{"CVodeGetDky", CVodeGetDky},
-                               {"CVodeGetLastOrder", CVodeGetLastOrder},
-                               {"CVodeGetCurrentTime", CVodeGetCurrentTime},
-                               {"CVodeGetLastStep", CVodeGetLastStep},
-                               {"CVodeSetMaxOrd", CVodeSetMaxOrd},
-                               {"CVodeSetStopTime", CVodeSetStopTime},
-                               {"CVodeSetMaxStep", CVodeSetMaxStep},
-                               {"CVodeSetUserData", CVodeSetUserData},
-                               {"CVodeWFtolerances", CVodeWFtolerances},
-                               {"CVodeSetNonlinearSolver", CVodeSetNonlinearSolver},
-                               CVodeGetReturnFlagName,
-                               cvode_flags()};
+const MultistepLibrary library{"CVode",          CVodeGetDky,       CVodeGetLastOrder,       CVodeGetCurrentTime,
+                               CVodeGetLastStep, CVodeSetMaxOrd,    CVodeSetStopTime,        CVodeSetMaxStep,
+                               CVodeSetUserData, CVodeWFtolerances, CVodeSetNonlinearSolver, CVodeGetReturnFlagName,
+                               Library::cvode};
 
 // The corrector of CVODE asks for x with  x = gamma f(t, y_pred + x) - rl1 z,  z the scaled rate of the predictor.
 void solve_step(Leg& leg, std::span<double> correction) {
@@ -44,23 +33,20 @@ class CvodeStepper final : public Multistep {
         formulas_(method.formulas) {}
 
  private:
-  struct Deleter {
-    void operator()(void* memory) const noexcept { CVodeFree(&memory); }
-  };
-  using Memory = std::unique_ptr<void, Deleter>;
+  using Memory = sundials::Memory<CVodeFree>;
 
   static constexpr int highest_adams = 12;
 
   void begin_leg(double t) override { stiff() ? begin_bdf(highest_bdf, t) : begin(adams_, CV_ADAMS, highest_adams, t); }
   void begin_bdf(int order, double t) override { begin(bdf_, CV_BDF, order, t); }
   std::pair<const char*, int> step() override {
-    return {"CVode", CVode(leg_.memory, stop_, state_.get(), &t_, CV_ONE_STEP)};
+    return {"", CVode(leg_.memory, stop_, state_.get(), &t_, CV_ONE_STEP)};
   }
 
   void begin(Memory& memory, int formulas, int order, double t) {
     leg_.memory = memory.get();
     if (memory)
-      check("CVodeReInit", CVodeReInit(memory.get(), t, state_.get()));
+      check("ReInit", CVodeReInit(memory.get(), t, state_.get()));
     else
       create(memory, formulas, t);
     begin_stretch(memory.get(), order);
@@ -83,11 +69,11 @@ class CvodeStepper final : public Multistep {
     const int begun = CVodeInit(memory.get(), right_hand_side, t, state_.get());
     // It has freed its vectors then, and CVodeFree would do so again.
     if (begun == CV_MEM_FAIL) std::ignore = memory.release(), throw std::bad_alloc();
-    check("CVodeInit", begun);
+    check("Init", begun);
     VISCOBAR_KEEP_MESSAGES(CVode, memory.get(), context_, leg_.library_message);
     configure(memory.get(), t);
     // The formulas of order 3 to 5 are unstable near the imaginary axis, where a lightly damped contact spring is.
-    if (formulas == CV_BDF) check("CVodeSetStabLimDet", CVodeSetStabLimDet(memory.get(), SUNTRUE));
+    if (formulas == CV_BDF) check("SetStabLimDet", CVodeSetStabLimDet(memory.get(), SUNTRUE));
   }
 
   // Needed at the start of a leg only: the steps use the momentum rows themselves.
@@ -95,15 +81,10 @@ class CvodeStepper final : public Multistep {
     Leg& leg = static_cast<CvodeStepper*>(static_cast<Multistep*>(user))->leg_;
     return guarded(leg, [&] {
       const Layout& layout = leg.layout;
-      const std::span<double> state = values(y), out = values(rate);
-      const std::span<double> w = layout.u(out);  // the rate of u
+      const std::span<double> state = values(y), w = layout.u(values(rate));  // the rate of u
       std::ranges::copy(layout.w(state), w.begin());
       leg.system.complete_velocity(t, layout.u(state), w);
-      leg.system.force(t, layout.u(state), w, layout.w(out));
-      leg.system.accelerate(layout.w(out));
-      leg.account_rates(t, w, layout.w(out), out);
-      leg.derivative_rates(t, state, w, layout.w(out), out);
-      ++leg.statistics.rhs_evaluations;
+      leg.evaluate(t, state, values(rate));
     });
   }
 

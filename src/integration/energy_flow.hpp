@@ -1,10 +1,5 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <span>
-
-#include "dynamics/penalised_system.hpp"
 #include "integration/gauss.hpp"
 #include "integration/layout.hpp"
 

@@ -1,8 +1,6 @@
 #include "integration/error_weights.hpp"
 
 #include <Eigen/Core>
-#include <algorithm>
-#include <limits>
 
 #include "dynamics/natural_scales.hpp"
 
@@ -68,7 +66,6 @@ void ErrorWeights::fill(std::span<const double> y, std::span<double> weights) {
 }
 
 void ErrorWeights::fill_derivatives(std::span<const double> y, std::span<double> weights) {
-  const std::size_t n = layout_.nodes;
   const auto weight = [&](double largest_so_far, double absolute) {
     const double tolerance = derivative_slack * (tolerance_.relative * largest_so_far + absolute);
     return tolerance > 0.0 ? 1.0 / tolerance : 0.0;  // without scale and size there is none
@@ -81,10 +78,10 @@ void ErrorWeights::fill_derivatives(std::span<const double> y, std::span<double>
     auto& [scale, largest_u, largest_w] = derivatives_[k];
     const auto s = layout_.derivative(y, k);
     const auto block = layout_.derivative(weights, k);
-    largest_u = std::max(largest_u, largest(s.first(n)));
-    largest_w = std::max(largest_w, largest(s.subspan(n, n)));
-    set(block.first(n), weight(largest_u, scale * absolute_.displacement));
-    set(block.subspan(n + massive_begin_, massive_end_ - massive_begin_),
+    largest_u = std::max(largest_u, largest(s.u()));
+    largest_w = std::max(largest_w, largest(s.w()));
+    set(block.u(), weight(largest_u, scale * absolute_.displacement));
+    set(block.w().subspan(massive_begin_, massive_end_ - massive_begin_),
         weight(largest_w, scale * absolute_.velocity));
   }
 }

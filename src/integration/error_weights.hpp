@@ -1,10 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
-#include <span>
-#include <vector>
-
 #include "dynamics/derivative.hpp"
 #include "integration/layout.hpp"
 #include "viscobar/integration/integrate.hpp"
@@ -37,10 +32,9 @@ inline constexpr double promised_multiple = 100.0;
 /// for absurd accuracy. A node of mass m on the spring k of a closed contact turns an error of u into one of w, omega =
 /// sqrt(k / m) times as large: its u may be wrong by what w may be, divided by omega.
 ///
-/// A derivative is as smooth as the motion where that stirs it, and a step that is right for the one is right for the
-/// other. A bar that flies without strain is passed over in steps of any length, and a derivative in it is not. So a
-/// step may be wrong by `derivative_slack` tolerances of it at most: more than errors of a sound step come to, for
-/// which the steps are those of the run without derivatives.
+/// A step that is right for the motion is right for a derivative where the motion stirs it, but a bar that flies
+/// without strain is passed over in steps of any length. So a step may be wrong by `derivative_slack` tolerances of a
+/// derivative at most: more than errors of a sound step come to, for which the steps are those of the run without.
 class ErrorWeights {
  public:
   ErrorWeights(const PenalisedSystem& system, const Layout& layout, const Tolerance& tolerance, double end,

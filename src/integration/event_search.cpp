@@ -1,12 +1,6 @@
 #include "integration/event_search.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
 #include <numeric>
-
-#include "integration/bernstein.hpp"
 
 namespace viscobar {
 

@@ -1,11 +1,5 @@
 #pragma once
 
-#include <cstddef>
-#include <optional>
-#include <span>
-#include <vector>
-
-#include "dynamics/penalised_system.hpp"
 #include "integration/contact_watch.hpp"
 #include "integration/stepper.hpp"
 
@@ -15,11 +9,10 @@ namespace viscobar {
 ///
 /// An open contact changes when its indicator p (see PenalisedSystem) becomes negative, a closed one when it becomes
 /// positive: both are the descent of an oriented indicator through zero. On a step it is a polynomial of the method's
-/// order, taken in Bernstein form, so that no crossing is missed: neither two within a step nor a touch. A descent
-/// counts once it passes the uncertainty of the indicator, and its time is that of p = 0, or of the number next to it:
-/// a rounding of the time is one of p by the speed of the contact, in a long run more than that of p itself. (Only for
-/// an undamped massless node under a load that varies in time is p more than a polynomial; the load is then
-/// interpolated at the order of the method.)
+/// order (so the load is interpolated that an undamped massless node adds), taken in Bernstein form, so that no
+/// crossing is missed: neither two within a step nor a touch. A descent counts once it passes the uncertainty of the
+/// indicator, and its time is that of p = 0, or of the number next to it: a rounding of the time is one of p by the
+/// speed of the contact, in a long run more than that of p itself.
 class EventSearch {
  public:
   /// Both outlive it.

@@ -1,8 +1,5 @@
 #include <ida/ida.h>
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
 #include <tuple>
 
 #include "integration/stepwise_run.hpp"
@@ -15,18 +12,10 @@ namespace {
 
 using namespace sundials;
 
-const MultistepLibrary library{{"IDAGetDky", IDAGetDky},
-                               {"IDAGetLastOrder", IDAGetLastOrder},
-                               {"IDAGetCurrentTime", IDAGetCurrentTime},
-                               {"IDAGetLastStep", IDAGetLastStep},
-                               {"IDASetMaxOrd", IDASetMaxOrd},
-                               {"IDASetStopTime", IDASetStopTime},
-                               {"IDASetMaxStep", IDASetMaxStep},
-                               {"IDASetUserData", IDASetUserData},
-                               {"IDAWFtolerances", IDAWFtolerances},
-                               {"IDASetNonlinearSolver", IDASetNonlinearSolver},
-                               IDAGetReturnFlagName,
-                               ida_flags()};
+const MultistepLibrary library{"IDA",          IDAGetDky,       IDAGetLastOrder,       IDAGetCurrentTime,
+                               IDAGetLastStep, IDASetMaxOrd,    IDASetStopTime,        IDASetMaxStep,
+                               IDASetUserData, IDAWFtolerances, IDASetNonlinearSolver, IDAGetReturnFlagName,
+                               Library::ida};
 
 // The corrector of IDA asks for x with G(t, y_pred + x, y'_pred + cj x) = 0, where
 //     G_u = u' - w,      G_w = rho M w' - F(t, u, u').
@@ -73,7 +62,7 @@ void solve_step(Leg& leg, std::span<double> correction) {
     const auto s = layout.derivative(state, k), s_rate = layout.derivative(rates, k);
     const auto x = layout.derivative(correction, k);
     solve_momentum(derivative.motion(), s.data(), s_rate.data(), x.data());
-    leg.impulse_rates(derivative, at, s.first(n), x.first(n), x.subspan(2 * n));
+    leg.impulse_rates(derivative, at, s.u(), x.u(), x.impulses());
     for (std::size_t i = 2 * n; i < layout.block; ++i) x[i] = (x[i] - s_rate[i]) / cj;
   }
 }
@@ -85,35 +74,25 @@ class IdaStepper final : public Multistep {
         rate_(make_vector(parts.layout.size, context_, parts.layout.first_derivative)) {}
 
  private:
-  struct Deleter {
-    void operator()(void* memory) const noexcept { IDAFree(&memory); }
-  };
-
   void begin_leg(double t) override {
     set_consistent_rate(t);
     begin_bdf(highest_bdf, t);
   }
   void begin_bdf(int order, double t) override {
     if (memory_)
-      check("IDAReInit", IDAReInit(memory_.get(), t, state_.get(), rate_.get()));
+      check("ReInit", IDAReInit(memory_.get(), t, state_.get(), rate_.get()));
     else
       create(t);
     begin_stretch(memory_.get(), order);
   }
   std::pair<const char*, int> step() override {
-    return {"IDASolve", IDASolve(memory_.get(), stop_, &t_, state_.get(), rate_.get(), IDA_ONE_STEP)};
+    return {"Solve", IDASolve(memory_.get(), stop_, &t_, state_.get(), rate_.get(), IDA_ONE_STEP)};
   }
 
   // y' that satisfies the equations: u' = w and rho M w' = F; massless velocities are dependent, their rate is free.
   void set_consistent_rate(double t) {
-    const Layout& layout = leg_.layout;
-    const std::span<double> state = values(state_), rate = values(rate_);
-    std::ranges::copy(layout.w(state), layout.u(rate).begin());
-    leg_.system.force(t, layout.u(state), layout.w(state), layout.w(rate));
-    leg_.system.accelerate(layout.w(rate));
-    leg_.account_rates(t, layout.w(state), layout.w(rate), rate);
-    leg_.derivative_rates(t, state, layout.w(state), layout.w(rate), rate);
-    ++leg_.statistics.rhs_evaluations;
+    std::ranges::copy(leg_.layout.w(values(state_)), values(rate_).begin());
+    leg_.evaluate(t, values(state_), values(rate_));
   }
 
   void create(double t) {
@@ -124,15 +103,15 @@ class IdaStepper final : public Multistep {
     const int begun = IDAInit(memory_.get(), unused_residual, t, state_.get(), rate_.get());
     // It has freed its vectors then, and IDAFree would do so again.
     if (begun == IDA_MEM_FAIL) std::ignore = memory_.release(), throw std::bad_alloc();
-    check("IDAInit", begun);
+    check("Init", begun);
     VISCOBAR_KEEP_MESSAGES(IDA, memory_.get(), context_, leg_.library_message);
     configure(memory_.get(), t);
     // From rest the library begins with a thousandth of the run and finds its step by failing; ten times need not do.
-    check("IDASetMaxErrTestFails", IDASetMaxErrTestFails(memory_.get(), 50));
+    check("SetMaxErrTestFails", IDASetMaxErrTestFails(memory_.get(), 50));
   }
 
   Vector rate_;
-  std::unique_ptr<void, Deleter> memory_;
+  Memory<IDAFree> memory_;
 };
 
 }  // namespace

@@ -1,11 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <span>
-#include <vector>
-
-#include "integration/layout.hpp"
 #include "integration/stepper.hpp"
 
 namespace viscobar {
@@ -27,9 +21,7 @@ struct OpeningMotion {
 /// omega <= 2 / omega. `state` is scratch, of the layout's size.
 inline void weigh_opening(const OpeningMotion& motion, std::size_t i, const Opening& opening, std::span<double> state,
                           LateOpening& latest) {
-  PenalisedSystem& system = motion.system;
-  const Layout& layout = motion.layout;
-  LegStepper& stepper = motion.stepper;
+  const auto& [system, layout, stepper] = motion;
   const auto [t, begin, end, last_change] = opening;
   const std::size_t node = system.contact(i).unknown;
   std::vector<double> force(layout.nodes);

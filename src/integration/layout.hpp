@@ -1,18 +1,13 @@
 #pragma once
 
-#include <cstddef>
-#include <optional>
-#include <span>
-
 #include "dynamics/penalised_system.hpp"
 
 namespace viscobar {
 
 /// Where things are in the state y = (u, w, energy account): u and w have an entry for each unknown node (the w of a
-/// massless one is dependent: it is carried along without a weight in the error test), the account has an entry for
-/// each of dissipation, work and power of the mass's end rows that the scene has and the user wants. Behind that comes
-/// a block for each parameter with respect to which derivatives are wanted: ds = (du/dp, dw/dp), and an entry for the
-/// impulse on each end with an obstacle.
+/// massless one is carried along without a weight in the error test), the account one for each of dissipation, work
+/// and power of the mass's end rows that the scene has and the user wants. Behind that comes a block for each parameter
+/// p whose derivatives are wanted: (du/dp, dw/dp), and an entry for the impulse on each end with an obstacle.
 struct Layout {
   Layout(const PenalisedSystem& system, bool energy, std::size_t parameters = 0)
       : nodes(system.size()), size(2 * nodes), derivatives(parameters) {
@@ -34,8 +29,21 @@ struct Layout {
 
   /// Block k of the derivatives, and its parts.
   template <class T>
-  std::span<T> derivative(std::span<T> y, std::size_t k) const {
-    return y.subspan(first_derivative + k * block, block);
+  struct Block : std::span<T> {
+    std::size_t nodes;
+    std::span<T> u() const { return this->first(nodes); }
+    std::span<T> w() const { return this->subspan(nodes, nodes); }
+    std::span<T> impulses() const { return this->subspan(2 * nodes); }
+  };
+  template <class T>
+  Block<T> derivative(std::span<T> y, std::size_t k) const {
+    return {y.subspan(first_derivative + k * block, block), nodes};
+  }
+  /// use(k, end) for each end whose impulse has an entry, the k-th of its block's.
+  template <class Use>
+  void each_impulse(Use&& use) const {
+    if (left) use(std::size_t{0}, std::size_t{0});
+    if (right) use(left ? std::size_t{1} : std::size_t{0}, nodes - 1);
   }
 
   std::size_t nodes, size, derivatives;

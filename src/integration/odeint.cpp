@@ -1,12 +1,8 @@
 #include <fmt/format.h>
 
 #include <numeric>
-#include <stdexcept>
 
-#include "integration/error_weights.hpp"
-#include "integration/odeint/dopri5.hpp"
 #include "integration/odeint/rosenbrock4.hpp"
-#include "integration/odeint/symplectic.hpp"
 #include "integration/stepwise_run.hpp"
 #include "run/parts.hpp"
 #include "run/step_failure.hpp"
@@ -20,21 +16,17 @@ namespace {
 /// maximum norm, because Odeint's own controllers know other norms; and they are interpolated by the quintic, whose
 /// order is above that of Odeint's own (four for dopri5, three for rosenbrock4).
 template <class Formulas>
-class OdeintStepper final : public LegStepper {
+class OdeintStepper final : public PolynomialStepper {
  public:
   OdeintStepper(const StepperParts& parts, const Odeint& method)
-      : system_(parts.system),
+      : PolynomialStepper(parts, method.tolerance),
+        system_(parts.system),
         statistics_(parts.statistics),
-        motion_(system_, false),
-        weights_(system_, motion_, method.tolerance, parts.times.back(), one_step_accumulation),
         formulas_(system_, statistics_),
-        step_(system_, parts.layout),
         end_(parts.times.back()),
         longest_(longest_step(system_, end_ - parts.times.front())),
         size_(adaptive ? 1e-3 * (end_ - parts.times.front()) : *method.step),
         scales_(motion_.size) {}
-
-  void begin_run(std::vector<std::size_t> sampled_entries) override { step_.begin_run(std::move(sampled_entries)); }
 
   void restart(double t, double stop, std::span<const double> y) override {
     stop_ = stop;
@@ -64,13 +56,6 @@ class OdeintStepper final : public LegStepper {
     return step_.end().t;
   }
 
-  std::size_t order() const override { return StepPolynomial::degree; }
-  void interpolate(double t, std::span<double> y) override { step_.at(t, y); }
-  std::span<const double> sample(double t, int derivative) override { return step_.sample(t, derivative); }
-  void select(std::span<const std::size_t> sampled) override { step_.select(sampled); }
-  void hull(std::span<double> lowest, std::span<double> highest) override { step_.hull(lowest, highest); }
-  ErrorWeights& weights() override { return weights_; }
-
  private:
   static constexpr bool adaptive = requires { Formulas::error_order; };
 
@@ -88,8 +73,8 @@ class OdeintStepper final : public LegStepper {
     StepPolynomial::End& reached = step_.end();
     reached.t = target(t);
     formulas_.step(t, reached.t - t, motion(step_.begin().y), reached);
-    if (!std::isfinite(std::reduce(reached.y.begin(), reached.y.begin() + static_cast<std::ptrdiff_t>(motion_.size))))
-      throw not_finite();
+    const auto all = motion(reached.y);
+    if (!std::isfinite(std::reduce(all.begin(), all.end()))) throw not_finite();
   }
 
   void make_controlled_step(double t) {
@@ -113,10 +98,7 @@ class OdeintStepper final : public LegStepper {
 
   PenalisedSystem& system_;
   Statistics& statistics_;
-  Layout motion_;  // without the energy account
-  ErrorWeights weights_;
   Formulas formulas_;
-  StepPolynomial step_;
   double end_, longest_, size_, stop_ = 0.0;  // end of the run; end of the leg
   std::vector<double> scales_;
 };

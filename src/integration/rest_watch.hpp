@@ -1,12 +1,6 @@
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
 #include <numbers>
-#include <span>
-#include <vector>
 
 #include "dynamics/penalised_system.hpp"
 

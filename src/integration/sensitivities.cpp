@@ -2,10 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 namespace viscobar {
 
 namespace {
@@ -61,20 +57,16 @@ void Sensitivities::attach(const Layout& layout, SensitivityAccount& account, co
 }
 
 void Sensitivities::begin(double t, double end, std::span<double> y) {
-  const std::size_t n = layout_->nodes;
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
-  for (std::size_t k = 0; k < pointers_.size(); ++k) {
-    const std::span<double> s = layout_->derivative(y, k);
-    const State initial = pointers_[k]->data().initial_state();
-    std::ranges::copy(initial.u, s.begin());
-    std::ranges::copy(initial.v, s.begin() + static_cast<std::ptrdiff_t>(n));
-    pointers_[k]->take_contacts();
-    pointers_[k]->begin_leg(t, end);
-    complete(*pointers_[k], at, s);
-    std::size_t entry = 2 * n;
-    if (layout_->left) s[entry++] = -pointers_[k]->momentum(0, at, s.first(n), s.subspan(n, n));
-    if (layout_->right) s[entry++] = -pointers_[k]->momentum(n - 1, at, s.first(n), s.subspan(n, n));
-  }
+  each(y, [&](std::size_t, Derivative& derivative, const Block& s) {
+    const State initial = derivative.data().initial_state();
+    std::ranges::copy(initial.u, s.u().begin());
+    std::ranges::copy(initial.v, s.w().begin());
+    derivative.begin_leg(t, end);
+    complete(derivative, at, s);
+    layout_->each_impulse(
+        [&](std::size_t e, std::size_t node) { s.impulses()[e] = -derivative.momentum(node, at, s.u(), s.w()); });
+  });
 }
 
 void Sensitivities::begin_leg(double t, double end) {
@@ -94,11 +86,11 @@ Moment Sensitivities::look_at(double t, std::span<const double> u, std::span<con
   return moment_(t, u, w_, inertial_force_);
 }
 
-void Sensitivities::complete(Derivative& derivative, const Moment& at, std::span<double> s) {
-  const std::size_t n = layout_->nodes;
+void Sensitivities::complete(Derivative& derivative, const Moment& at, const Block& s) {
+  derivative.take_contacts();
   derivative.drive(at);
-  derivative.motion().complete_displacement(at.t, s.first(n));
-  derivative.motion().complete_velocity(at.t, s.first(n), s.subspan(n, n));
+  derivative.motion().complete_displacement(at.t, s.u());
+  derivative.motion().complete_velocity(at.t, s.u(), s.w());
 }
 
 // Makes time_ the motion of (v, a).
@@ -119,7 +111,7 @@ void Sensitivities::differentiate_by_time(const Moment& at) {
 // derivative of the load, which nobody knows.
 double Sensitivities::acceleration_of(const Moment& at, std::size_t node) {
   const BarSystem& bar = system_.bar();
-  if (node >= bar.massive_begin() && node < bar.massive_end()) return acceleration_[node];
+  if (!bar.massless(node)) return acceleration_[node];
   if (!bar.damped() && system_.load_varies()) return nothing;
   differentiate_by_time(at);
   std::vector<double> rates = acceleration_;
@@ -165,18 +157,14 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, std::size_t i, st
   old_velocity_ = w_;
   old_acceleration_ = acceleration_;
   bool moves = false;
-  for (std::size_t k = 0; k < pointers_.size(); ++k) {
-    Derivative& derivative = *pointers_[k];
-    const std::span<double> s = layout_->derivative(y, k);
-    derivative.take_contacts();
+  each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     complete(derivative, at, s);
-    const double fall =
-        held ? derivative.reaction(i, at, s.first(n), s.subspan(n, n)) : derivative.motion().clearance(i, s.first(n));
+    const double fall = held ? derivative.reaction(i, at, s.u(), s.w()) : derivative.motion().clearance(i, s.u());
     shifts_[k] = fall == 0.0 ? 0.0 : -fall / rate;
     moves |= fall != 0.0;
     if (!graze || fall == 0.0)
       changes[k] = {shifts_[k], s[n + node] + (shifts_[k] == 0.0 ? 0.0 : acceleration * shifts_[k])};
-  }
+  });
   if (t == last_change_.first && i != last_change_.second && system_.collides()) {
     std::vector<double> answer(n, 0.0);
     answer[node] = 1.0;
@@ -199,7 +187,7 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, std::size_t i, st
   }
   shifted_ = true;
   for (std::size_t k = 0; k < pointers_.size(); ++k) {
-    const std::span<double> s = layout_->derivative(y, k);
+    const Block s = layout_->derivative(y, k);
     for (std::size_t j = 0; j < n; ++j) s[j] += old_velocity_[j] * shifts_[k];
     for (std::size_t j = 0; j < n; ++j) s[n + j] += old_acceleration_[j] * shifts_[k];
   }
@@ -218,10 +206,7 @@ void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
   const bool struck = shifted_ && system_.collides(i) && w_[node] != old_velocity_[node];
   const bool rebounds = struck && !system_.closed(i);
-  for (std::size_t k = 0; k < pointers_.size(); ++k) {
-    Derivative& derivative = *pointers_[k];
-    const std::span<double> s = layout_->derivative(y, k);
-    derivative.take_contacts();
+  each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     if (struck) {
       // v+ - v- goes along (rho M)^{-1} e_i, in parts that do not depend on the parameter.
       const double left = s[n + node];
@@ -231,7 +216,7 @@ void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
       s[n + node] = reflected;
     }
     if (system_.closed(i) && system_.holds(i)) {
-      derivative.motion().place_on_obstacle(i, s.first(n));
+      derivative.motion().place_on_obstacle(i, s.u());
       s[n + node] = 0.0;
     }
     if (shifted_) {
@@ -239,7 +224,7 @@ void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
       for (std::size_t j = 0; j < n; ++j) s[n + j] -= acceleration_[j] * shifts_[k];
     }
     complete(derivative, at, s);
-  }
+  });
   shifted_ = false;
 }
 
@@ -256,24 +241,24 @@ void Sensitivities::pass_kink(double t, double end, bool bar_has_one, std::span<
   for (std::size_t i = 0; i < system_.contact_count() && bar_has_one; ++i)
     if (system_.collides(i) && system_.closed(i))
       return lose(t, "the motion of an end has a kink, and a rigid contact that is closed an impact or an end", y);
-  const std::size_t n = layout_->nodes;
   for (std::size_t k = 0; k < pointers_.size(); ++k) {
-    if (!pointers_[k]->data().moving()) continue;
-    pointers_[k]->begin_leg(t, end);
-    const std::span<double> s = layout_->derivative(y, k);
+    Derivative& derivative = *pointers_[k];
+    if (!derivative.data().moving()) continue;
+    derivative.begin_leg(t, end);
+    const Block s = layout_->derivative(y, k);
     try {
-      const auto jump = pointers_[k]->data().kink(t, end);
+      const auto jump = derivative.data().kink(t, end);
       if (!jump) continue;
       const Moment at = look_at(t, layout_->u(y), layout_->w(y));
-      complete(*pointers_[k], at, s);
+      complete(derivative, at, s);
       // The impulse of what moves the frame is none of an obstacle.
       const auto account = [&](double sign) {
-        std::size_t entry = 2 * n;
-        if (layout_->left) s[entry++] += sign * pointers_[k]->momentum(0, at, s.first(n), s.subspan(n, n));
-        if (layout_->right) s[entry++] += sign * pointers_[k]->momentum(n - 1, at, s.first(n), s.subspan(n, n));
+        layout_->each_impulse([&](std::size_t e, std::size_t node) {
+          s.impulses()[e] += sign * derivative.momentum(node, at, s.u(), s.w());
+        });
       };
       account(1.0);
-      pointers_[k]->data().pass_kink(*jump, s.subspan(n, n));
+      derivative.data().pass_kink(*jump, s.w());
       account(-1.0);
     } catch (const LoadError&) {
       return lose(t, fmt::format("the motion of an end has a kink whose time moves with {}", directions_[k].key), y);
@@ -289,7 +274,6 @@ void Sensitivities::lose(double t, std::string why, std::span<double> y) {
 }
 
 std::span<const FieldSensitivity> Sensitivities::fields(double t, std::span<double> y, const Snapshot& snapshot) {
-  const std::size_t n = layout_->nodes;
   told_.clear();
   if (lost()) {
     for (Field& field : fields_) {
@@ -303,18 +287,17 @@ std::span<const FieldSensitivity> Sensitivities::fields(double t, std::span<doub
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
   for (std::size_t k = 0; k < pointers_.size(); ++k) {
     Derivative& derivative = *pointers_[k];
-    const std::span<double> s = layout_->derivative(y, k);
-    derivative.take_contacts();
+    const Block s = layout_->derivative(y, k);
     complete(derivative, at, s);
     Field& field = fields_[k];
-    derivative.expand(t, s.first(n), s.subspan(n, n), field.u, field.v);
+    derivative.expand(t, s.u(), s.w(), field.u, field.v);
     FieldSensitivity told{field.u, field.v, 0.0, 0.0};
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
-      const std::size_t node = system_.contact(i).unknown;
       if (!system_.closed(i)) continue;
-      const double reaction = derivative.reaction(i, at, s.first(n), s.subspan(n, n));
+      const std::size_t node = system_.contact(i).unknown;
+      const double reaction = derivative.reaction(i, at, s.u(), s.w());
       if (!bar.left_fixed() && node == 0) told.reaction_left += reaction;
-      if (!bar.right_fixed() && node + 1 == n) told.reaction_right += reaction;
+      if (!bar.right_fixed() && node + 1 == s.nodes) told.reaction_right += reaction;
     }
     if (bar.left_fixed()) told.reaction_left = -derivative.stress(0, snapshot.u, snapshot.v, field.u, field.v);
     if (bar.right_fixed())
@@ -325,21 +308,22 @@ std::span<const FieldSensitivity> Sensitivities::fields(double t, std::span<doub
 }
 
 void Sensitivities::sum_up(double t, std::span<double> y) {
-  const std::size_t n = layout_->nodes;
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
   for (std::size_t k = 0; k < pointers_.size(); ++k) {
-    double left = nothing, right = nothing, energy = nothing;
+    std::array<double, 2> impulses = {nothing, nothing};
+    double energy = nothing;
     if (!lost()) {
-      const std::span<double> s = layout_->derivative(y, k);
-      pointers_[k]->take_contacts();
-      complete(*pointers_[k], at, s);
-      std::size_t entry = 2 * n;
-      left = layout_->left ? s[entry++] + pointers_[k]->momentum(0, at, s.first(n), s.subspan(n, n)) : 0.0;
-      right = layout_->right ? s[entry++] + pointers_[k]->momentum(n - 1, at, s.first(n), s.subspan(n, n)) : 0.0;
-      energy = pointers_[k]->energy(at, s.first(n), s.subspan(n, n));
+      Derivative& derivative = *pointers_[k];
+      const Block s = layout_->derivative(y, k);
+      complete(derivative, at, s);
+      impulses = {};
+      layout_->each_impulse([&](std::size_t e, std::size_t node) {
+        impulses[layout_->left ? e : 1] = s.impulses()[e] + derivative.momentum(node, at, s.u(), s.w());
+      });
+      energy = derivative.energy(at, s.u(), s.w());
     }
-    account_->impulse_left[k] = left;
-    account_->impulse_right[k] = right;
+    account_->impulse_left[k] = impulses[0];
+    account_->impulse_right[k] = impulses[1];
     account_->energy[k] = energy;
   }
 }

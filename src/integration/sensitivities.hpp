@@ -1,15 +1,8 @@
 #pragma once
 
-#include <cstddef>
 #include <deque>
-#include <span>
-#include <string>
-#include <utility>
-#include <vector>
 
-#include "dynamics/derivative.hpp"
 #include "integration/error_weights.hpp"
-#include "integration/layout.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
@@ -52,6 +45,7 @@ class Sensitivities {
   void sum_up(double t, std::span<double> y);
 
  private:
+  using Block = Layout::Block<double>;
   struct Field {
     std::vector<double> u, v;
   };
@@ -59,7 +53,11 @@ class Sensitivities {
   bool lost() const { return account_->lost.has_value(); }
   void lose(double t, std::string why, std::span<double> y);
   Moment look_at(double t, std::span<const double> u, std::span<const double> w);
-  void complete(Derivative& derivative, const Moment& at, std::span<double> s);
+  // use(k, derivative k, its block of y)
+  void each(std::span<double> y, auto&& use) {
+    for (std::size_t k = 0; k < pointers_.size(); ++k) use(k, *pointers_[k], layout_->derivative(y, k));
+  }
+  void complete(Derivative& derivative, const Moment& at, const Block& s);
   void differentiate_by_time(const Moment& at);
   double acceleration_of(const Moment& at, std::size_t node);
   double indicator_rate(const Moment& at, std::size_t i);

@@ -1,9 +1,5 @@
 #pragma once
 
-#include <array>
-#include <span>
-#include <vector>
-
 #include "dynamics/element_stress.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "viscobar/run/run.hpp"
@@ -34,10 +30,11 @@ class SnapshotBuilder {
     return snapshot;
   }
 
-  /// Of the state that a snapshot was made of last; what came and went is the method's to add.
-  EnergyState energy(std::span<const double> u) const {
+  /// Of the state that a snapshot was made of last; what came and went the method knows.
+  EnergyState energy(std::span<const double> u, EnergyState known = {}) const {
     const BarEnergy bar = system_.bar().nodal_energy(u_, v_);
-    return {.kinetic = bar.kinetic, .elastic = bar.elastic, .contact = system_.contact_energy(u)};
+    known.kinetic = bar.kinetic, known.elastic = bar.elastic, known.contact = system_.contact_energy(u);
+    return known;
   }
 
  private:

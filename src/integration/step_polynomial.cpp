@@ -1,13 +1,8 @@
 #include "integration/step_polynomial.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numeric>
-#include <utility>
 
 #include "integration/energy_flow.hpp"
-#include "integration/relaxed_powers.hpp"
 
 namespace viscobar {
 
@@ -60,16 +55,6 @@ void StepPolynomial::relax(const PenalisedSystem::RelaxingRow& row, double load)
   relaxation_of_[row.unknown] = relaxations_.size();
 }
 
-void StepPolynomial::finish() {
-  known_.reset();
-  complete();
-}
-
-void StepPolynomial::finish(double length, std::span<const double> increment) {
-  known_ = Known{length, increment};
-  complete();
-}
-
 void StepPolynomial::complete() {
   system_.complete_displacement(end_.t, layout_.u(end_.y));
   system_.complete_velocity(end_.t, layout_.u(end_.y), layout_.w(end_.y));
@@ -90,7 +75,6 @@ bool StepPolynomial::spoils_acceleration(const PenalisedSystem& system, double l
 // few times 1 / rate, but a_0 has it: where the step is much longer, a_0 is that of the quartic through the rest. So it
 // is where a_0 is little more than what viscosity makes of an error.
 void StepPolynomial::forget_acceleration() {
-  forgotten_ = false;
   constexpr double over = 6.0;
   const std::size_t n = layout_.nodes;
   const double h = length();
@@ -98,10 +82,8 @@ void StepPolynomial::forget_acceleration() {
       std::ranges::none_of(relaxations_, [&](const Relaxation& r) { return r.row.rate * h > over; }))
     return;
   forgotten_ = true;
-  for (std::size_t i = system_.bar().massive_begin(); i < system_.bar().massive_end(); ++i) {
-    const double missing = increment(i) - 0.5 * h * (begin_.y[n + i] + end_.y[n + i]);
-    begin_.a[i] = end_.a[i] + 12.0 / (h * h) * missing;
-  }
+  for (std::size_t i = system_.bar().massive_begin(); i < system_.bar().massive_end(); ++i)
+    begin_.a[i] = end_.a[i] + 12.0 / (h * h) * (increment(i) - 0.5 * h * (begin_.y[n + i] + end_.y[n + i]));
 }
 
 bool StepPolynomial::passes_over(std::size_t contact) {
@@ -192,20 +174,11 @@ void StepPolynomial::drive(Relaxation& relaxation) {
 
 void StepPolynomial::drive_by_load(Relaxation& relaxation) {
   const auto& row = relaxation.row;
-  const double h = length();
-  // Newton's form through s = 0, 1/4, ..., 1.
-  std::array<double, 5> f{relaxation.load};
+  std::array<double, 5> loads{relaxation.load};
   for (std::size_t j = 1; j < 5; ++j)
-    f[j] = system_.load(row.unknown, j == 4 ? end_.t : begin_.t + 0.25 * static_cast<double>(j) * h);
-  relaxation.load = f[4];
-  for (std::size_t order = 1; order < 5; ++order)
-    for (std::size_t j = 4; j >= order; --j) f[j] = (f[j] - f[j - 1]) / (0.25 * static_cast<double>(order));
-  std::array<double, 5> power{f[4]};
-  for (std::size_t k = 4; k-- > 0;) {
-    const double node = 0.25 * static_cast<double>(k);
-    for (std::size_t j = 4; j > 0; --j) power[j] = power[j - 1] - node * power[j];
-    power[0] = f[k] - node * power[0];
-  }
+    loads[j] = system_.load(row.unknown, j == 4 ? end_.t : begin_.t + 0.25 * static_cast<double>(j) * length());
+  relaxation.load = loads[4];
+  const std::array<double, 5> power = powers_through(loads);
   for (std::size_t j = 1; j < 5; ++j) relaxation.drive[j] += row.load_share * power[j];
 }
 
@@ -328,6 +301,72 @@ std::span<const double> StepPolynomial::sample(double t, int derivative) {
     sampled_[k] = entry < n ? value(entry, s, derivative, of_u) : value(entry - n, s, derivative + 1, of_w);
   }
   return sampled_;
+}
+
+// The derivatives by parameters.
+
+std::array<double, 2> StepPolynomial::derivative_at(std::size_t k, std::size_t i, double s) const {
+  const std::size_t n = layout_.nodes, rate = k * layout_.block + n + i;
+  const double h = length();
+  const auto y0 = layout_.derivative(std::span(begin_.y), k), y1 = layout_.derivative(std::span(end_.y), k);
+  const double half = 0.5 * h * (y0[n + i] + y1[n + i]), rise = y1[i] - y0[i], a1 = end_.derivative_rates[rate];
+  const double a0 = forgotten_ ? a1 + 12.0 / (h * h) * (rise - half) : begin_.derivative_rates[rate];
+  const double missing = rise - half + h * h / 12.0 * (a1 - a0);
+  const auto at = [&](const Weights& weight) {
+    return h * (weight.w0 * y0[n + i] + weight.w1 * y1[n + i] + h * (weight.a0 * a0 + weight.a1 * a1)) +
+           weight.defect * missing;
+  };
+  return {y0[i] + at(weights(s, 0)), at(weights(s, 1)) / h};
+}
+
+double StepPolynomial::relaxed_derivative(const Relaxation& relaxation, std::size_t k, double s) const {
+  constexpr std::size_t points = 6;
+  Derivative& derivative = *derivatives_[k];
+  const std::size_t node = relaxation.row.unknown, next = relaxation.row.neighbours[0].unknown;
+  for (const PenalisedSystem::RelaxingRow& row : derivative.motion().relaxing_rows()) {
+    if (row.unknown != node) continue;
+    const double h = length();
+    std::array<double, points> drive{};
+    for (std::size_t j = 0; j < points; ++j) {
+      const double at = static_cast<double>(j) / (points - 1), t = begin_.t + at * h;
+      const auto [of_next, rate_of_next] = derivative_at(k, next, at);
+      const double force =
+          derivative.motion().load_alone(node, t) +
+          derivative.drive_row(node, t, value(node, at, 0), value(next, at, 0), value(node, at, 1), value(next, at, 1));
+      drive[j] = row.constant + row.neighbours[0].u_share * of_next + row.neighbours[0].w_share * rate_of_next +
+                 row.load_share * force;
+    }
+    drive = powers_through(drive);
+    const std::array<double, 6> powers = relaxed_powers(row.rate * h, s);
+    double sum = 0.0;
+    for (std::size_t p = 0; p < points; ++p) sum += drive[p] * powers[p];
+    return std::exp(-row.rate * h * s) * layout_.derivative(std::span(begin_.y), k)[node] + h * sum;
+  }
+  return derivative_at(k, node, s)[0];
+}
+
+void StepPolynomial::derivatives_at(double t, std::span<double> y) const {
+  const std::size_t n = layout_.nodes;
+  const double h = length(), s = (t - begin_.t) / h, back = 1.0 - s;
+  for (std::size_t k = 0; k < layout_.derivatives; ++k) {
+    const auto y0 = layout_.derivative(std::span(begin_.y), k), y1 = layout_.derivative(std::span(end_.y), k);
+    const double *r0 = begin_.derivative_rates.data() + k * layout_.block,
+                 *r1 = end_.derivative_rates.data() + k * layout_.block;
+    const auto out = layout_.derivative(y, k);
+    const auto cubic = [&](std::size_t i) {
+      return y0[i] + s * s * (3.0 - 2.0 * s) * (y1[i] - y0[i]) + h * s * back * (back * r0[i] - s * r1[i]);
+    };
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto [displacement, velocity] = derivative_at(k, i, s);
+      out[i] = displacement, out[n + i] = velocity;
+    }
+    for (std::size_t r = 0; r < relaxations_.size(); ++r) {
+      const std::size_t i = relaxations_[r].row.unknown;
+      out[i] = r < massless_ ? relaxed_derivative(relaxations_[r], k, s) : cubic(i);
+      out[n + i] = y0[n + i] + s * (y1[n + i] - y0[n + i]);
+    }
+    for (std::size_t i = 2 * n; i < layout_.block; ++i) out[i] = cubic(i);
+  }
 }
 
 }  // namespace viscobar

@@ -1,17 +1,28 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <optional>
-#include <span>
-#include <vector>
-
-#include "dynamics/derivative.hpp"
-#include "dynamics/penalised_system.hpp"
-#include "integration/layout.hpp"
-#include "viscobar/discretisation/tridiagonal.hpp"
+#include "integration/error_weights.hpp"
+#include "integration/stepper.hpp"
 
 namespace viscobar {
+
+/// I_j = int_0^s exp(-mu (s - r)) r^j dr, j = 0 .. 5, by I_j = (s^j - j I_{j-1}) / mu, which is taken in the direction
+/// in which it forgets errors.
+std::array<double, 6> relaxed_powers(double mu, double s);
+
+/// Coefficients of the powers of s of the polynomial through n values at s = 0, 1/(n-1), ..., 1, by Newton's form.
+template <std::size_t n>
+std::array<double, n> powers_through(std::array<double, n> f) {
+  constexpr double last = n - 1;
+  for (std::size_t order = 1; order < n; ++order)
+    for (std::size_t j = n - 1; j >= order; --j) f[j] = (f[j] - f[j - 1]) * last / static_cast<double>(order);
+  std::array<double, n> power{f[n - 1]};
+  for (std::size_t k = n - 1; k-- > 0;) {
+    const double node = static_cast<double>(k) / last;
+    for (std::size_t j = n - 1; j > 0; --j) power[j] = power[j - 1] - node * power[j];
+    power[0] = f[k] - node * power[0];
+  }
+  return power;
+}
 
 /// A step of a one-step method as a polynomial. Since u' = w, the displacement, the velocity and the acceleration a at
 /// the two ends of a step of length h determine a quintic in s = (t - t_0) / h: its rate is Hermite's cubic of w and a
@@ -27,12 +38,11 @@ namespace viscobar {
 /// once, with it by a relaxation that may be stiff beyond measure, and which is solved exactly for the neighbour's
 /// quintic and a load that is interpolated at five points of the step.
 ///
-/// A node on the spring of a closed contact that the step is too long to resolve has no acceleration to rely on either:
-/// what its displacement is wrong by is in it omega^2 times. It follows its row without its own inertia, whose spring
-/// is as far in as the neighbours' quintics press it: u and w of the node are known to the tolerance only, which may be
-/// far more. What its inertia adds is taken from the row without it, so that a term of 2 d / (omega h)^3 is left out:
-/// where that would be more than the tolerance, the accelerations serve. The other accelerations are those that satisfy
-/// their rows beside it.
+/// Nor has a node on the spring of a closed contact that the step is too long to resolve: what its displacement is
+/// wrong by is in it omega^2 times. It follows its row without its own inertia, the spring being as far in as the
+/// neighbours' quintics press it. What its inertia adds is taken from the row without it, so that a term of 2 d /
+/// (omega h)^3 is left out: where that would be more than the tolerance, the accelerations serve. The other
+/// accelerations are those that satisfy their rows beside it.
 ///
 /// The energy account of the step is the integral of its rates over the polynomial, by Gauss' formula.
 ///
@@ -65,10 +75,10 @@ class StepPolynomial {
   void restart();
   /// Makes the end of the last step the beginning of the next; the new end is to be filled, then completed by finish().
   void advance() { std::swap(begin_, end_); }
-  void finish();
+  void finish() { known_.reset(), complete(); }
   /// The same, by a method that knows the length of the step without the rounding of the time, and u_1 - u_0 of all
   /// nodes without that of u, until the next step is made.
-  void finish(double length, std::span<const double> increment);
+  void finish(double length, std::span<const double> increment) { known_ = Known{length, increment}, complete(); }
 
   const End& begin() const { return begin_; }
   End& end() { return end_; }
@@ -136,6 +146,28 @@ class StepPolynomial {
   std::vector<double> change_;                      // of accelerations
   TridiagonalFactor beside_;                        // of rho M without the rows of replaced_
   bool first_of_leg_ = false, forgotten_ = false;
+};
+
+/// A stepper whose steps are such polynomials.
+class PolynomialStepper : public LegStepper {
+ public:
+  void begin_run(std::vector<std::size_t> sampled_entries) final { step_.begin_run(std::move(sampled_entries)); }
+  std::size_t order() const final { return StepPolynomial::degree; }
+  void interpolate(double t, std::span<double> y) final { step_.at(t, y); }
+  std::span<const double> sample(double t, int derivative) final { return step_.sample(t, derivative); }
+  void select(std::span<const std::size_t> sampled) final { step_.select(sampled); }
+  void hull(std::span<double> lowest, std::span<double> highest) final { step_.hull(lowest, highest); }
+  ErrorWeights& weights() final { return weights_; }
+
+ protected:
+  PolynomialStepper(const StepperParts& parts, const Tolerance& tolerance)
+      : motion_(parts.system, false, parts.derivatives.size()),
+        weights_(parts.system, motion_, tolerance, parts.times.back(), one_step_accumulation, parts.derivatives),
+        step_(parts.system, parts.layout, parts.derivatives) {}
+
+  const Layout motion_;  // without the energy account
+  ErrorWeights weights_;
+  StepPolynomial step_;
 };
 
 }  // namespace viscobar

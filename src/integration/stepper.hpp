@@ -1,16 +1,9 @@
 #pragma once
 
-#include <cstddef>
 #include <functional>
-#include <limits>
 #include <memory>
-#include <span>
-#include <vector>
 
-#include "dynamics/derivative.hpp"
-#include "dynamics/penalised_system.hpp"
 #include "integration/error_weights.hpp"
-#include "integration/layout.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {

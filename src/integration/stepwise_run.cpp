@@ -2,12 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <memory>
-#include <optional>
-#include <span>
-#include <stdexcept>
-#include <utility>
-
 #include "dynamics/penalised_system.hpp"
 #include "integration/layout.hpp"
 #include "integration/sensitivities.hpp"

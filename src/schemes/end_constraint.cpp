@@ -7,7 +7,7 @@ namespace viscobar {
 
 EndConstraint::EndConstraint(const SymmetricTridiagonal& matrix, const std::vector<Bounded>& entries)
     : factor_(matrix) {
-  assert(entries.size() == 1 || entries.size() == 2);
+  assert(entries.size() <= 2);
   for (const Bounded& at : entries) {
     std::vector<double> column(matrix.size(), 0.0);
     column[at.entry] = at.sign;
@@ -24,14 +24,14 @@ void EndConstraint::solve(std::span<double> x, std::span<const double> bound, st
 
   std::array<double, 2> lambda{};
   active_ = {};
+  const auto compliance = [this](std::size_t k, std::size_t l) { return columns_[k].of(columns_[l].values); };
   if (count == 1) {
     if (excess[0] < 0.0) {
       active_ = {1, 0};
-      lambda[0] = -excess[0] / columns_[0].of(columns_[0].values);
+      lambda[0] = -excess[0] / compliance(0, 0);
     }
   } else if (excess[0] < 0.0 || excess[1] < 0.0) {
-    const double g00 = columns_[0].of(columns_[0].values), g11 = columns_[1].of(columns_[1].values);
-    const double g01 = columns_[0].of(columns_[1].values), g10 = columns_[1].of(columns_[0].values);
+    const double g00 = compliance(0, 0), g11 = compliance(1, 1), g01 = compliance(0, 1), g10 = compliance(1, 0);
     // The excess of either end, times the other's compliance, while the other alone is held at its bound.
     const double excess_0 = g11 * excess[0] - g01 * excess[1];
     const double excess_1 = g00 * excess[1] - g10 * excess[0];

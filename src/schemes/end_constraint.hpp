@@ -9,7 +9,7 @@
 
 namespace viscobar {
 
-/// min 1/2 x.A x - b.x  subject to  s_X x_X >= bound_X  at one or two entries X of x, solved in closed form:
+/// min 1/2 x.A x - b.x  subject to  s_X x_X >= bound_X  at two entries X of x at most, solved in closed form:
 ///
 ///     A x = b + sum_X lambda_X s_X e_X,    0 <= s_X x_X - bound_X  _|_  lambda_X >= 0,
 ///

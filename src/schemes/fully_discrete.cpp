@@ -1,17 +1,10 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <numeric>
-#include <optional>
-#include <stdexcept>
-
 #include "dynamics/element_stress.hpp"
 #include "dynamics/lost_inertia.hpp"
 #include "run/parts.hpp"
 #include "run/telling.hpp"
 #include "schemes/time_step.hpp"
-#include "viscobar/dynamics/bar_system.hpp"
 
 namespace viscobar {
 
@@ -46,11 +39,9 @@ class Run {
     statistics_.unknowns = system.size();
     spanned_ = std::ranges::any_of(system.contacts(), [](const Contact& one) { return one.where == Where::span; });
     statistics_.reached_time = begin_of(start, times);
-    if (observers_.snapshot) {
-      u_nodal_.resize(system.mesh().nodes());
-      v_nodal_.resize(system.mesh().nodes());
-    }
-    if (observers_.snapshot) u_.resize(system.size()), v_.resize(system.size());
+    if (!observers_.snapshot) return;
+    u_nodal_.resize(system.mesh().nodes()), v_nodal_ = u_nodal_;
+    u_.resize(system.size()), v_ = u_;
   }
 
   Statistics operator()() {
@@ -122,21 +113,23 @@ class Run {
     }
     if (!observers_.account) return;
     RunAccount& account = statistics_.account.emplace();
-    const auto begin = [&](EndAccount& end, std::optional<double> fixed, std::size_t i) {
-      const bool massive = i >= system_.massive_begin() && i < system_.massive_end();
-      const double u = fixed ? *fixed : massive ? start.u[i] : step_->u()[i] - scheme_.step * step_->p()[i];
-      end.displacement = end.lowest = end.highest = u;
-      each_contact_at(fixed, i, [&](std::size_t k) {
+    for (const bool right : {false, true}) {
+      EndAccount& end = account_of(right);
+      const std::size_t i = system_.end(right);
+      end.displacement = system_.wall(right) ? *system_.wall(right) : system_.massless(i) ? u_before(i) : start.u[i];
+      end.lowest = end.highest = end.displacement;
+      each_contact_at(right, [&](std::size_t k) {
         end.impulse += sign(k) * step_->start_impulse()[k];
         end.peak_reaction = std::max(end.peak_reaction, step_->reaction_before()[k]);
       });
       if (end.peak_reaction > 0.0) end.contact.close(times_.front());
-    };
-    begin(account.left, system_.left_displacement(), 0);
-    begin(account.right, system_.right_displacement(), system_.size() - 1);
+    }
     account.span.impulse = of_span(step_->start_impulse());
     account.span.peak_reaction = std::abs(of_span(step_->reaction_before()));
   }
+
+  EndAccount& account_of(bool right) { return right ? statistics_.account->right : statistics_.account->left; }
+  double u_before(std::size_t i) const { return step_->u()[i] - scheme_.step * step_->p()[i]; }
 
   double sign(std::size_t k) const { return step_->contacts()[k].sign; }
 
@@ -150,9 +143,10 @@ class Run {
 
   // Of an end that is not fixed, whose contacts are the first or the last ones, one from either side.
   template <class Use>
-  void each_contact_at(std::optional<double> fixed, std::size_t unknown, Use&& use) const {
+  void each_contact_at(bool right, Use&& use) const {
     const auto& contacts = step_->contacts();
-    const std::size_t count = fixed ? 0 : contacts.size(), first = unknown == 0 || count < 2 ? 0 : count - 2;
+    const std::size_t unknown = system_.end(right), count = system_.wall(right) ? 0 : contacts.size();
+    const std::size_t first = unknown == 0 || count < 2 ? 0 : count - 2;
     for (std::size_t k = first; k < std::min(first + 2, count); ++k)
       if (contacts[k].unknown == unknown) use(k);
   }
@@ -161,20 +155,20 @@ class Run {
   void account_reactions(std::size_t n) {
     const double dt = scheme_.step, theta = n < steps_ ? 1.0 : std::min((times_.back() - time(n - 1)) / dt, 1.0);
     const Lift lift = system_.moving() ? system_.lift(std::min(time(n), times_.back()), 0) : Lift{};
-    const auto add = [&](EndAccount& end, std::optional<double> fixed, std::size_t i) {
-      if (fixed && !system_.moving()) return;
-      end.displacement = fixed ? *fixed : step_->u()[i] - (1.0 - theta) * dt * step_->p()[i];
-      end.displacement += &end == &statistics_.account->left ? lift.left : lift.right;
+    for (const bool right : {false, true}) {
+      const std::optional<double>& wall = system_.wall(right);
+      if (wall && !system_.moving()) continue;
+      EndAccount& end = account_of(right);
+      const std::size_t i = system_.end(right);
+      end.displacement = (wall ? *wall : step_->u()[i] - (1.0 - theta) * dt * step_->p()[i]) + lift.of(right);
       end.lowest = std::min(end.lowest, end.displacement);
       end.highest = std::max(end.highest, end.displacement);
-      each_contact_at(fixed, i, [&](std::size_t k) {
+      each_contact_at(right, [&](std::size_t k) {
         const double before = n > 1 ? (1.0 - theta / 2) * step_->reaction_before()[k] : 0.0;
         end.impulse += sign(k) * (dt * theta * (before + theta / 2 * step_->reaction()[k]));
         end.peak_reaction = std::max(end.peak_reaction, reaction(k, theta));
       });
-    };
-    add(statistics_.account->left, system_.left_displacement(), 0);
-    add(statistics_.account->right, system_.right_displacement(), system_.size() - 1);
+    }
     if (!spanned_) return;
     const double before = of_span(step_->reaction_before()), now = of_span(step_->reaction());
     SpanAccount& span = statistics_.account->span;
@@ -191,7 +185,7 @@ class Run {
       const LaneOrder& order = step_->order();
       order.to_nodes([&](std::size_t i) { return u[i] - (1.0 - theta) * dt * p[i]; }, u_);
       order.to_nodes([&](std::size_t i) { return p[i] + dt / 2 * (theta * a[i] - (1.0 - theta) * a_before[i]); }, v_);
-      write(u_, v_, theta);
+      write(theta);
     }
   }
 
@@ -200,23 +194,20 @@ class Run {
     const State& start = std::get<State>(start_);
     std::ranges::copy(start.u, u_.begin());
     std::ranges::copy(start.v, v_.begin());
-    for (const std::size_t i : {std::size_t{0}, u_.size() - 1}) {
-      if (i >= system_.massive_begin() && i < system_.massive_end()) continue;
-      u_[i] = step_->u()[i] - scheme_.step * step_->p()[i];
-      v_[i] = step_->p()[i];
-    }
-    write(u_, v_, 0.0);
+    for (const std::size_t i : {std::size_t{0}, u_.size() - 1})
+      if (system_.massless(i)) u_[i] = u_before(i), v_[i] = step_->p()[i];
+    write(0.0);
   }
 
-  void write(std::span<const double> u, std::span<const double> v, double theta) {
-    system_.expand_displacement(u, u_nodal_);
-    system_.expand_velocity(v, v_nodal_);
+  void write(double theta) {
+    system_.expand_displacement(u_, u_nodal_);
+    system_.expand_velocity(v_, v_nodal_);
     const double t = times_[written_++];
     if (system_.moving()) {
       system_.add_lift(system_.lift(t, 0), u_nodal_);
       system_.add_lift(system_.lift(t, 1), v_nodal_);
     }
-    Snapshot snapshot{t, u_nodal_, v_nodal_, left_reaction(theta), right_reaction(theta)};
+    Snapshot snapshot{t, u_nodal_, v_nodal_, reaction_at(false, theta), reaction_at(true, theta)};
     if (observers_.energy) {
       const double now = time(n_);
       snapshot.energy = step_->energies(now);
@@ -227,16 +218,11 @@ class Run {
     telling_.snapshot(snapshot);
   }
 
-  double left_reaction(double theta) const { return system_.left_fixed() ? -stress(0) : reaction_at(0, theta); }
-
-  double right_reaction(double theta) const {
-    return system_.right_fixed() ? stress(system_.mesh().elements - 1) : reaction_at(system_.size() - 1, theta);
-  }
-
   // In the direction of u.
-  double reaction_at(std::size_t unknown, double theta) const {
+  double reaction_at(bool right, double theta) const {
+    if (system_.wall(right)) return right ? stress(system_.mesh().elements - 1) : -stress(0);
     double sum = 0.0;
-    each_contact_at({}, unknown, [&](std::size_t k) { sum += sign(k) * reaction(k, theta); });
+    each_contact_at(right, [&](std::size_t k) { sum += sign(k) * reaction(k, theta); });
     return sum;
   }
 
@@ -255,14 +241,12 @@ class Run {
     const auto active = step_->active();
     if (std::equal(active.begin(), active.end(), was_active_.begin())) return;
     const auto& contacts = step_->contacts();
-    for (std::size_t k = 0; k < contacts.size(); ++k) {
-      const std::size_t i = contacts[k].unknown;
-      if (was_active_[k] && !active[k])
+    for (std::size_t k = 0; k < contacts.size(); ++k)
+      if (const std::size_t i = contacts[k].unknown; was_active_[k] && !active[k])
         tell(time(n), k, Change::opening, step_->p()[i] + scheme_.step * step_->acceleration()[i]);
-    }
     for (std::size_t k = 0; k < contacts.size(); ++k)
       if (active[k] && !was_active_[k]) tell(time(n + 1), k, Change::closing, step_->p()[contacts[k].unknown]);
-    std::copy(active.begin(), active.end(), was_active_.begin());
+    std::ranges::copy(active, was_active_.begin());
   }
 
   void tell(double t, std::size_t k, Change change, double velocity) {
@@ -274,7 +258,7 @@ class Run {
     if (!observers_.event) return;
     // lambda^n, which leads to the contact at t_{n+1}, is of it, and what the start takes at once is of the first one.
     if (event.impulse && change == Change::closing) {
-      const EndAccount& end = contact.where == Where::left ? statistics_.account->left : statistics_.account->right;
+      const EndAccount& end = account_of(contact.where == Where::right);
       *event.impulse = end.closings == 1 ? 0.0 : *event.impulse - sign(k) * (scheme_.step / 2 * step_->reaction()[k]);
     }
     telling_.told(event);
@@ -284,23 +268,19 @@ class Run {
   // being made
   void account() {
     const double dt = scheme_.step;
-    const auto p = step_->p(), a = step_->acceleration();
     EnergyAccount& energy = *statistics_.energy;
     if (system_.damped()) energy.dissipated += dt * system_.bar().viscosity * step_->squared_strain_rate();
     if (system_.has_dashpots()) energy.dissipated += dt * step_->dashpot_power();
     if (system_.moving()) {
-      const double left = system_.left_fixed() ? 0.0 : step_->mean_velocity(0);
-      const double right = system_.right_fixed() ? 0.0 : step_->mean_velocity(p.size() - 1);
-      const double loss = dt * system_.lift_loss(system_.lift(time(n_), 1, dt), left, right);
+      const auto v = [&](bool right) { return system_.wall(right) ? 0.0 : step_->mean_velocity(system_.end(right)); };
+      const double loss = dt * system_.lift_loss(system_.lift(time(n_), 1, dt), v(false), v(true));
       energy.dissipated += loss;
       energy.work += loss;
     }
     const auto& contacts = step_->contacts();
     double taken = 0.0;
-    for (std::size_t k = 0; k < contacts.size(); ++k) {
-      const std::size_t i = contacts[k].unknown;
-      taken -= dt * step_->reaction()[k] * (sign(k) * (p[i] - dt / 2 * a[i]));
-    }
+    for (std::size_t k = 0; k < contacts.size(); ++k)
+      taken -= dt * step_->reaction()[k] * (sign(k) * step_->mean_velocity(contacts[k].unknown));
     energy.dissipated += taken;
     if (system_.loaded()) energy.work += dt * step_->load_power();
     if (system_.has_end_rows()) energy.end_inertia += dt * step_->end_power();

@@ -43,19 +43,17 @@ template <class Stress>
 void end_forces(const LaneOrder& order, const Stress& stress, double scale, double left, double right,
                 std::span<double> interface) {
   const std::size_t n = order.size(), skipped = n - interface.size();
-  double before = left;
-  for (std::size_t i = 0; i < order.first; ++i) {
-    const double next = i + 1 < n ? stress.nodes(i, i + 1) : right;
-    interface[i] = scale * (next - before);
-    before = next;
-  }
+  const auto forces = [&](std::size_t begin, std::size_t end, double before, double* out) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const double next = i + 1 < n ? stress.nodes(i, i + 1) : right;
+      *out++ = scale * (next - before);
+      before = next;
+    }
+  };
+  forces(0, order.first, left, interface.data());
   if (order.rows == 0) return;
-  before = stress.nodes(n - order.last - 1, n - order.last);
-  for (std::size_t i = n - order.last; i < n; ++i) {
-    const double next = i + 1 < n ? stress.nodes(i, i + 1) : right;
-    interface[i - skipped] = scale * (next - before);
-    before = next;
-  }
+  const std::size_t begin = n - order.last;
+  forces(begin, n, stress.nodes(begin - 1, begin), &interface[begin - skipped]);
 }
 
 template <class Stress>
@@ -96,7 +94,7 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
   }
   const double relaxation = system_.bar().viscosity / system_.bar().modulus;
   const std::size_t n = order_.size();
-  const auto left_end = system_.left_displacement(), right_end = system_.right_displacement();
+  const std::optional<double>&left_end = system_.wall(false), &right_end = system_.wall(true);
   const double left = left_end ? u[0] - *left_end + relaxation * w[0] : 0.0;
   const double right = right_end ? *right_end - u[n - 1] - relaxation * w[n - 1] : 0.0;
   const auto run = [&](const auto& stress) {

@@ -75,8 +75,8 @@ void SpanConstraint::pivot(std::span<const double> b, std::span<double> x, std::
     if (i > 0 && active_[i - 1]) x[i] -= off[i - 1] * bound(i - 1);
     if (i + 1 < n && active_[i + 1]) x[i] -= off[i] * bound(i + 1);
   }
+  const std::size_t last = n - 1;
   for (std::size_t k = 1; matrix_.end_rows && k < 3; ++k) {
-    const std::size_t last = n - 1;
     if (!active_[0] && active_[k]) x[0] -= matrix_.end_rows->first[k] * bound(k);
     if (!active_[last] && active_[last - k]) x[last] -= matrix_.end_rows->last[k] * bound(last - k);
   }
@@ -90,8 +90,7 @@ void SpanConstraint::pivot(std::span<const double> b, std::span<double> x, std::
     multiplier[i] = matrix_.diagonal[i] * x[i] - b[i];
     if (i > 0) multiplier[i] += off[i - 1] * x[i - 1];
     if (i + 1 < n) multiplier[i] += off[i] * x[i + 1];
-    if (i == 0 && matrix_.end_rows) multiplier[i] += matrix_.end_rows->first_times(x);
-    if (i + 1 == n && matrix_.end_rows) multiplier[i] += matrix_.end_rows->last_times(x);
+    if (matrix_.end_rows && (i == 0 || i == last)) multiplier[i] += matrix_.end_rows->row_times(i, x);
   }
 }
 

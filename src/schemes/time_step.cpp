@@ -1,11 +1,7 @@
 #include "schemes/time_step.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numeric>
 #include <tuple>
-#include <utility>
 
 namespace viscobar {
 
@@ -14,18 +10,16 @@ namespace {
 constexpr double unbounded = -std::numeric_limits<double>::infinity();
 
 // One contact a node and side, the one with the smallest gap.
-std::vector<Contact> bounded_nodes(const std::vector<Contact>& all) {
-  std::vector<Contact> nodes = all;
-  std::sort(nodes.begin(), nodes.end(), [](const Contact& a, const Contact& b) {
-    return std::tie(a.unknown, a.sign, a.gap, a.where) < std::tie(b.unknown, b.sign, b.gap, b.where);
-  });
+std::vector<Contact> bounded_nodes(std::vector<Contact> nodes) {
+  std::ranges::sort(nodes, {},
+                    [](const Contact& one) { return std::tuple(one.unknown, one.sign, one.gap, one.where); });
   const auto same = [](const Contact& a, const Contact& b) { return a.unknown == b.unknown && a.sign == b.sign; };
   nodes.erase(std::unique(nodes.begin(), nodes.end(), same), nodes.end());
   return nodes;
 }
 
 bool covers_span(const std::vector<Contact>& contacts) {
-  return std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.where == Where::span; });
+  return std::ranges::any_of(contacts, [](const Contact& one) { return one.where == Where::span; });
 }
 
 SymmetricTridiagonal step_matrix(const BarSystem& system, double dt) {
@@ -46,7 +40,7 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
       restitution_(scheme.restitution),
       impact_(scheme.impact),
       factor_(covers_span(system.contacts()) ? LaneFactor() : lane_factor(system, step_matrix(system, dt_))),
-      order_(factor_.order().size() > 0 ? factor_.order() : LaneOrder{system.size(), 0, 0}),
+      order_(factor_.order().size() > 0 ? factor_.order() : LaneOrder{system.size()}),
       bar_(system, order_),
       contacts_(bounded_nodes(system.contacts())),
       fields_(order_, system.loaded() && order_.rows > 0 ? 5 : 4) {
@@ -58,15 +52,11 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
   } else {
     const SymmetricTridiagonal& condensed = factor_.condensed();
     interface_.resize(condensed.size());
-    if (contacts_.empty()) {
-      std::get<TridiagonalFactor>(solver_).factorise(condensed);
-    } else {
-      std::vector<EndConstraint::Bounded> ends;
-      for (const Contact& contact : contacts_)
-        ends.push_back({contact.unknown == 0 ? 0 : condensed.size() - 1, contact.sign});
-      solver_.emplace<EndConstraint>(condensed, ends);
-      solves_ = ends.size();
-    }
+    std::vector<EndConstraint::Bounded> ends;
+    for (const Contact& contact : contacts_)
+      ends.push_back({contact.unknown == 0 ? 0 : condensed.size() - 1, contact.sign});
+    solver_.emplace<EndConstraint>(condensed, ends);
+    solves_ = ends.size();
   }
   if (system.loaded()) load_.emplace(system, dt_);
   for (std::vector<double>* values : {&lower_, &bound_, &reaction_, &reaction_before_, &start_impulse_})
@@ -93,9 +83,7 @@ void TimeStep::start_from(const State& start, double begin, Start order) {
     for (std::size_t k = 0; k < contacts_.size(); ++k) start_impulse_[k] = dt_ / 2 * reaction_[k];
   }
   if (system_.massive_begin() > 0) settle_massless(contacts_.front(), 1, begin);
-  if (system_.massive_end() < system_.size()) {
-    settle_massless(contacts_.back(), system_.size() - 2, begin);
-  }
+  if (system_.massive_end() < system_.size()) settle_massless(contacts_.back(), system_.size() - 2, begin);
   project_start();
   for (std::size_t i = 0; i < u_.size(); ++i) {
     a_[i] = (p_[i] - v[i]) / (dt_ / 2);
@@ -105,8 +93,9 @@ void TimeStep::start_from(const State& start, double begin, Start order) {
 }
 
 void TimeStep::keep_within(std::size_t k) {
-  const auto [i, sign] = std::pair{contacts_[k].unknown, contacts_[k].sign};
-  u_[i] = sign * std::max(sign * u_[i], lower_[k]);
+  const double sign = contacts_[k].sign;
+  double& u = u_[contacts_[k].unknown];
+  u = sign * std::max(sign * u, lower_[k]);
 }
 
 void TimeStep::solve_span(SpanConstraint& span, std::span<const double> b, std::span<const double> bound,
@@ -117,10 +106,16 @@ void TimeStep::solve_span(SpanConstraint& span, std::span<const double> b, std::
     (contacts_[k].sign > 0.0 ? span_lower_ : span_upper_)[contacts_[k].unknown] = contacts_[k].sign * bound[k];
   span.solve(b, span_lower_, span_upper_, x, span_reaction_);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const auto [i, sign] = std::pair{contacts_[k].unknown, contacts_[k].sign};
-    multiplier[k] = std::max(sign * span_reaction_[i], 0.0);
-    span_active_[k] = span.active()[i] == (sign > 0.0 ? SpanConstraint::at_lower : SpanConstraint::at_upper) ? 1 : 0;
+    const std::size_t i = contacts_[k].unknown;
+    multiplier[k] = std::max(contacts_[k].sign * span_reaction_[i], 0.0);
+    span_active_[k] =
+        span.active()[i] == (contacts_[k].sign > 0.0 ? SpanConstraint::at_lower : SpanConstraint::at_upper);
   }
+}
+
+// The velocity of contact k's node, in the direction that it is bounded from, that leads to the bound.
+double TimeStep::least_velocity(std::size_t k) const {
+  return (lower_[k] - contacts_[k].sign * u_[contacts_[k].unknown]) / dt_;
 }
 
 // The velocity next to p_, in the norm of the inertia, that leads to no penetration: what an impact does that takes all
@@ -130,13 +125,12 @@ void TimeStep::project_start() {
   std::vector<double> bound(contacts_.size());
   bool held = false;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const std::size_t i = contacts_[k].unknown;
-    bound[k] = (lower_[k] - contacts_[k].sign * u_[i]) / dt_;
-    held |= contacts_[k].sign * p_[i] < bound[k];
+    bound[k] = least_velocity(k);
+    held |= contacts_[k].sign * p_[contacts_[k].unknown] < bound[k];
   }
   if (!held) return;
   const SymmetricTridiagonal& inertia = system_.inertia();
-  if (inertia.off_diagonal.empty() || system_.has_massless()) {
+  if (inertia.is_diagonal() || system_.has_massless()) {
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
       const std::size_t i = contacts_[k].unknown;
       const double sign = contacts_[k].sign, taken = std::max(bound[k] - sign * p_[i], 0.0);
@@ -145,8 +139,8 @@ void TimeStep::project_start() {
     }
     return;
   }
-  std::vector<double> p(p_.size()), momentum(p_.size()), impulse(contacts_.size());
-  order_.to_nodes([this](std::size_t i) { return p_[i]; }, p);
+  std::vector<double> p = to_nodes([this](std::size_t i) { return p_[i]; });
+  std::vector<double> momentum(p.size()), impulse(contacts_.size());
   inertia.multiply(p, momentum);
   if (covers_span(contacts_)) {
     SpanConstraint span(inertia);
@@ -217,10 +211,8 @@ void TimeStep::evaluate_load(double t) {
 
 // Finds a at the interface and lambda such that s (u + dt (p + lever a)) lies above lower_.
 void TimeStep::solve(double lever) {
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const std::size_t i = contacts_[k].unknown;
-    bound_[k] = ((lower_[k] - contacts_[k].sign * u_[i]) / dt_ - contacts_[k].sign * p_[i]) / lever;
-  }
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    bound_[k] = (least_velocity(k) - contacts_[k].sign * p_[contacts_[k].unknown]) / lever;
   if (auto* span = std::get_if<SpanConstraint>(&solver_)) {
     system_.internal_force(u_, p_, interface_);
     for (std::size_t i = 0; i < load_now_.size(); ++i) interface_[i] += load_now_[i];
@@ -229,8 +221,7 @@ void TimeStep::solve(double lever) {
   bar_.eliminate_force(factor_, u_, p_, load_now_, a_, interface_);
   eliminated_ = true;
   ++solves_;
-  if (auto* ends = std::get_if<EndConstraint>(&solver_)) return ends->solve(interface_, bound_, reaction_);
-  std::get<TridiagonalFactor>(solver_).solve(interface_);
+  std::get<EndConstraint>(solver_).solve(interface_, bound_, reaction_);
 }
 
 // Second sweep; `use(i, a)` sees every node, or row of nodes, stored at i.
@@ -271,8 +262,7 @@ namespace {
 void TimeStep::advance() {
   const std::span<const unsigned char> held = active();
   // The velocity of a held node from its displacements, so that rest is exact and not rounding's motion.
-  for (std::size_t k = 0; k < contacts_.size(); ++k)
-    bound_[k] = (lower_[k] - contacts_[k].sign * u_[contacts_[k].unknown]) / dt_;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) bound_[k] = least_velocity(k);
   if (eliminated_)
     substitute([dt = dt_, p = p_.data(), u = u_.data()](std::size_t i, const auto& a) { move(dt, a, p[i], u[i]); });
   else
@@ -290,8 +280,7 @@ void TimeStep::advance() {
 
 std::span<const unsigned char> TimeStep::active() const {
   if (std::holds_alternative<SpanConstraint>(solver_)) return span_active_;
-  if (const auto* ends = std::get_if<EndConstraint>(&solver_)) return ends->active();
-  return {};
+  return std::get<EndConstraint>(solver_).active();
 }
 
 bool TimeStep::finite() const {
@@ -301,9 +290,7 @@ bool TimeStep::finite() const {
 
 double TimeStep::end_power() const {
   const EndRows& rows = *system_.inertia().end_rows;
-  const std::size_t last = a_.size() - 1;
-  const auto v = [&](std::size_t i) { return p_[i] - dt_ / 2 * a_[i]; };
-  return v(0) * rows.first_times(a_) + v(last) * rows.last_times(a_);
+  return mean_velocity(0) * rows.first_times(a_) + mean_velocity(a_.size() - 1) * rows.last_times(a_);
 }
 
 double TimeStep::dashpot_power() const {
@@ -313,11 +300,15 @@ double TimeStep::dashpot_power() const {
   return power;
 }
 
+// Of the nodes in their order: u^n, u^{n-1}, p^{n-1/2}.
+std::array<std::vector<double>, 3> TimeStep::nodal() const {
+  return {to_nodes([this](std::size_t i) { return u_[i]; }),
+          to_nodes([this](std::size_t i) { return u_[i] - dt_ * p_[i]; }),
+          to_nodes([this](std::size_t i) { return p_[i]; })};
+}
+
 EnergyState TimeStep::energies(double t) const {
-  std::vector<double> u(u_.size()), u_before(u_.size()), p(u_.size());
-  order_.to_nodes([&](std::size_t i) { return u_[i]; }, u);
-  order_.to_nodes([&](std::size_t i) { return u_[i] - dt_ * p_[i]; }, u_before);
-  order_.to_nodes([&](std::size_t i) { return p_[i]; }, p);
+  const auto [u, u_before, p] = nodal();
   Lift now, before, rate;
   if (system_.moving()) {
     now = system_.lift(t, 0), before = system_.lift(t - dt_, 0);
@@ -331,10 +322,7 @@ EnergyState TimeStep::energies(double t) const {
 double TimeStep::frame_energy(double t) const { return system_.moving() ? energies(t).total() - energy() : 0.0; }
 
 double TimeStep::energy() const {
-  std::vector<double> u(u_.size()), u_before(u_.size()), p(u_.size());
-  order_.to_nodes([&](std::size_t i) { return u_[i]; }, u);
-  order_.to_nodes([&](std::size_t i) { return u_[i] - dt_ * p_[i]; }, u_before);
-  order_.to_nodes([&](std::size_t i) { return p_[i]; }, p);
+  const auto [u, u_before, p] = nodal();
   return (system_.energy(u, p) + system_.energy(u_before, p)) / 2;
 }
 

@@ -1,10 +1,6 @@
 #pragma once
 
-#include <cstddef>
-#include <optional>
-#include <span>
 #include <variant>
-#include <vector>
 
 #include "schemes/end_constraint.hpp"
 #include "schemes/lane_bar.hpp"
@@ -53,8 +49,7 @@ class TimeStep {
   std::span<const double> acceleration();                                  ///< a^n
   std::span<const double> acceleration_before() const { return before_; }  ///< a^{n-1}
 
-  /// Nodes with an obstacle in the order of the unknowns, each with the obstacle that bounds it most, from either
-  /// side.
+  /// Nodes with an obstacle in the order of the unknowns, with the one that bounds them most, from either side.
   const std::vector<Contact>& contacts() const { return contacts_; }
   /// int lambda dt over the first half step, which leads to p^{1/2}: of the balance at t_0, and what an impact at t_0
   /// takes at once; one a contact.
@@ -103,6 +98,14 @@ class TimeStep {
   void project_start();
   void settle_massless(const Contact& contact, std::size_t next, double begin);
   void keep_within(std::size_t k);
+  double least_velocity(std::size_t k) const;
+  template <class Value>
+  std::vector<double> to_nodes(Value&& value) const {
+    std::vector<double> nodes(u_.size());
+    order_.to_nodes(value, nodes);
+    return nodes;
+  }
+  std::array<std::vector<double>, 3> nodal() const;
   void solve_span(SpanConstraint& span, std::span<const double> b, std::span<const double> bound, std::span<double> x,
                   std::span<double> multiplier);
 
@@ -115,7 +118,7 @@ class TimeStep {
   std::optional<LoadVector> load_;
   std::span<const double> load_now_;
   std::vector<Contact> contacts_;
-  std::variant<TridiagonalFactor, EndConstraint, SpanConstraint> solver_;
+  std::variant<std::monostate, EndConstraint, SpanConstraint> solver_;
   LaneFields fields_;
   std::span<double> u_ = fields_[0], p_ = fields_[1], a_ = fields_[2], before_ = fields_[3];
   std::vector<double> interface_;  // a^n there; under a span obstacle the force

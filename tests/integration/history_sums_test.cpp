@@ -1,9 +1,9 @@
-#include "integration/sundials/history_sums.hpp"
-
 #include <gtest/gtest.h>
 
 #include <random>
 #include <vector>
+
+#include "integration/sundials/vector.hpp"
 
 namespace viscobar::sundials {
 namespace {

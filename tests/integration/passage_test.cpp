@@ -1,9 +1,9 @@
-#include "integration/exponential/passage.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
+
+#include "integration/exponential/contact_distance.hpp"
 
 namespace viscobar::exponential {
 namespace {

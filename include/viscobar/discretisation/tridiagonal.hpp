@@ -21,6 +21,14 @@ struct EndRows {
     return last[0] * x[n - 1] + last[1] * x[n - 2] + last[2] * x[n - 3];
   }
 
+  /// That of unknown `end`, 0 or the last, from the end inwards.
+  const std::array<double, 3>& row(std::size_t end) const { return end == 0 ? first : last; }
+  /// The same times x, which has n entries.
+  double row_times(std::size_t end, std::span<const double> x) const {
+    return end == 0 ? first_times(x) : last_times(x);
+  }
+  EndRows times(double factor) const;  ///< factor times the same
+
   /// The same, of n rows, without what couples those for which out(i) holds to others.
   template <class Out>
   EndRows uncoupled(std::size_t n, Out&& out) const {
@@ -45,6 +53,9 @@ struct SymmetricTridiagonal {
 
   /// A(i,i)
   double diagonal_entry(std::size_t i) const;
+  /// Whether its off_diagonal is missing.
+  bool is_diagonal() const { return off_diagonal.empty(); }
+  SymmetricTridiagonal& operator*=(double factor);  ///< of all entries
 
   /// out = A x. `out` and `x` have n entries and do not overlap.
   void multiply(std::span<const double> x, std::span<double> out) const;

@@ -51,6 +51,9 @@ struct State {
 struct Lift {
   double left = 0.0;   ///< at x = 0
   double right = 0.0;  ///< at x = L
+  /// At that end.
+  double of(bool at_right) const { return at_right ? right : left; }
+  double& of(bool at_right) { return at_right ? right : left; }  ///< likewise
   /// At x = share L.
   double at(double share) const { return std::lerp(left, right, share); }
 };
@@ -89,9 +92,9 @@ class BarSystem {
   /// obstacle with an end that moves).
   BarSystem(const Scene& scene, const Mesh& mesh, Mass mass);
 
-  std::size_t size() const { return inertia_.size(); }            ///< n, number of unknown nodes
-  std::size_t first_node() const { return left_fixed_ ? 1 : 0; }  ///< mesh node of unknown 0
-  const Mesh& mesh() const { return mesh_; }                      ///< that it lives on
+  std::size_t size() const { return inertia_.size(); }             ///< n, number of unknown nodes
+  std::size_t first_node() const { return left_fixed() ? 1 : 0; }  ///< mesh node of unknown 0
+  const Mesh& mesh() const { return mesh_; }                       ///< that it lives on
   /// Size of the element at an unknown, on its right but at the last node.
   double spacing_at(std::size_t unknown) const {
     return mesh_.element(std::min(unknown + first_node(), mesh_.elements - 1));
@@ -101,8 +104,12 @@ class BarSystem {
   bool damped() const { return bar_.viscosity > 0.0; }  ///< eta > 0
   /// Whether there is a load: f, a force on an end, or a frame that moves.
   bool loaded() const { return load_ || inputs_[0].force || inputs_[1].force || moving(); }
-  bool left_fixed() const { return left_fixed_.has_value(); }    ///< node 0 is no unknown
-  bool right_fixed() const { return right_fixed_.has_value(); }  ///< node J is no unknown
+  bool left_fixed() const { return walls_[0].has_value(); }   ///< node 0 is no unknown
+  bool right_fixed() const { return walls_[1].has_value(); }  ///< node J is no unknown
+  /// The unknown of an end that is not fixed: the first or the last.
+  std::size_t end(bool right) const { return right ? size() - 1 : 0; }
+  /// Which end that is.
+  bool is_right(std::size_t end) const { return end > 0 || left_fixed(); }
   /// Springs and dashpots at the ends.
   const std::vector<Mount>& mounts() const { return mounts_; }
   /// sum c_e w_e^2
@@ -143,9 +150,10 @@ class BarSystem {
     return lift_loss(rate, left_fixed() ? 0.0 : w.front(), right_fixed() ? 0.0 : w.back());
   }
 
-  /// Displacement of a fixed end, in the frame.
-  std::optional<double> left_displacement() const { return left_fixed_; }
-  std::optional<double> right_displacement() const { return right_fixed_; }  ///< likewise of the right one
+  /// Displacement of a fixed end, in the frame; absent: it is not fixed.
+  const std::optional<double>& wall(bool right) const { return walls_[right]; }
+  std::optional<double> left_displacement() const { return walls_[0]; }   ///< of the left one
+  std::optional<double> right_displacement() const { return walls_[1]; }  ///< likewise of the right one
 
   /// rho M; the row of a massless node is zero. Its symmetric part, rho Q, makes the kinetic energy.
   const SymmetricTridiagonal& inertia() const { return inertia_; }
@@ -153,11 +161,15 @@ class BarSystem {
   const std::vector<Contact>& contacts() const { return contacts_; }
 
   /// Unknowns with inertia are the contiguous range [massive_begin, massive_end).
-  std::size_t massive_begin() const { return massless_left_ ? 1 : 0; }
+  std::size_t massive_begin() const { return massless_[0] ? 1 : 0; }
   /// One past the last unknown with inertia.
-  std::size_t massive_end() const { return size() - (massless_right_ ? 1 : 0); }
-  /// Whether any unknown has no inertia.
-  bool has_massless() const { return massless_left_ || massless_right_; }
+  std::size_t massive_end() const { return size() - (massless_[1] ? 1 : 0); }
+  /// Whether it has no inertia.
+  bool massless(std::size_t unknown) const { return unknown < massive_begin() || unknown >= massive_end(); }
+  /// Whether any unknown has none.
+  bool has_massless() const { return massless_[0] || massless_[1]; }
+  /// rho M over all nodes, where the frame moves.
+  const SymmetricTridiagonal& whole_inertia() const { return whole_inertia_; }
 
   /// out = -(E K u + eta K w). Stresses are differences of neighbours, so a rigid motion gives exactly zero.
   void internal_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
@@ -220,21 +232,20 @@ class BarSystem {
     SymmetricTridiagonal mass;  // over all nodes
   };
 
-  std::optional<EndRows> scaled_end_rows(double factor) const;
   void take_forces();
-  void enter_frame(SymmetricTridiagonal whole_inertia);
+  void enter_frame();
   void stop_fixed_ends(const Scene& scene, double coupling);
   void uniform_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
-  void uniform_stiffness(double m, double scale, SymmetricTridiagonal& out) const;  // scale K + m rho M
   void graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
-  void graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const;  // likewise
+  void uniform_stiffness(double m, double scale, SymmetricTridiagonal& out) const;  // scale K + m rho M
+  void graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const;   // likewise
 
   Mesh mesh_;
   Mass mass_;
   Bar bar_;
-  std::optional<double> left_fixed_, right_fixed_;  // displacement of a fixed end
-  bool massless_left_ = false, massless_right_ = false;
-  std::vector<double> inverse_spacing_;  // 1/h of every element; empty for a uniform mesh
+  std::array<std::optional<double>, 2> walls_;  // displacement of a fixed end
+  std::array<bool, 2> massless_{};              // the ends
+  std::vector<double> inverse_spacing_;         // 1/h of every element; empty for a uniform mesh
   SymmetricTridiagonal inertia_;
   TridiagonalFactor massive_factor_;  // of the massive block of rho M
   std::vector<Contact> contacts_;
@@ -270,17 +281,20 @@ class LoadVector {
   /// The time at which at(t) evaluates the load.
   double inside(double t) const { return std::clamp(t, first_, last_); }
 
-  bool steady() const;                                      ///< the same at all times
+  bool steady() const { return steady_; }                   ///< the same at all times
   std::size_t evaluations() const { return evaluations_; }  ///< of the load's functions of time
 
  private:
+  template <class Kind>
+  const Kind* load_as() const {
+    return system_.load_ ? std::get_if<Kind>(&*system_.load_) : nullptr;
+  }
   double next_break(double after, double until);
   void find_distributed(double t);
   double distributed(double t, std::size_t unknown) const;
   void add_inputs(double t);
   std::array<double, 2> end_forces(double t) const;
   Lift lift(double t, int derivative) const;
-  std::array<double, 2> lift_forces(const Lift& lift, const Lift& rate) const;
 
   const BarSystem& system_;  // outlives this
   double step_;

@@ -33,9 +33,8 @@ struct PenaltyLaw {
 /// The paper's parameters of the response: reaction = penetration / epsilon, and the restitution e of a node in
 /// [0, 1] that the dashpot realises (1: no dashpot).
 struct Penalty {
-  std::optional<double>
-      epsilon{};             ///< displacement per stress, > 0; 0: rigid, see integrate(Rigid); absent: no contact
-  double restitution = 1.0;  ///< e
+  std::optional<double> epsilon{};  ///< displacement per stress, > 0; 0: rigid, see Rigid; absent: no contact
+  double restitution = 1.0;         ///< e
 };
 
 /// zeta with exp(-pi zeta / sqrt(1 - zeta^2)) = restitution: -ln e / sqrt(pi^2 + ln^2 e), and 1 for e = 0.

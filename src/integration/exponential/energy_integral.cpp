@@ -1,9 +1,5 @@
 #include "integration/exponential/energy_integral.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-
 #include "integration/gauss.hpp"
 
 namespace viscobar::exponential {
@@ -41,12 +37,8 @@ SampledFlow sampled_flow(const Leg& leg, std::span<const VectorXd> velocities, s
     const double power = (loads.empty() ? 0.0 : tau * velocities[k].dot(loads[k])) + of_frame;
     const double end = accelerations.empty() ? 0.0 : tau * leg.end_power(velocities[k], accelerations[k]);
     sampled.powers[k] = {loss, power, end};
-    flow.end_inertia += fine[weight] * end;
-    other.end_inertia += coarse[weight] * end;
-    flow.dissipated += fine[weight] * loss;
-    flow.work += fine[weight] * power;
-    other.dissipated += coarse[weight] * loss;
-    other.work += coarse[weight] * power;
+    flow.add(fine[weight], sampled.powers[k]);
+    other.add(coarse[weight], sampled.powers[k]);
   }
   sampled.error = std::max({std::abs(flow.dissipated - other.dissipated), std::abs(flow.work - other.work),
                             std::abs(flow.end_inertia - other.end_inertia)});
@@ -61,9 +53,7 @@ EnergyFlow SampledFlow::until(double sigma) const {
       double share = sigma * weight / 2;
       for (std::size_t j = 0; j <= 8; ++j)
         if (j != k) share *= (8.0 * at - static_cast<double>(j)) / (static_cast<double>(k) - static_cast<double>(j));
-      sum.dissipated += share * powers[k].dissipated;
-      sum.work += share * powers[k].work;
-      sum.end_inertia += share * powers[k].end_inertia;
+      sum.add(share, powers[k]);
     }
   }
   return sum;

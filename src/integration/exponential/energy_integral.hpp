@@ -11,6 +11,12 @@ namespace viscobar::exponential {
 /// Energy that viscosity and dashpots take, that the load gives, and that the end rows of the mass take.
 struct EnergyFlow {
   double dissipated = 0.0, work = 0.0, end_inertia = 0.0;
+  /// Adds so many times another.
+  void add(double factor, const EnergyFlow& other) {
+    dissipated += factor * other.dissipated;
+    work += factor * other.work;
+    end_inertia += factor * other.end_inertia;
+  }
 };
 
 /// What a frame that moves adds to power and loss at a part of a step and a velocity (see BarSystem::lift_loss); empty

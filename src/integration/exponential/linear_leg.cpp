@@ -1,7 +1,5 @@
 #include "integration/exponential/linear_leg.hpp"
 
-#include <algorithm>
-
 namespace viscobar::exponential {
 
 template <class Real>
@@ -32,46 +30,35 @@ LinearLeg<Real>::LinearLeg(const BarSystem& system, const Eigen::VectorXd& origi
   left_displacement_ = nodal.front() - origin[0];
   right_displacement_ = nodal.back() - origin[n_ - 1];
 
-  const SymmetricTridiagonal& inertia = system.inertia();
-  end_rows_ = inertia.end_rows;
-  if (end_rows_) {
-    factorise_with_end_rows(inertia);
-    return;
-  }
-  for (Index i = massive_begin_; i < massive_end_; ++i) {
-    Real pivot = inertia.diagonal[i];
-    if (i > massive_begin_ && !inertia.off_diagonal.empty()) {
-      lower_.push_back(inertia.off_diagonal[i - 1] * inverse_pivot_.back());
-      pivot -= lower_.back() * inertia.off_diagonal[i - 1];
-    }
-    inverse_pivot_.push_back(1 / pivot);
-  }
+  factorise(system.inertia());
 }
 
 // As TridiagonalFactor does.
 template <class Real>
-void LinearLeg<Real>::factorise_with_end_rows(const SymmetricTridiagonal& inertia) {
-  const std::size_t n = inertia.size();
-  const auto& [first, last] = *end_rows_;
-  Real right = Real(inertia.off_diagonal[0]) + first[1];  // D(i,i) U(i,i+1)
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    const Real off = inertia.off_diagonal[i];
-    Real pivot = Real(inertia.diagonal[i]) + (i == 0 ? first[0] : 0.0);
-    if (i > 0) {
-      const Real before = inertia.off_diagonal[i - 1];
-      lower_.push_back(before * inverse_pivot_[i - 1]);
-      pivot -= before * upper_[i - 1];
-      right = i == 1 ? off - before * upper_02_ : off;
+void LinearLeg<Real>::factorise(const SymmetricTridiagonal& inertia) {
+  end_rows_ = inertia.end_rows;
+  const EndRows rows = end_rows_.value_or(EndRows{});
+  const Index n = massive_end_ - massive_begin_;
+  for (Index i = 0; i < n; ++i) {
+    const bool last = i + 1 == n;
+    Real pivot = Real(inertia.diagonal[massive_begin_ + i]);
+    if (end_rows_ && (i == 0 || last)) pivot += i == 0 ? rows.first[0] : rows.last[0];
+    if (i > 0 && !inertia.is_diagonal()) {
+      Real below = inertia.off_diagonal[massive_begin_ + i - 1];  // D(i-1,i-1) L(i,i-1)
+      if (end_rows_ && last) below = below + rows.last[1] - rows.last[2] * upper_[n - 3];
+      lower_.push_back(below * inverse_pivot_[i - 1]);
+      pivot -= below * upper_[i - 1];
+      if (end_rows_ && last && n == 3) pivot -= rows.last[2] * upper_02_;
     }
     inverse_pivot_.push_back(1 / pivot);
+    if (last || inertia.is_diagonal()) continue;
+    Real right = inertia.off_diagonal[massive_begin_ + i];  // D(i,i) U(i,i+1)
+    if (end_rows_ && i == 0) right += rows.first[1];
+    if (end_rows_ && i == 1) right -= inertia.off_diagonal[0] * upper_02_;
     upper_.push_back(right * inverse_pivot_[i]);
-    if (i == 0) upper_02_ = first[2] * inverse_pivot_[0];
+    if (i == 0) upper_02_ = rows.first[2] * inverse_pivot_[0];
   }
-  lower_last_ = last[2] * inverse_pivot_[n - 3];
-  const Real beside = Real(inertia.off_diagonal[n - 2]) + last[1] - last[2] * upper_[n - 3];
-  lower_.push_back(beside * inverse_pivot_[n - 2]);
-  inverse_pivot_.push_back(1 / (Real(inertia.diagonal[n - 1]) + last[0] - beside * upper_[n - 2] -
-                                (n == 3 ? last[2] * upper_02_ : Real(0))));
+  if (end_rows_) lower_last_ = rows.last[2] * inverse_pivot_[n - 3];
 }
 
 template <class Real>
@@ -82,14 +69,10 @@ void LinearLeg<Real>::solve_inertia(Vector& force) const {
     return;
   }
   for (Index i = 1; i < n; ++i) force[i] -= lower_[i - 1] * force[i - 1];
-  if (end_rows_) {
-    force[n - 1] = (force[n - 1] - lower_last_ * force[n - 3]) * inverse_pivot_[n - 1];
-    for (Index i = n - 1; i-- > 0;) force[i] = force[i] * inverse_pivot_[i] - upper_[i] * force[i + 1];
-    force[0] -= upper_02_ * force[2];
-    return;
-  }
+  if (end_rows_) force[n - 1] -= lower_last_ * force[n - 3];
   force[n - 1] *= inverse_pivot_[n - 1];
-  for (Index i = n - 1; i-- > 0;) force[i] = force[i] * inverse_pivot_[i] - lower_[i] * force[i + 1];
+  for (Index i = n - 1; i-- > 0;) force[i] = force[i] * inverse_pivot_[i] - upper_[i] * force[i + 1];
+  if (end_rows_) force[0] -= upper_02_ * force[2];
 }
 
 template <class Real>

@@ -61,16 +61,15 @@ class LinearLeg {
   bool has_end_rows() const { return end_rows_.has_value(); }
 
  private:
-  void factorise_with_end_rows(const SymmetricTridiagonal& inertia);
+  void factorise(const SymmetricTridiagonal& inertia);
   void solve_inertia(Vector& force) const;
 
   Index n_, moving_begin_, moving_, massive_begin_, massive_end_;
   bool left_fixed_, right_fixed_, damped_, uniform_;
   Real left_displacement_, right_displacement_;  // of fixed ends
-  std::vector<Real> stiffness_, damping_;    // E / h, eta / h of the elements left and right of unknown i: [i], [i+1]
-  std::vector<Real> lower_, inverse_pivot_;  // L D L^T of the massive block of rho M
-  std::vector<Real> upper_;                  // U(i, i+1) of L D U, where the mass has end rows
-  Real upper_02_ = 0, lower_last_ = 0;       // U(0, 2), L(n-1, n-3)
+  std::vector<Real> stiffness_, damping_;  // E / h, eta / h of the elements left and right of unknown i: [i], [i+1]
+  std::vector<Real> lower_, inverse_pivot_, upper_;  // L(i+1, i), 1 / D(i, i), U(i, i+1) of the massive block of rho M
+  Real upper_02_ = 0, lower_last_ = 0;               // U(0, 2), L(n-1, n-3), where the mass has end rows
   std::optional<EndRows> end_rows_;
   Eigen::VectorXd origin_;
   std::vector<double> steady_load_;  // empty, or n entries

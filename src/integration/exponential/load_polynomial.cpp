@@ -1,9 +1,5 @@
 #include "integration/exponential/load_polynomial.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace viscobar::exponential {
@@ -73,18 +69,13 @@ LoadPolynomial rescaled(const LoadPolynomial& p, double origin, double scale) {
 LoadInterpolation::LoadInterpolation(const BarSystem& system, double begin, double end)
     : basis_(static_cast<Index>(system.size()), 0) {
   if (!system.loaded()) return;
-  load_.emplace(system);
-  if (!load_->steady()) {
-    look_over(system, begin, end);
+  LoadVector load(system);
+  if (load.steady()) {
+    steady_ = load.at(0.0);
     return;
   }
-  steady_ = load_->at(0.0);
-  load_.reset();
-}
-
-void LoadInterpolation::look_over(const BarSystem& system, double begin, double end) {
+  load_.emplace(system);
   constexpr int looks = 64;
-  LoadVector load(system);
   for (int k = 0; k < looks; ++k) try {
       const std::span<const double> now = load.at(begin + (end - begin) * (k + 0.5) / looks);
       const double size = Eigen::Map<const Eigen::VectorXd>(now.data(), basis_.rows()).stableNorm();

@@ -54,8 +54,6 @@ class LoadInterpolation {
   std::size_t evaluations() const { return load_ ? load_->evaluations() : 0; }
 
  private:
-  void look_over(const BarSystem& system, double begin, double end);
-
   std::optional<LoadVector> load_;
   std::span<const double> steady_;
   Eigen::MatrixXd basis_;

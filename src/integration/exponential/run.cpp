@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "run/step_failure.hpp"
 
 namespace viscobar::exponential {
@@ -66,10 +64,11 @@ void Run::begin(const State& start) {
   penalised_.complete_velocity(t_, state.u, state.v);
   const std::vector<double> approach = state.v;
   penalised_.settle(t_, state.u, state.v);
-  const VectorXd u = Eigen::Map<const VectorXd>(state.u.data(), static_cast<Index>(system_.size()));
-  const VectorXd v = Eigen::Map<const VectorXd>(state.v.data(), static_cast<Index>(system_.size()));
+  const auto vector = [](const std::vector<double>& x) {
+    return VectorXd(Eigen::Map<const VectorXd>(x.data(), static_cast<Index>(x.size())));
+  };
   begin_leg();
-  y_ = leg().pack(u, v);
+  y_ = leg().pack(vector(state.u), vector(state.v));
   if (observers_.account) {
     statistics_.account.emplace();
     watch_ends();
@@ -127,6 +126,266 @@ void Run::begin_leg() {
   propagator_ = &propagators_.present();
   if (ends_) ends_->measure_from(entries(propagators_.origin()));
   level_ = wait_ = 0;
+}
+
+bool Run::advance() {
+  if (t_ >= piece_end_) {
+    enter_piece();
+    pass_kink();
+  }
+  largest_displacement_ = std::max(
+      largest_displacement_,
+      (y_.head(leg().displacements()) + propagators_.origin().head(leg().displacements())).cwiseAbs().maxCoeff());
+  const double remaining = std::min(schedule_.next().value_or(piece_end_), piece_end_) - t_;
+  // A varying load that vanishes at all points of a long step could hide a pulse between them.
+  const double longest = load_.varies() ? std::min(remaining, (times_.back() - times_.front()) / 64) : remaining;
+  while (level_ > 0 && propagator_->step(level_) > longest) --level_;
+  const double tau = std::min(propagator_->step(level_), remaining);
+  if (t_ + tau == t_) throw StepFailure(Failure::stiffness, "the step vanishes against the time");
+  const bool resolved = load_.fit(t_, tau, negligible_load(), p_);
+  if (!resolved && tau > shortest_step()) return shorten(), false;
+  // A step of a few roundings of t carries nothing: that is how a jump of the load is crossed.
+  if (!resolved && ++load_jumps_ > max_load_jumps)
+    throw StepFailure(Failure::load, "the load is too rough there: no polynomial in time follows it to rounding");
+  if (level_ <= 0)
+    take_short_step(tau);
+  else if (!take_long_step(tau))
+    return shorten(), false;
+  ++statistics_.steps;
+  watchdog_.step(t_, statistics_.events);
+  if (!y_.allFinite()) throw not_finite();
+  return true;
+}
+
+double Run::negligible_load() const {
+  const double duration = times_.back() - times_.front();
+  const double massless = system_.has_massless() ? system_.mesh().spacing() / system_.bar().modulus : 0.0;
+  return rounding * largest_displacement_ / std::max(duration * duration * propagators_.inverse_inertia(), massless);
+}
+
+bool Run::take_long_step(double tau) {
+  const int halvings = energy_flows() || ends_ ? 3 : contacts() > 0 ? 2 : 0, pieces = 1 << halvings;
+  const bool sampled = pieces > 1;
+  std::vector<LoadPolynomial> p;
+  std::vector<Series> motion;
+  VectorXd y = y_;
+  for (int k = 0; k <= pieces; ++k) {
+    const double at = static_cast<double>(k) / pieces;
+    if (sampled) {
+      p.push_back(rescaled(p_, at, 1.0));
+      motion.push_back(propagator_->expand(y, p[k], tau, leg().has_end_rows() ? 2 : 1));
+    }
+    if (k < pieces) propagator_->advance(level_ - halvings, y, rescaled(p_, at, 1.0 / pieces));
+  }
+  if (contacts() > 0) ++statistics_.event_evaluations;
+  double penetration = statistics_.max_penetration;
+  for (std::size_t c = 0; c < contacts(); ++c)
+    if (!distance_.keeps_state(c, motion, p, tau, largest(), penetration)) return false;
+  if (ends_) {
+    ends_->look_at(t_, t_ + tau, pieces, [&](std::size_t k, double) { return end_sample(motion[k], 0.0, tau); });
+    if (!ends_->resolved()) return false;
+  }
+  std::optional<SampledFlow> flow;
+  if (energy_flows() && !(flow = resolved_flow(motion, p, tau, penetration))) return false;
+  if (ends_) ends_->add();
+  output_until(t_ + tau, tau, [&](double sigma) { return flow ? flow->until(sigma) : EnergyFlow{}; });
+  if (flow) add(flow->flow);
+  statistics_.max_penetration = penetration;
+  y_ = std::move(y);
+  t_ += tau;
+  lengthen();
+  return true;
+}
+
+void Run::take_short_step(double tau) {
+  const Series series = propagator_->expand(y_, p_, tau);
+  double sigma = 1.0;
+  std::optional<std::size_t> changing;
+  std::vector<VectorXd> distances;
+  // Of a bar that has stood at the origin, with the motion of this step: the load's polynomial has roundings, too.
+  ContactDistance::Largest known = largest();
+  if (contacts() > 0) {
+    ++statistics_.event_evaluations;
+    known.displacement =
+        std::max(known.displacement, (leg().displacement(series, 1.0) + propagators_.origin()).cwiseAbs().maxCoeff());
+  }
+  for (std::size_t c = 0; c < contacts(); ++c) {
+    distances.push_back(distance_.along(c, series, p_));
+    if (penalised_.closed(c)) known.penetration = std::max(known.penetration, std::abs(value(distances[c], 1.0)));
+  }
+  for (std::size_t c = 0; c < contacts(); ++c) {
+    const std::optional<double> passage = first_passage(distances[c], distance_.band(c, known));
+    if (passage && (!changing || *passage < sigma)) sigma = *passage, changing = c;
+  }
+  const double t = t_ + tau * sigma;
+  output_until(t, tau, [&](double at) {
+    return energy_flows() ? gauss_flow(leg(), series, load_.total(p_), tau, at, frame_loss(tau)) : EnergyFlow{};
+  });
+  for (std::size_t c = 0; c < contacts(); ++c)
+    if (penalised_.closed(c))
+      statistics_.max_penetration =
+          std::max(statistics_.max_penetration, distance_.penetration_share(c) * largest_value(distances[c], sigma));
+  if (energy_flows()) add(gauss_flow(leg(), series, load_.total(p_), tau, sigma, frame_loss(tau)));
+  if (ends_) {
+    // Of that degree the series is the motion to rounding, since (rate bound) * step <= 1.
+    ends_->look_at(t_, t, Bernstein::max_degree,
+                   [&](std::size_t, double at) { return end_sample(series, (at - t_) / tau, tau); });
+    ends_->add();
+  }
+  const VectorXd u = leg().displacement(series, sigma), v = leg().velocity(series, sigma, tau);
+  y_ = leg().pack(u, v);
+  t_ = t;
+  if (changing)
+    change_contacts(*changing, distances, sigma, v);
+  else
+    lengthen();
+}
+
+void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distances, double sigma, const VectorXd& v) {
+  std::vector<std::size_t> changing;
+  for (std::size_t c = 0; c < contacts(); ++c) {
+    const double away = sign(c) * v[node(c)];
+    const bool leaving = penalised_.closed(c) ? away > 0.0 : away < 0.0;
+    if (c == first || (leaving && std::abs(value(distances[c], sigma)) <= distance_.band(c, largest())))
+      changing.push_back(c);
+  }
+  for (const std::size_t c : changing) {
+    penalised_.set_closed(c, !penalised_.closed(c));
+    if (penalised_.closed(c)) measure_from_obstacle(c);
+    if (!distance_.follows(c)) y_[node(c)] = propagators_.surface(c);  // to the digits that only the new leg needs
+    tell_change(c, v[node(c)]);
+  }
+  begin_leg();
+}
+
+void Run::tell_change(std::size_t c, double velocity) {
+  watchdog_.change(t_, c);
+  if (system_.moving()) velocity += system_.lift(t_, 1).at(system_.share(penalised_.contact(c).unknown));
+  telling_.event(t_, system_, penalised_.contact(c), penalised_.closed(c) ? Change::closing : Change::opening,
+                 velocity);
+}
+
+std::span<const double> Run::end_sample(const Series& series, double sigma, double tau) {
+  const auto n = static_cast<std::size_t>(series.rows());
+  for (std::size_t k = 0; k < end_entries_.size(); ++k) {
+    const bool rate = end_entries_[k] >= n;
+    const auto row = series.row(static_cast<Index>(rate ? end_entries_[k] - n : end_entries_[k]));
+    double sum = 0.0;
+    for (Index j = row.size(); j-- > (rate ? 1 : 0);)
+      sum = sum * sigma + (rate ? static_cast<double>(j) : 1.0) * row[j];
+    sampled_[k] = rate ? sum / tau : sum;
+  }
+  return sampled_;
+}
+
+std::optional<SampledFlow> Run::resolved_flow(const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p,
+                                              double tau, double penetration) const {
+  std::vector<VectorXd> velocities, loads, accelerations;
+  for (std::size_t k = 0; k < motion.size(); ++k) {
+    velocities.push_back(motion[k].col(1) / tau);
+    if (system_.loaded()) loads.push_back(load_.total(p[k]).col(0));
+    if (leg().has_end_rows()) accelerations.push_back(motion[k].col(2) * (2.0 / (tau * tau)));
+  }
+  SampledFlow sampled = sampled_flow(leg(), velocities, loads, accelerations, tau, frame_loss(tau));
+  EnergyFlow& flow = sampled.flow;
+  // As a bar at rest sets in motion, its energy is so small that a share of it would be below the flow's own
+  // rounding.
+  const double share = 1e-12 * energy_scale_ * tau / (times_.back() - times_.front());
+  // What may be rounding alone would add up in a long flight.
+  const double ends = end_power_rounding(velocities) * tau;
+  if (std::abs(flow.end_inertia) <= ends) {
+    flow.end_inertia = 0.0;
+    for (EnergyFlow& power : sampled.powers) power.end_inertia = 0.0;
+  }
+  const double known = 64.0 * rounding *
+                           (std::abs(flow.dissipated) + std::abs(flow.work) + std::abs(flow.end_inertia) +
+                            distance_.cancelled_power(penetration) * tau) +
+                       ends;
+  if (sampled.error > std::max({share, known, std::numeric_limits<double>::min()})) return std::nullopt;
+  return sampled;
+}
+
+FrameLoss Run::frame_loss(double tau) const {
+  if (!system_.moving()) return {};
+  return [this, tau](double sigma, const VectorXd& v) { return penalised_.frame_loss(t_ + sigma * tau, entries(v)); };
+}
+
+double Run::end_power_rounding(const std::vector<VectorXd>& velocities) const {
+  if (!system_.has_end_rows()) return 0.0;
+  double fastest = 0.0;
+  for (const VectorXd& v : velocities) fastest = std::max(fastest, v.cwiseAbs().maxCoeff());
+  const Bar& bar = system_.bar();
+  return 4.0 / 3.0 * fastest * bar.density * propagators_.inverse_inertia() * rounding *
+         (bar.modulus * largest_displacement_ + bar.viscosity * fastest);
+}
+
+void Run::output_until(double t, double tau, const std::function<EnergyFlow(double)>& flow_until) {
+  for (; next_output_ < times_.size() && times_[next_output_] <= t; ++next_output_) {
+    const bool last = next_output_ + 1 == times_.size();
+    if (!observers_.snapshot && !(last && statistics_.energy)) continue;
+    VectorXd y = y_;
+    LoadPolynomial p = p_;
+    double s = times_[next_output_] - t_, width = tau;
+    for (int level = level_ - 1; level >= 0; --level) {
+      width /= 2;
+      const LoadPolynomial first_half = rescaled(p, 0.0, 0.5);
+      if (s < width) {
+        p = first_half;
+        continue;
+      }
+      propagator_->advance(level, y, first_half);
+      p = rescaled(p, 0.5, 0.5);
+      s -= width;
+    }
+    const Series series = propagator_->expand(y, p, width);
+    const VectorXd u = leg().displacement(series, s / width) + propagators_.origin();
+    const VectorXd v = leg().velocity(series, s / width, width);
+    const double of_frame =
+        statistics_.energy ? penalised_.frame_energy(times_[next_output_], entries(u), entries(v)) : 0.0;
+    if (last && statistics_.energy) {
+      statistics_.energy->final = penalised_.energy(entries(u), entries(v)) + of_frame;
+      statistics_.energy->work += of_frame;
+    }
+    if (!observers_.snapshot) continue;
+    std::optional<EnergyState> energy;
+    if (statistics_.energy) {
+      const EnergyFlow flow = flow_until((times_[next_output_] - t_) / tau);
+      energy = EnergyState{.dissipated = statistics_.energy->dissipated + flow.dissipated,
+                           .work = statistics_.energy->work + flow.work + (last ? 0.0 : of_frame),
+                           .end_inertia = statistics_.energy->end_inertia + flow.end_inertia};
+    }
+    tell_snapshot(times_[next_output_], u, v, series, p, s / width, energy);
+  }
+}
+
+void Run::tell_snapshot(double t, const VectorXd& u, const VectorXd& v, const Series& series, const LoadPolynomial& p,
+                        double sigma, const std::optional<EnergyState>& energy) {
+  Snapshot snapshot = snapshot_(t, entries(u), entries(v));
+  if (energy) snapshot.energy = snapshot_.energy(entries(u), *energy);
+  // Again from the penetration itself, which has more digits than the displacement.
+  const auto reaction = [&](Index end) {
+    double sum = 0.0;
+    for (std::size_t c = 0; c < contacts(); ++c)
+      if (penalised_.closed(c) && node(c) == end)
+        sum += sign(c) *
+               penalised_.law(c).reaction(distance_.penetration_share(c) * value(distance_.along(c, series, p), sigma),
+                                          -sign(c) * v[end]);
+    return sum;
+  };
+  if (!system_.left_fixed()) snapshot.reaction_left = reaction(0);
+  if (!system_.right_fixed()) snapshot.reaction_right = reaction(v.size() - 1);
+  telling_.snapshot(snapshot);
+}
+
+bool Run::energy_flows() const {
+  return statistics_.energy && (penalised_.takes_energy() || system_.loaded() || system_.has_end_rows());
+}
+
+void Run::add(const EnergyFlow& flow) {
+  statistics_.energy->dissipated += flow.dissipated;
+  statistics_.energy->work += flow.work;
+  statistics_.energy->end_inertia += flow.end_inertia;
+  energy_scale_ = std::max(energy_scale_, statistics_.energy->initial + std::abs(statistics_.energy->work));
 }
 
 }  // namespace viscobar::exponential

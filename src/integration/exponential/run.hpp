@@ -1,25 +1,15 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <exception>
-#include <functional>
-#include <limits>
-#include <optional>
-#include <span>
-#include <vector>
 
-#include "dynamics/penalised_system.hpp"
 #include "integration/contact_watch.hpp"
 #include "integration/exponential/contact_distance.hpp"
 #include "integration/exponential/energy_integral.hpp"
-#include "integration/exponential/propagator_cache.hpp"
 #include "integration/snapshot.hpp"
 #include "run/contact_states.hpp"
 #include "run/parts.hpp"
 #include "run/telling.hpp"
 #include "run/watchdog.hpp"
-#include "viscobar/dynamics/bar_system.hpp"
 
 namespace viscobar::exponential {
 
@@ -28,10 +18,10 @@ using Series = LinearLeg<double>::Series;
 
 inline std::span<const double> entries(const VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
-/// A run of the exponential method. It goes leg by leg; on a leg no contact changes. A leg begins with short steps. One
-/// Taylor series covers such a step. The steps double as long as they resolve all that is asked for: the load, a
-/// contact change, the energy flow, a new maximum of the penetration. Where a step may hide one of these, shorter steps
-/// look for it. The shortest are those of the series, which hides nothing.
+/// A run of the exponential method, leg by leg; on a leg no contact changes. A leg begins with steps that one Taylor
+/// series covers. They double as long as they resolve the load, a contact change, the energy flow, and a new maximum of
+/// the penetration. Where a step may hide one of these, shorter steps look for it, in the end those of the series,
+/// which hides nothing.
 class Run {
  public:
   Run(const BarSystem& system, const StartingPoint& start, std::span<const double> times, const Penalty& penalty,
@@ -64,6 +54,7 @@ class Run {
 
  private:
   static constexpr int patience = 8;  // steps before a length that failed is tried again
+  static constexpr int max_load_jumps = 1000;
   static constexpr double rounding = std::numeric_limits<double>::epsilon();
 
   const LinearLeg<double>& leg() const { return propagator_->leg(); }
@@ -75,11 +66,8 @@ class Run {
   Statistics reached();
   [[noreturn]] void fail(Failure why, const std::exception& cause);
 
-  // The piece of time from here on in which the load is smooth.
-  void enter_piece();
-
-  // Where what holds or bounds an end changes its velocity at once.
-  void pass_kink();
+  void enter_piece();  // of time, from here on, in which the load is smooth
+  void pass_kink();    // where what holds or bounds an end changes its velocity at once
   void begin(const State& start);
   void go_on(const Checkpoint& checkpoint);
   void watch_ends();
@@ -100,20 +88,11 @@ class Run {
   // massless node by h / E.
   double negligible_load() const;
 
-  void shorten() {
-    --level_;
-    wait_ = patience;
-  }
+  void shorten() { --level_, wait_ = patience; }
+  void lengthen() { wait_ > 0 ? --wait_ : ++level_; }
 
-  void lengthen() {
-    if (wait_ > 0)
-      --wait_;
-    else
-      ++level_;
-  }
-
-  // A step by matrix exponentials, unless it may hide something. Where there are contacts, it looks at quarters of the
-  // step. Where somebody wants to know the energy flow or the motion of the ends, it looks at eighths.
+  // A step by matrix exponentials, unless it may hide something: it looks at quarters of the step for contacts, at
+  // eighths for the energy flow and the motion of the ends.
   bool take_long_step(double tau);
 
   // Over a long step; absent where the step may hide some of it.
@@ -121,9 +100,8 @@ class Run {
                                            double tau, double penetration) const;
   FrameLoss frame_loss(double tau) const;
 
-  // What rounding makes of the power of the end rows in a long flight. The row (rho h / 24) (3, 4, 1) multiplies
-  // accelerations. Those are the inverse of the mass times forces. Forces are differences of rounded displacements and
-  // velocities.
+  // What rounding makes of the power of the end rows in a long flight: the row (rho h / 24) (3, 4, 1) times
+  // accelerations, by forces that are differences of rounded displacements and velocities.
   double end_power_rounding(const std::vector<VectorXd>& velocities) const;
 
   // A step that one Taylor series covers, cut at the first contact change.
@@ -133,12 +111,11 @@ class Run {
   void change_contacts(std::size_t first, const std::vector<VectorXd>& distances, double sigma, const VectorXd& v);
   void tell_change(std::size_t c, double velocity);
 
-  // Tells the solution at the output times up to t. They lie in the current step, which has length tau and is bisected
-  // for them. The steps of the run stay as they are. `flow_until` gives the energy that has flown at a part of the
-  // step.
+  // Tells the solution at the output times up to t, which lie in the current step, of length tau; it is bisected for
+  // them. `flow_until` gives the energy that has flown at a part of the step.
   void output_until(double t, double tau, const std::function<EnergyFlow(double)>& flow_until);
   void tell_snapshot(double t, const VectorXd& u, const VectorXd& v, const Series& series, const LoadPolynomial& p,
-                     double sigma, std::optional<EnergyState> energy);
+                     double sigma, const std::optional<EnergyState>& energy);
 
   // Whether energy flows that somebody wants to know.
   bool energy_flows() const;

@@ -1,19 +1,11 @@
-#include <algorithm>
-#include <cmath>
-
-#include "integration/odeint/symplectic.hpp"
+#include "integration/odeint/explicit_formulas.hpp"
 #include "viscobar/integration/integrate.hpp"
 
 namespace viscobar {
 
 std::string_view name(Stepper stepper) {
-  switch (stepper) {
-    case Stepper::automatic: return "automatic";
-    case Stepper::rosenbrock4: return "rosenbrock4";
-    case Stepper::dopri5: return "dopri5";
-    case Stepper::symplectic: return "symplectic";
-  }
-  return {};
+  constexpr std::string_view names[] = {"automatic", "rosenbrock4", "dopri5", "symplectic"};
+  return names[static_cast<std::size_t>(stepper)];
 }
 
 namespace {

@@ -1,13 +1,7 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <span>
-#include <vector>
-
 #include "integration/odeint/dense_rosenbrock.hpp"
-#include "integration/odeint/first_order.hpp"
-#include "integration/step_polynomial.hpp"
+#include "integration/odeint/explicit_formulas.hpp"
 
 namespace viscobar {
 
@@ -47,7 +41,7 @@ class Rosenbrock4 {
     multiply_velocities({dense_.state(), size_}, tau_);
     to_state(dense_.state(), state_);
     form_(start.t, state_, rate_);
-    take_acceleration(start);
+    take_acceleration(rate_, start);
   }
 
   double attempt(double t, double h, std::span<const double> weights, StepPolynomial::End& reached) {
@@ -67,7 +61,7 @@ class Rosenbrock4 {
       to_state(dense_.state(), state_);
       std::ranges::copy(state_, reached.y.begin());
       if (!stiff) form_(reached.t, state_, rate_);
-      take_acceleration(reached);
+      take_acceleration(rate_, reached);
     }
     return error;
   }
@@ -82,10 +76,6 @@ class Rosenbrock4 {
   void to_state(const double* z, std::vector<double>& y) const {
     std::copy_n(z, size_, y.begin());
     multiply_velocities(y, 1.0 / tau_);
-  }
-
-  void take_acceleration(StepPolynomial::End& end) const {
-    std::copy_n(rate_.begin() + static_cast<std::ptrdiff_t>(end.a.size()), end.a.size(), end.a.begin());
   }
 
   // On a leg the rate is linear in y: by the rows' own matrices, so that no constant part takes digits from it.
@@ -105,7 +95,7 @@ class Rosenbrock4 {
       (j < n ? u[j] : w[j - n]) = j < n ? 1.0 : 1.0 / tau_;
       stiffness.multiply(u, elastic);
       for (const std::size_t end : {std::size_t{0}, n - 1}) {
-        if (end >= system.bar().massive_begin() && end < system.bar().massive_end()) continue;
+        if (!system.bar().massless(end)) continue;
         w[end] = 0.0;
         damping.multiply(w, viscous);
         if (!held[end]) w[end] = -(elastic[end] + viscous[end]) / damping.diagonal[end];

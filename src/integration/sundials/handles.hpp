@@ -55,15 +55,20 @@ class Context {
   SUNContext context_ = nullptr;
 };
 
-struct VectorDeleter {
-  void operator()(N_Vector vector) const noexcept { N_VDestroy(vector); }
+/// Frees by a function of the library, which takes the object, or the address of the memory of an integrator.
+template <auto free>
+struct Freed {
+  void operator()(auto* object) const noexcept {
+    if constexpr (requires { free(object); })
+      free(object);
+    else
+      free(&object);
+  }
 };
-using Vector = std::unique_ptr<std::remove_pointer_t<N_Vector>, VectorDeleter>;
-
-struct NonlinearSolverDeleter {
-  void operator()(SUNNonlinearSolver solver) const noexcept { SUNNonlinSolFree(solver); }
-};
-using NonlinearSolver = std::unique_ptr<std::remove_pointer_t<SUNNonlinearSolver>, NonlinearSolverDeleter>;
+using Vector = std::unique_ptr<std::remove_pointer_t<N_Vector>, Freed<N_VDestroy>>;
+using NonlinearSolver = std::unique_ptr<std::remove_pointer_t<SUNNonlinearSolver>, Freed<SUNNonlinSolFree>>;
+template <auto free>
+using Memory = std::unique_ptr<void, Freed<free>>;
 
 /// The name of a return flag; the library hands out memory that the caller frees.
 inline std::string flag_name(char* name) {

@@ -2,11 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <stdexcept>
-#include <utility>
-
 #include "dynamics/lost_inertia.hpp"
 #include "run/step_failure.hpp"
 
@@ -71,8 +66,7 @@ void Leg::solve_first_order(double t, double gamma, std::span<const double> y, d
     const auto s = layout.derivative(y, k), z_s = layout.derivative(z, k);
     const auto x_s = layout.derivative(x, k);
     solve_momentum(derivatives[k]->motion(), t, gamma, s, factor, z_s, x_s);
-    if (layout.block == 2 * n) continue;
-    impulse_rates(*derivatives[k], at, s, x_s.first(n), x_s.subspan(2 * n));
+    impulse_rates(*derivatives[k], at, s, x_s.u(), x_s.impulses());
     for (std::size_t i = 2 * n; i < layout.block; ++i) x_s[i] = gamma * x_s[i] + factor * z_s[i];
   }
 }
@@ -87,40 +81,43 @@ Moment Leg::moment(double t, std::span<const double> u, std::span<const double> 
 
 void Leg::impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::span<const double> x,
                         std::span<double> rates) {
-  const std::size_t n = layout.nodes;
-  std::size_t entry = 0;
   // Each has its end and the node beside it.
-  const auto rate = [&](std::size_t end) {
-    const std::size_t beside = n == 1 ? end : end == 0 ? 1 : end - 1;
+  layout.each_impulse([&](std::size_t k, std::size_t end) {
+    const std::size_t beside = layout.nodes == 1 ? end : end == 0 ? 1 : end - 1;
     for (const std::size_t i : {end, beside}) field[i] = s[i] + (x.empty() ? 0.0 : x[i]);
-    rates[entry++] = derivative.momentum_loss(end, at, field);
-  };
-  if (layout.left) rate(0);
-  if (layout.right) rate(n - 1);
+    rates[k] = derivative.momentum_loss(end, at, field);
+  });
 }
 
-void Leg::derivative_rates(double t, std::span<const double> y, std::span<const double> w, std::span<const double> a,
-                           std::span<double> y_rate) {
+void Leg::evaluate(double t, std::span<double> y, std::span<double> rate) {
+  const std::span<double> w = layout.u(rate), a = layout.w(rate);
+  system.force(t, layout.u(y), w, a);
+  system.accelerate(a);
+  account_rates(t, w, a, rate);
+  derivative_rates(t, y, rate);
+  ++statistics.rhs_evaluations;
+}
+
+void Leg::derivative_rates(double t, std::span<const double> y, std::span<double> y_rate) {
   if (derivatives.empty()) return;
-  const std::size_t n = layout.nodes;
-  const Moment at = moment(t, y.first(n), w, a);
+  const Moment at = moment(t, y.first(layout.nodes), layout.u(y_rate), layout.w(y_rate));
   for (std::size_t k = 0; k < derivatives.size(); ++k) {
     Derivative& derivative = *derivatives[k];
     derivative.drive(at);
     const auto s = layout.derivative(y, k);
     const auto rate = layout.derivative(y_rate, k);
-    std::ranges::copy(s.subspan(n, n), rate.begin());
-    derivative.motion().complete_velocity(t, s.first(n), rate.first(n));
-    derivative.motion().force(t, s.first(n), rate.first(n), rate.subspan(n, n));
-    derivative.motion().accelerate(rate.subspan(n, n));
-    impulse_rates(derivative, at, s.first(n), {}, rate.subspan(2 * n));
+    std::ranges::copy(s.w(), rate.begin());
+    derivative.motion().complete_velocity(t, s.u(), rate.u());
+    derivative.motion().force(t, s.u(), rate.u(), rate.w());
+    derivative.motion().accelerate(rate.w());
+    impulse_rates(derivative, at, s.u(), {}, rate.impulses());
   }
 }
 
 void Leg::subtract_inertia(double factor, std::span<const double> x, std::span<double> out) {
   const SymmetricTridiagonal& inertia = system.bar().inertia();
   const std::size_t n = out.size();
-  if (inertia.off_diagonal.empty()) {
+  if (inertia.is_diagonal()) {
     for (std::size_t i = 0; i < n; ++i) out[i] -= factor * inertia.diagonal[i] * x[i];
     return;
   }
@@ -129,25 +126,17 @@ void Leg::subtract_inertia(double factor, std::span<const double> x, std::span<d
 }
 
 void Leg::account_rates(double t, std::span<const double> w, std::span<const double> a, std::span<double> y_rate) {
+  if (layout.account() == 0) return;
   const double loss = system.frame_loss(t, w);
   if (layout.dissipated) y_rate[*layout.dissipated] = system.dissipated_power(w) + loss;
   if (layout.work) y_rate[*layout.work] = system.load_power(t, w) + loss;
   if (layout.end_inertia) y_rate[*layout.end_inertia] = system.bar().end_power(w, a);
 }
 
-namespace {
-
-struct StepSolver {
-  Leg* leg;
-  void (*solve)(Leg&, std::span<double>);
-};
-
-}  // namespace
-
-NonlinearSolver make_step_solver(Leg& leg, void (*solve)(Leg&, std::span<double>), const Context& context) {
+NonlinearSolver make_step_solver(Leg& leg, const Context& context) {
   NonlinearSolver solver(SUNNonlinSolNewEmpty(context.get()));
   if (!solver) throw std::bad_alloc();
-  solver->content = new StepSolver{&leg, solve};
+  solver->content = &leg;
   auto& ops = *solver->ops;
   ops.gettype = [](SUNNonlinearSolver) noexcept { return SUNNONLINEARSOLVER_ROOTFIND; };
   ops.initialize = [](SUNNonlinearSolver) noexcept { return 0; };
@@ -155,24 +144,22 @@ NonlinearSolver make_step_solver(Leg& leg, void (*solve)(Leg&, std::span<double>
   ops.setsysfn = [](SUNNonlinearSolver, SUNNonlinSolSysFn) noexcept { return 0; };
   ops.solve = [](SUNNonlinearSolver self, N_Vector, N_Vector correction, N_Vector, sunrealtype, boolean,
                  void*) noexcept {
-    auto& step = *static_cast<StepSolver*>(self->content);
-    return guarded(*step.leg, [&] {
-      step.solve(*step.leg, values(correction));
-      step.leg->correction = values(correction);
+    Leg& of = *static_cast<Leg*>(self->content);
+    return guarded(of, [&] {
+      of.solve_step(of, values(correction));
+      of.correction = values(correction);
     });
   };
   ops.free = [](SUNNonlinearSolver self) noexcept {
-    delete static_cast<StepSolver*>(self->content);
-    self->content = nullptr;
     SUNNonlinSolFreeEmpty(self);
     return 0;
   };
   return solver;
 }
 
-void fail(Leg& leg, const char* call, int flag, std::string name, std::span<const ReturnFlag> known) {
+void fail(Leg& leg, const std::string& call, int flag, const std::string& name, Library library) {
   if (leg.error) std::rethrow_exception(std::exchange(leg.error, nullptr));
-  const auto& [value, meaning, why] = return_flag(known, flag);
+  const auto& [values, meaning, why] = return_flag(library, flag);
   throw StepFailure(why, fmt::format("{} ({} returned {}{}{})", meaning, call, name,
                                      leg.library_message.empty() ? "" : ": ", leg.library_message));
 }

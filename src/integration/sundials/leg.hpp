@@ -1,14 +1,8 @@
 #pragma once
 
-#include <cstddef>
 #include <exception>
-#include <optional>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "dynamics/derivative.hpp"
-#include "dynamics/penalised_system.hpp"
 #include "integration/layout.hpp"
 #include "integration/sundials/return_flags.hpp"
 #include "integration/sundials/vector.hpp"
@@ -21,8 +15,15 @@ namespace viscobar::sundials {
 /// solve with D(m,c,k), and no iteration. What CVODE and IDA call is a SUNNonlinearSolver made of it.
 class Leg {
  public:
-  Leg(PenalisedSystem& of, const Layout& placed, Statistics& counted, std::span<Derivative* const> of_parameters)
-      : system(of), layout(placed), statistics(counted), derivatives(of_parameters), field(placed.nodes) {
+  /// `find_correction` solves the equations of a step of the library.
+  Leg(PenalisedSystem& of, const Layout& placed, Statistics& counted, std::span<Derivative* const> of_parameters,
+      void (*find_correction)(Leg&, std::span<double> correction))
+      : system(of),
+        layout(placed),
+        statistics(counted),
+        derivatives(of_parameters),
+        solve_step(find_correction),
+        field(placed.nodes) {
     if (placed.end_inertia || !of_parameters.empty()) acceleration.resize(placed.nodes);
     if (of_parameters.empty()) return;
     new_u.resize(placed.nodes), new_w = new_u;
@@ -42,9 +43,8 @@ class Leg {
   void solve_first_order(double t, double gamma, std::span<const double> y, double factor, std::span<const double> z,
                          std::span<double> x);
 
-  /// Rates of the derivatives of a state y of velocity w and acceleration a.
-  void derivative_rates(double t, std::span<const double> y, std::span<const double> w, std::span<const double> a,
-                        std::span<double> y_rate);
+  /// Completes the rate of a state y whose velocities, those of massless nodes included, are layout.u(rate).
+  void evaluate(double t, std::span<double> y, std::span<double> rate);
 
   /// Drives the derivatives by the state u, w, whose inertial force is taken from its acceleration.
   Moment moment(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a);
@@ -62,6 +62,7 @@ class Leg {
   Layout layout;
   Statistics& statistics;
   std::span<Derivative* const> derivatives;
+  void (*solve_step)(Leg&, std::span<double> correction);
   std::vector<double> new_u, new_w;    // of the step solved for, where there are derivatives
   std::vector<double> field;           // scratch, one entry a node
   std::vector<double> acceleration;    // likewise, where the account needs it
@@ -72,6 +73,7 @@ class Leg {
   void* memory = nullptr;              // of the integrator
 
  private:
+  void derivative_rates(double t, std::span<const double> y, std::span<double> y_rate);
   void solve_momentum(PenalisedSystem& forces, double t, double gamma, std::span<const double> y, double factor,
                       std::span<const double> z, std::span<double> x);
 
@@ -84,8 +86,8 @@ class Leg {
   bool factorised_ = false;
 };
 
-/// A SUNNonlinearSolver whose Solve is `solve(leg, correction)`, 0 on success. `leg` must outlive it.
-NonlinearSolver make_step_solver(Leg& leg, void (*solve)(Leg&, std::span<double> correction), const Context& context);
+/// A SUNNonlinearSolver whose Solve is solve_step() of a leg, which must outlive it.
+NonlinearSolver make_step_solver(Leg& leg, const Context& context);
 
 /// Runs a callback's body; an exception is kept in the leg and becomes -1, since none may cross a C frame.
 template <class Body>
@@ -100,6 +102,6 @@ int guarded(Leg& leg, Body&& body) noexcept {
 }
 
 /// Throws what a callback kept, or a StepFailure that says what a flag of the library means, and what the library said.
-[[noreturn]] void fail(Leg& leg, const char* call, int flag, std::string name, std::span<const ReturnFlag> known);
+[[noreturn]] void fail(Leg& leg, const std::string& call, int flag, const std::string& name, Library library);
 
 }  // namespace viscobar::sundials

@@ -1,9 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
-#include <utility>
-#include <vector>
 
 #include "integration/error_weights.hpp"
 #include "integration/rest_watch.hpp"
@@ -12,25 +9,21 @@
 
 namespace viscobar::sundials {
 
-/// A function of a library and its name, for messages.
-template <class... Arguments>
-struct Call {
-  const char* name;
-  int (*function)(void* memory, Arguments...);
-};
-
 /// What CVODE and IDA have alike.
 struct MultistepLibrary {
-  Call<sunrealtype, int, N_Vector> dky;
-  Call<int*> last_order;
-  Call<sunrealtype*> current_time, last_step;
-  Call<int> set_max_order;
-  Call<sunrealtype> set_stop_time, set_max_step;
-  Call<void*> set_user_data;
-  Call<int (*)(N_Vector, N_Vector, void*)> set_weights;
-  Call<SUNNonlinearSolver> set_solver;
+  std::string prefix;  ///< of the names of its functions
+  int (*get_dky)(void*, sunrealtype, int, N_Vector);
+  int (*get_last_order)(void*, int*);
+  int (*get_current_time)(void*, sunrealtype*);
+  int (*get_last_step)(void*, sunrealtype*);
+  int (*set_max_order)(void*, int);
+  int (*set_stop_time)(void*, sunrealtype);
+  int (*set_max_step)(void*, sunrealtype);
+  int (*set_user_data)(void*, void*);
+  int (*set_weights)(void*, int (*)(N_Vector, N_Vector, void*));
+  int (*set_solver)(void*, SUNNonlinearSolver);
   char* (*flag_name)(long);
-  std::span<const ReturnFlag> flags;
+  Library flags;
 };
 
 /// Steps of a multistep library, up to what the libraries have not alike: how a leg begins, and a step.
@@ -49,7 +42,7 @@ class Multistep : public LegStepper {
   ErrorWeights& weights() final { return weights_; }
 
  protected:
-  /// `solve_step` see make_step_solver(). With `passes_over_rest` the contacts at rest are watched (see RestWatch).
+  /// `solve_step` see Leg. With `passes_over_rest` the contacts at rest are watched (see RestWatch).
   Multistep(const MultistepLibrary& library, const StepperParts& parts, const Tolerance& tolerance,
             void (*solve_step)(Leg&, std::span<double>), bool passes_over_rest);
 
@@ -59,7 +52,7 @@ class Multistep : public LegStepper {
   virtual void begin_leg(double t) = 0;
   /// Begins at t by backward differentiation up to that order.
   virtual void begin_bdf(int order, double t) = 0;
-  /// A step of the library. Its flag, its name, and the time reached in t_.
+  /// A step of the library. The name of its function behind the prefix, its flag, and the time reached in t_.
   virtual std::pair<const char*, int> step() = 0;
 
   /// To be called once for each memory of the library, and ...
@@ -67,10 +60,11 @@ class Multistep : public LegStepper {
   /// ... as each stretch of steps begins.
   void begin_stretch(void* memory, int max_order);
 
-  void check(const char* call, int flag);
+  /// A call of the function of that name, without the prefix.
+  void check(const char* name, int flag);
   template <class... Formal, class... Actual>
-  void call(const Call<Formal...>& one, Actual... arguments) {
-    check(one.name, one.function(leg_.memory, arguments...));
+  void call(const char* name, int (*function)(void*, Formal...), Actual... arguments) {
+    check(name, function(leg_.memory, arguments...));
   }
 
   Context context_;

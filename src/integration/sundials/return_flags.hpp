@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <span>
 #include <string_view>
 
@@ -7,19 +9,19 @@
 
 namespace viscobar::sundials {
 
-/// What a return flag of a library means.
+enum class Library : std::size_t { cvode, ida, arkode };
+
+/// What a return flag means.
 struct ReturnFlag {
-  int value;
+  std::array<int, 3> values;  ///< in each Library, negative; 0 where there is none
   std::string_view meaning;
   Failure why;
 };
 
-/// The failures of each library that a scene can bring about; negative flags only.
-std::span<const ReturnFlag> cvode_flags();
-std::span<const ReturnFlag> ida_flags();
-std::span<const ReturnFlag> arkode_flags();
+/// The failures that a scene can bring about.
+std::span<const ReturnFlag> return_flags();
 
-/// The row of a flag. Any other is a defect: of what viscobar asks the library for, or of the library.
-const ReturnFlag& return_flag(std::span<const ReturnFlag> flags, int value);
+/// The row of a flag of a library. Any other is a defect: of what viscobar asks the library for, or of the library.
+const ReturnFlag& return_flag(Library library, int value);
 
 }  // namespace viscobar::sundials
