@@ -8,6 +8,7 @@
 #include <fstream>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "case/method_table.hpp"
 #include "case/regime.hpp"

@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 #include <utility>
+#include <variant>
 
 namespace viscobar::characteristics {
 

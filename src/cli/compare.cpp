@@ -1,3 +1,6 @@
+#include <memory>
+#include <string>
+
 #include "case/run_cost.hpp"
 #include "cli/commands.hpp"
 #include "viscobar/report/reports.hpp"

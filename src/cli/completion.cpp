@@ -1,4 +1,6 @@
+#include <memory>
 #include <regex>
+#include <string_view>
 
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"

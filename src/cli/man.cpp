@@ -1,3 +1,5 @@
+#include <string_view>
+
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "input/vocabulary.hpp"

@@ -1,6 +1,7 @@
 #include "viscobar/discretisation/mass.hpp"
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 
 namespace viscobar {

@@ -1,6 +1,13 @@
 #include "dynamics/derivative.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <numbers>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "dynamics/natural_scales.hpp"
 

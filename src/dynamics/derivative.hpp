@@ -1,5 +1,9 @@
 #pragma once
 
+#include <array>
+#include <span>
+#include <vector>
+
 #include "dynamics/penalised_system.hpp"
 #include "viscobar/dynamics/sensitivity.hpp"
 

@@ -1,4 +1,7 @@
 // Nodes of a PenalisedSystem that follow their neighbours: those without mass, and those that rest on a stiff spring.
+#include <algorithm>
+#include <cmath>
+
 #include "dynamics/penalised_system.hpp"
 
 namespace viscobar {

@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "dynamics/finite_load.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 

@@ -1,7 +1,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
 #include <string_view>
+#include <vector>
 
 #include "dynamics/finite_load.hpp"
 #include "viscobar/dynamics/bar_system.hpp"

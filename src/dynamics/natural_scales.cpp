@@ -1,7 +1,10 @@
 #include "dynamics/natural_scales.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <exception>
 #include <numeric>
+#include <span>
 
 namespace viscobar {
 

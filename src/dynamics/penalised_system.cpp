@@ -1,7 +1,11 @@
 #include "dynamics/penalised_system.hpp"
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
+#include <stdexcept>
 
 namespace viscobar {
 

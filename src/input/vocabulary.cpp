@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <vector>
 
 #include "case/method_table.hpp"
 

@@ -1,5 +1,8 @@
 #include <arkode/arkode_arkstep.h>
 
+#include <algorithm>
+#include <memory>
+#include <span>
 #include <tuple>
 
 #include "integration/step_polynomial.hpp"

@@ -1,5 +1,13 @@
 #include "integration/contact_watch.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
 namespace viscobar {
 
 // Private functions that a step calls for each sample are inline.

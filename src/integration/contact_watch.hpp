@@ -1,5 +1,11 @@
 #pragma once
 
+#include <array>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
 #include "dynamics/penalised_system.hpp"
 #include "integration/bernstein.hpp"
 #include "viscobar/run/run.hpp"

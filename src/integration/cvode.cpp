@@ -1,5 +1,7 @@
 #include <cvode/cvode.h>
 
+#include <cmath>
+#include <memory>
 #include <tuple>
 
 #include "integration/stepwise_run.hpp"

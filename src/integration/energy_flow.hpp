@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <span>
+
 #include "integration/gauss.hpp"
 #include "integration/layout.hpp"
 

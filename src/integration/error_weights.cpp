@@ -1,6 +1,9 @@
 #include "integration/error_weights.hpp"
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <limits>
+#include <span>
 
 #include "dynamics/natural_scales.hpp"
 

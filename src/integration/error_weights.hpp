@@ -1,5 +1,8 @@
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "dynamics/derivative.hpp"
 #include "integration/layout.hpp"
 #include "viscobar/integration/integrate.hpp"

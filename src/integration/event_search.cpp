@@ -1,6 +1,12 @@
 #include "integration/event_search.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <numeric>
+#include <optional>
+#include <span>
 
 namespace viscobar {
 

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <optional>
+#include <span>
+#include <vector>
+
 #include "integration/contact_watch.hpp"
 #include "integration/stepper.hpp"
 

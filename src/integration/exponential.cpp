@@ -1,3 +1,5 @@
+#include <span>
+
 #include "integration/exponential/run.hpp"
 #include "viscobar/integration/integrate.hpp"
 

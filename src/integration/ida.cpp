@@ -1,5 +1,8 @@
 #include <ida/ida.h>
 
+#include <algorithm>
+#include <cmath>
+#include <memory>
 #include <tuple>
 
 #include "integration/stepwise_run.hpp"

@@ -1,5 +1,10 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
 #include "integration/stepper.hpp"
 
 namespace viscobar {

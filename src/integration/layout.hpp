@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <span>
+
 #include "dynamics/penalised_system.hpp"
 
 namespace viscobar {

@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numeric>
+#include <span>
+#include <vector>
 
 #include "integration/odeint/rosenbrock4.hpp"
 #include "integration/stepwise_run.hpp"

@@ -1,6 +1,11 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <numbers>
+#include <span>
+#include <vector>
 
 #include "dynamics/penalised_system.hpp"
 

@@ -1,6 +1,10 @@
 #pragma once
 
 #include <deque>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "integration/error_weights.hpp"
 #include "viscobar/run/run.hpp"

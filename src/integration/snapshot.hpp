@@ -1,5 +1,9 @@
 #pragma once
 
+#include <array>
+#include <span>
+#include <vector>
+
 #include "dynamics/element_stress.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "viscobar/run/run.hpp"

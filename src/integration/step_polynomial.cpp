@@ -1,6 +1,13 @@
 #include "integration/step_polynomial.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "integration/energy_flow.hpp"
 

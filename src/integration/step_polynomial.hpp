@@ -1,5 +1,10 @@
 #pragma once
 
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
 #include "integration/error_weights.hpp"
 #include "integration/stepper.hpp"
 

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "integration/error_weights.hpp"
 #include "viscobar/run/run.hpp"

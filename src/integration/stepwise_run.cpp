@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <memory>
+#include <optional>
+#include <utility>
+
 #include "dynamics/penalised_system.hpp"
 #include "integration/layout.hpp"
 #include "integration/sensitivities.hpp"

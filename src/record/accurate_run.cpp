@@ -1,4 +1,5 @@
 #include <optional>
+#include <utility>
 
 #include "input/described_scene.hpp"
 #include "results/json.hpp"

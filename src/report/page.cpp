@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "report/scene_ends.hpp"
 #include "results/output_file.hpp"
 #include "scene/end_kinds.hpp"

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <system_error>
 
 #include "results/field/field_reader.hpp"
 #include "results/field/xdmf_file.hpp"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 
 #include "results/json.hpp"
 #include "viscobar/results/versions.hpp"

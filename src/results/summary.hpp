@@ -3,6 +3,7 @@
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <string_view>
 
 #include "results/checksum.hpp"
 #include "viscobar/case/case.hpp"

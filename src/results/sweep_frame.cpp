@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include "results/checkpoint_file.hpp"
 #include "results/field/hdf5_handle.hpp"

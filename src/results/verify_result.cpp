@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <utility>
 
 #include "results/checkpoint_file.hpp"
 #include "results/json.hpp"

@@ -1,5 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
 #include "dynamics/element_stress.hpp"
 #include "dynamics/lost_inertia.hpp"
 #include "run/parts.hpp"

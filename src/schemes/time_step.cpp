@@ -1,7 +1,14 @@
 #include "schemes/time_step.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <numeric>
+#include <span>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 namespace viscobar {
 

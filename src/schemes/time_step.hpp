@@ -1,6 +1,10 @@
 #pragma once
 
+#include <array>
+#include <optional>
+#include <span>
 #include <variant>
+#include <vector>
 
 #include "schemes/end_constraint.hpp"
 #include "schemes/lane_bar.hpp"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "report/page.hpp"
 #include "report/plot/axis.hpp"

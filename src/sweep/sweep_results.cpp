@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <utility>
+#include <variant>
 
 #include "results/output_file.hpp"
 #include "sweep/sweep_table.hpp"

@@ -1,5 +1,13 @@
 #include "integration/exponential/contact_distance.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
 #include "integration/bernstein.hpp"
 
 namespace viscobar::exponential {

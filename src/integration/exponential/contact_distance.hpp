@@ -1,5 +1,9 @@
 #pragma once
 
+#include <array>
+#include <optional>
+#include <vector>
+
 #include "integration/exponential/propagator.hpp"
 
 namespace viscobar::exponential {

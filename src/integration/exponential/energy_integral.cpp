@@ -1,5 +1,8 @@
 #include "integration/exponential/energy_integral.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "integration/gauss.hpp"
 
 namespace viscobar::exponential {

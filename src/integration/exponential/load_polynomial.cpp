@@ -1,5 +1,9 @@
 #include "integration/exponential/load_polynomial.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace viscobar::exponential {

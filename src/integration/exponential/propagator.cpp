@@ -1,6 +1,9 @@
 #include "integration/exponential/propagator.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <vector>
 
 namespace viscobar::exponential {
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cmath>
 #include <memory>
+#include <vector>
 
 #include "dynamics/penalised_system.hpp"
 #include "integration/exponential/linear_leg.hpp"

@@ -1,6 +1,13 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <exception>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
 
 #include "integration/contact_watch.hpp"
 #include "integration/exponential/contact_distance.hpp"

@@ -1,5 +1,10 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
 #include "integration/odeint/dense_rosenbrock.hpp"
 #include "integration/odeint/explicit_formulas.hpp"
 

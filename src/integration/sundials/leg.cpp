@@ -2,6 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
 #include "dynamics/lost_inertia.hpp"
 #include "run/step_failure.hpp"
 

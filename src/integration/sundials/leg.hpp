@@ -1,6 +1,10 @@
 #pragma once
 
 #include <exception>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "dynamics/derivative.hpp"
 #include "integration/layout.hpp"

@@ -1,5 +1,11 @@
 #include "integration/sundials/multistep.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
+
 namespace viscobar::sundials {
 
 Multistep::Multistep(const MultistepLibrary& library, const StepperParts& parts, const Tolerance& tolerance,

@@ -1,6 +1,10 @@
 #pragma once
 
 #include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "integration/error_weights.hpp"
 #include "integration/rest_watch.hpp"

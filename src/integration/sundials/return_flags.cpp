@@ -4,6 +4,8 @@
 #include <cvode/cvode.h>
 #include <ida/ida.h>
 
+#include <algorithm>
+
 namespace viscobar::sundials {
 
 std::span<const ReturnFlag> return_flags() {

@@ -6,6 +6,7 @@
 #include <boost/archive/iterators/transform_width.hpp>
 #include <cassert>
 #include <new>
+#include <string_view>
 
 namespace viscobar::plot {
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "case/regime.hpp"
 #include "results/csv.hpp"

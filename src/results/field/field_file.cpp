@@ -6,6 +6,7 @@
 #include <fstream>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include "dynamics/element_stress.hpp"
 #include "viscobar/results/versions.hpp"

@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "studies/precision/solved.hpp"
 #include "viscobar/studies/precision/precision.hpp"
