@@ -15,8 +15,6 @@ namespace {
 // Of the runs that tell what tolerance is needed.
 constexpr double finest_pilot = 1e-8, loosest_tolerance = 1e-3;
 
-bool has_obstacle(const Scene& scene) { return is_obstacle(scene.left) || is_obstacle(scene.right) || scene.span; }
-
 // The velocity changed by a wave that no symmetry hides, at rest where an end is fixed: a polynomial, which adds no
 // pieces to the waves of a bar.
 std::function<double(double)> nudged(const Scene& scene, double by) {
@@ -38,7 +36,7 @@ Plan::Plan(const AccuracyStudy& study)
   waves_ = base_.method == MethodName::characteristics;
   stepping_ = is_scheme(base_.method);
   exact_time_ = base_.method == MethodName::exponential;
-  penalised_ = is_penalised(base_.method) && has_obstacle(scene);
+  penalised_ = is_penalised(base_.method) && meets_obstacle(scene);
   if (const auto found = fault(study_.request, base_))
     throw std::invalid_argument(fmt::format("{}: {}", found->key, found->problem));
   // A massive node that a dashpot stops does what it does in the limit. Under a span obstacle neighbours meet it at

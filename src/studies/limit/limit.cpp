@@ -31,8 +31,6 @@ std::vector<double> natural_penalties(const Scene& scene, std::size_t per_decade
 
 namespace {
 
-bool has_obstacle(const Scene& scene) { return is_obstacle(scene.left) || is_obstacle(scene.right) || scene.span; }
-
 // The power in the values between two epsilons that lie above a floor; those within `range` of the smallest epsilon of
 // them, where the power is closest to its limit.
 template <class Value>
@@ -234,7 +232,7 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
 }  // namespace
 
 LimitResult limit_of(const LimitStudy& study) {
-  if (!has_obstacle(study.scene.scene)) throw std::invalid_argument("the scene has no obstacle to penalise");
+  if (!meets_obstacle(study.scene.scene)) throw std::invalid_argument("the scene has no obstacle to penalise");
   if (study.epsilons.empty()) throw std::invalid_argument("a limit study needs at least one epsilon");
   const std::vector<std::size_t> meshes =
       study.elements.empty() ? std::vector<std::size_t>{study.scene.elements} : study.elements;
