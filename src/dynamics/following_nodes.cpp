@@ -16,7 +16,8 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<
   const std::size_t next = neighbour(end);
   if (bar_.damped()) {
     double force = modulus * (u[next] - u[end] + (origin_at(next) - origin_at(end))) + damping * w[next] + load(end, t);
-    for (const std::size_t i : closed_at(end)) force -= contact(i).sign * laws_[i].stiffness * clearance(i, u);
+    for (std::size_t i = 0; i < laws_.size(); ++i)
+      if (closed_at(i, end)) force -= contact(i).sign * laws_[i].stiffness * clearance(i, u);
     w[end] = force / damping;
     return;
   }
@@ -28,7 +29,8 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<
   }
   rate += added_rates_[end == 0 ? 0 : 1];
   double springs = 0.0;
-  for (const std::size_t i : closed_at(end)) springs += laws_[i].stiffness;
+  for (std::size_t i = 0; i < laws_.size(); ++i)
+    if (closed_at(i, end)) springs += laws_[i].stiffness;
   w[end] = rate / (modulus + springs);
 }
 
@@ -53,7 +55,8 @@ void PenalisedSystem::complete_displacement_of(std::size_t end, double t, std::s
   const double modulus = bar_.bar().modulus / bar_.spacing_at(end);
   const std::size_t next = neighbour(end);
   double force = modulus * (u[next] + (origin_at(next) - origin_at(end))) + load(end, t), stiffness = modulus;
-  for (const std::size_t i : closed_at(end)) {
+  for (std::size_t i = 0; i < laws_.size(); ++i) {
+    if (!closed_at(i, end)) continue;
     force -= contact(i).sign * laws_[i].stiffness * offsets_[i];
     stiffness += laws_[i].stiffness;
   }
@@ -76,7 +79,8 @@ std::vector<PenalisedSystem::RelaxingRow> PenalisedSystem::relaxing_rows() const
     const double share = modulus / viscosity;
     RelaxingRow row{
         end, share, h / viscosity, share * (origin_at(next) - origin_at(end)), 0.0, {{{next, share, 1.0, 0.0}, {}}}, 1};
-    for (const std::size_t i : closed_at(end)) {
+    for (std::size_t i = 0; i < laws_.size(); ++i) {
+      if (!closed_at(i, end)) continue;
       row.rate += laws_[i].stiffness * h / viscosity;
       row.constant -= contact(i).sign * laws_[i].stiffness * h / viscosity * offsets_[i];
     }
@@ -110,7 +114,8 @@ PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_in
     row.neighbours[0].a_share += shares[1];
     row.neighbours[row.count++] = {i == 0 ? 2 : i - 2, 0.0, 0.0, shares[2]};
   }
-  for (const std::size_t c : closed_at(i)) {
+  for (std::size_t c = 0; c < laws_.size(); ++c) {
+    if (!closed_at(c, i)) continue;
     row.rate += laws_[c].stiffness, damping += laws_[c].damping;
     row.constant -= contact(c).sign * laws_[c].stiffness * offsets_[c];
   }

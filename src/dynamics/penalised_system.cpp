@@ -106,7 +106,9 @@ bool PenalisedSystem::gives_way_by_rounding(std::size_t i) const {
 
 // By a closed contact.
 bool PenalisedSystem::held(std::size_t unknown) const {
-  return std::ranges::any_of(closed_at(unknown), [this](std::size_t i) { return holds(i); });
+  for (std::size_t i = 0; i < laws_.size(); ++i)
+    if (closed_at(i, unknown) && holds(i)) return true;
+  return false;
 }
 
 std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const {

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <ranges>
 #include <span>
 #include <utility>
 #include <vector>
@@ -242,11 +241,8 @@ class PenalisedSystem {
   bool follows(std::size_t i) const { return massless(contact(i).unknown) && !bar_.damped(); }
   void find_offsets();
   std::vector<double> displacement(std::span<const double> u) const;
-  // The closed contacts of a node.
-  auto closed_at(std::size_t unknown) const {
-    return std::views::iota(std::size_t{0}, laws_.size()) |
-           std::views::filter([this, unknown](std::size_t i) { return closed(i) && contact(i).unknown == unknown; });
-  }
+  // Whether contact i is a closed one of that node.
+  bool closed_at(std::size_t i, std::size_t unknown) const { return closed(i) && contact(i).unknown == unknown; }
 
   const BarSystem& bar_;
   std::vector<PenaltyLaw> laws_;
