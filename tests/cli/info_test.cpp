@@ -119,7 +119,8 @@ TEST_F(Info, VerifiesAResultAgainstItsChecksums) {
   EXPECT_EQ(sound.code, 0) << sound.out;
   EXPECT_EQ(sound.json()["verdict"], "sound");
   EXPECT_EQ(sound.json()["files"].size(), 7u);
-  for (const auto& file : sound.json()["files"]) EXPECT_EQ(file["state"], "sound") << file;
+  const auto sound_files = sound.json()["files"];
+  for (const auto& file : sound_files) EXPECT_EQ(file["state"], "sound") << file;
 
   std::ofstream(directory_ / "out/notes.txt") << "my own";
   EXPECT_EQ(viscobar("info out --verify").code, 0);
@@ -128,7 +129,8 @@ TEST_F(Info, VerifiesAResultAgainstItsChecksums) {
   const auto damaged = viscobar("info --verify out --json");
   EXPECT_EQ(damaged.code, 1) << damaged.out;
   EXPECT_EQ(damaged.json()["verdict"], "damaged");
-  for (const auto& file : damaged.json()["files"])
+  const auto damaged_files = damaged.json()["files"];
+  for (const auto& file : damaged_files)
     EXPECT_EQ(file["state"], file["name"] == "ends.csv"     ? "damaged"
                              : file["name"] == "events.csv" ? "missing"
                              : file["name"] == "notes.txt"  ? "not of the result"
@@ -156,7 +158,8 @@ TEST_F(Info, CannotVerifyAResultWithoutChecksums) {
   const auto old = viscobar("info out --verify --json");
   EXPECT_EQ(old.code, 2) << old.out;
   EXPECT_EQ(old.json()["verdict"], "not checkable");
-  for (const auto& file : old.json()["files"]) EXPECT_EQ(file["state"], "not checkable") << file;
+  const auto old_files = old.json()["files"];
+  for (const auto& file : old_files) EXPECT_EQ(file["state"], "not checkable") << file;
   EXPECT_EQ(viscobar("info nowhere --verify").code, 2);
   EXPECT_EQ(viscobar("info . --verify").code, 2);
 }
