@@ -50,6 +50,19 @@ TEST(AccuracyOnRequest, TheReboundOfAViscousBarHasTheContactTimeToTheErrorAskedF
     }
 }
 
+// Of four meshes, each with half the elements of the next or more, none has the pilots' 4 if the finest has above 32.
+TEST(AccuracyOnRequest, RunsOfTheSearchAloneAreToldFromThoseOfTheEstimate) {
+  const AccuracyResult result = solve(study_of(rebound, {"accuracy.error=1e-8"}));
+  ASSERT_GT(result.run.elements, 32u);
+  std::size_t of_estimate = 0;
+  for (const ErrorEstimate::Run& run : result.estimate.runs) {
+    EXPECT_TRUE(run.elements > 4 || run.search);
+    of_estimate += run.search ? 0 : 1;
+  }
+  EXPECT_GE(of_estimate, 3u);
+  EXPECT_LT(of_estimate, result.estimate.runs.size());
+}
+
 TEST(AccuracyOnRequest, AManufacturedContactKeepsTheDisplacementAskedForAtEveryNode) {
   const exact::ManufacturedContact contact;
   const exact::Solution known = exact::solution(contact);
