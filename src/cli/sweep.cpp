@@ -2,11 +2,11 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <thread>
 
 #include "cli/commands.hpp"
 #include "results/output_file.hpp"
 #include "results/result_directory.hpp"
+#include "studies/parallel.hpp"
 #include "sweep/ranks.hpp"
 #include "sweep/sweep_page.hpp"
 #include "sweep/sweep_results.hpp"
@@ -138,7 +138,7 @@ int run_sweep(const SweepOptions& asked) {
                          if (progress) progress->show();
                        },
                        interrupt_asked};
-  const std::size_t threads = asked.threads > 0 ? asked.threads : std::max(1u, std::thread::hardware_concurrency());
+  const std::size_t threads = asked.threads > 0 ? asked.threads : cores();
   const std::size_t workers = several ? static_cast<std::size_t>(ranks->size()) - 1 : threads;
   const bool finished =
       order.empty() || (several ? ranks->run(work) : run_on_threads(work, std::min(threads, order.size())));

@@ -155,10 +155,16 @@ std::optional<double> descend(Interval on, std::size_t degree, double threshold,
 
 // Raises `known` to the largest value on the interval, unless its hull stays below.
 void raise(Interval on, std::size_t degree, double rounding, double& known) {
-  // The hull of a part is as near to it as its length squared.
-  if (*std::max_element(on.c.begin(), on.c.begin() + static_cast<std::ptrdiff_t>(degree) + 1) <= known + rounding ||
-      on.length < 1e-9)
+  constexpr double finest = 1e-9;  // squared, it is what the value at a maximum loses by its place
+  const auto end = on.c.begin() + static_cast<std::ptrdiff_t>(degree) + 1;
+  if (*std::max_element(on.c.begin(), end) <= known + rounding || on.length < finest) return;
+  Interval slope{{}, 0.0, 1.0};
+  for (std::size_t j = 0; j < degree; ++j) slope.c[j] = on.c[j + 1] - on.c[j];
+  const auto slope_end = slope.c.begin() + static_cast<std::ptrdiff_t>(degree);
+  if (slope.c[0] > 0.0 && slope.c[degree - 1] < 0.0 && std::is_sorted(slope.c.begin(), slope_end, std::greater<>())) {
+    known = std::max(known, de_casteljau(on.c, degree, crossing(slope, degree - 1, 0.0, finest)));
     return;
+  }
   const Interval left = on.split(degree);
   known = std::max(known, on.c[0]);
   raise(on, degree, rounding, known);

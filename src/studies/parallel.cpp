@@ -9,8 +9,13 @@
 
 namespace viscobar {
 
+std::size_t cores() {
+  static const std::size_t count = std::max(1u, std::thread::hardware_concurrency());
+  return count;
+}
+
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& work, std::size_t threads) {
-  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  if (threads == 0) threads = cores();
   std::atomic<std::size_t> next{0};
   std::exception_ptr error;
   std::mutex mutex;

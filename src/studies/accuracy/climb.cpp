@@ -54,15 +54,15 @@ std::vector<Setting> Plan::rungs(std::size_t finest) const {
   return all;
 }
 
-// `same`: whether the last two agree on the contact changes.
+// `same`: whether the last two agree on the contact changes. Their alignment is the one that counts.
 std::vector<MeshStep> Plan::ladder(const std::vector<Setting>& steps, bool* same) const {
   *same = true;
   std::vector<MeshStep> result;
-  for (std::size_t k = 0; k + 1 < steps.size(); ++k) {
-    *same = compare_changes(runs_.of(steps[k]), runs_.of(steps[k + 1]), grain()).same;
-    result.push_back({steps[k].elements, steps[k + 1].elements, apart(steps[k], steps[k + 1]),
-                      k == 0 ? 1.0 : aligned(steps[k - 1], steps[k], steps[k + 1])});
-  }
+  const std::size_t count = steps.size();
+  for (std::size_t k = 0; k + 1 < count; ++k)
+    result.push_back({steps[k].elements, steps[k + 1].elements, apart(steps[k], steps[k + 1])});
+  if (count >= 2) *same = compare_changes(runs_.of(steps[count - 2]), runs_.of(steps[count - 1]), grain()).same;
+  if (count >= 3) result.back().alignment = aligned(steps[count - 3], steps[count - 2], steps[count - 1]);
   return result;
 }
 

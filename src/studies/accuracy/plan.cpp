@@ -113,12 +113,7 @@ double Plan::apart(const Setting& coarse, const Setting& fine) const {
 }
 
 double Plan::aligned(const Setting& first, const Setting& second, const Setting& third) const {
-  const auto compute = [&] {
-    return alignment(runs_.of(first), runs_.of(second), runs_.of(third), study_.request.of, grain());
-  };
-  if (!is_field(study_.request.of)) return compute();
-  const auto [place, unknown] = alignments_.try_emplace({first, second, third});
-  return unknown ? place->second = compute() : place->second;
+  return alignment(runs_.of(first), runs_.of(second), runs_.of(third), study_.request.of, grain());
 }
 
 Case Plan::next() {

@@ -46,7 +46,7 @@ class Plan {
   Case with(const Setting& setting) const;
   Setting at(std::size_t elements) const { return {elements, chosen_.fineness, chosen_.epsilon}; }
   Grain grain() const;
-  // Of runs that were made; where they compare fields, once.
+  // Of runs that were made. How far fields are apart is computed once.
   double apart(const Setting& coarse, const Setting& fine) const;
   double aligned(const Setting& first, const Setting& second, const Setting& third) const;
   void tell(const std::string& what) const;
@@ -99,7 +99,6 @@ class Plan {
   std::vector<Setting> rungs_;  // of the solution
   std::optional<double> requested_;
   mutable std::map<std::array<Setting, 2>, double> differences_;
-  mutable std::map<std::array<Setting, 3>, double> alignments_;
   double reachable_ = 0.0;  // the request, or more where settings that the scene fixes do not let it be kept
   double largest_ = 0.0;
   double looser_ = 1.0, pilot_error_ = 0.0;  // of the pilots, beside the chosen tolerance, and what that costs

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <thread>
 #include <utility>
 
 #include "case/run_cost.hpp"
@@ -12,7 +11,7 @@ namespace viscobar::accuracy {
 
 Runs::Runs(std::function<Case(const Setting&)> make, std::size_t threads, std::function<bool()> stop)
     : make_(std::move(make)),
-      threads_(threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency())),
+      threads_(threads > 0 ? threads : cores()),
       stop_(std::move(stop)) {}
 
 Runs::~Runs() {

@@ -194,28 +194,28 @@ Interpolant interpolant(const std::vector<double>& x, double at) {
   return result;
 }
 
-// A run at some places. On meshes that are halves of each other they are each n-th node.
-class AtPlaces {
- public:
-  AtPlaces(const Sample& sample, const std::vector<double>& places) : values_(places.size()) {
-    for (const double x : places) rules_.push_back(interpolant(sample.x, x));
-    stride_ = rules_.size() > 1 ? rules_[1].begin : 1;
-    for (std::size_t i = 0; i < rules_.size(); ++i)
-      if (rules_[i].count > 1 || rules_[i].begin != i * stride_) stride_ = 0;
+// The first rows of a run at some places, row by row; what is copied of them is in `copy`. On meshes that are halves of
+// each other the places are each n-th node.
+Values at_places(const Sample& sample, const std::vector<double>& places, std::size_t rows, std::vector<double>& copy) {
+  const std::size_t count = places.size(), width = sample.x.size();
+  std::vector<Interpolant> rules;
+  for (const double x : places) rules.push_back(interpolant(sample.x, x));
+  const std::size_t stride = count > 1 ? rules[1].begin : 1;
+  bool regular = true;
+  for (std::size_t i = 0; i < count; ++i) regular = regular && rules[i].count == 1 && rules[i].begin == i * stride;
+  const auto size = static_cast<Eigen::Index>(rows * count);
+  if (regular && stride == 1 && count == width) return {sample.u.data(), size};
+  copy.resize(rows * count);
+  double* to = copy.data();
+  for (std::size_t k = 0; k < rows; ++k) {
+    const double* row = sample.row(k);
+    if (regular)
+      for (std::size_t i = 0; i < count; ++i) *to++ = row[i * stride];
+    else
+      for (const Interpolant& rule : rules) *to++ = rule(row);
   }
-
-  /// Of a row of the sample; valid until the next call.
-  const double* operator()(const double* row) {
-    if (stride_ == 1) return row;
-    for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = stride_ > 0 ? row[i * stride_] : rules_[i](row);
-    return values_.data();
-  }
-
- private:
-  std::vector<Interpolant> rules_;
-  std::vector<double> values_;
-  std::size_t stride_ = 0;
-};
+  return {copy.data(), size};
+}
 
 // The goals that are a few numbers of a run.
 std::vector<double> numbers(const Sample& sample, Goal of, const Grain& grain) {
@@ -230,33 +230,22 @@ std::vector<double> numbers(const Sample& sample, Goal of, const Grain& grain) {
   return all;
 }
 
-// Calls visit(u) with what the goal is of: of a field at each time, u[n] being the values of run n at the places of the
-// first run.
-template <std::size_t N>
-void compare(const std::array<const Sample*, N>& samples, Goal of, const Grain& grain, auto&& visit) {
-  const auto visit_all = [&]<std::size_t... n>(std::index_sequence<n...>, std::size_t count, auto&& data) {
-    if (count > 0) visit(std::array{Values(data(n), static_cast<Eigen::Index>(count))...});
-  };
-  constexpr auto runs = std::make_index_sequence<N>();
-  if (!is_field(of)) {
-    std::array<std::vector<double>, N> all;
-    std::size_t count = SIZE_MAX;
-    for (std::size_t n = 0; n < N; ++n) {
-      all[n] = numbers(*samples[n], of, grain);
-      count = std::min(count, all[n].size());
-    }
-    return visit_all(runs, count, [&](std::size_t n) { return all[n].data(); });
+// Calls visit(u) with what the goal is of, u[n] being that of run n: of a field the values at the places of the first
+// run, time by time.
+void compare(const std::vector<const Sample*>& samples, Goal of, const Grain& grain, auto&& visit) {
+  std::vector<std::vector<double>> copies(samples.size());
+  std::vector<Values> u;
+  if (is_field(of)) {
+    const std::vector<double>& x = samples.front()->x;
+    const std::vector<double> places = of == Goal::displacement ? x : std::vector<double>{x.front(), x.back()};
+    const std::size_t rows = std::ranges::min(samples, {}, &Sample::rows)->rows();
+    for (std::size_t n = 0; n < samples.size(); ++n) u.push_back(at_places(*samples[n], places, rows, copies[n]));
+  } else {
+    for (std::size_t n = 0; n < samples.size(); ++n) copies[n] = numbers(*samples[n], of, grain);
+    const std::size_t count = std::ranges::min(copies, {}, &std::vector<double>::size).size();
+    for (const std::vector<double>& all : copies) u.emplace_back(all.data(), static_cast<Eigen::Index>(count));
   }
-  const std::vector<double>& x = samples[0]->x;
-  const std::vector<double> places = of == Goal::displacement ? x : std::vector<double>{x.front(), x.back()};
-  std::vector<AtPlaces> at;
-  std::size_t rows = SIZE_MAX;
-  for (const Sample* sample : samples) {
-    at.emplace_back(*sample, places);
-    rows = std::min(rows, sample->rows());
-  }
-  for (std::size_t k = 0; k < rows; ++k)
-    visit_all(runs, places.size(), [&](std::size_t n) { return at[n](samples[n]->row(k)); });
+  if (u.front().size() > 0) visit(u);
 }
 
 }  // namespace
@@ -276,19 +265,17 @@ SameChanges compare_changes(const Sample& coarse, const Sample& fine, const Grai
 
 double difference(const Sample& coarse, const Sample& fine, Goal of, const Grain& grain) {
   double largest = 0.0;
-  compare<2>({&coarse, &fine}, of, grain,
-             [&](const auto& u) { largest = std::max(largest, (u[0] - u[1]).abs().maxCoeff()); });
+  compare({&coarse, &fine}, of, grain, [&](const auto& u) { largest = (u[0] - u[1]).abs().maxCoeff(); });
   return largest;
 }
 
 double alignment(const Sample& first, const Sample& second, const Sample& third, Goal of, const Grain& grain) {
-  double product = 0.0, before = 0.0, after = 0.0;
-  compare<3>({&first, &second, &third}, of, grain, [&](const auto& u) {
-    product += ((u[1] - u[0]) * (u[2] - u[1])).sum();
-    before += (u[1] - u[0]).square().sum();
-    after += (u[2] - u[1]).square().sum();
+  double cosine = 1.0;
+  compare({&first, &second, &third}, of, grain, [&](const auto& u) {
+    const double before = (u[1] - u[0]).square().sum(), after = (u[2] - u[1]).square().sum();
+    if (before > 0.0 && after > 0.0) cosine = ((u[1] - u[0]) * (u[2] - u[1])).sum() / std::sqrt(before * after);
   });
-  return before > 0.0 && after > 0.0 ? product / std::sqrt(before * after) : 1.0;
+  return cosine;
 }
 
 }  // namespace viscobar::accuracy
