@@ -92,7 +92,7 @@ SpaceError Plan::seen_error(const std::vector<MeshStep>& steps) const {
 // Coarse meshes and two settings in time and penalty, side by side: what tolerance, epsilon and mesh are needed.
 void Plan::pilot() {
   const AccuracyRequest::Given& given = study_.request.given;
-  const std::size_t finest = given.elements ? std::max<std::size_t>(base_.elements / 2, 3) : least_elements;
+  const std::size_t finest = given.elements ? std::max<std::size_t>(base_.elements / 2, 3) : pilot_elements_;
   if (!given.elements) chosen_.elements = finest;
   std::vector<Setting> settings = rungs(finest);
   for (const auto& pair : {time_pair(coarse()), penalty_pair(coarse())})
@@ -170,7 +170,8 @@ void Plan::climb_from(std::size_t& known) {
     }
     for (std::size_t quarters = theory_ > 2.0 ? 5 : 8; same && quarters <= 8; ++quarters) {
       const std::size_t solution = known * quarters / 4;
-      if (known * quarters % 4 != 0 || predicted_error(steps, theory_, solution).error > 1.05 * share * reachable_)
+      if (known * quarters % 4 != 0 || solution < least_elements ||
+          seen_error(prolonged(steps, theory_, solution)).error > 1.05 * share * reachable_)
         continue;
       chosen_.elements = solution;
       return;

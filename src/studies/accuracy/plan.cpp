@@ -70,6 +70,8 @@ Plan::Plan(const AccuracyStudy& study)
   } else if (!exact_time_) {
     chosen_.fineness = given.tolerance ? base_.tolerance.relative : std::clamp(share, finest_pilot, loosest_tolerance);
   }
+  constexpr double loose = 1e-4;  // then eight elements may tell that the least of a solution are enough
+  if (theory_ > 2.0 && !stepping_ && !penalised_ && share >= loose) pilot_elements_ = least_elements / 2;
   if (penalised_)
     chosen_.epsilon = given.epsilon ? *base_.epsilon : std::clamp(share * 1e-1, 1e-8, 1e-3) * natural_epsilon(scene);
 }

@@ -78,7 +78,7 @@ class Plan {
   // The mesh on which settings in time and penalty are compared.
   std::size_t coarse() const {
     const std::size_t coarser = penalised_ || stepping_ ? 4 : 8;
-    return std::max<std::size_t>(chosen_.elements / coarser, study_.request.given.elements ? 3 : least_elements);
+    return std::max<std::size_t>(chosen_.elements / coarser, study_.request.given.elements ? 3 : pilot_elements_);
   }
   std::vector<Setting> wanted_by_judge() const;
   double moved_by_nudge() const;
@@ -90,7 +90,8 @@ class Plan {
 
   AccuracyStudy study_;
   Case base_;
-  double theory_ = 4.0;  // order in h
+  double theory_ = 4.0;                          // order in h
+  std::size_t pilot_elements_ = least_elements;  // of the finest mesh that the search begins with
   bool stepping_ = false, exact_time_ = false, waves_ = false, penalised_ = false;
   Shares shares_;
   double ratio_ = 10.0, time_order_ = 0.0;  // of two settings in time; least order

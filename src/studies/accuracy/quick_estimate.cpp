@@ -150,7 +150,8 @@ QuickEstimate forecast(const Case& run, double seconds) try {
   steps.push_back({runs.elements_quarter, runs.elements_half, difference(runs.quarter, runs.half, Goal::displacement)});
   // Without viscosity kinks stay kinks; and two meshes show no order.
   const bool smooth = runs.eighth && run.scene.bar.viscosity > 0.0;
-  estimate.space = predicted_error(steps, smooth ? order_in_theory(run) : 1.0, run.elements).error;
+  const double theory = smooth ? order_in_theory(run) : 1.0;
+  estimate.space = space_error(prolonged(steps, theory, run.elements), theory).error;
   estimate.total = estimate.space + estimate.penalty + estimate.time;
   return {estimate, {}};
 } catch (const None& none) {

@@ -10,9 +10,7 @@
 namespace viscobar::accuracy {
 
 Runs::Runs(std::function<Case(const Setting&)> make, std::size_t threads, std::function<bool()> stop)
-    : make_(std::move(make)),
-      threads_(threads > 0 ? threads : cores()),
-      stop_(std::move(stop)) {}
+    : make_(std::move(make)), threads_(threads > 0 ? threads : cores()), stop_(std::move(stop)) {}
 
 Runs::~Runs() {
   abandoned_ = true;

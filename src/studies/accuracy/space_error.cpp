@@ -72,15 +72,14 @@ SpaceError space_error(std::span<const MeshStep> ladder, double theory) {
   return result;
 }
 
-SpaceError predicted_error(std::span<const MeshStep> ladder, double theory, std::size_t elements) {
-  if (ladder.empty()) return {};
-  const MeshStep& last = ladder.back();
-  const double order = std::clamp(space_error(ladder, theory).order, least_order, theory);
-  std::vector<MeshStep> longer(ladder.begin(), ladder.end());
+std::vector<MeshStep> prolonged(std::vector<MeshStep> ladder, double theory, std::size_t elements) {
+  if (ladder.empty()) return ladder;
+  const MeshStep last = ladder.back();
+  const double order = ladder.size() < 2 ? 1.0 : std::clamp(space_error(ladder, theory).order, least_order, theory);
   MeshStep next{last.fine, elements};
   next.distance = last.distance / fall(last, next, order);
-  longer.push_back(next);
-  return space_error(longer, theory);
+  ladder.push_back(next);
+  return ladder;
 }
 
 }  // namespace viscobar::accuracy

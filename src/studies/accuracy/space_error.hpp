@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "viscobar/case/case.hpp"
 
@@ -39,7 +40,8 @@ struct SpaceError {
 };
 SpaceError space_error(std::span<const MeshStep> ladder, double theory);
 
-/// The same for a mesh that has not been run, next in the ladder: d falls by the observed order once more.
-SpaceError predicted_error(std::span<const MeshStep> ladder, double theory, std::size_t elements);
+/// The ladder with a mesh that has not been run as its finest one: d falls by the observed order once more. Two meshes
+/// show no order, and 1 is expected.
+std::vector<MeshStep> prolonged(std::vector<MeshStep> ladder, double theory, std::size_t elements);
 
 }  // namespace viscobar::accuracy
