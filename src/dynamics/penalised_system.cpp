@@ -120,17 +120,17 @@ std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const
   return entries;
 }
 
-double PenalisedSystem::indicator_linear(std::size_t i, std::span<const double> entries,
-                                         std::span<const double> rates) const {
+PenalisedSystem::IndicatorWeights PenalisedSystem::indicator_weights(std::size_t i) const {
   const double sign = contact(i).sign;
-  if (entries.size() == 1 || !closed(i)) return sign * entries[0];
-  double p = entries[1] + bar_.bar().viscosity / bar_.bar().modulus * entries[2];  // of a contact that holds
-  if (!collides(i)) return sign * p;
+  if (follows(i) || !holds(i) || !closed(i)) return {.values = {sign}};
+  const Bar& bar = bar_.bar();
+  IndicatorWeights weights{.values = {0.0, sign, sign * bar.viscosity / bar.modulus}};
+  if (!collides(i)) return weights;
   const std::size_t node = contact(i).unknown;
-  const auto inertia = inertia_beside(node);
-  for (std::size_t k = 2; k < entries.size(); ++k)
-    p -= bar_.spacing_at(node) / bar_.bar().modulus * inertia[k - 2] * rates[k];
-  return sign * p;
+  const std::array<double, 2> inertia = inertia_beside(node);
+  for (std::size_t k = 0; k < inertia.size(); ++k)
+    weights.rates[2 + k] = -sign * bar_.spacing_at(node) / bar.modulus * inertia[k];
+  return weights;
 }
 
 // Off the diagonal of rho M in the row of an end: at its neighbour, and at the next one.

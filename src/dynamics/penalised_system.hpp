@@ -74,8 +74,18 @@ class PenalisedSystem {
   ///     an undamped massless node           the same in either state, its clearance while it is open: its own
   ///                                         displacement shrinks by 1 + k h/E as it closes, this one passes smoothly
   std::vector<std::size_t> indicator_entries(std::size_t i) const;
-  /// What the values of those entries, in their order, give of p; their rates do where it needs_rates().
-  double indicator_linear(std::size_t i, std::span<const double> entries, std::span<const double> rates) const;
+  /// Of those entries, in their order: what p takes of their values, and where it needs_rates() of their rates.
+  struct IndicatorWeights {
+    std::array<double, 4> values{}, rates{};
+
+    double operator()(std::span<const double> entries, std::span<const double> of_entries = {}) const {
+      double sum = 0.0;
+      for (std::size_t k = 0; k < entries.size(); ++k) sum += values[k] * entries[k];
+      for (std::size_t k = 0; k < of_entries.size(); ++k) sum += rates[k] * of_entries[k];
+      return sum;
+    }
+  };
+  IndicatorWeights indicator_weights(std::size_t i) const;
   /// Whether p has accelerations: of a rigid contact with mass, while it is closed.
   bool indicator_needs_rates(std::size_t i) const { return collides(i) && closed(i); }
   double indicator_offset(std::size_t i, double t);  ///< the rest: gap, and load where the row asks for it

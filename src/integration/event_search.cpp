@@ -28,6 +28,7 @@ EventSearch::EventSearch(PenalisedSystem& system, LegStepper& stepper)
     for (const std::size_t entry : system.indicator_entries(i)) entries_.push_back(entry);
   }
   first_.push_back(entries_.size());
+  weights_.resize(count_);
   all_.resize(count_);
   std::iota(all_.begin(), all_.end(), std::size_t{0});
   looked_at_ = all_;
@@ -41,13 +42,14 @@ void EventSearch::share(std::size_t sampled) {
 
 std::optional<double> EventSearch::first_change(double begin, double end, std::optional<ContactWatch>& ends) {
   if (selects() && !look_at_the_near()) return std::nullopt;
+  for (const std::size_t i : looked_at_) weights_[i] = system_.indicator_weights(i);
   with_rates_ = std::ranges::any_of(looked_at_, [&](std::size_t i) { return system_.indicator_needs_rates(i); });
   const std::size_t order = stepper_.order();
   const bool looking = ends && !selects();
   if (looking) ends->begin_look(begin, end, order);
   for (std::size_t j = 0; j <= order; ++j) {
     const double t = j == order ? end : begin + (end - begin) * static_cast<double>(j) / static_cast<double>(order);
-    const Sample sample = at(t);
+    const Sample sample = at(t, j);
     for (const std::size_t i : looked_at_) samples_[i * (order + 1) + j] = oriented(i, t, sample);
     if (looking) ends->look_at(j, t, sample.values);
   }
@@ -71,7 +73,7 @@ void EventSearch::look_at(double begin, double t) {
   rates_.resize(count_), present_.resize(count_);
   if (!system_.collides()) {
     const std::span<const double> rates = stepper_.sample(t, 1);
-    for (std::size_t i = 0; i < count_; ++i) rates_[i] = sign(i) * system_.indicator_linear(i, part(i, rates), {});
+    for (std::size_t i = 0; i < count_; ++i) rates_[i] = sign(i) * system_.indicator_weights(i)(part(i, rates));
     return;
   }
   for (std::size_t i = 0; i < count_; ++i) rates_[i] = rate(i, begin, t);
@@ -85,7 +87,7 @@ bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) co
   const std::span<const double> entries = std::span(values).first(first_[i + 1] - first_[i]);
   const double p = system_.indicator_needs_rates(i)
                        ? present_[i]
-                       : sign(i) * (system_.indicator_linear(i, entries, {}) + system_.indicator_offset(i, t));
+                       : sign(i) * (system_.indicator_weights(i)(entries) + system_.indicator_offset(i, t));
   // Half the tolerance, so that a contact switched now is not found on the wrong side by the next check.
   return rates_[i] < 0.0 && p <= 0.5 * (uncertainty(i) + time_rounding(t, -rates_[i]));
 }
@@ -126,23 +128,26 @@ bool EventSearch::far(std::size_t i) const {
   return system_.closed(i) ? high < 0.0 && -low <= max_penetration_ : low > 0.0;
 }
 
-inline EventSearch::Sample EventSearch::at(double t) {
-  const std::span<const double> values = stepper_.sample(t, 0);
+inline EventSearch::Sample EventSearch::at(double t, std::optional<std::size_t> point) {
+  const auto sample = [&](int derivative) {
+    return point ? stepper_.sample_point(*point, t, derivative) : stepper_.sample(t, derivative);
+  };
+  const std::span<const double> values = sample(0);
   if (!with_rates_) return {values, {}};
   std::ranges::copy(values, values_.begin());
-  return {values_, stepper_.sample(t, 1)};
+  return {values_, sample(1)};
 }
 
 inline double EventSearch::oriented(std::size_t i, double t, const Sample& sample) const {
   const auto rates = sample.rates.empty() ? sample.rates : part(i, sample.rates);
-  return sign(i) * (system_.indicator_linear(i, part(i, sample.values), rates) + system_.indicator_offset(i, t));
+  return sign(i) * (weights_[i](part(i, sample.values), rates) + system_.indicator_offset(i, t));
 }
 
 // Of the oriented indicator. Where that has accelerations their rate is a difference over a part of the step.
 double EventSearch::rate(std::size_t i, double begin, double t) {
   if (!system_.indicator_needs_rates(i)) {
     const std::span<const double> rates = stepper_.sample(t, 1);
-    return sign(i) * system_.indicator_linear(i, part(i, rates), {});
+    return sign(i) * weights_[i](part(i, rates));
   }
   const double before = t - 1e-3 * (t - begin);
   if (before >= t) return 0.0;

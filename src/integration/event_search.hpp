@@ -64,7 +64,8 @@ class EventSearch {
     return sampled.subspan(first_[i], first_[i + 1] - first_[i]);
   }
   double sign(std::size_t i) const { return system_.closed(i) ? -1.0 : 1.0; }
-  Sample at(double t);
+  // At a time of the step, which may be one of its equidistant points.
+  Sample at(double t, std::optional<std::size_t> point = std::nullopt);
   double oriented(std::size_t i, double t, const Sample& sample) const;
   double rate(std::size_t i, double begin, double t);
   double polished(double begin, double end, double t, std::size_t i);
@@ -72,9 +73,10 @@ class EventSearch {
   PenalisedSystem& system_;
   LegStepper& stepper_;
   std::size_t count_;
-  std::vector<std::size_t> entries_, first_;  // entries of contact i: [first_[i], first_[i + 1])
-  std::vector<std::size_t> all_, looked_at_;  // contacts, and those that are sampled in this step
-  std::vector<double> lowest_, highest_;      // bounds of the entries over the step
+  std::vector<std::size_t> entries_, first_;                // entries of contact i: [first_[i], first_[i + 1])
+  std::vector<std::size_t> all_, looked_at_;                // contacts, and those that are sampled in this step
+  std::vector<double> lowest_, highest_;                    // bounds of the entries over the step
+  std::vector<PenalisedSystem::IndicatorWeights> weights_;  // of those
   std::vector<double> samples_;
   std::vector<double> rates_, present_;  // of the oriented indicators, and those that have accelerations, at an event
   std::vector<double> values_;           // of a sample with rates

@@ -16,17 +16,22 @@ class SnapshotBuilder {
   SnapshotBuilder(PenalisedSystem& system, bool reactions)
       : system_(system), reactions_(reactions), u_(system.bar().mesh().nodes()), v_(u_.size()) {}
 
+  /// What it tells lives as long as u and w do, and until the next call.
   Snapshot operator()(double t, std::span<const double> u, std::span<const double> w) {
     const BarSystem& bar = system_.bar();
-    bar.expand_displacement(u, u_);
     const std::span<const double> origin = system_.origin();
-    for (std::size_t i = 0; i < origin.size(); ++i) u_[bar.first_node() + i] += origin[i];
-    bar.expand_velocity(w, v_);
-    if (bar.moving()) {
-      bar.add_lift(bar.lift(t, 0), u_);
-      bar.add_lift(bar.lift(t, 1), v_);
+    nodal_u_ = u, nodal_v_ = w;
+    if (u.size() != u_.size() || !origin.empty() || bar.moving()) {
+      bar.expand_displacement(u, u_);
+      for (std::size_t i = 0; i < origin.size(); ++i) u_[bar.first_node() + i] += origin[i];
+      bar.expand_velocity(w, v_);
+      if (bar.moving()) {
+        bar.add_lift(bar.lift(t, 0), u_);
+        bar.add_lift(bar.lift(t, 1), v_);
+      }
+      nodal_u_ = u_, nodal_v_ = v_;
     }
-    Snapshot snapshot{t, u_, v_};
+    Snapshot snapshot{t, nodal_u_, nodal_v_};
     if (!reactions_) return snapshot;
     const std::array<double, 2> reactions = system_.end_reactions(t, u, w);
     snapshot.reaction_left = bar.left_fixed() ? -stress(0) : reactions[0];
@@ -36,19 +41,20 @@ class SnapshotBuilder {
 
   /// Of the state that a snapshot was made of last; what came and went the method knows.
   EnergyState energy(std::span<const double> u, EnergyState known = {}) const {
-    const BarEnergy bar = system_.bar().nodal_energy(u_, v_);
+    const BarEnergy bar = system_.bar().nodal_energy(nodal_u_, nodal_v_);
     known.kinetic = bar.kinetic, known.elastic = bar.elastic, known.contact = system_.contact_energy(u);
     return known;
   }
 
  private:
   double stress(std::size_t element) const {
-    return element_stress(system_.bar().bar(), system_.bar().mesh(), u_, v_, element);
+    return element_stress(system_.bar().bar(), system_.bar().mesh(), nodal_u_, nodal_v_, element);
   }
 
   PenalisedSystem& system_;
   bool reactions_;
-  std::vector<double> u_, v_;
+  std::vector<double> u_, v_;                  // where the unknowns are not the displacements of all nodes
+  std::span<const double> nodal_u_, nodal_v_;  // of the last snapshot
 };
 
 }  // namespace viscobar

@@ -30,6 +30,10 @@ class LegStepper {
   virtual std::size_t order() const = 0;
   /// The sampled entries' derivatives (0: the values) at t, valid until the next call.
   virtual std::span<const double> sample(double t, int derivative) = 0;
+  /// The same at t, the j-th of order() + 1 equidistant times of the last step, from j = 0 at its beginning.
+  virtual std::span<const double> sample_point(std::size_t /*j*/, double t, int derivative) {
+    return sample(t, derivative);
+  }
   /// A contact changes in the state y within the last step: for a method whose steps are so long that its maxima have
   /// not seen one like it.
   virtual void changes_at(std::span<const double> /*y*/) {}

@@ -123,6 +123,8 @@ const Formula& Formula::get() {
 }
 
 Formula::Formula() : nodes(radau_nodes()), weights_{}, rates_{} {
+  for (auto& tables : samples_)
+    for (auto& table : tables) table.fill(Samples::Zero());
   const Polynomial q = denominator();
   // Of z^9 in exp(theta z) Q(z).
   Real next_term = 0;
@@ -172,6 +174,14 @@ Formula::Formula() : nodes(radau_nodes()), weights_{}, rates_{} {
       set(of_load[m], k, sum);
     }
   }
+  for (std::size_t j = 0; j <= stages; ++j)
+    for (const int derivative : {0, 1}) {
+      const Parts w = weights(static_cast<double>(j) / stages, derivative), u = weights_over_pole(w);
+      for (std::size_t l = 0; l < parts; ++l)
+        for (const bool over_pole : {false, true})
+          samples_[static_cast<std::size_t>(derivative)][over_pole][l][static_cast<Eigen::Index>(j)] =
+              (over_pole ? u : w)[l];
+    }
 }
 
 Parts Formula::weights(double theta, int derivative) const {
@@ -194,13 +204,11 @@ Parts Formula::weights(double theta, int derivative) const {
 
 // 2 Re(c X / zeta), the parts of c being weights[lane] / 2 and -weights[lanes + lane] / 2.
 Parts Formula::weights_over_pole(const Parts& weights) const {
-  Parts result;
-  for (std::size_t k = 0; k < lanes; ++k) {
-    const double re = weights[k], im = -weights[lanes + k];
-    const auto at = static_cast<Eigen::Index>(k);
-    result[k] = re * inverse.re[at] - im * inverse.im[at];
-    result[lanes + k] = -(re * inverse.im[at] + im * inverse.re[at]);
-  }
+  const auto half = [](auto& all, std::size_t first) { return Eigen::Map<Lanes>(all.data() + first); };
+  Parts result = weights;
+  const Lanes re = half(result, 0), im = half(result, lanes);
+  half(result, 0) = re * inverse.re + im * inverse.im;
+  half(result, lanes) = im * inverse.re - re * inverse.im;
   return result;
 }
 

@@ -11,6 +11,8 @@ inline constexpr std::size_t lanes = stages / 2;  ///< a pole of each pair
 inline constexpr std::size_t parts = 2 * lanes;   ///< real numbers of those
 using Lanes = Eigen::Array<double, lanes, 1>;
 using Parts = std::array<double, parts>;  ///< of the poles: real parts, then imaginary parts
+/// At theta = j / stages, j = 0 .. stages. What is behind it is 0 and makes whole vectors of it.
+using Samples = Eigen::Array<double, 2 * stages, 1>;
 
 /// A complex number for each of the poles. Calls of its arithmetic would cost a tenth of a run on few elements.
 struct Complex {
@@ -76,6 +78,10 @@ class Formula {
   Parts weights(double theta, int derivative) const;
   /// The same, of X_k / zeta_k.
   Parts weights_over_pole(const Parts& weights) const;
+  /// weights() at j / stages, or where asked for weights_over_pole() of those.
+  const std::array<Samples, parts>& samples(int derivative, bool over_pole) const {
+    return samples_[derivative == 0 ? 0 : 1][over_pole ? 1 : 0];
+  }
   /// The weights of what the step may be wrong by, 30 max |c_9| z^8 / Q(z). It has z^9 as if |z| were 30, as modes have
   /// that the step does not resolve. It is the error within the step. That at the end of the step is far below it.
   const Parts& error() const { return error_; }
@@ -84,6 +90,7 @@ class Formula {
   Formula();
   std::array<Parts, stages + 1> weights_, rates_;  // by Chebyshev's polynomials in 2 theta - 1
   Parts end_, error_;
+  std::array<std::array<std::array<Samples, parts>, 2>, 2> samples_;
 };
 
 }  // namespace viscobar::radau

@@ -1,6 +1,7 @@
 #include "integration/radau/stepper.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -47,6 +48,7 @@ class Stepper final : public LegStepper {
   void begin_run(std::vector<std::size_t> sampled_entries) override {
     entries_ = std::move(sampled_entries);
     sampled_.resize(entries_.size());
+    for (auto& points : points_) points.resize(entries_.size() * (stages + 1));
   }
 
   void restart(double t, double stop, std::span<const double> y) override {
@@ -117,6 +119,13 @@ class Stepper final : public LegStepper {
     return sampled_;
   }
 
+  // Those of a step are computed together: their weights are the same in each step.
+  std::span<const double> sample_point(std::size_t j, double, int derivative) override {
+    const auto d = static_cast<std::size_t>(derivative);
+    if (!std::exchange(pointed_[d], true)) sample_points(derivative, points_[d]);
+    return std::span<const double>(points_[d]).subspan(j * entries_.size(), entries_.size());
+  }
+
   // Only a span obstacle asks, which is never rigid.
   void select(std::span<const std::size_t>) override {}
   void hull(std::span<double> lowest, std::span<double> highest) override {
@@ -125,6 +134,24 @@ class Stepper final : public LegStepper {
   }
 
  private:
+  // Point by point.
+  void sample_points(int derivative, std::vector<double>& out) const {
+    const Formula& formula = Formula::get();
+    static const Samples theta = Samples::LinSpaced(0.0, (2.0 * stages - 1.0) / stages);
+    const std::size_t n = layout_.nodes;
+    for (std::size_t k = 0; k < entries_.size(); ++k) {
+      const bool rate = entries_[k] >= n;
+      const std::size_t i = rate ? entries_[k] - n : entries_[k];
+      const double w = begin_y_[n + i];
+      Samples values = combined(formula.samples(derivative, !rate), x_[i]);
+      if (derivative == 0)
+        values = rate ? (w + values).eval() : (begin_y_[i] + h_ * (w * theta + values)).eval();
+      else
+        values = rate ? (values / h_).eval() : (w + values).eval();
+      for (std::size_t j = 0; j <= stages; ++j) out[j * entries_.size() + k] = values[static_cast<Eigen::Index>(j)];
+    }
+  }
+
   // The next length after a step of length h. As fast modes die out, steps of one error grow by one factor: that goes
   // on (Gustafsson's predictive control).
   void grow(double h, double error) {
@@ -175,6 +202,7 @@ class Stepper final : public LegStepper {
     if (loaded) gather_load(h);
     systems_.solve(force_, stiff_rate_, loaded, x_);
     by_part_.clear();
+    pointed_ = {};
     statistics_.linear_solves += lanes;
     // Columns: w, u / h, their errors.
     const Parts w = formula.weights(1.0, 0), u = formula.weights_over_pole(w);
@@ -315,6 +343,8 @@ class Stepper final : public LegStepper {
   std::vector<double> by_part_;  // x_ by its parts, once the motion within the step is asked for
   std::vector<std::size_t> entries_;
   std::vector<double> sampled_, inner_;
+  std::array<std::vector<double>, 2> points_;  // sample_point() of all points, by the derivative
+  std::array<bool, 2> pointed_{};              // whether they are those of this step
   StepPowers powers_;
   std::optional<StepDerivatives> derivatives_;
 };
