@@ -65,8 +65,8 @@ void SpanForce::look_at(std::size_t j, std::span<const double> y) {
   force_[j] = sum;
 }
 
-ContactWatch::ContactWatch(PenalisedSystem& system, RunAccount& account)
-    : system_(system), bar_(system.bar()), span_(system, account.span) {
+ContactWatch::ContactWatch(PenalisedSystem& system, RunAccount& account, bool extremes)
+    : system_(system), bar_(system.bar()), extremes_(extremes), span_(system, account.span) {
   for (const bool right : {false, true}) {
     EndAccount& end = right ? account.right : account.left;
     const std::optional<double>& wall = bar_.wall(right);
@@ -90,6 +90,10 @@ void ContactWatch::begin(double t, std::span<const double> y) {
     end.account->highest = std::max(end.account->highest, u);
     end.stored = stored(end, values);
   }
+}
+
+bool ContactWatch::idle() const {
+  return !extremes_ && !span_.closed() && std::ranges::none_of(ends_, [this](const End& end) { return closed(end); });
 }
 
 bool ContactWatch::concerned(double to, double fastest) const {
@@ -137,24 +141,27 @@ void ContactWatch::add() {
   if (!(length_ > 0.0)) return;
   span_.add(length_, order_);
   for (End& end : ends_) {
-    EndAccount& account = *end.account;
-    account.displacement = end.u[order_];
-    const auto [most, least] = beyond(end.u);
-    if (most > account.highest) account.highest = through(end.u).largest(account.highest);
-    if (least < account.lowest) account.lowest = through(end.u).smallest(account.lowest);
-    if (closed(end)) {
-      if (holds_mass(end)) {
-        const Bernstein inertia = through(end.momentum).derivative();
-        for (std::size_t j = 0; j <= order_; ++j)
-          end.force[j] += inertia(static_cast<double>(j) / static_cast<double>(order_)) / length_;
-      }
-      const auto [push, pull] = beyond(end.force);
-      if (push > account.peak_reaction) account.peak_reaction = through(end.force).largest(account.peak_reaction);
-      if (-pull > account.peak_reaction) account.peak_reaction = -through(end.force).smallest(-account.peak_reaction);
-      account.impulse += end.stored_now - end.stored + length_ * Bernstein::mean(used(end.rate));
-    }
+    end.account->displacement = end.u[order_];
+    if (closed(end)) end.account->impulse += end.stored_now - end.stored + length_ * Bernstein::mean(used(end.rate));
+    if (extremes_) add_extremes(end);
     end.stored = end.stored_now;
   }
+}
+
+void ContactWatch::add_extremes(End& end) {
+  EndAccount& account = *end.account;
+  const auto [most, least] = beyond(end.u);
+  if (most > account.highest) account.highest = through(end.u).largest(account.highest);
+  if (least < account.lowest) account.lowest = through(end.u).smallest(account.lowest);
+  if (!closed(end)) return;
+  if (holds_mass(end)) {
+    const Bernstein inertia = through(end.momentum).derivative();
+    for (std::size_t j = 0; j <= order_; ++j)
+      end.force[j] += inertia(static_cast<double>(j) / static_cast<double>(order_)) / length_;
+  }
+  const auto [push, pull] = beyond(end.force);
+  if (push > account.peak_reaction) account.peak_reaction = through(end.force).largest(account.peak_reaction);
+  if (-pull > account.peak_reaction) account.peak_reaction = -through(end.force).smallest(-account.peak_reaction);
 }
 
 void ContactWatch::watch(EndAccount& account, bool right) {

@@ -63,8 +63,8 @@ class SpanForce {
 /// no displacement that could be interpolated; its R is a multiple of its indicator (see PenalisedSystem).
 class ContactWatch {
  public:
-  /// Both outlive it.
-  ContactWatch(PenalisedSystem& system, RunAccount& account);
+  /// Both outlive it. Without `extremes` ranges and peaks stay as they are.
+  ContactWatch(PenalisedSystem& system, RunAccount& account, bool extremes);
 
   /// Appends the entries of (u, w) that it samples.
   void ask_for(std::vector<std::size_t>& entries) {
@@ -101,6 +101,8 @@ class ContactWatch {
   /// The run is at t in the state (u, w).
   void begin(double t, std::span<const double> y);
 
+  /// Whether the motion does not matter as long as the contacts are as they are.
+  bool idle() const;
   /// Whether the step up to `to` counts, velocities being below `fastest` in it: not where an end is open and cannot
   /// have got beyond the range that it has been in.
   bool concerned(double to, double fastest) const;
@@ -164,6 +166,7 @@ class ContactWatch {
   };
 
   void watch(EndAccount& account, bool right);
+  void add_extremes(End& end);
   // What is to be added to displacements of the frame.
   double lift(const End& end, double t) const { return bar_.moving() ? bar_.lift(t, 0).of(end.right) : 0.0; }
   bool closed(const End& end) const;
@@ -182,6 +185,7 @@ class ContactWatch {
 
   PenalisedSystem& system_;
   const BarSystem& bar_;
+  bool extremes_;
   std::vector<End> ends_;
   SpanForce span_;
   std::vector<std::size_t> selected_;

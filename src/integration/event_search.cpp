@@ -45,7 +45,7 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
   for (const std::size_t i : looked_at_) weights_[i] = system_.indicator_weights(i);
   with_rates_ = std::ranges::any_of(looked_at_, [&](std::size_t i) { return system_.indicator_needs_rates(i); });
   const std::size_t order = stepper_.order();
-  const bool looking = ends && !selects();
+  const bool looking = ends && !selects() && !ends->idle();
   if (looking) ends->begin_look(begin, end, order);
   for (std::size_t j = 0; j <= order; ++j) {
     const double t = j == order ? end : begin + (end - begin) * static_cast<double>(j) / static_cast<double>(order);

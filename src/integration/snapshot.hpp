@@ -20,7 +20,7 @@ class SnapshotBuilder {
   Snapshot operator()(double t, std::span<const double> u, std::span<const double> w) {
     const BarSystem& bar = system_.bar();
     const std::span<const double> origin = system_.origin();
-    nodal_u_ = u, nodal_v_ = w;
+    std::span<const double> nodal_u = u, nodal_v = w;
     if (u.size() != u_.size() || !origin.empty() || bar.moving()) {
       bar.expand_displacement(u, u_);
       for (std::size_t i = 0; i < origin.size(); ++i) u_[bar.first_node() + i] += origin[i];
@@ -29,32 +29,30 @@ class SnapshotBuilder {
         bar.add_lift(bar.lift(t, 0), u_);
         bar.add_lift(bar.lift(t, 1), v_);
       }
-      nodal_u_ = u_, nodal_v_ = v_;
+      nodal_u = u_, nodal_v = v_;
     }
-    Snapshot snapshot{t, nodal_u_, nodal_v_};
+    Snapshot snapshot{t, nodal_u, nodal_v};
     if (!reactions_) return snapshot;
     const std::array<double, 2> reactions = system_.end_reactions(t, u, w);
+    const auto stress = [&](std::size_t element) {
+      return element_stress(bar.bar(), bar.mesh(), nodal_u, nodal_v, element);
+    };
     snapshot.reaction_left = bar.left_fixed() ? -stress(0) : reactions[0];
     snapshot.reaction_right = bar.right_fixed() ? stress(u_.size() - 2) : reactions[1];
     return snapshot;
   }
 
-  /// Of the state that a snapshot was made of last; what came and went the method knows.
-  EnergyState energy(std::span<const double> u, EnergyState known = {}) const {
-    const BarEnergy bar = system_.bar().nodal_energy(nodal_u_, nodal_v_);
+  /// Of a snapshot of the unknowns u; what came and went the method knows.
+  EnergyState energy(const Snapshot& of, std::span<const double> u, EnergyState known = {}) const {
+    const BarEnergy bar = system_.bar().nodal_energy(of.u, of.v);
     known.kinetic = bar.kinetic, known.elastic = bar.elastic, known.contact = system_.contact_energy(u);
     return known;
   }
 
  private:
-  double stress(std::size_t element) const {
-    return element_stress(system_.bar().bar(), system_.bar().mesh(), nodal_u_, nodal_v_, element);
-  }
-
   PenalisedSystem& system_;
   bool reactions_;
-  std::vector<double> u_, v_;                  // where the unknowns are not the displacements of all nodes
-  std::span<const double> nodal_u_, nodal_v_;  // of the last snapshot
+  std::vector<double> u_, v_;  // where the unknowns are not the displacements of all nodes
 };
 
 }  // namespace viscobar

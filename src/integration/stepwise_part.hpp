@@ -72,7 +72,8 @@ class StepwisePart {
         limit = *schedule_.next();
         change.reset();
       }
-      if (ends_) watch_ends(t, limit, system_.contact_count() > 0 && !search_.selects() && limit == reached);
+      if (ends_ && !ends_->idle())
+        watch_ends(t, limit, system_.contact_count() > 0 && !search_.selects() && limit == reached);
       if (layout_.account() > 0 && account_doubtful(t, reached)) {
         outputs_until(limit, [&](double at) { return corrected_account(t, at); });
         account_shift_ = corrected_account(t, limit);
@@ -133,7 +134,7 @@ class StepwisePart {
     std::vector<std::size_t> entries = search_.sampled_entries();
     if (observers_.account) {
       if (!checkpoint) statistics_.account.emplace();
-      ends_.emplace(system_, *statistics_.account);
+      ends_.emplace(system_, *statistics_.account, observers_.extremes);
       ends_->ask_for(entries);
     }
     search_.share(entries.size());
@@ -362,7 +363,7 @@ class StepwisePart {
     if (sensitivities_) now.sensitivities = sensitivities_->fields(t, y_, now);
     if (observers_.energy) {
       const auto entry = [&](std::optional<std::size_t> at) { return at ? y_[*at] : 0.0; };
-      now.energy = snapshot_.energy(u());
+      now.energy = snapshot_.energy(now, u());
       now.energy->dissipated = entry(layout_.dissipated);
       now.energy->work = entry(layout_.work) + system_.frame_energy(t, u(), w());
       now.energy->end_inertia = entry(layout_.end_inertia);

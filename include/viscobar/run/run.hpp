@@ -205,6 +205,9 @@ struct Observers {
   std::function<RunControl(double time)> progress;  ///< after each step
   bool energy = false;                              ///< keep the energy account
   bool account = false;                             ///< keep the account of ends and contacts
+  /// Whether anyone reads the extremes of that account, the ranges of the ends and the peaks of reactions. Else a
+  /// method need not look for them.
+  bool extremes = true;
   /// Whether anyone reads the reactions of snapshots. Else a method may leave them 0: that of a held node with mass
   /// takes a solve.
   bool reactions = true;

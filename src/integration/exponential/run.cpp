@@ -115,7 +115,7 @@ void Run::go_on(const Checkpoint& checkpoint) {
 }
 
 void Run::watch_ends() {
-  ends_.emplace(penalised_, *statistics_.account);
+  ends_.emplace(penalised_, *statistics_.account, observers_.extremes);
   ends_->ask_for(end_entries_);
   sampled_.resize(end_entries_.size());
 }
@@ -370,7 +370,7 @@ void Run::output_until(double t, double tau, const std::function<EnergyFlow(doub
 void Run::tell_snapshot(double t, const VectorXd& u, const VectorXd& v, const Series& series, const LoadPolynomial& p,
                         double sigma, const std::optional<EnergyState>& energy) {
   Snapshot snapshot = snapshot_(t, entries(u), entries(v));
-  if (energy) snapshot.energy = snapshot_.energy(entries(u), *energy);
+  if (energy) snapshot.energy = snapshot_.energy(snapshot, entries(u), *energy);
   // Again from the penetration itself, which has more digits than the displacement.
   const auto reaction = [&](Index end) {
     double sum = 0.0;

@@ -30,7 +30,8 @@ std::function<double(double)> nudged(const Scene& scene, double by) {
 Plan::Plan(const AccuracyStudy& study)
     : study_(study),
       base_(study.scene),
-      runs_([this](const Setting& setting) { return with(setting); }, study.threads, study.stop) {
+      runs_([this](const Setting& setting) { return with(setting); }, study.request.of == Goal::peak_reaction,
+            study.threads, study.stop) {
   const AccuracyRequest::Given& given = study_.request.given;
   const Scene& scene = base_.scene;
   waves_ = base_.method == MethodName::characteristics;

@@ -31,8 +31,9 @@ struct Setting {
 /// Runs in memory of one case with several settings, each made once and kept as a sample.
 class Runs {
  public:
-  /// `make` is the case of a setting; `threads` as in parallel_for(); `stop` may be empty.
-  Runs(std::function<Case(const Setting&)> make, std::size_t threads, std::function<bool()> stop);
+  /// `make` is the case of a setting; `peaks` of reactions are wanted or not; `threads` as in parallel_for(); `stop`
+  /// may be empty.
+  Runs(std::function<Case(const Setting&)> make, bool peaks, std::size_t threads, std::function<bool()> stop);
   /// Ends what is begun.
   ~Runs();
   Runs(const Runs&) = delete;
@@ -72,6 +73,7 @@ class Runs {
   void keep(Batch batch);
 
   std::function<Case(const Setting&)> make_;
+  bool peaks_;
   std::size_t threads_;
   std::function<bool()> stop_;
   std::map<Setting, Sample> samples_;

@@ -52,7 +52,7 @@ Sample Probe::take(const Statistics& statistics) {
   return std::move(sample_);
 }
 
-std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& stop) {
+std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& stop, bool peaks) {
   Case plain = run;
   plain.directions.clear();
   const BarSystem system = make_system(plain);
@@ -60,6 +60,7 @@ std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& st
   Observers observers;
   observers.account = true;
   observers.off_the_clock = observers.reactions = false;
+  observers.extremes = peaks;
   observers.snapshot = [&](const Snapshot& snapshot) { probe.add(snapshot); };
   observers.event = [&](const Event& event) { probe.add(event); };
   if (stop) observers.progress = [&stop](double) { return stop() ? RunControl::stop : RunControl::go_on; };
@@ -172,8 +173,11 @@ struct Interpolant {
   std::array<double, 6> weights{1.0};
 
   double operator()(const double* u) const {
-    double sum = weights[0] * u[begin];
-    for (std::size_t i = 1; i < count; ++i) sum += weights[i] * u[begin + i];
+    using Six = Eigen::Array<double, 6, 1>;
+    if (count == 1) return u[begin];
+    if (count == 6) return (Six::Map(weights.data()) * Six::Map(u + begin)).sum();
+    double sum = 0.0;
+    for (std::size_t i = 0; i < count; ++i) sum += weights[i] * u[begin + i];
     return sum;
   }
 };

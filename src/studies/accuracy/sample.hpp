@@ -43,8 +43,9 @@ class Probe {
   Sample sample_;
 };
 
-/// Runs a case in memory. Absent when `stop` said so. @throws IntegrationError
-std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& stop);
+/// Runs a case in memory; peaks of reactions are 0 unless they are asked for. Absent when `stop` said so.
+/// @throws IntegrationError
+std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& stop, bool peaks = false);
 
 /// What a recording with its account says, as a probe would have told it.
 Sample sample_of(const Case& run, const Recording& recording);
