@@ -31,10 +31,10 @@ std::optional<Setting> Plan::known_rung(std::size_t elements, std::size_t steps)
 }
 
 // The settings of a ladder of up to four meshes, the finest last. Below each is the finest that was run and is coarser
-// by 5/4 to 2, else one of half as many elements, down to four.
-std::vector<Setting> Plan::rungs(std::size_t finest) const {
+// by 5/4 to 2, else, down to `least` meshes, one of half as many elements, four of them or more.
+std::vector<Setting> Plan::rungs(std::size_t finest, std::size_t least) const {
   std::vector<Setting> all{at(finest)};
-  while (all.size() < 4) {
+  while (all.size() < most_rungs) {
     const auto above = static_cast<double>(all.back().elements);
     std::optional<Setting> below;
     for (const Setting& known : runs_.known()) {
@@ -44,7 +44,7 @@ std::vector<Setting> Plan::rungs(std::size_t finest) const {
     }
     if (!below) {
       const std::size_t half = (all.back().elements + 1) / 2;
-      if (half < 4 || half >= all.back().elements) break;
+      if (all.size() >= least || half < 4 || half >= all.back().elements) break;
       below = at(half);
       if (!stepping_ && !exact_time_ && all.size() == 3) below = time_pair(half)[1];
     }
@@ -68,14 +68,14 @@ std::vector<MeshStep> Plan::ladder(const std::vector<Setting>& steps, bool* same
 
 // A ladder that has been run. What pilots of a looser tolerance say counts only where the difference of the last two is
 // far above the error of that tolerance.
-std::vector<MeshStep> Plan::made_ladder(std::size_t finest, bool* same) {
+std::vector<MeshStep> Plan::made_ladder(std::size_t finest, std::size_t least, bool* same) {
   constexpr double far = 5.0;
-  const std::vector<Setting> settings = rungs(finest);
+  const std::vector<Setting> settings = rungs(finest, least);
   runs_.make(settings);
   std::vector<MeshStep> steps = ladder(settings, same);
   if (looser_ <= 1.0 || steps.empty() || steps.back().distance >= far * pilot_error_) return steps;
   looser_ = 1.0;
-  return made_ladder(finest, same);
+  return made_ladder(finest, least, same);
 }
 
 // Of three coarse meshes two may be near by chance: an order that is seen once counts half, and that of a number, in
@@ -94,7 +94,7 @@ void Plan::pilot() {
   const AccuracyRequest::Given& given = study_.request.given;
   const std::size_t finest = given.elements ? std::max<std::size_t>(base_.elements / 2, 3) : pilot_elements_;
   if (!given.elements) chosen_.elements = finest;
-  std::vector<Setting> settings = rungs(finest);
+  std::vector<Setting> settings = rungs(finest, given.elements ? most_rungs : 2);
   for (const auto& pair : {time_pair(coarse()), penalty_pair(coarse())})
     settings.insert(settings.end(), pair.begin(), pair.end());
   runs_.make(std::move(settings));
@@ -161,17 +161,21 @@ void Plan::climb_from(std::size_t& known) {
   int stuck = 0;
   for (int round = 0; round < most_rounds; ++round) {
     bool same = true;
-    const std::vector<MeshStep> steps = made_ladder(known, &same);
+    std::vector<MeshStep> steps = made_ladder(known, 2, &same);
+    // A third mesh shows an order. It is run where that of theory would keep the request.
+    if (steps.size() == 1 && seen_error(prolonged(steps, 2 * known, theory_)).error <= share * reachable_)
+      steps = made_ladder(known, 3, &same);
     const SpaceError now = seen_error(steps);
     std::size_t next = same ? wanted_elements(now, known) : 2 * known;
     if (now.error <= share * reachable_ && same && next <= known) {
       chosen_.elements = known;
       return;
     }
+    const double expected = expected_order(steps, theory_);
     for (std::size_t quarters = theory_ > 2.0 ? 5 : 8; same && quarters <= 8; ++quarters) {
       const std::size_t solution = known * quarters / 4;
       if (known * quarters % 4 != 0 || solution < least_elements ||
-          seen_error(prolonged(steps, theory_, solution)).error > 1.05 * share * reachable_)
+          seen_error(prolonged(steps, solution, expected)).error > 1.05 * share * reachable_)
         continue;
       chosen_.elements = solution;
       return;

@@ -127,7 +127,7 @@ Case Plan::next() {
     if (!study_.request.given.elements) climb();
   }
   const Case run = with(chosen_);
-  if (!waves_) rungs_ = rungs(chosen_.elements);
+  if (!waves_) rungs_ = rungs(chosen_.elements, most_rungs);
   runs_.begin(wanted_by_judge());
   if (waves_) return run;
   tell(fmt::format("{} on {} elements{}", name(run.method), run.elements,

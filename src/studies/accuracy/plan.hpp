@@ -40,6 +40,7 @@ class Plan {
     double space = 0.65, penalty = 0.1, time = 0.25;
   };
   static constexpr std::size_t least_elements = 16;  ///< of a solution: fewer are no faster
+  static constexpr std::size_t most_rungs = 4;       ///< meshes that an error is seen by
   static constexpr double excess = 1.2;
   static constexpr double nudge_share = 1e-9;  ///< of the natural velocity
 
@@ -64,9 +65,9 @@ class Plan {
 
   // The mesh: climb.cpp.
   std::optional<Setting> known_rung(std::size_t elements, std::size_t steps) const;
-  std::vector<Setting> rungs(std::size_t finest) const;
+  std::vector<Setting> rungs(std::size_t finest, std::size_t least) const;
   std::vector<MeshStep> ladder(const std::vector<Setting>& steps, bool* same) const;
-  std::vector<MeshStep> made_ladder(std::size_t finest, bool* same);
+  std::vector<MeshStep> made_ladder(std::size_t finest, std::size_t least, bool* same);
   SpaceError seen_error(const std::vector<MeshStep>& steps) const;
   bool affordable(std::size_t elements) const;
   std::size_t wanted_elements(const SpaceError& known, std::size_t from) const;

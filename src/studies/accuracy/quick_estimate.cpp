@@ -151,7 +151,7 @@ QuickEstimate forecast(const Case& run, double seconds) try {
   // Without viscosity kinks stay kinks; and two meshes show no order.
   const bool smooth = runs.eighth && run.scene.bar.viscosity > 0.0;
   const double theory = smooth ? order_in_theory(run) : 1.0;
-  estimate.space = space_error(prolonged(steps, theory, run.elements), theory).error;
+  estimate.space = space_error(prolonged(steps, run.elements, expected_order(steps, theory)), theory).error;
   estimate.total = estimate.space + estimate.penalty + estimate.time;
   return {estimate, {}};
 } catch (const None& none) {

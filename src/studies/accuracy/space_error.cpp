@@ -72,12 +72,14 @@ SpaceError space_error(std::span<const MeshStep> ladder, double theory) {
   return result;
 }
 
-std::vector<MeshStep> prolonged(std::vector<MeshStep> ladder, double theory, std::size_t elements) {
+double expected_order(std::span<const MeshStep> ladder, double theory) {
+  return ladder.size() < 2 ? 1.0 : std::clamp(space_error(ladder, theory).order, least_order, theory);
+}
+
+std::vector<MeshStep> prolonged(std::vector<MeshStep> ladder, std::size_t elements, double order) {
   if (ladder.empty()) return ladder;
-  const MeshStep last = ladder.back();
-  const double order = ladder.size() < 2 ? 1.0 : std::clamp(space_error(ladder, theory).order, least_order, theory);
-  MeshStep next{last.fine, elements};
-  next.distance = last.distance / fall(last, next, order);
+  MeshStep next{ladder.back().fine, elements};
+  next.distance = ladder.back().distance / fall(ladder.back(), next, order);
   ladder.push_back(next);
   return ladder;
 }

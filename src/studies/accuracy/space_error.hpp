@@ -40,8 +40,11 @@ struct SpaceError {
 };
 SpaceError space_error(std::span<const MeshStep> ladder, double theory);
 
-/// The ladder with a mesh that has not been run as its finest one: d falls by the observed order once more. Two meshes
-/// show no order, and 1 is expected.
-std::vector<MeshStep> prolonged(std::vector<MeshStep> ladder, double theory, std::size_t elements);
+/// The order with which the next mesh of a ladder may be expected to come nearer: the last one observed. Two meshes
+/// show none, and 1 is expected.
+double expected_order(std::span<const MeshStep> ladder, double theory);
+
+/// The ladder with a mesh that has not been run as its finest one: d falls by that order once more.
+std::vector<MeshStep> prolonged(std::vector<MeshStep> ladder, std::size_t elements, double order);
 
 }  // namespace viscobar::accuracy
