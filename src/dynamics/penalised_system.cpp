@@ -124,12 +124,12 @@ PenalisedSystem::IndicatorWeights PenalisedSystem::indicator_weights(std::size_t
   const double sign = contact(i).sign;
   if (follows(i) || !holds(i) || !closed(i)) return {.values = {sign}};
   const Bar& bar = bar_.bar();
-  IndicatorWeights weights{.values = {0.0, sign, sign * bar.viscosity / bar.modulus}};
+  IndicatorWeights weights{.values = {0.0, sign, sign * bar.viscosity / bar.modulus}, .alone = false};
   if (!collides(i)) return weights;
   const std::size_t node = contact(i).unknown;
   const std::array<double, 2> inertia = inertia_beside(node);
   for (std::size_t k = 0; k < inertia.size(); ++k)
-    weights.rates[2 + k] = -sign * bar_.spacing_at(node) / bar.modulus * inertia[k];
+    weights.rates[k] = -sign * bar_.spacing_at(node) / bar.modulus * inertia[k];
   return weights;
 }
 

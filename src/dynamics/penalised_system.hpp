@@ -74,14 +74,17 @@ class PenalisedSystem {
   ///     an undamped massless node           the same in either state, its clearance while it is open: its own
   ///                                         displacement shrinks by 1 + k h/E as it closes, this one passes smoothly
   std::vector<std::size_t> indicator_entries(std::size_t i) const;
-  /// Of those entries, in their order: what p takes of their values, and where it needs_rates() of their rates.
+  /// Of those entries, in their order: what p takes of their values, and where it needs_rates() of the rates of the
+  /// last two.
   struct IndicatorWeights {
-    std::array<double, 4> values{}, rates{};
+    std::array<double, 3> values{};
+    std::array<double, 2> rates{};
+    bool alone = true;  ///< the first value is all that it takes
 
     double operator()(std::span<const double> entries, std::span<const double> of_entries = {}) const {
-      double sum = 0.0;
-      for (std::size_t k = 0; k < entries.size(); ++k) sum += values[k] * entries[k];
-      for (std::size_t k = 0; k < of_entries.size(); ++k) sum += rates[k] * of_entries[k];
+      if (alone) return values[0] * entries[0];
+      double sum = values[1] * entries[1] + values[2] * entries[2];
+      for (std::size_t k = 2; k < of_entries.size(); ++k) sum += rates[k - 2] * of_entries[k];
       return sum;
     }
   };
