@@ -79,6 +79,25 @@ ContactWatch::ContactWatch(PenalisedSystem& system, RunAccount& account, bool ex
   }
 }
 
+void ContactWatch::ask_for(std::vector<std::size_t>& entries) {
+  for (const End& end : ends_)
+    for (const std::size_t entry : end.entries) {
+      const auto place = std::ranges::find(entries, entry) - entries.begin();
+      positions_.push_back(static_cast<std::size_t>(place));
+      if (positions_.back() == entries.size()) entries.push_back(entry);
+    }
+  span_.ask_for(entries);
+}
+
+void ContactWatch::select(std::vector<std::size_t>& positions) const {
+  auto first = positions_.begin();
+  for (const End& end : ends_) {
+    positions.insert(positions.end(), first, first + static_cast<std::ptrdiff_t>(needed(end)));
+    first += static_cast<std::ptrdiff_t>(end.entries.size());
+  }
+  span_.select(positions);
+}
+
 void ContactWatch::begin(double t, std::span<const double> y) {
   seen_ = t;
   std::array<double, 5> values{};
@@ -105,10 +124,11 @@ bool ContactWatch::concerned(double to, double fastest) const {
 }
 
 void ContactWatch::look_at(std::size_t j, double t, std::span<const double> y) {
-  std::size_t k = 0;
+  const std::size_t* position = positions_.data();
   for (End& end : ends_) {
     std::array<double, 5> values{};
-    for (std::size_t e = 0; e < end.entries.size(); ++e) values[e] = y[selected_[k++]];
+    for (std::size_t e = 0; e < needed(end); ++e) values[e] = y[position[e]];
+    position += end.entries.size();
     look_at(end, j, t, values);
   }
   span_.look_at(j, y);
@@ -142,8 +162,9 @@ void ContactWatch::add() {
   span_.add(length_, order_);
   for (End& end : ends_) {
     end.account->displacement = end.u[order_];
-    if (closed(end)) end.account->impulse += end.stored_now - end.stored + length_ * Bernstein::mean(used(end.rate));
     if (extremes_) add_extremes(end);
+    if (!closed(end)) continue;
+    end.account->impulse += end.stored_now - end.stored + length_ * Bernstein::mean(used(end.rate));
     end.stored = end.stored_now;
   }
 }
@@ -246,8 +267,8 @@ inline double ContactWatch::reaction(const End& end, double t, std::span<const d
 
 inline void ContactWatch::look_at(End& end, std::size_t j, double t, std::span<const double> y) {
   end.u[j] = displacement(end, t, y);
-  end.stored_now = stored(end, y);
   if (!closed(end)) return;
+  end.stored_now = stored(end, y);
   end.force[j] = reaction(end, t, y);
   if (holds_mass(end)) end.momentum[j] = momentum(end, y);
   end.rate[j] = end.follows ? end.force[j]

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <span>
@@ -66,22 +67,10 @@ class ContactWatch {
   /// Both outlive it. Without `extremes` ranges and peaks stay as they are.
   ContactWatch(PenalisedSystem& system, RunAccount& account, bool extremes);
 
-  /// Appends the entries of (u, w) that it samples.
-  void ask_for(std::vector<std::size_t>& entries) {
-    for (End& end : ends_)
-      for (const std::size_t entry : end.entries) {
-        selected_.push_back(entries.size());
-        entries.push_back(entry);
-      }
-    of_ends_ = selected_.size();
-    span_.ask_for(entries);
-  }
-  /// Positions of its entries among all, those of open contacts of a span obstacle left out.
-  const std::vector<std::size_t>& selected() {
-    selected_.resize(of_ends_);
-    span_.select(selected_);
-    return selected_;
-  }
+  /// Appends the entries of (u, w) that it samples and that are not there yet.
+  void ask_for(std::vector<std::size_t>& entries);
+  /// Appends the positions among all of those that it needs as long as the contacts are as they are.
+  void select(std::vector<std::size_t>& positions) const;
 
   /// What a checkpoint holds of it, beside the account.
   static void members(auto& watch, auto&& each) {
@@ -98,7 +87,7 @@ class ContactWatch {
     }
   }
 
-  /// The run is at t in the state (u, w).
+  /// The run is at t in the state (u, w): at its beginning, and wherever contacts change.
   void begin(double t, std::span<const double> y);
 
   /// Whether the motion does not matter as long as the contacts are as they are.
@@ -170,6 +159,10 @@ class ContactWatch {
   // What is to be added to displacements of the frame.
   double lift(const End& end, double t) const { return bar_.moving() ? bar_.lift(t, 0).of(end.right) : 0.0; }
   bool closed(const End& end) const;
+  // Its first entries: of an open end the displacement alone.
+  std::size_t needed(const End& end) const {
+    return closed(end) ? end.entries.size() : std::min<std::size_t>(1, end.entries.size());
+  }
   bool holds_mass(const End& end) const;
   double momentum(const End& end, std::span<const double> y) const {
     return end.mass * y[2] + end.coupling * y[3] + end.beyond * y[4];
@@ -188,9 +181,8 @@ class ContactWatch {
   bool extremes_;
   std::vector<End> ends_;
   SpanForce span_;
-  std::vector<std::size_t> selected_;
-  std::size_t of_ends_ = 0;           // of them
-  double length_ = 0.0, seen_ = 0.0;  // of the step looked at, and its end
+  std::vector<std::size_t> positions_;  // of the ends' entries among all, end by end
+  double length_ = 0.0, seen_ = 0.0;    // of the step looked at, and its end
   std::size_t order_ = 0;
 };
 

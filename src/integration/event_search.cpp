@@ -34,6 +34,13 @@ EventSearch::EventSearch(PenalisedSystem& system, LegStepper& stepper)
   looked_at_ = all_;
 }
 
+void EventSearch::select(std::vector<std::size_t>& positions) const {
+  for (std::size_t i = 0; i < count_; ++i) {
+    const std::size_t end = system_.indicator_weights(i).alone ? first_[i] + 1 : first_[i + 1];
+    for (std::size_t position = first_[i]; position < end; ++position) positions.push_back(position);
+  }
+}
+
 void EventSearch::share(std::size_t sampled) {
   lowest_.resize(sampled);
   highest_.resize(sampled);

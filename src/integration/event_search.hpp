@@ -24,6 +24,8 @@ class EventSearch {
 
   /// Entries of (u, w) that the search samples.
   const std::vector<std::size_t>& sampled_entries() const { return entries_; }
+  /// Appends the positions of those that it needs as long as the contacts are as they are.
+  void select(std::vector<std::size_t>& positions) const;
   /// The stepper samples so many entries, those of the search the first of them.
   void share(std::size_t sampled);
   /// Whether the search selects what the stepper samples.

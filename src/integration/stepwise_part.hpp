@@ -208,7 +208,7 @@ class StepwisePart {
     // A step is short against the time in which a velocity doubles.
     if (!looked && !ends_->concerned(to, 2.0 * stepper_.weights().largest_velocity())) return;
     if (!looked) {
-      if (search_.selects()) stepper_.select(ends_->selected());
+      if (search_.selects()) select([this](auto& positions) { ends_->select(positions); });
       ends_->look_at(from, to, stepper_.order(), [&](std::size_t, double t) { return stepper_.sample(t, 0); });
     }
     ends_->add();
@@ -250,7 +250,21 @@ class StepwisePart {
       ends_->measure_from(system_.origin());
       ends_->begin(t, y_);
     }
+    if (!search_.selects())
+      select([this](auto& positions) {
+        search_.select(positions);
+        if (ends_) ends_->select(positions);
+      });
     stepper_.restart(t, leg_end_, y_);
+  }
+
+  // What the stepper samples: those whose positions `append` appends, each once.
+  void select(auto&& append) {
+    selected_.clear();
+    append(selected_);
+    std::ranges::sort(selected_);
+    selected_.erase(std::ranges::unique(selected_).begin(), selected_.end());
+    stepper_.select(selected_);
   }
 
   // What holds or bounds an end changes its velocity at once. A rigid contact that is closed then has an impact, or
@@ -384,6 +398,7 @@ class StepwisePart {
   Watchdog watchdog_;
   SnapshotBuilder snapshot_;
   std::vector<double> y_, inner_;          // the state where the run is, and within a step
+  std::vector<std::size_t> selected_;      // positions of sampled entries
   std::array<double, 3> account_shift_{};  // of the account of this leg
   double leg_end_ = 0.0;
   std::size_t next_output_ = 0;

@@ -81,9 +81,7 @@ void Run::begin(const State& start) {
   if (observers_.account) {
     statistics_.account.emplace();
     watch_ends();
-    std::vector<double> both = state.u;
-    both.insert(both.end(), state.v.begin(), state.v.end());
-    ends_->begin(t_, both);
+    begin_ends(state.u, state.v);
   }
   for (std::size_t c = 0; c < contacts(); ++c) {
     if (!penalised_.closed(c)) continue;
@@ -112,6 +110,12 @@ void Run::go_on(const Checkpoint& checkpoint) {
     if (measured_[c]) propagators_.measure_from_obstacle(c);
   begin_leg();
   pass_kink();
+}
+
+void Run::begin_ends(std::span<const double> u, std::span<const double> v) {
+  std::vector<double> both(u.begin(), u.end());
+  both.insert(both.end(), v.begin(), v.end());
+  ends_->begin(t_, both);
 }
 
 void Run::watch_ends() {
@@ -244,10 +248,9 @@ void Run::take_short_step(double tau) {
   const VectorXd u = leg().displacement(series, sigma), v = leg().velocity(series, sigma, tau);
   y_ = leg().pack(u, v);
   t_ = t;
-  if (changing)
-    change_contacts(*changing, distances, sigma, v);
-  else
-    lengthen();
+  if (!changing) return lengthen();
+  if (ends_) begin_ends(entries(u), entries(v));
+  change_contacts(*changing, distances, sigma, v);
 }
 
 void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distances, double sigma, const VectorXd& v) {

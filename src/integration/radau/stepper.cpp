@@ -106,7 +106,7 @@ class Stepper final : public LegStepper {
     const double theta = (t - begin_t_) / h_;
     const Parts of_w = formula.weights(theta, derivative), of_u = formula.weights_over_pole(of_w);
     const std::size_t n = layout_.nodes;
-    for (std::size_t k = 0; k < entries_.size(); ++k) {
+    for (const std::size_t k : selected_) {
       const bool rate = entries_[k] >= n;
       const std::size_t i = rate ? entries_[k] - n : entries_[k];
       const double sum = combined(rate ? of_w : of_u, x_[i]);
@@ -126,8 +126,8 @@ class Stepper final : public LegStepper {
     return std::span<const double>(points_[d]).subspan(j * entries_.size(), entries_.size());
   }
 
+  void select(std::span<const std::size_t> sampled) override { selected_.assign(sampled.begin(), sampled.end()); }
   // Only a span obstacle asks, which is never rigid.
-  void select(std::span<const std::size_t>) override {}
   void hull(std::span<double> lowest, std::span<double> highest) override {
     std::ranges::fill(lowest, -std::numeric_limits<double>::infinity());
     std::ranges::fill(highest, std::numeric_limits<double>::infinity());
@@ -139,7 +139,7 @@ class Stepper final : public LegStepper {
     const Formula& formula = Formula::get();
     static const Samples theta = Samples::LinSpaced(0.0, (2.0 * stages - 1.0) / stages);
     const std::size_t n = layout_.nodes;
-    for (std::size_t k = 0; k < entries_.size(); ++k) {
+    for (const std::size_t k : selected_) {
       const bool rate = entries_[k] >= n;
       const std::size_t i = rate ? entries_[k] - n : entries_[k];
       const double w = begin_y_[n + i];
@@ -340,8 +340,8 @@ class Stepper final : public LegStepper {
   std::vector<double> force_, stiff_rate_, load_change_;  // F and K w where the run is
   LoadTail load_tail_;
   std::vector<Complex> x_;
-  std::vector<double> by_part_;  // x_ by its parts, once the motion within the step is asked for
-  std::vector<std::size_t> entries_;
+  std::vector<double> by_part_;                  // x_ by its parts, once the motion within the step is asked for
+  std::vector<std::size_t> entries_, selected_;  // that can be sampled, and positions of those that are
   std::vector<double> sampled_, inner_;
   std::array<std::vector<double>, 2> points_;  // sample_point() of all points, by the derivative
   std::array<bool, 2> pointed_{};              // whether they are those of this step
