@@ -36,9 +36,6 @@ endif()
 
 # A static library leaves the linking of what it uses to whom it is linked into.
 get_target_property(viscobar_type viscobar TYPE)
-get_target_property(linked viscobar LINK_LIBRARIES)
-list(FILTER linked INCLUDE REGEX "^SUNDIALS::")
-list(TRANSFORM linked REPLACE "^SUNDIALS::" "" OUTPUT_VARIABLE sundials_components)
 list(JOIN sundials_components " " sundials_component_words)
 configure_package_config_file(cmake/viscobarConfig.cmake.in viscobarConfig.cmake INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(viscobarConfigVersion.cmake COMPATIBILITY SameMinorVersion)

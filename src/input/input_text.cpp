@@ -1,5 +1,6 @@
 #include "input/input_text.hpp"
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -20,10 +21,13 @@ std::string input_text(std::istream& stream, const std::string& name) {
   const auto fail = [&](const std::string& problem) {
     throw SceneError({{name, 1, 1, "", "cannot be read: " + problem}});
   };
-  std::string text(largest_file + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!stream.eof()) fail(errno != 0 ? std::strerror(errno) : "it is longer than 1 MiB");
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  std::string text;
+  std::array<char, 4096> block;
+  while (stream && text.size() <= largest_file) {
+    stream.read(block.data(), block.size());
+    text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
+  }
+  if (!stream.eof() || text.size() > largest_file) fail(errno != 0 ? std::strerror(errno) : "it is longer than 1 MiB");
   return text;
 }
 

@@ -32,7 +32,7 @@ const TomlNode& tree_of(const std::string& text) {
 const TomlValue& fallback_of(const SceneKey& key) {
   static const std::vector<TomlValue> values = [] {
     std::vector<TomlValue> all;
-    for (const SceneKey& one : scene_keys()) all.push_back(value_of(one.fallback));
+    for (const SceneKey& one : scene_keys()) all.push_back(one.fallback.empty() ? TomlValue() : value_of(one.fallback));
     return all;
   }();
   return values[static_cast<std::size_t>(&key - scene_keys().data())];

@@ -7,6 +7,7 @@
 #include "report/scene_ends.hpp"
 #include "results/output_file.hpp"
 #include "scene/end_kinds.hpp"
+#include "text/joined.hpp"
 #include "text/json_text.hpp"
 #include "text/number.hpp"
 #include "text/printable_text.hpp"
@@ -101,38 +102,56 @@ void Page::add(Picture picture) {
   if (picture.panels.empty()) return;
   body_ += fmt::format("<figure>\n<h2>{}</h2>\n", picture.heading);
   for (Panel& panel : picture.panels) {
-    body_ +=
-        fmt::format("<div class=\"panel\" data-picture=\"{}\">\n{}</div>\n", panel.name, panel.figure.svg(panel.title));
-    live_ += fmt::format("{}{}:{}", live_.empty() ? "" : ",\n", plot::json_string(panel.name),
-                         (panel.live ? *panel.live : panel.figure).live(panel.title));
+    body_ += joined(
+        {"<div class=\"panel\" data-picture=\"", panel.name, "\">\n", panel.figure.svg(panel.title), "</div>\n"});
+    live_ += joined({live_.empty() ? "" : ",\n", plot::json_string(panel.name), ":",
+                     (panel.live ? *panel.live : panel.figure).live(panel.title)});
     panels_.push_back(std::move(panel));
   }
   body_ += fmt::format("<figcaption>{}</figcaption>\n</figure>\n", picture.caption);
 }
 
 void Page::add_data(std::string_view key, std::string_view json) {
-  data_ += fmt::format(",\n{}:{}", plot::json_string(key), json);
+  data_ += joined({",\n", plot::json_string(key), ":", json});
 }
 
 std::string Page::html() const {
   const Versions used = versions();
-  std::string styles = fmt::format("{}{}{}", plot::palette_css(), plot::drawing_css(), page_files::style), scripts;
-  if (!live_.empty() || !data_.empty()) {
-    (styles += page_files::chart_style) += '\n';
-    scripts = fmt::format(
-        "<script type=\"application/json\" id=\"data\">{{\"figures\":{{\n{}}}{}}}</script>\n"
-        "<script>/* uPlot\n{}*/\n{}</script>\n<script>(() => {{\n\"use strict\";\n{}}})();</script>\n",
-        live_, data_, page_files::chart_licence, page_files::chart_script, page_files::script);
-  }
-  return fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n"
-      "<header>\n<h1>{0}</h1>\n{2}{3}</header>\n{4}"
-      "<footer>viscobar {5}, SUNDIALS {6}, HDF5 {7}, Eigen {8}; {9}. All quantities in the units of the "
-      "scene.</footer>\n</main>\n{10}</body>\n</html>\n",
-      escaped(title_), styles, model_.empty() ? "" : fmt::format("<p class=\"model\">{}</p>\n", model_), head_, body_,
-      used.viscobar, used.sundials, used.hdf5, used.eigen, escaped(used.platform), scripts);
+  const bool scripted = !live_.empty() || !data_.empty();
+  const auto with_script = [&](std::string_view text) { return scripted ? text : std::string_view(); };
+  const std::string title = escaped(title_);
+  return joined(
+      {"<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>",
+       title,
+       "</title>\n<style>",
+       plot::palette_css(),
+       plot::drawing_css(),
+       page_files::style,
+       with_script(page_files::chart_style),
+       with_script("\n"),
+       "</style>\n</head>\n<body>\n<main>\n<header>\n<h1>",
+       title,
+       "</h1>\n",
+       model_.empty() ? "" : fmt::format("<p class=\"model\">{}</p>\n", model_),
+       head_,
+       "</header>\n",
+       body_,
+       fmt::format("<footer>viscobar {}, SUNDIALS {}, HDF5 {}, Eigen {}; {}. All quantities in the units of the "
+                   "scene.</footer>\n</main>\n",
+                   used.viscobar, used.sundials, used.hdf5, used.eigen, escaped(used.platform)),
+       with_script("<script type=\"application/json\" id=\"data\">{\"figures\":{\n"),
+       live_,
+       with_script("}"),
+       data_,
+       with_script("}</script>\n<script>/* uPlot\n"),
+       with_script(page_files::chart_licence),
+       with_script("*/\n"),
+       with_script(page_files::chart_script),
+       with_script("</script>\n<script>(() => {\n\"use strict\";\n"),
+       with_script(page_files::script),
+       with_script("})();</script>\n"),
+       "</body>\n</html>\n"});
 }
 
 PicturedPage Page::with_figures() const {

@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "text/number.hpp"
+
 namespace viscobar::plot {
 
 /// A JSON string that may also stand in a <script>.
@@ -30,7 +32,7 @@ std::string json_numbers(const Range& items, Value value, int digits) {
     const double number = value(item);
     if (out.size() > 1) out += ',';
     if (std::isfinite(number))
-      fmt::format_to(std::back_inserter(out), "{:.{}g}", number, digits);
+      append_digits(out, number, digits);
     else
       out += "null";
   }

@@ -3,9 +3,27 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace viscobar {
+
+namespace {
+
+void append(std::string& text, double value, std::chars_format format, int precision) {
+  std::array<char, 350> room;  // the largest number has 309 digits before its point
+  text.append(room.data(), std::to_chars(room.begin(), room.end(), value, format, precision).ptr);
+}
+
+}  // namespace
+
+void append_digits(std::string& text, double value, int digits) {
+  append(text, value, std::chars_format::general, digits);
+}
+
+void append_decimals(std::string& text, double value, int decimals) {
+  append(text, value, std::chars_format::fixed, decimals);
+}
 
 std::string with_true_minus(std::string text) { return text.starts_with('-') ? "\u2212" + text.substr(1) : text; }
 

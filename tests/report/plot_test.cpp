@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -161,6 +162,18 @@ TEST(ColourMap, TheDivergingOneIsLightestAtZeroAndAlikeOnBothSides) {
     EXPECT_LT(luminance(diverging().at(0.5 - (i + 1) / 64.0)), luminance(diverging().at(0.5 - i / 64.0)));
     EXPECT_NEAR(luminance(diverging().at(0.5 - i / 64.0)), inner, 0.1);
   }
+}
+
+TEST(Digits, AreThoseOfFmt) {
+  for (const double value : {0.0, 0.1, 0.5, 2.0 / 3.0, 0.999999999, 1.0, 9.5, 123456.0, 1e16})
+    for (const double factor : {1.0, -1.0, 1e-5, 1e-300, 1e280})
+      for (const int precision : {1, 2, 5, 9, 17}) {
+        std::string digits = "as ", decimals = "as ";
+        append_digits(digits, value * factor, precision);
+        append_decimals(decimals, value * factor, precision);
+        EXPECT_EQ(digits, fmt::format("as {:.{}g}", value * factor, precision));
+        EXPECT_EQ(decimals, fmt::format("as {:.{}f}", value * factor, precision));
+      }
 }
 
 TEST(Base64, OfTheVectorsOfRfc4648) {

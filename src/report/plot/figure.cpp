@@ -9,6 +9,7 @@
 #include <functional>
 #include <iterator>
 
+#include "text/joined.hpp"
 #include "text/json_text.hpp"
 #include "text/number.hpp"
 #include "text/printable_text.hpp"
@@ -40,8 +41,8 @@ std::string json(std::span<const Interval> parts) {
 std::string json(std::span<const Point> points, const Axis& y) {
   const auto x_of = [](Point point) { return point.x; };
   const auto y_of = [](Point point) { return point.y; };
-  return fmt::format(R"("x":{},"y":{})", json_numbers(points, x_of, digits_of_x),
-                     json_numbers(points, y_of, y.significant_digits(digits_of_y)));
+  return joined({R"("x":)", json_numbers(points, x_of, digits_of_x), R"(,"y":)",
+                 json_numbers(points, y_of, y.significant_digits(digits_of_y))});
 }
 
 std::string json(const Style& style, std::string_view legend) {
@@ -136,15 +137,18 @@ void Figure::stroke(std::span<const Point> points, const Style& style) {
   std::string d;
   for (const Point& point : points) {
     const double x = place_x(point.x), y = place_y(point.y);
-    if (std::isfinite(x) && std::isfinite(y))
-      fmt::format_to(std::back_inserter(d), "{}{:.1f} {:.1f}", d.empty() ? 'M' : 'L', x, y);
+    if (!std::isfinite(x) || !std::isfinite(y)) continue;
+    d += d.empty() ? 'M' : 'L';
+    append_decimals(d, x, 1);
+    d += ' ';
+    append_decimals(d, y, 1);
   }
   content_ += fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}{}\" d=\"{}\"/>\n", style.colour,
                           style.width, dash_css(style), d);
 }
 
 void Figure::line(std::span<const Point> points, const Style& style, std::string_view legend) {
-  live_layer(fmt::format(R"({{"kind":"line",{},{}}})", json(style, legend), json(points, y_)));
+  live_layer(joined({R"({"kind":"line",)", json(style, legend), ",", json(points, y_), "}"}));
   constexpr std::size_t told_apart = 600;
   if (points.size() > 4 * told_apart)
     stroke(thin(points, told_apart), style);
@@ -199,8 +203,9 @@ void Figure::image(const std::string& uri, Point low, Point high) {
   const double x = place_x(low.x), y = place_y(high.y);
   content_ += fmt::format(
       "<image x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" "
-      "preserveAspectRatio=\"none\" href=\"{}\"/>\n",
-      x, y, place_x(high.x) - x, place_y(low.y) - y, uri);
+      "preserveAspectRatio=\"none\" href=\"",
+      x, y, place_x(high.x) - x, place_y(low.y) - y);
+  (content_ += uri) += "\"/>\n";
 }
 
 // Defines one from 0 to 1 and returns what to fill with.
@@ -306,23 +311,27 @@ std::string Figure::svg(std::string_view title) const {
     axes +=
         fmt::format("<text x=\"{}\" y=\"{:.1f}\" dy=\".35em\" text-anchor=\"end\">{}</text>", left - 9, y, tick.label);
   }
+  const std::string frame =
+      fmt::format("x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"", left, top, right - left, bottom - top);
   return named_after(
-      fmt::format("<svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"{2}\">\n"
-                  "<path class=\"grid\" d=\"{3}\"/>\n<svg x=\"{4}\" y=\"{5}\" width=\"{6}\" height=\"{7}\" "
-                  "viewBox=\"{4} {5} {6} {7}\">\n{8}</svg>\n"
-                  "<rect class=\"frame\" x=\"{4}\" y=\"{5}\" width=\"{6}\" height=\"{7}\"/>\n{9}\n"
-                  "<text class=\"axis\" x=\"{10}\" y=\"{11}\" text-anchor=\"middle\">{12}</text>\n"
-                  "<text class=\"axis\" transform=\"rotate(-90)\" x=\"{13}\" y=\"16\" "
-                  "text-anchor=\"middle\">{14}</text>\n{15}</svg>\n",
-                  width, height_, escaped(title), grid, left, top, right - left, bottom - top, content_, axes,
-                  (left + right) / 2, height_ - 8, escaped(x_.label) + factor(along), -(top + bottom) / 2,
-                  escaped(y_.label) + factor(up), legend_),
+      joined({fmt::format("<svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"{2}\">\n"
+                          "<path class=\"grid\" d=\"{3}\"/>\n<svg {4} viewBox=\"{5} {6} {7} {8}\">\n",
+                          width, height_, escaped(title), grid, frame, left, top, right - left, bottom - top),
+              content_, "</svg>\n",
+              fmt::format("<rect class=\"frame\" {0}/>\n{1}\n"
+                          "<text class=\"axis\" x=\"{2}\" y=\"{3}\" text-anchor=\"middle\">{4}</text>\n"
+                          "<text class=\"axis\" transform=\"rotate(-90)\" x=\"{5}\" y=\"16\" "
+                          "text-anchor=\"middle\">{6}</text>\n",
+                          frame, axes, (left + right) / 2, height_ - 8, escaped(x_.label) + factor(along),
+                          -(top + bottom) / 2, escaped(y_.label) + factor(up)),
+              legend_, "</svg>\n"}),
       title);
 }
 
 std::string Figure::live(std::string_view title) const {
-  return fmt::format("{{\"title\":{},\"height\":{},\"x\":{},\"y\":{},\"layers\":[\n{}]}}", json_string(title), height_,
-                     json(x_), json(y_), layers_);
+  return joined({fmt::format("{{\"title\":{},\"height\":{},\"x\":{},\"y\":{},\"layers\":[\n", json_string(title),
+                             height_, json(x_), json(y_)),
+                 layers_, "]}"});
 }
 
 std::string Figure::file(std::string_view title) const {

@@ -31,16 +31,17 @@ Place locate(const Values& values, std::size_t count, double at, std::size_t fro
 }  // namespace
 
 FieldColours colours_of(const ThinnedField& field, const std::string& label) {
-  plot::Range range = field.range();
+  const plot::Range range = field.range();
+  plot::Range scale = range;
   const bool two_signs = std::min(range.high, -range.low) > 0.1 * std::max(range.high, -range.low);
   if (two_signs) {
-    range.add(-range.low);
-    range.add(-range.high);
+    scale.add(-range.low);
+    scale.add(-range.high);
   }
-  plot::Axis values{label, range.low, range.high};
-  if (!(range.high - range.low > 1e-12 * std::max(std::abs(range.low), std::abs(range.high))))
-    values = range.axis(values.label);
-  return {two_signs ? plot::diverging() : plot::sequential(), values};
+  plot::Axis values{label, scale.low, scale.high};
+  if (!(scale.high - scale.low > 1e-12 * std::max(std::abs(scale.low), std::abs(scale.high))))
+    values = scale.axis(values.label);
+  return {two_signs ? plot::diverging() : plot::sequential(), values, range};
 }
 
 plot::Axis time_axis(const ThinnedField& field, const Units& units) {
@@ -52,46 +53,56 @@ plot::Axis time_axis(const ThinnedField& field, const Units& units) {
 
 plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldColours& colours_of_field,
                         const std::string& layer) {
-  constexpr std::size_t width = 480, height = 300, colours = 255, touching = 255;
-  const auto& [map, values, contact_up_to, contact_from] = colours_of_field;
+  constexpr std::size_t width = 480, height = 300;
+  constexpr int colours = 255, touching = 255;
+  const auto& [map, values, range, contact_up_to, contact_from] = colours_of_field;
   std::array<plot::Colour, 256> palette{};
   for (std::size_t i = 0; i < colours; ++i) palette[i] = map.at(static_cast<double>(i) / (colours - 1));
   palette[touching] = FieldColours::touching;
-  bool touched = false;
   std::vector<std::uint8_t> pixels(width * height);
   const plot::Axis time = time_axis(field, run.scene.units);
   const double length = run.scene.bar.length;
-  std::vector<Place> in_space(height, Place{0, 0.0});
-  for (std::size_t j = 0; j < height; ++j)
-    in_space[j] = locate([&](std::size_t k) { return field.x()[k]; }, field.x().size(),
-                         length * (static_cast<double>(j) + 0.5) / height, j == 0 ? 0 : in_space[j - 1].index);
-  std::vector<double> column(field.x().size() + 1);  // over x; the last value twice, of a field of one
-  Place in_time{0, 0.0};
-  for (std::size_t i = 0; i < width; ++i) {
-    const double t = mixed(time.low, time.high, (static_cast<double>(i) + 0.5) / width);
-    in_time = locate([&](std::size_t k) { return field.time(k); }, field.rows(), t, in_time.index);
-    const auto before = field.row(in_time.index), after = field.row(in_time.index + 1);
-    for (std::size_t k = 0; k < column.size(); ++k) {
-      const std::size_t node = std::min(k, before.size() - 1);
-      column[k] = mixed(before[node], after[node], in_time.weight);
+  std::vector<Place> in_time(width);
+  for (std::size_t i = 0; i < width; ++i)
+    in_time[i] =
+        locate([&](std::size_t k) { return field.time(k); }, field.rows(),
+               mixed(time.low, time.high, (static_cast<double>(i) + 0.5) / width), i == 0 ? 0 : in_time[i - 1].index);
+  // Two neighbouring nodes at the times of the pixels: what lies between them is arithmetic on whole rows of pixels.
+  std::vector<double> of_node(field.rows());
+  const auto at_node = [&](std::size_t node, std::vector<double>& over_time) {
+    for (std::size_t k = 0; k < of_node.size(); ++k) of_node[k] = field.row(k)[std::min(node, field.x().size() - 1)];
+    for (std::size_t i = 0; i < width; ++i)
+      over_time[i] = mixed(of_node[in_time[i].index], of_node[in_time[i].index + 1], in_time[i].weight);
+  };
+  std::vector<double> left(width), right(width);
+  std::size_t node = 0;
+  at_node(node, left);
+  at_node(node + 1, right);
+  Place in_space{0, 0.0};
+  for (std::size_t j = 0; j < height; ++j) {
+    in_space = locate([&](std::size_t k) { return field.x()[k]; }, field.x().size(),
+                      length * (static_cast<double>(j) + 0.5) / height, in_space.index);
+    while (node < in_space.index) {
+      left.swap(right);
+      at_node(++node + 1, right);
     }
-    for (std::size_t j = 0; j < height; ++j) {
-      const auto [k, weight] = in_space[j];
-      const double value = mixed(column[k], column[k + 1], weight);
-      std::uint8_t& pixel = pixels[(height - 1 - j) * width + i];
-      pixel = static_cast<std::uint8_t>(std::clamp(values.position(value), 0.0, 1.0) * (colours - 1) + 0.5);
-      if (value <= contact_up_to || value >= contact_from) {
-        pixel = touching;
-        touched = true;
-      }
-    }
+    // By numbers that no pixel can change, and without a branch: so the compiler takes many pixels at a time.
+    std::transform(left.begin(), left.end(), right.begin(), pixels.begin() + (height - 1 - j) * width,
+                   [weight = in_space.weight, low = values.low, size = values.high - values.low, up_to = contact_up_to,
+                    from = contact_from](double at_left, double at_right) {
+                     const double value = mixed(at_left, at_right, weight);
+                     const double part = std::clamp((value - low) / size, 0.0, 1.0);
+                     const int colour = static_cast<int>(part * (colours - 1) + 0.5);
+                     return static_cast<std::uint8_t>((value <= up_to) | (value >= from) ? touching : colour);
+                   });
   }
   const plot::Axis position{
       .label = with_unit("position x", run.scene.units, Dimension::length), .low = 0.0, .high = length, .link = "x"};
   plot::Figure figure(time, position, 400.0);
   figure.image(plot::png_data_uri(width, height, palette, pixels), {time.low, 0.0}, {time.high, length});
   figure.colour_bar(map, values);
-  if (touched) figure.legend_box(plot::hex(palette[touching]), "in contact");
+  if (std::ranges::find(pixels, touching) != pixels.end())
+    figure.legend_box(plot::hex(palette[touching]), "in contact");
   figure.live_layer(fmt::format(R"({{"kind":"{}"}})", layer));
   return figure;
 }

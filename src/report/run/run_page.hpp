@@ -21,6 +21,7 @@ std::vector<std::pair<std::string, std::string>> estimate_rows(const ErrorEstima
 struct FieldColours {
   plot::ColourMap map;
   plot::Axis values;  ///< the ends of the scale
+  plot::Range range;  ///< of the field
   /// Up to the one, and from the other on, a node touches the span obstacle.
   double contact_up_to = -std::numeric_limits<double>::infinity(), contact_from = -contact_up_to;
   static constexpr plot::Colour touching = 0xe0218a;

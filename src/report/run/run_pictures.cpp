@@ -28,8 +28,7 @@ std::string displacement_label(const Case& run, std::string_view words) {
 FieldColours field_colours(const Case& run, const ReportData& data) {
   FieldColours colours = colours_of(data.field, displacement_label(run, "displacement u"));
   // Rounding apart, a constrained node lies on the obstacle and a penalised one in it.
-  const Range range = data.field.range();
-  const double size = range.high - range.low;
+  const double size = colours.range.high - colours.range.low;
   for (const ObstacleLevel& level : levels_of(run.scene.span))
     (level.above ? colours.contact_from : colours.contact_up_to) = level.u + (level.above ? -1e-9 : 1e-9) * size;
   return colours;

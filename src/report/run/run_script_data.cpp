@@ -11,6 +11,7 @@
 #include "report/scene_ends.hpp"
 #include "results/csv.hpp"
 #include "scene/end_kinds.hpp"
+#include "text/joined.hpp"
 #include "text/json_text.hpp"
 
 namespace viscobar {
@@ -42,7 +43,7 @@ std::string support_json(const SceneEnd& end, const ReportData& data, const Repo
 }  // namespace
 
 std::string field_json(const ThinnedField& field, const FieldColours& colours) {
-  const plot::Range range = field.range();
+  const plot::Range& range = colours.range;
   const double size = range.high - range.low;
   std::string bytes;
   bytes.reserve(2 * field.rows() * field.x().size());
@@ -59,11 +60,12 @@ std::string field_json(const ThinnedField& field, const FieldColours& colours) {
   std::string level;
   if (std::isfinite(colours.contact_up_to)) level += fmt::format(R"(,"contactLevel":{:.9g})", colours.contact_up_to);
   if (std::isfinite(colours.contact_from)) level += fmt::format(R"(,"contactFrom":{:.9g})", colours.contact_from);
-  return fmt::format(R"({{"everyTime":{},"everyNode":{},"low":{:.9g},"high":{:.9g},"t":{},"x":{},)"
-                     R"("colours":{{"anchors":[{}],"low":{:.9g},"high":{:.9g},"touching":"{}"{}}},"u":"{}"}})",
-                     field.time_stride(), field.node_stride(), range.low, range.high, numbers(field.times()),
-                     numbers(field.x()), anchors, colours.values.low, colours.values.high,
-                     plot::hex(FieldColours::touching), level, plot::base64(bytes));
+  return joined({fmt::format(R"({{"everyTime":{},"everyNode":{},"low":{:.9g},"high":{:.9g},"t":{},"x":{},)"
+                             R"("colours":{{"anchors":[{}],"low":{:.9g},"high":{:.9g},"touching":"{}"{}}},"u":")",
+                             field.time_stride(), field.node_stride(), range.low, range.high, numbers(field.times()),
+                             numbers(field.x()), anchors, colours.values.low, colours.values.high,
+                             plot::hex(FieldColours::touching), level),
+                 plot::base64(bytes), "\"}"});
 }
 
 std::string events_json(const ReportData& data, std::size_t happened) {

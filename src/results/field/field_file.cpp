@@ -114,6 +114,7 @@ FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, s
     for (const char* name : {"u", "v"}) growing_.push_back({group + name, nodes_, block_rows_});
     for (const char* name : {"reaction_left", "reaction_right"}) growing_.push_back({group + name, 1, long_chunk, 1});
   }
+  for (Growing& grown : growing_) grown.waiting.reserve(block_rows_ * grown.row_values);
   if (mark)
     go_on(*mark);
   else

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t fewest = 3;  // elements of the coarsest mesh
 constexpr double least_seconds = 0.5;
+constexpr double worth_a_thread = 0.02;  // seconds; a thread costs as much as a small bar
 
 // Of half and of a quarter as many elements; for a scheme, the latter with twice the step, too. An eighth where it is
 // asked for and enough.
@@ -62,13 +63,16 @@ Coarser coarser_runs(const Case& run, double seconds, bool down_to_an_eighth, co
   const auto began = std::chrono::steady_clock::now();
   const auto passed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
   std::vector<std::optional<Sample>> found(cases.size());
-  parallel_for(cases.size(), [&](std::size_t i) {
-    try {
-      found[i] = sample_of(cases[i], [&] { return (stop && stop()) || passed() > most; });
-    } catch (const IntegrationError& error) {
-      throw None{fmt::format("the run on {} elements failed: {}", cases[i].elements, error.what())};
-    }
-  });
+  parallel_for(
+      cases.size(),
+      [&](std::size_t i) {
+        try {
+          found[i] = sample_of(cases[i], [&] { return (stop && stop()) || passed() > most; });
+        } catch (const IntegrationError& error) {
+          throw None{fmt::format("the run on {} elements failed: {}", cases[i].elements, error.what())};
+        }
+      },
+      seconds < worth_a_thread ? 1 : 0);
   if (!std::all_of(found.begin(), found.end(), [](const auto& one) { return one.has_value(); }))
     throw None{stop && stop() ? "it was interrupted"
                               : fmt::format("runs on coarser meshes took longer than {:.2g} s", most)};

@@ -1,0 +1,27 @@
+# VISCOBAR_STATIC_LIBRARIES: whether the program can have HDF5, SUNDIALS and what these need inside. To load them takes longer than
+# a small bar to run: the shared HDF5 of a distribution needs some thirty libraries of network protocols. Nothing else is linked
+# so: an archive need not be fit for a shared library.
+include(CheckCSourceCompiles)
+list(GET HDF5_C_LIBRARIES 0 hdf5_shared)
+get_filename_component(hdf5_folder "${hdf5_shared}" DIRECTORY)
+find_library(HDF5_ARCHIVE libhdf5.a HINTS ${hdf5_folder} NO_DEFAULT_PATH)
+set(static_libraries ${HDF5_ARCHIVE})
+foreach(needed sz aec z)
+  find_library(${needed}_ARCHIVE NAMES lib${needed}.a ${needed})
+  list(APPEND static_libraries ${${needed}_ARCHIVE})
+endforeach()
+add_library(viscobar_static_libraries INTERFACE IMPORTED)
+target_include_directories(viscobar_static_libraries INTERFACE ${HDF5_INCLUDE_DIRS})
+target_link_libraries(viscobar_static_libraries INTERFACE ${static_libraries} ${CMAKE_DL_LIBS} m)
+foreach(component ${sundials_components})
+  target_link_libraries(viscobar_static_libraries INTERFACE SUNDIALS::${component}_static)
+endforeach()
+# Their functions keep their names, for those who look at a call's stack (tests/checkpoint/faults.c).
+foreach(names H5 SUN ARK)
+  target_link_options(viscobar_static_libraries INTERFACE "LINKER:--export-dynamic-symbol=${names}*")
+endforeach()
+if(HDF5_ARCHIVE AND TARGET SUNDIALS::cvode_static)
+  set(CMAKE_REQUIRED_LIBRARIES viscobar_static_libraries)
+  check_c_source_compiles("#include <hdf5.h>\nint main(void) { return H5open(); }" VISCOBAR_STATIC_LIBRARIES)
+  unset(CMAKE_REQUIRED_LIBRARIES)
+endif()
