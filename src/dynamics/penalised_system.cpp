@@ -120,11 +120,15 @@ std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const
   return entries;
 }
 
-PenalisedSystem::IndicatorWeights PenalisedSystem::indicator_weights(std::size_t i) const {
+PenalisedSystem::IndicatorWeights PenalisedSystem::indicator_weights(std::size_t i) {
   const double sign = contact(i).sign;
-  if (follows(i) || !holds(i) || !closed(i)) return {.values = {sign}};
+  IndicatorWeights weights{.values = {sign}};
+  const bool held = holds(i) && closed(i);
+  if (!load_ || !(held || follows(i))) weights.offset = indicator_offset(i, 0.0);
+  if (!held || follows(i)) return weights;
   const Bar& bar = bar_.bar();
-  IndicatorWeights weights{.values = {0.0, sign, sign * bar.viscosity / bar.modulus}, .alone = false};
+  weights.values = {0.0, sign, sign * bar.viscosity / bar.modulus};
+  weights.alone = false;
   if (!collides(i)) return weights;
   const std::size_t node = contact(i).unknown;
   const std::array<double, 2> inertia = inertia_beside(node);

@@ -79,7 +79,8 @@ class PenalisedSystem {
   struct IndicatorWeights {
     std::array<double, 3> values{};
     std::array<double, 2> rates{};
-    bool alone = true;  ///< the first value is all that it takes
+    bool alone = true;             ///< the first value is all that it takes
+    std::optional<double> offset;  ///< the rest, where it is the same at all times
 
     double operator()(std::span<const double> entries, std::span<const double> of_entries = {}) const {
       if (alone) return values[0] * entries[0];
@@ -88,7 +89,7 @@ class PenalisedSystem {
       return sum;
     }
   };
-  IndicatorWeights indicator_weights(std::size_t i) const;
+  IndicatorWeights indicator_weights(std::size_t i);
   /// Whether p has accelerations: of a rigid contact with mass, while it is closed.
   bool indicator_needs_rates(std::size_t i) const { return collides(i) && closed(i); }
   double indicator_offset(std::size_t i, double t);  ///< the rest: gap, and load where the row asks for it

@@ -126,12 +126,21 @@ bool ContactWatch::concerned(double to, double fastest) const {
 void ContactWatch::look_at(std::size_t j, double t, std::span<const double> y) {
   const std::size_t* position = positions_.data();
   for (End& end : ends_) {
+    const std::size_t* const first = std::exchange(position, position + end.entries.size());
+    if (!end.shut && !end.entries.empty() && !end.follows) {
+      end.u[j] = y[*first] + end.origin + lift(end, t);
+      continue;
+    }
     std::array<double, 5> values{};
-    for (std::size_t e = 0; e < needed(end); ++e) values[e] = y[position[e]];
-    position += end.entries.size();
+    for (std::size_t e = 0; e < needed(end); ++e) values[e] = y[first[e]];
     look_at(end, j, t, values);
   }
   span_.look_at(j, y);
+}
+
+void ContactWatch::begin_look(double from, double to, std::size_t order) {
+  length_ = to - from, seen_ = to, order_ = order;
+  for (End& end : ends_) end.shut = closed(end);
 }
 
 bool ContactWatch::resolved() const {
@@ -148,7 +157,7 @@ bool ContactWatch::resolved() const {
     const double range = std::max(std::abs(end.account->lowest), std::abs(end.account->highest));
     if (!smooth(end.u, range)) return false;
     const double force = std::max(end.account->peak_reaction, end.modulus * range);
-    return !closed(end) || (smooth(end.force, force) && smooth(end.rate, force));
+    return !end.shut || (smooth(end.force, force) && smooth(end.rate, force));
   });
 }
 
@@ -163,7 +172,7 @@ void ContactWatch::add() {
   for (End& end : ends_) {
     end.account->displacement = end.u[order_];
     if (extremes_) add_extremes(end);
-    if (!closed(end)) continue;
+    if (!end.shut) continue;
     end.account->impulse += end.stored_now - end.stored + length_ * Bernstein::mean(used(end.rate));
     end.stored = end.stored_now;
   }
@@ -174,7 +183,7 @@ void ContactWatch::add_extremes(End& end) {
   const auto [most, least] = beyond(end.u);
   if (most > account.highest) account.highest = through(end.u).largest(account.highest);
   if (least < account.lowest) account.lowest = through(end.u).smallest(account.lowest);
-  if (!closed(end)) return;
+  if (!end.shut) return;
   if (holds_mass(end)) {
     const Bernstein inertia = through(end.momentum).derivative();
     for (std::size_t j = 0; j <= order_; ++j)
@@ -267,7 +276,7 @@ inline double ContactWatch::reaction(const End& end, double t, std::span<const d
 
 inline void ContactWatch::look_at(End& end, std::size_t j, double t, std::span<const double> y) {
   end.u[j] = displacement(end, t, y);
-  if (!closed(end)) return;
+  if (!end.shut) return;
   end.stored_now = stored(end, y);
   end.force[j] = reaction(end, t, y);
   if (holds_mass(end)) end.momentum[j] = momentum(end, y);

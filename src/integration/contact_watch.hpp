@@ -106,7 +106,7 @@ class ContactWatch {
     }
   }
   /// The same in parts, by who has such samples of all entries anyway: after begin_look(), for each j in order.
-  void begin_look(double from, double to, std::size_t order) { length_ = to - from, seen_ = to, order_ = order; }
+  void begin_look(double from, double to, std::size_t order);
   void look_at(std::size_t j, double t, std::span<const double> y);
 
   /// Whether the samples are those of polynomials, to about 1e-10: the last difference is far below the values.
@@ -139,6 +139,7 @@ class ContactWatch {
     std::optional<std::size_t> next{};                // absent: the neighbour is fixed
     std::vector<std::size_t> contacts{};              // of its node
     bool follows = false;                             // its neighbour: massless and undamped
+    bool shut = false;                                // a contact of it is closed in the step looked at
     double modulus = 0.0, viscosity = 0.0;            // of the element beside it, over its length
     double stiffness = 0.0, dashpot = 0.0;            // of its mount
     double mass = 0.0, coupling = 0.0, beyond = 0.0;  // of its row of rho M, which an end row takes one further

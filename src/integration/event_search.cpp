@@ -147,7 +147,9 @@ inline EventSearch::Sample EventSearch::at(double t, std::optional<std::size_t> 
 
 inline double EventSearch::oriented(std::size_t i, double t, const Sample& sample) const {
   const auto rates = sample.rates.empty() ? sample.rates : part(i, sample.rates);
-  return sign(i) * (weights_[i](part(i, sample.values), rates) + system_.indicator_offset(i, t));
+  const PenalisedSystem::IndicatorWeights& weights = weights_[i];
+  return sign(i) *
+         (weights(part(i, sample.values), rates) + (weights.offset ? *weights.offset : system_.indicator_offset(i, t)));
 }
 
 // Of the oriented indicator. Where that has accelerations their rate is a difference over a part of the step.

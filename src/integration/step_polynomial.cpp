@@ -1,5 +1,6 @@
 #include "integration/step_polynomial.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -63,6 +64,7 @@ void StepPolynomial::relax(const PenalisedSystem::RelaxingRow& row, double load)
 }
 
 void StepPolynomial::complete() {
+  defects_.clear();
   system_.complete_displacement(end_.t, layout_.u(end_.y));
   system_.complete_velocity(end_.t, layout_.u(end_.y), layout_.w(end_.y));
   forgotten_ = false;
@@ -237,11 +239,23 @@ double StepPolynomial::relaxed_rate(const Relaxation& relaxation, double s, doub
 void StepPolynomial::motion_at(double t, std::span<double> y) {
   const std::size_t n = layout_.nodes;
   const double h = length(), s = (t - begin_.t) / h;
-  const Weights displacement = weights(s, 0), velocity = weights(s, 1);
-  for (std::size_t i = 0; i < n; ++i) {
-    y[i] = begin_.y[i] + massive(i, displacement);
-    y[n + i] = massive(i, velocity) / h;
+  if (defects_.empty()) {
+    defects_.resize(n);
+    for (std::size_t i = 0; i < n; ++i) defects_[i] = defect(i);
   }
+  const auto values = [n](const std::vector<double>& of, std::size_t first = 0) {
+    return Eigen::Map<const Eigen::ArrayXd>(of.data() + first, static_cast<Eigen::Index>(n));
+  };
+  const auto u0 = values(begin_.y), w0 = values(begin_.y, n), w1 = values(end_.y, n), a0 = values(begin_.a),
+             a1 = values(end_.a), d = values(defects_);
+  const auto change = [&](const Weights& of) {
+    return h * (of.w0 * w0 + of.w1 * w1 + h * (of.a0 * a0 + of.a1 * a1)) + of.defect * d;
+  };
+  const auto out = [&](std::size_t first) {
+    return Eigen::Map<Eigen::ArrayXd>(y.data() + first, static_cast<Eigen::Index>(n));
+  };
+  out(0) = u0 + change(weights(s, 0));
+  out(n) = change(weights(s, 1)) / h;
   for (std::size_t k = 0; k < relaxations_.size(); ++k) {
     const std::size_t i = relaxations_[k].row.unknown;
     y[i] = relaxed(relaxations_[k], s);
