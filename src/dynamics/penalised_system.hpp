@@ -79,8 +79,8 @@ class PenalisedSystem {
   struct IndicatorWeights {
     std::array<double, 3> values{};
     std::array<double, 2> rates{};
-    bool alone = true;             ///< the first value is all that it takes
-    std::optional<double> offset;  ///< the rest, where it is the same at all times
+    bool alone = true;                            ///< the first value is all that it takes
+    std::optional<double> offset = std::nullopt;  ///< the rest, where it is the same at all times
 
     double operator()(std::span<const double> entries, std::span<const double> of_entries = {}) const {
       if (alone) return values[0] * entries[0];

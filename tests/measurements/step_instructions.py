@@ -1,0 +1,98 @@
+"""Instructions of a step, by method: the table in docs/internals/design.md, "The size of the house".
+
+python3 tests/measurements/step_instructions.py PROGRAM [PROGRAM BEFORE]
+
+Of two runs, of times T and 2 T: the difference of instructions over that of steps, so that what a process costs at its
+start and end is no part of it. It needs valgrind, which knows AVX2 but not AVX-512: build the programs by
+cmake --preset package -B build/avx2 -DCMAKE_CXX_FLAGS=-march=x86-64-v3.
+"""
+import concurrent.futures
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+SCENE = """
+[bar]
+length = 1.0
+viscosity = 0.01
+[left]
+kind = "obstacle"
+gap = {gap}
+[right]
+kind = "obstacle"
+gap = {gap}
+[initial]
+displacement = "x*(1-x)"
+velocity = "-x*(1-x)"
+[load]
+density = "{load}"
+[time]
+end = {end}
+[mesh]
+elements = {elements}
+mass = "{mass}"
+[contact]
+epsilon = 1e-6
+[method]
+name = "{method}"
+relative_tolerance = 1e-6
+absolute_tolerance = 1e-9
+step = 1e-3
+"""
+SCENES = {  # nothing touches; ten contact changes, and a load
+    "flight": dict(gap=10.0, load="0", mass="consistent", end=6.0),
+    "driven": dict(gap=0.1, load="-0.2+sin(3*t)", mass="redistributed", end=10.0),
+}
+METHODS = ("cvode", "ida", "arkode", "fully_discrete")
+
+
+def count(job):
+    program, options, text = job
+    with tempfile.TemporaryDirectory() as folder:
+        scene, out = os.path.join(folder, "scene.toml"), os.path.join(folder, "out")
+        with open(scene, "w") as file:
+            file.write(text)
+        done = subprocess.run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={folder}/profile", program, "run",
+                               scene, "-q", *options, "-o", out], capture_output=True, text=True)
+        found = re.search(r"Collected : (\d+)", done.stderr)
+        if not found:
+            raise SystemExit(f"{program}: {done.stderr[-800:]}")
+        with open(os.path.join(out, "summary.json")) as file:
+            return int(found[1]), json.load(file)["steps"]
+
+
+def main():
+    programs = [os.path.abspath(path) for path in sys.argv[1:3]]
+    rows = [(scene, elements, method) for scene, all_elements in (("flight", (27, 200, 1000)), ("driven", (200,)))
+            for elements in all_elements for method in METHODS]
+    jobs = []
+    for program in programs:
+        known = subprocess.run([program, "run", "--help"], capture_output=True, text=True).stdout
+        options = ["--no-estimate", "--set", 'output.write=["ends"]'] if "--no-estimate" in known else []
+        for scene, elements, method in rows:
+            keys = SCENES[scene]
+            for times in (1, 2):
+                text = SCENE.format(**{**keys, "end": times * keys["end"], "elements": elements, "method": method})
+                jobs.append((program, options, text))
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = list(pool.map(count, jobs))
+    pairs = [found[k:k + 2] for k in range(0, len(found), 2)]
+    of_program = [pairs[k:k + len(rows)] for k in range(0, len(pairs), len(rows))]
+    print("| scene | elements | method | steps | instructions of a step | before, steps | instructions | ratio |")
+    print("|---|---|---|---|---|---|---|---|")
+    for k, (scene, elements, method) in enumerate(rows):
+        cells, each = [], []
+        for of in of_program:
+            (first, few), (second, many) = of[k]
+            each.append((second - first) / (many - few))
+            cells += [str(many - few), f"{each[-1]:,.0f}"]
+        if len(each) == 2:
+            cells.append(f"{each[0] / each[1]:.2f}")
+        print(f"| {scene} | {elements} | {method} | {' | '.join(cells)} |")
+
+
+if __name__ == "__main__":
+    main()
