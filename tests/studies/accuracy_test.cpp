@@ -50,17 +50,32 @@ TEST(AccuracyOnRequest, TheReboundOfAViscousBarHasTheContactTimeToTheErrorAskedF
     }
 }
 
-// Of four meshes, each with half the elements of the next or more, none has the pilots' 4 if the finest has above 32.
+std::vector<std::size_t> elements_of(const ErrorEstimate& estimate) {
+  std::vector<std::size_t> elements;
+  for (const ErrorEstimate::Run& run : estimate.runs) elements.push_back(run.elements);
+  return elements;
+}
+
+// Of four meshes, each with half the elements of the next or more, none has the pilots' 8 if the finest has above 64.
 TEST(AccuracyOnRequest, RunsOfTheSearchAloneAreToldFromThoseOfTheEstimate) {
   const AccuracyResult result = solve(study_of(rebound, {"accuracy.error=1e-8"}));
-  ASSERT_GT(result.run.elements, 32u);
+  ASSERT_GT(result.run.elements, 64u);
   std::size_t of_estimate = 0;
   for (const ErrorEstimate::Run& run : result.estimate.runs) {
-    EXPECT_TRUE(run.elements > 4 || run.search);
+    EXPECT_TRUE(run.elements > 8 || run.search);
     of_estimate += run.search ? 0 : 1;
   }
   EXPECT_GE(of_estimate, 3u);
   EXPECT_LT(of_estimate, result.estimate.runs.size());
+  EXPECT_EQ(elements_of(result.estimate).front(), 8u);
+}
+
+TEST(AccuracyOnRequest, ALooseRequestMakesNoRunOnAsManyElementsAsItsSolution) {
+  const AccuracyResult result =
+      solve(study_of(rebound, {"bar.viscosity=1", "accuracy.error=1e-2", "accuracy.of=displacement"}));
+  EXPECT_TRUE(result.estimate.kept);
+  EXPECT_EQ(result.run.elements, 16u);
+  EXPECT_EQ(elements_of(result.estimate), (std::vector<std::size_t>{4, 8, 8}));
 }
 
 TEST(AccuracyOnRequest, AManufacturedContactKeepsTheDisplacementAskedForAtEveryNode) {
