@@ -19,10 +19,17 @@ double binomial(std::size_t n, std::size_t k) {
   return value;
 }
 
-// Samples at equidistant points to coefficients, for every degree.
-const Eigen::MatrixXd& samples_to_coefficients(std::size_t degree) {
-  static const std::vector<Eigen::MatrixXd> matrices = [] {
-    std::vector<Eigen::MatrixXd> list;
+// Samples at equidistant points to coefficients: what each sample adds to them. 0 behind the degree, so that sums are
+// of one length, in whole vectors.
+constexpr std::size_t padded = 16;
+static_assert(Bernstein::max_degree < padded && padded <= Bernstein::max_power + 1);
+using Padded = Eigen::Array<double, padded, 1>;
+using OfSamples = std::array<Padded, Bernstein::max_degree + 1>;
+
+const OfSamples& coefficients_of_samples(std::size_t degree) {
+  static const std::vector<OfSamples> tables = [] {
+    std::vector<OfSamples> list(Bernstein::max_degree + 1);
+    for (OfSamples& of : list) of.fill(Padded::Zero());
     for (std::size_t q = 0; q <= Bernstein::max_degree; ++q) {
       const auto size = static_cast<Eigen::Index>(q + 1);
       Eigen::MatrixXd values(size, size);
@@ -32,11 +39,12 @@ const Eigen::MatrixXd& samples_to_coefficients(std::size_t degree) {
           values(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
               binomial(q, j) * std::pow(s, static_cast<double>(j)) * std::pow(1.0 - s, static_cast<double>(q - j));
       }
-      list.push_back(values.inverse());
+      const Eigen::MatrixXd inverse = values.inverse();
+      for (Eigen::Index j = 0; j < size; ++j) list[q][static_cast<std::size_t>(j)].head(size) = inverse.col(j);
     }
     return list;
   }();
-  return matrices[degree];
+  return tables[degree];
 }
 
 double de_casteljau(std::array<double, Bernstein::max_power + 1> c, std::size_t degree, double s) {
@@ -51,9 +59,10 @@ Bernstein Bernstein::through(std::span<const double> samples) {
   assert(!samples.empty() && samples.size() <= max_degree + 1);
   Bernstein p;
   p.degree_ = samples.size() - 1;
-  const auto size = static_cast<Eigen::Index>(samples.size());
-  Eigen::Map<Eigen::VectorXd>(p.c_.data(), size).noalias() =
-      samples_to_coefficients(p.degree_) * Eigen::Map<const Eigen::VectorXd>(samples.data(), size);
+  const OfSamples& of = coefficients_of_samples(p.degree_);
+  Padded sum = of[0] * samples[0];
+  for (std::size_t j = 1; j < samples.size(); ++j) sum += of[j] * samples[j];
+  Padded::Map(p.c_.data()) = sum;
   return p;
 }
 
@@ -86,8 +95,7 @@ double Bernstein::mean(std::span<const double> samples) {
   static const std::array<std::array<double, max_degree + 1>, max_degree + 1> weights = [] {
     std::array<std::array<double, max_degree + 1>, max_degree + 1> all{};
     for (std::size_t q = 0; q <= max_degree; ++q)
-      for (std::size_t j = 0; j <= q; ++j)
-        all[q][j] = samples_to_coefficients(q).col(static_cast<Eigen::Index>(j)).mean();
+      for (std::size_t j = 0; j <= q; ++j) all[q][j] = coefficients_of_samples(q)[j].sum() / static_cast<double>(q + 1);
     return all;
   }();
   return std::inner_product(samples.begin(), samples.end(), weights[samples.size() - 1].begin(), 0.0);
