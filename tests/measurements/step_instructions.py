@@ -56,7 +56,7 @@ def count(job):
         with open(scene, "w") as file:
             file.write(text)
         done = subprocess.run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={folder}/profile", program, "run",
-                               scene, "-q", *options, "-o", out], capture_output=True, text=True)
+                               scene, "--json", *options, "-o", out], capture_output=True, text=True)
         found = re.search(r"Collected : (\d+)", done.stderr)
         if not found:
             raise SystemExit(f"{program}: {done.stderr[-800:]}")
