@@ -70,6 +70,21 @@ TEST(AccuracyOnRequest, RunsOfTheSearchAloneAreToldFromThoseOfTheEstimate) {
   EXPECT_EQ(elements_of(result.estimate).front(), 8u);
 }
 
+TEST(AccuracyOnRequest, RunsThatLookForNoPeaksHaveTheSameMotionContactsAndImpulses) {
+  for (const char* method : {"rigid", "cvode", "exponential"}) {
+    const Case run =
+        parse_scene(rebound, "scene", std::vector<std::string>{fmt::format("method.name=\"{}\"", method)}).run;
+    const auto sample = [&](bool peaks) { return *accuracy::sample_of(run, std::function<bool()>{}, peaks); };
+    const accuracy::Sample plain = sample(false), whole = sample(true);
+    EXPECT_EQ(plain.u, whole.u) << method;
+    EXPECT_EQ(plain.impulse, whole.impulse) << method;
+    EXPECT_GT(plain.impulse[0], 0.0) << method;
+    ASSERT_EQ(plain.events.size(), whole.events.size()) << method;
+    for (std::size_t k = 0; k < plain.events.size(); ++k) EXPECT_EQ(plain.events[k].time, whole.events[k].time);
+    EXPECT_GT(whole.peak[0], 0.0) << method;
+  }
+}
+
 TEST(AccuracyOnRequest, ALooseRequestMakesNoRunOnAsManyElementsAsItsSolution) {
   const AccuracyResult result =
       solve(study_of(rebound, {"bar.viscosity=1", "accuracy.error=1e-2", "accuracy.of=displacement"}));
