@@ -127,12 +127,12 @@ void ContactWatch::look_at(std::size_t j, double t, std::span<const double> y) {
   const std::size_t* position = positions_.data();
   for (End& end : ends_) {
     const std::size_t* const first = std::exchange(position, position + end.entries.size());
-    if (!end.shut && !end.entries.empty() && !end.follows) {
-      end.u[j] = y[*first] + end.origin + lift(end, t);
+    if (!end.shut) {
+      end.u[j] = displacement(end, t, end.entries.empty() ? y.first(0) : y.subspan(*first, 1));
       continue;
     }
     std::array<double, 5> values{};
-    for (std::size_t e = 0; e < needed(end); ++e) values[e] = y[first[e]];
+    for (std::size_t e = 0; e < end.entries.size(); ++e) values[e] = y[first[e]];
     look_at(end, j, t, values);
   }
   span_.look_at(j, y);
@@ -276,7 +276,6 @@ inline double ContactWatch::reaction(const End& end, double t, std::span<const d
 
 inline void ContactWatch::look_at(End& end, std::size_t j, double t, std::span<const double> y) {
   end.u[j] = displacement(end, t, y);
-  if (!end.shut) return;
   end.stored_now = stored(end, y);
   end.force[j] = reaction(end, t, y);
   if (holds_mass(end)) end.momentum[j] = momentum(end, y);

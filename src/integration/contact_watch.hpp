@@ -172,7 +172,7 @@ class ContactWatch {
   double pull(const End& end, double t, double u, double w, std::size_t i) const;
   double displacement(const End& end, double t, std::span<const double> y) const;
   double reaction(const End& end, double t, std::span<const double> y) const;
-  void look_at(End& end, std::size_t j, double t, std::span<const double> y);
+  void look_at(End& end, std::size_t j, double t, std::span<const double> y);  // of one that is shut
   std::pair<double, double> beyond(const Samples& values) const;
   std::span<const double> used(const Samples& values) const { return std::span(values).first(order_ + 1); }
   Bernstein through(const Samples& values) const { return Bernstein::through(used(values)); }

@@ -92,9 +92,8 @@ bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) co
   std::array<double, 4> values{};
   for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) values[k - first_[i]] = y[entries_[k]];
   const std::span<const double> entries = std::span(values).first(first_[i + 1] - first_[i]);
-  const double p = system_.indicator_needs_rates(i)
-                       ? present_[i]
-                       : sign(i) * (system_.indicator_weights(i)(entries) + system_.indicator_offset(i, t));
+  const double p =
+      system_.indicator_needs_rates(i) ? present_[i] : oriented(i, t, system_.indicator_weights(i), entries);
   // Half the tolerance, so that a contact switched now is not found on the wrong side by the next check.
   return rates_[i] < 0.0 && p <= 0.5 * (uncertainty(i) + time_rounding(t, -rates_[i]));
 }
@@ -147,9 +146,12 @@ inline EventSearch::Sample EventSearch::at(double t, std::optional<std::size_t> 
 
 inline double EventSearch::oriented(std::size_t i, double t, const Sample& sample) const {
   const auto rates = sample.rates.empty() ? sample.rates : part(i, sample.rates);
-  const PenalisedSystem::IndicatorWeights& weights = weights_[i];
-  return sign(i) *
-         (weights(part(i, sample.values), rates) + (weights.offset ? *weights.offset : system_.indicator_offset(i, t)));
+  return oriented(i, t, weights_[i], part(i, sample.values), rates);
+}
+
+inline double EventSearch::oriented(std::size_t i, double t, const PenalisedSystem::IndicatorWeights& weights,
+                                    std::span<const double> values, std::span<const double> rates) const {
+  return sign(i) * (weights(values, rates) + (weights.offset ? *weights.offset : system_.indicator_offset(i, t)));
 }
 
 // Of the oriented indicator. Where that has accelerations their rate is a difference over a part of the step.

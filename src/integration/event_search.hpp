@@ -69,6 +69,8 @@ class EventSearch {
   // At a time of the step, which may be one of its equidistant points.
   Sample at(double t, std::optional<std::size_t> point = std::nullopt);
   double oriented(std::size_t i, double t, const Sample& sample) const;
+  double oriented(std::size_t i, double t, const PenalisedSystem::IndicatorWeights& weights,
+                  std::span<const double> values, std::span<const double> rates = {}) const;
   double rate(std::size_t i, double begin, double t);
   double polished(double begin, double end, double t, std::size_t i);
 

@@ -16,7 +16,7 @@ class SnapshotBuilder {
   SnapshotBuilder(PenalisedSystem& system, bool reactions)
       : system_(system), reactions_(reactions), u_(system.bar().mesh().nodes()), v_(u_.size()) {}
 
-  /// What it tells lives as long as u and w do, and until the next call.
+  /// The snapshot points to u and w, or to numbers that the next call replaces.
   Snapshot operator()(double t, std::span<const double> u, std::span<const double> w) {
     const BarSystem& bar = system_.bar();
     const std::span<const double> origin = system_.origin();

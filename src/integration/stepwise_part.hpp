@@ -208,7 +208,7 @@ class StepwisePart {
     // A step is short against the time in which a velocity doubles.
     if (!looked && !ends_->concerned(to, 2.0 * stepper_.weights().largest_velocity())) return;
     if (!looked) {
-      if (search_.selects()) select([this](auto& positions) { ends_->select(positions); });
+      if (search_.selects()) select(false);
       ends_->look_at(from, to, stepper_.order(), [&](std::size_t, double t) { return stepper_.sample(t, 0); });
     }
     ends_->add();
@@ -250,18 +250,15 @@ class StepwisePart {
       ends_->measure_from(system_.origin());
       ends_->begin(t, y_);
     }
-    if (!search_.selects())
-      select([this](auto& positions) {
-        search_.select(positions);
-        if (ends_) ends_->select(positions);
-      });
+    if (!search_.selects()) select(true);
     stepper_.restart(t, leg_end_, y_);
   }
 
-  // What the stepper samples: those whose positions `append` appends, each once.
-  void select(auto&& append) {
+  // The stepper samples what the ends need from now on, and where asked for the search, each entry once.
+  void select(bool for_search) {
     selected_.clear();
-    append(selected_);
+    if (for_search) search_.select(selected_);
+    if (ends_) ends_->select(selected_);
     std::ranges::sort(selected_);
     selected_.erase(std::ranges::unique(selected_).begin(), selected_.end());
     stepper_.select(selected_);

@@ -340,11 +340,11 @@ class Stepper final : public LegStepper {
   std::vector<double> force_, stiff_rate_, load_change_;  // F and K w where the run is
   LoadTail load_tail_;
   std::vector<Complex> x_;
-  std::vector<double> by_part_;                  // x_ by its parts, once the motion within the step is asked for
-  std::vector<std::size_t> entries_, selected_;  // that can be sampled, and positions of those that are
+  std::vector<double> by_part_;                  // x_ sorted by part; empty until the step is interpolated
+  std::vector<std::size_t> entries_, selected_;  // what can be sampled; the positions of what is
   std::vector<double> sampled_, inner_;
-  std::array<std::vector<double>, 2> points_;  // sample_point() of all points, by the derivative
-  std::array<bool, 2> pointed_{};              // whether they are those of this step
+  std::array<std::vector<double>, 2> points_;  // values and rates at the points of sample_point()
+  std::array<bool, 2> pointed_{};              // points_ belong to this step
   StepPowers powers_;
   std::optional<StepDerivatives> derivatives_;
 };
