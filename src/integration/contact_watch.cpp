@@ -98,15 +98,18 @@ void ContactWatch::select(std::vector<std::size_t>& positions) const {
   span_.select(positions);
 }
 
-void ContactWatch::begin(double t, std::span<const double> y) {
+void ContactWatch::begin(double t, std::span<const double> u, std::span<const double> w) {
   seen_ = t;
   std::array<double, 5> values{};
   for (End& end : ends_) {
-    for (std::size_t k = 0; k < end.entries.size(); ++k) values[k] = y[end.entries[k]];
-    const double u = displacement(end, t, values);
-    end.account->displacement = u;
-    end.account->lowest = std::min(end.account->lowest, u);
-    end.account->highest = std::max(end.account->highest, u);
+    for (std::size_t k = 0; k < end.entries.size(); ++k) {
+      const std::size_t entry = end.entries[k];
+      values[k] = entry < u.size() ? u[entry] : w[entry - u.size()];
+    }
+    const double now = displacement(end, t, values);
+    end.account->displacement = now;
+    end.account->lowest = std::min(end.account->lowest, now);
+    end.account->highest = std::max(end.account->highest, now);
     end.stored = stored(end, values);
   }
 }

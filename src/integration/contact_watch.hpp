@@ -88,7 +88,7 @@ class ContactWatch {
   }
 
   /// The run is at t in the state (u, w): at its beginning, and wherever contacts change.
-  void begin(double t, std::span<const double> y);
+  void begin(double t, std::span<const double> u, std::span<const double> w);
 
   /// Whether the motion does not matter as long as the contacts are as they are.
   bool idle() const;

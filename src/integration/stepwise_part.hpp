@@ -248,7 +248,7 @@ class StepwisePart {
     if (sensitivities_) sensitivities_->begin_leg(t, times_.back());
     if (ends_) {
       ends_->measure_from(system_.origin());
-      ends_->begin(t, y_);
+      ends_->begin(t, u(), w());
     }
     if (!search_.selects()) select(true);
     stepper_.restart(t, leg_end_, y_);
@@ -295,7 +295,7 @@ class StepwisePart {
     // A change within rounding of the end leaves the last output to be told.
     for (; next_output_ < times_.size(); ++next_output_) tell_snapshot(times_[next_output_]);
     system_.complete_velocity(end, u(), w());
-    if (ends_) ends_->begin(end, y_);
+    if (ends_) ends_->begin(end, u(), w());
     if (sensitivities_) sensitivities_->sum_up(end, y_);
     if (statistics_.energy) {
       const double of_frame = system_.frame_energy(end, u(), w());

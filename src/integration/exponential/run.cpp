@@ -81,7 +81,7 @@ void Run::begin(const State& start) {
   if (observers_.account) {
     statistics_.account.emplace();
     watch_ends();
-    begin_ends(state.u, state.v);
+    ends_->begin(t_, state.u, state.v);
   }
   for (std::size_t c = 0; c < contacts(); ++c) {
     if (!penalised_.closed(c)) continue;
@@ -110,12 +110,6 @@ void Run::go_on(const Checkpoint& checkpoint) {
     if (measured_[c]) propagators_.measure_from_obstacle(c);
   begin_leg();
   pass_kink();
-}
-
-void Run::begin_ends(std::span<const double> u, std::span<const double> v) {
-  std::vector<double> both(u.begin(), u.end());
-  both.insert(both.end(), v.begin(), v.end());
-  ends_->begin(t_, both);
 }
 
 void Run::watch_ends() {
@@ -249,7 +243,7 @@ void Run::take_short_step(double tau) {
   y_ = leg().pack(u, v);
   t_ = t;
   if (!changing) return lengthen();
-  if (ends_) begin_ends(entries(u), entries(v));
+  if (ends_) ends_->begin(t_, entries(u), entries(v));
   change_contacts(*changing, distances, sigma, v);
 }
 

@@ -78,7 +78,6 @@ class Run {
   void begin(const State& start);
   void go_on(const Checkpoint& checkpoint);
   void watch_ends();
-  void begin_ends(std::span<const double> u, std::span<const double> v);
 
   // The entries of (u, u') that ContactWatch samples.
   std::span<const double> end_sample(const Series& series, double sigma, double tau);
