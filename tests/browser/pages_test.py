@@ -302,9 +302,11 @@ class OtherReports(Browsed):
                          self.value("viscobar.events.list.length"))
 
     def test_of_a_bar_under_a_span_obstacle_shows_where_it_touches(self):
-        self.report("unit-span")
-        self.assertIn("in contact", self.value(
-            "[...document.querySelectorAll('.scale')].map(one => one.textContent).join(' ')"))
+        for scene, touches in (("unit-span", True), ("unit-span-loaded", False)):
+            self.report(scene)
+            scales = self.value("[...document.querySelectorAll('.scale')].map(one => one.textContent).join(' ')")
+            self.assertIn("u from", scales)
+            self.assertEqual("in contact" in scales, touches, scene)
 
     def test_of_a_bar_without_contact_has_no_controls_for_contact_changes(self):
         with open(os.path.join(scenes, "unit-both-ends.toml")) as file:

@@ -58,10 +58,10 @@ class FieldColours {
     this.contactFrom = contactFrom === undefined ? Infinity : contactFrom - slack;
     this.palette = Array.from({ length: FieldColours.steps }, (_, i) => mixed(anchors, i / (FieldColours.steps - 1)));
     this.palette.push(channels(touching));
+    this.touched = this.touches(field.low) || this.touches(field.high);
   }
-  /// The step of the scale; the one after the last stands for contact.
   touches(u) { return u <= this.contactLevel || u >= this.contactFrom; }
-
+  /// The step of the scale; the one after the last stands for contact.
   index(u) { return this.touches(u) ? FieldColours.steps : this.step(u); }
   step(u) {
     const part = (u - this.low) / (this.high - this.low);

@@ -126,7 +126,7 @@ function addColourScale(chart, name, colours) {
   ramp.style.background = `linear-gradient(to right, ${shades.join(", ")})`;
   const scale = element("div", { className: "legend scale" }, element("span", { textContent: `${name} from ${readable(colours.low, 3)}` }), ramp,
     element("span", { textContent: `to ${readable(colours.high, 3)}` }));
-  if (colours.contactLevel > -Infinity || colours.contactFrom < Infinity) {
+  if (colours.touched) {
     const box = element("span", { className: "swatch bars" });
     box.style.setProperty("--colour", colours.touching);
     scale.append(box, element("span", { textContent: "in contact" }));
