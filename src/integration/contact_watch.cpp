@@ -213,6 +213,8 @@ void ContactWatch::watch(EndAccount& account, bool right) {
     if (mount.unknown == unknown) end.stiffness = mount.stiffness, end.dashpot = mount.dashpot;
   for (std::size_t i = 0; i < system_.contact_count(); ++i)
     if (system_.contact(i).unknown == unknown) end.contacts.push_back(i);
+  end.direct = end.follows ||
+               std::ranges::all_of(end.contacts, [&](std::size_t i) { return system_.relative_stiffness(i) < 1.0; });
   if (end.follows)
     end.entries = {*end.next};
   else if (end.contacts.empty())
@@ -240,7 +242,7 @@ inline bool ContactWatch::holds_mass(const End& end) const {
 }
 
 inline double ContactWatch::stored(const End& end, std::span<const double> y) const {
-  if (end.follows || end.contacts.empty()) return 0.0;
+  if (end.direct || end.contacts.empty()) return 0.0;
   const double without_viscosity = momentum(end, y) + end.dashpot * (y[0] + end.origin);
   return bar_.damped() ? without_viscosity + end.viscosity * end.stretch(y) : without_viscosity;
 }
@@ -282,9 +284,9 @@ inline void ContactWatch::look_at(End& end, std::size_t j, double t, std::span<c
   end.stored_now = stored(end, y);
   end.force[j] = reaction(end, t, y);
   if (holds_mass(end)) end.momentum[j] = momentum(end, y);
-  end.rate[j] = end.follows ? end.force[j]
-                            : end.modulus * end.stretch(y) + end.stiffness * (y[0] + end.origin) -
-                                  system_.load_alone(end.unknown, t);
+  end.rate[j] = end.direct ? end.force[j]
+                           : end.modulus * end.stretch(y) + end.stiffness * (y[0] + end.origin) -
+                                 system_.load_alone(end.unknown, t);
 }
 
 // What the polynomial cannot pass, above and below.

@@ -59,9 +59,11 @@ class SpanForce {
 ///
 ///     int R dt = [rho M v + eta K u] + int (E K u - M f) dt,
 ///
-/// whose integrand is as smooth as u. R itself may oscillate on a spring that the steps pass over. A node with mass
-/// that is held has R = d/dt (rho M v) + eta K v + E K u - M f, its own velocity being 0. An undamped massless node has
-/// no displacement that could be interpolated; its R is a multiple of its indicator (see PenalisedSystem).
+/// whose integrand is as smooth as u. R itself may oscillate on a spring that the steps pass over. Where the springs
+/// are softer than the element beside them, R is integrated itself: errors of u are multiplied by 1/epsilon, not by
+/// E/h. A node with mass that is held has R = d/dt (rho M v) + eta K v + E K u - M f, its own velocity being 0. An
+/// undamped massless node has no displacement that could be interpolated; its R is a multiple of its indicator (see
+/// PenalisedSystem).
 class ContactWatch {
  public:
   /// Both outlive it. Without `extremes` ranges and peaks stay as they are.
@@ -115,7 +117,7 @@ class ContactWatch {
   /// The velocities of a frame that moves have changed at once by that: no force has done it.
   void pass_kink(std::span<const double> change) {
     for (End& end : ends_) {
-      if (end.follows || end.contacts.empty()) continue;
+      if (end.direct || end.contacts.empty()) continue;
       std::array<double, 5> values{};
       for (std::size_t k = 2; k < end.entries.size(); ++k) values[k] = change[end.entries[k] - change.size()];
       end.stored += momentum(end, values);
@@ -139,6 +141,7 @@ class ContactWatch {
     std::optional<std::size_t> next{};                // absent: the neighbour is fixed
     std::vector<std::size_t> contacts{};              // of its node
     bool follows = false;                             // its neighbour: massless and undamped
+    bool direct = false;                              // whether R itself is integrated
     bool shut = false;                                // a contact of it is closed in the step looked at
     double modulus = 0.0, viscosity = 0.0;            // of the element beside it, over its length
     double stiffness = 0.0, dashpot = 0.0;            // of its mount

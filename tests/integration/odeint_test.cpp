@@ -125,6 +125,29 @@ TEST(Odeint, SaysWhyItRefuses) {
   EXPECT_EQ(refused(thrown_bar(1.0), 100000, Mass::consistent, by(Stepper::automatic)), Refusal::many_steps);
 }
 
+// A spring far softer than the bar: the force of the element beside it is E/h times a difference of displacements,
+// whose errors are those of the tolerance. The impulse is the integral of the spring's own force.
+TEST(SoftSpring, HasTheImpulseOfItsForceWhateverTheMeshMakesOfErrors) {
+  constexpr double epsilon = 100.0, tolerance = 1e-6;
+  Scene scene;
+  scene.bar.viscosity = 1e-3;
+  scene.left = Obstacle{0.0};
+  scene.displacement = [](double) { return 0.0; };
+  scene.velocity = [](double) { return -1.0; };
+  const BarSystem system(scene, Mesh{1.0, 100}, Mass::redistributed);
+  const auto impulse = [&](const auto& method) {
+    Observers observers;
+    observers.account = true;
+    return integrate(system, system.initial_state(), uniform_times(5.0, 1), method, observers).account->left.impulse;
+  };
+  const double exact = impulse(Exponential{Penalty{epsilon}});
+  const Tolerance asked{tolerance};
+  EXPECT_NEAR(impulse(Odeint{Penalty{epsilon}, asked, Stepper::dopri5, {}}), exact, 10 * tolerance * exact);
+  EXPECT_NEAR(impulse(Cvode{Penalty{epsilon}, asked}), exact, 10 * tolerance * exact);
+  EXPECT_NEAR(impulse(Ida{Penalty{epsilon}, asked}), exact, 10 * tolerance * exact);
+  EXPECT_NEAR(impulse(Arkode{Penalty{epsilon}, asked}), exact, 10 * tolerance * exact);
+}
+
 // The bar is linear but for its gap: displacements, load and gap times a power of two, lengths as they are, give the
 // same digits. (The Jacobian's columns were differences against the load, for displacements of the size of a length.)
 TEST(Odeint, DigitsOfRosenbrock4DoNotDependOnTheUnitOfDisplacement) {
