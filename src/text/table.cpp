@@ -9,8 +9,8 @@
 
 namespace viscobar {
 
-std::string plain_number(double value) { return fmt::format("{:.3g}", value); }
-std::string readable_number(double value) { return readable(value, 3); }
+const NumberText plain_number{[](double value, int digits) { return fmt::format("{:.{}g}", value, digits); }};
+const NumberText readable_number{readable};
 
 std::string byte_number(double bytes) {
   if (bytes < 1e3) return fmt::format("{} B", bytes);

@@ -14,9 +14,12 @@ struct Table {
 };
 
 /// How a table writes its numbers.
-using NumberText = std::string (*)(double value);
-std::string plain_number(double value);     ///< for the terminal: 3 digits, 1.23e-05
-std::string readable_number(double value);  ///< for a page: 3 digits, powers of ten
+struct NumberText {
+  std::string (*text)(double value, int digits);
+  std::string operator()(double value, int digits = 3) const { return text(value, digits); }
+};
+extern const NumberText plain_number;     ///< for the terminal: 1.23e-05
+extern const NumberText readable_number;  ///< for a page: powers of ten
 
 std::string byte_number(double bytes);  ///< with the unit that suits it: 512 B, 75.2 kB, 1.3 GB
 

@@ -19,9 +19,12 @@ using plot::Interval;
 using plot::Point;
 using plot::Range;
 
-/// The colour of a method is the same in every picture, whatever else is there.
+/// A method has the same colour and dashes in every picture, whatever else is there. No two methods have both alike.
 std::string colour(const MethodRun& run) {
   return run.built_in ? plot::series_colour(static_cast<std::size_t>(run.run.method)) : "var(--ink)";
+}
+plot::Style style(const MethodRun& run, double width) {
+  return {colour(run), false, width, run.built_in ? static_cast<std::size_t>(run.run.method) : 0};
 }
 
 const std::string& label(const MethodRun& run) { return run.label; }
@@ -62,8 +65,7 @@ struct Traces {
   /// Over each other, each thinner than the one below, so that all show where they coincide.
   void draw(Figure& figure) const {
     for (std::size_t i = 0; i < runs.size(); ++i)
-      figure.line(lines[i], {colour(*runs[i]), false, 1.4 + 1.1 * static_cast<double>(runs.size() - 1 - i), i},
-                  label(*runs[i]));
+      figure.line(lines[i], style(*runs[i], 1.4 + 1.1 * static_cast<double>(runs.size() - 1 - i)), label(*runs[i]));
   }
 };
 
@@ -115,8 +117,7 @@ Picture differences_picture(const Comparison& check) {
   if (!(high > 0.0)) return {};
   // Equal but for rounding at the start: the picture needs not show how equal.
   Figure figure(time_axis(check), plot::fitted_decades("difference, L2 norm", std::max(low, 1e-9 * high), high), 300.0);
-  for (std::size_t i = 0; i < runs.size(); ++i)
-    figure.line(lines[i], {colour(*runs[i]), false, 1.6, i}, label(*runs[i]));
+  for (std::size_t i = 0; i < runs.size(); ++i) figure.line(lines[i], style(*runs[i], 1.6), label(*runs[i]));
   return {"Difference to " + label(reference),
           "‖<i>u</i> − <i>u</i><sub>" + label(reference) + "</sub>‖ in <i>L</i>² over the bar, at the output times.",
           {{"difference", "Difference of each method to the reference over time", figure}}};

@@ -38,9 +38,7 @@ Table method_table(const Comparison& check, NumberText number) {
     std::vector<std::string> row = {run.label, std::string(name(run.mass)), settings(run, number), "failed"};
     if (run.recording) {
       const Statistics& s = run.recording->statistics;
-      const auto energy = [&](double EnergyAccount::*member) {
-        return s.energy ? fmt::format("{:.5g}", (*s.energy).*member) : "";
-      };
+      const auto energy = [&](double EnergyAccount::*member) { return s.energy ? number((*s.energy).*member, 5) : ""; };
       row.back() = count(s.steps);
       row.insert(row.end(),
                  {number(s.integration_seconds), count(run.recording->events.size()), number(s.max_penetration),
@@ -95,8 +93,7 @@ Table contact_table(const Comparison& check, NumberText number) {
       const std::size_t group = found == matched.end() ? groups.size() : found->second;
       if (group == groups.size()) groups.push_back({period, {}});
       if (i == *check.reference) of_reference[key(period)] = group;
-      groups[group].rows.push_back({place(period), run.label, fmt::format("{:.6g}", period.begin),
-                                    fmt::format("{:.6g}", period.end),
+      groups[group].rows.push_back({place(period), run.label, number(period.begin, 6), number(period.end, 6),
                                     period.where == Where::span ? "" : number(period.impulse), count(period.bounces)});
     }
   }
@@ -124,18 +121,18 @@ std::vector<std::string> remarks(const MethodChoice& choice, const Comparison& c
                                     *run.step));
   for (const auto& [method, reason] : choice.skipped)
     found.push_back(fmt::format("{} was left out: {}", name(method), reason));
-  std::string masses;
-  bool differ = false;
-  for (const MethodRun& run : check.runs) {
-    if (!run.built_in) continue;
-    differ = differ || run.mass != check.runs.front().mass;
-    masses += fmt::format("{}{} on the {} mass", masses.empty() ? "" : ", ", run.label, name(run.mass));
-  }
-  if (differ)
+  std::map<Mass, std::string> masses;
+  for (const MethodRun& run : check.runs)
+    if (run.built_in) masses[run.mass] += (masses[run.mass].empty() ? "" : ", ") + run.label;
+  if (masses.size() > 1) {
+    std::string each;
+    for (const auto& [mass, methods] : masses)
+      each += fmt::format("{}{} by {}", each.empty() ? "" : "; ", name(mass), methods);
     found.push_back(
-        "the masses differ, so a difference is also one between semi-discretisations of the same bar, "
+        "The masses differ, so a difference is also one between semi-discretisations of the same bar, "
         "which only a finer mesh removes: " +
-        masses);
+        each);
+  }
   const bool penalty = std::ranges::any_of(check.runs, [](const MethodRun& run) {
     return run.built_in && is_penalised(run.run.method) && !make_system(run.run).contacts().empty();
   });
@@ -145,7 +142,7 @@ std::vector<std::string> remarks(const MethodChoice& choice, const Comparison& c
   });
   if (penalty && exact && !check.runs.front().run.restitution && check.runs.front().run.mass != Mass::redistributed)
     found.push_back(
-        "contact nodes with mass rebound from an undamped penalty and do not from an exact constraint; "
+        "Contact nodes with mass rebound from an undamped penalty and do not from an exact constraint; "
         "contact.restitution gives both the same law, mesh.mass = \"redistributed\" takes the mass away");
   return found;
 }
