@@ -102,17 +102,29 @@ bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
   return true;
 }
 
+void tell_chosen(SweepRow& row, const AccuracyStart& solution, const std::optional<NeighbourStart>& neighbour) {
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  const bool searched = solution.elements > 0;
+  row.chosen = {searched ? static_cast<double>(solution.elements) : none, solution.tolerance.value_or(none),
+                solution.step.value_or(none), solution.epsilon.value_or(none),
+                searched && neighbour ? static_cast<double>(neighbour->index) : none};
+}
+
 // The same of a scene that asks for an error: whose estimate does not keep it is not completed.
-bool solve_into(SweepRow& row, const SceneFile& scene, const std::function<bool()>& interrupted) {
+bool solve_into(SweepRow& row, const SceneFile& scene, const std::optional<NeighbourStart>& neighbour,
+                const std::function<bool()>& interrupted) {
   AccuracyStudy study;
   study.scene = scene.run;
   study.request = *scene.accuracy;
   study.threads = 1;
+  if (neighbour) study.start = neighbour->start;
+  tell_chosen(row, {}, neighbour);
   study.stop = interrupted;
   try {
     accuracy::Plan plan(study);
     while (true) {
       const Case run = plan.next();
+      tell_chosen(row, start_at(run), neighbour);
       accuracy::Probe probe(run);
       Statistics done;
       row.error.clear();
@@ -147,7 +159,8 @@ std::optional<SweepRow> run_case(const std::string& scene_text, const SweepCase&
   row[Quantity::steps] = row[Quantity::events] = row[Quantity::reached_time] = 0.0;
   try {
     const SceneFile scene = parse_case(scene_text, "scene", one.overrides);
-    if (!(scene.accuracy ? solve_into(row, scene, interrupted) : simulate_into(row, scene.run, interrupted)))
+    if (!(scene.accuracy ? solve_into(row, scene, one.neighbour, interrupted)
+                         : simulate_into(row, scene.run, interrupted)))
       return std::nullopt;
   } catch (const SceneError& error) {
     for (const Diagnostic& found : error.diagnostics) add_sentence(row.error, found.key + ": " + found.message);

@@ -113,9 +113,10 @@ void Plan::explain(ErrorEstimate& estimate, const Case& run) const {
           fmt::format("{} mass: errors fall with the power {:g} of the mesh where the motion is smooth",
                       name(effective_mass(run)), theory_));
   because(given.elements, fmt::format("{} elements", run.elements),
-          fmt::format("{} elements: from {}", run.elements,
+          fmt::format("{} elements: from {}{}", run.elements,
                       estimate.order ? fmt::format("the observed power {:.2g} of the mesh", *estimate.order)
-                                     : "the difference to coarser meshes, which show no power to rely on"));
+                                     : "the difference to coarser meshes, which show no power to rely on",
+                      begun_ ? "; the search began at a neighbour's mesh" : ""));
   if (penalised_)
     because(given.epsilon, fmt::format("epsilon {:.3g}", *run.epsilon),
             fmt::format("epsilon {:.3g}: from two penalties, its part of the error", *run.epsilon));
