@@ -1,78 +1,95 @@
-// DRAFT
+// What the cases of a sweep spare that begin where a neighbour ended: a table of docs/accuracy-on-request.md. Run:
+// build/release/tests/measure_neighbours
+#include "sweep/neighbours.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
+#include <cstdio>
 #include <ctime>
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "viscobar/input/scene_file.hpp"
-#include "viscobar/studies/accuracy/accuracy.hpp"
-
 namespace {
+
 using namespace viscobar;
-struct Cost { double seconds = 0, work = 0, runs = 0; int notkept = 0; double elements = 0; };
-AccuracyResult solved(const SceneFile& scene, std::optional<AccuracyStart> start, Cost& cost) {
+
+constexpr const char* scene =
+    "[bar]\nlength=1\n[left]\nkind=\"obstacle\"\n[initial]\nvelocity=-1\n[time]\nend=2.5\n[accuracy]\nerror=1\n";
+
+// Of the processor.
+double seconds_of(auto&& work) {
+  const std::clock_t began = std::clock();
+  work();
+  return static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+}
+
+/// Of all cases of a sweep.
+struct Sum {
+  double seconds = 0.0;  // of the processor, the least of five
+  std::size_t runs = 0, search = 0, elements = 0, kept = 0;
+};
+
+AccuracyResult solved(const SceneFile& file, const std::optional<AccuracyStart>& start) {
   AccuracyStudy study;
-  study.scene = scene.run;
-  study.request = *scene.accuracy;
+  study.scene = file.run;
+  study.request = *file.accuracy;
   study.threads = 1;
   study.start = start;
-  AccuracyResult r;
-  double best = 1e300;
-  for (int k = 0; k < 3; ++k) {
-    const std::clock_t began = std::clock();
-    r = solve(study);
-    best = std::min(best, static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC);
-  }
-  cost.seconds += best;
-  cost.runs += 1.0 + (double)r.estimate.runs.size();
-  cost.work += (double)r.run.elements;
-  for (auto& one : r.estimate.runs) cost.work += (double)one.elements;
-  cost.notkept += !r.estimate.kept;
-  cost.elements += (double)r.run.elements;
-  if (std::getenv("VERBOSE")) {
-    fmt::print("   {} {:.1e} {} kept {} est/req {:.2f} {:.2f}ms:", r.run.elements, r.run.tolerance.relative, r.run.epsilon.value_or(0), r.estimate.kept, r.estimate.total / *r.estimate.requested, best * 1e3);
-    for (auto& one : r.estimate.runs) fmt::print(" {}/{:.0e}{}", one.elements, one.setting.value_or(0), one.search ? "s" : "");
-    fmt::print("\n");
-  }
-  return r;
+  return solve(study);
 }
+
+void add(Sum& sum, const AccuracyResult& result, double seconds) {
+  sum.seconds += seconds;
+  sum.runs += 1 + result.estimate.runs.size();
+  for (const ErrorEstimate::Run& run : result.estimate.runs) sum.search += run.search ? 1 : 0;
+  sum.elements += result.run.elements;
+  sum.kept += result.estimate.kept ? 1 : 0;
 }
-int main(int count, char** words) {
-  const std::string extra = count > 1 ? words[1] : "";
-  const std::string base = "[bar]\nlength=1\nviscosity=0.1\n[left]\nkind=\"obstacle\"\ngap=0.1\n[initial]\nvelocity=-1\n[time]\nend=2.5\n" ;
-  fmt::print("request | cold: s work runs notkept sumJ | star8 | chain8 | tree8\n");
-  for (const char* error : {"1e-3", "1e-4", "1e-5", "1e-6", "1e-7", "1e-8"}) {
-    std::vector<SceneFile> cases;
-    for (int i = 0; i < 8; ++i)
-      for (int j = 0; j < 8; ++j) {
-        std::vector<std::string> set{fmt::format("bar.viscosity={}", std::pow(10.0, -2.0 + i * 2.0 / 7)), fmt::format("left.gap={}", 0.02 + 0.04 * j), fmt::format("accuracy.error={}", error)};
-        if (!extra.empty()) set.push_back(extra);
-        cases.push_back(parse_scene(base, "s", set));
-      }
-    if (std::getenv("SWAP")) { std::vector<SceneFile> o; for (int j = 0; j < 8; ++j) for (int i = 0; i < 8; ++i) o.push_back(cases[i * 8 + j]); cases = o; }
-    fmt::print("{}", error);
-    for (int strategy = 0; strategy < 4; ++strategy) {
-      Cost cost;
-      std::vector<std::optional<AccuracyStart>> ends(cases.size());
-      const auto run = [&](std::size_t i, std::optional<AccuracyStart> s) {
-        if (std::getenv("VERBOSE")) fmt::print("{} {} {}", strategy, i, s ? s->elements : 0);
-        const auto r = solved(cases[i], s, cost);
-        if (r.estimate.kept) ends[i] = start_at(r.run);
-      };
-      for (std::size_t b = 0; b < cases.size(); b += 8) {
-        if (strategy == 0) for (std::size_t k = 0; k < 8; ++k) run(b + k, std::nullopt);
-        if (strategy == 1) { run(b + 4, std::nullopt); for (std::size_t k = 0; k < 8; ++k) if (k != 4) run(b + k, ends[b + 4]); }
-        if (strategy == 2) for (std::size_t k = 0; k < 8; ++k) run(b + k, k ? ends[b + k - 1] : std::nullopt);
-        if (strategy == 3) for (std::size_t k : {0, 4, 2, 6, 1, 3, 5, 7}) run(b + k, k ? ends[b + (k & (k - 1))] : std::nullopt);
-      }
-      fmt::print(" | {:.3f} {:.0f} {:.0f} {} {:.0f}", cost.seconds, cost.work, cost.runs, cost.notkept, cost.elements);
-      std::fflush(stdout);
+
+void compare(const char* method, double error) {
+  SweepFile sweep;
+  sweep.scene_text = scene;
+  sweep.settings = {fmt::format("method.name=\"{}\"", method), fmt::format("accuracy.error={}", error)};
+  std::vector<double> viscosities, gaps;
+  for (int k = 0; k < 8; ++k) viscosities.push_back(std::pow(10.0, -2.0 + k * 2.0 / 7.0));
+  for (int k = 0; k < 16; ++k) gaps.push_back(0.02 + 0.02 * k);
+  sweep.plan.keys = {{"bar.viscosity", viscosities}, {"left.gap", gaps}};
+  heed_scene(sweep);
+  const std::vector<std::optional<std::size_t>> of = neighbours(sweep.plan);
+  Sum by_themselves, from_neighbours;
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    const auto file = [&](std::size_t k) { return parse_scene(scene, "scene", case_of(sweep, k).overrides); };
+    std::optional<AccuracyStart> start;
+    if (of[i])
+      if (const AccuracyResult neighbour = solved(file(*of[i]), {}); neighbour.estimate.kept)
+        start = start_at(neighbour.run);
+    // In turns, so that a machine that others use slows both alike.
+    AccuracyResult alone, begun;
+    double least_alone = 1e300, least_begun = 1e300;
+    for (int k = 0; k < 5; ++k) {
+      least_alone = std::min(least_alone, seconds_of([&] { alone = solved(file(i), {}); }));
+      least_begun = std::min(least_begun, seconds_of([&] { begun = solved(file(i), start); }));
     }
-    fmt::print("\n");
+    add(by_themselves, alone, least_alone);
+    add(from_neighbours, begun, least_begun);
   }
+  fmt::print("| {} | {:.0e} | {}, {} | {}, {} | {}, {} | {}, {} | {:.2f}, {:.2f} | {:.2f} |\n", method, error,
+             by_themselves.kept, from_neighbours.kept, by_themselves.elements, from_neighbours.elements,
+             by_themselves.runs, from_neighbours.runs, by_themselves.search, from_neighbours.search,
+             by_themselves.seconds, from_neighbours.seconds, from_neighbours.seconds / by_themselves.seconds);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main() {
+  fmt::print(
+      "| method | request | kept of 128 | elements of the solutions | runs | of the search alone | processor, s | ratio |\n");
+  fmt::print("|---|---|---|---|---|---|---|---|\n");
+  for (const double error : {1e-4, 1e-6, 1e-8}) compare("rigid", error);
+  for (const double error : {1e-3, 1e-4, 1e-5}) compare("cvode", error);
+  for (const double error : {1e-3, 1e-4, 1e-5}) compare("arkode", error);
+  for (const double error : {1e-3, 1e-4}) compare("fully_discrete", error);
 }

@@ -113,10 +113,9 @@ void Plan::explain(ErrorEstimate& estimate, const Case& run) const {
           fmt::format("{} mass: errors fall with the power {:g} of the mesh where the motion is smooth",
                       name(effective_mass(run)), theory_));
   because(given.elements, fmt::format("{} elements", run.elements),
-          fmt::format("{} elements: from {}{}", run.elements,
+          fmt::format("{} elements: from {}", run.elements,
                       estimate.order ? fmt::format("the observed power {:.2g} of the mesh", *estimate.order)
-                                     : "the difference to coarser meshes, which show no power to rely on",
-                      begun_ ? "; the search began at a neighbour's mesh" : ""));
+                                     : "the difference to coarser meshes, which show no power to rely on"));
   if (penalised_)
     because(given.epsilon, fmt::format("epsilon {:.3g}", *run.epsilon),
             fmt::format("epsilon {:.3g}: from two penalties, its part of the error", *run.epsilon));
@@ -126,6 +125,7 @@ void Plan::explain(ErrorEstimate& estimate, const Case& run) const {
   else if (!exact_time_)
     because(given.tolerance, fmt::format("tolerance {:.3g}", run.tolerance.relative),
             fmt::format("tolerance {:.3g}: from two tolerances on a coarse mesh", run.tolerance.relative));
+  if (begun_) estimate.reasons.emplace_back("the search began with the settings of a neighbouring case");
 }
 
 // What of the scene forbids the error, and what it would have to be; empty where nothing does.

@@ -98,7 +98,7 @@ class Plan {
   double theory_ = 4.0;                          // order in h
   std::size_t pilot_elements_ = least_elements;  // of the finest mesh that the search begins with
   std::size_t timed_elements_ = least_elements;  // of that on which it compares settings in time and penalty
-  bool begun_ = false;                           // with a neighbour's mesh
+  bool begun_ = false;                           // with settings of a neighbour
   bool stepping_ = false, exact_time_ = false, waves_ = false, penalised_ = false;
   Shares shares_;
   double ratio_ = 10.0, time_order_ = 0.0;  // of two settings in time; least order

@@ -26,17 +26,18 @@ namespace accuracy {
 void Plan::begin_at(const AccuracyStart& start) {
   const AccuracyRequest::Given& given = study_.request.given;
   const std::size_t finest = theory_ > 2.0 ? std::bit_ceil(start.elements) / 4 : (start.elements + 7) / 8 * 2;
-  if (!given.elements && finest > pilot_elements_ && affordable(finest)) {
+  begun_ = !given.elements && finest > pilot_elements_ && affordable(finest);
+  if (begun_) {
     // The coarser one, too, if it has as many elements as the estimate compares settings on.
     const std::size_t half = finest / 2;
     timed_elements_ = half >= std::max(pilot_elements_, start.elements / coarser()) ? half : finest;
     pilot_elements_ = finest;
-    begun_ = true;
   }
   const std::optional<double> fineness = stepping_ ? start.step : start.tolerance;
   if (fineness && !exact_time_ && !(stepping_ ? given.step : given.tolerance))
     chosen_.fineness = std::min(chosen_.fineness, *fineness);
   if (start.epsilon && penalised_ && !given.epsilon) chosen_.epsilon = std::min(chosen_.epsilon, *start.epsilon);
+  begun_ = begun_ || chosen_ != guess_;
 }
 
 // What a neighbour needed may be far more than this case does: then the search goes back to its own guess.
