@@ -23,9 +23,7 @@ void members(Like<SweepRow> auto& row, auto&& each) {
   each(row.index, row.completed, row.error, std::span(row.values.data(), row.values.size()), row.chosen,
        row.derivatives, row.seconds, row.integration_seconds);
 }
-void members(Like<AccuracyStart> auto& start, auto&& each) {
-  each(start.elements, start.tolerance, start.step, start.epsilon);
-}
+void members(Like<AccuracyStart> auto& start, auto&& each) { each(start.elements, start.tolerance, start.epsilon); }
 void members(Like<NeighbourStart> auto& neighbour, auto&& each) { each(neighbour.index, neighbour.start); }
 void members(Like<SweepCase> auto& one, auto&& each) { each(one.index, one.overrides, one.neighbour); }
 

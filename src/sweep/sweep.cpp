@@ -132,7 +132,7 @@ double SweepRow::column(std::size_t k) const {
 std::optional<AccuracyStart> SweepRow::start() const {
   if (!completed || chosen.empty() || std::isnan(chosen[0])) return std::nullopt;
   const auto told = [&](std::size_t k) { return std::isnan(chosen[k]) ? std::nullopt : std::optional(chosen[k]); };
-  return AccuracyStart{static_cast<std::size_t>(chosen[0]), told(1), told(2), told(3)};
+  return AccuracyStart{static_cast<std::size_t>(chosen[0]), told(1), told(3)};
 }
 
 std::vector<std::size_t> dispatch_order(std::span<const double> costs) {

@@ -1,5 +1,5 @@
 // What the cases of a sweep spare that begin where a neighbour ended: a table of docs/accuracy-on-request.md. Run:
-// build/release/tests/measure_neighbours
+// build/release/tests/measure_neighbours [METHOD ERROR]
 #include "sweep/neighbours.hpp"
 
 #include <fmt/format.h>
@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <optional>
 #include <vector>
@@ -84,10 +85,11 @@ void compare(const char* method, double error) {
 
 }  // namespace
 
-int main() {
+int main(int count, char** words) {
   fmt::print(
-      "| method | request | kept of 128 | elements of the solutions | runs | of the search alone | processor, s | ratio |\n");
-  fmt::print("|---|---|---|---|---|---|---|---|\n");
+      "| method | request | kept of 128 | elements of the solutions | runs | of the search alone | processor, s | ratio "
+      "|\n|---|---|---|---|---|---|---|---|\n");
+  if (count > 2) return compare(words[1], std::atof(words[2])), 0;
   for (const double error : {1e-4, 1e-6, 1e-8}) compare("rigid", error);
   for (const double error : {1e-3, 1e-4, 1e-5}) compare("cvode", error);
   for (const double error : {1e-3, 1e-4, 1e-5}) compare("arkode", error);

@@ -97,7 +97,7 @@ TEST(StartAtANeighbour, LeavesSettingsThatAreFarFinerThanNeeded) {
 }
 
 TEST(StartAtANeighbour, TakesNothingOfWhatTheSceneFixesOrDoesNotUse) {
-  const AccuracyStart start{.elements = 640, .tolerance = 1e-9, .step = 1e-7, .epsilon = 1e-9};
+  const AccuracyStart start{.elements = 640, .tolerance = 1e-9, .epsilon = 1e-9};
   const AccuracyResult fixed =
       begun(study_of(0.1, {"accuracy.error=1e-3", "mesh.elements=40", "method.relative_tolerance=1e-5"}), start);
   EXPECT_TRUE(fixed.estimate.kept) << fixed.estimate.doubt;

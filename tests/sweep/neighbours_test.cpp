@@ -118,7 +118,7 @@ TEST(SweepQueue, HandsOutWhoWaitsForNobodyAndThenWhoseNeighbourIsDone) {
   EXPECT_EQ(cheap->neighbour->index, 3u);
   EXPECT_EQ(cheap->neighbour->start.elements, 640u);
   EXPECT_EQ(cheap->neighbour->start.tolerance, 1e-9);
-  EXPECT_FALSE(cheap->neighbour->start.step);
+  EXPECT_FALSE(cheap->neighbour->start.epsilon);
   EXPECT_FALSE(queue.take());
 }
 

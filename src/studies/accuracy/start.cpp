@@ -10,9 +10,7 @@ AccuracyStart start_at(const Case& solution) {
   AccuracyStart start;
   if (solution.method == MethodName::characteristics) return start;
   start.elements = solution.elements;
-  if (is_scheme(solution.method))
-    start.step = solution.step;
-  else if (solution.method != MethodName::exponential)
+  if (!is_scheme(solution.method) && solution.method != MethodName::exponential)
     start.tolerance = solution.tolerance.relative;
   if (is_penalised(solution.method)) start.epsilon = solution.epsilon;
   return start;
@@ -22,7 +20,7 @@ namespace accuracy {
 
 // A solution of J elements came after meshes of K, K/2 and K/4, J being above K and 2 K at most, K mostly a power of
 // two. The search begins with the latter two, which the estimate needs anyway. Where the power of theory is 2, J is 2
-// K. Settings in time and penalty are the finer of the neighbour's and one's own guess, until runs show their errors.
+// K. Tolerance and penalty are the finer of the neighbour's and one's own guess, until runs show their errors.
 void Plan::begin_at(const AccuracyStart& start) {
   const AccuracyRequest::Given& given = study_.request.given;
   const std::size_t finest = theory_ > 2.0 ? std::bit_ceil(start.elements) / 4 : (start.elements + 7) / 8 * 2;
@@ -33,9 +31,8 @@ void Plan::begin_at(const AccuracyStart& start) {
     timed_elements_ = half >= std::max(pilot_elements_, start.elements / coarser()) ? half : finest;
     pilot_elements_ = finest;
   }
-  const std::optional<double> fineness = stepping_ ? start.step : start.tolerance;
-  if (fineness && !exact_time_ && !(stepping_ ? given.step : given.tolerance))
-    chosen_.fineness = std::min(chosen_.fineness, *fineness);
+  if (start.tolerance && !stepping_ && !exact_time_ && !given.tolerance)
+    chosen_.fineness = std::min(chosen_.fineness, *start.tolerance);
   if (start.epsilon && penalised_ && !given.epsilon) chosen_.epsilon = std::min(chosen_.epsilon, *start.epsilon);
   begun_ = begun_ || chosen_ != guess_;
 }

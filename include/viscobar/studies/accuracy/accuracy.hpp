@@ -11,11 +11,11 @@
 namespace viscobar {
 
 /// Settings that keep the error of a neighbouring case, for another one to begin with. They are a guess: what they save
-/// is runs, and the estimate is made as without them.
+/// is runs, and the estimate is made as without them. The step of a scheme is none of them: to look for it on coarse
+/// meshes costs less than a step that is somewhat finer than needed.
 struct AccuracyStart {
   std::size_t elements = 0;         ///< J; 0: not known
   std::optional<double> tolerance;  ///< relative, of adaptive methods
-  std::optional<double> step;       ///< of schemes
   std::optional<double> epsilon;    ///< where something is penalised
 };
 /// The settings of a solution.
