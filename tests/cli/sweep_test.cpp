@@ -120,8 +120,7 @@ TEST_F(Sweep, RowsDoNotDependOnTheNumberOfRanks) {
 
 // A case waits for its neighbour's row, in whichever thread or rank that is made, or before a kill.
 TEST_F(Sweep, RowsThatBeginAtANeighbourDoNotDependOnWhoMakesThem) {
-  write("bar.toml",
-        "[bar]\nlength = 1\n[left]\nkind = \"obstacle\"\n[initial]\nvelocity = -1\n[time]\nend = 2.5\n");
+  write("bar.toml", "[bar]\nlength = 1\n[left]\nkind = \"obstacle\"\n[initial]\nvelocity = -1\n[time]\nend = 2.5\n");
   write("close.toml",
         "scene = \"bar.toml\"\n[vary]\nbar.viscosity = { from = 1, to = 0.01, count = 4, spacing = \"log\" }\n"
         "left.gap = { from = 0, to = 0.3, count = 16 }\n");
