@@ -7,7 +7,6 @@
 #include <map>
 #include <thread>
 
-#include "input/scene_entries.hpp"
 #include "kept.hpp"
 #include "report/fit/fit_request.hpp"
 #include "report/scene_check.hpp"
@@ -300,8 +299,8 @@ py::dict to_dict(const SweepPlan& plan, const SweepRow& row) {
   one["completed"] = row.completed;
   one["error"] = row.error;
   for (std::size_t q = 0; q < quantities; ++q) one[py::str(quantity_columns()[q].name)] = row.values[q];
-  const std::vector<std::string> derivatives = plan.derivatives();
-  for (std::size_t k = 0; k < derivatives.size(); ++k) one[py::str(derivatives[k])] = row.column(quantities + k);
+  const std::vector<std::string> further = plan.further_columns();
+  for (std::size_t k = 0; k < further.size(); ++k) one[py::str(further[k])] = row.column(quantities + k);
   one["seconds"] = row.seconds;
   one["integration_seconds"] = row.integration_seconds;
   return one;
@@ -313,16 +312,16 @@ void run_sweep(const SweepFile& sweep, std::size_t threads, py::list table) {
   std::vector<double> costs;
   std::atomic<bool> stop{false};
   hearing_signals(faults, stop, [&] { costs = plan_cases(sweep, threads); });
-  const std::vector<std::size_t> order = dispatch_order(costs);
+  SweepQueue queue(sweep, costs);
   std::map<std::size_t, SweepRow> rows;
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
-  const SweepWork work{sweep, order, [&](const SweepRow& row) { rows[row.index] = row; }, [] {},
+  const SweepWork work{sweep.scene_text, queue, [&](const SweepRow& row) { rows[row.index] = row; }, [] {},
                        [&] { return stop.load(); }};
   const auto tell = [&] {
     for (const auto& [index, row] : rows) table.append(to_dict(sweep.plan, row));
   };
   try {
-    hearing_signals(faults, stop, [&] { run_on_threads(work, std::min(threads, order.size())); });
+    hearing_signals(faults, stop, [&] { run_on_threads(work, std::min(threads, queue.size())); });
   } catch (...) {
     tell();
     throw;
@@ -337,7 +336,7 @@ void sweep_scene(const std::string& text, const py::dict& vary, bool zip, std::s
   sweep.plan.combine = zip ? Combine::zip : Combine::grid;
   for (const auto& [key, values] : vary)
     sweep.plan.keys.push_back({key.cast<std::string>(), values_of(values.cast<py::list>())});
-  sweep.plan.sensitivities = SceneEntries(text, "scene", {}).list("sensitivity.of");
+  heed_scene(sweep);
   run_sweep(sweep, threads, std::move(table));
 }
 

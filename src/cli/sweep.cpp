@@ -24,10 +24,8 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 /// How far the sweep is, on the terminal, by the costs that were estimated.
 class SweepProgress {
  public:
-  SweepProgress(std::span<const double> costs, std::span<const std::size_t> order, std::size_t kept)
-      : costs_(costs), done_(kept) {
-    for (const std::size_t i : order) total_ += costs[i];
-  }
+  SweepProgress(std::span<const double> costs, const SweepQueue& queue, std::size_t kept)
+      : costs_(costs), done_(kept), total_(queue.seconds()) {}
 
   void count(const SweepRow& row) {
     ++done_;
@@ -44,7 +42,7 @@ class SweepProgress {
  private:
   std::span<const double> costs_;
   std::size_t done_, failed_ = 0;
-  double total_ = 0.0, finished_ = 0.0;
+  double total_, finished_ = 0.0;
   Progress progress_;
 };
 
@@ -119,15 +117,15 @@ int run_sweep(const SweepOptions& asked) {
   catch_interrupts();
   SweepResults results(directory, sweep, warn);
   const std::size_t kept = results.size();
-  std::vector<std::size_t> order = dispatch_order(costs);
-  std::erase_if(order, [&](std::size_t i) { return results.has(i); });
+  SweepQueue queue(sweep, costs, results.rows());
+  const std::size_t missing = queue.size();
   // It has the checksums of tables that are about to change.
-  if (!order.empty()) fs::remove(directory / "sweep.json");
+  if (missing > 0) fs::remove(directory / "sweep.json");
 
   double integration = 0.0;
   std::optional<SweepProgress> progress;
-  if (!asked.json && !asked.output.quiet && on_terminal()) progress.emplace(costs, order, kept);
-  const SweepWork work{sweep, order,
+  if (!asked.json && !asked.output.quiet && on_terminal()) progress.emplace(costs, queue, kept);
+  const SweepWork work{sweep.scene_text, queue,
                        [&](const SweepRow& row) {
                          results.add(row);
                          integration += row.integration_seconds;
@@ -140,8 +138,7 @@ int run_sweep(const SweepOptions& asked) {
                        interrupt_asked};
   const std::size_t threads = asked.threads > 0 ? asked.threads : cores();
   const std::size_t workers = several ? static_cast<std::size_t>(ranks->size()) - 1 : threads;
-  const bool finished =
-      order.empty() || (several ? ranks->run(work) : run_on_threads(work, std::min(threads, order.size())));
+  const bool finished = missing == 0 || (several ? ranks->run(work) : run_on_threads(work, std::min(threads, missing)));
   progress.reset();
   results.close();
   const std::string page = sweep_page(sweep, results.rows());

@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <utility>
 
 #include "run/parts.hpp"
 #include "viscobar/record/record_run.hpp"
@@ -19,10 +20,12 @@
 namespace viscobar {
 
 void members(Like<SweepRow> auto& row, auto&& each) {
-  each(row.index, row.completed, row.error, std::span(row.values.data(), row.values.size()), row.derivatives,
-       row.seconds, row.integration_seconds);
+  each(row.index, row.completed, row.error, std::span(row.values.data(), row.values.size()), row.chosen,
+       row.derivatives, row.seconds, row.integration_seconds);
 }
-void members(Like<SweepCase> auto& one, auto&& each) { each(one.index, one.overrides); }
+void members(Like<AccuracyStart> auto& start, auto&& each) { each(start.elements, start.tolerance, start.epsilon); }
+void members(Like<NeighbourStart> auto& neighbour, auto&& each) { each(neighbour.index, neighbour.start); }
+void members(Like<SweepCase> auto& one, auto&& each) { each(one.index, one.overrides, one.neighbour); }
 
 namespace {
 
@@ -106,7 +109,11 @@ Ranks::~Ranks() {
   // Nothing to run, or an error before: the workers go home.
   std::string none;
   if (is_manager() && !scene_sent_) broadcast(none);
-  if (is_manager() && scene_sent_ && !ran_) run({SweepFile(), {}, [](const SweepRow&) {}, [] {}, interrupted_});
+  if (is_manager() && scene_sent_ && !ran_) {
+    const SweepFile nothing;
+    SweepQueue no_cases(nothing, {});
+    run({nothing.scene_text, no_cases, [](const SweepRow&) {}, [] {}, interrupted_});
+  }
   MPI_Finalize();
 }
 
@@ -140,7 +147,7 @@ bool Ranks::run(const SweepWork& work) {
   const auto tell_to_stop = [&](int rank) {
     if (stopping.insert(rank).second) send(rank, stop);
   };
-  std::size_t next = 0;
+  std::set<int> waiting;  // for a row that a case begins with
   bool given_up = false;
   std::exception_ptr error;
   const auto give_up = [&] {
@@ -155,6 +162,15 @@ bool Ranks::run(const SweepWork& work) {
       error = std::current_exception();
       give_up();
     }
+  };
+  const auto serve = [&](int rank) {
+    const auto one = given_up ? std::nullopt : work.queue.take();
+    if (one)
+      send(rank, job, archived(*one));
+    else if (given_up || work.queue.size() == 0)
+      tell_to_stop(rank);
+    else
+      waiting.insert(rank);
   };
   auto next_tick = std::chrono::steady_clock::now();
   auto pause = 10us;
@@ -177,12 +193,12 @@ bool Ranks::run(const SweepWork& work) {
       if (by_itself && !given_up) give_up();
       continue;
     }
-    // The worker first, so that it does not wait for the disk.
-    if (!given_up && next < work.order.size())
-      send(message->rank, job, archived(case_of(work.sweep, work.order[next++])));
-    else
-      tell_to_stop(message->rank);
-    if (message->tag == row) guarded([&] { work.take(unpack<SweepRow>(message->bytes)); });
+    std::optional<SweepRow> done;
+    if (message->tag == row) guarded([&] { work.queue.finish(done.emplace(unpack<SweepRow>(message->bytes))); });
+    // The workers first, so that they do not wait for the disk.
+    serve(message->rank);
+    for (const int rank : std::exchange(waiting, {})) serve(rank);
+    if (done) guarded([&] { work.take(*done); });
   }
   guarded(work.tick);
   if (error) std::rethrow_exception(error);

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <numeric>
 
 namespace viscobar {
@@ -60,6 +62,14 @@ constexpr QuantityColumn columns[] = {
     {"closings_span", "1", "contacts of nodes with the span obstacle"},
 };
 
+constexpr QuantityColumn columns_of_choice[] = {
+    {"chosen_elements", "1", "elements of the solution"},
+    {"chosen_tolerance", "1", "its relative tolerance"},
+    {"chosen_step", "time", "its step, of a scheme"},
+    {"chosen_epsilon", "length / stress", "its penalty"},
+    {"neighbour", "1", "the case with whose settings the search began"},
+};
+
 }  // namespace
 
 std::size_t VariedKey::size() const {
@@ -90,6 +100,14 @@ std::vector<std::string> SweepPlan::derivatives() const {
   return names;
 }
 
+std::vector<std::string> SweepPlan::further_columns() const {
+  std::vector<std::string> names;
+  if (accuracy)
+    for (const QuantityColumn& column : columns_of_choice) names.emplace_back(column.name);
+  std::ranges::move(derivatives(), std::back_inserter(names));
+  return names;
+}
+
 std::vector<std::string> SweepPlan::overrides(std::size_t index) const {
   const std::vector<std::size_t> chosen = choice(index);
   std::vector<std::string> texts;
@@ -100,6 +118,22 @@ std::vector<std::string> SweepPlan::overrides(std::size_t index) const {
 }
 
 std::span<const QuantityColumn, quantities> quantity_columns() { return columns; }
+std::span<const QuantityColumn> chosen_columns() { return columns_of_choice; }
+
+double SweepRow::column(std::size_t k) const {
+  for (const std::span<const double> list :
+       {std::span<const double>(values), std::span(chosen), std::span(derivatives)}) {
+    if (k < list.size()) return list[k];
+    k -= list.size();
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+std::optional<AccuracyStart> SweepRow::start() const {
+  if (!completed || chosen.empty() || std::isnan(chosen[0])) return std::nullopt;
+  const auto told = [&](std::size_t k) { return std::isnan(chosen[k]) ? std::nullopt : std::optional(chosen[k]); };
+  return AccuracyStart{static_cast<std::size_t>(chosen[0]), told(1), told(3)};
+}
 
 std::vector<std::size_t> dispatch_order(std::span<const double> costs) {
   std::vector<std::size_t> order(costs.size());

@@ -14,6 +14,8 @@ namespace viscobar {
 
 namespace {
 
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
 void tell(SweepRow& row, const Scene& scene, const Statistics& done) {
   const auto set = [&row](Quantity first, const auto&... values) {
     auto at = row.values.begin() + static_cast<std::ptrdiff_t>(first);
@@ -45,7 +47,6 @@ struct Derivatives {
     if (first.empty()) first = event.sensitivities;
   }
   std::vector<double> row(const Statistics& done) const {
-    constexpr double none = std::numeric_limits<double>::quiet_NaN();
     const SensitivityAccount account = done.sensitivity.value_or(SensitivityAccount{});
     std::vector<double> values;
     for (std::size_t k = 0; k < keys; ++k) {
@@ -102,17 +103,29 @@ bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
   return true;
 }
 
+void tell_chosen(SweepRow& row, const Case& run, const std::optional<NeighbourStart>& neighbour) {
+  const AccuracyStart settings = start_at(run);
+  if (settings.elements == 0) return;
+  row.chosen = {static_cast<double>(settings.elements), settings.tolerance.value_or(none),
+                is_scheme(run.method) ? run.step.value_or(none) : none, settings.epsilon.value_or(none),
+                neighbour ? static_cast<double>(neighbour->index) : none};
+}
+
 // The same of a scene that asks for an error: whose estimate does not keep it is not completed.
-bool solve_into(SweepRow& row, const SceneFile& scene, const std::function<bool()>& interrupted) {
+bool solve_into(SweepRow& row, const SceneFile& scene, const std::optional<NeighbourStart>& neighbour,
+                const std::function<bool()>& interrupted) {
   AccuracyStudy study;
   study.scene = scene.run;
   study.request = *scene.accuracy;
   study.threads = 1;
+  if (neighbour) study.start = neighbour->start;
+  row.chosen.assign(chosen_columns().size(), none);
   study.stop = interrupted;
   try {
     accuracy::Plan plan(study);
     while (true) {
       const Case run = plan.next();
+      tell_chosen(row, run, neighbour);
       accuracy::Probe probe(run);
       Statistics done;
       row.error.clear();
@@ -147,7 +160,8 @@ std::optional<SweepRow> run_case(const std::string& scene_text, const SweepCase&
   row[Quantity::steps] = row[Quantity::events] = row[Quantity::reached_time] = 0.0;
   try {
     const SceneFile scene = parse_case(scene_text, "scene", one.overrides);
-    if (!(scene.accuracy ? solve_into(row, scene, interrupted) : simulate_into(row, scene.run, interrupted)))
+    if (!(scene.accuracy ? solve_into(row, scene, one.neighbour, interrupted)
+                         : simulate_into(row, scene.run, interrupted)))
       return std::nullopt;
   } catch (const SceneError& error) {
     for (const Diagnostic& found : error.diagnostics) add_sentence(row.error, found.key + ": " + found.message);

@@ -52,8 +52,7 @@ class SweepReader {
       throw SceneError(std::move(found_));
     }
     sweep_.settings.insert(sweep_.settings.end(), overrides_.begin(), overrides_.end());
-    sweep_.plan.sensitivities =
-        SceneEntries(sweep_.scene_text, sweep_.scene_source, sweep_.settings).list("sensitivity.of");
+    heed_scene(sweep_);
     return std::move(sweep_);
   }
 
@@ -202,6 +201,7 @@ std::string SweepFile::identity() const {
   std::string text = fmt::format("viscobar {}\n", versions().viscobar);
   for (const std::string& setting : settings) text += fmt::format("{}\n", setting);
   text += plan.combine == Combine::zip ? "zip\n" : "grid\n";
+  if (plan.accuracy) text += "searches that begin at neighbours\n";
   for (const VariedKey& key : plan.keys) {
     text += key.key + ":";
     for (std::size_t k = 0; k < key.size(); ++k)
@@ -218,6 +218,13 @@ SweepFile read_sweep(const std::filesystem::path& file, std::span<const std::str
 SweepFile parse_sweep(const std::string& text, const std::filesystem::path& file,
                       std::span<const std::string> overrides) {
   return SweepReader(file, overrides).read(text);
+}
+
+void heed_scene(SweepFile& sweep) {
+  const SceneEntries entries(sweep.scene_text, sweep.scene_source, sweep.settings);
+  sweep.plan.sensitivities = entries.list("sensitivity.of");
+  sweep.plan.accuracy = entries.present("accuracy.error") ||
+                        std::ranges::find(sweep.plan.keys, "accuracy.error", &VariedKey::key) != sweep.plan.keys.end();
 }
 
 SweepCase case_of(const SweepFile& sweep, std::size_t index) {

@@ -22,7 +22,7 @@ using plot::json_string;
 /// The columns whose values are not all the same, or not all missing.
 std::vector<std::size_t> telling_columns(const SweepPlan& plan, std::span<const SweepRow* const> rows) {
   std::vector<std::size_t> shown;
-  for (std::size_t k = 0; k < quantities + plan.derivatives().size(); ++k) {
+  for (std::size_t k = 0; k < quantities + plan.further_columns().size(); ++k) {
     const auto differs = [&](const SweepRow* row) {
       const double a = row->column(k), b = rows.front()->column(k);
       return !(a == b || (std::isnan(a) && std::isnan(b)));
@@ -87,11 +87,13 @@ std::string data_json(const SweepFile& sweep, std::span<const SweepRow* const> r
     return fmt::format(R"({{"name":{},"values":{}}})", json_string(key.key),
                        std::visit([&](const auto& values) { return list(values, value_json); }, key.values));
   };
-  const std::vector<std::string> derivatives = sweep.plan.derivatives();
+  const std::vector<std::string> further = sweep.plan.further_columns();
+  const std::size_t chosen = sweep.plan.accuracy ? chosen_columns().size() : 0;
   const auto column_json = [&](std::size_t k) {
     const QuantityColumn column =
-        k < quantities ? quantity_columns()[k]
-                       : QuantityColumn{derivatives[k - quantities], "", "derivative of the one by the other"};
+        k < quantities            ? quantity_columns()[k]
+        : k - quantities < chosen ? chosen_columns()[k - quantities]
+                                  : QuantityColumn{further[k - quantities], "", "derivative of the one by the other"};
     return fmt::format(R"({{"name":{},"unit":{},"meaning":{},"values":{}}})", json_string(column.name),
                        json_string(column.unit), json_string(column.meaning),
                        list(rows, [&](const SweepRow* row) { return number(row->column(k)); }));

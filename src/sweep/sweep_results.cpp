@@ -109,8 +109,8 @@ std::string sweep_csv(const SweepPlan& plan, std::span<const SweepRow* const> ro
   add("completed");
   add("error");
   for (const QuantityColumn& column : quantity_columns()) add(column.name);
-  const std::vector<std::string> derivatives = plan.derivatives();
-  for (const std::string& name : derivatives) add(name);
+  const std::vector<std::string> further = plan.further_columns();
+  for (const std::string& name : further) add(name);
   text += '\n';
   for (const SweepRow* row : rows) {
     text += cell(static_cast<std::int64_t>(row->index));
@@ -119,7 +119,7 @@ std::string sweep_csv(const SweepPlan& plan, std::span<const SweepRow* const> ro
       std::visit([&](const auto& list) { add(cell(list[chosen[k]])); }, plan.keys[k].values);
     add(row->completed ? "1" : "0");
     add(cell(row->error));
-    for (std::size_t k = 0; k < quantities + derivatives.size(); ++k) add(cell(row->column(k)));
+    for (std::size_t k = 0; k < quantities + further.size(); ++k) add(cell(row->column(k)));
     text += '\n';
   }
   return text;

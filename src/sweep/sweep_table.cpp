@@ -45,7 +45,7 @@ std::vector<TableField> row_fields(const SweepPlan& plan) {
   add("completed", flag);
   add("error", {"", H5T_C_S1, longest_error});
   for (const QuantityColumn& column : quantity_columns()) add(column.name, real);
-  for (const std::string& name : plan.derivatives()) add(name, real);
+  for (const std::string& name : plan.further_columns()) add(name, real);
   return fields;
 }
 
@@ -202,6 +202,8 @@ std::vector<SweepRow> SweepTable::read() const {
     row.error.assign(from, strnlen(from, longest_error));
     from += longest_error;
     for (double& value : row.values) get(value);
+    row.chosen.resize(plan_.accuracy ? chosen_columns().size() : 0);
+    for (double& value : row.chosen) get(value);
     row.derivatives.resize(plan_.derivatives().size());
     for (double& value : row.derivatives) get(value);
     row.seconds = timings[i].seconds;

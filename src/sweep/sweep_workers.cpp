@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <future>
 #include <mutex>
 #include <utility>
@@ -14,14 +15,28 @@ namespace viscobar {
 bool run_on_threads(const SweepWork& work, std::size_t threads) {
   std::atomic<bool> stop{false};
   const auto stopped = [&] { return stop.load(std::memory_order_relaxed) || work.interrupted(); };
+  constexpr std::chrono::milliseconds moment(20);
   std::mutex mutex;
-  std::vector<SweepRow> finished;  // on their way to this thread, which writes them
-  const auto run = [&](std::size_t i) {
-    if (stopped()) return;
+  std::condition_variable progress;  // a row that others may wait for
+  std::vector<SweepRow> finished;    // on their way to this thread, which writes them
+  const auto run = [&](std::size_t) {
     try {
-      auto row = run_case(work.sweep.scene_text, case_of(work.sweep, work.order[i]), stopped);
-      const std::lock_guard lock(mutex);
-      if (row) finished.push_back(*std::move(row));
+      while (!stopped()) {
+        std::unique_lock lock(mutex);
+        const auto one = work.queue.take();
+        if (!one && work.queue.size() == 0) return;
+        if (!one) {
+          progress.wait_for(lock, moment);
+          continue;
+        }
+        lock.unlock();
+        auto row = run_case(work.scene_text, *one, stopped);
+        if (!row) return;
+        lock.lock();
+        work.queue.finish(*row);
+        finished.push_back(*std::move(row));
+        progress.notify_all();
+      }
     } catch (...) {
       stop = true;
       throw;
@@ -34,10 +49,10 @@ bool run_on_threads(const SweepWork& work, std::size_t threads) {
     for (const SweepRow& row : rows) work.take(row);
     work.tick();
   };
-  auto done = std::async(std::launch::async, [&] { parallel_for(work.order.size(), run, threads); });
+  auto done = std::async(std::launch::async, [&] { parallel_for(threads, run, threads); });
   try {
     // Rows wait for this moment: to wake the thread for each would take longer than to write it.
-    while (done.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) take();
+    while (done.wait_for(moment) != std::future_status::ready) take();
     take();
   } catch (...) {
     stop = true;

@@ -2,16 +2,16 @@
 
 #include <cstddef>
 #include <functional>
-#include <span>
+#include <string>
 
-#include "viscobar/sweep/sweep.hpp"
+#include "sweep/sweep_queue.hpp"
 
 namespace viscobar {
 
-/// The cases that are to be run, in the order in which they are handed out, and who wants to know.
+/// The cases that are to be run, and who wants to know.
 struct SweepWork {
-  const SweepFile& sweep;
-  std::span<const std::size_t> order;
+  const std::string& scene_text;
+  SweepQueue& queue;
   std::function<void(const SweepRow&)> take;  ///< each row, in the thread that called; may throw, which ends the sweep
   std::function<void()> tick;                 ///< a few times a second
   std::function<bool()> interrupted;          ///< whether to give up; from any thread

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <map>
+#include <optional>
 #include <random>
 #include <thread>
 
@@ -39,6 +40,16 @@ class Sweep : public Command {
     const SweepResults results(directory_ / where, sweep);
     for (const SweepRow* row : results.rows()) seconds[row->index] = row->seconds;
     return seconds;
+  }
+
+  /// Its exit code; absent where there is no MPI.
+  std::optional<int> under_mpirun(const std::string& ranks, const std::string& arguments) const {
+    if (std::system("command -v mpirun >/dev/null 2>&1") != 0 || !fs::exists(VISCOBAR_COMMAND "-mpi"))
+      return std::nullopt;
+    // Open MPI leaves some of its memory to the end of the process, which AddressSanitizer would call leaks of ours.
+    return std::system(("cd '" + directory_.string() + "' && ASAN_OPTIONS=detect_leaks=0 mpirun -n " + ranks +
+                        " --oversubscribe --allow-run-as-root '" VISCOBAR_COMMAND "' " + arguments + " 2>&1")
+                           .c_str());
   }
 
   /// Starts a sweep, sends it the signal as soon as `wait` returns; its exit code, or minus the signal that ended it.
@@ -98,17 +109,40 @@ TEST_F(Sweep, RowsDoNotDependOnTheNumberOfThreads) {
 }
 
 TEST_F(Sweep, RowsDoNotDependOnTheNumberOfRanks) {
-  if (std::system("command -v mpirun >/dev/null 2>&1") != 0) GTEST_SKIP() << "no mpirun";
-  if (!fs::exists(VISCOBAR_COMMAND "-mpi")) GTEST_SKIP() << "built without MPI";
   ASSERT_EQ(viscobar("sweep sweep.toml --threads 1 -o one").code, 0);
   for (const std::string ranks : {"1", "2", "3"}) {
-    // Open MPI leaves some of its memory to the end of the process, which AddressSanitizer would call leaks of ours.
-    const std::string line = "cd '" + directory_.string() + "' && ASAN_OPTIONS=detect_leaks=0 mpirun -n " + ranks +
-                             " --oversubscribe --allow-run-as-root '" VISCOBAR_COMMAND
-                             "' sweep sweep.toml --quiet -o ranks" +
-                             ranks + " 2>&1";
-    ASSERT_EQ(std::system(line.c_str()), 0);
+    const auto code = under_mpirun(ranks, "sweep sweep.toml --quiet -o ranks" + ranks);
+    if (!code) GTEST_SKIP() << "no mpirun, or built without MPI";
+    ASSERT_EQ(code, 0);
     EXPECT_EQ(table("one"), table("ranks" + ranks));
+  }
+}
+
+// A case waits for its neighbour's row, in whichever thread or rank that is made, or before a kill.
+TEST_F(Sweep, RowsThatBeginAtANeighbourDoNotDependOnWhoMakesThem) {
+  write("bar.toml", "[bar]\nlength = 1\n[left]\nkind = \"obstacle\"\n[initial]\nvelocity = -1\n[time]\nend = 2.5\n");
+  write("close.toml",
+        "scene = \"bar.toml\"\n[vary]\nbar.viscosity = { from = 1, to = 0.01, count = 4, spacing = \"log\" }\n"
+        "left.gap = { from = 0, to = 0.3, count = 16 }\n");
+  const std::string arguments = "sweep close.toml --error 1e-6 --quiet -o ";
+  ASSERT_EQ(viscobar(arguments + "one --threads 1").code, 0);
+  ASSERT_EQ(viscobar(arguments + "five --threads 5").code, 0);
+  EXPECT_EQ(table("five"), table("one"));
+  EXPECT_NE(table("one").find(",chosen_elements,chosen_tolerance,chosen_step,chosen_epsilon,neighbour\n"),
+            std::string::npos);
+  int kills = 0;
+  const auto killed = [&] {
+    const std::chrono::milliseconds after(30 + 3 * kills);
+    return stopped_by(SIGKILL, arguments + "killed --threads 2", [&] { std::this_thread::sleep_for(after); }) != 0;
+  };
+  while (killed() && kills < 200) ++kills;
+  ASSERT_EQ(viscobar(arguments + "killed").code, 0);
+  EXPECT_EQ(table("killed"), table("one"));
+  for (const std::string ranks : {"2", "4"}) {
+    const auto code = under_mpirun(ranks, arguments + "ranks" + ranks);
+    if (!code) GTEST_SKIP() << "no mpirun, or built without MPI";
+    ASSERT_EQ(code, 0);
+    EXPECT_EQ(table("ranks" + ranks), table("one"));
   }
 }
 

@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "viscobar/input/scene_file.hpp"
+#include "viscobar/studies/accuracy/accuracy.hpp"
 
 namespace viscobar {
 
@@ -38,11 +40,14 @@ struct SweepPlan {
   std::vector<VariedKey> keys;               ///< that vary
   Combine combine = Combine::grid;           ///< how their values go together
   std::vector<std::string> sensitivities{};  ///< keys with respect to which a row has derivatives, too
+  bool accuracy = false;                     ///< whether each case is to keep an error, and chooses what that needs
 
   /// Number of cases; that of a grid without keys is 1. A grid of more than 2^64 cases is not counted.
   std::size_t size() const;
   /// Names of the columns of derivatives: QUANTITY/KEY for each of `differentiated` and each key.
   std::vector<std::string> derivatives() const;
+  /// Names of all columns behind the quantities: chosen_columns() where an error is to be kept, then derivatives().
+  std::vector<std::string> further_columns() const;
   std::vector<std::size_t> choice(std::size_t index) const;  ///< an index into the values of each key
   /// "table.key=value" for each key, as read_scene() takes them; numbers read back to the last bit.
   std::vector<std::string> overrides(std::size_t index) const;
@@ -92,6 +97,10 @@ struct QuantityColumn {
 /// Name, unit and meaning of each quantity, in their order.
 std::span<const QuantityColumn, quantities> quantity_columns();
 
+/// Of a row that is to keep an error: elements, tolerance, step and epsilon of the solution, and the neighbour with
+/// whose settings the search for them began.
+std::span<const QuantityColumn> chosen_columns();
+
 /// What a row has derivatives of: impulses, the final energy, and the times at which a contact closes and opens first.
 inline constexpr std::array<std::string_view, 5> differentiated = {"impulse_left", "impulse_right", "energy_final",
                                                                    "first_closing", "first_opening"};
@@ -107,7 +116,8 @@ struct SweepRow {
     std::array<double, quantities> none{};
     none.fill(std::numeric_limits<double>::quiet_NaN());
     return none;
-  }();                                ///< NaN is what a table holds where the case has no such value
+  }();                           ///< NaN is what a table holds where the case has no such value
+  std::vector<double> chosen{};  ///< likewise, in the order of chosen_columns(); empty where no error is to be kept
   std::vector<double> derivatives{};  ///< likewise, as SweepPlan::derivatives() names them; empty: all NaN
   double seconds = 0.0;               ///< wall clock of the whole case
   double integration_seconds = 0.0;   ///< of the method alone
@@ -116,11 +126,10 @@ struct SweepRow {
   double& operator[](Quantity quantity) { return values[static_cast<std::size_t>(quantity)]; }
   /// The value of a quantity.
   double operator[](Quantity quantity) const { return values[static_cast<std::size_t>(quantity)]; }
-  /// That of column k of the quantities and of the derivatives behind them.
-  double column(std::size_t k) const {
-    if (k < quantities) return values[k];
-    return k - quantities < derivatives.size() ? derivatives[k - quantities] : std::numeric_limits<double>::quiet_NaN();
-  }
+  /// That of column k of the quantities and of the further columns behind them.
+  double column(std::size_t k) const;
+  /// What its neighbours begin with; nothing where it did not keep its error.
+  std::optional<AccuracyStart> start() const;
 };
 
 /// The order in which cases are handed out, one whenever a worker is free: the most expensive first, so that no long
@@ -146,6 +155,9 @@ struct SweepFile {
   std::string identity() const;
 };
 
+/// Sets what the plan owes to the scene and the settings: derivatives, and whether an error is to be kept.
+void heed_scene(SweepFile& sweep);
+
 /// Reads a sweep (TOML, see docs/sweep.md) and its scene. The values are checked one by one; whether they fit together
 /// is known case by case, see plan_cases().
 /// @throws SceneError with everything wrong in the sweep file in one go
@@ -155,10 +167,17 @@ SweepFile read_sweep(const std::filesystem::path& file, std::span<const std::str
 SweepFile parse_sweep(const std::string& text, const std::filesystem::path& file,
                       std::span<const std::string> overrides = {});
 
+/// The settings of a neighbouring case, which a search for a mesh begins with.
+struct NeighbourStart {
+  std::size_t index = 0;  ///< of the neighbour in the plan
+  AccuracyStart start;    ///< its settings
+};
+
 /// A case as the workers run it: the scene's text and all overrides.
 struct SweepCase {
-  std::size_t index = 0;               ///< in the plan
-  std::vector<std::string> overrides;  ///< "table.key=value", settings and varied keys
+  std::size_t index = 0;                      ///< in the plan
+  std::vector<std::string> overrides;         ///< "table.key=value", settings and varied keys
+  std::optional<NeighbourStart> neighbour{};  ///< absent: the case searches by itself
 };
 
 /// 0 <= index < sweep.plan.size()

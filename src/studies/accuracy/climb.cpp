@@ -104,6 +104,7 @@ void Plan::pilot() {
 
   reachable_ = *requested_;
   if (exact_time_ && !penalised_) return;
+  leave_fine_settings();
   const double before = chosen_.fineness;
   if (!stepping_ && !exact_time_) {
     const Part found = time_error(coarse());
@@ -168,7 +169,7 @@ void Plan::climb_from(std::size_t& known) {
     const SpaceError now = seen_error(steps);
     std::size_t next = same ? wanted_elements(now, known) : 2 * known;
     if (now.error <= share * reachable_ && same && next <= known) {
-      chosen_.elements = known;
+      chosen_.elements = next < known && begun_ ? known / 2 : known;  // the neighbour's mesh was far finer than needed
       return;
     }
     const double expected = expected_order(steps, theory_);

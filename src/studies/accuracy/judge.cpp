@@ -125,6 +125,7 @@ void Plan::explain(ErrorEstimate& estimate, const Case& run) const {
   else if (!exact_time_)
     because(given.tolerance, fmt::format("tolerance {:.3g}", run.tolerance.relative),
             fmt::format("tolerance {:.3g}: from two tolerances on a coarse mesh", run.tolerance.relative));
+  if (begun_) estimate.reasons.emplace_back("the search began with the settings of a neighbouring case");
 }
 
 // What of the scene forbids the error, and what it would have to be; empty where nothing does.

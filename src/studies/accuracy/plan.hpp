@@ -52,6 +52,10 @@ class Plan {
   double aligned(const Setting& first, const Setting& second, const Setting& third) const;
   void tell(const std::string& what) const;
 
+  // Where a neighbour ended: start.cpp.
+  void begin_at(const AccuracyStart& start);
+  void leave_fine_settings();
+
   // The settings in time and penalty: parts.cpp.
   Part time_part(const Setting& finest) const;
   Part penalty_part(const Setting& finest) const;
@@ -76,10 +80,10 @@ class Plan {
   void climb_from(std::size_t& known);
 
   // The verdict: judge.cpp.
-  // The mesh on which settings in time and penalty are compared.
+  // The mesh on which settings in time and penalty are compared, and how much coarser it may be.
+  std::size_t coarser() const { return penalised_ || stepping_ ? 4 : 8; }
   std::size_t coarse() const {
-    const std::size_t coarser = penalised_ || stepping_ ? 4 : 8;
-    return std::max<std::size_t>(chosen_.elements / coarser, study_.request.given.elements ? 3 : pilot_elements_);
+    return std::max<std::size_t>(chosen_.elements / coarser(), study_.request.given.elements ? 3 : timed_elements_);
   }
   std::vector<Setting> wanted_by_judge() const;
   double moved_by_nudge() const;
@@ -93,12 +97,14 @@ class Plan {
   Case base_;
   double theory_ = 4.0;                          // order in h
   std::size_t pilot_elements_ = least_elements;  // of the finest mesh that the search begins with
+  std::size_t timed_elements_ = least_elements;  // of that on which it compares settings in time and penalty
+  bool begun_ = false;                           // with settings of a neighbour
   bool stepping_ = false, exact_time_ = false, waves_ = false, penalised_ = false;
   Shares shares_;
   double ratio_ = 10.0, time_order_ = 0.0;  // of two settings in time; least order
   double nudge_ = 0.0;                      // of the initial velocity
-  Setting chosen_;
-  std::vector<Setting> rungs_;  // of the solution
+  Setting guess_, chosen_;                  // before any run, and now
+  std::vector<Setting> rungs_;              // of the solution
   std::optional<double> requested_;
   mutable std::map<std::array<Setting, 2>, double> differences_;
   double reachable_ = 0.0;  // the request, or more where settings that the scene fixes do not let it be kept

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "viscobar/case/accuracy.hpp"
@@ -9,11 +10,23 @@
 
 namespace viscobar {
 
+/// Settings that keep the error of a neighbouring case, for another one to begin with. They are a guess: what they save
+/// is runs, and the estimate is made as without them. The step of a scheme is none of them: to look for it on coarse
+/// meshes costs less than a step that is somewhat finer than needed.
+struct AccuracyStart {
+  std::size_t elements = 0;         ///< J; 0: not known
+  std::optional<double> tolerance;  ///< relative, of adaptive methods
+  std::optional<double> epsilon;    ///< where something is penalised
+};
+/// The settings of a solution.
+AccuracyStart start_at(const Case& solution);
+
 /// A case to be solved to an error that is asked for. What `request.given` names stays as it is in `scene`; the rest is
 /// chosen.
 struct AccuracyStudy {
   Case scene;                                       ///< sound
   AccuracyRequest request;                          ///< what is asked for
+  std::optional<AccuracyStart> start;               ///< where a neighbour's search ended; absent: from coarse meshes
   std::size_t threads = 0;                          ///< runs side by side; 0: one a core
   std::size_t most_elements = 20'000;               ///< of a mesh that is tried
   double most_seconds = 60.0;                       ///< on the clock, for the search of a mesh
