@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-namespace viscobar {
+namespace viscobar::testing_mesh {
 
 // GoogleTest would print the bytes, of which those between the members are nobody's.
 static void PrintTo(const Grading& grading, std::ostream* out) {
@@ -98,4 +98,4 @@ TEST(Mesh, WithoutRatioOrWithoutMarkedEndIsTheUniformOneToTheBit) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_mesh
