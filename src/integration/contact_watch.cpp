@@ -100,6 +100,8 @@ void ContactWatch::select(std::vector<std::size_t>& positions) const {
 
 void ContactWatch::begin(double t, std::span<const double> u, std::span<const double> w) {
   seen_ = t;
+  open_ = !bar_.moving() && !span_.closed() &&
+          std::ranges::none_of(ends_, [this](const End& end) { return end.follows || closed(end); });
   std::array<double, 5> values{};
   for (End& end : ends_) {
     for (std::size_t k = 0; k < end.entries.size(); ++k) {
@@ -116,6 +118,18 @@ void ContactWatch::begin(double t, std::span<const double> u, std::span<const do
 
 bool ContactWatch::idle() const {
   return !extremes_ && !span_.closed() && std::ranges::none_of(ends_, [this](const End& end) { return closed(end); });
+}
+
+bool ContactWatch::within(std::span<const double> lowest, std::span<const double> highest) const {
+  if (!extremes_) return true;
+  auto position = positions_.begin();
+  for (const End& end : ends_) {
+    const bool inside = lowest[*position] + end.origin >= end.account->lowest &&
+                        highest[*position] + end.origin <= end.account->highest;
+    if (!inside) return false;
+    position += static_cast<std::ptrdiff_t>(end.entries.size());
+  }
+  return true;
 }
 
 bool ContactWatch::concerned(double to, double fastest) const {

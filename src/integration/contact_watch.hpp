@@ -92,6 +92,10 @@ class ContactWatch {
 
   /// Whether the motion does not matter as long as the contacts are as they are.
   bool idle() const;
+  /// Whether it does not as long as the ends stay in the ranges that they have been in: all are open.
+  bool open() const { return open_; }
+  /// Whether ends that are open() do, by bounds of all entries over a step.
+  bool within(std::span<const double> lowest, std::span<const double> highest) const;
   /// Whether the step up to `to` counts, velocities being below `fastest` in it: not where an end is open and cannot
   /// have got beyond the range that it has been in.
   bool concerned(double to, double fastest) const;
@@ -179,7 +183,7 @@ class ContactWatch {
 
   PenalisedSystem& system_;
   const BarSystem& bar_;
-  bool extremes_;
+  bool extremes_, open_ = false;
   std::vector<End> ends_;
   SpanForce span_;
   std::vector<std::size_t> positions_;  // of the ends' entries among all, end by end

@@ -72,7 +72,7 @@ class StepwisePart {
         limit = *schedule_.next();
         change.reset();
       }
-      if (ends_ && !ends_->idle())
+      if (ends_ && !search_.quiet() && !ends_->idle())
         watch_ends(t, limit, system_.contact_count() > 0 && !search_.selects() && limit == reached);
       if (layout_.account() > 0 && account_doubtful(t, reached)) {
         outputs_until(limit, [&](double at) { return corrected_account(t, at); });

@@ -19,7 +19,6 @@ struct MultistepLibrary {
   int (*get_dky)(void*, sunrealtype, int, N_Vector);
   int (*get_last_order)(void*, int*);
   int (*get_current_time)(void*, sunrealtype*);
-  int (*get_last_step)(void*, sunrealtype*);
   int (*set_max_order)(void*, int);
   int (*set_stop_time)(void*, sunrealtype);
   int (*set_max_step)(void*, sunrealtype);
@@ -84,7 +83,7 @@ class Multistep : public LegStepper {
   RestWatch::Advice advice_ = RestWatch::Advice::go_on;
   Vector interpolated_;
   std::optional<Probed> probed_;
-  Vector probe_;
+  Vector probe_, hull_;
   NonlinearSolver solver_;
 };
 
