@@ -120,16 +120,29 @@ bool ContactWatch::idle() const {
   return !extremes_ && !span_.closed() && std::ranges::none_of(ends_, [this](const End& end) { return closed(end); });
 }
 
-bool ContactWatch::within(std::span<const double> lowest, std::span<const double> highest) const {
-  if (!extremes_) return true;
+bool ContactWatch::within(std::span<const double> lowest, std::span<const double> highest,
+                          std::span<const double> last) const {
   auto position = positions_.begin();
   for (const End& end : ends_) {
-    const bool inside = lowest[*position] + end.origin >= end.account->lowest &&
-                        highest[*position] + end.origin <= end.account->highest;
-    if (!inside) return false;
+    const double low = lowest[*position], high = highest[*position], now = last[*position];
+    const bool inside = (low == now || low + end.origin >= end.account->lowest) &&
+                        (high == now || high + end.origin <= end.account->highest);
+    if (extremes_ && !inside) return false;
     position += static_cast<std::ptrdiff_t>(end.entries.size());
   }
   return true;
+}
+
+void ContactWatch::pass(double to, std::span<const double> last) {
+  seen_ = to;
+  auto position = positions_.begin();
+  for (End& end : ends_) {
+    EndAccount& account = *end.account;
+    account.displacement = last[*position] + end.origin;
+    account.lowest = std::min(account.lowest, account.displacement);
+    account.highest = std::max(account.highest, account.displacement);
+    position += static_cast<std::ptrdiff_t>(end.entries.size());
+  }
 }
 
 bool ContactWatch::concerned(double to, double fastest) const {

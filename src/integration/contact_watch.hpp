@@ -94,8 +94,11 @@ class ContactWatch {
   bool idle() const;
   /// Whether it does not as long as the ends stay in the ranges that they have been in: all are open.
   bool open() const { return open_; }
-  /// Whether ends that are open() do, by bounds of all entries over a step.
-  bool within(std::span<const double> lowest, std::span<const double> highest) const;
+  /// Whether ends that are open() do but for the end of a step, by bounds of all entries over it (see
+  /// LegStepper::hull).
+  bool within(std::span<const double> lowest, std::span<const double> highest, std::span<const double> last) const;
+  /// Adds such a step up to `to`.
+  void pass(double to, std::span<const double> last);
   /// Whether the step up to `to` counts, velocities being below `fastest` in it: not where an end is open and cannot
   /// have got beyond the range that it has been in.
   bool concerned(double to, double fastest) const;

@@ -47,6 +47,7 @@ void EventSearch::select(std::vector<std::size_t>& positions) {
 void EventSearch::share(std::size_t sampled) {
   lowest_.resize(sampled);
   highest_.resize(sampled);
+  last_.resize(sampled);
   if (system_.collides()) values_.resize(sampled);
 }
 
@@ -121,17 +122,17 @@ inline double EventSearch::uncertainty(std::size_t i) const {
 bool EventSearch::proved_quiet(const std::optional<ContactWatch>& ends) {
   const bool watched = ends && !ends->idle();
   if (!bounded_ || (watched && !ends->open())) return false;
-  stepper_.hull(lowest_, highest_);
+  stepper_.hull(lowest_, highest_, last_);
   for (std::size_t i = 0; i < count_; ++i)
     if (!far(i)) return false;
-  return !watched || ends->within(lowest_, highest_);
+  return !watched || ends->within(lowest_, highest_, last_);
 }
 
 // Under a span obstacle most nodes are far from a change: their hull over the step proves it, and only the others are
 // sampled. A closed contact is near, too, where it may be deeper than any before. False: none is near.
 bool EventSearch::look_at_the_near() {
   stepper_.select(all_);
-  stepper_.hull(lowest_, highest_);
+  stepper_.hull(lowest_, highest_, last_);
   looked_at_.clear();
   for (std::size_t i = 0; i < count_; ++i)
     if (!far(i)) looked_at_.push_back(i);

@@ -35,9 +35,11 @@ class EventSearch {
   /// Unless the search selects, `ends` looks at the samples, too.
   std::optional<double> first_change(double begin, double end, std::optional<ContactWatch>& ends);
 
-  /// Whether the step's bounds have shown that no contact changes in it, nor an end leaves its range: `ends` has not
-  /// looked at it.
+  /// Whether the step's bounds have shown that no contact changes in it, nor an end leaves its range but at the end
+  /// of the step: `ends` has not looked at it.
   bool quiet() const { return quiet_; }
+  /// Of a quiet step, the sampled entries at its end.
+  std::span<const double> last() const { return last_; }
 
   /// The contact that changes first.
   std::size_t first_contact() const { return which_; }
@@ -84,7 +86,7 @@ class EventSearch {
   std::size_t count_;
   std::vector<std::size_t> entries_, first_;                // entries of contact i: [first_[i], first_[i + 1])
   std::vector<std::size_t> all_, looked_at_;                // contacts, and those that are sampled in this step
-  std::vector<double> lowest_, highest_;                    // bounds of the entries over the step
+  std::vector<double> lowest_, highest_, last_;             // bounds of the entries over the step, and at its end
   std::vector<PenalisedSystem::IndicatorWeights> weights_;  // of those
   std::vector<double> samples_;
   std::vector<double> rates_, present_;  // of the oriented indicators, and those that have accelerations, at an event

@@ -72,8 +72,13 @@ class StepwisePart {
         limit = *schedule_.next();
         change.reset();
       }
-      if (ends_ && !search_.quiet() && !ends_->idle())
-        watch_ends(t, limit, system_.contact_count() > 0 && !search_.selects() && limit == reached);
+      if (ends_ && !ends_->idle()) {
+        const bool searched = system_.contact_count() > 0 && !search_.selects() && limit == reached;
+        if (searched && search_.quiet())
+          ends_->pass(reached, search_.last());
+        else
+          watch_ends(t, limit, searched);
+      }
       if (layout_.account() > 0 && account_doubtful(t, reached)) {
         outputs_until(limit, [&](double at) { return corrected_account(t, at); });
         account_shift_ = corrected_account(t, limit);

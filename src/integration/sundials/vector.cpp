@@ -215,16 +215,25 @@ int probed_combination(int count, sunrealtype* c, N_Vector* x, N_Vector z) noexc
   return 0;
 }
 
+// The library hands x_0 over first, or last.
 int hull_combination(int count, sunrealtype* c, N_Vector* x, N_Vector z) noexcept {
   const Probed& probed = *content(z).probed;
-  double *lowest = array(z).data(), *highest = lowest + probed.entries.size();
+  const std::size_t size = probed.entries.size();
+  double *lowest = array(z).data(), *highest = lowest + size, *last = highest + size;
+  const int at_end = c[0] != 0.0 ? 0 : count - 1, onward = at_end == 0 ? 1 : -1;
   for (const std::size_t i : probed.selected) {
-    double end = 0.0, away = 0.0;
-    for (int k = 0; k < count; ++k) {
-      const double value = stored(x[k])[static_cast<Eigen::Index>(probed.entries[i])];
-      c[k] == 0.0 ? away += std::abs(value) : end += c[k] * value;
+    const auto term = [&, entry = static_cast<Eigen::Index>(probed.entries[i])](int k) {
+      return stored(x[at_end + k * onward])[entry];
+    };
+    const double end = term(0), slope = term(1);
+    double away = std::abs(slope), bend = 0.0;
+    for (int k = 2; k < count; ++k) {
+      const double size_of_term = std::abs(term(k));
+      away += size_of_term, bend += k * size_of_term;
     }
-    lowest[i] = end - away, highest[i] = end + away;
+    lowest[i] = slope < -bend ? end : end - away;
+    highest[i] = slope > bend ? end : end + away;
+    last[i] = end;
   }
   return 0;
 }
@@ -312,7 +321,7 @@ Vector make_probe(const Probed& probed, const Context& context) {
 }
 
 Vector make_hull(const Probed& probed, const Context& context) {
-  const auto size = static_cast<Eigen::Index>(2 * probed.entries.size());
+  const auto size = static_cast<Eigen::Index>(3 * probed.entries.size());
   return make(size, &probed, size, hull_combination, context);
 }
 
