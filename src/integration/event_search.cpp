@@ -121,7 +121,7 @@ inline double EventSearch::uncertainty(std::size_t i) const {
 // Mostly the bounds of a step prove that nothing happens in it, and take a part of what samples do.
 bool EventSearch::proved_quiet(const std::optional<ContactWatch>& ends) {
   const bool watched = ends && !ends->idle();
-  if (!bounded_ || (watched && !ends->open())) return false;
+  if (!bounded_ || (watched && !ends->springs())) return false;
   stepper_.hull(lowest_, highest_, last_);
   for (std::size_t i = 0; i < count_; ++i)
     if (!far(i)) return false;
