@@ -7,13 +7,16 @@
 #include <tuple>
 #include <utility>
 
-namespace viscobar::testing_mesh {
+namespace viscobar {
 
 // GoogleTest would print the bytes, of which those between the members are nobody's.
 static void PrintTo(const Grading& grading, std::ostream* out) {
   *out << grading.ratio << (grading.left ? " left" : "") << (grading.right ? " right" : "");
 }
 
+}  // namespace viscobar
+
+namespace viscobar::testing_mesh {
 namespace {
 
 TEST(Mesh, HasOneNodeMoreThanElements) { EXPECT_EQ((Mesh{26.0, 702}).nodes(), 703u); }
