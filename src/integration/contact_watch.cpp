@@ -65,8 +65,8 @@ void SpanForce::look_at(std::size_t j, std::span<const double> y) {
   force_[j] = sum;
 }
 
-ContactWatch::ContactWatch(PenalisedSystem& system, RunAccount& account, bool extremes)
-    : system_(system), bar_(system.bar()), extremes_(extremes), span_(system, account.span) {
+ContactWatch::ContactWatch(PenalisedSystem& system, RunAccount& account, bool extremes, bool apart)
+    : system_(system), bar_(system.bar()), extremes_(extremes), apart_(apart), span_(system, account.span) {
   for (const bool right : {false, true}) {
     EndAccount& end = right ? account.right : account.left;
     const std::optional<double>& wall = bar_.wall(right);
@@ -100,6 +100,10 @@ void ContactWatch::select(std::vector<std::size_t>& positions) const {
 
 void ContactWatch::begin(double t, std::span<const double> u, std::span<const double> w) {
   seen_ = t;
+  const auto holds = [this](std::size_t i) { return system_.closed(i) && system_.holds(i); };
+  springs_ = !bar_.moving() && !span_.closed() && std::ranges::none_of(ends_, [&](const End& end) {
+    return end.follows || std::ranges::any_of(end.contacts, holds);
+  });
   std::array<double, 5> values{};
   for (End& end : ends_) {
     for (std::size_t k = 0; k < end.entries.size(); ++k) {
@@ -111,11 +115,62 @@ void ContactWatch::begin(double t, std::span<const double> u, std::span<const do
     end.account->lowest = std::min(end.account->lowest, now);
     end.account->highest = std::max(end.account->highest, now);
     end.stored = stored(end, values);
+    end.shut = closed(end);
   }
 }
 
 bool ContactWatch::idle() const {
   return !extremes_ && !span_.closed() && std::ranges::none_of(ends_, [this](const End& end) { return closed(end); });
+}
+
+bool ContactWatch::within(std::span<const double> lowest, std::span<const double> highest,
+                          std::span<const double> last) const {
+  const std::size_t* position = positions_.data();
+  for (const End& end : ends_) {
+    const EndAccount& account = *end.account;
+    const double low = lowest[*position], high = highest[*position], now = last[*position];
+    const bool inside = (low == now || low + end.origin >= account.lowest) &&
+                        (high == now || high + end.origin <= account.highest) &&
+                        (!end.shut || largest_reaction(end, position, lowest, highest) <= account.peak_reaction);
+    if (extremes_ && !inside) return false;
+    position += end.entries.size();
+  }
+  return true;
+}
+
+// A bound of |R|.
+double ContactWatch::largest_reaction(const End& end, const std::size_t* position, std::span<const double> lowest,
+                                      std::span<const double> highest) const {
+  double most = 0.0, least = 0.0;
+  for (const std::size_t i : end.contacts) {
+    if (!system_.closed(i)) continue;
+    const auto& [stiffness, damping] = system_.law(i);
+    const Contact& contact = system_.contact(i);
+    const double rest = contact.sign * contact.clearance(end.origin);
+    most -= stiffness * (lowest[position[0]] + rest), least -= stiffness * (highest[position[0]] + rest);
+    if (end.entries.size() > 2) most -= damping * lowest[position[2]], least -= damping * highest[position[2]];
+  }
+  return std::max(most, -least);
+}
+
+void ContactWatch::pass(double to, std::span<const double> last) {
+  seen_ = to;
+  const std::size_t* position = positions_.data();
+  for (End& end : ends_) {
+    EndAccount& account = *end.account;
+    account.displacement = last[*position] + end.origin;
+    if (extremes_) {
+      account.lowest = std::min(account.lowest, account.displacement);
+      account.highest = std::max(account.highest, account.displacement);
+    }
+    position += end.entries.size();
+  }
+  each_shut(last, [this](End& end, std::span<const double> y) { end.stored_now = stored(end, y); });
+}
+
+void ContactWatch::add_rates(double weight, double t, std::span<const double> y) {
+  each_shut(y,
+            [&](End& end, std::span<const double> values) { end.account->impulse += weight * rate(end, t, values); });
 }
 
 bool ContactWatch::concerned(double to, double fastest) const {
@@ -175,7 +230,7 @@ void ContactWatch::add() {
   for (End& end : ends_) {
     end.account->displacement = end.u[order_];
     if (extremes_) add_extremes(end);
-    if (!end.shut) continue;
+    if (!end.shut || (apart_ && springs_)) continue;
     end.account->impulse += end.stored_now - end.stored + length_ * Bernstein::mean(used(end.rate));
     end.stored = end.stored_now;
   }
@@ -279,14 +334,18 @@ inline double ContactWatch::reaction(const End& end, double t, std::span<const d
   return sum;
 }
 
+// Of the impulse, beside what is stored.
+inline double ContactWatch::rate(const End& end, double t, std::span<const double> y) const {
+  if (end.direct) return reaction(end, t, y);
+  return end.modulus * end.stretch(y) + end.stiffness * (y[0] + end.origin) - system_.load_alone(end.unknown, t);
+}
+
 inline void ContactWatch::look_at(End& end, std::size_t j, double t, std::span<const double> y) {
   end.u[j] = displacement(end, t, y);
   end.stored_now = stored(end, y);
   end.force[j] = reaction(end, t, y);
   if (holds_mass(end)) end.momentum[j] = momentum(end, y);
-  end.rate[j] = end.direct ? end.force[j]
-                           : end.modulus * end.stretch(y) + end.stiffness * (y[0] + end.origin) -
-                                 system_.load_alone(end.unknown, t);
+  if (!(apart_ && springs_)) end.rate[j] = rate(end, t, y);
 }
 
 // What the polynomial cannot pass, above and below.

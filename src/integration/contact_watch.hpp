@@ -9,6 +9,7 @@
 
 #include "dynamics/penalised_system.hpp"
 #include "integration/bernstein.hpp"
+#include "integration/gauss.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
@@ -66,8 +67,9 @@ class SpanForce {
 /// PenalisedSystem).
 class ContactWatch {
  public:
-  /// Both outlive it. Without `extremes` ranges and peaks stay as they are.
-  ContactWatch(PenalisedSystem& system, RunAccount& account, bool extremes);
+  /// Both outlive it. Without `extremes` ranges and peaks stay as they are. With `apart` the impulses of springs() are
+  /// left to integrate().
+  ContactWatch(PenalisedSystem& system, RunAccount& account, bool extremes, bool apart = false);
 
   /// Appends the entries of (u, w) that it samples and that are not there yet.
   void ask_for(std::vector<std::size_t>& entries);
@@ -94,6 +96,13 @@ class ContactWatch {
 
   /// Whether the motion does not matter as long as the contacts are as they are.
   bool idle() const;
+  /// Whether the ends and what is closed there are springs or nothing, so that bounds of entries bound them.
+  bool springs() const { return springs_; }
+  /// Whether such ends stay in the ranges that they have been in but for the end of a step, and their reactions below
+  /// their peaks, by bounds of all entries over the step (see LegStepper::hull).
+  bool within(std::span<const double> lowest, std::span<const double> highest, std::span<const double> last) const;
+  /// Adds such a step up to `to`.
+  void pass(double to, std::span<const double> last);
   /// Whether the step up to `to` counts, velocities being below `fastest` in it: not where an end is open and cannot
   /// have got beyond the range that it has been in.
   bool concerned(double to, double fastest) const;
@@ -110,6 +119,20 @@ class ContactWatch {
   /// The same in parts, by who has such samples of all entries anyway: after begin_look(), for each j in order.
   void begin_look(double from, double to, std::size_t order);
   void look_at(std::size_t j, double t, std::span<const double> y);
+
+  /// Adds to the impulses of springs() that are closed what a step that has been added or passed brings: by Gauss'
+  /// formula, which is as exact for a polynomial with half its samples.
+  template <class Sample>
+  void integrate(double from, double to, std::size_t order, Sample&& sample) {
+    if (!apart_ || !springs_ || std::ranges::none_of(ends_, &End::shut)) return;
+    const double half = 0.5 * (to - from);
+    for (const auto& [node, weight] : gauss_for_degree(order)) {
+      const double t = from + half * (1.0 + node);
+      add_rates(half * weight, t, sample(t));
+    }
+    for (End& end : ends_)
+      if (end.shut) end.account->impulse += end.stored_now - end.stored, end.stored = end.stored_now;
+  }
 
   /// Whether the samples are those of polynomials, to about 1e-10: the last difference is far below the values.
   bool resolved() const;
@@ -174,6 +197,20 @@ class ContactWatch {
   double stored(const End& end, std::span<const double> y) const;
   double pull(const End& end, double t, double u, double w, std::size_t i) const;
   double displacement(const End& end, double t, std::span<const double> y) const;
+  double rate(const End& end, double t, std::span<const double> y) const;
+  void add_rates(double weight, double t, std::span<const double> y);
+  // Calls use(end, values) with its own entries of all.
+  void each_shut(std::span<const double> y, auto&& use) {
+    const std::size_t* first = positions_.data();
+    for (End& end : ends_) {
+      std::array<double, 5> values{};
+      for (std::size_t e = 0; end.shut && e < end.entries.size(); ++e) values[e] = y[first[e]];
+      if (end.shut) use(end, values);
+      first += end.entries.size();
+    }
+  }
+  double largest_reaction(const End& end, const std::size_t* position, std::span<const double> lowest,
+                          std::span<const double> highest) const;
   double reaction(const End& end, double t, std::span<const double> y) const;
   void look_at(End& end, std::size_t j, double t, std::span<const double> y);  // of one that is shut
   std::pair<double, double> beyond(const Samples& values) const;
@@ -182,7 +219,7 @@ class ContactWatch {
 
   PenalisedSystem& system_;
   const BarSystem& bar_;
-  bool extremes_;
+  bool extremes_, apart_, springs_ = false;
   std::vector<End> ends_;
   SpanForce span_;
   std::vector<std::size_t> positions_;  // of the ends' entries among all, end by end

@@ -14,9 +14,17 @@ namespace {
 
 using namespace sundials;
 
-const MultistepLibrary library{"CVode",          CVodeGetDky,       CVodeGetLastOrder,       CVodeGetCurrentTime,
-                               CVodeGetLastStep, CVodeSetMaxOrd,    CVodeSetStopTime,        CVodeSetMaxStep,
-                               CVodeSetUserData, CVodeWFtolerances, CVodeSetNonlinearSolver, CVodeGetReturnFlagName,
+const MultistepLibrary library{"CVode",
+                               CVodeGetDky,
+                               CVodeGetLastOrder,
+                               CVodeGetCurrentTime,
+                               CVodeSetMaxOrd,
+                               CVodeSetStopTime,
+                               CVodeSetMaxStep,
+                               CVodeSetUserData,
+                               CVodeWFtolerances,
+                               CVodeSetNonlinearSolver,
+                               CVodeGetReturnFlagName,
                                Library::cvode};
 
 // The corrector of CVODE asks for x with  x = gamma f(t, y_pred + x) - rl1 z,  z the scaled rate of the predictor.

@@ -34,9 +34,12 @@ EventSearch::EventSearch(PenalisedSystem& system, LegStepper& stepper)
   looked_at_ = all_;
 }
 
-void EventSearch::select(std::vector<std::size_t>& positions) const {
+void EventSearch::select(std::vector<std::size_t>& positions) {
+  bounded_ = true;
   for (std::size_t i = 0; i < count_; ++i) {
-    const std::size_t end = system_.indicator_weights(i).alone ? first_[i] + 1 : first_[i + 1];
+    weights_[i] = system_.indicator_weights(i);
+    bounded_ &= weights_[i].alone && weights_[i].offset;
+    const std::size_t end = weights_[i].alone ? first_[i] + 1 : first_[i + 1];
     for (std::size_t position = first_[i]; position < end; ++position) positions.push_back(position);
   }
 }
@@ -44,12 +47,13 @@ void EventSearch::select(std::vector<std::size_t>& positions) const {
 void EventSearch::share(std::size_t sampled) {
   lowest_.resize(sampled);
   highest_.resize(sampled);
+  last_.resize(sampled);
   if (system_.collides()) values_.resize(sampled);
 }
 
 std::optional<double> EventSearch::first_change(double begin, double end, std::optional<ContactWatch>& ends) {
-  if (selects() && !look_at_the_near()) return std::nullopt;
-  for (const std::size_t i : looked_at_) weights_[i] = system_.indicator_weights(i);
+  quiet_ = !selects() && proved_quiet(ends);
+  if (quiet_ || (selects() && !look_at_the_near())) return std::nullopt;
   with_rates_ = std::ranges::any_of(looked_at_, [&](std::size_t i) { return system_.indicator_needs_rates(i); });
   const std::size_t order = stepper_.order();
   const bool looking = ends && !selects() && !ends->idle();
@@ -114,23 +118,35 @@ inline double EventSearch::uncertainty(std::size_t i) const {
   return i == distrusted_ ? rounding + weights.displacement_tolerance() * share_ : rounding;
 }
 
+// Mostly the bounds of a step prove that nothing happens in it, and take a part of what samples do.
+bool EventSearch::proved_quiet(const std::optional<ContactWatch>& ends) {
+  const bool watched = ends && !ends->idle();
+  if (!bounded_ || (watched && !ends->springs())) return false;
+  stepper_.hull(lowest_, highest_, last_);
+  for (std::size_t i = 0; i < count_; ++i)
+    if (!far(i)) return false;
+  return !watched || ends->within(lowest_, highest_, last_);
+}
+
 // Under a span obstacle most nodes are far from a change: their hull over the step proves it, and only the others are
 // sampled. A closed contact is near, too, where it may be deeper than any before. False: none is near.
 bool EventSearch::look_at_the_near() {
   stepper_.select(all_);
-  stepper_.hull(lowest_, highest_);
+  stepper_.hull(lowest_, highest_, last_);
   looked_at_.clear();
   for (std::size_t i = 0; i < count_; ++i)
     if (!far(i)) looked_at_.push_back(i);
   if (looked_at_.empty()) return false;
+  for (const std::size_t i : looked_at_) weights_[i] = system_.indicator_weights(i);
   stepper_.select(looked_at_);
   return true;
 }
 
 bool EventSearch::far(std::size_t i) const {
-  const double offset = system_.indicator_offset(i, 0.0);  // a span contact's does not depend on t
+  const double offset = system_.indicator_offset(i, 0.0);  // which does not depend on t
+  const double lowest = lowest_[first_[i]], highest = highest_[first_[i]];
   const bool below = system_.contact(i).sign > 0.0;
-  const double low = (below ? lowest_[i] : -highest_[i]) + offset, high = (below ? highest_[i] : -lowest_[i]) + offset;
+  const double low = (below ? lowest : -highest) + offset, high = (below ? highest : -lowest) + offset;
   return system_.closed(i) ? high < 0.0 && -low <= max_penetration_ : low > 0.0;
 }
 

@@ -25,7 +25,7 @@ class EventSearch {
   /// Entries of (u, w) that the search samples.
   const std::vector<std::size_t>& sampled_entries() const { return entries_; }
   /// Appends the positions of those that it needs as long as the contacts are as they are.
-  void select(std::vector<std::size_t>& positions) const;
+  void select(std::vector<std::size_t>& positions);
   /// The stepper samples so many entries, those of the search the first of them.
   void share(std::size_t sampled);
   /// Whether the search selects what the stepper samples.
@@ -34,6 +34,12 @@ class EventSearch {
   /// Time of the first change in [begin, end], the step that the stepper has made last. Absent: no contact changes.
   /// Unless the search selects, `ends` looks at the samples, too.
   std::optional<double> first_change(double begin, double end, std::optional<ContactWatch>& ends);
+
+  /// Whether the step's bounds have shown that no contact changes in it, nor an end leaves its range but at the end
+  /// of the step: `ends` has not looked at it.
+  bool quiet() const { return quiet_; }
+  /// Of a quiet step, the sampled entries at its end.
+  std::span<const double> last() const { return last_; }
 
   /// The contact that changes first.
   std::size_t first_contact() const { return which_; }
@@ -59,6 +65,7 @@ class EventSearch {
     std::span<const double> values, rates;
   };
 
+  bool proved_quiet(const std::optional<ContactWatch>& ends);
   bool look_at_the_near();
   bool far(std::size_t i) const;
   double uncertainty(std::size_t i) const;
@@ -79,12 +86,14 @@ class EventSearch {
   std::size_t count_;
   std::vector<std::size_t> entries_, first_;                // entries of contact i: [first_[i], first_[i + 1])
   std::vector<std::size_t> all_, looked_at_;                // contacts, and those that are sampled in this step
-  std::vector<double> lowest_, highest_;                    // bounds of the entries over the step
+  std::vector<double> lowest_, highest_, last_;             // bounds of the entries over the step, and at its end
   std::vector<PenalisedSystem::IndicatorWeights> weights_;  // of those
   std::vector<double> samples_;
   std::vector<double> rates_, present_;  // of the oriented indicators, and those that have accelerations, at an event
   std::vector<double> values_;           // of a sample with rates
   bool with_rates_ = false;              // an indicator asks for them in this step
+  bool bounded_ = false;                 // the indicators are those of bounded entries, as long as no contact changes
+  bool quiet_ = false;
   std::size_t which_ = 0, distrusted_ = 0;
   double share_ = 0.0;
   double max_penetration_ = 0.0;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 namespace viscobar {
 
@@ -38,6 +39,16 @@ constexpr std::array<GaussPoint, 8> gauss<8>() {
     all[2 * i + 1] = half[i];
   }
   return all;
+}
+
+/// With as few points as the formula is exact with for that degree, 15 at most.
+inline std::span<const GaussPoint> gauss_for_degree(std::size_t degree) {
+  static constexpr auto three = gauss<3>();
+  static constexpr auto five = gauss<5>();
+  static constexpr auto eight = gauss<8>();
+  if (degree <= 5) return three;
+  if (degree <= 9) return five;
+  return eight;
 }
 
 }  // namespace viscobar

@@ -297,7 +297,7 @@ double StepPolynomial::value(std::size_t unknown, double s, int derivative, cons
   return derivative == 0 ? begin_.y[unknown] + change : change / (derivative == 1 ? h : h * h);
 }
 
-void StepPolynomial::hull(std::span<double> lowest, std::span<double> highest) const {
+void StepPolynomial::hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) const {
   const std::size_t n = layout_.nodes;
   const double h = length(), infinity = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < entries_.size(); ++k) {
@@ -309,7 +309,7 @@ void StepPolynomial::hull(std::span<double> lowest, std::span<double> highest) c
     const double u0 = begin_.y[i], u1 = end_.y[i], w0 = 0.2 * h * begin_.y[n + i], w1 = 0.2 * h * end_.y[n + i];
     const double a0 = 0.05 * h * h * begin_.a[i], a1 = 0.05 * h * h * end_.a[i];
     const auto [least, most] = std::minmax({u0, u0 + w0, u0 + 2.0 * w0 + a0, u1 - 2.0 * w1 + a1, u1 - w1, u1});
-    lowest[k] = least, highest[k] = most;
+    lowest[k] = least, highest[k] = most, last[k] = u1;
   }
 }
 

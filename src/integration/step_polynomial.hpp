@@ -95,7 +95,7 @@ class StepPolynomial {
   void select(std::span<const std::size_t> sampled) { selected_.assign(sampled.begin(), sampled.end()); }
   /// Bounds of each sampled entry over the step, by Bernstein's coefficients of the quintic; none for velocities and
   /// massless nodes.
-  void hull(std::span<double> lowest, std::span<double> highest) const;
+  void hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) const;
 
  private:
   // Of h w_0, h w_1, h^2 a_0, h^2 a_1 and D, in a derivative of u - u_0 by s.
@@ -162,7 +162,9 @@ class PolynomialStepper : public LegStepper {
   void interpolate(double t, std::span<double> y) final { step_.at(t, y); }
   std::span<const double> sample(double t, int derivative) final { return step_.sample(t, derivative); }
   void select(std::span<const std::size_t> sampled) final { step_.select(sampled); }
-  void hull(std::span<double> lowest, std::span<double> highest) final { step_.hull(lowest, highest); }
+  void hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) final {
+    step_.hull(lowest, highest, last);
+  }
   ErrorWeights& weights() final { return weights_; }
 
  protected:

@@ -72,8 +72,14 @@ class StepwisePart {
         limit = *schedule_.next();
         change.reset();
       }
-      if (ends_ && !ends_->idle())
-        watch_ends(t, limit, system_.contact_count() > 0 && !search_.selects() && limit == reached);
+      if (ends_ && !ends_->idle()) {
+        const bool searched = system_.contact_count() > 0 && !search_.selects() && limit == reached;
+        if (searched && search_.quiet())
+          ends_->pass(reached, search_.last());
+        else
+          watch_ends(t, limit, searched);
+        ends_->integrate(t, limit, stepper_.order(), [&](double at) { return stepper_.sample(at, 0); });
+      }
       if (layout_.account() > 0 && account_doubtful(t, reached)) {
         outputs_until(limit, [&](double at) { return corrected_account(t, at); });
         account_shift_ = corrected_account(t, limit);
@@ -134,7 +140,7 @@ class StepwisePart {
     std::vector<std::size_t> entries = search_.sampled_entries();
     if (observers_.account) {
       if (!checkpoint) statistics_.account.emplace();
-      ends_.emplace(system_, *statistics_.account, observers_.extremes);
+      ends_.emplace(system_, *statistics_.account, observers_.extremes, !search_.selects());
       ends_->ask_for(entries);
     }
     search_.share(entries.size());

@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "dynamics/element_stress.hpp"
 #include "dynamics/lost_inertia.hpp"
@@ -54,6 +56,7 @@ class Run {
       const auto* checkpoint = std::get_if<Checkpoint>(&start_);
       step_.emplace(system_, checkpoint ? system_.initial_state() : std::get<State>(start_), times_.front(), scheme_);
       was_active_.assign(step_->contacts().size(), 0);
+      find_contacts_at_ends();
       if (checkpoint)
         go_on(*checkpoint);
       else
@@ -146,14 +149,20 @@ class Run {
     return sum;
   }
 
-  // Of an end that is not fixed, whose contacts are the first or the last ones, one from either side.
+  // Of an end that is not fixed, one from either side.
   template <class Use>
   void each_contact_at(bool right, Use&& use) const {
+    const auto [first, last] = at_end_[right];
+    for (std::size_t k = first; k < last; ++k) use(k);
+  }
+
+  void find_contacts_at_ends() {
     const auto& contacts = step_->contacts();
-    const std::size_t unknown = system_.end(right), count = system_.wall(right) ? 0 : contacts.size();
-    const std::size_t first = unknown == 0 || count < 2 ? 0 : count - 2;
-    for (std::size_t k = first; k < std::min(first + 2, count); ++k)
-      if (contacts[k].unknown == unknown) use(k);
+    for (const bool right : {false, true}) {
+      if (system_.wall(right)) continue;
+      const auto found = std::ranges::equal_range(contacts, system_.end(right), {}, &Contact::unknown);
+      at_end_[right] = {found.begin() - contacts.begin(), found.end() - contacts.begin()};
+    }
   }
 
   // Over (t_{n-1}, t_n], where u and lambda are linear; before t_1 lambda^0 has its part in what the start took.
@@ -169,8 +178,10 @@ class Run {
       end.lowest = std::min(end.lowest, end.displacement);
       end.highest = std::max(end.highest, end.displacement);
       each_contact_at(right, [&](std::size_t k) {
-        const double before = n > 1 ? (1.0 - theta / 2) * step_->reaction_before()[k] : 0.0;
-        end.impulse += sign(k) * (dt * theta * (before + theta / 2 * step_->reaction()[k]));
+        const double now = step_->reaction()[k], then = step_->reaction_before()[k];
+        if (now == 0.0 && then == 0.0) return;
+        const double before = n > 1 ? (1.0 - theta / 2) * then : 0.0;
+        end.impulse += sign(k) * (dt * theta * (before + theta / 2 * now));
         end.peak_reaction = std::max(end.peak_reaction, reaction(k, theta));
       });
     }
@@ -352,7 +363,8 @@ class Run {
   std::vector<unsigned char> was_active_;
   double taken_ = 0.0, taken_at_rest_ = 0.0;  // by impacts: up to now, and the most when nothing touched
   bool touching_ = false;
-  bool spanned_ = false;  // by an obstacle
+  bool spanned_ = false;                                         // by an obstacle
+  std::array<std::pair<std::size_t, std::size_t>, 2> at_end_{};  // contacts from one up to another
   std::vector<double> u_, v_, u_nodal_, v_nodal_;
   std::optional<TimeStep> step_;
 };

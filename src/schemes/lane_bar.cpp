@@ -1,15 +1,19 @@
 #include "schemes/lane_bar.hpp"
 
+#include <array>
+
 namespace viscobar {
 
 namespace {
+
+// What rows of lanes pass through is inlined: else they go through memory, four registers at a time.
 
 // Stress per E / h: u_j - u_i + (eta / E) (w_j - w_i) of the nodes, or rows, stored at i and j.
 struct ViscousStress {
   double relaxation;
   const double *u, *w;
   double nodes(std::size_t i, std::size_t j) const { return u[j] - u[i] + relaxation * (w[j] - w[i]); }
-  Lanes rows(std::size_t i, std::size_t j) const {
+  [[gnu::always_inline]] Lanes rows(std::size_t i, std::size_t j) const {
     return load_lanes(u + j) - load_lanes(u + i) + relaxation * (load_lanes(w + j) - load_lanes(w + i));
   }
 };
@@ -17,23 +21,26 @@ struct ViscousStress {
 struct ElasticStress {
   const double* u;
   double nodes(std::size_t i, std::size_t j) const { return u[j] - u[i]; }
-  Lanes rows(std::size_t i, std::size_t j) const { return load_lanes(u + j) - load_lanes(u + i); }
+  [[gnu::always_inline]] Lanes rows(std::size_t i, std::size_t j) const {
+    return load_lanes(u + j) - load_lanes(u + i);
+  }
 };
 
-Lanes with_lane(std::size_t lane, double value, Lanes lanes) {
-  static const Lanes numbers([](auto l) { return static_cast<double>(l); });
-  where(numbers == static_cast<double>(lane), lanes) = value;
-  return lanes;
+[[gnu::always_inline]] inline Lanes with_lane(std::size_t lane, double value, const Lanes& lanes) {
+  std::array<double, lane_count> values;
+  store_lanes(lanes, values.data());
+  values[lane] = value;
+  return load_lanes(values.data());
 }
 
 // Of the elements in front of the stretches and of those behind: a stretch follows the separator of the one before.
 template <class Stress>
-Lanes in_front(const LaneOrder& order, const Stress& stress) {
+[[gnu::always_inline]] inline Lanes in_front(const LaneOrder& order, const Stress& stress) {
   const double first = stress.nodes(order.first - 1, order.first);
   return with_lane(0, first, stress.rows(order.row(order.rows - 1) - 1, order.first));
 }
 template <class Stress>
-Lanes behind(const LaneOrder& order, const Stress& stress) {
+[[gnu::always_inline]] inline Lanes behind(const LaneOrder& order, const Stress& stress) {
   const std::size_t separators = order.row(order.rows - 1), end = order.row(order.rows);
   return with_lane(lane_count - 1, stress.nodes(end - 1, end), stress.rows(separators, order.first + 1));
 }
@@ -62,7 +69,8 @@ void eliminate(const LaneFactor& factor, const Stress& stress, double scale, std
   const LaneOrder& order = factor.order();
   const std::size_t m = factor.inner_rows(), separators = order.row(m);
   Lanes at_separators = scale * (behind(order, stress) - stress.rows(order.row(m - 1), separators));
-  auto force = [stress, row = order.row(0), before = in_front(order, stress)](std::size_t k) mutable {
+  auto force = [ stress, row = order.row(0), before = in_front(order, stress) ](std::size_t k) mutable
+      __attribute__((always_inline)) {
     const std::size_t here = row + k * lane_count;
     const Lanes next = stress.rows(here, here + lane_count), difference = next - before;
     before = next;
@@ -75,7 +83,8 @@ void eliminate(const LaneFactor& factor, const Stress& stress, double scale, std
   for (std::size_t i = 0; i < order.first; ++i) interface[i] += load[i];
   store_lanes(at_separators + load_lanes(&load[separators]), &interface[order.first]);
   for (std::size_t i = 1; i <= order.last; ++i) interface[interface.size() - i] += load[load.size() - i];
-  auto loaded = [force, rows = &load[order.row(0)], per_scale = 1.0 / scale](std::size_t k) mutable {
+  auto loaded = [ force, rows = &load[order.row(0)], per_scale = 1.0 / scale ](std::size_t k) mutable
+      __attribute__((always_inline)) {
     return force(k) + per_scale * load_lanes(rows + k * lane_count);
   };
   factor.eliminate(loaded, y, interface);

@@ -16,7 +16,7 @@
 #include "viscobar/record/record_run.hpp"
 #include "viscobar/results/io_error.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_damage {
 namespace {
 
 namespace fs = std::filesystem;
@@ -317,4 +317,4 @@ TEST_F(DamagedSweep, SaysWhichCasesRunAgain) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_damage

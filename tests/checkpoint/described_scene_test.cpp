@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-namespace viscobar {
+namespace viscobar::testing_described_scene {
 namespace {
 
 TEST(DescribedScene, IsTheSceneAgainForEveryExample) {
@@ -45,4 +45,4 @@ step = 1e-3
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_described_scene

@@ -8,7 +8,7 @@
 #include "support/scene_text.hpp"
 #include "support/scratch.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_faults {
 namespace {
 
 namespace fs = std::filesystem;
@@ -168,4 +168,4 @@ TEST_F(Faults, ASceneTooLargeForTheMemoryIsRefusedBeforeItTakesAny) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_faults

@@ -8,7 +8,7 @@
 #include "support/scratch.hpp"
 #include "viscobar/results/io_error.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_file {
 namespace {
 
 namespace fs = std::filesystem;
@@ -172,4 +172,4 @@ TEST(CheckpointFile, AFailedRenameNamesTheFile) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_file

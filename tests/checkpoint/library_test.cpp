@@ -8,7 +8,7 @@
 #include "checkpoint/scenes.hpp"
 #include "viscobar/viscobar.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_library {
 namespace {
 
 using testing_checkpoint::kinds_of_scenes;
@@ -276,4 +276,4 @@ TEST(Checkpoint, CostsNoAccuracy) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_library

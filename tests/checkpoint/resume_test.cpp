@@ -11,7 +11,7 @@
 #include "support/scene_text.hpp"
 #include "support/scratch.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_resume {
 namespace {
 
 namespace fs = std::filesystem;
@@ -267,4 +267,4 @@ TEST_F(Resume, WithoutACheckpointIsTheUsersError) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_resume

@@ -11,7 +11,7 @@
 #include "discretisation/lane_factor.hpp"
 #include "viscobar/discretisation/mass.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_fourth_order {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
@@ -192,4 +192,4 @@ TEST(LaneFactor, KeepsTheColumnsOfEndRowsInTheInterface) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_fourth_order

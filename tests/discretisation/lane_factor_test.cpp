@@ -10,7 +10,7 @@
 
 #include "support/random_vector.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_lane_factor {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
@@ -121,4 +121,4 @@ TEST(LaneFields, BeginTheirRowsOnCacheLinesAndDoNotOverlap) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_lane_factor

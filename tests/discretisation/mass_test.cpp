@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace viscobar {
+namespace viscobar::testing_mass {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
@@ -119,4 +119,4 @@ TEST(Mass, OfThePaperRefusesUnequalElements) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_mass

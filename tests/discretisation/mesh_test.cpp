@@ -14,6 +14,9 @@ static void PrintTo(const Grading& grading, std::ostream* out) {
   *out << grading.ratio << (grading.left ? " left" : "") << (grading.right ? " right" : "");
 }
 
+}  // namespace viscobar
+
+namespace viscobar::testing_mesh {
 namespace {
 
 TEST(Mesh, HasOneNodeMoreThanElements) { EXPECT_EQ((Mesh{26.0, 702}).nodes(), 703u); }
@@ -98,4 +101,4 @@ TEST(Mesh, WithoutRatioOrWithoutMarkedEndIsTheUniformOneToTheBit) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_mesh

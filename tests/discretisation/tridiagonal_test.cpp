@@ -10,7 +10,7 @@
 
 #include "support/random_vector.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_tridiagonal {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
@@ -111,4 +111,4 @@ TEST(InverseDiagonal, HoldsTheDiagonalEntriesOfTheColumnsOfTheInverse) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_tridiagonal

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "support/random_vector.hpp"
-namespace viscobar {
+namespace viscobar::testing_bar_system {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
@@ -205,4 +205,4 @@ TEST(LoadVector, RefusesValuesThatAreNotFiniteAndSaysWhen) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_bar_system

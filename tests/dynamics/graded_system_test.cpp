@@ -7,7 +7,7 @@
 
 #include "viscobar/dynamics/bar_system.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_graded_system {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
@@ -116,4 +116,4 @@ TEST(GradedBar, ARigidMotionHasNoInternalForceAtAll) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_graded_system

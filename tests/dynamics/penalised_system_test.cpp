@@ -9,7 +9,7 @@
 
 #include "support/random_vector.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_penalised_system {
 namespace {
 
 Scene scene_with(EndCondition left, EndCondition right, double viscosity) {
@@ -190,4 +190,4 @@ TEST(PenalisedSystem, EvaluatesNoLoadWhereThereIsNone) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_penalised_system

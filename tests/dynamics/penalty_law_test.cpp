@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-namespace viscobar {
+namespace viscobar::testing_penalty_law {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
@@ -49,4 +49,4 @@ TEST(PenaltyLaw, IsWeightOverEpsilonWithADashpotOnlyForMassAndRestitution) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_penalty_law

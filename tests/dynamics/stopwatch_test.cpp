@@ -5,7 +5,7 @@
 
 #include "run/telling.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_stopwatch {
 namespace {
 
 TEST(Stopwatch, DoesNotCountWhatRunsOutside) {
@@ -20,4 +20,4 @@ TEST(Stopwatch, DoesNotCountWhatRunsOutside) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_stopwatch

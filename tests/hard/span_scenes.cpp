@@ -10,8 +10,6 @@ namespace {
 
 using Scenes = std::vector<HardScene>;
 
-const std::vector<Mass> full_masses = {Mass::consistent, Mass::lumped};
-
 void distributed(Scenes& scenes) {
   struct Shape {
     const char* name;

@@ -11,7 +11,7 @@
 #include "support/run_trace.hpp"
 #include "viscobar/integration/integrate.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_adaptive {
 namespace {
 
 constexpr double constant = 100.0;  // the multiple of the requested tolerance that errors stay below (docs/methods.md)
@@ -291,4 +291,4 @@ TYPED_TEST(Stiff, StepsDoNotGrowAsThePenaltyStiffensOnRedistributedMass) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_adaptive

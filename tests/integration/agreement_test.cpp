@@ -16,7 +16,7 @@
 #include "support/paper_throw.hpp"
 #include "viscobar/case/recording.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_agreement {
 namespace {
 
 constexpr double constant = 100.0;
@@ -203,4 +203,4 @@ TEST(AgreementOfChatter, HoldsToTheLastBounce) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_agreement

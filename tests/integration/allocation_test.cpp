@@ -5,7 +5,7 @@
 #include "support/allocations.hpp"
 #include "viscobar/integration/integrate.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_allocation {
 namespace {
 
 using testing_support::allocations;
@@ -78,4 +78,4 @@ TEST(Odeint, ExplicitStepsAllocateNothing) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_allocation

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace viscobar {
+namespace viscobar::testing_bernstein {
 namespace {
 
 Bernstein polynomial(std::size_t degree, const std::function<double(double)>& p) {
@@ -141,4 +141,4 @@ TEST(Bernstein, AFallingPolynomialDescendsAtItsRoot) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_bernstein

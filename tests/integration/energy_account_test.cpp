@@ -5,7 +5,7 @@
 
 #include "viscobar/case/recording.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_energy_account {
 namespace {
 
 // A free bar under f = sin(omega t) moves as one point, v = (1 - cos omega t) / omega, in steps that just resolve the
@@ -47,4 +47,4 @@ INSTANTIATE_TEST_SUITE_P(Methods, EnergyAccount,
                          [](const auto& method) { return std::string(name(method.param)); });
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_energy_account

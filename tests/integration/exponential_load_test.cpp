@@ -7,7 +7,7 @@
 
 #include "support/exponential_runs.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_exponential_load {
 namespace {
 
 using namespace testing_support;
@@ -122,4 +122,4 @@ TEST(Exponential, FollowsALoadThatBeginsWithoutDigits) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_exponential_load

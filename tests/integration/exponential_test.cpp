@@ -13,7 +13,7 @@
 #include "support/modal_solution.hpp"
 #include "support/paper_throw.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_exponential {
 namespace {
 
 using namespace testing_support;
@@ -318,4 +318,4 @@ TEST(Exponential, RefusesMeshesTooLargeForDenseMatricesAndRigidObstacles) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_exponential

@@ -9,7 +9,7 @@
 #include "support/paper_throw.hpp"
 #include "viscobar/case/case.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_failure {
 namespace {
 
 Case throw_under(Load load, MethodName method) {
@@ -160,4 +160,4 @@ TEST(FailureOfTheReference, AtAPoleIsNoHang) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_failure

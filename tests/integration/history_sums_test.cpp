@@ -5,7 +5,7 @@
 
 #include "integration/sundials/vector.hpp"
 
-namespace viscobar::sundials {
+namespace viscobar::sundials::testing_history_sums {
 namespace {
 
 using History = std::vector<std::vector<double>>;
@@ -85,4 +85,4 @@ TEST(HistorySums, HaveRoomForOrderTwelveAndForOneSize) {
 }
 
 }  // namespace
-}  // namespace viscobar::sundials
+}  // namespace viscobar::sundials::testing_history_sums

@@ -11,7 +11,7 @@
 #include "viscobar/integration/integrate.hpp"
 #include "viscobar/schemes/schemes.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_massive_contact {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
@@ -216,4 +216,4 @@ TEST(RigidWithMass, RefusesASpanObstacle) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_massive_contact

@@ -8,7 +8,7 @@
 #include "support/run_trace.hpp"
 #include "viscobar/integration/integrate.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_odeint {
 namespace {
 
 Scene thrown_bar(double viscosity) {
@@ -175,4 +175,4 @@ TEST(Odeint, DigitsOfRosenbrock4DoNotDependOnTheUnitOfDisplacement) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_odeint

@@ -5,7 +5,7 @@
 
 #include "integration/exponential/contact_distance.hpp"
 
-namespace viscobar::exponential {
+namespace viscobar::exponential::testing_passage {
 namespace {
 
 Eigen::VectorXd polynomial(std::initializer_list<double> coefficients) {
@@ -79,4 +79,4 @@ TEST(SampledRange, IsTightForWhatIsResolved) {
 }
 
 }  // namespace
-}  // namespace viscobar::exponential
+}  // namespace viscobar::exponential::testing_passage

@@ -14,7 +14,7 @@
 #include "viscobar/integration/integrate.hpp"
 #include "viscobar/studies/exact/exact_solutions.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_radau {
 namespace {
 
 using namespace radau;
@@ -294,4 +294,4 @@ TEST(RigidByRadau, KeepsItsPromiseUnderALoadWithKinksThatNobodyNames) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_radau

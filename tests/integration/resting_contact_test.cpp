@@ -9,7 +9,7 @@
 #include "support/pressed_bar.hpp"
 #include "viscobar/case/recording.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_resting_contact {
 namespace {
 
 // max |u - u of the exponential method|, in promises of the tolerance.
@@ -107,4 +107,4 @@ TEST(RestingContact, KeepsTheEnergyAccountOnMasslessNodesAtEveryEpsilon) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_resting_contact

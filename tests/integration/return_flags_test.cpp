@@ -8,7 +8,7 @@
 #include <regex>
 #include <set>
 
-namespace viscobar::sundials {
+namespace viscobar::sundials::testing_return_flags {
 namespace {
 
 // Negative values defined as PREFIX_NAME in the headers of a library.
@@ -76,4 +76,4 @@ TEST(ReturnFlags, OfTheSameNameHaveTheSameReasonInEachLibrary) {
 }
 
 }  // namespace
-}  // namespace viscobar::sundials
+}  // namespace viscobar::sundials::testing_return_flags

@@ -10,7 +10,7 @@
 #include "viscobar/integration/integrate.hpp"
 #include "viscobar/studies/exact/exact_solutions.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_rigid {
 namespace {
 
 const Tolerance tight{1e-9, 1e-12};
@@ -216,4 +216,4 @@ TEST(Rigid, AnElasticImpactLastsTheTransitThereAndBackAndGivesTheSpeedBack) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_rigid

@@ -14,7 +14,7 @@
 #include "support/run_trace.hpp"
 #include "viscobar/integration/integrate.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_root_finding {
 namespace {
 
 constexpr double rounding = std::numeric_limits<double>::epsilon();
@@ -295,4 +295,4 @@ TYPED_TEST(RootFinding, ThousandsOfStepsBetweenTwoOutputsAreNoFailure) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_root_finding

@@ -11,7 +11,7 @@
 #include "viscobar/case/end_traces.hpp"
 #include "viscobar/case/recording.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_stiff_contact {
 namespace {
 
 std::size_t steps(MethodName method, std::size_t elements, double epsilon, Tolerance tolerance) {
@@ -184,4 +184,4 @@ INSTANTIATE_TEST_SUITE_P(Methods, StiffContact, testing::Values(MethodName::cvod
                          [](const auto& method) { return std::string(name(method.param)); });
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_stiff_contact

@@ -8,7 +8,7 @@
 #include "support/run_trace.hpp"
 #include "viscobar/case/case.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_storm {
 namespace {
 
 Case chatter(double epsilon, MethodName method, double tolerance) {
@@ -206,4 +206,4 @@ TEST(Watchdog, EndsAContactThatTogglesAtOneTimeButNoneThatBounces) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_storm

@@ -15,7 +15,7 @@
 #include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_switching_load {
 namespace {
 
 constexpr double promise = 100.0;  // multiples of the tolerance, docs/methods.md
@@ -257,4 +257,4 @@ TEST(SwitchingLoad, IsCrossedWithoutStepsThatShrinkToNothing) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_switching_load

@@ -8,7 +8,7 @@
 #include "support/scratch.hpp"
 #include "viscobar/results/io_error.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_checksum {
 namespace {
 
 // Of the definition of CRC-64/XZ.
@@ -74,4 +74,4 @@ TEST(Checksum, OfAFileIsThatOfItsBytesOrOfAsManyAsThereAre) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_checksum

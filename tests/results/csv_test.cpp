@@ -12,7 +12,7 @@
 #include "support/scratch.hpp"
 #include "viscobar/results/io_error.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_csv {
 namespace {
 
 TEST(EndsRow, WritesNumbersThatReadBackAsTheSameDoubles) {
@@ -145,4 +145,4 @@ TEST(WriteAtomically, AFailureKeepsTheOldContent) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_csv

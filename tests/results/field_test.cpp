@@ -15,7 +15,7 @@
 #include "support/scratch.hpp"
 #include "viscobar/results/io_error.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_field {
 namespace {
 
 namespace fs = std::filesystem;
@@ -443,4 +443,4 @@ TEST(FieldFile, TakesATitleOfAnyLength) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_field

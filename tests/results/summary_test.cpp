@@ -8,7 +8,7 @@
 #include "viscobar/record/record_run.hpp"
 #include "viscobar/run/run.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_summary {
 namespace {
 
 using Json = nlohmann::json;
@@ -102,4 +102,4 @@ TEST(Summary, AnEndWithoutObstacleHasNoContact) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_summary

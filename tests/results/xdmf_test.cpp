@@ -16,7 +16,7 @@
 #include "results/field/field_file.hpp"
 #include "support/scratch.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_xdmf {
 namespace {
 
 constexpr std::size_t nodes = 6, rows = 7;
@@ -109,4 +109,4 @@ for time in reader.TimestepValues:
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_xdmf

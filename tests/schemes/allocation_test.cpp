@@ -7,7 +7,7 @@
 #include "support/allocations.hpp"
 #include "viscobar/schemes/schemes.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_allocation {
 namespace {
 
 using testing_support::allocations;
@@ -50,4 +50,4 @@ TEST(FullyDiscrete, StepsAllocateNothing) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_allocation

@@ -10,7 +10,7 @@
 #include "support/run_trace.hpp"
 #include "viscobar/schemes/schemes.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_contact {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
@@ -306,4 +306,4 @@ TEST(FullyDiscreteContact, AMasslessEndStartsInBalance) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_contact

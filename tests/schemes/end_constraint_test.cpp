@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace viscobar {
+namespace viscobar::testing_end_constraint {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
@@ -115,4 +115,4 @@ TEST(EndConstraint, OneEndMayOpenOrCloseTheOther) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_end_constraint

@@ -9,7 +9,7 @@
 
 #include "schemes/time_step.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_energy_law {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
@@ -256,4 +256,4 @@ TEST(FullyDiscrete, IsUnconditionallyStableWithoutLoadUnlessImpactsOfPaoliAndSch
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_energy_law

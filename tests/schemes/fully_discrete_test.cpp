@@ -10,7 +10,7 @@
 #include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/schemes/schemes.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_fully_discrete {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
@@ -263,4 +263,4 @@ TEST(FullyDiscrete, RefusesArgumentsThatMakeNoSense) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_fully_discrete

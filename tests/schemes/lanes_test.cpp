@@ -8,7 +8,7 @@
 #include "schemes/time_step.hpp"
 #include "support/run_trace.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_lanes {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
@@ -158,4 +158,4 @@ TEST(FullyDiscreteLanes, StopWhenTheSolutionIsNoLongerFinite) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_lanes

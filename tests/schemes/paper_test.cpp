@@ -7,7 +7,7 @@
 #include "support/run_trace.hpp"
 #include "viscobar/schemes/schemes.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_paper {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
@@ -170,4 +170,4 @@ TEST(Paper, SchemeThreeTwentyTwoWithHalfWeightsAtTheEndsIsTheLumpedProductRowByR
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_paper

@@ -10,7 +10,7 @@
 #include "support/maximum_norm.hpp"
 #include "support/random_vector.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_span_constraint {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
@@ -232,4 +232,4 @@ TEST(SpanConstraint, TiesInEveryEntryEnd) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_span_constraint

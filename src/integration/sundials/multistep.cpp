@@ -22,6 +22,7 @@ Multistep::Multistep(const MultistepLibrary& library, const StepperParts& parts,
 void Multistep::begin_run(std::vector<std::size_t> sampled_entries) {
   probed_.emplace(std::move(sampled_entries));
   probe_ = make_probe(*probed_, context_);
+  hull_ = make_hull(*probed_, context_);
 }
 
 void Multistep::restart(double t, double stop, std::span<const double> y) {
@@ -67,20 +68,13 @@ std::span<const double> Multistep::sample(double t, int derivative) {
   return values(probe_);
 }
 
-// By the Taylor series at the end of the step, |p(t) - p(end)| <= sum_k |p^(k)(end)| h^k / k!.
-void Multistep::hull(std::span<double> lowest, std::span<double> highest) {
-  double end = 0.0, length = 0.0, scale = 1.0;
+void Multistep::hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) {
+  double end = 0.0;
   call("GetCurrentTime", library_.get_current_time, &end);
-  call("GetLastStep", library_.get_last_step, &length);
-  for (std::size_t k = 0; k <= order(); ++k) {
-    const std::span<const double> values = sample(end, static_cast<int>(k));
-    if (k > 0) scale *= length / static_cast<double>(k);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const double term = scale * values[i];
-      lowest[i] = k == 0 ? term : lowest[i] - std::abs(term);
-      highest[i] = k == 0 ? term : highest[i] + std::abs(term);
-    }
-  }
+  call("GetDky", library_.get_dky, end, 0, hull_.get());
+  const double* bounds = values(hull_).data();
+  for (const std::span<double> out : {lowest, highest, last})
+    bounds = std::ranges::copy_n(bounds, static_cast<std::ptrdiff_t>(out.size()), out.begin()).in;
 }
 
 void Multistep::configure(void* memory, double t) {

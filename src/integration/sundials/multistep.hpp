@@ -19,7 +19,6 @@ struct MultistepLibrary {
   int (*get_dky)(void*, sunrealtype, int, N_Vector);
   int (*get_last_order)(void*, int*);
   int (*get_current_time)(void*, sunrealtype*);
-  int (*get_last_step)(void*, sunrealtype*);
   int (*set_max_order)(void*, int);
   int (*set_stop_time)(void*, sunrealtype);
   int (*set_max_step)(void*, sunrealtype);
@@ -41,7 +40,7 @@ class Multistep : public LegStepper {
   void interpolate(double t, std::span<double> y) final;
   std::span<const double> sample(double t, int derivative) final;
   void select(std::span<const std::size_t> sampled) final { probed_->selected.assign(sampled.begin(), sampled.end()); }
-  void hull(std::span<double> lowest, std::span<double> highest) final;
+  void hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) final;
   double account_correction() const final { return leg_.account_correction; }
   ErrorWeights& weights() final { return weights_; }
 
@@ -84,7 +83,7 @@ class Multistep : public LegStepper {
   RestWatch::Advice advice_ = RestWatch::Advice::go_on;
   Vector interpolated_;
   std::optional<Probed> probed_;
-  Vector probe_;
+  Vector probe_, hull_;
   NonlinearSolver solver_;
 };
 

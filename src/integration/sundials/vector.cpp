@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <experimental/simd>
 
 namespace viscobar::sundials {
@@ -10,36 +11,57 @@ namespace {
 
 constexpr std::size_t highest_order = 12;
 
-template <class Values, std::size_t q, class Load, class Store>
-void triangle(const Load& load, const Store& store) {
-  std::array<Values, q + 1> z;
-#pragma GCC unroll 16
-  for (std::size_t j = 0; j <= q; ++j) z[j] = load(j);
-#pragma GCC unroll 16
-  for (std::size_t k = 1; k <= q; ++k)
-#pragma GCC unroll 16
-    for (std::size_t j = q; j >= k; --j) z[j - 1] += z[j];
-#pragma GCC unroll 16
-  for (std::size_t j = 0; j < q; ++j) store(j, z[j]);
+namespace simd = std::experimental;
+using Pack = simd::native_simd<double>;
+
+template <class Values>
+Values load(const double* x) {
+  if constexpr (std::is_same_v<Values, Pack>)
+    return Pack(x, simd::element_aligned);
+  else
+    return *x;
+}
+void store(const Pack& pack, double* x) { pack.copy_to(x, simd::element_aligned); }
+void store(double value, double* x) { *x = value; }
+
+// body(i, 0.0) for each i < n, or body(i, Pack()) for as many from i on as a register has: four of those a turn, since
+// the loop itself would be as many instructions as what is done in it.
+template <class Body>
+[[gnu::always_inline]] inline void in_packs(std::size_t n, const Body& body) {
+  constexpr std::size_t size = Pack::size();
+  std::size_t i = 0;
+  for (; i + 4 * size <= n; i += 4 * size)
+#pragma GCC unroll 4
+    for (std::size_t k = 0; k < 4; ++k) body(i + k * size, Pack());
+  for (; i + size <= n; i += size) body(i, Pack());
+  for (; i < n; ++i) body(i, 0.0);
 }
 
-template <std::size_t q>
+// The whole triangle, or its first cascade alone.
+template <std::size_t q, bool whole>
 void sum_history(double* const* z, std::size_t n) {
-  namespace simd = std::experimental;
-  using Pack = simd::native_simd<double>;
+  const auto sum = [z](std::size_t i, auto kind) {
+    using Values = decltype(kind);
+    std::array<Values, q + 1> values;
+#pragma GCC unroll 16
+    for (std::size_t j = 0; j <= q; ++j) values[j] = load<Values>(z[j] + i);
+#pragma GCC unroll 16
+    for (std::size_t k = 1; k <= (whole ? q : 1); ++k)
+#pragma GCC unroll 16
+      for (std::size_t j = q; j >= k; --j) values[j - 1] += values[j];
+#pragma GCC unroll 16
+    for (std::size_t j = 0; j < q; ++j) store(values[j], z[j] + i);
+  };
   std::size_t i = 0;
-  for (; i + Pack::size() <= n; i += Pack::size())
-    triangle<Pack, q>([&](std::size_t j) { return Pack(z[j] + i, simd::element_aligned); },
-                      [&](std::size_t j, const Pack& value) { value.copy_to(z[j] + i, simd::element_aligned); });
-  for (; i < n; ++i)
-    triangle<double, q>([&](std::size_t j) { return z[j][i]; }, [&](std::size_t j, double value) { z[j][i] = value; });
+  for (; i + Pack::size() <= n; i += Pack::size()) sum(i, Pack());
+  for (; i < n; ++i) sum(i, 0.0);
 }
 
 using Kernel = void (*)(double* const*, std::size_t);
 
-template <std::size_t... q>
-constexpr std::array<Kernel, sizeof...(q)> triangles(std::index_sequence<q...>) {
-  return {sum_history<q + 1>...};
+template <bool whole, std::size_t... q>
+constexpr std::array<Kernel, sizeof...(q)> kernels(std::index_sequence<q...>) {
+  return {sum_history<q + 1, whole>...};
 }
 
 }  // namespace
@@ -71,16 +93,21 @@ bool HistorySums::is_triangle(std::size_t order) const {
 }
 
 void HistorySums::carry_out() {
-  static constexpr auto kernels = triangles(std::make_index_sequence<highest_order>{});
-  if (const std::size_t q = cascade(); q <= highest_order && is_triangle(q)) {
+  static constexpr auto orders = std::make_index_sequence<highest_order>{};
+  static constexpr auto triangles = kernels<true>(orders), cascades = kernels<false>(orders);
+  std::size_t q = cascade();
+  const bool whole = q <= highest_order && is_triangle(q);
+  if (q > highest_order) q = 0;
+  if (q > 0) {
     std::array<double*, highest_order + 1> z;
     z[q] = const_cast<double*>(sums_[0].y);  // is read only
     for (std::size_t j = 0; j < q; ++j) z[q - 1 - j] = sums_[j].x;
-    kernels[q - 1](z.data(), size_);
-  } else {
-    for (std::size_t k = 0; k < count_; ++k)
-      for (std::size_t i = 0; i < size_; ++i) sums_[k].x[i] += sums_[k].y[i];
+    (whole ? triangles : cascades)[q - 1](z.data(), size_);
   }
+  for (std::size_t k = whole ? count_ : q; k < count_; ++k)
+    in_packs(size_, [x = sums_[k].x, y = sums_[k].y](std::size_t i, auto kind) {
+      store(load<decltype(kind)>(x + i) + load<decltype(kind)>(y + i), x + i);
+    });
   count_ = 0;
 }
 
@@ -130,18 +157,49 @@ void destroy(N_Vector x) noexcept {
   N_VFreeEmpty(x);
 }
 
+// to <- what `value` makes of entries i of the operands.
+template <class Value>
+void each_entry(N_Vector to, const Value& value) {
+  auto& out = array(to);
+  in_packs(static_cast<std::size_t>(out.size()),
+           [&value, z = out.data()](std::size_t i, auto kind) { store(value(i, kind), z + i); });
+}
+
+// The result is written once, and may be one of the operands. Of two products the one that is named first is rounded
+// before the other is added to it, since the compiler fuses what follows.
+template <std::size_t count>
+void combine(const sunrealtype* c, N_Vector* x, N_Vector z) {
+  std::array<const double*, count> from;
+  for (std::size_t k = 0; k < count; ++k) from[k] = array(x[k]).data();
+  each_entry(z, [c, from](std::size_t i, auto kind) {
+    const auto term = [&](std::size_t k) { return c[k] * load<decltype(kind)>(from[k] + i); };
+    auto sum = count > 1 ? term(count > 1) : term(0);
+    if constexpr (count > 1) sum = term(0) + sum;
+    constexpr std::size_t first = std::min<std::size_t>(count, 4);
+#pragma GCC unroll 4
+    for (std::size_t k = 2; k < first; ++k) sum += term(k);
+#pragma GCC unroll 4
+    for (std::size_t k = first; k + 1 < count; k += 2) {
+      const auto other = term(k + 1);
+      sum += term(k) + other;
+    }
+    if constexpr (count > first && (count - first) % 2 == 1) sum += term(count - 1);
+    return sum;
+  });
+}
+
+template <std::size_t... k>
+constexpr std::array<void (*)(const sunrealtype*, N_Vector*, N_Vector), sizeof...(k)> combinations(
+    std::index_sequence<k...>) {
+  return {combine<k + 1>...};
+}
+
 int linear_combination(int count, sunrealtype* c, N_Vector* x, N_Vector z) noexcept {
-  auto& out = array(z);
-  // Several operands a pass: the result is read and written once for each group, and may be the first operand.
-  switch (count) {
-    case 1: out = c[0] * array(x[0]); return 0;
-    case 2: out = c[0] * array(x[0]) + c[1] * array(x[1]); return 0;
-    case 3: out = c[0] * array(x[0]) + c[1] * array(x[1]) + c[2] * array(x[2]); return 0;
-    default: out = c[0] * array(x[0]) + c[1] * array(x[1]) + c[2] * array(x[2]) + c[3] * array(x[3]);
-  }
-  int k = 4;
-  for (; k + 1 < count; k += 2) out += c[k] * array(x[k]) + c[k + 1] * array(x[k + 1]);
-  if (k < count) out += c[k] * array(x[k]);
+  static constexpr auto up_to_eight = combinations(std::make_index_sequence<8>{});
+  const int most = std::min(count, 8);
+  up_to_eight[static_cast<std::size_t>(most - 1)](c, x, z);
+  for (int k = most; k + 1 < count; k += 2) array(z) += c[k] * array(x[k]) + c[k + 1] * array(x[k + 1]);
+  if ((count - most) % 2 == 1) array(z) += c[count - 1] * array(x[count - 1]);
   return 0;
 }
 
@@ -157,15 +215,41 @@ int probed_combination(int count, sunrealtype* c, N_Vector* x, N_Vector z) noexc
   return 0;
 }
 
+// The library hands x_0 over first, or last.
+int hull_combination(int count, sunrealtype* c, N_Vector* x, N_Vector z) noexcept {
+  const Probed& probed = *content(z).probed;
+  const std::size_t size = probed.entries.size();
+  double *lowest = array(z).data(), *highest = lowest + size, *last = highest + size;
+  const int at_end = c[0] != 0.0 ? 0 : count - 1, onward = at_end == 0 ? 1 : -1;
+  for (const std::size_t i : probed.selected) {
+    const auto term = [&, entry = static_cast<Eigen::Index>(probed.entries[i])](int k) {
+      return stored(x[at_end + k * onward])[entry];
+    };
+    const double end = term(0), slope = term(1);
+    double away = std::abs(slope), bend = 0.0;
+    for (int k = 2; k < count; ++k) {
+      const double size_of_term = std::abs(term(k));
+      away += size_of_term, bend += k * size_of_term;
+    }
+    lowest[i] = slope < -bend ? end : end - away;
+    highest[i] = slope > bend ? end : end + away;
+    last[i] = end;
+  }
+  return 0;
+}
+
 int scale_add_multi(int count, sunrealtype* c, N_Vector x, N_Vector* y, N_Vector* z) noexcept {
   const auto& added = array(x);
   // Piece by piece, so that x is read from memory once.
-  constexpr Eigen::Index piece = 1024;
-  for (Eigen::Index i = 0; i < added.size(); i += piece) {
-    const Eigen::Index n = std::min(piece, added.size() - i);
-    for (int k = 0; k < count; ++k)
-      stored(z[k]).segment(i, n) = stored(y[k]).segment(i, n) + c[k] * added.segment(i, n);
-  }
+  constexpr std::size_t piece = 1024;
+  for (std::size_t begin = 0, size = static_cast<std::size_t>(added.size()); begin < size; begin += piece)
+    for (int k = 0; k < count; ++k) {
+      const double *from = stored(y[k]).data() + begin, *term = added.data() + begin;
+      in_packs(std::min(piece, size - begin),
+               [from, term, factor = c[k], to = stored(z[k]).data() + begin](std::size_t i, auto kind) {
+                 store(load<decltype(kind)>(from + i) + factor * load<decltype(kind)>(term + i), to + i);
+               });
+    }
   return 0;
 }
 
@@ -176,10 +260,16 @@ bool put_off(N_Vector x, N_Vector y) {
 
 void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z) noexcept {
   if (a == 1.0 && b == 1.0 && x == z && y != z && put_off(x, y)) return;
+  const double *first = array(x).data(), *second = array(y).data();
   if (a == 1.0)
-    array(z) = array(x) + b * array(y);
+    each_entry(z, [b, first, second](std::size_t i, auto kind) {
+      return load<decltype(kind)>(first + i) + b * load<decltype(kind)>(second + i);
+    });
   else
-    array(z) = a * array(x) + b * array(y);
+    each_entry(z, [a, b, first, second](std::size_t i, auto kind) {
+      const auto other = b * load<decltype(kind)>(second + i);
+      return a * load<decltype(kind)>(first + i) + other;
+    });
 }
 
 double weighted_max_norm(N_Vector x, N_Vector w) noexcept {
@@ -187,10 +277,13 @@ double weighted_max_norm(N_Vector x, N_Vector w) noexcept {
   return (array(x).head(n) * array(w).head(n)).abs().maxCoeff();
 }
 
-Vector make(Eigen::ArrayXd data, const Probed* probed, Eigen::Index weighed, const Context& context) {
+using Combination = int (*)(int, sunrealtype*, N_Vector*, N_Vector);
+
+Vector make(Eigen::Index size, const Probed* probed, Eigen::Index weighed, Combination combination,
+            const Context& context) {
   Vector vector(N_VNewEmpty(context.get()));
   if (!vector) throw std::bad_alloc();
-  vector->content = new Content{std::move(data), probed, weighed};
+  vector->content = new Content{Eigen::ArrayXd::Zero(size), probed, weighed};
   auto& ops = *vector->ops;
   ops.nvgetvectorid = [](N_Vector) noexcept { return SUNDIALS_NVEC_CUSTOM; };
   ops.nvclone = clone;
@@ -202,7 +295,7 @@ Vector make(Eigen::ArrayXd data, const Probed* probed, Eigen::Index weighed, con
   ops.nvconst = [](sunrealtype c, N_Vector z) noexcept { array(z).setConstant(c); };
   ops.nvprod = [](N_Vector x, N_Vector y, N_Vector z) noexcept { array(z) = array(x) * array(y); };
   ops.nvdiv = [](N_Vector x, N_Vector y, N_Vector z) noexcept { array(z) = array(x) / array(y); };
-  ops.nvscale = [](sunrealtype c, N_Vector x, N_Vector z) noexcept { array(z) = c * array(x); };
+  ops.nvscale = [](sunrealtype c, N_Vector x, N_Vector z) noexcept { combine<1>(&c, &x, z); };
   ops.nvabs = [](N_Vector x, N_Vector z) noexcept { array(z) = array(x).abs(); };
   ops.nvinv = [](N_Vector x, N_Vector z) noexcept { array(z) = array(x).inverse(); };
   ops.nvaddconst = [](N_Vector x, sunrealtype b, N_Vector z) noexcept { array(z) = array(x) + b; };
@@ -210,7 +303,7 @@ Vector make(Eigen::ArrayXd data, const Probed* probed, Eigen::Index weighed, con
   ops.nvmaxnorm = [](N_Vector x) noexcept { return array(x).abs().maxCoeff(); };
   ops.nvmin = [](N_Vector x) noexcept { return array(x).minCoeff(); };
   ops.nvwrmsnorm = weighted_max_norm;
-  ops.nvlinearcombination = probed ? probed_combination : linear_combination;
+  ops.nvlinearcombination = combination;
   ops.nvscaleaddmulti = scale_add_multi;
   return vector;
 }
@@ -218,13 +311,18 @@ Vector make(Eigen::ArrayXd data, const Probed* probed, Eigen::Index weighed, con
 }  // namespace
 
 Vector make_vector(std::size_t size, const Context& context, std::size_t weighed) {
-  return make(Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(size)), nullptr,
-              static_cast<Eigen::Index>(std::min(size, weighed)), context);
+  return make(static_cast<Eigen::Index>(size), nullptr, static_cast<Eigen::Index>(std::min(size, weighed)),
+              linear_combination, context);
 }
 
 Vector make_probe(const Probed& probed, const Context& context) {
   const auto size = static_cast<Eigen::Index>(probed.entries.size());
-  return make(Eigen::ArrayXd::Zero(size), &probed, size, context);
+  return make(size, &probed, size, probed_combination, context);
+}
+
+Vector make_hull(const Probed& probed, const Context& context) {
+  const auto size = static_cast<Eigen::Index>(3 * probed.entries.size());
+  return make(size, &probed, size, hull_combination, context);
 }
 
 void require_memory() {

@@ -57,6 +57,14 @@ struct Probed {
 /// `probed` must outlive the vector.
 Vector make_probe(const Probed& probed, const Context& context);
 
+/// A vector that takes from an interpolant at the end of a step, p(t) = sum_k c_k(t) x_k, what bounds it over the step:
+/// the entries' lowest values first, then their highest, then those at the end. There c_0 = 1, and the others are 0.
+/// Before it |c_k| <= 1 and |h c_k'| <= k, so p is within sum |x_k|, k > 0, of its end, and where |x_1| is above
+/// sum k |x_k|, k > 1, it rises or falls throughout. That holds of Nordsieck's array, c_k = s^k with -1 <= s <= 0, and
+/// of IDA's divided differences: c_k = c_{k-1} (d + psi_{k-2}) / psi_{k-1}, -psi_0 <= d <= 0, h = psi_0, the psi
+/// growing.
+Vector make_hull(const Probed& probed, const Context& context);
+
 /// To be called behind each call of the library that may make vectors. @throws std::bad_alloc when it could not
 void require_memory();
 
