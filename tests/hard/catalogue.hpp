@@ -29,9 +29,6 @@ struct HardScene {
   bool slow = false;                     ///< too long for the tests: measure_stability runs it
 };
 
-inline const std::vector<Mass> two_masses = {Mass::consistent, Mass::redistributed};
-inline const std::vector<Mass> full_masses = {Mass::consistent, Mass::lumped};  ///< a uniform load moves it as one
-
 /// All of them, in the order of docs/internals/stability.md.
 std::vector<HardScene> catalogue();
 

@@ -10,6 +10,9 @@ namespace {
 
 using Scenes = std::vector<HardScene>;
 
+const std::vector<Mass> two_masses = {Mass::consistent, Mass::redistributed};
+// Those that a steady load accelerates as one point.
+const std::vector<Mass> full_masses = {Mass::consistent, Mass::lumped};
 const std::vector<MethodName> penalised = {MethodName::cvode, MethodName::ida, MethodName::arkode, MethodName::odeint,
                                            MethodName::exponential};
 const std::vector<MethodName> all_but_rigid = {MethodName::cvode,

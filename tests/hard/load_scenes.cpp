@@ -8,6 +8,10 @@ namespace viscobar::hard {
 
 namespace {
 
+// Those that a uniform load accelerates as one point.
+const std::vector<Mass> full_masses = {Mass::consistent, Mass::lumped};
+const std::vector<Mass> two_masses = {Mass::consistent, Mass::redistributed};
+
 std::string history(const char* formula) { return std::string("load.history=") + formula; }
 
 }  // namespace

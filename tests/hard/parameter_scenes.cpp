@@ -12,6 +12,7 @@ namespace {
 using Scenes = std::vector<HardScene>;
 
 const std::vector<Mass> every_mass = {Mass::consistent, Mass::lumped, Mass::paper, Mass::redistributed};
+const std::vector<Mass> two_masses = {Mass::consistent, Mass::redistributed};
 const std::vector<MethodName> schemes = {MethodName::fully_discrete, MethodName::finite_difference};
 
 // Massive contact nodes bounce some 2 / sqrt(epsilon) times in a unit of contact: hundreds of them are run.

@@ -10,6 +10,8 @@ namespace {
 
 using Scenes = std::vector<HardScene>;
 
+const std::vector<Mass> full_masses = {Mass::consistent, Mass::lumped};
+
 void distributed(Scenes& scenes) {
   struct Shape {
     const char* name;
