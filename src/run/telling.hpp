@@ -46,20 +46,19 @@ class Telling {
   void told(const Event& event) {
     if (observers_.event) timed([&] { observers_.event(event); });
   }
-  /// After a step: whether the run goes on.
-  bool progress(double t) { return goes_on(observers_.progress, t); }
+  /// After a step: whether the run goes on. On the clock, which would take longer than a look at the time reached.
+  bool progress(double t) { return !observers_.progress || observers_.progress(t) == RunControl::go_on; }
   /// After a checkpoint likewise, by a method whose run goes on as it is.
-  bool checkpoint(const Checkpoint& now) { return goes_on(observers_.checkpoints->take, now); }
+  bool checkpoint(const Checkpoint& now) {
+    RunControl verdict = RunControl::go_on;
+    if (observers_.checkpoints->take) timed([&] { verdict = observers_.checkpoints->take(now); });
+    return verdict == RunControl::go_on;
+  }
 
   /// Of all parts.
   void count_seconds() { statistics_.integration_seconds = seconds_before_ + watch_.seconds(); }
 
  private:
-  bool goes_on(const auto& observer, const auto& what) {
-    RunControl verdict = RunControl::go_on;
-    if (observer) timed([&] { verdict = observer(what); });
-    return verdict == RunControl::go_on;
-  }
   void timed(auto&& call) {
     if (observers_.off_the_clock)
       watch_.outside(call);

@@ -56,11 +56,13 @@ class Run {
       const auto* checkpoint = std::get_if<Checkpoint>(&start_);
       step_.emplace(system_, checkpoint ? system_.initial_state() : std::get<State>(start_), times_.front(), scheme_);
       was_active_.assign(step_->contacts().size(), 0);
+      active_ = step_->active();
       find_contacts_at_ends();
       if (checkpoint)
         go_on(*checkpoint);
       else
         begin_accounts(std::get<State>(start_));
+      if (statistics_.account) watch_ends();
       statistics_.completed = advance_to_end();
     } catch (const LoadError& error) {
       fail(Failure::load, error.time, error.what());
@@ -98,7 +100,8 @@ class Run {
       statistics_.steps = statistics_.rhs_evaluations = n;
       statistics_.reached_time = reached;
       if (statistics_.account) account_reactions(n);
-      if (observers_.snapshot) write_until(n);
+      if (observers_.snapshot && written_ < times_.size() && (times_[written_] <= reached || n == steps_))
+        write_until(n);
       if (!telling_.progress(reached)) return false;
       if (n == steps_) return true;
       const bool due = schedule.due(reached);
@@ -165,31 +168,42 @@ class Run {
     }
   }
 
-  // Over (t_{n-1}, t_n], where u and lambda are linear; before t_1 lambda^0 has its part in what the start took.
-  void account_reactions(std::size_t n) {
-    const double dt = scheme_.step, theta = n < steps_ ? 1.0 : std::min((times_.back() - time(n - 1)) / dt, 1.0);
-    const Lift lift = system_.moving() ? system_.lift(std::min(time(n), times_.back()), 0) : Lift{};
+  // Those that move.
+  void watch_ends() {
     for (const bool right : {false, true}) {
       const std::optional<double>& wall = system_.wall(right);
       if (wall && !system_.moving()) continue;
-      EndAccount& end = account_of(right);
       const std::size_t i = system_.end(right);
-      end.displacement = (wall ? *wall : step_->u()[i] - (1.0 - theta) * dt * step_->p()[i]) + lift.of(right);
-      end.lowest = std::min(end.lowest, end.displacement);
-      end.highest = std::max(end.highest, end.displacement);
-      each_contact_at(right, [&](std::size_t k) {
-        const double now = step_->reaction()[k], then = step_->reaction_before()[k];
-        if (now == 0.0 && then == 0.0) return;
-        const double before = n > 1 ? (1.0 - theta / 2) * then : 0.0;
-        end.impulse += sign(k) * (dt * theta * (before + theta / 2 * now));
+      const auto [first, last] = at_end_[right];
+      watched_.push_back(
+          {&account_of(right), wall ? &*wall : &step_->u()[i], wall ? nullptr : &step_->p()[i], right, first, last});
+    }
+  }
+
+  // Over (t_{n-1}, t_n], where u and lambda are linear; before t_1 lambda^0 has its part in what the start took.
+  void account_reactions(std::size_t n) {
+    const double dt = scheme_.step, theta = n < steps_ ? 1.0 : std::min((times_.back() - time(n - 1)) / dt, 1.0);
+    const double *now = step_->reaction().data(), *then = step_->reaction_before().data();
+    for (const WatchedEnd& watched : watched_) {
+      EndAccount& end = *watched.account;
+      double displacement = *watched.u;
+      if (theta < 1.0 && watched.p) displacement -= (1.0 - theta) * dt * *watched.p;
+      if (system_.moving()) displacement += system_.lift(std::min(time(n), times_.back()), 0).of(watched.right);
+      end.displacement = displacement;
+      if (displacement < end.lowest) end.lowest = displacement;
+      if (displacement > end.highest) end.highest = displacement;
+      for (std::size_t k = watched.first; k < watched.last; ++k) {
+        if (now[k] == 0.0 && then[k] == 0.0) continue;
+        const double before = n > 1 ? (1.0 - theta / 2) * then[k] : 0.0;
+        end.impulse += sign(k) * (dt * theta * (before + theta / 2 * now[k]));
         end.peak_reaction = std::max(end.peak_reaction, reaction(k, theta));
-      });
+      }
     }
     if (!spanned_) return;
-    const double before = of_span(step_->reaction_before()), now = of_span(step_->reaction());
+    const double before = of_span(step_->reaction_before()), after = of_span(step_->reaction());
     SpanAccount& span = statistics_.account->span;
-    span.impulse += dt * theta * ((n > 1 ? (1.0 - theta / 2) * before : 0.0) + theta / 2 * now);
-    span.peak_reaction = std::max(span.peak_reaction, std::abs((1.0 - theta) * before + theta * now));
+    span.impulse += dt * theta * ((n > 1 ? (1.0 - theta / 2) * before : 0.0) + theta / 2 * after);
+    span.peak_reaction = std::max(span.peak_reaction, std::abs((1.0 - theta) * before + theta * after));
   }
 
   // Output times in (t_{n-1}, t_n]: u and v = (u^{n+1} - u^{n-1}) / (2 dt) and lambda at t_{n-1} and t_n, interpolated.
@@ -254,15 +268,16 @@ class Run {
   // the last one, with the velocity after; the openings of a step are earlier than its closings.
   void find_events(std::size_t n) {
     ++statistics_.event_evaluations;
-    const auto active = step_->active();
-    if (std::equal(active.begin(), active.end(), was_active_.begin())) return;
+    bool changed = false;
+    for (std::size_t k = 0; k < active_.size(); ++k) changed |= active_[k] != was_active_[k];
+    if (!changed) return;
     const auto& contacts = step_->contacts();
     for (std::size_t k = 0; k < contacts.size(); ++k)
-      if (const std::size_t i = contacts[k].unknown; was_active_[k] && !active[k])
+      if (const std::size_t i = contacts[k].unknown; was_active_[k] && !active_[k])
         tell(time(n), k, Change::opening, step_->p()[i] + scheme_.step * step_->acceleration()[i]);
     for (std::size_t k = 0; k < contacts.size(); ++k)
-      if (active[k] && !was_active_[k]) tell(time(n + 1), k, Change::closing, step_->p()[contacts[k].unknown]);
-    std::ranges::copy(active, was_active_.begin());
+      if (active_[k] && !was_active_[k]) tell(time(n + 1), k, Change::closing, step_->p()[contacts[k].unknown]);
+    std::ranges::copy(active_, was_active_.begin());
   }
 
   void tell(double t, std::size_t k, Change change, double velocity) {
@@ -312,7 +327,7 @@ class Run {
       energy.growth = taken_at_rest_ - taken_;
       energy.growth_time = std::min(time(n_), times_.back());
     }
-    const bool touching = std::ranges::find(step_->active(), 1) != step_->active().end();
+    const bool touching = std::ranges::find(active_, 1) != active_.end();
     if (!touching && !touching_) taken_at_rest_ = std::max(taken_at_rest_, taken_);
     touching_ = touching;
   }
@@ -352,6 +367,13 @@ class Run {
     throw IntegrationError(why, fmt::format("fully discrete scheme (2.8) at t = {}: {}", t, what), statistics_);
   }
 
+  struct WatchedEnd {
+    EndAccount* account;
+    const double *u, *p;  // of its node; of a wall in a moving frame u alone
+    bool right;
+    std::size_t first, last;  // of its contacts
+  };
+
   const BarSystem& system_;
   const StartingPoint& start_;
   std::span<const double> times_;
@@ -360,11 +382,13 @@ class Run {
   Statistics statistics_;  // with those of the run before it was begun from a checkpoint
   Telling telling_;
   std::size_t steps_ = 1, n_ = 1, written_ = 0;
+  std::span<const unsigned char> active_;  // of the step
   std::vector<unsigned char> was_active_;
   double taken_ = 0.0, taken_at_rest_ = 0.0;  // by impacts: up to now, and the most when nothing touched
   bool touching_ = false;
   bool spanned_ = false;                                         // by an obstacle
   std::array<std::pair<std::size_t, std::size_t>, 2> at_end_{};  // contacts from one up to another
+  std::vector<WatchedEnd> watched_;
   std::vector<double> u_, v_, u_nodal_, v_nodal_;
   std::optional<TimeStep> step_;
 };

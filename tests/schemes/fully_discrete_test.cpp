@@ -207,11 +207,10 @@ TEST(FullyDiscrete, DoesNotCountTheTimeOfObservers) {
   const BarSystem system(mode.scene(), {1.0, 12}, Mass::consistent);
   Observers slow;
   double spent = 0.0;
-  slow.progress = [&](double) {
+  slow.snapshot = [&](const Snapshot&) {
     const auto begin = std::chrono::steady_clock::now();
     while (std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(5)) continue;
     spent += 5e-3;
-    return RunControl::go_on;
   };
   const auto statistics = integrate(system, system.initial_state(), uniform_times(0.5, 4), FullyDiscrete{0.125}, slow);
   EXPECT_LT(statistics.integration_seconds, spent / 2);

@@ -214,8 +214,8 @@ struct Observers {
   /// Parameters with respect to which derivatives are told, too: by cvode, ida, arkode and rigid. They outlive the run.
   std::span<const Direction> directions{};
   std::optional<Checkpoints> checkpoints;  ///< to go on from
-  /// What the observers take is not counted in integration_seconds. That reads the clock twice a call, which is more
-  /// than observers take that only keep a few numbers.
+  /// What the observers take is not counted in integration_seconds, but for `progress`, which each step calls. That
+  /// reads the clock twice a call, which is more than observers take that only keep a few numbers.
   bool off_the_clock = true;
 };
 
