@@ -122,7 +122,7 @@ inline double EventSearch::uncertainty(std::size_t i) const {
 bool EventSearch::proved_quiet(const std::optional<ContactWatch>& ends) {
   const bool watched = ends && !ends->idle();
   if (!bounded_ || (watched && !ends->springs())) return false;
-  stepper_.hull(lowest_, highest_, last_);
+  if (!stepper_.hull(lowest_, highest_, last_)) return false;
   for (std::size_t i = 0; i < count_; ++i)
     if (!far(i)) return false;
   return !watched || ends->within(lowest_, highest_, last_);

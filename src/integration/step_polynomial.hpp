@@ -162,8 +162,9 @@ class PolynomialStepper : public LegStepper {
   void interpolate(double t, std::span<double> y) final { step_.at(t, y); }
   std::span<const double> sample(double t, int derivative) final { return step_.sample(t, derivative); }
   void select(std::span<const std::size_t> sampled) final { step_.select(sampled); }
-  void hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) final {
+  bool hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) final {
     step_.hull(lowest, highest, last);
+    return true;
   }
   ErrorWeights& weights() final { return weights_; }
 

@@ -42,7 +42,10 @@ class LegStepper {
   /// Which of the entries sample() is to give from now on, by their positions.
   virtual void select(std::span<const std::size_t> sampled) = 0;
   /// Bounds of each entry over the last step, and its value at the end: a bound that is that value is attained there.
-  virtual void hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) = 0;
+  /// False: the method has none, and sets nothing.
+  virtual bool hull(std::span<double> /*lowest*/, std::span<double> /*highest*/, std::span<double> /*last*/) {
+    return false;
+  }
   /// What the corrector of the last step changed the energy account by; 0 where the account is a quadrature.
   virtual double account_correction() const { return 0.0; }
   /// Of its error test, with the maxima so far: they are in a checkpoint.

@@ -127,11 +127,6 @@ class Stepper final : public LegStepper {
   }
 
   void select(std::span<const std::size_t> sampled) override { selected_.assign(sampled.begin(), sampled.end()); }
-  // Only a span obstacle asks, which is never rigid.
-  void hull(std::span<double> lowest, std::span<double> highest, std::span<double>) override {
-    std::ranges::fill(lowest, -std::numeric_limits<double>::infinity());
-    std::ranges::fill(highest, std::numeric_limits<double>::infinity());
-  }
 
  private:
   // Point by point.

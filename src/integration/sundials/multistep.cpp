@@ -68,13 +68,14 @@ std::span<const double> Multistep::sample(double t, int derivative) {
   return values(probe_);
 }
 
-void Multistep::hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) {
+bool Multistep::hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) {
   double end = 0.0;
   call("GetCurrentTime", library_.get_current_time, &end);
   call("GetDky", library_.get_dky, end, 0, hull_.get());
   const double* bounds = values(hull_).data();
   for (const std::span<double> out : {lowest, highest, last})
     bounds = std::ranges::copy_n(bounds, static_cast<std::ptrdiff_t>(out.size()), out.begin()).in;
+  return true;
 }
 
 void Multistep::configure(void* memory, double t) {

@@ -40,7 +40,7 @@ class Multistep : public LegStepper {
   void interpolate(double t, std::span<double> y) final;
   std::span<const double> sample(double t, int derivative) final;
   void select(std::span<const std::size_t> sampled) final { probed_->selected.assign(sampled.begin(), sampled.end()); }
-  void hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) final;
+  bool hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) final;
   double account_correction() const final { return leg_.account_correction; }
   ErrorWeights& weights() final { return weights_; }
 
