@@ -18,16 +18,6 @@ namespace {
 
 constexpr std::string_view override_source = "--set";
 
-// The text of a sweep's scene is read again and again.
-const TomlNode& tree_of(const std::string& text) {
-  thread_local std::optional<std::pair<std::string, TomlNode>> last;
-  if (!last || last->first != text) {
-    last.reset();  // of a text that is none nothing is kept
-    last.emplace(text, parse_toml(text));
-  }
-  return last->second;
-}
-
 // The values of keys that are absent, in the order of scene_keys().
 const TomlValue& fallback_of(const SceneKey& key) {
   static const std::vector<TomlValue> values = [] {
@@ -66,9 +56,17 @@ std::string unknown_key(std::string_view table, std::string_view leaf) {
   return "unknown key" + suggestion(nearest_scene_key(table, leaf), table);
 }
 
+SceneEntries::SceneEntries(const std::string& text, const std::string& source) : end_{source, {}} { add_text(text); }
+
+// The text of a sweep's scene is read again and again.
+const SceneEntries& SceneEntries::of_text(const std::string& text, const std::string& source) {
+  thread_local std::optional<std::pair<std::string, SceneEntries>> last;
+  if (!last || last->first != text || last->second.end_.source != source) last = {text, SceneEntries(text, source)};
+  return last->second;
+}
+
 SceneEntries::SceneEntries(const std::string& text, const std::string& source, std::span<const std::string> overrides)
-    : end_{source, {}} {
-  add_text(text);
+    : SceneEntries(of_text(text, source)) {
   for (const std::string& override_text : overrides) add_override(override_text);
   drop_what_no_longer_belongs();
   check_values();
@@ -76,9 +74,9 @@ SceneEntries::SceneEntries(const std::string& text, const std::string& source, s
 }
 
 void SceneEntries::add_text(const std::string& text) {
-  const TomlNode* read = nullptr;
+  TomlNode read;
   try {
-    read = &tree_of(text);
+    read = parse_toml(text);
   } catch (const TextError& error) {
     readable_ = false;
     report_at({end_.source, error.at}, "", error.what());
@@ -90,10 +88,10 @@ void SceneEntries::add_text(const std::string& text) {
   // and nothing counts as missing.
   std::map<std::string, std::string> meant;
   const auto is_table = [](const TomlNode& node) { return node.kind == TomlNode::Kind::table; };
-  for (const TomlNode& table : read->inside)
+  for (const TomlNode& table : read.inside)
     if (is_table(table) && is_scene_table(table.key))
       tables_[meant[table.key] = table.key] = {end_.source, table.value_at};
-  for (const TomlNode& table : read->inside) {
+  for (const TomlNode& table : read.inside) {
     if (!is_table(table) || is_scene_table(table.key)) continue;
     const Place place{end_.source, table.value_at};
     report_at(place, table.key, unknown_table(table.key));
@@ -104,7 +102,7 @@ void SceneEntries::add_text(const std::string& text) {
     const auto add_if_known = [&](const TomlNode& entry, const std::string& written, const std::string& table) {
       if (known == (find_scene_key(table, entry.key) != nullptr)) add(entry, written, table, end_.source);
     };
-    for (const TomlNode& node : read->inside)
+    for (const TomlNode& node : read.inside)
       if (!is_table(node))
         add_if_known(node, "", "");
       else if (const auto table = meant.find(node.key); table != meant.end())

@@ -70,6 +70,8 @@ class SceneEntries {
     Place place;
   };
 
+  SceneEntries(const std::string& text, const std::string& source);
+  static const SceneEntries& of_text(const std::string& text, const std::string& source);
   void add_text(const std::string& text);
   void add_override(const std::string& text);
   /// Of a table, which the text may have written otherwise.

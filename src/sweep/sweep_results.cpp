@@ -63,7 +63,7 @@ void SweepResults::refresh_tables() {
     if (begin < next) return;
     action();
     const auto end = Clock::now();
-    next = end + std::max(least, 20 * (end - begin));
+    next = end + std::max(least, 50 * (end - begin));
   };
   now_and_then(next_commit_, Clock::duration::zero(), [&] { table_->commit(); });
   if (written_ != done_) now_and_then(next_, std::chrono::seconds(2), [&] { write_tables(); });

@@ -38,7 +38,7 @@ class SweepResults {
 
   void add(const SweepRow& row);
   /// To be called often: brings the rows to the disk, and writes the CSV files, when there is something new and they
-  /// have been left alone long enough for each of the two to take at most a twentieth of the time.
+  /// have been left alone long enough for each of the two to take at most a fiftieth of the time.
   void refresh_tables();
   void close();
 

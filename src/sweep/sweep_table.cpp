@@ -20,10 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Timings {
-  double seconds, integration_seconds;
-};
-
 std::vector<TableField> timing_fields() {
   return {{"seconds", H5T_IEEE_F64LE, sizeof(double)}, {"integration_seconds", H5T_IEEE_F64LE, sizeof(double)}};
 }
@@ -112,10 +108,12 @@ std::string text_of(const fs::path& path, const Hdf5Dataset& dataset) {
   return text;
 }
 
-void write_row(const fs::path& path, const Hdf5Dataset& dataset, hid_t type, hsize_t row, const void* data) {
-  const hsize_t one = 1;
-  const Hdf5Dataspace target(H5Dget_space(dataset.get())), source(H5Screate_simple(1, &one, nullptr));
-  H5Sselect_hyperslab(target.get(), H5S_SELECT_SET, &row, nullptr, &one, nullptr);
+// Those with the given indices, from `data` one behind the other.
+void write_rows(const fs::path& path, const Hdf5Dataset& dataset, hid_t type, std::span<const hsize_t> rows,
+                const void* data) {
+  const hsize_t count = rows.size();
+  const Hdf5Dataspace target(H5Dget_space(dataset.get())), source(H5Screate_simple(1, &count, nullptr));
+  H5Sselect_elements(target.get(), H5S_SELECT_SET, rows.size(), rows.data());
   hdf5_checked(path, "cannot be written",
                [&] { return H5Dwrite(dataset.get(), type, source.get(), target.get(), H5P_DEFAULT, data); });
 }
@@ -214,7 +212,8 @@ std::vector<SweepRow> SweepTable::read() const {
 }
 
 void SweepTable::write(const SweepRow& row) {
-  std::string bytes;
+  std::string& bytes = pending_.rows;
+  const std::size_t first = bytes.size();
   auto field = fields_.begin();
   const auto put = [&](std::string_view value) {  // a text is cut off, or filled up
     const std::size_t begin = bytes.size();
@@ -230,21 +229,22 @@ void SweepTable::write(const SweepRow& row) {
   for (std::size_t k = 0; field != fields_.end(); ++k) put(in_memory(row.column(k)));
 
   const Timings timings{row.seconds, row.integration_seconds};
-  const std::uint64_t sum = row_checksum(identity_, bytes, in_memory(timings));
-  write_row(path_, rows_, row_type_.get(), row.index, bytes.data());
-  write_row(path_, timings_, timing_type_.get(), row.index, &timings);
-  write_row(path_, checksums_, H5T_STD_U64LE, row.index, &sum);
-  unmarked_.push_back(row.index);
+  pending_.checksums.push_back(row_checksum(identity_, std::string_view(bytes).substr(first), in_memory(timings)));
+  pending_.timings.push_back(timings);
+  pending_.indices.push_back(row.index);
 }
 
 void SweepTable::sync() const { OutputFile(path_, OutputFile::Content::keep).sync(); }
 
 void SweepTable::commit() {
-  if (unmarked_.empty()) return;
+  const std::span<const hsize_t> indices(pending_.indices);
+  if (indices.empty()) return;
+  write_rows(path_, rows_, row_type_.get(), indices, pending_.rows.data());
+  write_rows(path_, timings_, timing_type_.get(), indices, pending_.timings.data());
+  write_rows(path_, checksums_, H5T_STD_U64LE, indices, pending_.checksums.data());
   sync();
-  const std::uint8_t done = 1;
-  for (const std::size_t index : unmarked_) write_row(path_, done_, H5T_STD_U8LE, index, &done);
-  unmarked_.clear();
+  write_rows(path_, done_, H5T_STD_U8LE, indices, std::vector<std::uint8_t>(indices.size(), 1).data());
+  pending_ = {};
 }
 
 void SweepTable::close() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -44,8 +45,9 @@ class SweepTable {
   /// Of the program that made the table.
   const std::string& build() const { return build_; }
 
+  /// Keeps a row until commit(): HDF5 takes as long for one as for hundreds.
   void write(const SweepRow& row);
-  /// Brings the rows written so far to the disk and then marks them as done.
+  /// Brings the rows kept so far to the disk and then marks them as done.
   void commit();
   void close();
 
@@ -61,7 +63,16 @@ class SweepTable {
   Hdf5Dataset rows_, timings_, checksums_, done_;
   Checksum identity_;
   std::string build_;
-  std::vector<std::size_t> damaged_, unmarked_;  // the latter written since the last commit
+  std::vector<std::size_t> damaged_;
+  struct Timings {
+    double seconds, integration_seconds;
+  };
+  struct {  // since the last commit
+    std::vector<hsize_t> indices;
+    std::string rows;
+    std::vector<Timings> timings;
+    std::vector<std::uint64_t> checksums;
+  } pending_;
 };
 
 }  // namespace viscobar
