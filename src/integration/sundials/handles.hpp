@@ -40,19 +40,21 @@ inline void keep_message(int, const char*, const char*, char* message, void* sin
   package##SetErrHandlerFn((memory), viscobar::sundials::keep_message, &(sink))
 #endif
 
-/// Owner of the context that every SUNDIALS object is created in.
+class HistorySums;
+
+/// Owner of the context that every SUNDIALS object is created in, and of what its vectors have put off.
 class Context {
  public:
-  Context() {
-    if (SUNContext_Create(no_communicator, &context_) != 0) throw std::bad_alloc();
-  }
-  ~Context() { SUNContext_Free(&context_); }
+  Context();
+  ~Context();
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
   SUNContext get() const { return context_; }
+  HistorySums& put_off() const { return *put_off_; }
 
  private:
   SUNContext context_ = nullptr;
+  std::unique_ptr<HistorySums> put_off_;
 };
 
 /// Frees by a function of the library, which takes the object, or the address of the memory of an integrator.

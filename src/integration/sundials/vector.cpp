@@ -66,6 +66,12 @@ constexpr std::array<Kernel, sizeof...(q)> kernels(std::index_sequence<q...>) {
 
 }  // namespace
 
+Context::Context() : put_off_(std::make_unique<HistorySums>()) {
+  if (SUNContext_Create(no_communicator, &context_) != 0) throw std::bad_alloc();
+}
+
+Context::~Context() { SUNContext_Free(&context_); }
+
 bool HistorySums::put_off(double* x, const double* y, std::size_t n) {
   if (count_ == sums_.size() || (count_ > 0 && n != size_)) return false;
   sums_[count_++] = {x, y};
@@ -114,6 +120,7 @@ void HistorySums::carry_out() {
 namespace {
 
 struct Content {
+  HistorySums* put_off;  // of all vectors of its context
   Eigen::ArrayXd data;
   const Probed* probed = nullptr;  // of a probe
   Eigen::Index weighed = 0;        // entries from the first on that norms look at
@@ -122,15 +129,13 @@ struct Content {
 
 constinit thread_local bool out_of_memory = false;
 
-// Asked for, and not looked at yet. An integration and its vectors stay in one thread.
-constinit thread_local HistorySums put_off_sums;
-
 Eigen::ArrayXd& stored(N_Vector x) { return static_cast<Content*>(x->content)->data; }
 
 // The first look at a vector passes here.
 Content& content(N_Vector x) {
-  if (!put_off_sums.empty()) put_off_sums.carry_out();
-  return *static_cast<Content*>(x->content);
+  auto& found = *static_cast<Content*>(x->content);
+  if (!found.put_off->empty()) found.put_off->carry_out();
+  return found;
 }
 Eigen::ArrayXd& array(N_Vector x) { return content(x).data; }
 
@@ -140,7 +145,8 @@ N_Vector clone(N_Vector x) noexcept {
   N_Vector copy = N_VNewEmpty(x->sunctx);
   try {
     if (!copy || N_VCopyOps(x, copy) != 0) throw std::bad_alloc();
-    copy->content = new Content{Eigen::ArrayXd::Zero(array(x).size()), content(x).probed, content(x).weighed};
+    const Content& of = content(x);
+    copy->content = new Content{of.put_off, Eigen::ArrayXd::Zero(of.data.size()), of.probed, of.weighed};
     return copy;
   } catch (const std::bad_alloc&) {
     if (copy) N_VFreeEmpty(copy);
@@ -255,7 +261,8 @@ int scale_add_multi(int count, sunrealtype* c, N_Vector x, N_Vector* y, N_Vector
 
 bool put_off(N_Vector x, N_Vector y) {
   auto &sum = stored(x), &term = stored(y);
-  return put_off_sums.put_off(sum.data(), term.data(), static_cast<std::size_t>(sum.size()));
+  return static_cast<Content*>(x->content)
+      ->put_off->put_off(sum.data(), term.data(), static_cast<std::size_t>(sum.size()));
 }
 
 void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z) noexcept {
@@ -283,7 +290,7 @@ Vector make(Eigen::Index size, const Probed* probed, Eigen::Index weighed, Combi
             const Context& context) {
   Vector vector(N_VNewEmpty(context.get()));
   if (!vector) throw std::bad_alloc();
-  vector->content = new Content{Eigen::ArrayXd::Zero(size), probed, weighed};
+  vector->content = new Content{&context.put_off(), Eigen::ArrayXd::Zero(size), probed, weighed};
   auto& ops = *vector->ops;
   ops.nvgetvectorid = [](N_Vector) noexcept { return SUNDIALS_NVEC_CUSTOM; };
   ops.nvclone = clone;
