@@ -109,16 +109,15 @@ int run_sweep(const SweepOptions& asked) {
   if (!asked.error.empty()) overrides.push_back("accuracy.error=" + asked.error);
   const SweepFile sweep = read_sweep(asked.file, overrides);
   std::vector<double> costs;
-  ReadScenes scenes;
   if (several) costs = ranks->plan(sweep);
   // This one also says why, where no case can run.
   if (std::all_of(costs.begin(), costs.end(), [](double cost) { return cost == 0.0; }))
-    costs = plan_cases(sweep, asked.threads, &scenes);
+    costs = plan_cases(sweep, asked.threads);
   const fs::path directory = asked.output.directory(asked.file);
   catch_interrupts();
   SweepResults results(directory, sweep, warn);
   const std::size_t kept = results.size();
-  SweepQueue queue(sweep, costs, results.rows(), std::move(scenes));
+  SweepQueue queue(sweep, costs, results.rows());
   const std::size_t missing = queue.size();
   // It has the checksums of tables that are about to change.
   if (missing > 0) fs::remove(directory / "sweep.json");

@@ -156,11 +156,10 @@ std::optional<SweepRow> run_case(const std::string& scene_text, const SweepCase&
                                  const std::function<bool()>& interrupted) {
   const auto started = std::chrono::steady_clock::now();
   SweepRow row;
-  std::optional<SceneFile> read;
   row.index = one.index;
   row[Quantity::steps] = row[Quantity::events] = row[Quantity::reached_time] = 0.0;
   try {
-    const SceneFile& scene = one.scene ? *one.scene : read.emplace(parse_case(scene_text, "scene", one.overrides));
+    const SceneFile scene = parse_case(scene_text, "scene", one.overrides);
     if (!(scene.accuracy ? solve_into(row, scene, one.neighbour, interrupted)
                          : simulate_into(row, scene.run, interrupted)))
       return std::nullopt;

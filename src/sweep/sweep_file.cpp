@@ -184,18 +184,15 @@ class SweepReader {
 
 // A case is read on a coarse mesh: its initial data are then checked at a few nodes, by the worker at all, and a sweep
 // of large bars is planned as fast as one of small ones. @throws SceneError
-double cost_of(const std::string& scene_text, const std::string& source, const SweepCase& one,
-               std::shared_ptr<const SceneFile>* whole = nullptr) {
+double cost_of(const std::string& scene_text, const std::string& source, const SweepCase& one) {
   constexpr std::size_t coarse = 32;
   std::size_t elements = 0;
-  auto scene = std::make_shared<SceneFile>(parse_case(scene_text, source, one.overrides, [&](Case& read) {
-    elements = read.elements;
-    read.elements = std::min(read.elements, coarse);
-  }));
-  scene->run.elements = elements;
-  const double seconds = estimated_seconds(scene->run);
-  if (whole && elements <= coarse) *whole = std::move(scene);
-  return seconds;
+  Case run = parse_case(scene_text, source, one.overrides, [&](Case& read) {
+               elements = read.elements;
+               read.elements = std::min(read.elements, coarse);
+             }).run;
+  run.elements = elements;
+  return estimated_seconds(run);
 }
 
 }  // namespace
@@ -244,17 +241,14 @@ double planned_seconds(const std::string& scene_text, const SweepCase& one) {
   }
 }
 
-std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads, ReadScenes* read) {
-  constexpr std::size_t most_read = 4096;
+std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads) {
   std::vector<double> costs(sweep.plan.size(), 0.0);
-  if (read) read->resize(std::min(costs.size(), most_read));
   std::vector<std::vector<Diagnostic>> refused(costs.size());
   parallel_for(
       costs.size(),
       [&](std::size_t i) {
         try {
-          costs[i] = cost_of(sweep.scene_text, sweep.scene_source, case_of(sweep, i),
-                             read && i < read->size() ? &(*read)[i] : nullptr);
+          costs[i] = cost_of(sweep.scene_text, sweep.scene_source, case_of(sweep, i));
         } catch (const SceneError& error) {
           refused[i] = error.diagnostics;
         }

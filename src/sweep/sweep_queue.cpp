@@ -7,14 +7,12 @@
 
 namespace viscobar {
 
-SweepQueue::SweepQueue(const SweepFile& sweep, std::span<const double> costs, std::span<const SweepRow* const> finished,
-                       ReadScenes scenes)
+SweepQueue::SweepQueue(const SweepFile& sweep, std::span<const double> costs, std::span<const SweepRow* const> finished)
     : sweep_(sweep),
       costs_(costs),
       neighbours_(neighbours(sweep.plan)),
       finished_(costs.size()),
-      starts_(costs.size()),
-      scenes_(std::move(scenes)) {
+      starts_(costs.size()) {
   for (const SweepRow* row : finished) finish(*row);
   for (const bool waiting : {false, true})
     for (const std::size_t i : dispatch_order(costs))
@@ -27,7 +25,6 @@ std::optional<SweepCase> SweepQueue::take() {
   if (next == left_.end()) return std::nullopt;
   SweepCase one = case_of(sweep_, *next);
   left_.erase(next);
-  if (one.index < scenes_.size()) one.scene = std::move(scenes_[one.index]);
   if (const auto neighbour = neighbours_[one.index])
     if (const auto& start = starts_[*neighbour]) one.neighbour = {*neighbour, *start};
   return one;

@@ -15,8 +15,7 @@ namespace viscobar {
 class SweepQueue {
  public:
   /// `costs` of all cases; `finished` are rows from before.
-  SweepQueue(const SweepFile& sweep, std::span<const double> costs, std::span<const SweepRow* const> finished = {},
-             ReadScenes scenes = {});
+  SweepQueue(const SweepFile& sweep, std::span<const double> costs, std::span<const SweepRow* const> finished = {});
 
   /// To run now. Absent: none is left, or all that are left wait for cases that are under way.
   std::optional<SweepCase> take();
@@ -34,7 +33,6 @@ class SweepQueue {
   std::vector<bool> finished_;
   std::vector<std::optional<AccuracyStart>> starts_;  // of finished cases, for their neighbours
   std::deque<std::size_t> left_;
-  ReadScenes scenes_;  // of cases that have not been handed out
 };
 
 }  // namespace viscobar

@@ -7,7 +7,6 @@
 #include <functional>
 #include <limits>
 #include <map>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -179,7 +178,6 @@ struct SweepCase {
   std::size_t index = 0;                      ///< in the plan
   std::vector<std::string> overrides;         ///< "table.key=value", settings and varied keys
   std::optional<NeighbourStart> neighbour{};  ///< absent: the case searches by itself
-  std::shared_ptr<const SceneFile> scene{};   ///< what they make; null: to be read
 };
 
 /// 0 <= index < sweep.plan.size()
@@ -188,13 +186,9 @@ SweepCase case_of(const SweepFile& sweep, std::size_t index);
 /// What a case of the scene in `scene_text` is estimated to cost; 0 when it is refused.
 double planned_seconds(const std::string& scene_text, const SweepCase& one);
 
-/// The first cases of a sweep as they were read, where they were read to the end; else null.
-using ReadScenes = std::vector<std::shared_ptr<const SceneFile>>;
-
-/// Reads every case (on `threads`, or all cores) and estimates what it costs; 0 for one that is refused. Of small bars
-/// `read` gets some thousand scenes, so that their cases need not be read again.
+/// Reads every case (on `threads`, or all cores) and estimates what it costs; 0 for one that is refused.
 /// @throws SceneError when all are refused, with all reasons
-std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads = 0, ReadScenes* read = nullptr);
+std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads = 0);
 
 /// Runs a case of the scene in `scene_text`. Whatever goes wrong with it is in the row: findings of the scene, the
 /// integrator's words. `interrupted` is asked after each step: there is no row when it says yes.
