@@ -202,14 +202,26 @@ void SceneEntries::check_values() {
 }
 
 void SceneEntries::fill_in() {
-  for (const SceneKey& key : scene_keys()) {
-    if (present(key.name) || faulty(key.name)) continue;
-    const bool table_is_there = tables_.contains(key.table());
-    if (key.presence == Presence::required || (key.presence == Presence::required_in_table && table_is_there))
+  filled_in_.assign(scene_keys().size(), false);
+  for (std::size_t i = 0; const SceneKey& key : scene_keys()) {
+    const std::size_t place = i++;
+    if (given(key.name) || faulty(key.name)) continue;
+    if (key.presence == Presence::required ||
+        (key.presence == Presence::required_in_table && tables_.contains(key.table())))
       report(key.name, "is missing: {}", key.meaning);
-    else if (!key.fallback.empty())
-      filled_in_.emplace(key.name), entries_.emplace(key.name, Entry{fallback_of(key), place_of(key.name)});
+    else
+      filled_in_[place] = !key.fallback.empty();
   }
+}
+
+bool SceneEntries::filled_in(std::string_view key) const {
+  const SceneKey* known = filled_in_.empty() ? nullptr : find_scene_key(key);
+  return known && filled_in_[static_cast<std::size_t>(known - scene_keys().data())];
+}
+
+const TomlValue* SceneEntries::find(std::string_view key) const {
+  if (const auto entry = entries_.find(key); entry != entries_.end()) return &entry->second.value;
+  return filled_in(key) ? &fallback_of(*find_scene_key(key)) : nullptr;
 }
 
 std::optional<double> SceneEntries::number(std::string_view key) const {
@@ -241,10 +253,7 @@ Parameters SceneEntries::parameters() const {
   return known;
 }
 
-const TomlValue* SceneEntries::sound_value(std::string_view key) const {
-  const auto entry = entries_.find(key);
-  return entry == entries_.end() || faulty(key) ? nullptr : &entry->second.value;
-}
+const TomlValue* SceneEntries::sound_value(std::string_view key) const { return faulty(key) ? nullptr : find(key); }
 
 SceneEntries::Place SceneEntries::place_of(std::string_view key) const {
   if (const auto entry = entries_.find(key); entry != entries_.end()) return entry->second.place;

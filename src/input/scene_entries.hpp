@@ -32,9 +32,9 @@ class SceneEntries {
   /// False when the text is not TOML: what it holds is unknown then.
   bool readable() const { return readable_; }
   bool has_table(std::string_view table) const { return tables_.contains(table); }
-  bool present(std::string_view key) const { return entries_.contains(key); }
+  bool present(std::string_view key) const { return given(key) || filled_in(key); }
   /// Present, and not as a fallback.
-  bool given(std::string_view key) const { return present(key) && !filled_in_.contains(key); }
+  bool given(std::string_view key) const { return entries_.contains(key); }
   bool faulty(std::string_view key) const { return faulty_.contains(key); }
   bool sound(std::string_view key) const { return present(key) && !faulty(key); }
   std::vector<std::string> faulty_keys() const { return {faulty_.begin(), faulty_.end()}; }
@@ -48,7 +48,7 @@ class SceneEntries {
   Parameters parameters() const;
 
   /// As the user or the fallback put it.
-  const TomlValue& value(std::string_view key) const { return entries_.find(key)->second.value; }
+  const TomlValue& value(std::string_view key) const { return *find(key); }
 
   /// Notes what is wrong with a key, at its value, or else at its table, or else at the end of the text.
   void report(std::string_view key, const std::string& message);
@@ -80,6 +80,8 @@ class SceneEntries {
   void drop_what_no_longer_belongs();
   void check_values();
   void fill_in();
+  bool filled_in(std::string_view key) const;
+  const TomlValue* find(std::string_view key) const;  // null: absent
   const TomlValue* sound_value(std::string_view key) const;
   Place place_of(std::string_view key) const;
   void report_at(const Place& place, const std::string& key, const std::string& message);
@@ -88,7 +90,8 @@ class SceneEntries {
   bool readable_ = true;
   std::map<std::string, Entry, std::less<>> entries_;
   std::map<std::string, Place, std::less<>> tables_;
-  std::set<std::string, std::less<>> faulty_, filled_in_;
+  std::set<std::string, std::less<>> faulty_;
+  std::vector<bool> filled_in_;  // of scene_keys(), whether its fallback holds
   std::vector<Diagnostic> found_;
 };
 
