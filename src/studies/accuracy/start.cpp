@@ -37,7 +37,7 @@ void Plan::begin_at(const AccuracyStart& start) {
   begun_ = begun_ || chosen_ != guess_;
 }
 
-// What a neighbour needed may be far more than this case does: then the search goes back to its own guess.
+// A neighbour may need far finer settings than this case. The search then goes back to its own guess.
 void Plan::leave_fine_settings() {
   constexpr double far = 10.0;
   if (chosen_.fineness < guess_.fineness && far * time_error(coarse()).error < shares_.time * *requested_)
