@@ -125,6 +125,7 @@ bool ContactWatch::idle() const {
 
 bool ContactWatch::within(std::span<const double> lowest, std::span<const double> highest,
                           std::span<const double> last) const {
+  if (!extremes_) return true;
   const std::size_t* position = positions_.data();
   for (const End& end : ends_) {
     const EndAccount& account = *end.account;
@@ -132,7 +133,7 @@ bool ContactWatch::within(std::span<const double> lowest, std::span<const double
     const bool inside = (low == now || low + end.origin >= account.lowest) &&
                         (high == now || high + end.origin <= account.highest) &&
                         (!end.shut || largest_reaction(end, position, lowest, highest) <= account.peak_reaction);
-    if (extremes_ && !inside) return false;
+    if (!inside) return false;
     position += end.entries.size();
   }
   return true;

@@ -174,9 +174,7 @@ class Run {
       const std::optional<double>& wall = system_.wall(right);
       if (wall && !system_.moving()) continue;
       const std::size_t i = system_.end(right);
-      const auto [first, last] = at_end_[right];
-      watched_.push_back(
-          {&account_of(right), wall ? &*wall : &step_->u()[i], wall ? nullptr : &step_->p()[i], right, first, last});
+      watched_.push_back({&account_of(right), wall ? &*wall : &step_->u()[i], wall ? nullptr : &step_->p()[i], right});
     }
   }
 
@@ -192,7 +190,8 @@ class Run {
       end.displacement = displacement;
       if (displacement < end.lowest) end.lowest = displacement;
       if (displacement > end.highest) end.highest = displacement;
-      for (std::size_t k = watched.first; k < watched.last; ++k) {
+      const auto [first, last] = at_end_[watched.right];
+      for (std::size_t k = first; k < last; ++k) {
         if (now[k] == 0.0 && then[k] == 0.0) continue;
         const double before = n > 1 ? (1.0 - theta / 2) * then[k] : 0.0;
         end.impulse += sign(k) * (dt * theta * (before + theta / 2 * now[k]));
@@ -371,7 +370,6 @@ class Run {
     EndAccount* account;
     const double *u, *p;  // of its node; of a wall in a moving frame u alone
     bool right;
-    std::size_t first, last;  // of its contacts
   };
 
   const BarSystem& system_;

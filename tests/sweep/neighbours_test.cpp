@@ -134,7 +134,7 @@ std::vector<SweepRow> all_rows(const SweepFile& sweep, std::size_t threads,
   return rows;
 }
 
-// What a file has of them; timings are elsewhere.
+// The text of all rows, without the timings: those depend on the machine.
 std::string told(const SweepFile& sweep, const std::vector<SweepRow>& rows) {
   std::vector<const SweepRow*> pointers;
   for (const SweepRow& row : rows) pointers.push_back(&row);
