@@ -68,6 +68,8 @@ std::string meant(const std::string& word, const std::vector<std::string>& known
 std::string explanation(const CLI::App& app, const CLI::ParseError& error) {
   const auto chosen = app.get_subcommands();
   const CLI::App& command = chosen.empty() ? app : *chosen.front();
+  if (!chosen.empty() && !app.remaining().empty())  // before the command, or behind --
+    return fmt::format("unexpected argument {}", fmt::join(app.remaining(), " "));
   for (const std::string& word : command.remaining()) {
     const std::string bare = word.substr(0, word.find('='));
     if (bare.starts_with('-')) return fmt::format("unknown option {}{}", bare, meant(bare, option_names(command)));
@@ -79,6 +81,8 @@ std::string explanation(const CLI::App& app, const CLI::ParseError& error) {
   const std::string what = error.what();
   if (what.find("flag override") != what.npos)
     return fmt::format("--{} takes no value", what.substr(0, what.find(' ')));
+  for (const CLI::Option* option : command.get_options())
+    if (option->get_required() && option->count() == 0) return fmt::format("{} is required", option->get_name());
   if (!chosen.empty()) return what;
   std::vector<std::string_view> names;
   for (const auto& command_of_all : commands) names.push_back(command_of_all.name);

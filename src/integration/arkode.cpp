@@ -1,5 +1,3 @@
-#include <arkode/arkode_arkstep.h>
-
 #include <algorithm>
 #include <memory>
 #include <span>
@@ -25,8 +23,8 @@ struct ArkodeStage {
 ArkodeStage stage(const Leg& leg) {
   ArkodeStage now;
   void* user = nullptr;
-  ARKStepGetNonlinearSystemData(leg.memory, &now.t, &now.predicted, &now.current, &now.rate, &now.gamma, &now.known,
-                                &user);
+  ARKodeGetNonlinearSystemData(leg.memory, &now.t, &now.predicted, &now.current, &now.rate, &now.gamma, &now.known,
+                               &user);
   return now;
 }
 
@@ -63,26 +61,26 @@ class ArkodeStepper final : public PolynomialStepper {
     step_.restart();
     // A reset keeps the step of the leg before, which chatter makes right more often than a first step found anew.
     if (memory_)
-      check("ARKStepReset", ARKStepReset(memory_.get(), t, state_.get()));
+      check("ARKodeReset", ARKodeReset(memory_.get(), t, state_.get()));
     else
       create(t);
-    check("ARKStepSetStopTime", ARKStepSetStopTime(memory_.get(), stop_));
+    check("ARKodeSetStopTime", ARKodeSetStopTime(memory_.get(), stop_));
   }
 
   double advance() override {
     double t = 0.0;
-    const int flag = ARKStepEvolve(memory_.get(), stop_, state_.get(), &t, ARK_ONE_STEP);
-    // It has freed what interpolates then, and ARKStepFree would do so again.
+    const int flag = ARKodeEvolve(memory_.get(), stop_, state_.get(), &t, ARK_ONE_STEP);
+    // It has freed what interpolates then, and ARKodeFree would do so again.
     if (flag == ARK_MEM_FAIL) std::ignore = memory_.release(), throw std::bad_alloc();
     require_memory();
-    if (flag < 0) fail(leg_, "ARKStepEvolve", flag, flag_name(ARKStepGetReturnFlagName(flag)), Library::arkode);
+    if (flag < 0) fail(leg_, "ARKodeEvolve", flag, flag_name(ARKodeGetReturnFlagName(flag)), Library::arkode);
     step_.advance();
     step_.end().t = t;
     copy_motion(values(state_), motion_, step_.end().y, outer_);
     std::ranges::copy(values(stage(leg_).rate), values(rate_).begin());
     keep_rates();
     double length = 0.0;
-    check("ARKStepGetLastStep", ARKStepGetLastStep(memory_.get(), &length));
+    check("ARKodeGetLastStep", ARKodeGetLastStep(memory_.get(), &length));
     step_.tolerate(weights_.displacement_tolerance());
     // The last stage is the new state, and its correction leads there from the old one.
     step_.finish(length, leg_.correction.first(leg_.layout.nodes));
@@ -108,26 +106,26 @@ class ArkodeStepper final : public PolynomialStepper {
     if (!memory_) throw std::bad_alloc();
     void* memory = leg_.memory = memory_.get();
     VISCOBAR_KEEP_MESSAGES(ARKStep, memory, context_, leg_.library_message);
-    check("ARKStepSetUserData", ARKStepSetUserData(memory, this));
-    check("ARKStepWFtolerances", ARKStepWFtolerances(memory, error_weights));
+    check("ARKodeSetUserData", ARKodeSetUserData(memory, this));
+    check("ARKodeWFtolerances", ARKodeWFtolerances(memory, error_weights));
     check("ARKStepSetTableNum", ARKStepSetTableNum(memory, ARKODE_ESDIRK547L2SA2_7_4_5, ARKODE_ERK_NONE));
-    check("ARKStepSetNonlinearSolver", ARKStepSetNonlinearSolver(memory, solver_.get()));
-    check("ARKStepSetPredictorMethod", ARKStepSetPredictorMethod(memory, 0));  // the state that the step begins with
-    check("ARKStepSetDeduceImplicitRhs", ARKStepSetDeduceImplicitRhs(memory, SUNTRUE));
+    check("ARKodeSetNonlinearSolver", ARKodeSetNonlinearSolver(memory, solver_.get()));
+    check("ARKodeSetPredictorMethod", ARKodeSetPredictorMethod(memory, 0));  // the state that the step begins with
+    check("ARKodeSetDeduceImplicitRhs", ARKodeSetDeduceImplicitRhs(memory, SUNTRUE));
     if (leg_.system.load_varies())
-      check("ARKStepSetMaxStep", ARKStepSetMaxStep(memory, longest_step(leg_.system, end_ - t)));
+      check("ARKodeSetMaxStep", ARKodeSetMaxStep(memory, longest_step(leg_.system, end_ - t)));
     // The step is interpolated by StepPolynomial; the least that the library can be asked to keep for its own.
-    check("ARKStepSetInterpolantType", ARKStepSetInterpolantType(memory, ARK_INTERP_LAGRANGE));
-    check("ARKStepSetInterpolantDegree", ARKStepSetInterpolantDegree(memory, 0));
+    check("ARKodeSetInterpolantType", ARKodeSetInterpolantType(memory, ARK_INTERP_LAGRANGE));
+    check("ARKodeSetInterpolantDegree", ARKodeSetInterpolantDegree(memory, 0));
     // Between two changes the steps are of one size; a controller that looks at the last error alone makes fewer.
-    check("ARKStepSetAdaptivityMethod", ARKStepSetAdaptivityMethod(memory, ARK_ADAPT_I, 1, 0, nullptr));
+    check("StepControl", control_.give_to(memory, context_));
     // The step of the leg before may be far too long for a stiff contact.
-    check("ARKStepSetMaxErrTestFails", ARKStepSetMaxErrTestFails(memory, 50));
+    check("ARKodeSetMaxErrTestFails", ARKodeSetMaxErrTestFails(memory, 50));
   }
 
   void check(const char* call, int flag) {
     require_memory();
-    if (flag != ARK_SUCCESS) fail(leg_, call, flag, flag_name(ARKStepGetReturnFlagName(flag)), Library::arkode);
+    if (flag != ARK_SUCCESS) fail(leg_, call, flag, flag_name(ARKodeGetReturnFlagName(flag)), Library::arkode);
   }
 
   void evaluate(double t, std::span<double> y, std::span<double> rate) {
@@ -159,7 +157,8 @@ class ArkodeStepper final : public PolynomialStepper {
   double end_, stop_ = 0.0;  // of the run, and of the leg
   Vector state_, rate_;      // at the end of the last step
   NonlinearSolver solver_;
-  Memory<ARKStepFree> memory_;
+  StepControl control_;
+  Memory<ARKodeFree> memory_;
 };
 
 }  // namespace

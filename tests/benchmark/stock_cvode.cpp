@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "benchmark/baselines.hpp"
+#include "integration/sundials/handles.hpp"
 
 namespace viscobar::baseline {
 
@@ -42,7 +43,7 @@ void check(int flag, const char* call) {
 Trace stock_cvode(const Problem& problem, double relative, double absolute, AtChange change, bool adams) {
   Interleaved system(problem);
   SUNContext context = nullptr;
-  check(SUNContext_Create(nullptr, &context), "SUNContext_Create");
+  check(sundials::make_context(&context), "SUNContext_Create");
   const auto size = static_cast<sunindextype>(system.size());
   N_Vector y = N_VNew_Serial(size, context);
   std::ranges::copy(system.start(), NV_DATA_S(y));
@@ -87,7 +88,7 @@ Trace stock_cvode(const Problem& problem, double relative, double absolute, AtCh
   SUNMatDestroy(matrix);
   CVodeFree(&memory);
   N_VDestroy(y);
-  SUNContext_Free(&context);
+  sundials::free_context(&context);
   return trace;
 }
 

@@ -67,10 +67,10 @@ constexpr std::array<Kernel, sizeof...(q)> kernels(std::index_sequence<q...>) {
 }  // namespace
 
 Context::Context() : put_off_(std::make_unique<HistorySums>()) {
-  if (SUNContext_Create(no_communicator, &context_) != 0) throw std::bad_alloc();
+  if (make_context(&context_) != 0) throw std::bad_alloc();
 }
 
-Context::~Context() { SUNContext_Free(&context_); }
+Context::~Context() { free_context(&context_); }
 
 bool HistorySums::put_off(double* x, const double* y, std::size_t n) {
   if (count_ == sums_.size() || (count_ > 0 && n != size_)) return false;
