@@ -3,8 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-
-#include "discretisation/wide.hpp"
+#include <experimental/simd>
 
 namespace viscobar::sundials {
 
@@ -12,45 +11,50 @@ namespace {
 
 constexpr std::size_t highest_order = 12;
 
-// body(i, 0.0) for each i < n, or body(i, Wide()) for as many from i on as a register has: four of those a turn, since
+namespace simd = std::experimental;
+using Pack = simd::native_simd<double>;
+
+template <class Values>
+Values load(const double* x) {
+  if constexpr (std::is_same_v<Values, Pack>)
+    return Pack(x, simd::element_aligned);
+  else
+    return *x;
+}
+void store(const Pack& pack, double* x) { pack.copy_to(x, simd::element_aligned); }
+void store(double value, double* x) { *x = value; }
+
+// body(i, 0.0) for each i < n, or body(i, Pack()) for as many from i on as a register has: four of those a turn, since
 // the loop itself would be as many instructions as what is done in it.
 template <class Body>
-[[gnu::always_inline]] inline void in_packs(std::size_t n, const Body& of) {
-  by_width([ n, body = of ](auto width) __attribute__((always_inline)) {
-    constexpr std::size_t size = width;
-    using Pack = typename Wide<size>::type;
-    std::size_t i = 0;
-    for (; i + 4 * size <= n; i += 4 * size)
+[[gnu::always_inline]] inline void in_packs(std::size_t n, const Body& body) {
+  constexpr std::size_t size = Pack::size();
+  std::size_t i = 0;
+  for (; i + 4 * size <= n; i += 4 * size)
 #pragma GCC unroll 4
-      for (std::size_t k = 0; k < 4; ++k) body(i + k * size, Pack());
-    for (; i + size <= n; i += size) body(i, Pack());
-    for (; i < n; ++i) body(i, 0.0);
-  });
+    for (std::size_t k = 0; k < 4; ++k) body(i + k * size, Pack());
+  for (; i + size <= n; i += size) body(i, Pack());
+  for (; i < n; ++i) body(i, 0.0);
 }
 
 // The whole triangle, or its first cascade alone.
 template <std::size_t q, bool whole>
-void sum_history(double* const* histories, std::size_t n) {
-  std::array<double*, q + 1> z;
-  std::copy_n(histories, q + 1, z.begin());
-  const auto sum = [z](std::size_t i, auto kind) __attribute__((always_inline)) {
+void sum_history(double* const* z, std::size_t n) {
+  const auto sum = [z](std::size_t i, auto kind) {
     using Values = decltype(kind);
     std::array<Values, q + 1> values;
 #pragma GCC unroll 16
-    for (std::size_t j = 0; j <= q; ++j) values[j] = take<Values>(z[j] + i);
+    for (std::size_t j = 0; j <= q; ++j) values[j] = load<Values>(z[j] + i);
 #pragma GCC unroll 16
     for (std::size_t k = 1; k <= (whole ? q : 1); ++k)
 #pragma GCC unroll 16
       for (std::size_t j = q; j >= k; --j) values[j - 1] += values[j];
 #pragma GCC unroll 16
-    for (std::size_t j = 0; j < q; ++j) put(values[j], z[j] + i);
+    for (std::size_t j = 0; j < q; ++j) store(values[j], z[j] + i);
   };
-  by_width([ n, sum ](auto width) __attribute__((always_inline)) {
-    constexpr std::size_t size = width;
-    std::size_t i = 0;
-    for (; i + size <= n; i += size) sum(i, typename Wide<size>::type());
-    for (; i < n; ++i) sum(i, 0.0);
-  });
+  std::size_t i = 0;
+  for (; i + Pack::size() <= n; i += Pack::size()) sum(i, Pack());
+  for (; i < n; ++i) sum(i, 0.0);
 }
 
 using Kernel = void (*)(double* const*, std::size_t);
@@ -107,10 +111,9 @@ void HistorySums::carry_out() {
     (whole ? triangles : cascades)[q - 1](z.data(), size_);
   }
   for (std::size_t k = whole ? count_ : q; k < count_; ++k)
-    in_packs(
-        size_, [ x = sums_[k].x, y = sums_[k].y ](std::size_t i, auto kind) __attribute__((always_inline)) {
-          put(take<decltype(kind)>(x + i) + take<decltype(kind)>(y + i), x + i);
-        });
+    in_packs(size_, [x = sums_[k].x, y = sums_[k].y](std::size_t i, auto kind) {
+      store(load<decltype(kind)>(x + i) + load<decltype(kind)>(y + i), x + i);
+    });
   count_ = 0;
 }
 
@@ -162,34 +165,33 @@ void destroy(N_Vector x) noexcept {
 
 // to <- what `value` makes of entries i of the operands.
 template <class Value>
-[[gnu::always_inline]] inline void each_entry(N_Vector to, const Value& value) {
+void each_entry(N_Vector to, const Value& value) {
   auto& out = array(to);
-  in_packs(
-      static_cast<std::size_t>(out.size()), [ value, z = out.data() ](std::size_t i, auto kind)
-                                                __attribute__((always_inline)) { put(value(i, kind), z + i); });
+  in_packs(static_cast<std::size_t>(out.size()),
+           [&value, z = out.data()](std::size_t i, auto kind) { store(value(i, kind), z + i); });
 }
 
-// The result is written once, and may be one of the operands.
+// The result is written once, and may be one of the operands. Of two products the one that is named first is rounded
+// before the other is added to it, since the compiler fuses what follows.
 template <std::size_t count>
 void combine(const sunrealtype* c, N_Vector* x, N_Vector z) {
   std::array<const double*, count> from;
-  std::array<double, count> factors;
-  for (std::size_t k = 0; k < count; ++k) from[k] = array(x[k]).data(), factors[k] = c[k];
-  each_entry(
-      z, [ factors, from ](std::size_t i, auto kind) __attribute__((always_inline)) {
-        const auto term = [&](std::size_t k) __attribute__((always_inline)) {
-          return factors[k] * take<decltype(kind)>(from[k] + i);
-        };
-        auto sum = term(0);
-        if constexpr (count > 1) sum += term(1);
-        constexpr std::size_t first = std::min<std::size_t>(count, 4);
+  for (std::size_t k = 0; k < count; ++k) from[k] = array(x[k]).data();
+  each_entry(z, [c, from](std::size_t i, auto kind) {
+    const auto term = [&](std::size_t k) { return c[k] * load<decltype(kind)>(from[k] + i); };
+    auto sum = count > 1 ? term(count > 1) : term(0);
+    if constexpr (count > 1) sum = term(0) + sum;
+    constexpr std::size_t first = std::min<std::size_t>(count, 4);
 #pragma GCC unroll 4
-        for (std::size_t k = 2; k < first; ++k) sum += term(k);
+    for (std::size_t k = 2; k < first; ++k) sum += term(k);
 #pragma GCC unroll 4
-        for (std::size_t k = first; k + 1 < count; k += 2) sum += term(k) + term(k + 1);
-        if constexpr (count > first && (count - first) % 2 == 1) sum += term(count - 1);
-        return sum;
-      });
+    for (std::size_t k = first; k + 1 < count; k += 2) {
+      const auto other = term(k + 1);
+      sum += term(k) + other;
+    }
+    if constexpr (count > first && (count - first) % 2 == 1) sum += term(count - 1);
+    return sum;
+  });
 }
 
 template <std::size_t... k>
@@ -249,11 +251,10 @@ int scale_add_multi(int count, sunrealtype* c, N_Vector x, N_Vector* y, N_Vector
   for (std::size_t begin = 0, size = static_cast<std::size_t>(added.size()); begin < size; begin += piece)
     for (int k = 0; k < count; ++k) {
       const double *from = stored(y[k]).data() + begin, *term = added.data() + begin;
-      in_packs(
-          std::min(piece, size - begin), [ from, term, factor = c[k], to = stored(z[k]).data() +
-                                           begin ](std::size_t i, auto kind) __attribute__((always_inline)) {
-            put(take<decltype(kind)>(from + i) + factor * take<decltype(kind)>(term + i), to + i);
-          });
+      in_packs(std::min(piece, size - begin),
+               [from, term, factor = c[k], to = stored(z[k]).data() + begin](std::size_t i, auto kind) {
+                 store(load<decltype(kind)>(from + i) + factor * load<decltype(kind)>(term + i), to + i);
+               });
     }
   return 0;
 }
@@ -268,36 +269,19 @@ void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z
   if (a == 1.0 && b == 1.0 && x == z && y != z && put_off(x, y)) return;
   const double *first = array(x).data(), *second = array(y).data();
   if (a == 1.0)
-    each_entry(
-        z, [ b, first, second ](std::size_t i, auto kind) __attribute__((always_inline)) {
-          return take<decltype(kind)>(first + i) + b * take<decltype(kind)>(second + i);
-        });
+    each_entry(z, [b, first, second](std::size_t i, auto kind) {
+      return load<decltype(kind)>(first + i) + b * load<decltype(kind)>(second + i);
+    });
   else
-    each_entry(
-        z, [ a, b, first, second ](std::size_t i, auto kind) __attribute__((always_inline)) {
-          const auto other = b * take<decltype(kind)>(second + i);
-          return a * take<decltype(kind)>(first + i) + other;
-        });
+    each_entry(z, [a, b, first, second](std::size_t i, auto kind) {
+      const auto other = b * load<decltype(kind)>(second + i);
+      return a * load<decltype(kind)>(first + i) + other;
+    });
 }
 
-// One that is not a number may be passed over; who makes a state looks for such.
 double weighted_max_norm(N_Vector x, N_Vector w) noexcept {
-  const auto n = static_cast<std::size_t>(content(x).weighed);
-  return by_width([ n, x = array(x).data(), w = array(w).data() ](auto width) __attribute__((always_inline)) {
-    constexpr std::size_t size = width;
-    using Pack = typename Wide<size>::type;
-    Pack lows{}, highs{};
-    std::size_t i = 0;
-    for (; i + size <= n; i += size) {
-      const Pack product = take<Pack>(x + i) * take<Pack>(w + i);
-      lows = product < lows ? product : lows;
-      highs = product > highs ? product : highs;
-    }
-    double largest = 0.0;
-    for (std::size_t l = 0; l < size; ++l) largest = std::max({largest, highs[l], -lows[l]});
-    for (; i < n; ++i) largest = std::max(largest, std::abs(x[i] * w[i]));
-    return largest;
-  });
+  const Eigen::Index n = content(x).weighed;
+  return (array(x).head(n) * array(w).head(n)).abs().maxCoeff();
 }
 
 using Combination = int (*)(int, sunrealtype*, N_Vector*, N_Vector);
