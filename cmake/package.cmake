@@ -1,4 +1,5 @@
-# cpack -G DEB: the program as a Debian package, with the libraries it is linked to as its only dependencies. For other
+# cpack -G DEB: the program as the Debian package viscobar, with the libraries it is linked to as its only dependencies, and the
+# static library with its headers and what find_package and pkg-config need as libviscobar-dev. For other
 # machines than this one configure with the preset "package", which does not tune the code for the machine it is built on.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME viscobar)
@@ -22,18 +23,23 @@ if(VISCOBAR_NATIVE)
 endif()
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_INSTALL_CMAKE_PROJECTS "${PROJECT_BINARY_DIR};viscobar;program;/")
-set(CPACK_COMPONENTS_ALL program)
+set(CPACK_COMPONENTS_ALL program development)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_GROUPING ALL_COMPONENTS_IN_ONE)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME viscobar)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libviscobar-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libsundials-dev, libhdf5-dev, libmuparser-dev, libfmt-dev, zlib1g-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "The static library, its headers, and what CMake and pkg-config need to find it.")
 if(TARGET viscobar_python) # for one version of Python; the program works without it
   execute_process(COMMAND ${VISCOBAR_PYTHON_EXECUTABLE} -c "import sys; a, b = sys.version_info[:2]; print(f'python3 (>= {a}.{b}), python3 (<< {a}.{b + 1}), python3-numpy')"
-                  OUTPUT_VARIABLE CPACK_DEBIAN_PACKAGE_RECOMMENDS OUTPUT_STRIP_TRAILING_WHITESPACE)
+                  OUTPUT_VARIABLE CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS OUTPUT_STRIP_TRAILING_WHITESPACE)
 endif()
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/viscobar RENAME copyright COMPONENT program)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libviscobar-dev RENAME copyright COMPONENT development)
 install(FILES third_party/uplot/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/viscobar RENAME copyright.uPlot COMPONENT program)
 include(CPack)

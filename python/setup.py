@@ -1,14 +1,18 @@
-"""The package by CMake: its library is the one of the program, from the folder above."""
+"""The package by CMake: its library is the one of the program, from the folder above, or that a source distribution holds."""
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
 from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
+from setuptools.command.sdist import sdist
 
-SOURCE = pathlib.Path(__file__).resolve().parent.parent
+HERE = pathlib.Path(__file__).resolve().parent
+SOURCE = HERE / "source" if (HERE / "source").exists() else HERE.parent  # "source" in a source distribution
+NEEDED = ("CMakeLists.txt", "LICENSE", "cmake", "include", "src", "third_party", "python", "examples/scenes")
 
 
 class ByCMake(build_ext):
@@ -23,5 +27,18 @@ class ByCMake(build_ext):
         subprocess.run(["cmake", "--build", build, "--target", "viscobar_python", "--parallel", jobs], check=True)
 
 
+class WithSource(sdist):
+    def make_release_tree(self, base_dir, files):
+        super().make_release_tree(base_dir, files)
+        leave_out = shutil.ignore_patterns("build", "dist", "source", "*.egg-info", "__pycache__", ".venv")
+        for name in NEEDED:
+            place = pathlib.Path(base_dir, "source", name)
+            place.parent.mkdir(parents=True, exist_ok=True)
+            if (SOURCE / name).is_dir():
+                shutil.copytree(SOURCE / name, place, ignore=leave_out)
+            else:
+                shutil.copy2(SOURCE / name, place)
+
+
 version = re.search(r"project\(viscobar VERSION ([\d.]+)", (SOURCE / "CMakeLists.txt").read_text()).group(1)
-setup(version=version, ext_modules=[Extension("viscobar._core", [])], cmdclass={"build_ext": ByCMake})
+setup(version=version, ext_modules=[Extension("viscobar._core", [])], cmdclass={"build_ext": ByCMake, "sdist": WithSource})

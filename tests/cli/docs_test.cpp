@@ -89,6 +89,8 @@ constexpr struct {
     {"scripts/gallery", "takes minutes"},
     {"scripts/fuzz", "takes minutes"},
     {"scripts/sensitivity-cost", "takes minutes"},
+    {"scripts/fresh-machine", "takes an hour"},
+    {"scripts/install-packages", "scripts/demo does"},
     {"scripts/campaign", "takes minutes; a slice of it is one of the tests"},
     {"build/release/tests/malformed_test", "is one of the tests"},
     {"build/release/tests/properties_test", "is one of the tests"},

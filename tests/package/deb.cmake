@@ -1,4 +1,4 @@
-# Builds the Debian package and inspects it: what it depends on and what it holds; then unpacks it elsewhere and runs it.
+# Builds the Debian packages and inspects them: what they depend on and hold; then unpacks the program elsewhere and runs it.
 # Given: BUILD_DIR, WORK_DIR, CPACK.
 file(REMOVE_RECURSE ${WORK_DIR})
 file(MAKE_DIRECTORY ${WORK_DIR})
@@ -12,13 +12,31 @@ function(run out)
 endfunction()
 
 run(ignored ${CPACK} -G DEB --config ${BUILD_DIR}/CPackConfig.cmake -B ${WORK_DIR})
+file(GLOB package ${WORK_DIR}/viscobar_*.deb)
+file(GLOB library ${WORK_DIR}/libviscobar-dev_*.deb)
 file(GLOB packages ${WORK_DIR}/*.deb)
 list(LENGTH packages count)
-if(NOT count EQUAL 1)
-  message(FATAL_ERROR "one package expected: ${packages}")
+if(NOT count EQUAL 2 OR NOT package OR NOT library)
+  message(FATAL_ERROR "the program and the library expected: ${packages}")
 endif()
 
-run(control dpkg-deb -f ${packages})
+run(control dpkg-deb -f ${library})
+run(content dpkg-deb -c ${library})
+foreach(needed libsundials-dev libhdf5-dev libmuparser-dev libfmt-dev zlib1g-dev)
+  if(NOT control MATCHES "Depends: [^\n]*${needed}")
+    message(FATAL_ERROR "the library's package does not depend on ${needed}\n${control}")
+  endif()
+endforeach()
+foreach(file usr/include/viscobar/viscobar.hpp viscobarConfig.cmake viscobar.pc libviscobar usr/share/doc/libviscobar-dev/copyright)
+  if(NOT content MATCHES "${file}")
+    message(FATAL_ERROR "the library's package lacks ${file}\n${content}")
+  endif()
+endforeach()
+if(content MATCHES "usr/bin|dist-packages")
+  message(FATAL_ERROR "the library's package holds files of the program\n${content}")
+endif()
+
+run(control dpkg-deb -f ${package})
 message(STATUS "${control}")
 foreach(field "Package: viscobar" "Section: science" "Depends: " "libc6" "libsundials" "libhdf5" "libmuparser" "libfmt" "zlib1g")
   if(NOT control MATCHES "${field}")
@@ -29,7 +47,7 @@ if(control MATCHES "-dev|gtest|eigen|cli11|tomlplusplus|nlohmann")
   message(FATAL_ERROR "the package depends on what only the build needs")
 endif()
 
-run(content dpkg-deb -c ${packages})
+run(content dpkg-deb -c ${package})
 foreach(file usr/bin/viscobar usr/share/man/man1/viscobar.1 usr/share/bash-completion/completions/viscobar
              usr/share/zsh/vendor-completions/_viscobar usr/share/doc/viscobar/copyright
              usr/share/doc/viscobar/examples/scenes/chatter.toml)
@@ -46,5 +64,5 @@ if(content MATCHES "\\.hpp|\\.a\n|\\.cmake|\\.pc\n")
   message(FATAL_ERROR "the package holds files of the library\n${content}")
 endif()
 
-run(ignored dpkg-deb -x ${packages} ${WORK_DIR}/root)
+run(ignored dpkg-deb -x ${package} ${WORK_DIR}/root)
 run(version ${WORK_DIR}/root/usr/bin/viscobar --version)

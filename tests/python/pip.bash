@@ -20,3 +20,11 @@ tree/.venv/bin/python -c '
 import viscobar, pathlib
 assert "site-packages" in viscobar.__file__, viscobar.__file__
 print(viscobar.run("tree/examples/scenes/chatter.toml", set={"contact.restitution": 0}))'
+
+# A source distribution holds all that its build needs.
+(cd tree/python && "$python" setup.py --quiet sdist --dist-dir "$work/sdist")
+tar -xf sdist/viscobar-*.tar.gz -C sdist
+cd sdist/viscobar-*/
+"$python" setup.py --quiet --version
+cmake -S source -B configured -DVISCOBAR_TESTS=OFF -DVISCOBAR_PYTHON_EXECUTABLE="$python" >/dev/null
+cmake --build configured --target help | grep viscobar_python >/dev/null
