@@ -212,6 +212,15 @@ void PenalisedSystem::accelerate(std::span<double> force) {
   held_factor_.solve(force);
 }
 
+void PenalisedSystem::expand_acceleration(double t, std::span<const double> u, std::span<const double> w,
+                                          std::span<double> nodal) {
+  nodal.front() = nodal.back() = 0.0;
+  const std::span<double> unknowns = nodal.subspan(bar_.first_node(), size());
+  force(t, u, w, unknowns);
+  accelerate(unknowns);
+  if (bar_.moving()) bar_.add_lift(lift(t, 2), nodal);
+}
+
 PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std::span<const double> u,
                                                     std::span<double> w, const Negligible& negligible) {
   const std::size_t node = contact(i).unknown;

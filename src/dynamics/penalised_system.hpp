@@ -197,6 +197,10 @@ class PenalisedSystem {
   /// From here on `force` acts beside the load: an entry for each unknown, which outlives this. `rates` are those of
   /// its first and last entry, where massless nodes without viscosity follow it.
   void add_force(std::span<const double> force, std::array<double, 2> rates) { added_ = force, added_rates_ = rates; }
+  /// (M f)_e of a fixed end.
+  double load_held(bool right, double t) const { return load_ ? load_->at_held(t, right) : 0.0; }
+  /// The accelerations of the bar itself at all nodes, of a field in the frame. O(n)
+  void expand_acceleration(double t, std::span<const double> u, std::span<const double> w, std::span<double> nodal);
   /// The same, evaluated at that node alone.
   double load_alone(std::size_t unknown, double t) const { return load_ ? load_->at(t, unknown) : 0.0; }
   /// Of the frame (see BarSystem::lift), on the same side of a break as the load.

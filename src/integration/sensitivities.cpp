@@ -293,6 +293,9 @@ std::span<const FieldSensitivity> Sensitivities::fields(double t, std::span<doub
   }
   const BarSystem& bar = system_.bar();
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  // Accelerations at all nodes, where an end is fixed.
+  std::vector<double> own(bar.left_fixed() || bar.right_fixed() ? snapshot.u.size() : 0), of_own(own);
+  if (!own.empty()) system_.expand_acceleration(t, layout_->u(y), w_, own);
   for (std::size_t k = 0; k < pointers_.size(); ++k) {
     Derivative& derivative = *pointers_[k];
     const Block s = layout_->derivative(y, k);
@@ -307,9 +310,14 @@ std::span<const FieldSensitivity> Sensitivities::fields(double t, std::span<doub
       if (!bar.left_fixed() && node == 0) told.reaction_left += reaction;
       if (!bar.right_fixed() && node + 1 == s.nodes) told.reaction_right += reaction;
     }
-    if (bar.left_fixed()) told.reaction_left = -derivative.stress(0, snapshot.u, snapshot.v, field.u, field.v);
-    if (bar.right_fixed())
-      told.reaction_right = derivative.stress(field.u.size() - 2, snapshot.u, snapshot.v, field.u, field.v);
+    if (!own.empty()) {
+      derivative.motion().expand_acceleration(t, s.u(), s.w(), of_own);
+      const auto force = [&](bool right) {
+        return derivative.holding_force(right, t, {snapshot.u, snapshot.v, own}, {field.u, field.v, of_own});
+      };
+      if (bar.left_fixed()) told.reaction_left = force(false);
+      if (bar.right_fixed()) told.reaction_right = force(true);
+    }
     told_.push_back(told);
   }
   return told_;

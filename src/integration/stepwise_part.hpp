@@ -308,7 +308,8 @@ class StepwisePart {
       statistics_.energy->final = system_.energy(u(), w()) + of_frame;
       if (layout_.dissipated) statistics_.energy->dissipated = y_[*layout_.dissipated];
       if (layout_.work) statistics_.energy->work = y_[*layout_.work] + of_frame;
-      if (layout_.end_inertia) statistics_.energy->end_inertia = y_[*layout_.end_inertia];
+      if (layout_.end_inertia)
+        statistics_.energy->dissipated += statistics_.energy->end_inertia = y_[*layout_.end_inertia];
     }
     statistics_.completed = true;
   }
@@ -381,7 +382,7 @@ class StepwisePart {
     if (observers_.energy) {
       const auto entry = [&](std::optional<std::size_t> at) { return at ? y_[*at] : 0.0; };
       now.energy = snapshot_.energy(now, u());
-      now.energy->dissipated = entry(layout_.dissipated);
+      now.energy->dissipated = entry(layout_.dissipated) + entry(layout_.end_inertia);
       now.energy->work = entry(layout_.work) + system_.frame_energy(t, u(), w());
       now.energy->end_inertia = entry(layout_.end_inertia);
     }

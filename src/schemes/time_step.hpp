@@ -62,6 +62,8 @@ class TimeStep {
   std::span<const double> reaction_before() const { return reaction_before_; }  ///< lambda^{n-1}
   std::span<const unsigned char> active() const;  ///< whether u^{n+1} is held by its bound
 
+  /// (M f)_e of a fixed end.
+  double load_held(double t, bool right) const { return load_ ? load_->at_held(t, right) : 0.0; }
   /// M f(t_n); only for a loaded system.
   std::span<const double> load() const { return load_now_; }
 

@@ -61,8 +61,7 @@ double scale(const Told& run) {
 double largest_imbalance(const Told& run) {
   double largest = 0.0;
   for (const EnergyState& now : run.states)
-    largest = std::max(largest,
-                       std::abs(now.total() + now.dissipated + now.end_inertia - now.work - run.done.energy->initial));
+    largest = std::max(largest, std::abs(now.total() + now.dissipated - now.work - run.done.energy->initial));
   return largest / scale(run);
 }
 

@@ -171,6 +171,16 @@ class BarSystem {
   /// rho M over all nodes, where the frame moves.
   const SymmetricTridiagonal& whole_inertia() const { return whole_inertia_; }
 
+  /// The force on the bar that holds a fixed end, in the direction of u: what its own row lacks,
+  ///
+  ///     (rho M a + E K u + eta K v)_e - load,        load = (M f)_e, e = 0 or J,
+  ///
+  /// u, v, a being those of the bar itself, not in the frame, over all mesh nodes. Of the order of the mass.
+  double holding_force(bool right, std::span<const double> u, std::span<const double> v, std::span<const double> a,
+                       double load) const;
+  /// (rho M a)_e of a fixed end, a over all mesh nodes.
+  double held_inertia(bool right, std::span<const double> a) const;
+
   /// out = -(E K u + eta K w). Stresses are differences of neighbours, so a rigid motion gives exactly zero.
   void internal_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
 
@@ -219,9 +229,11 @@ class BarSystem {
 
   struct SteadyVector {
     std::vector<double> weighted;  // M f
+    std::array<double, 2> held{};  // the same of the ends, where they are fixed
   };
   struct SeparableVector {
     std::vector<double> weighted;  // M profile
+    std::array<double, 2> held;    // likewise
     TimeFunction history;
     NextBreak breaks;
   };
@@ -243,9 +255,10 @@ class BarSystem {
   Mesh mesh_;
   Mass mass_;
   Bar bar_;
-  std::array<std::optional<double>, 2> walls_;  // displacement of a fixed end
-  std::array<bool, 2> massless_{};              // the ends
-  std::vector<double> inverse_spacing_;         // 1/h of every element; empty for a uniform mesh
+  std::array<std::optional<double>, 2> walls_;        // displacement of a fixed end
+  std::array<bool, 2> massless_{};                    // the ends
+  std::array<std::array<double, 3>, 2> held_rows_{};  // of rho M, of fixed ends, inwards
+  std::vector<double> inverse_spacing_;               // 1/h of every element; empty for a uniform mesh
   SymmetricTridiagonal inertia_;
   TridiagonalFactor massive_factor_;  // of the massive block of rho M
   std::vector<Contact> contacts_;
@@ -272,6 +285,8 @@ class LoadVector {
   /// Its entry of one unknown, of the same value: the load is evaluated beside its node only. Not counted.
   /// @throws LoadError
   double at(double t, std::size_t unknown) const;
+  /// (M f)_e of a fixed end, the frame's part left out. Not counted. @throws LoadError
+  double at_held(double t, bool right) const;
 
   /// Time of the first break of the load after t, at any node, or `end` where there is none before: until then the load
   /// is smooth. From here on at() evaluates it at the nearest time that is 64 roundings of the time away from that
@@ -291,7 +306,7 @@ class LoadVector {
   }
   double next_break(double after, double until);
   void find_distributed(double t);
-  double distributed(double t, std::size_t unknown) const;
+  double distributed(double t, std::size_t node) const;
   void add_inputs(double t);
   std::array<double, 2> end_forces(double t) const;
   Lift lift(double t, int derivative) const;

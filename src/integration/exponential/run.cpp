@@ -356,7 +356,7 @@ void Run::output_until(double t, double tau, const std::function<EnergyFlow(doub
     std::optional<EnergyState> energy;
     if (statistics_.energy) {
       const EnergyFlow flow = flow_until((times_[next_output_] - t_) / tau);
-      energy = EnergyState{.dissipated = statistics_.energy->dissipated + flow.dissipated,
+      energy = EnergyState{.dissipated = statistics_.energy->dissipated + flow.dissipated + flow.end_inertia,
                            .work = statistics_.energy->work + flow.work + (last ? 0.0 : of_frame),
                            .end_inertia = statistics_.energy->end_inertia + flow.end_inertia};
     }
@@ -388,7 +388,7 @@ bool Run::energy_flows() const {
 }
 
 void Run::add(const EnergyFlow& flow) {
-  statistics_.energy->dissipated += flow.dissipated;
+  statistics_.energy->dissipated += flow.dissipated + flow.end_inertia;
   statistics_.energy->work += flow.work;
   statistics_.energy->end_inertia += flow.end_inertia;
   energy_scale_ = std::max(energy_scale_, statistics_.energy->initial + std::abs(statistics_.energy->work));
