@@ -124,14 +124,17 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
       throw std::invalid_argument(
           "mass \"redistributed\" does not fit a spring or a dashpot at an end with an obstacle, which want its mass");
   }
-  if (moving() && scene.span)
+  const bool moved = inputs_[0].motion || inputs_[1].motion;
+  if (moved && scene.span)
     throw std::invalid_argument("a span obstacle stands still, and does not fit ends that are moved");
+  free_ = {std::holds_alternative<Free>(scene.left), std::holds_alternative<Free>(scene.right)};
   if (moving()) {
-    rigid_frame_ = std::holds_alternative<Free>(inputs_[0].motion ? scene.right : scene.left);
     enter_frame();
+    const Lift rate = lift(0.0, 1);
+    for (std::size_t i = 0; i < size(); ++i) initial_.v[i] -= rate.at(share(i));
   }
   if (mass == Mass::fourth_order && fixed > 0) stop_fixed_ends(scene, whole_inertia_.off_diagonal.front());
-  if (!moving()) whole_inertia_ = {};
+  if (!moved) whole_inertia_ = {};
 
   if (scene.load) {
     const SymmetricTridiagonal load_mass = mass_matrix(mesh, mass);

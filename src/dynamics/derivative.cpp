@@ -22,6 +22,8 @@ double damping_ratio_rate(double restitution) {
   return -square / (restitution * std::pow(square + logarithm * logarithm, 1.5));
 }
 
+BarSystem in_frame_of(const BarSystem& bar, BarSystem data) { return bar.follows() ? data.following() : data; }
+
 // The data of s: springs and dashpots are those of the bar.
 Scene mounted(Scene data, const BarSystem& bar) {
   for (const auto& [input, of_bar] :
@@ -58,7 +60,8 @@ Moment MomentBuilder::operator()(double t, std::span<const double> u, std::span<
 
 Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Direction& direction)
     : system_(system),
-      data_(mounted(direction.data, system.bar()), system.bar().mesh(), system.bar().mass()),
+      data_(
+          in_frame_of(system.bar(), {mounted(direction.data, system.bar()), system.bar().mesh(), system.bar().mass()})),
       motion_(data_, penalty),
       added_(system.size(), 0.0) {
   const Bar& bar = system.bar().bar();

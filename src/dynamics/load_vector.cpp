@@ -30,9 +30,10 @@ LoadVector::LoadVector(const BarSystem& system, double step) : system_(system), 
     breaks_.push_back(general->breaks);
     breaks_at_ = general->breaks_at;
   }
-  for (const EndInput& input : system.inputs_) {
+  for (const bool right : {false, true}) {
+    const EndInput& input = system.inputs_[right];
     if (input.force && system.varying_forces_) breaks_.push_back(input.force->breaks);
-    if (input.motion) breaks_.push_back(input.motion->breaks);
+    if (system.moves_frame(right)) breaks_.push_back(input.motion->breaks);
   }
   std::erase_if(breaks_, [](const NextBreak& one) { return !one; });
   if (!breaks_.empty() || breaks_at_)

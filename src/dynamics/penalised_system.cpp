@@ -264,7 +264,7 @@ void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w)
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     const std::size_t node = contact(i).unknown;
     const double sign = contact(i).sign, clear = clearance(i, u), rounding = clearance_rounding(i, largest);
-    if (clear > rounding) continue;
+    if (moves(i) || clear > rounding) continue;
     if (clear < -rounding || sign * w[node] < 0.0) {
       press[i] = 1;
     } else if (w[node] == 0.0) {
@@ -347,9 +347,20 @@ double PenalisedSystem::contact_energy(std::span<const double> u) const {
 }
 
 double PenalisedSystem::frame_energy(double t, std::span<const double> u, std::span<const double> w) const {
-  if (!bar_.moving()) return 0.0;
+  return frame_energy(bar_, t, u, w);
+}
+
+double PenalisedSystem::frame_energy(const BarSystem& bar, double t, std::span<const double> u,
+                                     std::span<const double> w) const {
+  if (!bar.moving()) return 0.0;
   const std::vector<double> in_frame = displacement(u);
-  return bar_.lifted_energy(bar_.lift(t, 0), bar_.lift(t, 1), in_frame, w).total() - bar_.energy(in_frame, w);
+  return bar.lifted_energy(bar.lift(t, 0), bar.lift(t, 1), in_frame, w).total() - bar.energy(in_frame, w);
+}
+
+double PenalisedSystem::change_frame(const BarSystem& to, double t, std::span<double> u, std::span<double> w) const {
+  const double before = frame_energy(t, u, w);
+  bar_.change_frame(to, t, u, w);
+  return frame_energy(to, t, u, w) - before;
 }
 
 double PenalisedSystem::dissipated_power(std::span<const double> w) const {

@@ -8,6 +8,8 @@
 #include <optional>
 #include <span>
 
+#include "integration/approach.hpp"
+
 namespace viscobar {
 
 namespace {
@@ -66,6 +68,7 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
   }
   double first = 2.0;
   for (const std::size_t i : looked_at_) {
+    if (system_.moves(i)) continue;
     const std::span<const double> values(samples_.data() + i * (order + 1), order + 1);
     if (system_.closed(i))
       for (double value : values) max_penetration_ = std::max(max_penetration_, system_.penetration_share(i) * value);
@@ -77,6 +80,20 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
   }
   if (first > 1.0) return std::nullopt;
   return polished(begin, end, begin + first * (end - begin), which_);
+}
+
+bool EventSearch::may_reach_moving(double begin, double end, double whole) {
+  with_rates_ = false;
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (!system_.moves(i)) continue;
+    const Contact& contact = system_.contact(i);
+    const auto clearance = [&](double t) {
+      return oriented(i, t, at(t)) + (system_.bar().gap(contact, t) - contact.gap);
+    };
+    const double rounding = system_.clearance_rounding(i, stepper_.weights().largest_displacement());
+    if (may_reach_within(whole, clearance, rounding, begin, end)) return true;
+  }
+  return false;
 }
 
 void EventSearch::look_at(double begin, double t) {
@@ -93,6 +110,7 @@ void EventSearch::look_at(double begin, double t) {
 }
 
 bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) const {
+  if (system_.moves(i)) return false;
   std::array<double, 4> values{};
   for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) values[k - first_[i]] = y[entries_[k]];
   const std::span<const double> entries = std::span(values).first(first_[i + 1] - first_[i]);
@@ -143,6 +161,7 @@ bool EventSearch::look_at_the_near() {
 }
 
 bool EventSearch::far(std::size_t i) const {
+  if (system_.moves(i)) return true;
   const double offset = system_.indicator_offset(i, 0.0);  // which does not depend on t
   const double lowest = lowest_[first_[i]], highest = highest_[first_[i]];
   const bool below = system_.contact(i).sign > 0.0;

@@ -35,6 +35,9 @@ class EventSearch {
   /// Unless the search selects, `ends` looks at the samples, too.
   std::optional<double> first_change(double begin, double end, std::optional<ContactWatch>& ends);
 
+  /// Whether the bar may come to an obstacle that moves in that step, of a run of length `whole`.
+  bool may_reach_moving(double begin, double end, double whole);
+
   /// Whether the step's bounds have shown that no contact changes in it, nor an end leaves its range but at the end
   /// of the step: `ends` has not looked at it.
   bool quiet() const { return quiet_; }

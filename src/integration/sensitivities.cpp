@@ -244,6 +244,26 @@ void Sensitivities::add_frame(double t, std::size_t i, std::vector<ChangeSensiti
     changes[k].velocity += acceleration * changes[k].time + pointers_[k]->motion().lift(t, 1).at(share);
 }
 
+// The impulse of what moves the frame is none of an obstacle.
+void Sensitivities::book_momentum(double t, std::span<double> y, double sign) {
+  if (lost()) return;
+  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  each(y, [&](std::size_t, Derivative& derivative, const Block& s) {
+    complete(derivative, at, s);
+    layout_->each_impulse([&](std::size_t e, std::size_t node) {
+      s.impulses()[e] += sign * derivative.momentum(node, at, s.u(), s.w());
+    });
+  });
+}
+
+void Sensitivities::leave_frame(double t, double after, std::span<double> y) {
+  book_momentum(t, y, 1.0);
+  each(y, [&](std::size_t, Derivative& derivative, const Block& s) {
+    const BarSystem& data = derivative.data();
+    if (!lost()) data.change_frame(data.following(), after, s.u(), s.w());
+  });
+}
+
 void Sensitivities::pass_kink(double t, double end, bool bar_has_one, std::span<double> y) {
   if (lost()) return;
   for (std::size_t i = 0; i < system_.contact_count() && bar_has_one; ++i)

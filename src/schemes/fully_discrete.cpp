@@ -143,6 +143,7 @@ class Run {
   double u_before(std::size_t i) const { return step_->u()[i] - scheme_.step * step_->p()[i]; }
 
   double sign(std::size_t k) const { return step_->contacts()[k].sign; }
+  double gap(std::size_t k, std::size_t n) const { return system_.gap(step_->contacts()[k], time(n)); }
 
   // The sum over the span obstacle's contacts, in the direction of u.
   double of_span(std::span<const double> values) const {
@@ -313,9 +314,16 @@ class Run {
       energy.work += loss;
     }
     const auto& contacts = step_->contacts();
-    double taken = 0.0;
-    for (std::size_t k = 0; k < contacts.size(); ++k)
-      taken -= dt * step_->reaction()[k] * (sign(k) * step_->mean_velocity(contacts[k].unknown));
+    // An obstacle that moves does work at its own velocity, and takes energy at that of the node against it.
+    double taken = 0.0, given = 0.0;
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const double impulse = dt * step_->reaction()[k];
+      taken -= impulse * (sign(k) * step_->mean_velocity(contacts[k].unknown));
+      if (impulse != 0.0 && system_.moves(contacts[k]))
+        given -= impulse * (gap(k, n_ + 1) - gap(k, n_ - 1)) / (2.0 * dt);
+    }
+    taken += given;
+    energy.work += given;
     energy.dissipated += taken;
     if (system_.loaded()) energy.work += dt * step_->load_power();
     if (system_.has_end_rows()) {
@@ -341,9 +349,9 @@ class Run {
 
   // With a restitution the constraint does not bound u^{n+1} alone.
   void measure_penetration() {
-    for (const Contact& contact : step_->contacts())
-      statistics_.max_penetration =
-          std::max(statistics_.max_penetration, -contact.clearance(step_->u()[contact.unknown]));
+    for (std::size_t k = 0; k < step_->contacts().size(); ++k)
+      statistics_.max_penetration = std::max(
+          statistics_.max_penetration, -step_->clearance(k, time(n_ + 1), step_->u()[step_->contacts()[k].unknown]));
   }
 
   bool take_checkpoint(double t) {

@@ -79,12 +79,14 @@ struct Mount {
 /// over the nodes that are not fixed, with only the terms that the scene has. Contact constraints are listed, not
 /// applied: the penalised system and the fully discrete schemes each do that in their way.
 ///
-/// Where an end is held or bounded by something that moves, u everywhere here is measured in a frame that moves with
-/// it: the displacement is u + lift(t), linear in x, so that fixed ends stand still and gaps are constant, and
+/// Where an end is held by something that moves, u everywhere here is measured in a frame that moves with it: the
+/// displacement is u + lift(t), linear in x, so that fixed ends stand still, and
 ///
 ///     - rho M lift'' - E K lift - eta K lift' - sum over the ends of (k_e lift + c_e lift') e_e
 ///
-/// is part of the load. P1 holds what is linear: the semi-discrete solution is the same.
+/// is part of the load. P1 holds what is linear: the semi-discrete solution is the same. An obstacle that moves has a
+/// gap(t), and is nothing to the bar until that comes to it. From then on the system is the one in following(), whose
+/// frame moves with the obstacle, too, so that its gap is constant.
 class BarSystem {
  public:
   /// @throws std::invalid_argument when the mesh cannot carry the scene (no unknown node left; too few elements to
@@ -120,7 +122,18 @@ class BarSystem {
   const std::array<EndInput, 2>& inputs() const { return inputs_; }
 
   /// Whether the frame moves.
-  bool moving() const { return inputs_[0].motion || inputs_[1].motion; }
+  bool moving() const { return moves_frame(false) || moves_frame(true); }
+  /// The same in a frame that moves with the obstacles that move, too.
+  BarSystem following() const;
+  bool follows() const { return following_; }  ///< whether it is that
+  /// Whether the obstacle of a contact moves in the frame.
+  bool moves(const Contact& contact) const {
+    return contact.where != Where::span && !following_ && inputs_[contact.where == Where::right].motion;
+  }
+  /// gap(t) of a contact, or its derivative: constant where its obstacle does not move. @throws LoadError
+  double gap(const Contact& contact, double t, int derivative = 0) const;
+  /// Makes the state (u, w) at t of this system that of the same motion in another frame.
+  void change_frame(const BarSystem& to, double t, std::span<double> u, std::span<double> w) const;
   /// Of the frame, or its first or second derivative in time. @throws LoadError where it is not finite
   Lift lift(double t, int derivative) const;
   /// The same as lift(), from displacements a time `step` before and after t alone, as scheme (2.8) takes them: their
@@ -168,7 +181,7 @@ class BarSystem {
   bool massless(std::size_t unknown) const { return unknown < massive_begin() || unknown >= massive_end(); }
   /// Whether any unknown has none.
   bool has_massless() const { return massless_[0] || massless_[1]; }
-  /// rho M over all nodes, where the frame moves.
+  /// rho M over all nodes, where something moves an end.
   const SymmetricTridiagonal& whole_inertia() const { return whole_inertia_; }
 
   /// The force on the bar that holds a fixed end, in the direction of u: what its own row lacks,
@@ -244,6 +257,7 @@ class BarSystem {
     SymmetricTridiagonal mass;  // over all nodes
   };
 
+  bool moves_frame(bool right) const { return inputs_[right].motion && (walls_[right] || following_); }
   void take_forces();
   void enter_frame();
   void stop_fixed_ends(const Scene& scene, double coupling);
@@ -266,9 +280,11 @@ class BarSystem {
   std::optional<std::variant<SteadyVector, SeparableVector, GeneralVector>> load_;
   std::array<EndInput, 2> inputs_;                   // left, right
   bool varying_forces_ = false;                      // whether their forces are to be added to the load
+  bool following_ = false;                           // whether the frame moves with obstacles, too
+  std::array<bool, 2> free_{};                       // the ends
   bool rigid_frame_ = false;                         // moves as a whole, since the other end is free
   std::vector<Mount> mounts_;                        // of ends that have one
-  SymmetricTridiagonal whole_inertia_;               // of all nodes, where the frame moves
+  SymmetricTridiagonal whole_inertia_;               // of all nodes, where something moves an end
   std::array<std::vector<double>, 2> lift_inertia_;  // rho M (1 - x/L) and rho M x/L, likewise
 };
 

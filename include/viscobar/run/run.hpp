@@ -179,6 +179,8 @@ struct Checkpoint {
   std::size_t outputs = 0;  ///< output times told so far
   Statistics statistics;    ///< so far
   std::string state;        ///< the method's own, binary
+  /// The frame of that state. As the bar comes to an obstacle that moves, the run enters the one that follows it.
+  enum class Frame { resting, entered, following } frame = Frame::resting;
 };
 
 /// Where a run begins: with initial data, or where another run was.

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "integration/approach.hpp"
 #include "run/step_failure.hpp"
 
 namespace viscobar::exponential {
@@ -23,8 +24,10 @@ PartEnd Run::operator()(const StartingPoint& start) {
       begin(std::get<State>(start));
     while (t_ < times_.back()) {
       if (!advance()) continue;
+      if (entered_) return std::move(*entered_);
       if (!telling_.progress(t_)) return reached();
-      if (t_ < times_.back() && schedule_.due(t_)) return Checkpoint{t_, next_output_, reached(), archived(*this)};
+      if (t_ < times_.back() && schedule_.due(t_))
+        return Checkpoint{t_, next_output_, reached(), archived(*this), frame_of(system_)};
     }
   } catch (const LoadError& error) {
     fail(Failure::load, error);
@@ -109,7 +112,7 @@ void Run::go_on(const Checkpoint& checkpoint) {
   for (std::size_t c = 0; c < contacts(); ++c)
     if (measured_[c]) propagators_.measure_from_obstacle(c);
   begin_leg();
-  pass_kink();
+  if (checkpoint.frame != Checkpoint::Frame::entered) pass_kink();
 }
 
 void Run::watch_ends() {
@@ -187,7 +190,9 @@ bool Run::take_long_step(double tau) {
   if (contacts() > 0) ++statistics_.event_evaluations;
   double penetration = statistics_.max_penetration;
   for (std::size_t c = 0; c < contacts(); ++c)
-    if (!distance_.keeps_state(c, motion, p, tau, largest(), penetration)) return false;
+    if (penalised_.moves(c) ? !distance_.stays_away(c, motion, p, t_, tau, run_length(), largest())
+                            : !distance_.keeps_state(c, motion, p, tau, largest(), penetration))
+      return false;
   if (ends_) {
     ends_->look_at(t_, t_ + tau, pieces, [&](std::size_t k, double) { return end_sample(motion[k], 0.0, tau); });
     if (!ends_->resolved()) return false;
@@ -221,6 +226,14 @@ void Run::take_short_step(double tau) {
     if (penalised_.closed(c)) known.penetration = std::max(known.penetration, std::abs(value(distances[c], 1.0)));
   }
   for (std::size_t c = 0; c < contacts(); ++c) {
+    const Contact& contact = penalised_.contact(c);
+    const auto clearance = [&](double at) {
+      return value(distances[c], (at - t_) / tau) + (system_.gap(contact, at) - contact.gap);
+    };
+    if (penalised_.moves(c)) {
+      if (may_reach_within(run_length(), clearance, distance_.band(c, known), t_, t_ + tau)) return follow(series, tau);
+      continue;
+    }
     const std::optional<double> passage = first_passage(distances[c], distance_.band(c, known));
     if (passage && (!changing || *passage < sigma)) sigma = *passage, changing = c;
   }
@@ -247,9 +260,22 @@ void Run::take_short_step(double tau) {
   change_contacts(*changing, distances, sigma, v);
 }
 
+void Run::follow(const Series& series, double tau) {
+  VectorXd u = leg().displacement(series, 0.0) + propagators_.origin(), v = leg().velocity(series, 0.0, tau);
+  const auto all = [](VectorXd& x) { return std::span(x.data(), static_cast<std::size_t>(x.size())); };
+  const double after = t_ + 64.0 * rounding * std::max(std::abs(t_), times_.back());
+  const double gained = penalised_.change_frame(system_.following(), after, all(u), all(v));
+  u -= propagators_.origin();
+  if (statistics_.energy) statistics_.energy->work -= gained;
+  if (ends_) ends_->enter_frame(entries(u), entries(v));
+  y_ = leg().pack(u, v);
+  entered_ = Checkpoint{t_, next_output_, reached(), archived(*this), Checkpoint::Frame::entered};
+}
+
 void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distances, double sigma, const VectorXd& v) {
   std::vector<std::size_t> changing;
   for (std::size_t c = 0; c < contacts(); ++c) {
+    if (penalised_.moves(c)) continue;
     const double away = sign(c) * v[node(c)];
     const bool leaving = penalised_.closed(c) ? away > 0.0 : away < 0.0;
     if (c == first || (leaving && std::abs(value(distances[c], sigma)) <= distance_.band(c, largest())))
