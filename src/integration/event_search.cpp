@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -34,6 +35,7 @@ EventSearch::EventSearch(PenalisedSystem& system, LegStepper& stepper)
   all_.resize(count_);
   std::iota(all_.begin(), all_.end(), std::size_t{0});
   looked_at_ = all_;
+  std::ranges::copy_if(all_, std::back_inserter(moving_), [&](std::size_t i) { return system.moves(i); });
 }
 
 void EventSearch::select(std::vector<std::size_t>& positions) {
@@ -84,8 +86,7 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
 
 bool EventSearch::may_reach_moving(double begin, double end, double whole) {
   with_rates_ = false;
-  for (std::size_t i = 0; i < count_; ++i) {
-    if (!system_.moves(i)) continue;
+  for (const std::size_t i : moving_) {
     const Contact& contact = system_.contact(i);
     const auto clearance = [&](double t) {
       return oriented(i, t, at(t)) + (system_.bar().gap(contact, t) - contact.gap);

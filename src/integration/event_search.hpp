@@ -89,6 +89,7 @@ class EventSearch {
   std::size_t count_;
   std::vector<std::size_t> entries_, first_;                // entries of contact i: [first_[i], first_[i + 1])
   std::vector<std::size_t> all_, looked_at_;                // contacts, and those that are sampled in this step
+  std::vector<std::size_t> moving_;                         // those whose obstacle moves, and is not looked for so
   std::vector<double> lowest_, highest_, last_;             // bounds of the entries over the step, and at its end
   std::vector<PenalisedSystem::IndicatorWeights> weights_;  // of those
   std::vector<double> samples_;
