@@ -231,6 +231,7 @@ double BarSystem::stiffness_diagonal(std::size_t i) const {
 }
 
 double BarSystem::end_power(std::span<const double> w, std::span<const double> a) const {
+  if (!inertia_.end_rows) return 0.0;
   const EndRows& rows = *inertia_.end_rows;
   return w.front() * rows.first_times(a) + w.back() * rows.last_times(a);
 }

@@ -143,6 +143,24 @@ BarEnergy BarSystem::lifted_energy(const Lift& lift, const Lift& rate, std::span
   return nodal_energy(displacement, velocity);
 }
 
+double BarSystem::lift_end_power(const Lift& rate, const Lift& acceleration, double left, double right,
+                                 std::span<const double> a) const {
+  if (!whole_inertia_.end_rows) return 0.0;
+  double sum = 0.0;
+  for (const bool at_right : {false, true}) {
+    const std::array<double, 3>& row = at_right ? whole_inertia_.end_rows->last : whole_inertia_.end_rows->first;
+    const std::size_t fixed = walls_[at_right] ? 1 : 0;
+    double own = 0.0, of_lift = 0.0;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      const double along = static_cast<double>(k) / static_cast<double>(mesh_.elements);
+      of_lift += row[k] * acceleration.at(at_right ? 1.0 - along : along);
+      if (k >= fixed) own += row[k] * a[at_right ? a.size() - 1 + fixed - k : k - fixed];
+    }
+    sum += rate.of(at_right) * (own + of_lift) + (fixed ? 0.0 : at_right ? right : left) * of_lift;
+  }
+  return sum;
+}
+
 double BarSystem::lift_loss(const Lift& rate, double left, double right) const {
   const double strain_rate = (rate.right - rate.left) / mesh_.length;
   double sum = bar_.viscosity * strain_rate * (2.0 * (right - left) + strain_rate * mesh_.length);

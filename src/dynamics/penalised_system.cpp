@@ -116,7 +116,7 @@ std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const
   if (follows(i)) return {neighbour(node)};
   if (!holds(i)) return {node};
   std::vector<std::size_t> entries = {node, neighbour(node), size() + neighbour(node)};
-  if (collides(i) && bar_.has_end_rows()) entries.push_back(size() + (node == 0 ? 2 : node - 2));
+  if (collides(i) && bar_.inertia().end_rows) entries.push_back(size() + (node == 0 ? 2 : node - 2));
   return entries;
 }
 
@@ -372,10 +372,20 @@ double PenalisedSystem::dissipated_power(std::span<const double> w) const {
   return power;
 }
 
-double PenalisedSystem::end_power(double t, std::span<const double> u, std::span<const double> w) {
+PenalisedSystem::EndPower PenalisedSystem::end_power(double t, std::span<const double> w,
+                                                     std::span<const double> a) const {
+  const double of_frame = bar_.moving()
+                              ? bar_.lift_end_power(lift(t, 1), lift(t, 2), bar_.left_fixed() ? 0.0 : w.front(),
+                                                    bar_.right_fixed() ? 0.0 : w.back(), a)
+                              : 0.0;
+  return {bar_.end_power(w, a) + of_frame, of_frame};
+}
+
+PenalisedSystem::EndPower PenalisedSystem::end_power_of(double t, std::span<const double> u,
+                                                        std::span<const double> w) {
   force(t, u, w, acceleration_);
   accelerate(acceleration_);
-  return bar_.end_power(w, acceleration_);
+  return end_power(t, w, acceleration_);
 }
 
 double PenalisedSystem::load_power(double t, std::span<const double> w) {

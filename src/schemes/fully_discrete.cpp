@@ -312,6 +312,9 @@ class Run {
       const double loss = dt * system_.lift_loss(system_.lift(time(n_), 1, dt), v(false), v(true));
       energy.dissipated += loss;
       energy.work += loss;
+      const double of_frame = system_.lift_end_power(system_.lift(time(n_), 1, dt), system_.lift(time(n_), 2, dt),
+                                                     v(false), v(true), step_->acceleration());
+      for (double* one : {&energy.end_inertia, &energy.dissipated, &energy.work}) *one += of_frame;
     }
     const auto& contacts = step_->contacts();
     // An obstacle that moves does work at its own velocity, and takes energy at that of the node against it.

@@ -311,6 +311,7 @@ bool TimeStep::finite() const {
 }
 
 double TimeStep::end_power() const {
+  if (!system_.inertia().end_rows) return 0.0;
   const EndRows& rows = *system_.inertia().end_rows;
   return mean_velocity(0) * rows.first_times(a_) + mean_velocity(a_.size() - 1) * rows.last_times(a_);
 }

@@ -22,7 +22,7 @@ constexpr const char* methods[] = {"cvode", "ida",         "arkode",         "od
 std::string numerics(const std::string& method, int elements, const std::string& mass, double end, double step) {
   return fmt::format(
       "[time]\nend = {}\n[mesh]\nelements = {}\nmass = \"{}\"\n[method]\nname = \"{}\"\nrelative_tolerance = 1e-11\nstep "
-      "= {}\n[output]\nevery = 0.02\n",
+      "= {}\nstart = \"second_order\"\n[output]\nevery = 0.02\n",
       end, elements, mass, method, step);
 }
 
@@ -72,8 +72,8 @@ TEST(HoldingForce, OfAStandingWaveIsOfTheOrderOfTheMass) {
   };
   // Measured on the matrices themselves, by exponentials: 2.1e-5, 1.3e-6, 8.5e-8 on 10, 20, 40 elements.
   for (const char* method : {"cvode", "ida", "arkode", "odeint", "rigid", "exponential"}) {
-    EXPECT_NEAR(of(method, 10, 0.0), 2.1e-5, 0.05e-5) << method;
-    EXPECT_NEAR(of(method, 40, 0.0), 8.5e-8, 0.3e-8) << method;
+    EXPECT_NEAR(of(method, 10, 1e-3), 2.1e-5, 0.05e-5) << method;
+    EXPECT_NEAR(of(method, 40, 1e-3), 8.5e-8, 0.3e-8) << method;
   }
   // The scheme's own error is one of dt^2: u is late by (omega dt)^2 5/24 omega t, its R by as much of pi/2.
   const double dt = 1e-4, late = 5.0 / 24.0 * std::pow(pi / 2 * dt, 2) * pi * pi / 2;
@@ -116,7 +116,7 @@ TEST(HoldingForce, HasTheDerivativesOfItsDifferences) {
         "\"0.1*p*x*(1.3-x)\"\n[load]\ndensity = \"p*cos(2*x)*sin(3*t)\"\n[sensitivity]\nof = "
         "[\"bar.density\", \"bar.modulus\", \"bar.viscosity\", \"bar.length\", \"parameters.p\"]\n{}",
         of("parameters.p", 0.7), of("bar.length", 1.3), of("bar.density", 2.0), of("bar.modulus", 3.0),
-        of("bar.viscosity", 0.4), numerics(method, 8, "fourth_order", 1.0, 0.0));
+        of("bar.viscosity", 0.4), numerics(method, 8, "fourth_order", 1.0, 1e-3));
   };
   for (const char* method : {"cvode", "ida", "rigid"}) {
     const Recording here = run(scene(method, "", 0.0));

@@ -163,6 +163,10 @@ class BarSystem {
     return lift_loss(rate, left_fixed() ? 0.0 : w.front(), right_fixed() ? 0.0 : w.back());
   }
 
+  /// What the frame adds to end_power(), of whole_inertia(): of the same velocities, and of accelerations in it.
+  double lift_end_power(const Lift& rate, const Lift& acceleration, double left, double right,
+                        std::span<const double> a) const;
+
   /// Displacement of a fixed end, in the frame; absent: it is not fixed.
   const std::optional<double>& wall(bool right) const { return walls_[right]; }
   std::optional<double> left_displacement() const { return walls_[0]; }   ///< of the left one
@@ -211,10 +215,11 @@ class BarSystem {
   /// Energy 1/2 w.rho Q w + 1/2 E int u_x^2 + 1/2 sum k_e u_e^2, the contacts' apart.
   double energy(std::span<const double> u, std::span<const double> w) const;
 
-  /// Whether M is not symmetric, so that forces do not do all that changes the energy.
-  bool has_end_rows() const { return inertia_.end_rows.has_value(); }
+  /// Whether M is not symmetric in the row of an end that may move, so that forces do not do all that changes the
+  /// energy.
+  bool has_end_rows() const { return inertia_.end_rows.has_value() || (moving() && whole_inertia_.end_rows); }
   /// w . rho (M - Q) a, the power that the end rows of the mass take at velocity w and acceleration a; of either only
-  /// the three entries at each end count. Of a mass with end rows.
+  /// the three entries at each end count. Of the frame.
   double end_power(std::span<const double> w, std::span<const double> a) const;
 
   /// Initial data at the unknown nodes. On `fourth_order`, where an end is held whose initial velocity is another, the

@@ -183,7 +183,7 @@ bool Run::take_long_step(double tau) {
     const double at = static_cast<double>(k) / pieces;
     if (sampled) {
       p.push_back(rescaled(p_, at, 1.0));
-      motion.push_back(propagator_->expand(y, p[k], tau, leg().has_end_rows() ? 2 : 1));
+      motion.push_back(propagator_->expand(y, p[k], tau, system_.has_end_rows() ? 2 : 1));
     }
     if (k < pieces) propagator_->advance(level_ - halvings, y, rescaled(p_, at, 1.0 / pieces));
   }
@@ -239,13 +239,13 @@ void Run::take_short_step(double tau) {
   }
   const double t = t_ + tau * sigma;
   output_until(t, tau, [&](double at) {
-    return energy_flows() ? gauss_flow(leg(), series, load_.total(p_), tau, at, frame_loss(tau)) : EnergyFlow{};
+    return energy_flows() ? gauss_flow(leg(), series, load_.total(p_), tau, at, frame_flow(tau)) : EnergyFlow{};
   });
   for (std::size_t c = 0; c < contacts(); ++c)
     if (penalised_.closed(c))
       statistics_.max_penetration =
           std::max(statistics_.max_penetration, distance_.penetration_share(c) * largest_value(distances[c], sigma));
-  if (energy_flows()) add(gauss_flow(leg(), series, load_.total(p_), tau, sigma, frame_loss(tau)));
+  if (energy_flows()) add(gauss_flow(leg(), series, load_.total(p_), tau, sigma, frame_flow(tau)));
   if (ends_) {
     // Of that degree the series is the motion to rounding, since (rate bound) * step <= 1.
     ends_->look_at(t_, t, Bernstein::max_degree,
@@ -316,9 +316,9 @@ std::optional<SampledFlow> Run::resolved_flow(const std::vector<Series>& motion,
   for (std::size_t k = 0; k < motion.size(); ++k) {
     velocities.push_back(motion[k].col(1) / tau);
     if (system_.loaded()) loads.push_back(load_.total(p[k]).col(0));
-    if (leg().has_end_rows()) accelerations.push_back(motion[k].col(2) * (2.0 / (tau * tau)));
+    if (system_.has_end_rows()) accelerations.push_back(motion[k].col(2) * (2.0 / (tau * tau)));
   }
-  SampledFlow sampled = sampled_flow(leg(), velocities, loads, accelerations, tau, frame_loss(tau));
+  SampledFlow sampled = sampled_flow(leg(), velocities, loads, accelerations, tau, frame_flow(tau));
   EnergyFlow& flow = sampled.flow;
   // As a bar at rest sets in motion, its energy is so small that a share of it would be below the flow's own
   // rounding.
@@ -337,9 +337,13 @@ std::optional<SampledFlow> Run::resolved_flow(const std::vector<Series>& motion,
   return sampled;
 }
 
-FrameLoss Run::frame_loss(double tau) const {
+FrameFlow Run::frame_flow(double tau) const {
   if (!system_.moving()) return {};
-  return [this, tau](double sigma, const VectorXd& v) { return penalised_.frame_loss(t_ + sigma * tau, entries(v)); };
+  return [this, tau](double sigma, const VectorXd& v, const VectorXd& a) {
+    const double t = t_ + sigma * tau, loss = penalised_.frame_loss(t, entries(v));
+    const double end = system_.has_end_rows() ? penalised_.end_power(t, entries(v), entries(a)).of_frame : 0.0;
+    return EnergyFlow{loss, loss + end, end};
+  };
 }
 
 double Run::end_power_rounding(const std::vector<VectorXd>& velocities) const {

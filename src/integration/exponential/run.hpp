@@ -106,7 +106,7 @@ class Run {
   // Over a long step; absent where the step may hide some of it.
   std::optional<SampledFlow> resolved_flow(const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p,
                                            double tau, double penetration) const;
-  FrameLoss frame_loss(double tau) const;
+  FrameFlow frame_flow(double tau) const;
 
   // What rounding makes of the power of the end rows in a long flight: the row (rho h / 24) (3, 4, 1) times
   // accelerations, by forces that are differences of rounded displacements and velocities.
