@@ -228,7 +228,7 @@ std::string Run::page() const {
 std::array<std::vector<double>, 6> Run::energies() const {
   std::array<std::vector<double>, 6> columns;
   for (const EnergyState& at : recording.energy) {
-    const double row[] = {at.kinetic, at.elastic, at.contact, at.dissipated + at.end_inertia, at.work, at.total()};
+    const double row[] = {at.kinetic, at.elastic, at.contact, at.dissipated, at.work, at.total()};
     for (std::size_t k = 0; k < columns.size(); ++k) columns[k].push_back(row[k]);
   }
   return columns;

@@ -50,9 +50,9 @@ std::vector<Alarm> alarms(const Case& run, const BarSystem& system, const Statis
                        "of its terms is {:.2g}",
                        energy.balance_error(), sound, largest),
            !(off <= 0.01 * largest)});
-    if (energy.dissipated < -sound)
-      all.push_back({fmt::format("energy grew without a cause: the dissipated energy is {:.2g}", energy.dissipated),
-                     energy.dissipated < -0.01 * largest});
+    if (const double taken = energy.dissipated - energy.end_inertia; taken < -sound)
+      all.push_back({fmt::format("energy grew without a cause: the dissipated energy is {:.2g}", taken),
+                     taken < -0.01 * largest});
     if (energy.work == 0.0 && is_penalised(run.method) && !system.contacts().empty()) {
       const double softest = std::ranges::min(system.contacts(), {}, &Contact::weight).weight / effective_epsilon(run);
       const double deepest = std::sqrt(2.0 * (energy.initial + std::abs(energy.end_inertia) + sound) / softest);

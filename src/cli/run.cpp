@@ -77,9 +77,9 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
       text += row("largest penetration", with_unit(statistics->max_penetration, units, Dimension::length));
     if (const auto& energy = statistics->energy) {
       const std::string end_rows =
-          energy->end_inertia == 0.0 ? "" : fmt::format(", taken by the mass's end rows {:.3g}", energy->end_inertia);
-      text += row("energy", "{:.6g} to {:.6g}, dissipated {:.6g}, work {:.6g}{}, balance error {:.2g}", energy->initial,
-                  energy->final, energy->dissipated, energy->work, end_rows, energy->balance_error());
+          energy->end_inertia == 0.0 ? "" : fmt::format(" ({:.3g} of it by the mass's end rows)", energy->end_inertia);
+      text += row("energy", "{:.6g} to {:.6g}, dissipated {:.6g}{}, work {:.6g}, balance error {:.2g}", energy->initial,
+                  energy->final, energy->dissipated, end_rows, energy->work, energy->balance_error());
     }
     if (const auto& account = statistics->account) {
       const auto contact = [&](const char* where, bool there, const char* closings, const auto& obstacle) {

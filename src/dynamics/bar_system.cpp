@@ -3,6 +3,7 @@
 #include <cassert>
 #include <numeric>
 
+#include "dynamics/element_stress.hpp"
 #include "scene/end_kinds.hpp"
 
 namespace viscobar {
@@ -59,6 +60,14 @@ double squared_differences(std::span<const double> x, const double* left, const 
   return sum;
 }
 
+std::array<double, 3> row_of_end(const SymmetricTridiagonal& matrix, bool right) {
+  const std::size_t end = right ? matrix.size() - 1 : 0;
+  std::array<double, 3> row = matrix.end_rows ? matrix.end_rows->row(end) : std::array<double, 3>{};
+  row[0] += matrix.diagonal[end];
+  if (!matrix.off_diagonal.empty()) row[1] += right ? matrix.off_diagonal.back() : matrix.off_diagonal.front();
+  return row;
+}
+
 double uniform_stiffness_diagonal(const BarSystem& system, std::size_t i) {
   const bool bare_left = i == 0 && !system.left_fixed();
   const bool bare_right = i + 1 == system.size() && !system.right_fixed();
@@ -87,6 +96,8 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
   whole_inertia_ = inertia_matrix(mesh, mass, massless_[0], massless_[1]);
   whole_inertia_ *= bar_.density;
   inertia_ = restrict_to(whole_inertia_, first, n);
+  for (const bool right : {false, true})
+    if (walls_[right]) held_rows_[right] = row_of_end(whole_inertia_, right);
   massive_factor_.factorise(restrict_to(inertia_, massive_begin(), massive_end() - massive_begin()));
 
   const auto bound = [&](std::size_t unknown, const std::optional<Obstacle>& obstacle, double weight, Where where) {
@@ -113,14 +124,17 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
       throw std::invalid_argument(
           "mass \"redistributed\" does not fit a spring or a dashpot at an end with an obstacle, which want its mass");
   }
-  if (moving() && scene.span)
+  const bool moved = inputs_[0].motion || inputs_[1].motion;
+  if (moved && scene.span)
     throw std::invalid_argument("a span obstacle stands still, and does not fit ends that are moved");
+  free_ = {std::holds_alternative<Free>(scene.left), std::holds_alternative<Free>(scene.right)};
   if (moving()) {
-    rigid_frame_ = std::holds_alternative<Free>(inputs_[0].motion ? scene.right : scene.left);
     enter_frame();
+    const Lift rate = lift(0.0, 1);
+    for (std::size_t i = 0; i < size(); ++i) initial_.v[i] -= rate.at(share(i));
   }
   if (mass == Mass::fourth_order && fixed > 0) stop_fixed_ends(scene, whole_inertia_.off_diagonal.front());
-  if (!moving()) whole_inertia_ = {};
+  if (!moved) whole_inertia_ = {};
 
   if (scene.load) {
     const SymmetricTridiagonal load_mass = mass_matrix(mesh, mass);
@@ -128,11 +142,13 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
       std::vector<double> values(mesh.nodes()), product(values);
       for (std::size_t j = 0; j < values.size(); ++j) values[j] = profile(mesh.node(j));
       load_mass.multiply(values, product);
-      return part_of(product, first, n);
+      return SteadyVector{part_of(product, first, n), {product.front(), product.back()}};
     };
-    if (const auto* steady = std::get_if<SteadyLoad>(&*scene.load)) load_ = SteadyVector{weighted(steady->profile)};
-    if (const auto* separable = std::get_if<SeparableLoad>(&*scene.load))
-      load_ = SeparableVector{weighted(separable->profile), separable->history, separable->breaks};
+    if (const auto* steady = std::get_if<SteadyLoad>(&*scene.load)) load_ = weighted(steady->profile);
+    if (const auto* separable = std::get_if<SeparableLoad>(&*scene.load)) {
+      const SteadyVector profile = weighted(separable->profile);
+      load_ = SeparableVector{profile.weighted, profile.held, separable->history, separable->breaks};
+    }
     if (const auto* general = std::get_if<GeneralLoad>(&*scene.load))
       load_ = GeneralVector{general->density, general->breaks, general->breaks_at, load_mass};
   }
@@ -149,6 +165,19 @@ void BarSystem::take_forces() {
   std::vector<double>& weighted = std::get<SteadyVector>(*load_).weighted;
   for (const bool right : {false, true})
     if (inputs_[right].force && !walls_[right]) weighted[end(right)] += inputs_[right].force->value(0.0);
+}
+
+double BarSystem::held_inertia(bool right, std::span<const double> a) const {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < std::min<std::size_t>(3, a.size()); ++k)
+    sum += held_rows_[right][k] * a[right ? a.size() - 1 - k : k];
+  return sum;
+}
+
+double BarSystem::holding_force(bool right, std::span<const double> u, std::span<const double> v,
+                                std::span<const double> a, double load) const {
+  const double stress = element_stress(bar_, mesh_, u, v, right ? mesh_.elements - 1 : 0);
+  return (right ? stress : -stress) + held_inertia(right, a) - load;
 }
 
 void BarSystem::internal_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
@@ -202,6 +231,7 @@ double BarSystem::stiffness_diagonal(std::size_t i) const {
 }
 
 double BarSystem::end_power(std::span<const double> w, std::span<const double> a) const {
+  if (!inertia_.end_rows) return 0.0;
   const EndRows& rows = *inertia_.end_rows;
   return w.front() * rows.first_times(a) + w.back() * rows.last_times(a);
 }

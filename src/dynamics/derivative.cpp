@@ -22,6 +22,8 @@ double damping_ratio_rate(double restitution) {
   return -square / (restitution * std::pow(square + logarithm * logarithm, 1.5));
 }
 
+BarSystem in_frame_of(const BarSystem& bar, BarSystem data) { return bar.follows() ? data.following() : data; }
+
 // The data of s: springs and dashpots are those of the bar.
 Scene mounted(Scene data, const BarSystem& bar) {
   for (const auto& [input, of_bar] :
@@ -58,7 +60,8 @@ Moment MomentBuilder::operator()(double t, std::span<const double> u, std::span<
 
 Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Direction& direction)
     : system_(system),
-      data_(mounted(direction.data, system.bar()), system.bar().mesh(), system.bar().mass()),
+      data_(
+          in_frame_of(system.bar(), {mounted(direction.data, system.bar()), system.bar().mesh(), system.bar().mass()})),
       motion_(data_, penalty),
       added_(system.size(), 0.0) {
   const Bar& bar = system.bar().bar();
@@ -227,13 +230,13 @@ double Derivative::reaction(std::size_t i, const Moment& at, std::span<const dou
          law.damping * rate[node] - laws_[i].damping * at.w[node];
 }
 
-double Derivative::stress(std::size_t element, std::span<const double> u, std::span<const double> v,
-                          std::span<const double> s, std::span<const double> rate) const {
-  const Bar& bar = system_.bar().bar();
-  const auto difference = [element](std::span<const double> x) { return x[element + 1] - x[element]; };
-  return (bar.modulus * difference(s) + bar.viscosity * difference(rate) + modulus_ * difference(u) +
-          viscosity_ * difference(v)) /
-         system_.bar().mesh().element(element);
+double Derivative::holding_force(bool right, double t, const Nodal& bar, const Nodal& s) const {
+  const Mesh& mesh = system_.bar().mesh();
+  const std::size_t element = right ? mesh.elements - 1 : 0;
+  const auto strain = [&](std::span<const double> x) { return (x[element + 1] - x[element]) / mesh.element(element); };
+  const double stress = modulus_ * strain(bar.u) + viscosity_ * strain(bar.v);
+  return (right ? stress : -stress) + inertia_ * system_.bar().held_inertia(right, bar.a) +
+         system_.bar().holding_force(right, s.u, s.v, s.a, motion_.load_held(right, t));
 }
 
 double Derivative::momentum(std::size_t end, const Moment& at, std::span<const double> s,

@@ -125,9 +125,12 @@ class Derivative {
 
   /// Of the reaction of contact i in the direction of u, the bar being at the moment driven by last.
   double reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate);
-  /// Of the stress E u_x + eta v_x in an element, from the values at all nodes.
-  double stress(std::size_t element, std::span<const double> u, std::span<const double> v, std::span<const double> s,
-                std::span<const double> rate) const;
+  /// Displacements, velocities and accelerations at all nodes.
+  struct Nodal {
+    std::span<const double> u, v, a;
+  };
+  /// Of the force that holds a fixed end (see BarSystem), from the values of the bar itself and of s. O(1)
+  double holding_force(bool right, double t, const Nodal& bar, const Nodal& s) const;
   /// Of (rho M v + eta K u) in the row of an end, and of what that changes by beside the impulse, (E K u - M f): the
   /// impulse of the obstacles on that end is the one plus the integral of the other.
   double momentum(std::size_t end, const Moment& at, std::span<const double> s, std::span<const double> rate) const;

@@ -30,9 +30,10 @@ LoadVector::LoadVector(const BarSystem& system, double step) : system_(system), 
     breaks_.push_back(general->breaks);
     breaks_at_ = general->breaks_at;
   }
-  for (const EndInput& input : system.inputs_) {
+  for (const bool right : {false, true}) {
+    const EndInput& input = system.inputs_[right];
     if (input.force && system.varying_forces_) breaks_.push_back(input.force->breaks);
-    if (input.motion) breaks_.push_back(input.motion->breaks);
+    if (system.moves_frame(right)) breaks_.push_back(input.motion->breaks);
   }
   std::erase_if(breaks_, [](const NextBreak& one) { return !one; });
   if (!breaks_.empty() || breaks_at_)
@@ -139,7 +140,7 @@ void LoadVector::add_inputs(double t) {
 double LoadVector::at(double t, std::size_t unknown) const {
   if (steady_) return load_as<BarSystem::SteadyVector>()->weighted[unknown];
   t = inside(t);
-  double sum = distributed(t, unknown);
+  double sum = distributed(t, unknown + system_.first_node());
   const bool left = unknown == 0 && !system_.left_fixed();
   const bool right = unknown + 1 == system_.size() && !system_.right_fixed();
   if (left || right) {
@@ -152,13 +153,20 @@ double LoadVector::at(double t, std::size_t unknown) const {
                 acceleration.right * system_.lift_inertia_[1][unknown]);
 }
 
-double LoadVector::distributed(double t, std::size_t unknown) const {
+double LoadVector::at_held(double t, bool right) const {
+  return distributed(inside(t), right ? system_.mesh().elements : 0);
+}
+
+double LoadVector::distributed(double t, std::size_t node) const {
   if (!system_.load_) return 0.0;
-  if (const auto* steady = load_as<BarSystem::SteadyVector>()) return steady->weighted[unknown];
+  const auto entry = [&](const auto& of) {
+    const std::size_t unknown = node - system_.first_node();  // beyond all of a fixed end
+    return unknown < of.weighted.size() ? of.weighted[unknown] : of.held[node > 0];
+  };
+  if (const auto* steady = load_as<BarSystem::SteadyVector>()) return entry(*steady);
   if (const auto* separable = load_as<BarSystem::SeparableVector>())
-    return history_at(separable->history, t) * separable->weighted[unknown];
+    return history_at(separable->history, t) * entry(*separable);
   const auto& general = std::get<BarSystem::GeneralVector>(*system_.load_);
-  const std::size_t node = unknown + system_.first_node();
   const auto density = [&](std::size_t j) { return density_at(general.density, system_.mesh().node(j), t); };
   const auto& beside = general.mass.off_diagonal;
   double sum = general.mass.diagonal[node] * density(node);

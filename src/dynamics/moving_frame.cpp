@@ -5,12 +5,13 @@
 #include <limits>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "dynamics/finite_load.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 
-// What a BarSystem does in a frame that moves with what holds or bounds its ends.
+// What a BarSystem does in a frame that moves with what holds its ends, or has come to bound them.
 
 namespace viscobar {
 
@@ -31,8 +32,28 @@ double motion_at(const EndMotion& motion, double t, int derivative, bool right) 
 
 }  // namespace
 
-// With the initial data at hand.
+BarSystem BarSystem::following() const {
+  BarSystem system = *this;
+  system.following_ = true;
+  if (system.moving()) system.enter_frame();
+  return system;
+}
+
+double BarSystem::gap(const Contact& contact, double t, int derivative) const {
+  if (!moves(contact)) return derivative == 0 ? contact.gap : 0.0;
+  const bool right = contact.where == Where::right;
+  return (derivative == 0 ? contact.gap : 0.0) - contact.sign * motion_at(*inputs_[right].motion, t, derivative, right);
+}
+
+void BarSystem::change_frame(const BarSystem& to, double t, std::span<double> u, std::span<double> w) const {
+  for (const auto& [derivative, field] : {std::pair{0, u}, {1, w}}) {
+    const Lift from = lift(t, derivative), into = to.lift(t, derivative);
+    for (std::size_t i = 0; i < field.size(); ++i) field[i] += from.at(share(i)) - into.at(share(i));
+  }
+}
+
 void BarSystem::enter_frame() {
+  rigid_frame_ = free_[moves_frame(false)];
   std::vector<double> share(mesh_.nodes()), product(mesh_.nodes());
   for (const bool right : {false, true}) {
     for (std::size_t j = 0; j < share.size(); ++j)
@@ -41,15 +62,13 @@ void BarSystem::enter_frame() {
     const auto of_unknowns = std::span(product).subspan(first_node(), size());
     lift_inertia_[right].assign(of_unknowns.begin(), of_unknowns.end());
   }
-  const Lift rate = lift(0.0, 1);
-  for (std::size_t i = 0; i < size(); ++i) initial_.v[i] -= rate.at(this->share(i));
 }
 
 Lift BarSystem::lift(double t, int derivative) const {
   Lift lift;
   for (const bool right : {false, true})
-    if (inputs_[right].motion) lift.of(right) = motion_at(*inputs_[right].motion, t, derivative, right);
-  if (rigid_frame_) lift.left = lift.right = inputs_[0].motion ? lift.left : lift.right;
+    if (moves_frame(right)) lift.of(right) = motion_at(*inputs_[right].motion, t, derivative, right);
+  if (rigid_frame_) lift.left = lift.right = moves_frame(false) ? lift.left : lift.right;
   return lift;
 }
 
@@ -75,7 +94,7 @@ std::optional<Lift> BarSystem::kink(double t, double end) const {
   };
   if (const bool left = jumps(&Lift::left, 0); left || jumps(&Lift::right, 0))
     throw LoadError(t, fmt::format("the motion at the {} end jumps at t = {}",
-                                   inputs_[0].motion && (left || rigid_frame_) ? "left" : "right", t));
+                                   moves_frame(false) && (left || rigid_frame_) ? "left" : "right", t));
   if (!jumps(&Lift::left, 1) && !jumps(&Lift::right, 1)) return std::nullopt;
   const Lift early = lift(before, 1), late = lift(after, 1);
   return Lift{late.left - early.left, late.right - early.right};
@@ -122,6 +141,24 @@ BarEnergy BarSystem::lifted_energy(const Lift& lift, const Lift& rate, std::span
   add_lift(lift, displacement);
   add_lift(rate, velocity);
   return nodal_energy(displacement, velocity);
+}
+
+double BarSystem::lift_end_power(const Lift& rate, const Lift& acceleration, double left, double right,
+                                 std::span<const double> a) const {
+  if (!whole_inertia_.end_rows) return 0.0;
+  double sum = 0.0;
+  for (const bool at_right : {false, true}) {
+    const std::array<double, 3>& row = at_right ? whole_inertia_.end_rows->last : whole_inertia_.end_rows->first;
+    const std::size_t fixed = walls_[at_right] ? 1 : 0;
+    double own = 0.0, of_lift = 0.0;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      const double along = static_cast<double>(k) / static_cast<double>(mesh_.elements);
+      of_lift += row[k] * acceleration.at(at_right ? 1.0 - along : along);
+      if (k >= fixed) own += row[k] * a[at_right ? a.size() - 1 + fixed - k : k - fixed];
+    }
+    sum += rate.of(at_right) * (own + of_lift) + (fixed ? 0.0 : at_right ? right : left) * of_lift;
+  }
+  return sum;
 }
 
 double BarSystem::lift_loss(const Lift& rate, double left, double right) const {

@@ -45,18 +45,30 @@ double mean_load(const BarSystem& system, double end) {
          system.mesh().spacing();
 }
 
-// The displacement that forces on the ends and their motion make, by their means over time: F / (rho c) is the velocity
-// of the wave that a force sends, which goes on for tau.
+double mean_size(const TimeFunction& f, double end) {
+  return mean(end, looks_at_varying, [&](double t) { return std::abs(f(t)); });
+}
+
+// The displacement that forces on the ends and the motion of fixed ones make, by their means over time: F / (rho c) is
+// the velocity of the wave that a force sends, which goes on for tau.
 double moved_by_ends(const BarSystem& system, double tau, double end) {
   const Bar& bar = system.bar();
   double most = 0.0;
-  const auto mean_size = [end](const TimeFunction& f) {
-    return mean(end, looks_at_varying, [&](double t) { return std::abs(f(t)); });
-  };
-  for (const EndInput& input : system.inputs()) {
-    if (input.force) most = std::max(most, tau * mean_size(input.force->value) / std::sqrt(bar.density * bar.modulus));
-    if (input.motion) most = std::max(most, mean_size(input.motion->displacement));
+  for (const bool right : {false, true}) {
+    const EndInput& input = system.inputs()[right];
+    if (input.force)
+      most = std::max(most, tau * mean_size(input.force->value, end) / std::sqrt(bar.density * bar.modulus));
+    if (input.motion && system.wall(right)) most = std::max(most, mean_size(input.motion->displacement, end));
   }
+  return most;
+}
+
+// An obstacle that moves is something only to a bar that it comes to, and gives a scale to one that nothing else moves.
+double moved_by_obstacles(const BarSystem& system, double end) {
+  double most = 0.0;
+  for (const bool right : {false, true})
+    if (const EndInput& input = system.inputs()[right]; input.motion && !system.wall(right))
+      most = std::max(most, mean_size(input.motion->displacement, end));
   return most;
 }
 
@@ -69,8 +81,9 @@ double displacement_of_data(const BarSystem& system, double end) {
   const double mean = std::accumulate(start.u.begin(), start.u.end(), 0.0) / static_cast<double>(start.u.size());
   double deviation = 0.0;
   for (const double u : start.u) deviation = std::max(deviation, std::abs(u - mean));
-  const double scale = std::max({deviation, tau * largest(start.v), tau * tau * mean_load(system, end) / bar.density,
-                                 moved_by_ends(system, tau, end)});
+  double scale = std::max({deviation, tau * largest(start.v), tau * tau * mean_load(system, end) / bar.density,
+                           moved_by_ends(system, tau, end)});
+  if (scale == 0.0) scale = moved_by_obstacles(system, end);
   return std::isfinite(scale) ? scale : 0.0;
 }
 

@@ -116,7 +116,7 @@ std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const
   if (follows(i)) return {neighbour(node)};
   if (!holds(i)) return {node};
   std::vector<std::size_t> entries = {node, neighbour(node), size() + neighbour(node)};
-  if (collides(i) && bar_.has_end_rows()) entries.push_back(size() + (node == 0 ? 2 : node - 2));
+  if (collides(i) && bar_.inertia().end_rows) entries.push_back(size() + (node == 0 ? 2 : node - 2));
   return entries;
 }
 
@@ -212,6 +212,15 @@ void PenalisedSystem::accelerate(std::span<double> force) {
   held_factor_.solve(force);
 }
 
+void PenalisedSystem::expand_acceleration(double t, std::span<const double> u, std::span<const double> w,
+                                          std::span<double> nodal) {
+  nodal.front() = nodal.back() = 0.0;
+  const std::span<double> unknowns = nodal.subspan(bar_.first_node(), size());
+  force(t, u, w, unknowns);
+  accelerate(unknowns);
+  if (bar_.moving()) bar_.add_lift(lift(t, 2), nodal);
+}
+
 PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std::span<const double> u,
                                                     std::span<double> w, const Negligible& negligible) {
   const std::size_t node = contact(i).unknown;
@@ -255,7 +264,7 @@ void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w)
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     const std::size_t node = contact(i).unknown;
     const double sign = contact(i).sign, clear = clearance(i, u), rounding = clearance_rounding(i, largest);
-    if (clear > rounding) continue;
+    if (moves(i) || clear > rounding) continue;
     if (clear < -rounding || sign * w[node] < 0.0) {
       press[i] = 1;
     } else if (w[node] == 0.0) {
@@ -338,9 +347,20 @@ double PenalisedSystem::contact_energy(std::span<const double> u) const {
 }
 
 double PenalisedSystem::frame_energy(double t, std::span<const double> u, std::span<const double> w) const {
-  if (!bar_.moving()) return 0.0;
+  return frame_energy(bar_, t, u, w);
+}
+
+double PenalisedSystem::frame_energy(const BarSystem& bar, double t, std::span<const double> u,
+                                     std::span<const double> w) const {
+  if (!bar.moving()) return 0.0;
   const std::vector<double> in_frame = displacement(u);
-  return bar_.lifted_energy(bar_.lift(t, 0), bar_.lift(t, 1), in_frame, w).total() - bar_.energy(in_frame, w);
+  return bar.lifted_energy(bar.lift(t, 0), bar.lift(t, 1), in_frame, w).total() - bar.energy(in_frame, w);
+}
+
+double PenalisedSystem::change_frame(const BarSystem& to, double t, std::span<double> u, std::span<double> w) const {
+  const double before = frame_energy(t, u, w);
+  bar_.change_frame(to, t, u, w);
+  return frame_energy(to, t, u, w) - before;
 }
 
 double PenalisedSystem::dissipated_power(std::span<const double> w) const {
@@ -352,10 +372,20 @@ double PenalisedSystem::dissipated_power(std::span<const double> w) const {
   return power;
 }
 
-double PenalisedSystem::end_power(double t, std::span<const double> u, std::span<const double> w) {
+PenalisedSystem::EndPower PenalisedSystem::end_power(double t, std::span<const double> w,
+                                                     std::span<const double> a) const {
+  const double of_frame = bar_.moving()
+                              ? bar_.lift_end_power(lift(t, 1), lift(t, 2), bar_.left_fixed() ? 0.0 : w.front(),
+                                                    bar_.right_fixed() ? 0.0 : w.back(), a)
+                              : 0.0;
+  return {bar_.end_power(w, a) + of_frame, of_frame};
+}
+
+PenalisedSystem::EndPower PenalisedSystem::end_power_of(double t, std::span<const double> u,
+                                                        std::span<const double> w) {
   force(t, u, w, acceleration_);
   accelerate(acceleration_);
-  return bar_.end_power(w, acceleration_);
+  return end_power(t, w, acceleration_);
 }
 
 double PenalisedSystem::load_power(double t, std::span<const double> w) {

@@ -39,7 +39,9 @@ class PenalisedSystem {
   const Contact& contact(std::size_t i) const { return bar_.contacts()[i]; }  ///< 0 <= i < N
   const PenaltyLaw& law(std::size_t i) const { return laws_[i]; }             ///< of contact i
   bool closed(std::size_t i) const { return closed_[i] != 0; }                ///< whether contact i acts
-  void set_closed(std::size_t i, bool closed);                                ///< from here on
+  /// Whether the obstacle of contact i moves in the frame: it does not act then, and is looked for by gap(t) alone.
+  bool moves(std::size_t i) const { return bar_.moves(contact(i)); }
+  void set_closed(std::size_t i, bool closed);  ///< from here on
   /// Changes whenever a contact does: a factor of the dynamic stiffness is valid for one revision.
   std::uint64_t revision() const { return revision_; }
 
@@ -197,6 +199,10 @@ class PenalisedSystem {
   /// From here on `force` acts beside the load: an entry for each unknown, which outlives this. `rates` are those of
   /// its first and last entry, where massless nodes without viscosity follow it.
   void add_force(std::span<const double> force, std::array<double, 2> rates) { added_ = force, added_rates_ = rates; }
+  /// (M f)_e of a fixed end.
+  double load_held(bool right, double t) const { return load_ ? load_->at_held(t, right) : 0.0; }
+  /// The accelerations of the bar itself at all nodes, of a field in the frame. O(n)
+  void expand_acceleration(double t, std::span<const double> u, std::span<const double> w, std::span<double> nodal);
   /// The same, evaluated at that node alone.
   double load_alone(std::size_t unknown, double t) const { return load_ ? load_->at(t, unknown) : 0.0; }
   /// Of the frame (see BarSystem::lift), on the same side of a break as the load.
@@ -222,6 +228,8 @@ class PenalisedSystem {
   /// What a frame that moves adds to it, 0 otherwise. The work of what moves it is the increase of that, the power of
   /// the load, and frame_loss(): the balance of energy is then the frame's.
   double frame_energy(double t, std::span<const double> u, std::span<const double> w) const;
+  /// Makes the state that of another frame, by BarSystem::change_frame(); returns the increase of frame_energy().
+  double change_frame(const BarSystem& to, double t, std::span<double> u, std::span<double> w) const;
   /// eta w.K w + sum c_e w_e^2 + sum b_i w_i^2
   double dissipated_power(std::span<const double> w) const;
   /// What a frame that moves adds to it (see BarSystem::lift_loss).
@@ -230,8 +238,14 @@ class PenalisedSystem {
   }
   /// w.M f(t)
   double load_power(double t, std::span<const double> w);
-  /// Power of the end rows of the mass (see BarSystem::end_power), the acceleration being that of F(t, u, w).
-  double end_power(double t, std::span<const double> u, std::span<const double> w);
+  /// Power of the end rows of the mass (see BarSystem::end_power) at the acceleration a, and what of it is the frame's,
+  /// which what moves the frame does.
+  struct EndPower {
+    double all, of_frame;
+  };
+  EndPower end_power(double t, std::span<const double> w, std::span<const double> a) const;
+  EndPower end_power_of(double t, std::span<const double> u,
+                        std::span<const double> w);               ///< a being that of F(t, u, w)
   bool dissipates() const { return bar_.damped() || dashpots_; }  ///< by viscosity or a contact's dashpot
   /// By those, a mount's dashpot, or impacts.
   bool takes_energy() const { return dissipates() || collides_ || bar_.has_dashpots(); }
@@ -255,6 +269,7 @@ class PenalisedSystem {
   bool follows(std::size_t i) const { return massless(contact(i).unknown) && !bar_.damped(); }
   void find_offsets();
   std::vector<double> displacement(std::span<const double> u) const;
+  double frame_energy(const BarSystem& bar, double t, std::span<const double> u, std::span<const double> w) const;
   // Whether contact i is a closed one of that node.
   bool closed_at(std::size_t i, std::size_t unknown) const { return closed(i) && contact(i).unknown == unknown; }
 

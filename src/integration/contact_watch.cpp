@@ -72,7 +72,7 @@ ContactWatch::ContactWatch(PenalisedSystem& system, RunAccount& account, bool ex
     const std::optional<double>& wall = bar_.wall(right);
     if (!wall)
       watch(end, right);
-    else if (bar_.moving())
+    else if (bar_.inputs()[right].motion)
       ends_.push_back({&end, right, *wall});
     else
       end.displacement = end.lowest = end.highest = *wall;

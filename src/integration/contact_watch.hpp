@@ -137,6 +137,15 @@ class ContactWatch {
   /// Whether the samples are those of polynomials, to about 1e-10: the last difference is far below the values.
   bool resolved() const;
 
+  /// The state is (u, w) in another frame now: no force has done it.
+  void enter_frame(std::span<const double> u, std::span<const double> w) {
+    std::array<double, 5> values{};
+    for (End& end : ends_) {
+      for (std::size_t k = 0; k < end.entries.size(); ++k)
+        values[k] = end.entries[k] < u.size() ? u[end.entries[k]] : w[end.entries[k] - u.size()];
+      end.stored = stored(end, values);
+    }
+  }
   /// The velocities of a frame that moves have changed at once by that: no force has done it.
   void pass_kink(std::span<const double> change) {
     for (End& end : ends_) {

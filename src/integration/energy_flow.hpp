@@ -23,7 +23,11 @@ std::array<double, 3> energy_flow(PenalisedSystem& system, const Layout& layout,
   std::array<double, 3> flow{};
   if (layout.dissipated) flow[*layout.dissipated - first] = system.dissipated_power(w) + loss;
   if (layout.work) flow[*layout.work - first] = system.load_power(t, w) + loss;
-  if (layout.end_inertia) flow[*layout.end_inertia - first] = system.end_power(t, layout.u(y), w);
+  if (layout.end_inertia) {
+    const auto [all, of_frame] = system.end_power_of(t, layout.u(y), w);
+    flow[*layout.end_inertia - first] = all;
+    if (layout.work) flow[*layout.work - first] += of_frame;
+  }
   return flow;
 }
 

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <optional>
 #include <span>
+
+#include "integration/approach.hpp"
 
 namespace viscobar {
 
@@ -32,6 +35,7 @@ EventSearch::EventSearch(PenalisedSystem& system, LegStepper& stepper)
   all_.resize(count_);
   std::iota(all_.begin(), all_.end(), std::size_t{0});
   looked_at_ = all_;
+  std::ranges::copy_if(all_, std::back_inserter(moving_), [&](std::size_t i) { return system.moves(i); });
 }
 
 void EventSearch::select(std::vector<std::size_t>& positions) {
@@ -66,6 +70,7 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
   }
   double first = 2.0;
   for (const std::size_t i : looked_at_) {
+    if (system_.moves(i)) continue;
     const std::span<const double> values(samples_.data() + i * (order + 1), order + 1);
     if (system_.closed(i))
       for (double value : values) max_penetration_ = std::max(max_penetration_, system_.penetration_share(i) * value);
@@ -77,6 +82,19 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
   }
   if (first > 1.0) return std::nullopt;
   return polished(begin, end, begin + first * (end - begin), which_);
+}
+
+bool EventSearch::may_reach_moving(double begin, double end, double whole) {
+  with_rates_ = false;
+  for (const std::size_t i : moving_) {
+    const Contact& contact = system_.contact(i);
+    const auto clearance = [&](double t) {
+      return oriented(i, t, at(t)) + (system_.bar().gap(contact, t) - contact.gap);
+    };
+    const double rounding = system_.clearance_rounding(i, stepper_.weights().largest_displacement());
+    if (may_reach_within(whole, clearance, rounding, begin, end)) return true;
+  }
+  return false;
 }
 
 void EventSearch::look_at(double begin, double t) {
@@ -93,6 +111,7 @@ void EventSearch::look_at(double begin, double t) {
 }
 
 bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) const {
+  if (system_.moves(i)) return false;
   std::array<double, 4> values{};
   for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) values[k - first_[i]] = y[entries_[k]];
   const std::span<const double> entries = std::span(values).first(first_[i + 1] - first_[i]);
@@ -143,6 +162,7 @@ bool EventSearch::look_at_the_near() {
 }
 
 bool EventSearch::far(std::size_t i) const {
+  if (system_.moves(i)) return true;
   const double offset = system_.indicator_offset(i, 0.0);  // which does not depend on t
   const double lowest = lowest_[first_[i]], highest = highest_[first_[i]];
   const bool below = system_.contact(i).sign > 0.0;

@@ -35,6 +35,9 @@ class EventSearch {
   /// Unless the search selects, `ends` looks at the samples, too.
   std::optional<double> first_change(double begin, double end, std::optional<ContactWatch>& ends);
 
+  /// Whether the bar may come to an obstacle that moves in that step, of a run of length `whole`.
+  bool may_reach_moving(double begin, double end, double whole);
+
   /// Whether the step's bounds have shown that no contact changes in it, nor an end leaves its range but at the end
   /// of the step: `ends` has not looked at it.
   bool quiet() const { return quiet_; }
@@ -86,6 +89,7 @@ class EventSearch {
   std::size_t count_;
   std::vector<std::size_t> entries_, first_;                // entries of contact i: [first_[i], first_[i + 1])
   std::vector<std::size_t> all_, looked_at_;                // contacts, and those that are sampled in this step
+  std::vector<std::size_t> moving_;                         // those whose obstacle moves, and is not looked for so
   std::vector<double> lowest_, highest_, last_;             // bounds of the entries over the step, and at its end
   std::vector<PenalisedSystem::IndicatorWeights> weights_;  // of those
   std::vector<double> samples_;

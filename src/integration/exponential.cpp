@@ -11,8 +11,8 @@ Statistics integrate(const BarSystem& system, const StartingPoint& start, std::s
   if (system.size() > Exponential::most_unknowns) throw Unfit("exponential", Refusal::many_unknowns);
   if (!system.contacts().empty() && !(method.penalty.epsilon > 0.0))
     throw Unfit("exponential", Refusal::rigid_contacts);
-  return run_in_parts(start, times, observers, [&](const StartingPoint& from) {
-    return exponential::Run(system, from, times, method.penalty, observers)(from);
+  return run_in_parts(system, start, times, observers, [&](const BarSystem& bar, const StartingPoint& from) {
+    return exponential::Run(bar, from, times, method.penalty, observers)(from);
   });
 }
 

@@ -244,6 +244,26 @@ void Sensitivities::add_frame(double t, std::size_t i, std::vector<ChangeSensiti
     changes[k].velocity += acceleration * changes[k].time + pointers_[k]->motion().lift(t, 1).at(share);
 }
 
+// The impulse of what moves the frame is none of an obstacle.
+void Sensitivities::book_momentum(double t, std::span<double> y, double sign) {
+  if (lost()) return;
+  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  each(y, [&](std::size_t, Derivative& derivative, const Block& s) {
+    complete(derivative, at, s);
+    layout_->each_impulse([&](std::size_t e, std::size_t node) {
+      s.impulses()[e] += sign * derivative.momentum(node, at, s.u(), s.w());
+    });
+  });
+}
+
+void Sensitivities::leave_frame(double t, double after, std::span<double> y) {
+  book_momentum(t, y, 1.0);
+  each(y, [&](std::size_t, Derivative& derivative, const Block& s) {
+    const BarSystem& data = derivative.data();
+    if (!lost()) data.change_frame(data.following(), after, s.u(), s.w());
+  });
+}
+
 void Sensitivities::pass_kink(double t, double end, bool bar_has_one, std::span<double> y) {
   if (lost()) return;
   for (std::size_t i = 0; i < system_.contact_count() && bar_has_one; ++i)
@@ -293,6 +313,9 @@ std::span<const FieldSensitivity> Sensitivities::fields(double t, std::span<doub
   }
   const BarSystem& bar = system_.bar();
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  // Accelerations at all nodes, where an end is fixed.
+  std::vector<double> own(bar.left_fixed() || bar.right_fixed() ? snapshot.u.size() : 0), of_own(own);
+  if (!own.empty()) system_.expand_acceleration(t, layout_->u(y), w_, own);
   for (std::size_t k = 0; k < pointers_.size(); ++k) {
     Derivative& derivative = *pointers_[k];
     const Block s = layout_->derivative(y, k);
@@ -307,9 +330,14 @@ std::span<const FieldSensitivity> Sensitivities::fields(double t, std::span<doub
       if (!bar.left_fixed() && node == 0) told.reaction_left += reaction;
       if (!bar.right_fixed() && node + 1 == s.nodes) told.reaction_right += reaction;
     }
-    if (bar.left_fixed()) told.reaction_left = -derivative.stress(0, snapshot.u, snapshot.v, field.u, field.v);
-    if (bar.right_fixed())
-      told.reaction_right = derivative.stress(field.u.size() - 2, snapshot.u, snapshot.v, field.u, field.v);
+    if (!own.empty()) {
+      derivative.motion().expand_acceleration(t, s.u(), s.w(), of_own);
+      const auto force = [&](bool right) {
+        return derivative.holding_force(right, t, {snapshot.u, snapshot.v, own}, {field.u, field.v, of_own});
+      };
+      if (bar.left_fixed()) told.reaction_left = force(false);
+      if (bar.right_fixed()) told.reaction_right = force(true);
+    }
     told_.push_back(told);
   }
   return told_;

@@ -40,6 +40,10 @@ class Sensitivities {
 
   /// To those of a change of contact i, velocities in the frame, what they are of the bar itself.
   void add_frame(double t, std::size_t i, std::vector<ChangeSensitivity>& changes) const;
+  /// Makes the derivatives those in the frame that follows obstacles that move, its lift and rate being those at
+  /// `after`; in the part of the run that begins there, the impulses on ends are told of it.
+  void leave_frame(double t, double after, std::span<double> y);
+  void enter_frame(double t, std::span<double> y) { book_momentum(t, y, -1.0); }
   /// A leg begins at t, where motions of ends may have kinks; before the velocities of the bar have passed its own.
   void pass_kink(double t, double end, bool bar_has_one, std::span<double> y);
 
@@ -62,6 +66,7 @@ class Sensitivities {
     for (std::size_t k = 0; k < pointers_.size(); ++k) use(k, *pointers_[k], layout_->derivative(y, k));
   }
   void complete(Derivative& derivative, const Moment& at, const Block& s);
+  void book_momentum(double t, std::span<double> y, double sign);
   void differentiate_by_time(const Moment& at);
   double acceleration_of(const Moment& at, std::size_t node);
   double indicator_rate(const Moment& at, std::size_t i);

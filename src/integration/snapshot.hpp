@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "dynamics/element_stress.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "viscobar/run/run.hpp"
 
@@ -14,7 +13,9 @@ namespace viscobar {
 class SnapshotBuilder {
  public:
   SnapshotBuilder(PenalisedSystem& system, bool reactions)
-      : system_(system), reactions_(reactions), u_(system.bar().mesh().nodes()), v_(u_.size()) {}
+      : system_(system), reactions_(reactions), u_(system.bar().mesh().nodes()), v_(u_.size()) {
+    if (system.bar().left_fixed() || system.bar().right_fixed()) a_.resize(u_.size());
+  }
 
   /// The snapshot points to u and w, or to numbers that the next call replaces.
   Snapshot operator()(double t, std::span<const double> u, std::span<const double> w) {
@@ -34,11 +35,13 @@ class SnapshotBuilder {
     Snapshot snapshot{t, nodal_u, nodal_v};
     if (!reactions_) return snapshot;
     const std::array<double, 2> reactions = system_.end_reactions(t, u, w);
-    const auto stress = [&](std::size_t element) {
-      return element_stress(bar.bar(), bar.mesh(), nodal_u, nodal_v, element);
+    if (!a_.empty()) system_.expand_acceleration(t, u, w, a_);
+    const auto reaction = [&](bool right) {
+      if (!bar.wall(right)) return reactions[right];
+      return bar.holding_force(right, nodal_u, nodal_v, a_, system_.load_held(right, t));
     };
-    snapshot.reaction_left = bar.left_fixed() ? -stress(0) : reactions[0];
-    snapshot.reaction_right = bar.right_fixed() ? stress(u_.size() - 2) : reactions[1];
+    snapshot.reaction_left = reaction(false);
+    snapshot.reaction_right = reaction(true);
     return snapshot;
   }
 
@@ -53,6 +56,7 @@ class SnapshotBuilder {
   PenalisedSystem& system_;
   bool reactions_;
   std::vector<double> u_, v_;  // where the unknowns are not the displacements of all nodes
+  std::vector<double> a_;      // of all nodes, where an end is fixed
 };
 
 }  // namespace viscobar

@@ -61,6 +61,7 @@ class StepwisePart {
       ++statistics_.steps;
       watchdog_.attempt(t, reached);
       if (reached <= t) continue;  // nothing can be interpolated
+      if (search_.may_reach_moving(t, reached, end - times_.front())) return follow(t);
       std::optional<double> change;
       if (system_.contact_count() > 0) {
         ++statistics_.event_evaluations;
@@ -101,7 +102,7 @@ class StepwisePart {
       }
       if (t > begin && t < end && schedule_.due(t)) {
         if (!change) reach(t);
-        return Checkpoint{t, next_output_, {}, archived(*this)};
+        return Checkpoint{t, next_output_, {}, archived(*this), frame_of(system_.bar())};
       }
       if (change || (t >= leg_end_ && t < end)) restart(t);
     }
@@ -152,7 +153,13 @@ class StepwisePart {
     if (checkpoint) {
       next_output_ = checkpoint->outputs;
       distrust_toggling();
-      restart(checkpoint->time);
+      const bool entered = checkpoint->frame == Checkpoint::Frame::entered;
+      if (entered && sensitivities_) {
+        leg_end_ = system_.begin_leg(checkpoint->time, times_.back());
+        sensitivities_->begin_leg(checkpoint->time, times_.back());
+        sensitivities_->enter_frame(checkpoint->time, y_);
+      }
+      restart(checkpoint->time, !entered);
       return checkpoint->time;
     }
     begin(times_.front(), std::get<State>(start));
@@ -201,6 +208,21 @@ class StepwisePart {
     system_.set_closed(i, closed);
   }
 
+  // The bar may come to an obstacle that moves within the step that begins at t: from there on the frame follows it. A
+  // kink at t has been passed.
+  Checkpoint follow(double t) {
+    reach(t);
+    system_.complete_velocity(t, u(), w());
+    const double after = t + 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), times_.back());
+    if (sensitivities_) sensitivities_->leave_frame(t, after, y_);
+    const double gained = system_.change_frame(system_.bar().following(), after, u(), w());
+    if (layout_.work)
+      y_[*layout_.work] -= gained;
+    else if (observers_.energy)  // the other frame has a load
+      y_.insert(y_.begin() + static_cast<std::ptrdiff_t>(2 * layout_.nodes + (layout_.dissipated ? 1 : 0)), -gained);
+    return {t, next_output_, {}, archived(*this), Checkpoint::Frame::entered};
+  }
+
   // The state where the run is.
   void reach(double t) { interpolate(t, account_shift_); }
 
@@ -241,14 +263,12 @@ class StepwisePart {
     return shift;
   }
 
-  void restart(double t) {
+  void restart(double t, bool with_kink = true) {
     account_shift_ = {};
     for (std::size_t i = 0; i < system_.contact_count(); ++i)
       if (system_.closed(i)) system_.measure_from_obstacle(i, u());
     leg_end_ = system_.begin_leg(t, times_.back());
-    const auto jump = system_.bar().kink(t, times_.back());
-    if (sensitivities_) sensitivities_->pass_kink(t, times_.back(), jump.has_value(), y_);
-    if (jump) pass_kink(t, *jump);
+    if (with_kink) pass_kink(t);
     system_.complete_displacement(t, u());
     system_.complete_velocity(t, u(), w());
     if (sensitivities_) sensitivities_->begin_leg(t, times_.back());
@@ -272,8 +292,11 @@ class StepwisePart {
 
   // What holds or bounds an end changes its velocity at once. A rigid contact that is closed then has an impact, or
   // opens.
-  void pass_kink(double t, const Lift& jump) {
-    const double gained = system_.bar().pass_kink(jump, w());
+  void pass_kink(double t) {
+    const auto jump = system_.bar().kink(t, times_.back());
+    if (sensitivities_) sensitivities_->pass_kink(t, times_.back(), jump.has_value(), y_);
+    if (!jump) return;
+    const double gained = system_.bar().pass_kink(*jump, w());
     if (layout_.work) y_[*layout_.work] += gained;
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
       const std::size_t node = system_.contact(i).unknown;
@@ -308,7 +331,8 @@ class StepwisePart {
       statistics_.energy->final = system_.energy(u(), w()) + of_frame;
       if (layout_.dissipated) statistics_.energy->dissipated = y_[*layout_.dissipated];
       if (layout_.work) statistics_.energy->work = y_[*layout_.work] + of_frame;
-      if (layout_.end_inertia) statistics_.energy->end_inertia = y_[*layout_.end_inertia];
+      if (layout_.end_inertia)
+        statistics_.energy->dissipated += statistics_.energy->end_inertia = y_[*layout_.end_inertia];
     }
     statistics_.completed = true;
   }
@@ -381,7 +405,7 @@ class StepwisePart {
     if (observers_.energy) {
       const auto entry = [&](std::optional<std::size_t> at) { return at ? y_[*at] : 0.0; };
       now.energy = snapshot_.energy(now, u());
-      now.energy->dissipated = entry(layout_.dissipated);
+      now.energy->dissipated = entry(layout_.dissipated) + entry(layout_.end_inertia);
       now.energy->work = entry(layout_.work) + system_.frame_energy(t, u(), w());
       now.energy->end_inertia = entry(layout_.end_inertia);
     }

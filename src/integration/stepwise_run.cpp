@@ -63,8 +63,8 @@ PartEnd run_part(const char* method, const BarSystem& bar, const Penalty& penalt
 
 Statistics run_stepwise(const char* method, const BarSystem& system, const Penalty& penalty, const StartingPoint& start,
                         std::span<const double> times, const Observers& observers, const MakeStepper& make_stepper) {
-  return run_in_parts(start, times, observers, [&](const StartingPoint& from) {
-    return run_part(method, system, penalty, from, times, observers, make_stepper);
+  return run_in_parts(system, start, times, observers, [&](const BarSystem& bar, const StartingPoint& from) {
+    return run_part(method, bar, penalty, from, times, observers, make_stepper);
   });
 }
 

@@ -41,8 +41,10 @@ std::vector<std::string> inputs_text(const Bar& bar, const EndCondition& end, co
     text.push_back(fmt::format("dashpot c = {:.6g} = {:.3g} sqrt(E rho)", input.dashpot,
                                input.dashpot / std::sqrt(bar.modulus * bar.density)));
   if (input.motion)
-    text.push_back(is_obstacle(end) ? "the obstacle moves: the bar is computed in a frame that moves with it"
-                                    : "motion d(t): the bar is computed in a frame that moves with it");
+    text.push_back(
+        is_obstacle(end)
+            ? "the obstacle moves: where the bar may touch it, the frame of the computation begins to follow it"
+            : "motion d(t): the bar is computed in a frame that moves with it");
   return text;
 }
 

@@ -23,8 +23,8 @@ std::string events_row(const Event& event) {
 }
 
 std::string energy_row(double t, const EnergyState& energy) {
-  return fmt::format("{},{},{},{},{},{},{}", t, energy.kinetic, energy.elastic, energy.contact,
-                     energy.dissipated + energy.end_inertia, energy.work, energy.total());
+  return fmt::format("{},{},{},{},{},{},{}", t, energy.kinetic, energy.elastic, energy.contact, energy.dissipated,
+                     energy.work, energy.total());
 }
 
 std::string sensitivity_header(std::span<const Direction> directions) {

@@ -22,7 +22,6 @@ std::string events_row(const Event& event);
 ///
 ///     kinetic + elastic + contact = total,   total + dissipated = total at the start + work + balance error
 ///
-/// On the mass `fourth_order` `dissipated` includes what the end rows of the mass took, EnergyState::end_inertia.
 inline constexpr std::string_view energy_header = "t,kinetic,elastic,contact,dissipated,work,total";
 std::string energy_row(double t, const EnergyState& energy);
 

@@ -63,7 +63,7 @@ void members(Like<Event> auto& event, auto&& each) {
   each(event.time, event.where, event.node, event.change, event.velocity, event.impulse, event.sensitivities);
 }
 void members(Like<Checkpoint> auto& checkpoint, auto&& each) {
-  each(checkpoint.time, checkpoint.outputs, checkpoint.statistics, checkpoint.state);
+  each(checkpoint.time, checkpoint.outputs, checkpoint.statistics, checkpoint.state, checkpoint.frame);
 }
 
 /// Values to bytes: archive(a, b, ...). A span is read into a span of the same length only.

@@ -25,6 +25,15 @@ inline void require_times(std::span<const double> times) {
     throw std::invalid_argument("two output times at least, finite and strictly increasing, are needed");
 }
 
+/// Whether a node is at an obstacle that moves, or beyond.
+inline bool touches_moving(const BarSystem& system, double t, std::span<const double> u) {
+  return std::ranges::any_of(system.contacts(), [&](const Contact& one) {
+    return system.moves(one) &&
+           one.sign * u[one.unknown] + system.gap(one, t) <=
+               32.0 * std::numeric_limits<double>::epsilon() * (one.gap + std::abs(u[one.unknown]));
+  });
+}
+
 /// A run in parts, `part(start)` being one. Since nothing but the checkpoint passes from one part to the next, a run
 /// that begins from it later cannot differ from this one.
 template <class Part>
@@ -35,10 +44,35 @@ Statistics run_in_parts(const StartingPoint& start, std::span<const double> time
   while (std::holds_alternative<Checkpoint>(end)) {
     const StartingPoint next = std::get<Checkpoint>(std::move(end));
     const Checkpoint& reached = std::get<Checkpoint>(next);
-    if (observers.checkpoints->take(reached) == RunControl::stop) return reached.statistics;
+    if (reached.frame != Checkpoint::Frame::entered && observers.checkpoints->take(reached) == RunControl::stop)
+      return reached.statistics;
     end = part(next);
   }
   return std::get<Statistics>(std::move(end));
+}
+
+/// The same of a bar, `part(system, start)` being one: the system is the one in the frame that start is in. Where the
+/// bar touches an obstacle that moves from the start on, that is the one that follows it.
+template <class Part>
+Statistics run_in_parts(const BarSystem& system, StartingPoint start, std::span<const double> times,
+                        const Observers& observers, Part&& part) {
+  require_times(times);
+  std::optional<BarSystem> following;
+  if (auto* state = std::get_if<State>(&start); state && touches_moving(system, times.front(), state->u)) {
+    following.emplace(system.following());
+    system.change_frame(*following, times.front(), state->u, state->v);
+  }
+  return run_in_parts(start, times, observers, [&](const StartingPoint& from) {
+    const auto* checkpoint = std::get_if<Checkpoint>(&from);
+    if (checkpoint && checkpoint->frame != Checkpoint::Frame::resting && !following)
+      following.emplace(system.following());
+    return part(following ? *following : system, from);
+  });
+}
+
+/// Of the checkpoints of a run in that system.
+inline Checkpoint::Frame frame_of(const BarSystem& system) {
+  return system.follows() ? Checkpoint::Frame::following : Checkpoint::Frame::resting;
 }
 
 /// @throws Unfit where directions are asked for, by a method that has no derivatives

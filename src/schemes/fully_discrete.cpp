@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "dynamics/element_stress.hpp"
 #include "dynamics/lost_inertia.hpp"
 #include "run/parts.hpp"
 #include "run/telling.hpp"
@@ -49,6 +48,7 @@ class Run {
     if (!observers_.snapshot) return;
     u_nodal_.resize(system.mesh().nodes()), v_nodal_ = u_nodal_;
     u_.resize(system.size()), v_ = u_;
+    if (system.left_fixed() || system.right_fixed()) a_nodal_.resize(u_nodal_.size());
   }
 
   Statistics operator()() {
@@ -143,6 +143,7 @@ class Run {
   double u_before(std::size_t i) const { return step_->u()[i] - scheme_.step * step_->p()[i]; }
 
   double sign(std::size_t k) const { return step_->contacts()[k].sign; }
+  double gap(std::size_t k, std::size_t n) const { return system_.gap(step_->contacts()[k], time(n)); }
 
   // The sum over the span obstacle's contacts, in the direction of u.
   double of_span(std::span<const double> values) const {
@@ -232,9 +233,17 @@ class Run {
     system_.expand_displacement(u_, u_nodal_);
     system_.expand_velocity(v_, v_nodal_);
     const double t = times_[written_++];
+    if (!a_nodal_.empty()) {
+      // A start of first order has none of its own.
+      const auto a = step_->acceleration(), before = n_ > 1 ? step_->acceleration_before() : a;
+      a_nodal_.front() = a_nodal_.back() = 0.0;
+      step_->order().to_nodes([&](std::size_t i) { return theta * a[i] + (1.0 - theta) * before[i]; },
+                              std::span(a_nodal_).subspan(system_.first_node(), system_.size()));
+    }
     if (system_.moving()) {
       system_.add_lift(system_.lift(t, 0), u_nodal_);
       system_.add_lift(system_.lift(t, 1), v_nodal_);
+      if (!a_nodal_.empty()) system_.add_lift(system_.lift(t, 2), a_nodal_);
     }
     Snapshot snapshot{t, u_nodal_, v_nodal_, reaction_at(false, theta), reaction_at(true, theta)};
     if (observers_.energy) {
@@ -249,7 +258,8 @@ class Run {
 
   // In the direction of u.
   double reaction_at(bool right, double theta) const {
-    if (system_.wall(right)) return right ? stress(system_.mesh().elements - 1) : -stress(0);
+    if (system_.wall(right))
+      return system_.holding_force(right, u_nodal_, v_nodal_, a_nodal_, step_->load_held(times_[written_ - 1], right));
     double sum = 0.0;
     each_contact_at(right, [&](std::size_t k) { sum += sign(k) * reaction(k, theta); });
     return sum;
@@ -257,10 +267,6 @@ class Run {
 
   double reaction(std::size_t k, double theta) const {
     return (1.0 - theta) * step_->reaction_before()[k] + theta * step_->reaction()[k];
-  }
-
-  double stress(std::size_t element) const {
-    return element_stress(system_.bar(), system_.mesh(), u_nodal_, v_nodal_, element);
   }
 
   // u^{n+1} is known now. A contact closes at the first t_{n+1} that it holds, with the velocity before, and opens at
@@ -306,14 +312,27 @@ class Run {
       const double loss = dt * system_.lift_loss(system_.lift(time(n_), 1, dt), v(false), v(true));
       energy.dissipated += loss;
       energy.work += loss;
+      const double of_frame = system_.lift_end_power(system_.lift(time(n_), 1, dt), system_.lift(time(n_), 2, dt),
+                                                     v(false), v(true), step_->acceleration());
+      for (double* one : {&energy.end_inertia, &energy.dissipated, &energy.work}) *one += of_frame;
     }
     const auto& contacts = step_->contacts();
-    double taken = 0.0;
-    for (std::size_t k = 0; k < contacts.size(); ++k)
-      taken -= dt * step_->reaction()[k] * (sign(k) * step_->mean_velocity(contacts[k].unknown));
+    // An obstacle that moves does work at its own velocity, and takes energy at that of the node against it.
+    double taken = 0.0, given = 0.0;
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const double impulse = dt * step_->reaction()[k];
+      taken -= impulse * (sign(k) * step_->mean_velocity(contacts[k].unknown));
+      if (impulse != 0.0 && system_.moves(contacts[k]))
+        given -= impulse * (gap(k, n_ + 1) - gap(k, n_ - 1)) / (2.0 * dt);
+    }
+    taken += given;
+    energy.work += given;
     energy.dissipated += taken;
     if (system_.loaded()) energy.work += dt * step_->load_power();
-    if (system_.has_end_rows()) energy.end_inertia += dt * step_->end_power();
+    if (system_.has_end_rows()) {
+      const double taken_by_rows = dt * step_->end_power();
+      energy.end_inertia += taken_by_rows, energy.dissipated += taken_by_rows;
+    }
     if (!contacts.empty()) watch_growth(taken);
   }
 
@@ -333,9 +352,9 @@ class Run {
 
   // With a restitution the constraint does not bound u^{n+1} alone.
   void measure_penetration() {
-    for (const Contact& contact : step_->contacts())
-      statistics_.max_penetration =
-          std::max(statistics_.max_penetration, -contact.clearance(step_->u()[contact.unknown]));
+    for (std::size_t k = 0; k < step_->contacts().size(); ++k)
+      statistics_.max_penetration = std::max(
+          statistics_.max_penetration, -step_->clearance(k, time(n_ + 1), step_->u()[step_->contacts()[k].unknown]));
   }
 
   bool take_checkpoint(double t) {
@@ -388,6 +407,7 @@ class Run {
   std::array<std::pair<std::size_t, std::size_t>, 2> at_end_{};  // contacts from one up to another
   std::vector<WatchedEnd> watched_;
   std::vector<double> u_, v_, u_nodal_, v_nodal_;
+  std::vector<double> a_nodal_;  // where an end is fixed
   std::optional<TimeStep> step_;
 };
 

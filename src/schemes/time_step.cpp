@@ -46,6 +46,7 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
       dt_(scheme.step),
       restitution_(scheme.restitution),
       impact_(scheme.impact),
+      begin_(begin),
       factor_(covers_span(system.contacts()) ? LaneFactor() : lane_factor(system, step_matrix(system, dt_))),
       order_(factor_.order().size() > 0 ? factor_.order() : LaneOrder{system.size()}),
       bar_(system, order_),
@@ -72,14 +73,22 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
   start_from(start, begin, scheme.start);
   balance(begin + dt_);
   for (std::size_t k = 0; k < contacts_.size(); ++k)
-    reaction_before_[k] = contacts_[k].clearance(start.u[contacts_[k].unknown]) <= 0.0 ? reaction_[k] : 0.0;
+    reaction_before_[k] = clearance(k, begin, start.u[contacts_[k].unknown]) <= 0.0 ? reaction_[k] : 0.0;
 }
 
 void TimeStep::start_from(const State& start, double begin, Start order) {
   order_.from_nodes(start.u, u_);
   order_.from_nodes(start.v, p_);
   const std::vector<double> v(p_.begin(), p_.end());
-  bound_contacts();
+  bound_contacts(begin);
+  if (order == Start::first_order && system_.moving()) {
+    // u^1 = u^0 + dt u_1, u being that of the bar: over a step the frame does not go at its velocity at the start.
+    const Lift rate = system_.lift(begin, 1), from = system_.lift(begin, 0), to = system_.lift(begin + dt_, 0);
+    const Lift ahead = {rate.left - (to.left - from.left) / dt_, rate.right - (to.right - from.right) / dt_};
+    std::vector<double> p = start.v;
+    for (std::size_t i = 0; i < p.size(); ++i) p[i] += ahead.at(system_.share(i));
+    order_.from_nodes(p, p_);
+  }
   if (order == Start::second_order) {
     // The Taylor term with the step's own matrix in place of rho M: a difference of O(dt^3), and it stays bounded at
     // any dt / h, where dt^2 (rho M)^{-1} K would not.
@@ -174,7 +183,8 @@ void TimeStep::settle_massless(const Contact& contact, std::size_t next, double 
     }
     return (memory * relaxed + pull) / (memory + bar.modulus);
   };
-  if (!system_.damped()) u_[end] = sign * std::max(sign * (u_[next] + rest_stretch(begin, 0.0, 0.0)), -contact.gap);
+  if (!system_.damped())
+    u_[end] = sign * std::max(sign * (u_[next] + rest_stretch(begin, 0.0, 0.0)), -system_.gap(contact, begin));
   const double stretch = rest_stretch(begin + dt_, u_[end] - u_[next], bar.viscosity / dt_);
   p_[end] = (u_[next] + dt_ * p_[next] + stretch - u_[end]) / dt_;
 }
@@ -185,14 +195,19 @@ void TimeStep::restored() {
 }
 
 // The bound of u^{n+1} from u^n and u^{n-1} = u^n - dt p^{n-1/2}, at the start from u^0 and the initial velocity.
-void TimeStep::bound_contacts() {
+void TimeStep::bound_contacts(double t) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const double gap = contacts_[k].gap, sign = contacts_[k].sign;
-    const double u = sign * u_[contacts_[k].unknown], p = sign * p_[contacts_[k].unknown];
-    if (impact_ == Impact::paoli_schatzman)
-      lower_[k] = -gap - restitution_ * (gap + (u - dt_ * p));
-    else
-      lower_[k] = u > -gap ? unbounded : u - dt_ * (p > 0.0 ? 1.0 : restitution_) * p;
+    const Contact& contact = contacts_[k];
+    const double u = contact.sign * u_[contact.unknown], p = contact.sign * p_[contact.unknown];
+    // A step back from the start the obstacle has moved as the bar, at its initial velocity.
+    const double gap = system_.gap(contact, t), next = system_.gap(contact, t + dt_);
+    const double before = t > begin_ + dt_ / 2 ? system_.gap(contact, t - dt_) : gap - dt_ * system_.gap(contact, t, 1);
+    if (impact_ == Impact::paoli_schatzman) {
+      lower_[k] = -next - restitution_ * (before + (u - dt_ * p));
+    } else {
+      const double relative = p + (gap - before) / dt_;
+      lower_[k] = u > -gap ? unbounded : u - dt_ * (relative > 0.0 ? 1.0 : restitution_) * relative + (gap - next);
+    }
   }
 }
 
@@ -200,7 +215,7 @@ void TimeStep::balance(double t) {
   std::swap(a_, before_);
   std::swap(reaction_, reaction_before_);
   if (load_) evaluate_load(t);
-  bound_contacts();
+  bound_contacts(t);
   solve(dt_);
 }
 
@@ -296,6 +311,7 @@ bool TimeStep::finite() const {
 }
 
 double TimeStep::end_power() const {
+  if (!system_.inertia().end_rows) return 0.0;
   const EndRows& rows = *system_.inertia().end_rows;
   return mean_velocity(0) * rows.first_times(a_) + mean_velocity(a_.size() - 1) * rows.last_times(a_);
 }

@@ -55,6 +55,10 @@ class TimeStep {
 
   /// Nodes with an obstacle in the order of the unknowns, with the one that bounds them most, from either side.
   const std::vector<Contact>& contacts() const { return contacts_; }
+  /// s u + gap(t) of contact k for a displacement of its node.
+  double clearance(std::size_t k, double t, double u) const {
+    return contacts_[k].sign * u + system_.gap(contacts_[k], t);
+  }
   /// int lambda dt over the first half step, which leads to p^{1/2}: of the balance at t_0, and what an impact at t_0
   /// takes at once; one a contact.
   std::span<const double> start_impulse() const { return start_impulse_; }
@@ -62,6 +66,8 @@ class TimeStep {
   std::span<const double> reaction_before() const { return reaction_before_; }  ///< lambda^{n-1}
   std::span<const unsigned char> active() const;  ///< whether u^{n+1} is held by its bound
 
+  /// (M f)_e of a fixed end.
+  double load_held(double t, bool right) const { return load_ ? load_->at_held(t, right) : 0.0; }
   /// M f(t_n); only for a loaded system.
   std::span<const double> load() const { return load_now_; }
 
@@ -94,7 +100,7 @@ class TimeStep {
 
  private:
   void evaluate_load(double t);
-  void bound_contacts();
+  void bound_contacts(double t);
   void solve(double lever);
   template <class Use>
   void substitute(Use&& use);
@@ -116,6 +122,7 @@ class TimeStep {
   const BarSystem& system_;
   double dt_, restitution_;
   Impact impact_;
+  double begin_;
   LaneFactor factor_;  // of the rows between the interface's; none under a span obstacle
   LaneOrder order_;
   LaneBar bar_;

@@ -137,6 +137,8 @@ class ArraysTest(Test):
             near = 1e-2 if method == "fully_discrete" else 1e-9
             self.assertAlmostEqual(result.energy["total"][0], account["initial"], delta=near)
             self.assertAlmostEqual(result.energy["total"][-1], account["final"], delta=near)
+            for name in ("dissipated", "work"):
+                self.assertAlmostEqual(result.energy[name][-1], account[name], delta=1e-14)
 
 
 class FunctionsTest(Test):

@@ -79,12 +79,14 @@ struct Mount {
 /// over the nodes that are not fixed, with only the terms that the scene has. Contact constraints are listed, not
 /// applied: the penalised system and the fully discrete schemes each do that in their way.
 ///
-/// Where an end is held or bounded by something that moves, u everywhere here is measured in a frame that moves with
-/// it: the displacement is u + lift(t), linear in x, so that fixed ends stand still and gaps are constant, and
+/// Where an end is held by something that moves, u everywhere here is measured in a frame that moves with it: the
+/// displacement is u + lift(t), linear in x, so that fixed ends stand still, and
 ///
 ///     - rho M lift'' - E K lift - eta K lift' - sum over the ends of (k_e lift + c_e lift') e_e
 ///
-/// is part of the load. P1 holds what is linear: the semi-discrete solution is the same.
+/// is part of the load. P1 holds what is linear: the semi-discrete solution is the same. An obstacle that moves has a
+/// gap(t), and is nothing to the bar until that comes to it. From then on the system is the one in following(), whose
+/// frame moves with the obstacle, too, so that its gap is constant.
 class BarSystem {
  public:
   /// @throws std::invalid_argument when the mesh cannot carry the scene (no unknown node left; too few elements to
@@ -120,7 +122,18 @@ class BarSystem {
   const std::array<EndInput, 2>& inputs() const { return inputs_; }
 
   /// Whether the frame moves.
-  bool moving() const { return inputs_[0].motion || inputs_[1].motion; }
+  bool moving() const { return moves_frame(false) || moves_frame(true); }
+  /// The same in a frame that moves with the obstacles that move, too.
+  BarSystem following() const;
+  bool follows() const { return following_; }  ///< whether it is that
+  /// Whether the obstacle of a contact moves in the frame.
+  bool moves(const Contact& contact) const {
+    return contact.where != Where::span && !following_ && inputs_[contact.where == Where::right].motion;
+  }
+  /// gap(t) of a contact, or its derivative: constant where its obstacle does not move. @throws LoadError
+  double gap(const Contact& contact, double t, int derivative = 0) const;
+  /// Makes the state (u, w) at t of this system that of the same motion in another frame.
+  void change_frame(const BarSystem& to, double t, std::span<double> u, std::span<double> w) const;
   /// Of the frame, or its first or second derivative in time. @throws LoadError where it is not finite
   Lift lift(double t, int derivative) const;
   /// The same as lift(), from displacements a time `step` before and after t alone, as scheme (2.8) takes them: their
@@ -150,6 +163,10 @@ class BarSystem {
     return lift_loss(rate, left_fixed() ? 0.0 : w.front(), right_fixed() ? 0.0 : w.back());
   }
 
+  /// What the frame adds to end_power(), of whole_inertia(): of the same velocities, and of accelerations in it.
+  double lift_end_power(const Lift& rate, const Lift& acceleration, double left, double right,
+                        std::span<const double> a) const;
+
   /// Displacement of a fixed end, in the frame; absent: it is not fixed.
   const std::optional<double>& wall(bool right) const { return walls_[right]; }
   std::optional<double> left_displacement() const { return walls_[0]; }   ///< of the left one
@@ -168,8 +185,18 @@ class BarSystem {
   bool massless(std::size_t unknown) const { return unknown < massive_begin() || unknown >= massive_end(); }
   /// Whether any unknown has none.
   bool has_massless() const { return massless_[0] || massless_[1]; }
-  /// rho M over all nodes, where the frame moves.
+  /// rho M over all nodes, where something moves an end.
   const SymmetricTridiagonal& whole_inertia() const { return whole_inertia_; }
+
+  /// The force on the bar that holds a fixed end, in the direction of u: what its own row lacks,
+  ///
+  ///     (rho M a + E K u + eta K v)_e - load,        load = (M f)_e, e = 0 or J,
+  ///
+  /// u, v, a being those of the bar itself, not in the frame, over all mesh nodes. Of the order of the mass.
+  double holding_force(bool right, std::span<const double> u, std::span<const double> v, std::span<const double> a,
+                       double load) const;
+  /// (rho M a)_e of a fixed end, a over all mesh nodes.
+  double held_inertia(bool right, std::span<const double> a) const;
 
   /// out = -(E K u + eta K w). Stresses are differences of neighbours, so a rigid motion gives exactly zero.
   void internal_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
@@ -188,10 +215,11 @@ class BarSystem {
   /// Energy 1/2 w.rho Q w + 1/2 E int u_x^2 + 1/2 sum k_e u_e^2, the contacts' apart.
   double energy(std::span<const double> u, std::span<const double> w) const;
 
-  /// Whether M is not symmetric, so that forces do not do all that changes the energy.
-  bool has_end_rows() const { return inertia_.end_rows.has_value(); }
+  /// Whether M is not symmetric in the row of an end that may move, so that forces do not do all that changes the
+  /// energy.
+  bool has_end_rows() const { return inertia_.end_rows.has_value() || (moving() && whole_inertia_.end_rows); }
   /// w . rho (M - Q) a, the power that the end rows of the mass take at velocity w and acceleration a; of either only
-  /// the three entries at each end count. Of a mass with end rows.
+  /// the three entries at each end count. Of the frame.
   double end_power(std::span<const double> w, std::span<const double> a) const;
 
   /// Initial data at the unknown nodes. On `fourth_order`, where an end is held whose initial velocity is another, the
@@ -219,9 +247,11 @@ class BarSystem {
 
   struct SteadyVector {
     std::vector<double> weighted;  // M f
+    std::array<double, 2> held{};  // the same of the ends, where they are fixed
   };
   struct SeparableVector {
     std::vector<double> weighted;  // M profile
+    std::array<double, 2> held;    // likewise
     TimeFunction history;
     NextBreak breaks;
   };
@@ -232,6 +262,7 @@ class BarSystem {
     SymmetricTridiagonal mass;  // over all nodes
   };
 
+  bool moves_frame(bool right) const { return inputs_[right].motion && (walls_[right] || following_); }
   void take_forces();
   void enter_frame();
   void stop_fixed_ends(const Scene& scene, double coupling);
@@ -243,9 +274,10 @@ class BarSystem {
   Mesh mesh_;
   Mass mass_;
   Bar bar_;
-  std::array<std::optional<double>, 2> walls_;  // displacement of a fixed end
-  std::array<bool, 2> massless_{};              // the ends
-  std::vector<double> inverse_spacing_;         // 1/h of every element; empty for a uniform mesh
+  std::array<std::optional<double>, 2> walls_;        // displacement of a fixed end
+  std::array<bool, 2> massless_{};                    // the ends
+  std::array<std::array<double, 3>, 2> held_rows_{};  // of rho M, of fixed ends, inwards
+  std::vector<double> inverse_spacing_;               // 1/h of every element; empty for a uniform mesh
   SymmetricTridiagonal inertia_;
   TridiagonalFactor massive_factor_;  // of the massive block of rho M
   std::vector<Contact> contacts_;
@@ -253,9 +285,11 @@ class BarSystem {
   std::optional<std::variant<SteadyVector, SeparableVector, GeneralVector>> load_;
   std::array<EndInput, 2> inputs_;                   // left, right
   bool varying_forces_ = false;                      // whether their forces are to be added to the load
+  bool following_ = false;                           // whether the frame moves with obstacles, too
+  std::array<bool, 2> free_{};                       // the ends
   bool rigid_frame_ = false;                         // moves as a whole, since the other end is free
   std::vector<Mount> mounts_;                        // of ends that have one
-  SymmetricTridiagonal whole_inertia_;               // of all nodes, where the frame moves
+  SymmetricTridiagonal whole_inertia_;               // of all nodes, where something moves an end
   std::array<std::vector<double>, 2> lift_inertia_;  // rho M (1 - x/L) and rho M x/L, likewise
 };
 
@@ -272,6 +306,8 @@ class LoadVector {
   /// Its entry of one unknown, of the same value: the load is evaluated beside its node only. Not counted.
   /// @throws LoadError
   double at(double t, std::size_t unknown) const;
+  /// (M f)_e of a fixed end, the frame's part left out. Not counted. @throws LoadError
+  double at_held(double t, bool right) const;
 
   /// Time of the first break of the load after t, at any node, or `end` where there is none before: until then the load
   /// is smooth. From here on at() evaluates it at the nearest time that is 64 roundings of the time away from that
@@ -291,7 +327,7 @@ class LoadVector {
   }
   double next_break(double after, double until);
   void find_distributed(double t);
-  double distributed(double t, std::size_t unknown) const;
+  double distributed(double t, std::size_t node) const;
   void add_inputs(double t);
   std::array<double, 2> end_forces(double t) const;
   Lift lift(double t, int derivative) const;

@@ -19,7 +19,7 @@ namespace viscobar {
 
 /// Where the energy is at one time, and what came and went since the start of the run:
 ///
-///     kinetic + elastic + contact + dissipated + end_inertia = initial + work + balance error
+///     kinetic + elastic + contact + dissipated = initial + work + balance error
 ///
 /// Of a scheme it is that of the step in which the time lies, E^{n-1/2}, whose balance is exact.
 struct EnergyState {
@@ -28,7 +28,7 @@ struct EnergyState {
   double contact = 0.0;      ///< in the springs of a penalty
   double dissipated = 0.0;   ///< since the start, as in EnergyAccount
   double work = 0.0;         ///< likewise
-  double end_inertia = 0.0;  ///< likewise
+  double end_inertia = 0.0;  ///< of the dissipated, as in EnergyAccount
   /// What the bar and its contacts hold.
   double total() const { return kinetic + elastic + contact; }
 };
@@ -39,8 +39,8 @@ struct Snapshot {
   std::span<const double> u;  ///< displacement, J+1 entries, valid during the call
   std::span<const double> v;  ///< velocity, likewise
   /// Force of the obstacles on the end nodes in the direction of u, R_0 = -s and R_L = s in contact: not negative of an
-  /// obstacle below, not positive of one above; for a fixed end the traction of the end element, -s and s; 0 at a free
-  /// end.
+  /// obstacle below, not positive of one above; for a fixed end the force that holds or moves it, by its own row (see
+  /// BarSystem::holding_force); 0 at a free end.
   double reaction_left = 0.0;
   double reaction_right = 0.0;  ///< likewise
   /// An entry for each direction that was asked for, valid during the call.
@@ -64,21 +64,21 @@ struct Event {
   std::vector<ChangeSensitivity> sensitivities = {};  ///< an entry for each direction that was asked for
 };
 
-/// initial + work = final + dissipated + end_inertia + balance_error, the error being that of the time integration.
+/// initial + work = final + dissipated + balance_error, the error being that of the time integration.
 struct EnergyAccount {
   double initial = 0.0;     ///< kinetic and elastic energy, that of springs included, at the start
   double final = 0.0;       ///< the same at the end
-  double dissipated = 0.0;  ///< by viscosity, by the dashpots of contacts and ends, and by impacts
+  double dissipated = 0.0;  ///< by viscosity, the dashpots of contacts and ends, impacts, and end_inertia
   double work = 0.0;        ///< of the load, of forces on the ends, and of what moves ends and obstacles
-  /// Taken by the end rows of the mass `fourth_order`, whose inertia has no energy of its own: int v.(M - Q) v' dt, Q
-  /// the symmetric part that the kinetic energy is made of. O(h^2); 0 for other masses.
+  /// Of it, taken by the end rows of the mass `fourth_order`, whose inertia has no energy of its own: int v.(M - Q) v'
+  /// dt, Q the symmetric part that the kinetic energy is made of. O(h^2); 0 for other masses.
   double end_inertia = 0.0;
   /// Of a scheme: the most that its impacts have given the bar, which an obstacle that stands still cannot. With A(t)
   /// what impacts took up to t, max A(s) - A(t) over s <= t, nothing touching at s, and 0 at the start.
   double growth = 0.0;
   double growth_time = 0.0;  ///< that t
   /// What the integration lost or gained.
-  double balance_error() const { return final + dissipated + end_inertia - initial - work; }
+  double balance_error() const { return final + dissipated - initial - work; }
 };
 
 /// How long something has been in contact, from contact changes.
@@ -179,6 +179,8 @@ struct Checkpoint {
   std::size_t outputs = 0;  ///< output times told so far
   Statistics statistics;    ///< so far
   std::string state;        ///< the method's own, binary
+  /// The frame of that state. As the bar comes to an obstacle that moves, the run enters the one that follows it.
+  enum class Frame { resting, entered, following } frame = Frame::resting;
 };
 
 /// Where a run begins: with initial data, or where another run was.

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "integration/approach.hpp"
 #include "integration/bernstein.hpp"
 
 namespace viscobar::exponential {
@@ -130,17 +131,31 @@ double ContactDistance::slope_noise(std::size_t c, double tau, const Largest& la
   return 8.0 * rounding * largest.displacement * bar.modulus / bar.viscosity * tau;
 }
 
+ContactDistance::Samples ContactDistance::samples(std::size_t c, const std::vector<Series>& motion,
+                                                  const std::vector<LoadPolynomial>& p) const {
+  const std::size_t quarter = motion.size() / 4;
+  Samples all{};
+  for (std::size_t k = 0; k < all.values.size(); ++k) {
+    const VectorXd sample = along(c, motion[k * quarter], p[k * quarter]);
+    all.values[k] = sample[0];
+    if (k % 2 == 0) all.slopes[k / 2] = sample[1] / 2;
+  }
+  return all;
+}
+
+bool ContactDistance::stays_away(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p,
+                                 double t, double tau, double whole, const Largest& largest) const {
+  const auto [values, slopes] = samples(c, motion, p);
+  const Contact& contact = penalised_.contact(c);
+  const double nearest = SampledRange(values, slopes).lowest() - contact.gap;
+  return !may_reach_within(
+      whole, [&](double at) { return nearest + system_.gap(contact, at); }, band(c, largest), t, t + tau);
+}
+
 bool ContactDistance::keeps_state(std::size_t c, const std::vector<Series>& motion,
                                   const std::vector<LoadPolynomial>& p, double tau, const Largest& largest,
                                   double& penetration) const {
-  const std::size_t quarter = motion.size() / 4;
-  std::array<double, 5> values;
-  std::array<double, 3> slopes;
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    const VectorXd sample = along(c, motion[k * quarter], p[k * quarter]);
-    values[k] = sample[0];
-    if (k % 2 == 0) slopes[k / 2] = sample[1] / 2;
-  }
+  const auto [values, slopes] = samples(c, motion, p);
   const SampledRange range(values, slopes);
   if (range.lowest() < -band(c, largest)) return false;
   if (!penalised_.closed(c)) return true;

@@ -71,12 +71,22 @@ class ContactDistance {
   bool keeps_state(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p, double tau,
                    const Largest& largest, double& penetration) const;
 
+  /// Whether the node of open contact c surely does not come to its obstacle, which moves, during the same step from t
+  /// on, in a run of length `whole`.
+  bool stays_away(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p, double t,
+                  double tau, double whole, const Largest& largest) const;
+
   /// Power of what the forces on closed damped massless contacts cancel: a node's velocity is what its contact and the
   /// bar leave of each other, over its viscosity.
   double cancelled_power(double penetration) const;
 
  private:
   bool massless(std::size_t c) const { return system_.massless(penalised_.contact(c).unknown); }
+  struct Samples {
+    std::array<double, 5> values;
+    std::array<double, 3> slopes;
+  };
+  Samples samples(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p) const;
   double slope_noise(std::size_t c, double tau, const Largest& largest) const;
 
   const BarSystem& system_;

@@ -12,22 +12,22 @@ using Eigen::VectorXd;
 using Leg = LinearLeg<double>;
 
 EnergyFlow gauss_flow(const Leg& leg, const Leg::Series& series, const MatrixXd& load, double tau, double sigma,
-                      const FrameLoss& frame_loss) {
+                      const FrameFlow& of_frame) {
   EnergyFlow flow;
   for (const auto [node, weight] : gauss<8>()) {
     const double at = sigma * (1.0 + node) / 2, share = tau * sigma * weight / 2;
     const VectorXd v = Leg::velocity(series, at, tau);
-    const double of_frame = frame_loss ? frame_loss(at, v) : 0.0;
-    flow.dissipated += share * (leg.dissipation(v) + of_frame);
-    flow.work += share * of_frame;
+    const VectorXd a = leg.has_end_rows() || of_frame ? Leg::acceleration(series, at, tau) : VectorXd();
+    if (of_frame) flow.add(share, of_frame(at, v, a));
+    flow.dissipated += share * leg.dissipation(v);
     if (load.cols() > 0) flow.work += share * v.dot(Leg::displacement(load, at));
-    if (leg.has_end_rows()) flow.end_inertia += share * leg.end_power(v, Leg::acceleration(series, at, tau));
+    if (leg.has_end_rows()) flow.end_inertia += share * leg.end_power(v, a);
   }
   return flow;
 }
 
 SampledFlow sampled_flow(const Leg& leg, std::span<const VectorXd> velocities, std::span<const VectorXd> loads,
-                         std::span<const VectorXd> accelerations, double tau, const FrameLoss& frame_loss) {
+                         std::span<const VectorXd> accelerations, double tau, const FrameFlow& of_frame) {
   constexpr std::array<double, 5> fine = {989.0 / 28350, 5888.0 / 28350, -928.0 / 28350, 10496.0 / 28350,
                                           -4540.0 / 28350};
   constexpr std::array<double, 5> coarse = {217.0 / 5670, 1024.0 / 5670, 352.0 / 5670, 1024.0 / 5670, 436.0 / 5670};
@@ -35,11 +35,12 @@ SampledFlow sampled_flow(const Leg& leg, std::span<const VectorXd> velocities, s
   EnergyFlow &flow = sampled.flow, other;
   for (std::size_t k = 0; k <= 8; ++k) {
     const std::size_t weight = std::min(k, 8 - k);
-    const double of_frame = frame_loss ? tau * frame_loss(static_cast<double>(k) / 8.0, velocities[k]) : 0.0;
-    const double loss = tau * leg.dissipation(velocities[k]) + of_frame;
-    const double power = (loads.empty() ? 0.0 : tau * velocities[k].dot(loads[k])) + of_frame;
-    const double end = accelerations.empty() ? 0.0 : tau * leg.end_power(velocities[k], accelerations[k]);
-    sampled.powers[k] = {loss, power, end};
+    const VectorXd& a = accelerations.empty() ? velocities[k] : accelerations[k];  // not looked at without end rows
+    EnergyFlow& power = sampled.powers[k];
+    if (of_frame) power.add(tau, of_frame(static_cast<double>(k) / 8.0, velocities[k], a));
+    power.dissipated += tau * leg.dissipation(velocities[k]);
+    if (!loads.empty()) power.work += tau * velocities[k].dot(loads[k]);
+    if (leg.has_end_rows()) power.end_inertia += tau * leg.end_power(velocities[k], a);
     flow.add(fine[weight], sampled.powers[k]);
     other.add(coarse[weight], sampled.powers[k]);
   }

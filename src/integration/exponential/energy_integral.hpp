@@ -21,12 +21,12 @@ struct EnergyFlow {
 
 /// What a frame that moves adds to power and loss at a part of a step and a velocity (see BarSystem::lift_loss); empty
 /// where it stands still.
-using FrameLoss = std::function<double(double sigma, const Eigen::VectorXd& v)>;
+using FrameFlow = std::function<EnergyFlow(double sigma, const Eigen::VectorXd& v, const Eigen::VectorXd& a)>;
 
 /// The flow over the part [0, sigma] of a step that one Taylor series covers, by Gauss' rule with eight points.
 /// `load` are the nodal coefficients of the load on the step, the constant part included; no columns without a load.
 EnergyFlow gauss_flow(const LinearLeg<double>& leg, const LinearLeg<double>::Series& series,
-                      const Eigen::MatrixXd& load, double tau, double sigma, const FrameLoss& frame_loss);
+                      const Eigen::MatrixXd& load, double tau, double sigma, const FrameFlow& of_frame);
 
 /// The flow over a whole step from velocities, loads and accelerations (n entries each; no loads without a load, no
 /// accelerations for a mass without end rows) at its eighths, by the rule of Newton and Cotes, of degree 9. `error` is
@@ -41,6 +41,6 @@ struct SampledFlow {
 };
 SampledFlow sampled_flow(const LinearLeg<double>& leg, std::span<const Eigen::VectorXd> velocities,
                          std::span<const Eigen::VectorXd> loads, std::span<const Eigen::VectorXd> accelerations,
-                         double tau, const FrameLoss& frame_loss);
+                         double tau, const FrameFlow& of_frame);
 
 }  // namespace viscobar::exponential

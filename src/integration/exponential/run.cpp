@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "integration/approach.hpp"
 #include "run/step_failure.hpp"
 
 namespace viscobar::exponential {
@@ -23,8 +24,10 @@ PartEnd Run::operator()(const StartingPoint& start) {
       begin(std::get<State>(start));
     while (t_ < times_.back()) {
       if (!advance()) continue;
+      if (entered_) return std::move(*entered_);
       if (!telling_.progress(t_)) return reached();
-      if (t_ < times_.back() && schedule_.due(t_)) return Checkpoint{t_, next_output_, reached(), archived(*this)};
+      if (t_ < times_.back() && schedule_.due(t_))
+        return Checkpoint{t_, next_output_, reached(), archived(*this), frame_of(system_)};
     }
   } catch (const LoadError& error) {
     fail(Failure::load, error);
@@ -109,7 +112,7 @@ void Run::go_on(const Checkpoint& checkpoint) {
   for (std::size_t c = 0; c < contacts(); ++c)
     if (measured_[c]) propagators_.measure_from_obstacle(c);
   begin_leg();
-  pass_kink();
+  if (checkpoint.frame != Checkpoint::Frame::entered) pass_kink();
 }
 
 void Run::watch_ends() {
@@ -180,14 +183,16 @@ bool Run::take_long_step(double tau) {
     const double at = static_cast<double>(k) / pieces;
     if (sampled) {
       p.push_back(rescaled(p_, at, 1.0));
-      motion.push_back(propagator_->expand(y, p[k], tau, leg().has_end_rows() ? 2 : 1));
+      motion.push_back(propagator_->expand(y, p[k], tau, system_.has_end_rows() ? 2 : 1));
     }
     if (k < pieces) propagator_->advance(level_ - halvings, y, rescaled(p_, at, 1.0 / pieces));
   }
   if (contacts() > 0) ++statistics_.event_evaluations;
   double penetration = statistics_.max_penetration;
   for (std::size_t c = 0; c < contacts(); ++c)
-    if (!distance_.keeps_state(c, motion, p, tau, largest(), penetration)) return false;
+    if (penalised_.moves(c) ? !distance_.stays_away(c, motion, p, t_, tau, run_length(), largest())
+                            : !distance_.keeps_state(c, motion, p, tau, largest(), penetration))
+      return false;
   if (ends_) {
     ends_->look_at(t_, t_ + tau, pieces, [&](std::size_t k, double) { return end_sample(motion[k], 0.0, tau); });
     if (!ends_->resolved()) return false;
@@ -221,18 +226,26 @@ void Run::take_short_step(double tau) {
     if (penalised_.closed(c)) known.penetration = std::max(known.penetration, std::abs(value(distances[c], 1.0)));
   }
   for (std::size_t c = 0; c < contacts(); ++c) {
+    const Contact& contact = penalised_.contact(c);
+    const auto clearance = [&](double at) {
+      return value(distances[c], (at - t_) / tau) + (system_.gap(contact, at) - contact.gap);
+    };
+    if (penalised_.moves(c)) {
+      if (may_reach_within(run_length(), clearance, distance_.band(c, known), t_, t_ + tau)) return follow(series, tau);
+      continue;
+    }
     const std::optional<double> passage = first_passage(distances[c], distance_.band(c, known));
     if (passage && (!changing || *passage < sigma)) sigma = *passage, changing = c;
   }
   const double t = t_ + tau * sigma;
   output_until(t, tau, [&](double at) {
-    return energy_flows() ? gauss_flow(leg(), series, load_.total(p_), tau, at, frame_loss(tau)) : EnergyFlow{};
+    return energy_flows() ? gauss_flow(leg(), series, load_.total(p_), tau, at, frame_flow(tau)) : EnergyFlow{};
   });
   for (std::size_t c = 0; c < contacts(); ++c)
     if (penalised_.closed(c))
       statistics_.max_penetration =
           std::max(statistics_.max_penetration, distance_.penetration_share(c) * largest_value(distances[c], sigma));
-  if (energy_flows()) add(gauss_flow(leg(), series, load_.total(p_), tau, sigma, frame_loss(tau)));
+  if (energy_flows()) add(gauss_flow(leg(), series, load_.total(p_), tau, sigma, frame_flow(tau)));
   if (ends_) {
     // Of that degree the series is the motion to rounding, since (rate bound) * step <= 1.
     ends_->look_at(t_, t, Bernstein::max_degree,
@@ -247,9 +260,22 @@ void Run::take_short_step(double tau) {
   change_contacts(*changing, distances, sigma, v);
 }
 
+void Run::follow(const Series& series, double tau) {
+  VectorXd u = leg().displacement(series, 0.0) + propagators_.origin(), v = leg().velocity(series, 0.0, tau);
+  const auto all = [](VectorXd& x) { return std::span(x.data(), static_cast<std::size_t>(x.size())); };
+  const double after = t_ + 64.0 * rounding * std::max(std::abs(t_), times_.back());
+  const double gained = penalised_.change_frame(system_.following(), after, all(u), all(v));
+  u -= propagators_.origin();
+  if (statistics_.energy) statistics_.energy->work -= gained;
+  if (ends_) ends_->enter_frame(entries(u), entries(v));
+  y_ = leg().pack(u, v);
+  entered_ = Checkpoint{t_, next_output_, reached(), archived(*this), Checkpoint::Frame::entered};
+}
+
 void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distances, double sigma, const VectorXd& v) {
   std::vector<std::size_t> changing;
   for (std::size_t c = 0; c < contacts(); ++c) {
+    if (penalised_.moves(c)) continue;
     const double away = sign(c) * v[node(c)];
     const bool leaving = penalised_.closed(c) ? away > 0.0 : away < 0.0;
     if (c == first || (leaving && std::abs(value(distances[c], sigma)) <= distance_.band(c, largest())))
@@ -290,9 +316,9 @@ std::optional<SampledFlow> Run::resolved_flow(const std::vector<Series>& motion,
   for (std::size_t k = 0; k < motion.size(); ++k) {
     velocities.push_back(motion[k].col(1) / tau);
     if (system_.loaded()) loads.push_back(load_.total(p[k]).col(0));
-    if (leg().has_end_rows()) accelerations.push_back(motion[k].col(2) * (2.0 / (tau * tau)));
+    if (system_.has_end_rows()) accelerations.push_back(motion[k].col(2) * (2.0 / (tau * tau)));
   }
-  SampledFlow sampled = sampled_flow(leg(), velocities, loads, accelerations, tau, frame_loss(tau));
+  SampledFlow sampled = sampled_flow(leg(), velocities, loads, accelerations, tau, frame_flow(tau));
   EnergyFlow& flow = sampled.flow;
   // As a bar at rest sets in motion, its energy is so small that a share of it would be below the flow's own
   // rounding.
@@ -311,9 +337,13 @@ std::optional<SampledFlow> Run::resolved_flow(const std::vector<Series>& motion,
   return sampled;
 }
 
-FrameLoss Run::frame_loss(double tau) const {
+FrameFlow Run::frame_flow(double tau) const {
   if (!system_.moving()) return {};
-  return [this, tau](double sigma, const VectorXd& v) { return penalised_.frame_loss(t_ + sigma * tau, entries(v)); };
+  return [this, tau](double sigma, const VectorXd& v, const VectorXd& a) {
+    const double t = t_ + sigma * tau, loss = penalised_.frame_loss(t, entries(v));
+    const double end = system_.has_end_rows() ? penalised_.end_power(t, entries(v), entries(a)).of_frame : 0.0;
+    return EnergyFlow{loss, loss + end, end};
+  };
 }
 
 double Run::end_power_rounding(const std::vector<VectorXd>& velocities) const {
@@ -356,7 +386,7 @@ void Run::output_until(double t, double tau, const std::function<EnergyFlow(doub
     std::optional<EnergyState> energy;
     if (statistics_.energy) {
       const EnergyFlow flow = flow_until((times_[next_output_] - t_) / tau);
-      energy = EnergyState{.dissipated = statistics_.energy->dissipated + flow.dissipated,
+      energy = EnergyState{.dissipated = statistics_.energy->dissipated + flow.dissipated + flow.end_inertia,
                            .work = statistics_.energy->work + flow.work + (last ? 0.0 : of_frame),
                            .end_inertia = statistics_.energy->end_inertia + flow.end_inertia};
     }
@@ -388,7 +418,7 @@ bool Run::energy_flows() const {
 }
 
 void Run::add(const EnergyFlow& flow) {
-  statistics_.energy->dissipated += flow.dissipated;
+  statistics_.energy->dissipated += flow.dissipated + flow.end_inertia;
   statistics_.energy->work += flow.work;
   statistics_.energy->end_inertia += flow.end_inertia;
   energy_scale_ = std::max(energy_scale_, statistics_.energy->initial + std::abs(statistics_.energy->work));

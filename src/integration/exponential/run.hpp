@@ -68,6 +68,7 @@ class Run {
   std::size_t contacts() const { return penalised_.contact_count(); }
   Index node(std::size_t c) const { return distance_.node(c); }
   ContactDistance::Largest largest() const { return {largest_displacement_, statistics_.max_penetration}; }
+  double run_length() const { return times_.back() - times_.front(); }
   double shortest_step() const { return 4.0 * rounding * std::max(std::abs(t_), times_.back() - times_.front()); }
 
   Statistics reached();
@@ -105,7 +106,7 @@ class Run {
   // Over a long step; absent where the step may hide some of it.
   std::optional<SampledFlow> resolved_flow(const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p,
                                            double tau, double penetration) const;
-  FrameLoss frame_loss(double tau) const;
+  FrameFlow frame_flow(double tau) const;
 
   // What rounding makes of the power of the end rows in a long flight: the row (rho h / 24) (3, 4, 1) times
   // accelerations, by forces that are differences of rounded displacements and velocities.
@@ -113,6 +114,10 @@ class Run {
 
   // A step that one Taylor series covers, cut at the first contact change.
   void take_short_step(double tau);
+
+  // The bar may come to an obstacle that moves in this step: from its beginning on the frame follows it. A kink there
+  // has been passed.
+  void follow(const Series& series, double tau);
 
   // Contact `first` reaches its change; so do those that are at theirs up to rounding and go on.
   void change_contacts(std::size_t first, const std::vector<VectorXd>& distances, double sigma, const VectorXd& v);
@@ -145,6 +150,8 @@ class Run {
   std::vector<double> sampled_;
   Propagator* propagator_ = nullptr;
   Watchdog watchdog_;
+
+  std::optional<Checkpoint> entered_;  // of a frame that the next part is in
 
   double t_;
   double piece_end_ = 0.0;  // of the piece in which the load is smooth

@@ -135,7 +135,10 @@ void Leg::account_rates(double t, std::span<const double> w, std::span<const dou
   const double loss = system.frame_loss(t, w);
   if (layout.dissipated) y_rate[*layout.dissipated] = system.dissipated_power(w) + loss;
   if (layout.work) y_rate[*layout.work] = system.load_power(t, w) + loss;
-  if (layout.end_inertia) y_rate[*layout.end_inertia] = system.bar().end_power(w, a);
+  if (!layout.end_inertia) return;
+  const auto [all, of_frame] = system.end_power(t, w, a);
+  y_rate[*layout.end_inertia] = all;
+  if (layout.work) y_rate[*layout.work] += of_frame;
 }
 
 NonlinearSolver make_step_solver(Leg& leg, const Context& context) {

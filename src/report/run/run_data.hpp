@@ -93,8 +93,7 @@ class ReportData {
       EnergyColumn{"kinetic", Drawn::always, [](const EnergyState& energy) { return energy.kinetic; }},
       EnergyColumn{"elastic", Drawn::always, [](const EnergyState& energy) { return energy.elastic; }},
       EnergyColumn{"contact springs", Drawn::with_springs, [](const EnergyState& energy) { return energy.contact; }},
-      EnergyColumn{"dissipated", Drawn::where_not_zero,
-                   [](const EnergyState& e) { return e.dissipated + e.end_inertia; }},
+      EnergyColumn{"dissipated", Drawn::where_not_zero, [](const EnergyState& energy) { return energy.dissipated; }},
       EnergyColumn{"work", Drawn::where_not_zero, [](const EnergyState& energy) { return energy.work; }},
       EnergyColumn{"total", Drawn::always, [](const EnergyState& energy) { return energy.total(); }}};
   /// Derivatives of the ends' displacements by a parameter.

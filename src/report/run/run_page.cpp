@@ -51,7 +51,7 @@ std::string numbers(const Case& run, const BarSystem& system, const Outcome& out
       all.add("Energy at the start", readable(energy->initial));
       all.add("Energy at the end", readable(energy->final));
       all.add("Dissipated", readable(energy->dissipated), "work of the load " + readable(energy->work));
-      if (energy->end_inertia != 0.0) all.add("Taken by the mass's end rows", readable(energy->end_inertia));
+      if (energy->end_inertia != 0.0) all.add("Of it by the mass's end rows", readable(energy->end_inertia));
       all.add("Energy balance error", readable(energy->balance_error(), 2));
     }
     all.add("Integration", seconds(statistics->integration_seconds));

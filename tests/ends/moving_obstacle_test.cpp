@@ -1,0 +1,111 @@
+// An obstacle that moves is nothing to a bar that does not come to it.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "viscobar/case/recording.hpp"
+#include "viscobar/input/scene_file.hpp"
+
+namespace viscobar {
+namespace {
+
+struct Untouched {
+  std::string moving, still;  ///< the obstacle's end
+  std::string rest;           ///< of the scene
+};
+
+// Nothing of the obstacle but its moving gap differs between the two ends of a pair.
+std::vector<Untouched> untouched() {
+  const auto obstacle = [](const std::string& end, const std::string& gap, const std::string& more = "") {
+    return "[" + end + "]\nkind = \"obstacle\"\ngap = " + gap + "\n" + more;
+  };
+  return {
+      // It flies away ever faster.
+      {obstacle("left", "\"100+100*t^2\""), obstacle("left", "100"),
+       "[right]\nkind = \"free\"\nforce = \"sin(3*t)\"\n[initial]\nvelocity = 1.0\n"},
+      // It shakes in front of a bar whose other end is moved.
+      {obstacle("right", "\"0.6+0.25*sin(40*t)\"", "side = \"above\"\n"),
+       obstacle("right", "0.6", "side = \"above\"\n"), "[left]\nkind = \"fixed\"\nmotion = \"0.1*sin(3*t)\"\n"},
+      // It flees from the bar, at the same speed at last, and its motion has kinks.
+      {obstacle("left", "\"0.2+2*t-max(0,t-1.3)\""), obstacle("left", "50"), "[initial]\nvelocity = \"-1-0.1*x\"\n"},
+      // It comes and goes where the end has been, and both ends have one.
+      {obstacle("left", "\"1+0.9*cos(2*t)\"", "stiffness = 0.3\n") + obstacle("right", "\"3-t\"", "dashpot = 0.2\n"),
+       obstacle("left", "9", "stiffness = 0.3\n") + obstacle("right", "9", "dashpot = 0.2\n"),
+       "[initial]\nvelocity = 0.7\ndisplacement = \"0.3*x^2\"\n"},
+  };
+}
+
+std::string numerics(const std::string& method, const std::string& mass) {
+  return fmt::format(
+      "[time]\nend = 2.5\n[mesh]\nelements = 12\nmass = \"{}\"\n[method]\nname = \"{}\"\nstep = 0.005\n[contact]\nepsilon "
+      "= 1e-4\n[output]\nevery = 0.11\n",
+      mass, method);
+}
+
+const std::pair<const char*, const char*> methods[] = {
+    {"cvode", "fourth_order"},        {"ida", "consistent"},          {"arkode", "lumped"},
+    {"odeint", "fourth_order"},       {"rigid", "fourth_order"},      {"exponential", "consistent"},
+    {"fully_discrete", "consistent"}, {"finite_difference", "lumped"}};
+
+TEST(MovingObstacle, ThatIsNotTouchedChangesNoDigitAndNoStep) {
+  for (const auto& [moving, still, rest] : untouched())
+    for (const auto& [method, mass] : methods) {
+      // A spring is at odds with some masses only where there is no mass.
+      SCOPED_TRACE(std::string(method) + "\n" + moving + rest);
+      const std::string bar = "[bar]\nlength = 1.0\nviscosity = 0.1\n", how = numerics(method, mass);
+      const Recording a = record(parse_scene(bar + moving + rest + how, "").run);
+      const Recording b = record(parse_scene(bar + still + rest + how, "").run);
+      EXPECT_TRUE(a.events.empty());
+      EXPECT_EQ(a.statistics.steps, b.statistics.steps);
+      EXPECT_EQ(a.u, b.u);
+      EXPECT_EQ(a.v, b.v);
+      EXPECT_EQ(a.reaction_left, b.reaction_left);
+      EXPECT_EQ(a.reaction_right, b.reaction_right);
+      const EnergyAccount &e = a.statistics.energy.value(), &f = b.statistics.energy.value();
+      EXPECT_EQ(e.initial, f.initial);
+      EXPECT_EQ(e.final, f.final);
+      EXPECT_EQ(e.work, f.work);
+      EXPECT_EQ(e.dissipated, f.dissipated);
+      EXPECT_EQ(a.statistics.account->left.lowest, b.statistics.account->left.lowest);
+      EXPECT_EQ(a.statistics.account->right.highest, b.statistics.account->right.highest);
+    }
+}
+
+TEST(MovingObstacle, ThatIsNotTouchedHasNoDerivative) {
+  for (const auto& [moving, still, rest] : untouched())
+    for (const char* method : {"cvode", "ida", "arkode", "rigid"}) {
+      SCOPED_TRACE(std::string(method) + "\n" + moving + rest);
+      const std::string bar = "[parameters]\nshift = 0.0\n[bar]\nlength = 1.0\nviscosity = 0.1\n";
+      const std::string how =
+          numerics(method, "consistent") + "[sensitivity]\nof = [\"bar.viscosity\", \"parameters.shift\"]\n";
+      std::string shifted = moving;
+      shifted.replace(shifted.find("gap = \"") + 7, 0, "shift+");
+      const Recording a = record(parse_scene(bar + shifted + rest + how, "").run);
+      const Recording b = record(parse_scene(bar + still + rest + how, "").run);
+      ASSERT_EQ(a.sensitivities.size(), 2u);
+      EXPECT_EQ(a.u, b.u);
+      EXPECT_EQ(a.sensitivities[0].u, b.sensitivities[0].u);
+      EXPECT_EQ(a.sensitivities[0].v, b.sensitivities[0].v);
+      for (const double slope : a.sensitivities[1].u) EXPECT_EQ(slope, 0.0);
+    }
+}
+
+// (2.8) with a start of first order: u^1 = u^0 + dt u_1 of the bar itself, whatever moves an end. The bar flies at its
+// velocity, and u(dt) is to rounding where that leads.
+TEST(MovingObstacle, SchemesStartWithTheVelocityOfTheBar) {
+  for (const std::string end : {"kind = \"obstacle\"\ngap = \"1+5*t^2\"\n", "kind = \"free\"\n"})
+    for (const char* method : {"fully_discrete", "finite_difference"}) {
+      const std::string text = "[bar]\nlength = 1.0\n[left]\n" + end +
+                               "[initial]\nvelocity = 1.0\n[time]\nend = 1.0\n[mesh]\nelements = 10\nmass = "
+                               "\"lumped\"\n[method]\nname = \"" +
+                               method + "\"\nstep = 0.01\nstart = \"first_order\"\n";
+      const Recording run = record(parse_scene(text, "").run);
+      for (std::size_t j = 0; j < run.mesh.nodes(); ++j)
+        EXPECT_NEAR(run.displacement(run.times.size() - 1)[j], 1.0, 1e-13) << end << method;
+    }
+}
+
+}  // namespace
+}  // namespace viscobar
