@@ -30,10 +30,10 @@ std::string stiffer_advice(const Case& run) {
   Case chosen = run;
   chosen.epsilon.reset();
   return fmt::format(
-      "contact.epsilon = {:.3g} is {:.2g} of {}, at which the spring gives way as the bar does: take {:.2g}, or leave "
-      "it out (--set contact.epsilon=)",
-      effective_epsilon(run), effective_epsilon(run) / natural_epsilon(run.scene), natural_epsilon_words(run.scene),
-      effective_epsilon(chosen));
+      "contact.epsilon = {:.3g} is a stop of stiffness {:.3g}, {:.2g} of {}, at which it gives way as the bar does: "
+      "right if such a stop is meant; for a rigid obstacle take {:.2g}, or leave it out (--set contact.epsilon=)",
+      effective_epsilon(run), 1.0 / effective_epsilon(run), effective_epsilon(run) / natural_epsilon(run.scene),
+      natural_epsilon_words(run.scene), effective_epsilon(chosen));
 }
 
 ImpactPrediction predict_impact(const Bar& bar, double spacing, double effective_mass, double epsilon, double speed) {

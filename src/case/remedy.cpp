@@ -20,8 +20,8 @@ std::string remedy(const Case& run, Failure why) {
       return "the numbers of the scene are too large, or too far apart: bring initial data, load, bar.modulus, "
              "bar.density and contact.epsilon nearer to one by a choice of units";
     case Failure::load:
-      return "change load.density, or load.profile and load.history, so that the load is finite, and smooth between "
-             "jumps, until time.end";
+      return "change the formula that the message names: until time.end a load or force must be finite and smooth "
+             "between jumps, and a motion or a moving gap must not jump";
     case Failure::short_end: return "choose a later time.end, or a longer output.every";
     case Failure::length:
       return "choose an earlier time.end, loosen method.relative_tolerance, or take a larger contact.epsilon";

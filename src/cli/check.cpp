@@ -75,7 +75,7 @@ std::string check_text(const Case& run, const SceneCheck& check) {
   if (!system.contacts().empty()) text += row("first impacts", impact_text(run, check.impacts));
   if (const auto& error = check.error)
     text += row("error",
-                "up to about {:.1g} of displacements (space {:.1g}, penalty {:.1g}, time {:.1g}), by "
+                "about {:.1g} of displacements (space {:.1g}, penalty {:.1g}, time {:.1g}), by "
                 "runs on coarser meshes",
                 error->total, error->space, error->penalty, error->time);
   if (!check.no_error.empty()) text += row("error", "there is no estimate: " + check.no_error);

@@ -96,7 +96,7 @@ Study::Study(const StudyOptions& options, const SceneFile& scene, ResultKind kin
 }
 
 void Study::finish(const std::string& json, PicturedPage page, const std::string& text) const {
-  const std::string written = write_study(directory_.path(), name_, json, std::move(page), options_.figures);
+  const std::string written = write_study(directory_.path(), name_, json, std::move(page), {options_.figures, {}});
   if (options_.scene.json)
     print(written);
   else if (!options_.output.quiet)

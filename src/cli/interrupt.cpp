@@ -1,9 +1,13 @@
+#include <unistd.h>
+
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
 #include <ctime>
+#include <string_view>
 
 #include "cli/commands.hpp"
+#include "results/directory_lock.hpp"
 
 namespace viscobar::cli {
 
@@ -33,11 +37,12 @@ void handle(void (*handler)(int)) {
   struct sigaction action {};
   action.sa_handler = handler;
   action.sa_flags = SA_RESTART;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  // nohup has it ignored, and wants that.
-  struct sigaction before {};
-  if (sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
+  // nohup has SIGHUP ignored, and wants that. The last two are how batch systems announce the end.
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGXCPU}) {
+    struct sigaction before {};
+    const bool ignored = sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN;
+    if (!ignored || signal == SIGINT || signal == SIGTERM) sigaction(signal, &action, nullptr);
+  }
 }
 
 }  // namespace
@@ -45,7 +50,12 @@ void handle(void (*handler)(int)) {
 void catch_interrupts() { handle(heard); }
 
 void end_on_interrupt() {
-  handle([](int) { std::_Exit(stopped); });
+  handle([](int) {
+    constexpr std::string_view message = "viscobar: interrupted; nothing was changed\n";
+    [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, message.data(), message.size());
+    DirectoryLock::abandon();
+    std::_Exit(stopped);
+  });
 }
 
 bool interrupt_asked() { return was_heard.load(std::memory_order_relaxed); }

@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <map>
 #include <new>
 #include <sstream>
 
 #include "cli/commands.hpp"
 #include "results/directory_lock.hpp"
+#include "results/output_file.hpp"
 #include "text/nearest_name.hpp"
 #include "viscobar/results/versions.hpp"
 
@@ -178,10 +181,15 @@ int main(int argc, char** argv) {
     code = cli::wrong_input;
   } catch (const std::bad_alloc&) {
     cli::complain("there is not enough memory");
+  } catch (const std::filesystem::filesystem_error& error) {
+    cli::complain(fmt::format("{}: cannot be used: {}", error.path1().string(), error.code().message()));
+    if (error.code() == std::errc::filename_too_long) code = cli::wrong_input;
   } catch (const std::exception& error) {
     cli::complain(error.what());
   } catch (...) {  // muParser's are none of the above; a formula that has been understood fails for want of memory only
     cli::complain("a formula cannot be evaluated");
   }
-  return cli::end_messages(code);
+  code = cli::end_messages(code);
+  if (hdf5_failed()) std::fflush(nullptr), std::_Exit(code);
+  return code;
 }

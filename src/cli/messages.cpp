@@ -31,15 +31,15 @@ using Clock = std::chrono::steady_clock;
 /// The log beside standard error: as that, one for the process.
 struct Log {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file{nullptr, &std::fclose};
-  bool verbose = false;
+  bool verbose = false, lost = false;  // `lost`: a line could not be written
   Clock::time_point started = Clock::now();
 } the_log;
 
-// Each line at once, so that it is there when the program is killed. A message that cannot be written is lost; the run
-// goes on.
-void put(std::FILE* file, std::string_view text) {
-  std::fwrite(text.data(), 1, text.size(), file);
-  std::fflush(file);
+// Each line at once, so that it is there when the program is killed. A message that cannot be written is lost, and the
+// run goes on; end_messages() tells of a log that is not complete.
+bool put(std::FILE* file, std::string_view text) {
+  const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
+  return std::fflush(file) == 0 && written;
 }
 
 // A line that follows within a message is indented, so that no text of the user's can look like a message of its own.
@@ -51,7 +51,8 @@ std::string message(std::string_view what) {
 
 void write_log(std::string_view what) {
   if (!the_log.file) return;
-  put(the_log.file.get(), fmt::format("{:%Y-%m-%dT%H:%M:%SZ} {}\n", fmt::gmtime(std::time(nullptr)), message(what)));
+  const std::string line = fmt::format("{:%Y-%m-%dT%H:%M:%SZ} {}\n", fmt::gmtime(std::time(nullptr)), message(what));
+  if (!put(the_log.file.get(), line)) the_log.lost = true;
 }
 
 /// A log is appended to a file that is empty, or begins like one: 2026-11-22T20:15:00Z viscobar. Pipes, devices
@@ -164,8 +165,10 @@ void detail(std::string_view what) {
 int end_messages(int code) {
   write_log(fmt::format("exit code {} after {:.3f} s", code,
                         std::chrono::duration<double>(Clock::now() - the_log.started).count()));
-  the_log.file.reset();
-  return code;
+  if (the_log.file && std::fclose(the_log.file.release()) != 0) the_log.lost = true;
+  if (!the_log.lost) return code;
+  complain("--log: lines of the log could not be written; it is not complete");
+  return code == success ? static_cast<int>(run_failed) : code;
 }
 
 }  // namespace viscobar::cli

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "cli/commands.hpp"
-#include "results/output_file.hpp"
+#include "results/file_set.hpp"
 #include "results/result_directory.hpp"
 #include "studies/parallel.hpp"
 #include "sweep/ranks.hpp"
@@ -140,15 +140,16 @@ int run_sweep(const SweepOptions& asked) {
   const std::size_t workers = several ? static_cast<std::size_t>(ranks->size()) - 1 : threads;
   const bool finished = missing == 0 || (several ? ranks->run(work) : run_on_threads(work, std::min(threads, missing)));
   progress.reset();
-  results.close();
+  FileSet files(directory, "sweep");
+  results.close(files.folder());
   const std::string page = sweep_page(sweep, results.rows());
-  write_atomically(directory / "sweep.html", page);
-
+  files.write("sweep.html", page);
   FileChecksums checksums = results.checksums();
   checksums["sweep.html"] = Checksum::of(page);
   const std::string json =
       sealed_summary(description(sweep, results, kept, workers, integration, seconds_since(started)), checksums);
-  write_atomically(directory / "sweep.json", json);
+  files.write("sweep.json", json);
+  files.take_places();
   if (asked.json)
     print(json);
   else if (!asked.output.quiet)

@@ -101,9 +101,9 @@ class RecordedRun {
     });
   }
 
-  void write_summary(const char* name = "summary.json") {
+  void write_summary(const char* name = "summary.json", bool durable = false) {
     record_.summary = summary_json(scene_, system_, outcome(), written_);
-    write_atomically(place_ / name, record_.summary);
+    write_atomically(place_ / name, record_.summary, durable);
   }
 
   // Until the new files take their places, those of an earlier run that was stopped can be resumed.
@@ -212,7 +212,9 @@ class RecordedRun {
     if (outcome().ending == Ending::completed)
       attempt(outcome(), [&] {
         check_run_files(place_, written_);
-        write_summary(replaces ? ResultDirectory::final_summary : "summary.json");
+        for (const auto& [name, checksum] : written_) sync_file(place_ / name);
+        write_summary(replaces ? ResultDirectory::final_summary : "summary.json", true);
+        sync_directory(place_);
         if (replaces) directory_.replace_by_finished();
         remove_checkpoints(place_);
         record_.directory = directory_.path();

@@ -47,7 +47,8 @@ std::optional<std::string> penetration_warning(const Case& run, const BarSystem&
   if (run.scene.span) largest = std::max({largest, run.scene.span->gap, natural_scales(system, run.end).displacement});
   if (!is_no_obstacle(done.max_penetration, largest)) return std::nullopt;
   return fmt::format(
-      "penetration: the bar went {:.3g} deep into an obstacle, beside displacements of {:.3g}: that is no obstacle; {}",
+      "penetration: the bar went {:.3g} deep into an obstacle, beside displacements of {:.3g}: that is a spring rather "
+      "than an obstacle; {}",
       done.max_penetration, largest, stiffer_advice(run));
 }
 
@@ -111,6 +112,11 @@ void judge(Outcome& outcome, const Case& run, const BarSystem& system,
   pass_on(sensitivity_warning(done));
   pass_on(graze_warning(outcome, done));
   if (!done.energy) return;
+  if (const EnergyAccount& energy = *done.energy;
+      !std::isfinite(energy.initial + energy.final + energy.work + energy.dissipated))
+    fail(outcome, Ending::failed,
+         "the energy of the bar is no longer a number: the data, or the motion, are too large for the squares of "
+         "double precision; choose units in which displacements and stresses are nearer to 1");
   pass_on(growth_warning(run, done));
   pass_on(representation_warning(done));
   pass_on(penetration_warning(run, system, done));

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "report/scene_ends.hpp"
+#include "results/file_set.hpp"
 #include "results/output_file.hpp"
 #include "scene/end_kinds.hpp"
 #include "text/joined.hpp"
@@ -168,11 +169,17 @@ FileChecksums write_page(const std::filesystem::path& directory, const std::stri
 }
 
 std::string write_study(const std::filesystem::path& directory, const std::string& name, const std::string& summary,
-                        PicturedPage page, bool with_figures) {
-  if (!with_figures) page.figures.clear();
-  const std::string text = sealed_summary(summary, checksums_of(name + ".html", page));
-  write_atomically(directory / (name + ".json"), text);
-  write_page(directory, name + ".html", page);
+                        PicturedPage page, const StudyFiles& files) {
+  if (!files.figures) page.figures.clear();
+  FileSet set(directory, name);
+  FileChecksums checksums = write_page(set.folder(), name + ".html", page);
+  for (const auto& [table, text] : files.tables) {
+    set.write(table, text);
+    checksums[table] = Checksum::of(text);
+  }
+  const std::string text = sealed_summary(summary, checksums);
+  set.write(name + ".json", text);
+  set.take_places();
   return text;
 }
 

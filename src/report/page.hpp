@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -78,9 +79,15 @@ class Page {
 /// Writes DIR/FILE, and DIR/figures/NAME.svg for each figure; returns their checksums. @throws IoError
 FileChecksums write_page(const std::filesystem::path& directory, const std::string& file, const PicturedPage& page);
 
-/// Writes DIR/NAME.json, with the checksums of the files of the study, and DIR/NAME.html, figures where they are
-/// wanted; returns the text of the former. @throws IoError
+/// Beside the page and the summary of a study: whether its figures are wanted, and tables by their names.
+struct StudyFiles {
+  bool figures = false;
+  std::map<std::string, std::string> tables{};
+};
+
+/// Replaces DIR/NAME.json, with the checksums of the files of the study, DIR/NAME.html and `files` together; returns
+/// the text of the first. @throws IoError
 std::string write_study(const std::filesystem::path& directory, const std::string& name, const std::string& summary,
-                        PicturedPage page, bool with_figures);
+                        PicturedPage page, const StudyFiles& files);
 
 }  // namespace viscobar

@@ -74,7 +74,7 @@ std::string advice(const Case& run, const ContactRegime& regime) {
            ", and those of the fully discrete scheme do not: as epsilon goes to 0 the difference has a plateau; "
            "contact.restitution = 0 makes the two agree";
   return fmt::format(
-      "{}: chatter is expected, and every bounce costs steps; as epsilon goes to 0 the difference to the fully "
+      "{}: it may chatter, and every bounce costs steps; as epsilon goes to 0 the difference to the fully "
       "discrete scheme has a plateau; remedies: {}",
       bounce, chatter_remedies(run, regime, regime.where));
 }
@@ -84,9 +84,27 @@ double gap_of(const Scene& scene, Where where) {
   return std::get<Obstacle>(where == Where::left ? scene.left : scene.right).gap;
 }
 
+/// An obstacle on the inner side of an end, which the bar leaves and does not come back to: in most such scenes a wall
+/// on its outer side was meant.
+std::optional<std::string> inner_obstacle(const SceneEnd& end, const std::vector<FirstImpact>& impacts) {
+  const auto* obstacle = std::get_if<Obstacle>(&end.condition);
+  const bool right = end.x > 0.0, above = obstacle && obstacle->side == Side::above;
+  const auto where = right ? Where::right : Where::left;
+  if (!obstacle || above == right || std::ranges::count(impacts, where, &FirstImpact::where) > 0) return std::nullopt;
+  return fmt::format(
+      "the {0} obstacle bounds u {1} ({2} {3:.6g}), and the bar does not come to it: a bar that moves to the {0} goes "
+      "on; for a wall on the {0} of the bar write side = \"{4}\" in [{0}]",
+      end.name, above ? "from above" : "from below", above ? "u <=" : "u >=", above ? obstacle->gap : -obstacle->gap,
+      above ? "below" : "above");
+}
+
 std::vector<std::string> warnings_of(const Case& run, const BarSystem& system,
-                                     const std::vector<ContactRegime>& regimes) {
+                                     const std::vector<ContactRegime>& regimes,
+                                     const std::optional<std::vector<FirstImpact>>& impacts) {
   std::vector<std::string> found;
+  if (impacts)
+    for (const SceneEnd& end : ends_of(run.scene))
+      if (const auto inner = inner_obstacle(end, *impacts)) found.push_back(*inner);
   if (!run.reservation.empty()) found.push_back(run.reservation);
   for (const SceneEnd& end : ends_of(run.scene)) {
     if (!is_fixed(end.condition)) continue;
@@ -109,8 +127,8 @@ std::vector<std::string> warnings_of(const Case& run, const BarSystem& system,
     if (const double gap = gap_of(run.scene, regime.where);
         regime.impact && is_no_obstacle(regime.impact->penetration, std::max(displacement, gap)))
       found.push_back(fmt::format(
-          "{}: a penetration of {:.2g} is predicted, beside a gap of {:.2g} and displacements of {:.2g}: that is no "
-          "obstacle; {}",
+          "{}: a penetration of {:.2g} is predicted, beside a gap of {:.2g} and displacements of {:.2g}: that is a "
+          "spring rather than an obstacle; {}",
           name(regime.where), regime.impact->penetration, gap, displacement, stiffer_advice(run)));
   return found;
 }
@@ -152,7 +170,7 @@ SceneCheck check_scene(const Case& run) {
   accuracy::QuickEstimate forecast = accuracy::forecast(run, patience);
   check.error = std::move(forecast.estimate);
   check.no_error = std::move(forecast.why_not);
-  check.warnings = warnings_of(run, check.system, check.regimes);
+  check.warnings = warnings_of(run, check.system, check.regimes, check.impacts);
   return check;
 }
 

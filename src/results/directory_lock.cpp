@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
@@ -50,6 +51,9 @@ int open_lock(const std::filesystem::path& file) {
   return descriptor < 0 && errno == EACCES ? ::open(file.c_str(), O_RDONLY | flags) : descriptor;
 }
 
+std::atomic<const char*> latest = nullptr;  // the file of the lock made last
+static_assert(std::atomic<const char*>::is_always_lock_free, "a signal handler may touch nothing else");
+
 }  // namespace
 
 DirectoryLock::DirectoryLock(std::filesystem::path directory) : file_(directory / file_name) {
@@ -69,13 +73,19 @@ DirectoryLock::DirectoryLock(std::filesystem::path directory) : file_(directory 
     held_ = locked == 0;
     // The one before removes the file before it lets it go: what was locked may be a file that is no longer there.
   } while (held_ && FileIdentity(descriptor_) != FileIdentity(file_));
+  before_ = latest.exchange(file_.c_str());
   const std::string who = this_process();
   // Only for the message to others, so neither a full disk nor a file of another user matters.
   if (::ftruncate(descriptor_, 0) == 0) [[maybe_unused]]
     const ssize_t written = ::pwrite(descriptor_, who.data(), who.size(), 0);
 }
 
+void DirectoryLock::abandon() {
+  if (const char* file = latest) ::unlink(file);
+}
+
 DirectoryLock::~DirectoryLock() {
+  latest = before_;
   ::unlink(file_.c_str());
   ::close(descriptor_);
 }

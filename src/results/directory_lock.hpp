@@ -30,9 +30,12 @@ class DirectoryLock {
   static constexpr const char* file_name = ".viscobar.lock";
   /// False on a file system without locks, where nothing keeps others out.
   bool held() const { return held_; }
+  /// Removes the file of the lock made last, for a handler of signals that ends the program.
+  static void abandon();
 
  private:
   std::filesystem::path file_;
+  const char* before_ = nullptr;  // the file of the lock made before
   int descriptor_ = -1;
   bool held_ = true;
 };

@@ -13,6 +13,7 @@
 
 #include "results/field/field_reader.hpp"
 #include "results/field/xdmf_file.hpp"
+#include "results/file_set.hpp"
 #include "results/output_file.hpp"
 #include "results/result_directory.hpp"
 #include "results/result_info.hpp"
@@ -91,8 +92,7 @@ void write_csv(const fs::path& path, const FieldReader& field, Quantity quantity
 /// field.h5 and field.xdmf with a dataset for each time (u/0, u/1, ...): for readers that know no part of a dataset,
 /// such as meshio.
 void export_xdmf(const FieldReader& field, const fs::path& target) {
-  NewFile values(target / "field.h5");
-  const fs::path& path = values.part();
+  const fs::path path = target / "field.h5";
   Hdf5File file(hdf5_checked(path, "cannot be created",
                              [&] { return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT); }));
   const std::size_t n = field.nodes();
@@ -115,7 +115,6 @@ void export_xdmf(const FieldReader& field, const fs::path& target) {
     text += "</Grid>\n";
   }
   hdf5_checked(path, "cannot be closed", [&] { return H5Fclose(file.release()); });
-  values.take_place();
   write_atomically(target / "field.xdmf", text.append(xdmf::closing_tags));
 }
 
@@ -160,18 +159,26 @@ void check_target(const fs::path& target, std::string_view beginning) {
         "{} is not an earlier export of a result; nothing was changed, choose another place", target.string()));
 }
 
+/// @throws IoError where `viscobar info --verify` finds a file damaged
+void check_sound(const fs::path& result) {
+  if (!fs::exists(result / "summary.json")) return;
+  for (const VerifiedFile& file : verify_result(result))
+    for (const char* exported : {"summary.json", "field.h5", "ends.csv", "energy.csv"})
+      if (file.name == exported && file.state == FileState::damaged)
+        throw IoError(result / file.name, "is damaged: " + file.reason + "; nothing was exported");
+}
+
 void copy_table(const fs::path& from, const fs::path& to) {
-  NewFile copy(to);
   std::error_code error;
-  fs::copy_file(from, copy.part(), error);
+  fs::copy_file(from, to, error);
   if (error) throw IoError(to, "cannot be written: " + error.message());
-  copy.take_place();
 }
 
 }  // namespace
 
 std::vector<fs::path> export_result(const fs::path& result, ExportFormat format, const fs::path& target) {
   settle_result_directory(result);
+  check_sound(result);
   std::optional<FieldReader> field;
   if (fs::exists(result / "field.h5")) field.emplace(result / "field.h5");
   const auto is_there = [&](const std::string& table) { return fs::exists(result / (table + ".csv")); };
@@ -188,7 +195,9 @@ std::vector<fs::path> export_result(const fs::path& result, ExportFormat format,
     check_target(target / "field.h5", "\x89HDF");
     check_target(target / "field.xdmf", "<?xml");
     make_directories(target);
-    export_xdmf(*field, target);
+    FileSet files(target, "export");
+    export_xdmf(*field, files.folder());
+    files.take_places();
     return {target / "field.h5", target / "field.xdmf"};
   }
   const bool npy = format == ExportFormat::npy;
@@ -219,7 +228,9 @@ std::vector<fs::path> export_result(const fs::path& result, ExportFormat format,
       });
   for (const fs::path& file : files) check_target(file, npy ? "\x93NUMPY" : "t,");
   make_directories(target);
-  for (std::size_t k = 0; k < files.size(); ++k) writers[k](files[k]);
+  FileSet set(target, "export");
+  for (std::size_t k = 0; k < files.size(); ++k) writers[k](set.folder() / files[k].filename());
+  set.take_places();
   return files;
 }
 

@@ -22,9 +22,7 @@ std::string last_error() { return std::generic_category().message(errno); }
 
 NewFile::NewFile(std::filesystem::path path) : path_(std::move(path)), part_(path_) {
   part_ += ".part";
-  struct stat there {};
-  if (::lstat(path_.c_str(), &there) == 0 && !S_ISREG(there.st_mode) && !S_ISLNK(there.st_mode))
-    throw IoError(path_, "cannot be replaced: it is no regular file");
+  check_replaceable(path_);
   remove_file(part_);
 }
 
@@ -33,7 +31,7 @@ NewFile::~NewFile() {
 }
 
 void NewFile::take_place() {
-  if (::rename(part_.c_str(), path_.c_str()) != 0) throw IoError(path_, "cannot be replaced: " + last_error());
+  move_file(part_, path_);
   placed_ = true;
 }
 
@@ -122,6 +120,22 @@ void remove_file(const std::filesystem::path& file) {
   if (::unlink(file.c_str()) != 0 && errno != ENOENT) throw IoError(file, "cannot be removed: " + last_error());
 }
 
+void check_replaceable(const std::filesystem::path& path) {
+  struct stat there {};
+  if (::lstat(path.c_str(), &there) == 0 && !S_ISREG(there.st_mode) && !S_ISLNK(there.st_mode))
+    throw IoError(path, "cannot be replaced: it is no regular file");
+}
+
+void move_file(const std::filesystem::path& from, const std::filesystem::path& to) {
+  if (::rename(from.c_str(), to.c_str()) != 0) throw IoError(to, "cannot be replaced: " + last_error());
+}
+
+void sync_file(const std::filesystem::path& file) {
+  OutputFile opened(file, OutputFile::Content::keep);
+  opened.sync();
+  opened.close();
+}
+
 void sync_directory(const std::filesystem::path& directory) {
   const int descriptor = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) throw IoError(directory, "cannot be opened: " + last_error());
@@ -144,9 +158,10 @@ std::string file_content(const std::filesystem::path& file) {
   return text;
 }
 
-void write_atomically(const std::filesystem::path& path, std::string_view text) {
+void write_atomically(const std::filesystem::path& path, std::string_view text, bool durable) {
   OutputFile file(path);
   file.write_at(0, text);
+  if (durable) file.sync();
   file.close();
 }
 

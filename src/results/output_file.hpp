@@ -126,8 +126,21 @@ class LineFile {
   FlushClock clock_;
 };
 
+/// Whether a call of HDF5 has failed: at the end of the program the library tries once more to write what it could not,
+/// and crashes. Such a program ends by std::_Exit().
+bool hdf5_failed();
+
 /// Does nothing where there is none. @throws IoError
 void remove_file(const std::filesystem::path& file);
+
+/// Nothing that is no file of ours to replace may have the name. @throws IoError
+void check_replaceable(const std::filesystem::path& path);
+
+/// Gives a file or folder another name; a file of that name is replaced. @throws IoError
+void move_file(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// Returns when the content of a file is on the disk. @throws IoError
+void sync_file(const std::filesystem::path& file);
 
 /// Returns when the names in a directory are on the disk.
 void sync_directory(const std::filesystem::path& directory);
@@ -138,7 +151,8 @@ void make_directories(const std::filesystem::path& directory);
 /// A whole file. @throws IoError
 std::string file_content(const std::filesystem::path& file);
 
-/// Writes a whole file so that a reader sees the old content or the new, never a part.
-void write_atomically(const std::filesystem::path& path, std::string_view text);
+/// Writes a whole file so that a reader sees the old content or the new, never a part; `durable`, also after a power
+/// cut.
+void write_atomically(const std::filesystem::path& path, std::string_view text, bool durable = false);
 
 }  // namespace viscobar

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "results/checkpoint_file.hpp"
+#include "results/file_set.hpp"
 #include "results/json.hpp"
 #include "results/output_file.hpp"
 #include "viscobar/results/io_error.hpp"
@@ -76,7 +77,7 @@ bool holds_whole_run(const fs::path& directory) {
 /// What a command leaves that was killed before it had a summary.
 bool begun(const fs::directory_entry& entry) {
   const std::string name = entry.path().filename();
-  if (name == DirectoryLock::file_name) return true;
+  if (name == DirectoryLock::file_name || FileSet::is_folder(name)) return true;
   return std::ranges::any_of(all_files(), [&](const Files& files) {
     const auto part_of = [&](std::string_view file) { return name == fmt::format("{}.part", file); };
     return part_of(files.summary) || std::ranges::any_of(files.others, part_of);
@@ -151,30 +152,24 @@ const fs::path& created(const fs::path& directory, ResultKind kind) {
   return directory;
 }
 
-void rename_file(const fs::path& from, const fs::path& to) {
-  std::error_code error;
-  fs::rename(from, to, error);
-  if (error) throw IoError(to, "cannot be replaced: " + error.message());
-}
-
 // What was moved when a kill came is not there any more: doing it again does the rest.
 void take_places(const fs::path& directory) {
   const fs::path from = directory / finished;
   if (type(from) != fs::file_type::directory) return;
   if (type(from / ResultDirectory::final_summary) == fs::file_type::regular) {
     // First the one that says the run is going on: nothing may be called completed meanwhile.
-    if (fs::exists(from / "summary.json")) rename_file(from / "summary.json", directory / "summary.json");
+    if (fs::exists(from / "summary.json")) move_file(from / "summary.json", directory / "summary.json");
     for (const std::string_view name : files_of_kind(ResultKind::run).others) {
       if (!fs::exists(from / name)) continue;
       if (name.starts_with("checkpoint"))
         fs::remove(from / name);
       else
-        rename_file(from / name, directory / name);
+        move_file(from / name, directory / name);
     }
     if (fs::is_directory(from / "figures")) {
       fs::create_directory(directory / "figures");
       for (const auto& entry : fs::directory_iterator(from / "figures"))
-        rename_file(entry.path(), directory / "figures" / entry.path().filename());
+        move_file(entry.path(), directory / "figures" / entry.path().filename());
       fs::remove(from / "figures");
     }
     // Files of the earlier result that the later run did not write.
@@ -183,10 +178,15 @@ void take_places(const fs::path& directory) {
       if (!name.starts_with("checkpoint") && !written.contains(std::string(name)) &&
           type(directory / name) == fs::file_type::regular)
         remove_file(directory / name);
-    rename_file(from / ResultDirectory::final_summary, directory / "summary.json");
+    move_file(from / ResultDirectory::final_summary, directory / "summary.json");
   }
   std::error_code ignored;
   fs::remove(from, ignored);
+}
+
+void take_all_places(const fs::path& directory) {
+  take_places(directory);
+  for (const char* summary : json_summaries) FileSet::settle(directory, fs::path(summary).stem());
 }
 
 /// Nobody writes them any more once the directory is locked, and a run that goes on from a checkpoint makes none.
@@ -203,7 +203,7 @@ void remove_parts(const fs::path& directory, const Files& files) {
 
 ResultDirectory::ResultDirectory(const fs::path& directory, ResultKind kind)
     : directory_(directory), unfinished_(directory / unfinished), lock_(created(directory, kind)) {
-  if (kind == ResultKind::run) take_places(directory_);
+  take_all_places(directory_);
 }
 
 ResultDirectory::ResultDirectory(const fs::path& directory)
@@ -231,15 +231,25 @@ void check_run_files(const fs::path& place, const FileChecksums& written) {
 void ResultDirectory::replace_by_finished() const {
   // What is missing later has been moved already; what is missing now has been removed by somebody.
   check_run_files(unfinished_, files_of(content(unfinished_ / final_summary)));
-  rename_file(unfinished_, directory_ / finished);
-  take_places(directory_);
+  move_file(unfinished_, directory_ / finished);
+  try {
+    take_places(directory_);
+  } catch (const IoError& error) {
+    throw IoError(directory_ / finished, std::string(error.what()) +
+                                             "; the new result is whole there, and the next command that uses this "
+                                             "directory moves it to its place");
+  }
 }
 
 void settle_result_directory(const fs::path& directory) {
-  if (type(directory / finished) != fs::file_type::directory) return;
+  std::error_code error;
+  const auto waits = [](const fs::directory_entry& entry) {
+    return entry.path().filename() == finished || entry.path().extension() == ".whole";
+  };
+  if (std::none_of(fs::directory_iterator(directory, error), fs::directory_iterator(), waits)) return;
   try {
     const DirectoryLock lock(directory);
-    take_places(directory);
+    take_all_places(directory);
   } catch (const std::exception&) {  // in use, or not ours to write to: it is read as it is
   }
 }

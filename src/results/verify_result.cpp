@@ -35,8 +35,12 @@ class Verification {
       if (fs::is_directory(folder))
         for (const auto& entry : fs::directory_iterator(folder))
           if (entry.is_regular_file()) found_[fs::relative(entry.path(), directory).string()].bytes = entry.file_size();
-    for (const char* name : json_summaries)
-      if (found_.contains(name)) summary(name);
+    for (const char* name : json_summaries) {
+      if (found_.contains(name))
+        summary(name);
+      else if (there(name))
+        tell(name, FileState::damaged, "it is no file");
+    }
     if (found_.contains("sweep.h5")) sweep();
     if (found_.contains("summary.json")) unfinished_run();
   }

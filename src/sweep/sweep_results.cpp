@@ -66,22 +66,22 @@ void SweepResults::refresh_tables() {
     next = end + std::max(least, 50 * (end - begin));
   };
   now_and_then(next_commit_, Clock::duration::zero(), [&] { table_->commit(); });
-  if (written_ != done_) now_and_then(next_, std::chrono::seconds(2), [&] { write_tables(); });
+  if (written_ != done_) now_and_then(next_, std::chrono::seconds(2), [&] { write_tables(directory_.path()); });
 }
 
-void SweepResults::write_tables() {
+void SweepResults::write_tables(const std::filesystem::path& folder) {
   const std::vector<const SweepRow*> finished = rows();
   for (const auto& [name, text] :
        {std::pair{"sweep.csv", sweep_csv(plan_, finished)}, {"timings.csv", timings_csv(finished)}}) {
-    write_atomically(directory_.path() / name, text);
+    write_atomically(folder / name, text);
     checksums_[name] = Checksum::of(text);
   }
   written_ = done_;
 }
 
-void SweepResults::close() {
+void SweepResults::close(const std::filesystem::path& folder) {
   table_->close();
-  write_tables();
+  write_tables(folder);
 }
 
 namespace {

@@ -40,14 +40,15 @@ class SweepResults {
   /// To be called often: brings the rows to the disk, and writes the CSV files, when there is something new and they
   /// have been left alone long enough for each of the two to take at most a fiftieth of the time.
   void refresh_tables();
-  void close();
+  /// Brings all rows to the disk, and writes the CSV files into a folder.
+  void close(const std::filesystem::path& folder);
 
   /// Of the CSV files.
   const FileChecksums& checksums() const { return checksums_; }
 
  private:
   void keep(SweepRow row);
-  void write_tables();
+  void write_tables(const std::filesystem::path& folder);
 
   using Clock = std::chrono::steady_clock;
   const ResultDirectory directory_;

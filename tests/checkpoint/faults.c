@@ -5,6 +5,8 @@
 //                  of SUNDIALS 6.4 (which use what they did not get)
 //     write:N      from the N-th write on, files take nothing more: no space left
 //     short:0      files take at most half of what a write offers, and a kilobyte
+//     one-write:N  the N-th write alone fails: no space left
+//     close:N      the N-th closing of a file fails: input/output error
 //     rename:N     the N-th renaming of a file fails: input/output error
 //     fsync:N      the N-th syncing of a file fails: input/output error
 //
@@ -28,7 +30,7 @@ extern void* __libc_calloc(size_t, size_t);
 extern void* __libc_realloc(void*, size_t);
 extern void* __libc_memalign(size_t, size_t);
 
-enum { NONE, MALLOC, WRITE, SHORT, RENAME, FSYNC };
+enum { NONE, MALLOC, WRITE, SHORT, RENAME, FSYNC, ONE_WRITE, CLOSE };
 static int kind = NONE;
 static long chosen = 0;
 static atomic_long calls = 0;
@@ -63,12 +65,12 @@ static int nth(int of) { return kind == of && atomic_fetch_add(&calls, 1) + 1 ==
 static int from_nth(int of) { return kind == of && atomic_fetch_add(&calls, 1) + 1 >= chosen; }
 
 static void arm(void) {
-  static const char* const names[] = {"", "malloc:", "write:", "short:", "rename:", "fsync:"};
+  static const char* const names[] = {"", "malloc:", "write:", "short:", "rename:", "fsync:", "one-write:", "close:"};
   const char* fault = getenv("VISCOBAR_FAULT");
   if (!fault) return;
   void* frame;
   backtrace(&frame, 1);  // allocates when first called
-  for (int k = MALLOC; k <= FSYNC; ++k) {
+  for (int k = MALLOC; k <= CLOSE; ++k) {
     if (strncmp(fault, names[k], strlen(names[k])) != 0) continue;
     chosen = atol(fault + strlen(names[k]));
     kind = k;
@@ -118,7 +120,7 @@ static int fails(int error) {
 // How much of a write gets through; 0 for none.
 static size_t taken(int file, size_t count) {
   if (file <= 2) return count;
-  if (from_nth(WRITE)) return 0;
+  if (from_nth(WRITE) || nth(ONE_WRITE)) return 0;
   if (kind != SHORT || count < 2) return count;
   return count / 2 < 1024 ? count / 2 : 1024;
 }
@@ -142,5 +144,14 @@ ssize_t pwrite64(int file, const void* data, size_t count, off64_t at) {
 }
 int rename(const char* from, const char* to) {
   return nth(RENAME) ? fails(EIO) : (int)REAL(rename, const char*, const char*)(from, to);
+}
+int close(int file) {
+  const int failing = file > 2 && nth(CLOSE), closed = (int)REAL(close, int)(file);
+  return failing ? fails(EIO) : closed;
+}
+void _Exit(int code) {
+  count();
+  ((void (*)(int))dlsym(RTLD_NEXT, "_Exit"))(code);
+  abort();
 }
 int fsync(int file) { return nth(FSYNC) ? fails(EIO) : (int)REAL(fsync, int)(file); }

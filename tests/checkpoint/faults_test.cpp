@@ -2,6 +2,7 @@
 // for it says so with exit code 1, and goes on later as if nothing had happened.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "checkpoint/process.hpp"
@@ -140,6 +141,50 @@ TEST_F(Faults, WhatCannotBeRenamedOrSyncedFailsTheRunAndLosesNothing) {
     }
     EXPECT_GT(failed, places.size() / 2) << what;
   }
+}
+
+// A study, or an export, replaces a whole result by a whole one, or leaves it, whatever fails once or for good.
+TEST_F(Faults, StudiesAndExportsReplaceAllOfTheirFilesOrNone) {
+  std::ofstream(scratch / "data.csv") << "t,u_left\n0.5,0.1\n1,0.2\n1.5,0.1\n";
+  std::ofstream(scratch / "short.toml") << falling_bar_with(
+      {{"time.end", "0.5"}, {"method.name", "\"cvode\""}, {"output.every", "0.1"}});
+  const std::vector<std::vector<std::string>> commands = {
+      {"compare", "short.toml", "--methods", "cvode,ida", "-o", "out"},
+      {"limit", "short.toml", "--epsilon", "1e-2:1e-3", "--budget", "0", "-o", "out"},
+      {"precision", "short.toml", "--methods", "cvode", "--tolerance", "1e-3", "--repeat", "3", "-o", "out"},
+      {"fit", "short.toml", "--data", "data.csv", "--parameters", "bar.viscosity", "--runs", "3", "-o", "out"},
+      {"export", "run", "-o", "out"},
+      {"export", "run", "--format", "xdmf", "-o", "out"}};
+  ASSERT_EQ(run({"run", "short.toml", "--quiet", "-o", "run"}, ""), 0) << err();
+  const auto files = [&] {
+    std::map<std::string, std::string> all;
+    for (const auto& entry : fs::recursive_directory_iterator(scratch / "out"))
+      if (entry.is_regular_file() && entry.path().filename() != ".viscobar.lock")
+        all[entry.path().lexically_relative(scratch / "out").string()] = read_text(entry.path());
+    return all;
+  };
+  for (const auto& command : commands)
+    for (const std::string what : {"one-write:", "write:", "rename:", "fsync:", "close:"}) {
+      fs::remove_all(scratch / "out");
+      const bool exported = command[0] == "export";
+      const int whole = run(command, what + "1000000");
+      ASSERT_LE(whole, 1) << err();  // a fit of three runs has not converged
+      const std::size_t calls = counted();
+      EXPECT_GT(calls, 1u) << command[0] << what;
+      for (const std::size_t n : spread(0, calls, 4)) {
+        SCOPED_TRACE(command[0] + " " + what + std::to_string(n));
+        const auto before = files();
+        const int code = run(command, what + std::to_string(n));
+        EXPECT_TRUE(code == 0 || code == 1) << code << err();
+        EXPECT_TRUE(code == 0 || !err().empty());
+        if (exported) {
+          ASSERT_EQ(run(command, ""), 0) << err();  // ends what a failing move has left
+          EXPECT_EQ(files() == before, true);
+        } else {
+          EXPECT_EQ(run({"info", "--verify", "out"}, ""), 0) << err() << read_text(scratch / "out.txt");
+        }
+      }
+    }
 }
 
 // The first two calls are for the table itself; from the third on rows are brought to the disk before they are marked.

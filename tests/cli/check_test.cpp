@@ -38,6 +38,22 @@ TEST_F(Check, KnowsFirstImpactsOfAFlightExactly) {
   EXPECT_EQ(impact["where"], "left");
 }
 
+// u >= -gap at the right end stops a bar that moves left; on its right it flies through.
+TEST_F(Check, SaysThatAnObstacleOnTheInnerSideDoesNotStopTheBar) {
+  const auto warnings = [&](const std::string& settings) {
+    return of(scene("rigid-flight") + " --set left.kind=free --set left.gap= " + settings)["warnings"].dump();
+  };
+  const std::string right = " --set right.kind=obstacle --set right.gap=0.1 ";
+  const std::string told = warnings(right + "--set initial.velocity=1");
+  EXPECT_NE(told.find("a bar that moves to the right goes on"), std::string::npos) << told;
+  EXPECT_NE(told.find("side = \\\"above\\\""), std::string::npos) << told;
+  EXPECT_EQ(warnings(right + "--set initial.velocity=-1"), "[]") << "which comes to it";
+  EXPECT_EQ(warnings(right + "--set right.side=above --set initial.velocity=1"), "[]");
+  const std::string left = " --set left.kind=obstacle --set left.gap=0.1 --set left.side=above ";
+  const std::string mirrored = of(scene("rigid-flight") + left + "--set initial.velocity=-1")["warnings"].dump();
+  EXPECT_NE(mirrored.find("a bar that moves to the left goes on"), std::string::npos) << mirrored;
+}
+
 TEST_F(Check, SaysWhatAvoidsThePlateau) {
   const std::string plain = of(scene("chatter"))["warnings"].dump();
   EXPECT_NE(plain.find("plateau"), std::string::npos);

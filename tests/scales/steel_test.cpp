@@ -55,11 +55,11 @@ TEST_F(Steel, ThePenaltyOfPaperUnitsIsNoObstacleAndIsToldSo) {
   const std::string soft = " --set contact.epsilon=1e-6 --set method.name=arkode";
   const auto check = viscobar("check " + scene("steel-bar") + soft);
   EXPECT_EQ(check.code, 0);
-  EXPECT_NE(check.error.find("that is no obstacle"), std::string::npos) << check.error;
+  EXPECT_NE(check.error.find("a spring rather than an obstacle"), std::string::npos) << check.error;
   const auto run = viscobar("run " + scene("steel-bar") + soft + " --json -o out").json();
   EXPECT_GT(run["max_penetration"].get<double>(), 1e-3);
   ASSERT_EQ(run["warnings"].size(), 1u) << run["warnings"];
-  EXPECT_NE(run["warnings"][0].get<std::string>().find("no obstacle"), std::string::npos);
+  EXPECT_NE(run["warnings"][0].get<std::string>().find("a spring rather than an obstacle"), std::string::npos);
   const auto limit = viscobar("limit " + scene("steel-bar") + " --epsilon 1e-2:1e-8 --json -o limit").json();
   EXPECT_EQ(limit["verdict"], "undecided") << limit["reason"];
   // What the warning says helps.

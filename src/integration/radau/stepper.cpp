@@ -75,6 +75,7 @@ class Stepper final : public LegStepper {
     for (;;) {
       const double h = next_length();
       const double error = attempt(h);
+      if (!std::isfinite(error)) throw not_finite();
       if (error <= 1.0) {
         if (std::exchange(stirred_, false) && h < stop_ - begin_t_) stirred_step_ = h;
         grow(h, error);

@@ -135,7 +135,8 @@ void FieldFile::create(const FieldOrigin& of) {
         new_dataset(path_, file_, grown.name, H5T_IEEE_F64LE, std::span(none).first(grown.rank), properties.get());
   }
   const auto fix = [&](const char* name, Extent extent, std::size_t rank, const auto& values) {
-    const Hdf5Dataset dataset = write_dataset(path_, file_, name, std::span(extent).first(rank), values);
+    write_dataset(path_, file_, name, std::span(extent).first(rank), values);
+    const Hdf5Dataset dataset = hdf5_dataset(path_, file_, name);
     fixed_.push_back(
         {H5Dget_offset(dataset.get()), H5Dget_storage_size(dataset.get()), Checksum::of(bytes_of(values))});
   };

@@ -3,12 +3,20 @@
 #include <sys/mman.h>
 
 #include <array>
+#include <atomic>
 #include <cstdlib>
 #include <new>
 #include <string_view>
 #include <system_error>
 
 namespace viscobar {
+
+namespace {
+std::atomic<bool> failed = false;
+}
+
+bool hdf5_failed() { return failed; }
+void set_hdf5_failed() { failed = true; }
 
 std::string hdf5_cause() {
   std::string text;
@@ -31,7 +39,6 @@ void begin_hdf5() {
   void* const room = mmap(nullptr, needed, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (room == MAP_FAILED) throw std::bad_alloc();
   munmap(room, needed);
-  [[maybe_unused]] static const herr_t once = H5dont_atexit();
 }
 
 Hdf5File hdf5_file(const std::filesystem::path& path, unsigned access, hid_t properties) {
@@ -52,8 +59,11 @@ Hdf5Dataset new_dataset(const std::filesystem::path& path, const Hdf5File& file,
       H5Screate_simple(static_cast<int>(extent.size()), extent.data(), extent[0] == 0 ? largest.data() : nullptr));
   const Hdf5Properties link(H5Pcreate(H5P_LINK_CREATE));
   H5Pset_create_intermediate_group(link.get(), 1);
+  // Without the times of its making the same values are the same bytes.
+  const Hdf5Properties creation(properties == H5P_DEFAULT ? H5Pcreate(H5P_DATASET_CREATE) : H5Pcopy(properties));
+  H5Pset_obj_track_times(creation.get(), false);
   return Hdf5Dataset(hdf5_checked(path, "cannot create a dataset", [&] {
-    return H5Dcreate2(file.get(), name.c_str(), type, space.get(), link.get(), properties, H5P_DEFAULT);
+    return H5Dcreate2(file.get(), name.c_str(), type, space.get(), link.get(), creation.get(), H5P_DEFAULT);
   }));
 }
 

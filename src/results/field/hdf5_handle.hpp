@@ -9,9 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "results/output_file.hpp"
 #include "viscobar/results/io_error.hpp"
 
 namespace viscobar {
+
+void set_hdf5_failed();  ///< what hdf5_failed() tells
 
 /// Owns an HDF5 identifier.
 template <herr_t (*Close)(hid_t)>
@@ -26,7 +29,9 @@ class Hdf5Handle {
   ~Hdf5Handle() { reset(); }
   void reset(hid_t id = H5I_INVALID_HID) {
     if (id_ >= 0) {
-      H5E_BEGIN_TRY { Close(id_); }
+      H5E_BEGIN_TRY {
+        if (Close(id_) < 0) set_hdf5_failed();
+      }
       H5E_END_TRY
     }
     id_ = id;
@@ -54,13 +59,14 @@ auto hdf5_checked(const std::filesystem::path& path, const char* what, Call&& ca
   decltype(call()) result;
   H5E_BEGIN_TRY { result = call(); }
   H5E_END_TRY
-  if (result < 0) throw IoError(path, std::string(what) + ": " + hdf5_cause());
+  if (result < 0) {
+    set_hdf5_failed();
+    throw IoError(path, std::string(what) + ": " + hdf5_cause());
+  }
   return result;
 }
 
-/// Before HDF5 is used: it crashes at exit when it tries once more to write what a full disk refused, and nothing of
-/// ours waits for the exit; and it goes on in memory that it did not get, so that is asked for before.
-/// @throws std::bad_alloc
+/// Before HDF5 is used: it goes on in memory that it did not get, so that is asked for before. @throws std::bad_alloc
 void begin_hdf5();
 
 // The rest throws IoError with the name of the file. `lacking` is what is said where there is no such dataset.
@@ -81,10 +87,11 @@ struct Hdf5Rows {
   Hdf5Dataspace memory, file;
 };
 
-/// Writes a new dataset of doubles or whole numbers, in its final size.
+/// Writes a new dataset of doubles or whole numbers, in its final size. It is closed here, where HDF5 tells what it
+/// could not write: a handle that ends cannot.
 template <class Value>
-Hdf5Dataset write_dataset(const std::filesystem::path& path, const Hdf5File& file, const std::string& name,
-                          std::span<const hsize_t> extent, const std::vector<Value>& values) {
+void write_dataset(const std::filesystem::path& path, const Hdf5File& file, const std::string& name,
+                   std::span<const hsize_t> extent, const std::vector<Value>& values) {
   constexpr bool real = std::is_same_v<Value, double>;
   static_assert(real || std::is_same_v<Value, int>);
   Hdf5Dataset dataset = new_dataset(path, file, name, real ? H5T_IEEE_F64LE : H5T_STD_I32LE, extent);
@@ -92,7 +99,7 @@ Hdf5Dataset write_dataset(const std::filesystem::path& path, const Hdf5File& fil
     return H5Dwrite(dataset.get(), real ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT,
                     values.data());
   });
-  return dataset;
+  hdf5_checked(path, "cannot be written", [&] { return H5Dclose(dataset.release()); });
 }
 
 }  // namespace viscobar
