@@ -95,8 +95,10 @@ Study::Study(const StudyOptions& options, const SceneFile& scene, ResultKind kin
   end_on_interrupt();
 }
 
-void Study::finish(const std::string& json, PicturedPage page, const std::string& text) const {
-  const std::string written = write_study(directory_.path(), name_, json, std::move(page), {options_.figures, {}});
+void Study::finish(const std::string& json, PicturedPage page, const std::string& text, const std::string& csv) const {
+  StudyFiles files{options_.figures, {}};
+  if (!csv.empty()) files.tables[name_ + ".csv"] = csv;
+  const std::string written = write_study(directory_.path(), name_, json, std::move(page), files);
   if (options_.scene.json)
     print(written);
   else if (!options_.output.quiet)
