@@ -104,14 +104,7 @@ void Sensitivities::complete(Derivative& derivative, const Moment& at, const Blo
 // Makes time_ the motion of (v, a).
 void Sensitivities::differentiate_by_time(const Moment& at) {
   std::ranges::fill(load_rate_, 0.0);
-  if (system_.load_varies()) {
-    const auto [before, after] = system_.beside(at.t);
-    if (before < after) {
-      for (std::size_t j = 0; j < load_rate_.size(); ++j) load_rate_[j] = -system_.load(j, before);
-      for (std::size_t j = 0; j < load_rate_.size(); ++j)
-        load_rate_[j] = (load_rate_[j] + system_.load(j, after)) / (after - before);
-    }
-  }
+  system_.add_load_rate(at.t, load_rate_);
   time_.take_contacts();
 }
 

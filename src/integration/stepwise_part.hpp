@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "dynamics/jump_filter.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "integration/contact_watch.hpp"
 #include "integration/energy_flow.hpp"
@@ -46,6 +47,7 @@ class StepwisePart {
         search_(system, stepper),
         watchdog_(begin, times.back()),
         snapshot_(system, observers.reactions),
+        filter_(system.bar()),
         y_(layout.size),
         inner_(layout.size),
         sensitivities_(sensitivities) {}
@@ -184,7 +186,7 @@ class StepwisePart {
     statistics_.reached_time = t;
     tell_snapshot(t);
     next_output_ = 1;
-    restart(t);
+    restart(t, true);
   }
 
   // Of a contact that is closed from the start on: the bar comes to it with the velocities that it is given.
@@ -241,7 +243,7 @@ class StepwisePart {
     return shift;
   }
 
-  void restart(double t) {
+  void restart(double t, bool starting = false) {
     account_shift_ = {};
     for (std::size_t i = 0; i < system_.contact_count(); ++i)
       if (system_.closed(i)) system_.measure_from_obstacle(i, u());
@@ -251,6 +253,12 @@ class StepwisePart {
     if (jump) pass_kink(t, *jump);
     system_.complete_displacement(t, u());
     system_.complete_velocity(t, u(), w());
+    if (filter_.acts()) {
+      const ErrorWeights& weights = stepper_.weights();
+      take(starting
+               ? filter_.begin(system_, t, {weights.displacement_tolerance(), weights.velocity_tolerance()}, u(), w())
+               : filter_.pass_break(system_, t, times_.back(), u(), w()));
+    }
     if (sensitivities_) sensitivities_->begin_leg(t, times_.back());
     if (ends_) {
       ends_->measure_from(system_.origin());
@@ -273,6 +281,10 @@ class StepwisePart {
   // What holds or bounds an end changes its velocity at once. A rigid contact that is closed then has an impact, or
   // opens.
   void pass_kink(double t, const Lift& jump) {
+    const std::vector<double> before(w().begin(), w().end());
+    std::vector<std::optional<JumpFilter::Hold>> holds(system_.contact_count());
+    for (std::size_t i = 0; i < holds.size(); ++i)
+      if (filter_.acts() && system_.collides(i) && system_.closed(i)) holds[i] = filter_.hold(system_, i, t, u(), w());
     const double gained = system_.bar().pass_kink(jump, w());
     if (layout_.work) y_[*layout_.work] += gained;
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
@@ -284,6 +296,17 @@ class StepwisePart {
       else
         tell_event(t, i, Change::opening, w()[node]);
     }
+    if (!filter_.acts()) return;
+    take(filter_.pass_kick(system_, before, u(), w()));
+    for (std::size_t i = 0; i < holds.size(); ++i)
+      if (holds[i] && !system_.closed(i)) take(filter_.release(system_, i, t, *holds[i], u(), w()));
+  }
+
+  // What the high modes of the mesh have lost at a jump.
+  void take(const JumpFilter::Taken& taken) {
+    if (!statistics_.energy) return;
+    statistics_.energy->end_inertia += taken.energy;
+    if (layout_.work) y_[*layout_.work] += taken.work;
   }
 
   // `shift_at` gives what the account of the leg is shifted by at a time of the step.
@@ -308,7 +331,7 @@ class StepwisePart {
       statistics_.energy->final = system_.energy(u(), w()) + of_frame;
       if (layout_.dissipated) statistics_.energy->dissipated = y_[*layout_.dissipated];
       if (layout_.work) statistics_.energy->work = y_[*layout_.work] + of_frame;
-      if (layout_.end_inertia) statistics_.energy->end_inertia = y_[*layout_.end_inertia];
+      if (layout_.end_inertia) statistics_.energy->end_inertia += y_[*layout_.end_inertia];
     }
     statistics_.completed = true;
   }
@@ -321,10 +344,17 @@ class StepwisePart {
       const Change change = system_.closed(i) ? Change::opening : Change::closing;
       if (sensitivities_) changes_ = sensitivities_->before(t, i, y_);
       tell_event(t, i, change, velocity[system_.contact(i).unknown]);
-      if (change == Change::opening) system_.set_closed(i, false);
-      if (change == Change::closing)
+      const bool rings = filter_.acts() && system_.collides(i);
+      if (change == Change::opening) {
+        const auto hold = rings ? std::optional(filter_.hold(system_, i, t, u(), w())) : std::nullopt;
+        system_.set_closed(i, false);
+        if (hold) take(filter_.release(system_, i, t, *hold, u(), w()));
+      }
+      if (change == Change::closing) {
+        const std::vector<double> before(w().begin(), rings ? w().end() : w().begin());
         close(t, i);
-      else if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change()))
+        if (rings && system_.closed(i)) take(filter_.pass_kick(system_, before, u(), w()));
+      } else if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change()))
         weigh_opening({system_, layout_, stepper_}, i, {t, begin, end, watchdog_.last_change()}, inner_,
                       statistics_.late_opening);
       system_.place_on_obstacle(i, u());
@@ -383,7 +413,7 @@ class StepwisePart {
       now.energy = snapshot_.energy(now, u());
       now.energy->dissipated = entry(layout_.dissipated);
       now.energy->work = entry(layout_.work) + system_.frame_energy(t, u(), w());
-      now.energy->end_inertia = entry(layout_.end_inertia);
+      now.energy->end_inertia = statistics_.energy->end_inertia + entry(layout_.end_inertia);
     }
     telling_.snapshot(now);
   }
@@ -400,6 +430,7 @@ class StepwisePart {
   std::optional<ContactWatch> ends_;
   Watchdog watchdog_;
   SnapshotBuilder snapshot_;
+  JumpFilter filter_;
   std::vector<double> y_, inner_;          // the state where the run is, and within a step
   std::vector<std::size_t> selected_;      // positions of sampled entries
   std::array<double, 3> account_shift_{};  // of the account of this leg
