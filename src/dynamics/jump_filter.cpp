@@ -98,7 +98,8 @@ void JumpFilter::prepare(const PenalisedSystem& system) {
 void JumpFilter::stiffness(std::span<const double> x, std::span<double> out) const {
   stiffness_->multiply([x](std::size_t i) { return x[i]; }, out);
   for (double& force : out) force *= bar_.bar().modulus;
-  for (const Mount& mount : bar_.mounts()) out[mount.unknown] += mount.stiffness * x[mount.unknown];
+  for (const Mount& mount : bar_.mounts())
+    out[mount.unknown] += (mount.stiffness + added_stiffness_[bar_.is_right(mount.unknown)]) * x[mount.unknown];
 }
 
 void JumpFilter::damping(std::span<const double> x, std::span<double> out) const {
@@ -149,39 +150,50 @@ void JumpFilter::quieten(std::span<double> x) const {
   if (deaf_[1]) std::ranges::fill(x.last(x.size() / 2), 0.0);
 }
 
+// The dashpot of an end answers its step with an impulse on the node, the high modes apart.
+void JumpFilter::answer_with_dashpots(std::span<const double> step, std::span<double> w) {
+  impulse_.assign(w.size(), 0.0);
+  for (const Mount& mount : bar_.mounts()) impulse_[mount.unknown] = -mount.dashpot * step[mount.unknown];
+  factor_.solve(impulse_);
+  std::vector<double> high(w.size());
+  take_high_part(impulse_, high);
+  for (std::size_t i = 0; i < w.size(); ++i) w[i] += impulse_[i] - high[i];
+}
+
+// theta g(A) x
+void JumpFilter::take_high_part(std::span<const double> x, std::span<double> high) {
+  stiffness(x, high);
+  apply(high);
+}
+
 // The shifts that a force and its rate, jumps both, ask for; both are overwritten.
 JumpFilter::Taken JumpFilter::put(PenalisedSystem& system, double t, std::span<double> force, std::span<double> rate,
                                   std::span<double> u, std::span<double> w) {
   const std::size_t n = u.size();
   const double before = system.energy(u, w);
+  jump_rate_.assign(rate.begin(), rate.end());
   apply(rate);
   std::vector<double> opposed(n);
   damping(rate, opposed);
   for (std::size_t i = 0; i < n; ++i) force[i] -= opposed[i];
+  jump_force_.assign(force.begin(), force.end());
   apply(force);
   // No node is put through an obstacle.
-  double part = 1.0;
+  part_ = 1.0;
   for (std::size_t i = 0; i < system.contact_count(); ++i) {
     const double down = -system.contact(i).sign * force[system.contact(i).unknown];
-    if (!system.closed(i) && down > 0.0) part = std::clamp(system.clearance(i, u) / down, 0.0, part);
+    if (!system.closed(i) && down > 0.0) part_ = std::clamp(system.clearance(i, u) / down, 0.0, part_);
   }
   Taken taken;
   for (std::size_t i = 0; i < n; ++i) {
-    u[i] += force[i] *= part;
+    u[i] += force[i] *= part_;
     w[i] += rate[i];
     if (system.loaded()) taken.work += system.load(i, t) * force[i];
   }
-  // The dashpot of an end answers its step with an impulse.
-  if (bar_.has_dashpots()) {
-    const std::vector<double> w_before(w.begin(), w.end());
-    std::ranges::fill(opposed, 0.0);
-    for (const Mount& mount : bar_.mounts()) opposed[mount.unknown] = -mount.dashpot * force[mount.unknown];
-    factor_.solve(opposed);
-    for (std::size_t i = 0; i < n; ++i) w[i] += opposed[i];
-    stiffness(opposed, force);
-    apply(force);
-    for (std::size_t i = 0; i < n; ++i) w[i] -= force[i];
-  }
+  shift_u_.assign(force.begin(), force.end());
+  shift_w_.assign(rate.begin(), rate.end());
+  shifted_ = true;
+  if (bar_.has_dashpots()) answer_with_dashpots(force, w);
   taken.energy = before + taken.work - system.energy(u, w);
   return taken;
 }
@@ -189,6 +201,7 @@ JumpFilter::Taken JumpFilter::put(PenalisedSystem& system, double t, std::span<d
 JumpFilter::Taken JumpFilter::begin(PenalisedSystem& system, double t, const Negligible& negligible,
                                     std::span<double> u, std::span<double> w) {
   prepare(system);
+  shifted_ = false;
   stiffness(w, rate_);
   for (double& rate : rate_) rate = -rate;
   system.add_load_rate(t, rate_);
@@ -200,6 +213,7 @@ JumpFilter::Taken JumpFilter::begin(PenalisedSystem& system, double t, const Neg
 JumpFilter::Taken JumpFilter::pass_break(PenalisedSystem& system, double t, double end, std::span<double> u,
                                          std::span<double> w) {
   std::vector<double> force(u.size()), rate(u.size());
+  shifted_ = false;
   if (!system.load_jump(t, end, force, rate)) return {};
   prepare(system);
   return put(system, t, force, rate, u, w);
@@ -228,7 +242,11 @@ JumpFilter::Hold JumpFilter::hold(PenalisedSystem& system, std::size_t i, double
   damping(acceleration, force_);
   for (std::size_t j = 0; j < rate_.size(); ++j) rate_[j] = -rate_[j] - force_[j];
   system.add_load_rate(t, rate_);
-  return {force, system.holding_force(i, rate_)};
+  Hold hold{force, system.holding_force(i, rate_), std::move(acceleration), std::vector<double>(u.size())};
+  std::vector<double> jerk(rate_);
+  system.accelerate(jerk);
+  bar_.inertia().multiply(jerk, hold.jerk_force);
+  return hold;
 }
 
 JumpFilter::Taken JumpFilter::release(PenalisedSystem& system, std::size_t i, double t, const Hold& hold,
@@ -240,6 +258,117 @@ JumpFilter::Taken JumpFilter::release(PenalisedSystem& system, std::size_t i, do
   force_[node] = -hold.force;
   rate_[node] = -hold.rate;
   return put(system, t, force_, rate_, u, w);
+}
+
+// What -K x - C x' changes by where the matrices do.
+void JumpFilter::add_changes(const Derivative& derivative, std::span<const double> x, std::span<const double> x_rate,
+                             std::span<double> force) const {
+  const Derivative::MatrixRates rates = derivative.matrix_rates();
+  std::vector<double> product(force.size());
+  for (const auto& [of, factor] : {std::pair{x, rates.modulus}, {x_rate, rates.viscosity}}) {
+    if (factor == 0.0 || of.empty()) continue;
+    stiffness_->multiply([of = of](std::size_t i) { return of[i]; }, product);
+    for (std::size_t i = 0; i < force.size(); ++i) force[i] -= factor * product[i];
+  }
+  for (const auto& [node, stiffness, dashpot] : rates.mounts)
+    force[node] -= (x.empty() ? 0.0 : stiffness * x[node]) + (x_rate.empty() ? 0.0 : dashpot * x_rate[node]);
+}
+
+// out += d f / d k . change, f(x) being what changes with the springs of the ends: by differences, of polynomials.
+template <class Function>
+void JumpFilter::add_slope(const std::array<double, 2>& change, Function&& f, std::span<double> out) {
+  const double largest = std::max(std::abs(change[0]), std::abs(change[1]));
+  if (largest == 0.0) return;
+  const double step = 1e-4 * bar_.bar().modulus / bar_.mesh().spacing() / largest;
+  std::vector<double> value(out.size());
+  for (const double side : {-step, step}) {
+    added_stiffness_ = {side * change[0], side * change[1]};
+    f(value);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] += value[i] / (2.0 * side);
+  }
+  added_stiffness_ = {};
+}
+
+void JumpFilter::differentiate(const Derivative& derivative, std::span<double> force, std::span<double> rate,
+                               std::span<double> s, std::span<double> s_rate) {
+  const Derivative::MatrixRates rates = derivative.matrix_rates();
+  const Bar& bar = bar_.bar();
+  double fading = 0.0;  // theta' / theta
+  if (bar_.damped()) {
+    const double square = bar.viscosity * bar.viscosity / (scale_ * bar.modulus * bar.modulus);
+    fading = -8.0 * square / (1.0 - 2.0 * square) *
+             (2.0 * rates.viscosity / bar.viscosity - rates.inertia - rates.modulus / bar.modulus);
+  }
+  const double growth = fading - rates.modulus / bar.modulus;
+  // A is a pure number but for its springs, k h / E.
+  std::array<double, 2> springs{}, dashpots{};
+  for (const Mount& mount : bar_.mounts())
+    springs[bar_.is_right(mount.unknown)] -= mount.stiffness * rates.modulus / bar.modulus;
+  for (const Mount& mount : rates.mounts) {
+    springs[bar_.is_right(mount.unknown)] += mount.stiffness;
+    dashpots[bar_.is_right(mount.unknown)] += mount.dashpot;
+  }
+  const std::size_t n = s.size();
+  const auto applied_to = [this](std::span<const double> jump) {
+    return [this, jump](std::span<double> x) {
+      std::ranges::copy(jump, x.begin());
+      apply(x);
+    };
+  };
+  std::vector<double> change(n);
+  apply(rate);
+  for (std::size_t i = 0; i < n; ++i) rate[i] += growth * shift_w_[i];
+  add_slope(springs, applied_to(jump_rate_), rate);
+  damping(rate, change);
+  for (std::size_t i = 0; i < n; ++i) force[i] -= change[i];
+  add_changes(derivative, {}, shift_w_, force);
+  apply(force);
+  add_slope(springs, applied_to(jump_force_), force);
+  for (std::size_t i = 0; i < n; ++i) {
+    s[i] += force[i] = part_ * force[i] + growth * shift_u_[i];
+    s_rate[i] += rate[i];
+  }
+  if (!bar_.has_dashpots()) return;
+  const std::vector<double> impulse = impulse_;
+  answer_with_dashpots(force, s_rate);
+  std::ranges::fill(change, 0.0);
+  for (const Mount& mount : bar_.mounts())
+    change[mount.unknown] = -dashpots[bar_.is_right(mount.unknown)] * shift_u_[mount.unknown];
+  factor_.solve(change);
+  for (std::size_t i = 0; i < n; ++i) change[i] -= rates.inertia * impulse[i];
+  take_high_part(change, force);
+  for (std::size_t i = 0; i < n; ++i) s_rate[i] += change[i] - force[i];
+  take_high_part(impulse, force);
+  for (std::size_t i = 0; i < n; ++i) force[i] *= fading;
+  add_slope(
+      springs, [&](std::span<double> x) { take_high_part(impulse, x); }, force);
+  for (std::size_t i = 0; i < n; ++i) s_rate[i] -= force[i];
+  impulse_ = impulse;
+}
+
+void JumpFilter::start_rates(Derivative& derivative, double t, std::span<const double> w, std::span<const double> s,
+                             std::span<const double> s_rate, std::span<double> force, std::span<double> rate) {
+  derivative.motion().force(t, s, s_rate, force);
+  prepare(derivative.motion());
+  stiffness(s_rate, rate);
+  for (double& one : rate) one = -one;
+  derivative.motion().add_load_rate(t, rate);
+  add_changes(derivative, w, {}, rate);
+}
+
+double JumpFilter::hold_rate(Derivative& derivative, std::size_t i, double t, const Hold& hold,
+                             std::span<const double> w, std::span<const double> s, std::span<const double> s_rate) {
+  PenalisedSystem& motion = derivative.motion();
+  std::vector<double> acceleration(s.size());
+  motion.force(t, s, s_rate, acceleration);
+  motion.accelerate(acceleration);
+  stiffness(s_rate, rate_);
+  damping(acceleration, force_);
+  const double inertia = derivative.matrix_rates().inertia;
+  for (std::size_t j = 0; j < rate_.size(); ++j) rate_[j] = -rate_[j] - force_[j] - inertia * hold.jerk_force[j];
+  motion.add_load_rate(t, rate_);
+  add_changes(derivative, w, hold.acceleration, rate_);
+  return motion.holding_force(i, rate_);
 }
 
 }  // namespace viscobar

@@ -47,22 +47,41 @@ class JumpFilter {
   Taken pass_kick(PenalisedSystem& system, std::span<const double> before, std::span<const double> u,
                   std::span<double> w);
 
-  /// What a closed contact that collides() does to the row of its node: R and R', on the bar.
+  /// What a closed contact that collides() does to the row of its node: R and R', on the bar; and the motion that R' is
+  /// of, a and rho M a'.
   struct Hold {
     double force, rate;
+    std::vector<double> acceleration, jerk_force;
   };
   Hold hold(PenalisedSystem& system, std::size_t i, double t, std::span<const double> u, std::span<const double> w);
   /// After that contact has opened: [b] = -R e, [b'] = -R' e.
   Taken release(PenalisedSystem& system, std::size_t i, double t, const Hold& hold, std::span<double> u,
                 std::span<double> w);
 
+  /// The derivatives s of a state that the last call of begin(), pass_break() or release() has put right, with those of
+  /// [b] and [b'], which are overwritten. Shifts are linear in the data, go like h / E, and with theta.
+  void differentiate(const Derivative& derivative, std::span<double> force, std::span<double> rate, std::span<double> s,
+                     std::span<double> s_rate);
+  bool has_shifted() const { return shifted_; }  ///< whether that call did anything
+  /// Those of [b] and [b'] of begin(), before it, and of R' of a hold: the derivative is driven by the bar's motion.
+  void start_rates(Derivative& derivative, double t, std::span<const double> w, std::span<const double> s,
+                   std::span<const double> s_rate, std::span<double> force, std::span<double> rate);
+  double hold_rate(Derivative& derivative, std::size_t i, double t, const Hold& hold, std::span<const double> w,
+                   std::span<const double> s, std::span<const double> s_rate);
+
  private:
+  void add_changes(const Derivative& derivative, std::span<const double> x, std::span<const double> x_rate,
+                   std::span<double> force) const;
   void prepare(const PenalisedSystem& system);
   void stiffness(std::span<const double> x, std::span<double> out) const;
   void damping(std::span<const double> x, std::span<double> out) const;
   bool is_smooth(std::span<const double> force, double negligible);
   void apply(std::span<double> force);
   void quieten(std::span<double> x) const;
+  void answer_with_dashpots(std::span<const double> step, std::span<double> w);
+  void take_high_part(std::span<const double> x, std::span<double> high);
+  template <class Function>
+  void add_slope(const std::array<double, 2>& change, Function&& f, std::span<double> out);
   Taken put(PenalisedSystem& system, double t, std::span<double> force, std::span<double> rate, std::span<double> u,
             std::span<double> w);
 
@@ -74,6 +93,11 @@ class JumpFilter {
   TridiagonalFactor factor_;          // of rho M, nodes of closed contacts being held
   std::optional<std::array<bool, 2>> held_;
   std::vector<double> first_, second_, next_, start_, force_, rate_;  // scratch
+  std::array<double, 2> added_stiffness_{};                           // to springs of the ends
+  // Of the last put(): its jumps, C v in them, its shifts, and what dashpots answered.
+  std::vector<double> jump_force_, jump_rate_, shift_u_, shift_w_, impulse_;
+  double part_ = 1.0;  // of the former, short of an obstacle
+  bool shifted_ = false;
 };
 
 }  // namespace viscobar

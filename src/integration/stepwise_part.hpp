@@ -249,15 +249,20 @@ class StepwisePart {
       if (system_.closed(i)) system_.measure_from_obstacle(i, u());
     leg_end_ = system_.begin_leg(t, times_.back());
     const auto jump = system_.bar().kink(t, times_.back());
-    if (sensitivities_) sensitivities_->pass_kink(t, times_.back(), jump.has_value(), y_);
+    if (sensitivities_) sensitivities_->pass_kink(t, times_.back(), jump.has_value(), filter_, y_);
     if (jump) pass_kink(t, *jump);
     system_.complete_displacement(t, u());
     system_.complete_velocity(t, u(), w());
     if (filter_.acts()) {
       const ErrorWeights& weights = stepper_.weights();
-      take(starting
-               ? filter_.begin(system_, t, {weights.displacement_tolerance(), weights.velocity_tolerance()}, u(), w())
-               : filter_.pass_break(system_, t, times_.back(), u(), w()));
+      const auto start = [&] {
+        take(filter_.begin(system_, t, {weights.displacement_tolerance(), weights.velocity_tolerance()}, u(), w()));
+      };
+      const auto pass_break = [&] { take(filter_.pass_break(system_, t, times_.back(), u(), w())); };
+      if (starting)
+        sensitivities_ ? sensitivities_->pass_start(filter_, t, y_, start) : start();
+      else
+        sensitivities_ ? sensitivities_->pass_break(filter_, t, times_.back(), y_, pass_break) : pass_break();
     }
     if (sensitivities_) sensitivities_->begin_leg(t, times_.back());
     if (ends_) {
@@ -347,8 +352,10 @@ class StepwisePart {
       const bool rings = filter_.acts() && system_.collides(i);
       if (change == Change::opening) {
         const auto hold = rings ? std::optional(filter_.hold(system_, i, t, u(), w())) : std::nullopt;
+        if (hold && sensitivities_) sensitivities_->hold(filter_, i, t, *hold, y_);
         system_.set_closed(i, false);
         if (hold) take(filter_.release(system_, i, t, *hold, u(), w()));
+        if (hold && sensitivities_) sensitivities_->release(filter_, y_);
       }
       if (change == Change::closing) {
         const std::vector<double> before(w().begin(), rings ? w().end() : w().begin());
