@@ -13,6 +13,7 @@ std::string_view name(Goal goal) {
     case Goal::contact_times: return "contact_times";
     case Goal::impulse: return "impulse";
     case Goal::peak_reaction: return "peak_reaction";
+    case Goal::end_velocity: return "end_velocity";
   }
   return {};
 }
@@ -24,15 +25,18 @@ std::string_view meaning(Goal goal) {
     case Goal::contact_times: return "times of the contact changes at the ends, the worst of them";
     case Goal::impulse: return "impulses of the reactions, the worse end's";
     case Goal::peak_reaction: return "peak reactions, the worse end's; only where they have a limit";
+    case Goal::end_velocity: return "velocities of the two ends, the largest error of all output times";
   }
   return {};
 }
 
 std::optional<Finding> fault(const AccuracyRequest& request, const Case& run) {
   const bool obstacle = is_obstacle(run.scene.left) || is_obstacle(run.scene.right);
-  if (request.of != Goal::displacement && request.of != Goal::end_traces && !obstacle)
-    return Finding{"accuracy.of", fmt::format("is \"{}\", and no end has an obstacle; use \"displacement\" or "
-                                              "\"end_traces\"",
+  const bool of_field =
+      request.of == Goal::displacement || request.of == Goal::end_traces || request.of == Goal::end_velocity;
+  if (!of_field && !obstacle)
+    return Finding{"accuracy.of", fmt::format("is \"{}\", and no end has an obstacle; use \"displacement\", "
+                                              "\"end_traces\" or \"end_velocity\"",
                                               name(request.of))};
   if (request.of == Goal::peak_reaction)
     if (const auto why = peak_remark(run, make_system(run)))

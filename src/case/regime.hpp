@@ -87,6 +87,7 @@ std::optional<std::vector<FirstImpact>> first_impacts(const Case& run);
 ///     a dashpot b = 2 zeta sqrt(k m)   b V at once
 ///     a spring k = 1 / epsilon, m > 0  V sqrt(k m), where that is more than the bar's own V sqrt(rho E)
 ///     a viscous bar                    V sqrt(rho eta / (pi t))
+///     an elastic bar on a mesh         V sqrt(rho E) and what the mesh disperses of the front, whatever the mesh
 std::optional<std::string> peak_remark(const Case& run, const BarSystem& system);
 
 }  // namespace viscobar

@@ -40,6 +40,21 @@ std::pair<double, double> PenalisedSystem::beside(double t) const {
   return {load_->inside(std::max(0.0, t - step)), load_->inside(t + step)};
 }
 
+void PenalisedSystem::add_load_rate(double t, std::span<double> rate) {
+  if (!load_varies()) return;
+  const auto [before, after] = beside(t);
+  if (before >= after) return;
+  for (const auto& [at, sign] : {std::pair{before, -1.0}, {after, 1.0}}) {
+    const std::span<const double> load = load_->at(at);
+    for (std::size_t i = 0; i < rate.size(); ++i) rate[i] += sign / (after - before) * load[i];
+  }
+}
+
+bool PenalisedSystem::load_jump(double t, double end, std::span<double> force, std::span<double> rate) {
+  const double apart = 1e-4 * bar_.mesh().spacing() * std::sqrt(bar_.bar().density / bar_.bar().modulus);
+  return load_varies() && load_->jump(t, end, apart, force, rate);
+}
+
 void PenalisedSystem::complete_velocity(double t, std::span<const double> u, std::span<double> w) {
   if (bar_.massive_begin() == 1) complete_velocity_of(0, t, u, w);
   if (bar_.massive_end() + 1 == size()) complete_velocity_of(size() - 1, t, u, w);

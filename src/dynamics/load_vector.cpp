@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 #include "dynamics/finite_load.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
@@ -67,6 +69,36 @@ double LoadVector::enter(double t, double end) {
   }
   last_ = std::max(first_, next - rounding);
   return next < end - rounding ? next : end;
+}
+
+// Times within that are those of breaks of the whole load.
+bool LoadVector::breaks_within(double from, double to) const {
+  return std::ranges::any_of(breaks_, [&](const NextBreak& one) { return one(from, to).value_or(to) < to; });
+}
+
+bool LoadVector::jump(double t, double end, double apart, std::span<double> force, std::span<double> rate) {
+  const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end));
+  if (!breaks_within(t - rounding, t + rounding)) return false;
+  const std::pair kept(first_, last_);
+  first_ = -std::numeric_limits<double>::infinity(), last_ = -first_;
+  std::ranges::fill(force, 0.0);
+  std::ranges::fill(rate, 0.0);
+  const auto add = [&](double time, double of_force, double of_rate) {
+    const std::span<const double> load = at(time);
+    for (std::size_t i = 0; i < force.size(); ++i) {
+      force[i] += of_force * load[i];
+      rate[i] += of_rate / apart * load[i];
+    }
+  };
+  for (const double side : {-1.0, 1.0}) {
+    const double near = t + side * rounding, far = near + side * apart;
+    const bool has_rate = far > 0.0 && !breaks_within(std::min(near, far), std::max(near, far));
+    add(near, side, has_rate ? -1.0 : 0.0);
+    if (has_rate) add(far, 0.0, 1.0);
+  }
+  std::tie(first_, last_) = kept;
+  time_.reset();
+  return true;
 }
 
 std::span<const double> LoadVector::at(double t) {

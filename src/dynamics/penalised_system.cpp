@@ -312,10 +312,21 @@ double PenalisedSystem::holding_force(std::size_t i, double t, std::span<const d
   return sign * (-stress / bar_.spacing_at(node) - sign * load(node, t)) * (1.0 - penetration_share(i));
 }
 
+double PenalisedSystem::holding_force(std::size_t i, std::span<const double> force) {
+  std::ranges::copy(force, acceleration_.begin());
+  accelerate_held();
+  return held_force(i);
+}
+
 // Of all contacts that hold nodes with mass, whatever their number, by one solve.
 void PenalisedSystem::accelerate_held(double t, std::span<const double> u, std::span<const double> w) {
   acceleration_.resize(size());
   force(t, u, w, acceleration_);
+  accelerate_held();
+}
+
+// Under the force in acceleration_, which becomes that.
+void PenalisedSystem::accelerate_held() {
   lacking_ = {-acceleration_.front(), -acceleration_.back()};
   accelerate(acceleration_);
 }

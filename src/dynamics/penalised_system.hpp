@@ -210,6 +210,10 @@ class PenalisedSystem {
   /// Two times of the leg, 1e-4 element transit times or less to either side of t: the difference of the loads there
   /// gives the load's rate at t. The same time twice in a leg that is too short to have a rate.
   std::pair<double, double> beside(double t) const;
+  /// Adds (M f)' by that difference, and by no more: nothing where there is no rate.
+  void add_load_rate(double t, std::span<double> rate);
+  /// Where the load has a break at t, the jumps of M f and of its rate (see LoadVector::jump).
+  bool load_jump(double t, double end, std::span<double> force, std::span<double> rate);
 
   /// Opens or closes each contact as the state at the start asks for: closed when it penetrates, or touches and moves
   /// in, or touches at rest and is pressed in. Completes u and w at massless nodes on the way.
@@ -220,6 +224,9 @@ class PenalisedSystem {
 
   /// That of a closed contact that holds(), as its row gives it, of either sign.
   double holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
+
+  /// The same of a contact that collides(), under the force F on all nodes but for its own; of F' it is the rate.
+  double holding_force(std::size_t i, std::span<const double> force);
 
   /// Energy of the springs of closed contacts.
   double contact_energy(std::span<const double> u) const;
@@ -262,6 +269,7 @@ class PenalisedSystem {
   bool gives_way_by_rounding(std::size_t i) const;
   bool held(std::size_t unknown) const;
   void accelerate_held(double t, std::span<const double> u, std::span<const double> w);
+  void accelerate_held();
   double held_force(std::size_t i) const;
   void complete_velocity_of(std::size_t end, double t, std::span<const double> u, std::span<double> w);
   void complete_displacement_of(std::size_t end, double t, std::span<double> u);

@@ -52,7 +52,8 @@ Sensitivities::Sensitivities(PenalisedSystem& system, const Penalty& penalty, st
       acceleration_(system.size()),
       inertial_force_(system.size()),
       load_rate_(system.size()),
-      shifts_(directions.size()) {
+      shifts_(directions.size()),
+      jumps_(directions.size(), {std::vector<double>(system.size()), std::vector<double>(system.size())}) {
   const std::size_t nodes = system.bar().mesh().nodes();
   fields_.assign(directions.size(), {std::vector<double>(nodes), std::vector<double>(nodes)});
   time_.motion().add_force(load_rate_, {});
@@ -104,14 +105,7 @@ void Sensitivities::complete(Derivative& derivative, const Moment& at, const Blo
 // Makes time_ the motion of (v, a).
 void Sensitivities::differentiate_by_time(const Moment& at) {
   std::ranges::fill(load_rate_, 0.0);
-  if (system_.load_varies()) {
-    const auto [before, after] = system_.beside(at.t);
-    if (before < after) {
-      for (std::size_t j = 0; j < load_rate_.size(); ++j) load_rate_[j] = -system_.load(j, before);
-      for (std::size_t j = 0; j < load_rate_.size(); ++j)
-        load_rate_[j] = (load_rate_[j] + system_.load(j, after)) / (after - before);
-    }
-  }
+  system_.add_load_rate(at.t, load_rate_);
   time_.take_contacts();
 }
 
@@ -212,7 +206,8 @@ void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
   if (lost()) return;
   const std::size_t n = layout_->nodes, node = system_.contact(i).unknown;
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
-  const bool struck = shifted_ && system_.collides(i) && w_[node] != old_velocity_[node];
+  // A node that is released may get its velocity from the mesh.
+  const bool struck = shifted_ && system_.collides(i) && old_velocity_[node] != 0.0 && w_[node] != old_velocity_[node];
   const bool rebounds = struck && !system_.closed(i);
   each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     if (struck) {
@@ -264,7 +259,25 @@ void Sensitivities::leave_frame(double t, double after, std::span<double> y) {
   });
 }
 
-void Sensitivities::pass_kink(double t, double end, bool bar_has_one, std::span<double> y) {
+void Sensitivities::shift(JumpFilter& filter, std::span<double> y) {
+  if (!filter.has_shifted() || lost()) return;
+  each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
+    filter.differentiate(derivative, jumps_[k].first, jumps_[k].second, s.u(), s.w());
+  });
+}
+
+void Sensitivities::hold(JumpFilter& filter, std::size_t i, double t, const JumpFilter::Hold& hold,
+                         std::span<double> y) {
+  if (lost()) return;
+  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
+    complete(derivative, at, s);
+    for (std::vector<double>* one : {&jumps_[k].first, &jumps_[k].second}) std::ranges::fill(*one, 0.0);
+    jumps_[k].second[system_.contact(i).unknown] = -filter.hold_rate(derivative, i, t, hold, at.w, s.u(), s.w());
+  });
+}
+
+void Sensitivities::pass_kink(double t, double end, bool bar_has_one, JumpFilter& filter, std::span<double> y) {
   if (lost()) return;
   for (std::size_t i = 0; i < system_.contact_count() && bar_has_one; ++i)
     if (system_.collides(i) && system_.closed(i))
@@ -286,7 +299,9 @@ void Sensitivities::pass_kink(double t, double end, bool bar_has_one, std::span<
         });
       };
       account(1.0);
+      const std::vector<double> before(s.w().begin(), s.w().end());
       derivative.data().pass_kink(*jump, s.w());
+      if (filter.acts()) filter.pass_kick(derivative.motion(), before, s.u(), s.w());
       account(-1.0);
     } catch (const LoadError&) {
       return lose(t, fmt::format("the motion of an end has a kink whose time moves with {}", directions_[k].key), y);

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "dynamics/jump_filter.hpp"
 #include "integration/error_weights.hpp"
 #include "viscobar/run/run.hpp"
 
@@ -45,7 +46,36 @@ class Sensitivities {
   void leave_frame(double t, double after, std::span<double> y);
   void enter_frame(double t, std::span<double> y) { book_momentum(t, y, -1.0); }
   /// A leg begins at t, where motions of ends may have kinks; before the velocities of the bar have passed its own.
-  void pass_kink(double t, double end, bool bar_has_one, std::span<double> y);
+  void pass_kink(double t, double end, bool bar_has_one, JumpFilter& filter, std::span<double> y);
+
+  /// The same jumps of the derivatives as of the bar, see JumpFilter: to be called before those of the bar in the state
+  /// y, which `jump`() makes, of the start of the run, of a break of the load, or of the release of contact i.
+  template <class Jump>
+  void pass_start(JumpFilter& filter, double t, std::span<double> y, Jump&& jump) {
+    if (!lost()) {
+      const Moment at = moment_(t, layout_->u(y), layout_->w(y), {});
+      each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
+        derivative.take_contacts();
+        derivative.drive(at);
+        filter.start_rates(derivative, t, at.w, s.u(), s.w(), jumps_[k].first, jumps_[k].second);
+      });
+    }
+    jump();
+    shift(filter, y);
+  }
+  template <class Jump>
+  void pass_break(JumpFilter& filter, double t, double end, std::span<double> y, Jump&& jump) {
+    jump();
+    if (!filter.has_shifted() || lost()) return;
+    for (std::size_t k = 0; k < pointers_.size(); ++k) {
+      for (std::vector<double>* one : {&jumps_[k].first, &jumps_[k].second}) std::ranges::fill(*one, 0.0);
+      pointers_[k]->motion().load_jump(t, end, jumps_[k].first, jumps_[k].second);
+    }
+    shift(filter, y);
+  }
+  /// The contact is closed still, and before() has been called.
+  void hold(JumpFilter& filter, std::size_t i, double t, const JumpFilter::Hold& hold, std::span<double> y);
+  void release(JumpFilter& filter, std::span<double> y) { shift(filter, y); }
 
   /// Of a snapshot, valid until the next call.
   std::span<const FieldSensitivity> fields(double t, std::span<double> y, const Snapshot& snapshot);
@@ -68,6 +98,7 @@ class Sensitivities {
   void complete(Derivative& derivative, const Moment& at, const Block& s);
   void book_momentum(double t, std::span<double> y, double sign);
   void differentiate_by_time(const Moment& at);
+  void shift(JumpFilter& filter, std::span<double> y);
   double acceleration_of(const Moment& at, std::size_t node);
   double indicator_rate(const Moment& at, std::size_t i);
   bool grazes(std::size_t i, double rate) const;
@@ -89,6 +120,7 @@ class Sensitivities {
   std::vector<double> old_velocity_, old_acceleration_, shifts_;
   bool shifted_ = false;
   std::pair<double, std::size_t> last_change_{-1.0, 0};
+  std::vector<std::pair<std::vector<double>, std::vector<double>>> jumps_;  // [b] and [b'] of each
   std::vector<Field> fields_;
   std::vector<FieldSensitivity> told_;
 };

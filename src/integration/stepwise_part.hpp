@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "dynamics/jump_filter.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "integration/contact_watch.hpp"
 #include "integration/energy_flow.hpp"
@@ -46,6 +47,7 @@ class StepwisePart {
         search_(system, stepper),
         watchdog_(begin, times.back()),
         snapshot_(system, observers.reactions),
+        filter_(system.bar()),
         y_(layout.size),
         inner_(layout.size),
         sensitivities_(sensitivities) {}
@@ -159,7 +161,7 @@ class StepwisePart {
         sensitivities_->begin_leg(checkpoint->time, times_.back());
         sensitivities_->enter_frame(checkpoint->time, y_);
       }
-      restart(checkpoint->time, !entered);
+      restart(checkpoint->time, entered ? Leg::same : Leg::next);
       return checkpoint->time;
     }
     begin(times_.front(), std::get<State>(start));
@@ -191,7 +193,7 @@ class StepwisePart {
     statistics_.reached_time = t;
     tell_snapshot(t);
     next_output_ = 1;
-    restart(t);
+    restart(t, Leg::first);
   }
 
   // Of a contact that is closed from the start on: the bar comes to it with the velocities that it is given.
@@ -263,14 +265,28 @@ class StepwisePart {
     return shift;
   }
 
-  void restart(double t, bool with_kink = true) {
+  // How a leg begins: at the start of the run, behind a break or a change, or in another frame at the same time.
+  enum class Leg { first, next, same };
+
+  void restart(double t, Leg leg = Leg::next) {
     account_shift_ = {};
     for (std::size_t i = 0; i < system_.contact_count(); ++i)
       if (system_.closed(i)) system_.measure_from_obstacle(i, u());
     leg_end_ = system_.begin_leg(t, times_.back());
-    if (with_kink) pass_kink(t);
+    if (leg != Leg::same) pass_kink(t);
     system_.complete_displacement(t, u());
     system_.complete_velocity(t, u(), w());
+    if (filter_.acts() && leg != Leg::same) {
+      const ErrorWeights& weights = stepper_.weights();
+      const auto start = [&] {
+        take(filter_.begin(system_, t, {weights.displacement_tolerance(), weights.velocity_tolerance()}, u(), w()));
+      };
+      const auto pass_break = [&] { take(filter_.pass_break(system_, t, times_.back(), u(), w())); };
+      if (leg == Leg::first)
+        sensitivities_ ? sensitivities_->pass_start(filter_, t, y_, start) : start();
+      else
+        sensitivities_ ? sensitivities_->pass_break(filter_, t, times_.back(), y_, pass_break) : pass_break();
+    }
     if (sensitivities_) sensitivities_->begin_leg(t, times_.back());
     if (ends_) {
       ends_->measure_from(system_.origin());
@@ -294,8 +310,12 @@ class StepwisePart {
   // opens.
   void pass_kink(double t) {
     const auto jump = system_.bar().kink(t, times_.back());
-    if (sensitivities_) sensitivities_->pass_kink(t, times_.back(), jump.has_value(), y_);
+    if (sensitivities_) sensitivities_->pass_kink(t, times_.back(), jump.has_value(), filter_, y_);
     if (!jump) return;
+    const std::vector<double> before(w().begin(), w().end());
+    std::vector<std::optional<JumpFilter::Hold>> holds(system_.contact_count());
+    for (std::size_t i = 0; i < holds.size(); ++i)
+      if (filter_.acts() && system_.collides(i) && system_.closed(i)) holds[i] = filter_.hold(system_, i, t, u(), w());
     const double gained = system_.bar().pass_kink(*jump, w());
     if (layout_.work) y_[*layout_.work] += gained;
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
@@ -307,6 +327,17 @@ class StepwisePart {
       else
         tell_event(t, i, Change::opening, w()[node]);
     }
+    if (!filter_.acts()) return;
+    take(filter_.pass_kick(system_, before, u(), w()));
+    for (std::size_t i = 0; i < holds.size(); ++i)
+      if (holds[i] && !system_.closed(i)) take(filter_.release(system_, i, t, *holds[i], u(), w()));
+  }
+
+  // What the high modes of the mesh have lost at a jump.
+  void take(const JumpFilter::Taken& taken) {
+    if (!statistics_.energy) return;
+    statistics_.energy->end_inertia += taken.energy;
+    if (layout_.work) y_[*layout_.work] += taken.work;
   }
 
   // `shift_at` gives what the account of the leg is shifted by at a time of the step.
@@ -331,8 +362,8 @@ class StepwisePart {
       statistics_.energy->final = system_.energy(u(), w()) + of_frame;
       if (layout_.dissipated) statistics_.energy->dissipated = y_[*layout_.dissipated];
       if (layout_.work) statistics_.energy->work = y_[*layout_.work] + of_frame;
-      if (layout_.end_inertia)
-        statistics_.energy->dissipated += statistics_.energy->end_inertia = y_[*layout_.end_inertia];
+      if (layout_.end_inertia) statistics_.energy->end_inertia += y_[*layout_.end_inertia];
+      statistics_.energy->dissipated += statistics_.energy->end_inertia;
     }
     statistics_.completed = true;
   }
@@ -345,10 +376,19 @@ class StepwisePart {
       const Change change = system_.closed(i) ? Change::opening : Change::closing;
       if (sensitivities_) changes_ = sensitivities_->before(t, i, y_);
       tell_event(t, i, change, velocity[system_.contact(i).unknown]);
-      if (change == Change::opening) system_.set_closed(i, false);
-      if (change == Change::closing)
+      const bool rings = filter_.acts() && system_.collides(i);
+      if (change == Change::opening) {
+        const auto hold = rings ? std::optional(filter_.hold(system_, i, t, u(), w())) : std::nullopt;
+        if (hold && sensitivities_) sensitivities_->hold(filter_, i, t, *hold, y_);
+        system_.set_closed(i, false);
+        if (hold) take(filter_.release(system_, i, t, *hold, u(), w()));
+        if (hold && sensitivities_) sensitivities_->release(filter_, y_);
+      }
+      if (change == Change::closing) {
+        const std::vector<double> before(w().begin(), rings ? w().end() : w().begin());
         close(t, i);
-      else if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change()))
+        if (rings && system_.closed(i)) take(filter_.pass_kick(system_, before, u(), w()));
+      } else if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change()))
         weigh_opening({system_, layout_, stepper_}, i, {t, begin, end, watchdog_.last_change()}, inner_,
                       statistics_.late_opening);
       system_.place_on_obstacle(i, u());
@@ -405,9 +445,9 @@ class StepwisePart {
     if (observers_.energy) {
       const auto entry = [&](std::optional<std::size_t> at) { return at ? y_[*at] : 0.0; };
       now.energy = snapshot_.energy(now, u());
-      now.energy->dissipated = entry(layout_.dissipated) + entry(layout_.end_inertia);
+      now.energy->end_inertia = statistics_.energy->end_inertia + entry(layout_.end_inertia);
+      now.energy->dissipated = entry(layout_.dissipated) + now.energy->end_inertia;
       now.energy->work = entry(layout_.work) + system_.frame_energy(t, u(), w());
-      now.energy->end_inertia = entry(layout_.end_inertia);
     }
     telling_.snapshot(now);
   }
@@ -424,6 +464,7 @@ class StepwisePart {
   std::optional<ContactWatch> ends_;
   Watchdog watchdog_;
   SnapshotBuilder snapshot_;
+  JumpFilter filter_;
   std::vector<double> y_, inner_;          // the state where the run is, and within a step
   std::vector<std::size_t> selected_;      // positions of sampled entries
   std::array<double, 3> account_shift_{};  // of the account of this leg

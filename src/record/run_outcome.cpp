@@ -53,6 +53,14 @@ std::optional<std::string> penetration_warning(const Case& run, const BarSystem&
 }
 
 /// That the derivatives end somewhere: where, and why.
+// Of a viscous bar the text and the page tell it: there every impact has one.
+std::optional<std::string> peak_warning(const Case& run, const BarSystem& system, const Statistics& done) {
+  if (run.scene.bar.viscosity > 0.0 || !done.account) return std::nullopt;
+  if (done.account->left.closings + done.account->right.closings == 0) return std::nullopt;
+  const auto why = peak_remark(run, system);
+  return why ? std::optional("max_reaction: " + *why) : std::nullopt;
+}
+
 std::optional<std::string> sensitivity_warning(const Statistics& done) {
   if (!done.sensitivity || !done.sensitivity->lost) return std::nullopt;
   return fmt::format("sensitivities: there are none from t = {:.9g} on: {}", *done.sensitivity->lost,
@@ -120,6 +128,7 @@ void judge(Outcome& outcome, const Case& run, const BarSystem& system,
   pass_on(growth_warning(run, done));
   pass_on(representation_warning(done));
   pass_on(penetration_warning(run, system, done));
+  pass_on(peak_warning(run, system, done));
   for (const Alarm& alarm : alarms(run, system, done)) {
     const std::string what = fmt::format(
         "{}; the result is further from the solution than the tolerances promise: take another method.name or a "

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
+#include "dynamics/jump_filter.hpp"
 #include "dynamics/lost_inertia.hpp"
+#include "dynamics/natural_scales.hpp"
 #include "run/parts.hpp"
 #include "run/telling.hpp"
 #include "schemes/time_step.hpp"
@@ -38,7 +41,8 @@ class Run {
         scheme_(scheme),
         observers_(observers),
         statistics_(statistics_before(start)),
-        telling_(observers, statistics_) {
+        telling_(observers, statistics_),
+        filter_(system) {
     const double steps = (times.back() - times.front()) / scheme.step;
     // An end that misses a step by rounding only is on it.
     steps_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(steps * (1.0 - 1e-12))));
@@ -54,14 +58,16 @@ class Run {
   Statistics operator()() {
     try {
       const auto* checkpoint = std::get_if<Checkpoint>(&start_);
-      step_.emplace(system_, checkpoint ? system_.initial_state() : std::get<State>(start_), times_.front(), scheme_);
+      State start = checkpoint ? system_.initial_state() : std::get<State>(start_);
+      const JumpFilter::Taken taken = checkpoint ? JumpFilter::Taken{} : settle_high_modes(start);
+      step_.emplace(system_, start, times_.front(), scheme_);
       was_active_.assign(step_->contacts().size(), 0);
       active_ = step_->active();
       find_contacts_at_ends();
       if (checkpoint)
         go_on(*checkpoint);
       else
-        begin_accounts(std::get<State>(start_));
+        begin_accounts(std::get<State>(start_), taken);
       if (statistics_.account) watch_ends();
       statistics_.completed = advance_to_end();
     } catch (const LoadError& error) {
@@ -86,7 +92,52 @@ class Run {
     restore(*this, checkpoint, times_, observers_);
     step_->restored();
     written_ = checkpoint.outputs;
+    if (filter_.acts()) watch_breaks(time(n_));
+    pass_breaks();
     step_->balance(time(++n_));
+  }
+
+  void watch_breaks(double t) {
+    if (!settled_) settled_.emplace(system_, Penalty{0.0, 0.0});
+    next_break_ = settled_->begin_leg(t, times_.back());
+  }
+
+  // The start, where nothing touches then: an impact is in the scheme's own first step.
+  JumpFilter::Taken settle_high_modes(State& start) {
+    if (!filter_.acts()) return {};
+    watch_breaks(times_.front());
+    State settled = start;
+    settled_->settle(times_.front(), settled.u, settled.v);
+    for (std::size_t i = 0; i < settled_->contact_count(); ++i)
+      if (settled_->closed(i)) return {};
+    const NaturalScales scales = natural_scales(system_, times_.back());
+    const double rounding = 1e-12;
+    return filter_.begin(*settled_, times_.front(), {rounding * scales.displacement, rounding * scales.velocity()},
+                         start.u, start.v);
+  }
+
+  // Those of the load up to t_{n+1}, u^{n+1} being known.
+  void pass_breaks() {
+    while (next_break_ <= time(n_ + 1) && next_break_ < times_.back()) {
+      const auto& contacts = step_->contacts();
+      for (std::size_t i = 0; i < settled_->contact_count(); ++i) {
+        bool held = false;
+        for (std::size_t k = 0; k < contacts.size(); ++k)
+          held |= active_[k] && contacts[k].unknown == settled_->contact(i).unknown &&
+                  contacts[k].sign == settled_->contact(i).sign;
+        settled_->set_closed(i, held);
+      }
+      std::vector<double> u(system_.size()), p(u);
+      step_->order().to_nodes([&](std::size_t i) { return step_->u()[i]; }, u);
+      step_->order().to_nodes([&](std::size_t i) { return step_->p()[i]; }, p);
+      const double before = statistics_.energy ? step_->energy() : 0.0;
+      const double t = std::exchange(next_break_, settled_->begin_leg(next_break_, times_.back()));
+      const JumpFilter::Taken taken = filter_.pass_break(*settled_, t, times_.back(), u, p);
+      step_->put(u, p);
+      if (!statistics_.energy) continue;
+      statistics_.energy->work += taken.work;
+      statistics_.energy->take_by_rows(before + taken.work - step_->energy());
+    }
   }
 
   // Whether it comes there.
@@ -113,14 +164,18 @@ class Run {
         if (!take_checkpoint(reached)) return false;
         schedule = {observers_, times_, reached};
       }
+      pass_breaks();
       step.balance(time(n + 1));
     }
   }
 
-  void begin_accounts(const State& start) {
+  void begin_accounts(const State& start, const JumpFilter::Taken& taken) {
     if (observers_.energy) {
       const double of_frame = step_->frame_energy(time(1));
-      statistics_.energy = EnergyAccount{.initial = step_->energy() + of_frame, .work = -of_frame};
+      statistics_.energy = EnergyAccount{.initial = step_->energy() + of_frame + taken.energy - taken.work,
+                                         .dissipated = taken.energy,
+                                         .work = taken.work - of_frame,
+                                         .end_inertia = taken.energy};
     }
     if (!observers_.account) return;
     RunAccount& account = statistics_.account.emplace();
@@ -403,6 +458,9 @@ class Run {
   std::vector<unsigned char> was_active_;
   double taken_ = 0.0, taken_at_rest_ = 0.0;  // by impacts: up to now, and the most when nothing touched
   bool touching_ = false;
+  JumpFilter filter_;
+  std::optional<PenalisedSystem> settled_;  // what it sees of the scheme
+  double next_break_ = std::numeric_limits<double>::infinity();
   bool spanned_ = false;                                         // by an obstacle
   std::array<std::pair<std::size_t, std::size_t>, 2> at_end_{};  // contacts from one up to another
   std::vector<WatchedEnd> watched_;

@@ -46,6 +46,11 @@ class TimeStep {
 
   /// From n to n + 1; acceleration() stays a^n.
   void advance();
+  /// Replaces u^n and p^{n-1/2}, of the nodes in their order.
+  void put(std::span<const double> u, std::span<const double> p) {
+    order_.from_nodes(u, u_);
+    order_.from_nodes(p, p_);
+  }
 
   const LaneOrder& order() const { return order_; }
   std::span<const double> u() const { return u_; }                         ///< u^n

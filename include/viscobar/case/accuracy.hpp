@@ -16,11 +16,12 @@ enum class Goal {
   end_traces,     ///< u(0,t) and u(L,t), maximum over output times
   contact_times,  ///< the times of the contact changes at the ends, the worst of them
   impulse,        ///< int R dt of an end up to the end of the run, the worse end
-  peak_reaction   ///< max |R| of an end, the worse end; only where it has a limit, see peak_remark()
+  peak_reaction,  ///< max |R| of an end, the worse end; only where it has a limit, see peak_remark()
+  end_velocity    ///< u'(0,t) and u'(L,t), maximum over output times
 };
 /// In the order of Goal.
-inline constexpr Goal all_goals[] = {Goal::displacement, Goal::end_traces, Goal::contact_times, Goal::impulse,
-                                     Goal::peak_reaction};
+inline constexpr Goal all_goals[] = {Goal::displacement, Goal::end_traces,    Goal::contact_times,
+                                     Goal::impulse,      Goal::peak_reaction, Goal::end_velocity};
 std::string_view name(Goal goal);     ///< in a scene file
 std::string_view meaning(Goal goal);  ///< in words
 

@@ -314,6 +314,10 @@ class LoadVector {
   /// break and from one at t, so that the load has its one-sided limits there. Two breaks closer than that are one.
   /// `end` is the same at every call.
   double enter(double t, double end);
+  /// The jumps, after less before, of M f and of its rate where the load has a break at t; false: it has none there,
+  /// but for those that a density in x and t has at each node. A rate is of a time `apart`, and 0 where the load breaks
+  /// again within that. `end` as in enter(). @throws LoadError
+  bool jump(double t, double end, double apart, std::span<double> force, std::span<double> rate);
   /// The time at which at(t) evaluates the load.
   double inside(double t) const { return std::clamp(t, first_, last_); }
 
@@ -326,6 +330,7 @@ class LoadVector {
     return system_.load_ ? std::get_if<Kind>(&*system_.load_) : nullptr;
   }
   double next_break(double after, double until);
+  bool breaks_within(double from, double to) const;
   void find_distributed(double t);
   double distributed(double t, std::size_t node) const;
   void add_inputs(double t);

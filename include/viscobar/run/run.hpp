@@ -77,6 +77,8 @@ struct EnergyAccount {
   /// what impacts took up to t, max A(s) - A(t) over s <= t, nothing touching at s, and 0 at the start.
   double growth = 0.0;
   double growth_time = 0.0;  ///< that t
+  /// Adds to both.
+  void take_by_rows(double taken) { end_inertia += taken, dissipated += taken; }
   /// What the integration lost or gained.
   double balance_error() const { return final + dissipated - initial - work; }
 };

@@ -63,10 +63,43 @@ void Run::pass_kink() {
   std::ranges::copy(velocities, w.begin() + first);
   std::vector<double> change = w;
   const double gained = system_.pass_kink(*jump, w);
+  if (filter_.acts()) {
+    const std::vector<double> u = displacement();
+    const JumpFilter::Taken taken = filter_.pass_kick(penalised_, change, u, w);
+    if (statistics_.energy) statistics_.energy->take_by_rows(taken.energy);
+  }
   for (std::size_t i = 0; i < w.size(); ++i) change[i] = w[i] - change[i];
   if (ends_) ends_->pass_kink(change);
   for (Index k = 0; k < velocities.size(); ++k) y_[leg().displacements() + k] = w[static_cast<std::size_t>(first + k)];
   if (statistics_.energy) statistics_.energy->work += gained;
+}
+
+std::vector<double> Run::displacement() const {
+  const VectorXd u = y_.head(leg().displacements()) + propagators_.origin();
+  return {u.begin(), u.end()};
+}
+
+void Run::settle_high_modes(bool starting) {
+  if (!filter_.acts()) return;
+  std::vector<double> u = displacement(), w(system_.size());
+  const Index n = leg().displacements();
+  std::copy_n(y_.data() + n, n, w.begin());
+  const std::vector<double> before = u;
+  JumpFilter::Taken taken;
+  if (starting) {
+    // Of what is known to rounding.
+    const NaturalScales scales = natural_scales(system_, times_.back());
+    taken = filter_.begin(penalised_, t_, {1e-12 * scales.displacement, 1e-12 * scales.velocity()}, u, w);
+  } else {
+    taken = filter_.pass_break(penalised_, t_, times_.back(), u, w);
+  }
+  if (u == before && std::ranges::equal(w, y_.segment(n, n))) return;
+  for (std::size_t i = 0; i < u.size(); ++i) y_[static_cast<Index>(i)] += u[i] - before[i];
+  std::ranges::copy(w, y_.data() + n);
+  if (ends_) ends_->begin(t_, {y_.data(), u.size()}, w);
+  if (!statistics_.energy) return;
+  statistics_.energy->take_by_rows(taken.energy);
+  statistics_.energy->work += taken.work;
 }
 
 void Run::begin(const State& start) {
@@ -99,7 +132,13 @@ void Run::begin(const State& start) {
     const double of_frame = penalised_.frame_energy(t_, state.u, state.v);
     statistics_.energy = {.initial = energy_scale_ + of_frame, .work = -of_frame};
   }
+  if (filter_.acts()) {
+    // What is told of the start are the data.
+    load_.fit(t_, propagator_->step(0), negligible_load(), p_);
+    output_until(t_, propagator_->step(0), [](double) { return EnergyFlow{}; });
+  }
   pass_kink();
+  settle_high_modes(true);
 }
 
 void Run::go_on(const Checkpoint& checkpoint) {
@@ -112,7 +151,9 @@ void Run::go_on(const Checkpoint& checkpoint) {
   for (std::size_t c = 0; c < contacts(); ++c)
     if (measured_[c]) propagators_.measure_from_obstacle(c);
   begin_leg();
-  if (checkpoint.frame != Checkpoint::Frame::entered) pass_kink();
+  if (checkpoint.frame == Checkpoint::Frame::entered) return;  // the part before has passed what is here
+  pass_kink();
+  settle_high_modes(false);
 }
 
 void Run::watch_ends() {
@@ -142,6 +183,7 @@ bool Run::advance() {
   if (t_ >= piece_end_) {
     enter_piece();
     pass_kink();
+    settle_high_modes(false);
   }
   largest_displacement_ = std::max(
       largest_displacement_,

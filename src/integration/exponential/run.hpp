@@ -9,6 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/jump_filter.hpp"
+#include "dynamics/natural_scales.hpp"
 #include "integration/contact_watch.hpp"
 #include "integration/exponential/contact_distance.hpp"
 #include "integration/exponential/energy_integral.hpp"
@@ -38,6 +40,7 @@ class Run {
         times_(times),
         observers_(observers),
         snapshot_(penalised_, observers.reactions),
+        filter_(system),
         statistics_(statistics_before(start)),
         load_evaluations_before_(statistics_.load_evaluations),
         telling_(observers, statistics_),
@@ -76,6 +79,9 @@ class Run {
 
   void enter_piece();  // of time, from here on, in which the load is smooth
   void pass_kink();    // where what holds or bounds an end changes its velocity at once
+  // Puts high modes at their equilibrium (see JumpFilter): at the start, or where the load breaks.
+  void settle_high_modes(bool starting);
+  std::vector<double> displacement() const;  // not measured from obstacles
   void begin(const State& start);
   void go_on(const Checkpoint& checkpoint);
   void watch_ends();
@@ -138,6 +144,7 @@ class Run {
   std::span<const double> times_;
   const Observers& observers_;
   SnapshotBuilder snapshot_;
+  JumpFilter filter_;
   Statistics statistics_;
   std::size_t load_evaluations_before_;
   Telling telling_;

@@ -101,6 +101,7 @@ std::string_view of_words(Goal goal) {
     case Goal::contact_times: return "of contact times";
     case Goal::impulse: return "of impulses";
     case Goal::peak_reaction: return "of peak reactions";
+    case Goal::end_velocity: return "of the ends' velocities";
   }
   return {};
 }

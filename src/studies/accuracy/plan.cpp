@@ -106,7 +106,8 @@ Grain Plan::grain() const {
     case Goal::end_traces: grain.height = share; break;
     case Goal::contact_times: grain.duration = share; break;
     case Goal::impulse: grain.height = share / grain.impedance; break;
-    case Goal::peak_reaction: break;
+    case Goal::peak_reaction:
+    case Goal::end_velocity: break;
   }
   return grain;
 }

@@ -39,6 +39,7 @@ void Probe::add(const Snapshot& snapshot) {
     sample_.u.insert(sample_.u.end(), snapshot.u.begin(), snapshot.u.end());
   else
     for (std::size_t j = 0; j < snapshot.u.size(); j += node_stride_) sample_.u.push_back(snapshot.u[j]);
+  sample_.end_velocities.insert(sample_.end_velocities.end(), {snapshot.v.front(), snapshot.v.back()});
   sample_.speed[0] = std::max(sample_.speed[0], std::abs(snapshot.v.front()));
   sample_.speed[1] = std::max(sample_.speed[1], std::abs(snapshot.v.back()));
 }
@@ -89,6 +90,7 @@ double largest(const Sample& sample, Goal of) {
     case Goal::contact_times: return sample.events.empty() ? sample.end : sample.events.back().time;
     case Goal::impulse: return std::max(std::abs(sample.impulse[0]), std::abs(sample.impulse[1]));
     case Goal::peak_reaction: return std::max(sample.peak[0], sample.peak[1]);
+    case Goal::end_velocity: return std::max(sample.speed[0], sample.speed[1]);
   }
   return most;
 }
@@ -239,7 +241,11 @@ std::vector<double> numbers(const Sample& sample, Goal of, const Grain& grain) {
 void compare(const std::vector<const Sample*>& samples, Goal of, const Grain& grain, auto&& visit) {
   std::vector<std::vector<double>> copies(samples.size());
   std::vector<Values> u;
-  if (is_field(of)) {
+  if (of == Goal::end_velocity) {
+    const std::size_t rows = std::ranges::min(samples, {}, &Sample::rows)->rows();
+    for (const Sample* sample : samples)
+      u.emplace_back(sample->end_velocities.data(), static_cast<Eigen::Index>(2 * rows));
+  } else if (is_field(of)) {
     const std::vector<double>& x = samples.front()->x;
     const std::vector<double> places = of == Goal::displacement ? x : std::vector<double>{x.front(), x.back()};
     const std::size_t rows = std::ranges::min(samples, {}, &Sample::rows)->rows();
@@ -254,7 +260,7 @@ void compare(const std::vector<const Sample*>& samples, Goal of, const Grain& gr
 
 }  // namespace
 
-bool is_field(Goal of) { return of == Goal::displacement || of == Goal::end_traces; }
+bool is_field(Goal of) { return of == Goal::displacement || of == Goal::end_traces || of == Goal::end_velocity; }
 
 SameChanges compare_changes(const Sample& coarse, const Sample& fine, const Grain& grain) {
   SameChanges result;

@@ -13,15 +13,16 @@ namespace viscobar::accuracy {
 
 /// What a run says of the goals: the field at some nodes and output times, the ends, the contacts.
 struct Sample {
-  std::vector<double> x;            ///< places that are kept
-  std::vector<double> times;        ///< that are kept, K
-  std::vector<double> u;            ///< of them, K times, row by row
-  std::vector<Event> events;        ///< contact changes
-  std::array<double, 2> impulse{};  ///< of both ends
-  std::array<double, 2> peak{};     ///< max |R| of both ends
-  std::array<double, 2> speed{};    ///< max |v| of both ends at the output times
-  Statistics statistics;            ///< of the run
-  double end = 0.0;                 ///< T
+  std::vector<double> x;               ///< places that are kept
+  std::vector<double> times;           ///< that are kept, K
+  std::vector<double> u;               ///< of them, K times, row by row
+  std::vector<Event> events;           ///< contact changes
+  std::array<double, 2> impulse{};     ///< of both ends
+  std::array<double, 2> peak{};        ///< max |R| of both ends
+  std::array<double, 2> speed{};       ///< max |v| of both ends at the output times
+  std::vector<double> end_velocities;  ///< of both ends at the times that are kept, 2 K
+  Statistics statistics;               ///< of the run
+  double end = 0.0;                    ///< T
 
   std::size_t rows() const { return x.empty() ? 0 : u.size() / x.size(); }
   const double* row(std::size_t k) const { return u.data() + k * x.size(); }

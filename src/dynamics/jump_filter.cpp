@@ -1,0 +1,374 @@
+#include "dynamics/jump_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace viscobar {
+
+namespace {
+
+constexpr std::size_t fewest_elements = 8;
+constexpr double stiffest = 100.0;  // of a spring, in E/h: the node of a stiffer one is as good as held
+
+// g(mu), seven times differentiable: of a kink the polynomial would want more terms.
+double share_of(double mu) {
+  const double x = std::clamp((mu - 1.0) / 5.0, 0.0, 1.0);
+  return x * x * x * x * (35.0 + x * (-84.0 + x * (70.0 - 20.0 * x)));
+}
+
+// Of G on [0, top], by interpolation at Chebyshev's points.
+std::vector<double> chebyshev(double top) {
+  // Points lie as densely at mu = 1 whatever the top.
+  const auto count = static_cast<std::size_t>(25.0 * std::sqrt(top / 8.2));
+  std::vector<double> values(count), coefficients(count);
+  const double angle = std::numbers::pi / static_cast<double>(count);
+  for (std::size_t j = 0; j < count; ++j) {
+    const double mu = 0.5 * top * (1.0 + std::cos((static_cast<double>(j) + 0.5) * angle));
+    values[j] = share_of(mu) / mu;
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < count; ++j)
+      sum += values[j] * std::cos(static_cast<double>(k) * (static_cast<double>(j) + 0.5) * angle);
+    coefficients[k] = (k == 0 ? 1.0 : 2.0) * sum / static_cast<double>(count);
+  }
+  return coefficients;
+}
+
+// The largest mu of an end with a spring of that many times E/h: the mode q^j that dies out from it, mu (7 + 6 q - q^2)
+// / 24 = 1 - q + kappa in its row, mu = 12 (1 - c) / (5 + c) inside, c = (q + 1/q) / 2.
+double end_mode(double kappa) {
+  double low = -0.4227, high = 2.0 * std::sqrt(6.0) - 5.0;  // where c = -5
+  const auto mu = [](double q) {
+    const double c = 0.5 * (q + 1.0 / q);
+    return 12.0 * (1.0 - c) / (5.0 + c);
+  };
+  for (int k = 0; k < 60; ++k) {
+    const double q = 0.5 * (low + high);
+    (mu(q) * (7.0 + q * (6.0 - q)) / 24.0 < 1.0 - q + kappa ? low : high) = q;
+  }
+  return mu(low);
+}
+
+}  // namespace
+
+JumpFilter::JumpFilter(const BarSystem& bar) : bar_(bar) {
+  const Bar& material = bar.bar();
+  const double h = bar.mesh().spacing(), impedance = std::sqrt(material.density * material.modulus);
+  const double viscous = material.viscosity / (h * impedance);
+  const auto spans = [](const Contact& contact) { return contact.where == Where::span; };
+  if (bar.mass() != Mass::fourth_order || bar.mesh().elements < fewest_elements ||
+      std::ranges::any_of(bar.contacts(), spans))
+    return;
+  for (const Mount& mount : bar.mounts())
+    if (mount.dashpot >= 0.5 * impedance) deaf_[bar.is_right(mount.unknown)] = true;
+  if (!(deaf_[0] && deaf_[1])) share_ = std::pow(std::max(0.0, 1.0 - 2.0 * viscous * viscous), 4);
+  scale_ = h * h * material.density / material.modulus;
+}
+
+// For the contacts that are closed.
+void JumpFilter::prepare(const PenalisedSystem& system) {
+  const std::size_t n = bar_.size();
+  std::array<bool, 2> held{};
+  double stiffness = 0.0;
+  for (const Mount& mount : bar_.mounts()) {
+    const double kappa = mount.stiffness * bar_.mesh().spacing() / bar_.bar().modulus;
+    const bool is_stiff = kappa > stiffest;
+    held[bar_.is_right(mount.unknown)] |= is_stiff;
+    if (!is_stiff) stiffness = std::max(stiffness, kappa);
+  }
+  for (std::size_t i = 0; i < system.contact_count(); ++i)
+    if (system.closed(i)) held[bar_.is_right(system.contact(i).unknown)] = true;
+  if (held_ == held) return;
+  if (!held_) {
+    stiffness_.emplace(bar_);
+    top_ = std::max(8.2, 1.02 * end_mode(stiffness));
+    coefficients_ = chebyshev(top_);
+    for (std::vector<double>* one : {&first_, &second_, &next_, &start_, &force_, &rate_}) one->resize(n);
+  }
+  held_ = held;
+  SymmetricTridiagonal inertia = bar_.inertia();
+  for (const bool right : {false, true})
+    if (held[right]) inertia.diagonal[bar_.end(right)] = std::numeric_limits<double>::infinity();
+  factor_.factorise(inertia);
+}
+
+void JumpFilter::stiffness(std::span<const double> x, std::span<double> out) const {
+  stiffness_->multiply([x](std::size_t i) { return x[i]; }, out);
+  for (double& force : out) force *= bar_.bar().modulus;
+  for (const Mount& mount : bar_.mounts())
+    out[mount.unknown] += (mount.stiffness + added_stiffness_[bar_.is_right(mount.unknown)]) * x[mount.unknown];
+}
+
+void JumpFilter::damping(std::span<const double> x, std::span<double> out) const {
+  stiffness_->multiply([x](std::size_t i) { return x[i]; }, out);
+  for (double& force : out) force *= bar_.bar().viscosity;
+  for (const Mount& mount : bar_.mounts()) out[mount.unknown] += mount.dashpot * x[mount.unknown];
+}
+
+// Whether what a force would be answered with is negligible. Fourth differences of the acceleration, 16 sin^4 of half
+// the phase, are large for high modes alone, and what they leave of G is 1/2 at most.
+bool JumpFilter::is_smooth(std::span<const double> force, double negligible) {
+  std::ranges::copy(force, next_.begin());
+  factor_.solve(next_);
+  const auto n = static_cast<std::ptrdiff_t>(next_.size());
+  const std::ptrdiff_t first = bar_.left_fixed() ? -1 : 0, last = bar_.right_fixed() ? n : n - 1;
+  const auto value = [&](std::ptrdiff_t i) { return i < 0 || i >= n ? 0.0 : next_[static_cast<std::size_t>(i)]; };
+  double largest = 0.0;
+  for (std::ptrdiff_t i = first + 2; i <= last - 2; ++i)
+    largest =
+        std::max(largest, std::abs(value(i - 2) + value(i + 2) - 4.0 * (value(i - 1) + value(i + 1)) + 6.0 * value(i)));
+  return share_ * scale_ * largest / 32.0 <= negligible;
+}
+
+// force <- theta (h^2 rho / E) G(A) (rho M)^{-1} force, by Clenshaw's recurrence.
+void JumpFilter::apply(std::span<double> force) {
+  const std::size_t n = force.size();
+  factor_.solve(force);
+  for (std::size_t i = 0; i < n; ++i) {
+    start_[i] = share_ * scale_ * force[i];
+    first_[i] = second_[i] = 0.0;
+  }
+  const double shrink = 2.0 / top_ * scale_;
+  for (std::size_t k = coefficients_.size(); k-- > 0;) {
+    const double twice = k > 0 ? 2.0 : 1.0;
+    stiffness(first_, next_);
+    factor_.solve(next_);
+    for (std::size_t i = 0; i < n; ++i)
+      next_[i] = twice * (shrink * next_[i] - first_[i]) - second_[i] + coefficients_[k] * start_[i];
+    second_.swap(first_);
+    first_.swap(next_);
+  }
+  std::ranges::copy(first_, force.begin());
+  quieten(force);
+}
+
+void JumpFilter::quieten(std::span<double> x) const {
+  if (deaf_[0]) std::ranges::fill(x.first(x.size() / 2), 0.0);
+  if (deaf_[1]) std::ranges::fill(x.last(x.size() / 2), 0.0);
+}
+
+// The dashpot of an end answers its step with an impulse on the node, the high modes apart.
+void JumpFilter::answer_with_dashpots(std::span<const double> step, std::span<double> w) {
+  impulse_.assign(w.size(), 0.0);
+  for (const Mount& mount : bar_.mounts()) impulse_[mount.unknown] = -mount.dashpot * step[mount.unknown];
+  factor_.solve(impulse_);
+  std::vector<double> high(w.size());
+  take_high_part(impulse_, high);
+  for (std::size_t i = 0; i < w.size(); ++i) w[i] += impulse_[i] - high[i];
+}
+
+// theta g(A) x
+void JumpFilter::take_high_part(std::span<const double> x, std::span<double> high) {
+  stiffness(x, high);
+  apply(high);
+}
+
+// The shifts that a force and its rate, jumps both, ask for; both are overwritten.
+JumpFilter::Taken JumpFilter::put(PenalisedSystem& system, double t, std::span<double> force, std::span<double> rate,
+                                  std::span<double> u, std::span<double> w) {
+  const std::size_t n = u.size();
+  const double before = system.energy(u, w);
+  jump_rate_.assign(rate.begin(), rate.end());
+  apply(rate);
+  std::vector<double> opposed(n);
+  damping(rate, opposed);
+  for (std::size_t i = 0; i < n; ++i) force[i] -= opposed[i];
+  jump_force_.assign(force.begin(), force.end());
+  apply(force);
+  // No node is put through an obstacle.
+  part_ = 1.0;
+  for (std::size_t i = 0; i < system.contact_count(); ++i) {
+    const double down = -system.contact(i).sign * force[system.contact(i).unknown];
+    if (!system.closed(i) && down > 0.0) part_ = std::clamp(system.clearance(i, u) / down, 0.0, part_);
+  }
+  Taken taken;
+  for (std::size_t i = 0; i < n; ++i) {
+    u[i] += force[i] *= part_;
+    w[i] += rate[i];
+    if (system.loaded()) taken.work += system.load(i, t) * force[i];
+  }
+  shift_u_.assign(force.begin(), force.end());
+  shift_w_.assign(rate.begin(), rate.end());
+  shifted_ = true;
+  if (bar_.has_dashpots()) answer_with_dashpots(force, w);
+  taken.energy = before + taken.work - system.energy(u, w);
+  return taken;
+}
+
+JumpFilter::Taken JumpFilter::begin(PenalisedSystem& system, double t, const Negligible& negligible,
+                                    std::span<double> u, std::span<double> w) {
+  prepare(system);
+  shifted_ = false;
+  stiffness(w, rate_);
+  for (double& rate : rate_) rate = -rate;
+  system.add_load_rate(t, rate_);
+  system.force(t, u, w, force_);
+  if (is_smooth(force_, negligible.displacement) && is_smooth(rate_, negligible.velocity)) return {};
+  return put(system, t, force_, rate_, u, w);
+}
+
+JumpFilter::Taken JumpFilter::pass_break(PenalisedSystem& system, double t, double end, std::span<double> u,
+                                         std::span<double> w) {
+  std::vector<double> force(u.size()), rate(u.size());
+  shifted_ = false;
+  if (!system.load_jump(t, end, force, rate)) return {};
+  prepare(system);
+  return put(system, t, force, rate, u, w);
+}
+
+JumpFilter::Taken JumpFilter::pass_kick(PenalisedSystem& system, std::span<const double> before,
+                                        std::span<const double> u, std::span<double> w) {
+  prepare(system);
+  const double energy = system.energy(u, w);
+  for (std::size_t i = 0; i < w.size(); ++i) force_[i] = w[i] - before[i];
+  stiffness(force_, rate_);
+  apply(rate_);
+  for (std::size_t i = 0; i < w.size(); ++i) w[i] -= rate_[i];
+  return {energy - system.energy(u, w), 0.0};
+}
+
+JumpFilter::Hold JumpFilter::hold(PenalisedSystem& system, std::size_t i, double t, std::span<const double> u,
+                                  std::span<const double> w) {
+  prepare(system);
+  const double force = system.holding_force(i, t, u, w);
+  // The same row for the rates: a = (rho M)^{-1} F, F' = b' - K w - C a.
+  std::vector<double> acceleration(u.size());
+  system.force(t, u, w, acceleration);
+  system.accelerate(acceleration);
+  stiffness(w, rate_);
+  damping(acceleration, force_);
+  for (std::size_t j = 0; j < rate_.size(); ++j) rate_[j] = -rate_[j] - force_[j];
+  system.add_load_rate(t, rate_);
+  Hold hold{force, system.holding_force(i, rate_), std::move(acceleration), std::vector<double>(u.size())};
+  std::vector<double> jerk(rate_);
+  system.accelerate(jerk);
+  bar_.inertia().multiply(jerk, hold.jerk_force);
+  return hold;
+}
+
+JumpFilter::Taken JumpFilter::release(PenalisedSystem& system, std::size_t i, double t, const Hold& hold,
+                                      std::span<double> u, std::span<double> w) {
+  prepare(system);
+  std::ranges::fill(force_, 0.0);
+  std::ranges::fill(rate_, 0.0);
+  const std::size_t node = system.contact(i).unknown;
+  force_[node] = -hold.force;
+  rate_[node] = -hold.rate;
+  return put(system, t, force_, rate_, u, w);
+}
+
+// What -K x - C x' changes by where the matrices do.
+void JumpFilter::add_changes(const Derivative& derivative, std::span<const double> x, std::span<const double> x_rate,
+                             std::span<double> force) const {
+  const Derivative::MatrixRates rates = derivative.matrix_rates();
+  std::vector<double> product(force.size());
+  for (const auto& [of, factor] : {std::pair{x, rates.modulus}, {x_rate, rates.viscosity}}) {
+    if (factor == 0.0 || of.empty()) continue;
+    stiffness_->multiply([of = of](std::size_t i) { return of[i]; }, product);
+    for (std::size_t i = 0; i < force.size(); ++i) force[i] -= factor * product[i];
+  }
+  for (const auto& [node, stiffness, dashpot] : rates.mounts)
+    force[node] -= (x.empty() ? 0.0 : stiffness * x[node]) + (x_rate.empty() ? 0.0 : dashpot * x_rate[node]);
+}
+
+// out += d f / d k . change, f(x) being what changes with the springs of the ends: by differences, of polynomials.
+template <class Function>
+void JumpFilter::add_slope(const std::array<double, 2>& change, Function&& f, std::span<double> out) {
+  const double largest = std::max(std::abs(change[0]), std::abs(change[1]));
+  if (largest == 0.0) return;
+  const double step = 1e-4 * bar_.bar().modulus / bar_.mesh().spacing() / largest;
+  std::vector<double> value(out.size());
+  for (const double side : {-step, step}) {
+    added_stiffness_ = {side * change[0], side * change[1]};
+    f(value);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] += value[i] / (2.0 * side);
+  }
+  added_stiffness_ = {};
+}
+
+void JumpFilter::differentiate(const Derivative& derivative, std::span<double> force, std::span<double> rate,
+                               std::span<double> s, std::span<double> s_rate) {
+  const Derivative::MatrixRates rates = derivative.matrix_rates();
+  const Bar& bar = bar_.bar();
+  double fading = 0.0;  // theta' / theta
+  if (bar_.damped()) {
+    const double square = bar.viscosity * bar.viscosity / (scale_ * bar.modulus * bar.modulus);
+    fading = -8.0 * square / (1.0 - 2.0 * square) *
+             (2.0 * rates.viscosity / bar.viscosity - rates.inertia - rates.modulus / bar.modulus);
+  }
+  const double growth = fading - rates.modulus / bar.modulus;
+  // A is a pure number but for its springs, k h / E.
+  std::array<double, 2> springs{}, dashpots{};
+  for (const Mount& mount : bar_.mounts())
+    springs[bar_.is_right(mount.unknown)] -= mount.stiffness * rates.modulus / bar.modulus;
+  for (const Mount& mount : rates.mounts) {
+    springs[bar_.is_right(mount.unknown)] += mount.stiffness;
+    dashpots[bar_.is_right(mount.unknown)] += mount.dashpot;
+  }
+  const std::size_t n = s.size();
+  const auto applied_to = [this](std::span<const double> jump) {
+    return [this, jump](std::span<double> x) {
+      std::ranges::copy(jump, x.begin());
+      apply(x);
+    };
+  };
+  std::vector<double> change(n);
+  apply(rate);
+  for (std::size_t i = 0; i < n; ++i) rate[i] += growth * shift_w_[i];
+  add_slope(springs, applied_to(jump_rate_), rate);
+  damping(rate, change);
+  for (std::size_t i = 0; i < n; ++i) force[i] -= change[i];
+  add_changes(derivative, {}, shift_w_, force);
+  apply(force);
+  add_slope(springs, applied_to(jump_force_), force);
+  for (std::size_t i = 0; i < n; ++i) {
+    s[i] += force[i] = part_ * force[i] + growth * shift_u_[i];
+    s_rate[i] += rate[i];
+  }
+  if (!bar_.has_dashpots()) return;
+  const std::vector<double> impulse = impulse_;
+  answer_with_dashpots(force, s_rate);
+  std::ranges::fill(change, 0.0);
+  for (const Mount& mount : bar_.mounts())
+    change[mount.unknown] = -dashpots[bar_.is_right(mount.unknown)] * shift_u_[mount.unknown];
+  factor_.solve(change);
+  for (std::size_t i = 0; i < n; ++i) change[i] -= rates.inertia * impulse[i];
+  take_high_part(change, force);
+  for (std::size_t i = 0; i < n; ++i) s_rate[i] += change[i] - force[i];
+  take_high_part(impulse, force);
+  for (std::size_t i = 0; i < n; ++i) force[i] *= fading;
+  add_slope(
+      springs, [&](std::span<double> x) { take_high_part(impulse, x); }, force);
+  for (std::size_t i = 0; i < n; ++i) s_rate[i] -= force[i];
+  impulse_ = impulse;
+}
+
+void JumpFilter::start_rates(Derivative& derivative, double t, std::span<const double> w, std::span<const double> s,
+                             std::span<const double> s_rate, std::span<double> force, std::span<double> rate) {
+  derivative.motion().force(t, s, s_rate, force);
+  prepare(derivative.motion());
+  stiffness(s_rate, rate);
+  for (double& one : rate) one = -one;
+  derivative.motion().add_load_rate(t, rate);
+  add_changes(derivative, w, {}, rate);
+}
+
+double JumpFilter::hold_rate(Derivative& derivative, std::size_t i, double t, const Hold& hold,
+                             std::span<const double> w, std::span<const double> s, std::span<const double> s_rate) {
+  PenalisedSystem& motion = derivative.motion();
+  std::vector<double> acceleration(s.size());
+  motion.force(t, s, s_rate, acceleration);
+  motion.accelerate(acceleration);
+  stiffness(s_rate, rate_);
+  damping(acceleration, force_);
+  const double inertia = derivative.matrix_rates().inertia;
+  for (std::size_t j = 0; j < rate_.size(); ++j) rate_[j] = -rate_[j] - force_[j] - inertia * hold.jerk_force[j];
+  motion.add_load_rate(t, rate_);
+  add_changes(derivative, w, hold.acceleration, rate_);
+  return motion.holding_force(i, rate_);
+}
+
+}  // namespace viscobar
