@@ -54,12 +54,13 @@ void put_load(Case& run, const py::dict& functions, const std::function<Function
   }
   if (!run.scene.load) return;
   if (functions.contains("load.profile")) {
-    if (auto* steady = std::get_if<SteadyLoad>(&*run.scene.load))
-      steady->profile = [f = function("load.profile"), factor = steady->profile(0.0)](double x) {
-        return factor * f(x);
-      };
-    else
-      std::get<SeparableLoad>(*run.scene.load).profile = function("load.profile");
+    if (auto* steady = std::get_if<SteadyLoad>(&*run.scene.load)) {
+      *steady = {[f = function("load.profile"), factor = steady->profile(0.0)](double x) { return factor * f(x); }};
+    } else {
+      auto& separable = std::get<SeparableLoad>(*run.scene.load);
+      separable.profile = function("load.profile");
+      separable.places = {};
+    }
   }
   if (functions.contains("load.history")) std::get<SeparableLoad>(*run.scene.load).history = function("load.history");
 }
@@ -123,8 +124,13 @@ PythonCase parse(const std::string& text, const std::string& source, const py::d
   const auto faults = std::make_shared<Faults>();
   const auto function = [&](const char* key) { return Function(functions[key], key, faults); };
   const auto adapt = [&](Case& run) {
-    if (functions.contains("initial.displacement")) run.scene.displacement = function("initial.displacement");
-    if (functions.contains("initial.velocity")) run.scene.velocity = function("initial.velocity");
+    const auto put = [&](const char* key, SpaceFunction& data, Places& places) {
+      if (!functions.contains(key)) return;
+      data = function(key);
+      places = {};
+    };
+    put("initial.displacement", run.scene.displacement, run.scene.displacement_places);
+    put("initial.velocity", run.scene.velocity, run.scene.velocity_places);
     put_load(run, functions, function);
     put_ends(run, functions, function);
     // Of functions that are no formulas; they know no parameters.

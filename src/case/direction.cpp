@@ -25,15 +25,16 @@ Load carried_load(const Load& load, double length) {
   const auto with_mass = [length](const SpaceFunction& f) {
     return [slope = carried(f, length), f, length](double x) { return f(x) / length + slope(x); };
   };
-  if (const auto* steady = std::get_if<SteadyLoad>(&load)) return SteadyLoad{with_mass(steady->profile)};
+  if (const auto* steady = std::get_if<SteadyLoad>(&load))
+    return SteadyLoad{with_mass(steady->profile), steady->places};
   if (const auto* separable = std::get_if<SeparableLoad>(&load))
-    return SeparableLoad{with_mass(separable->profile), separable->history, separable->breaks};
+    return SeparableLoad{with_mass(separable->profile), separable->history, separable->breaks, separable->places};
   const auto& general = std::get<GeneralLoad>(load);
   const auto density = [f = general.density, length](double x, double t) {
     const SpaceFunction now = [&](double at) { return f(at, t); };
     return now(x) / length + carried(now, length)(x);
   };
-  return GeneralLoad{density, general.breaks, general.breaks_at};
+  return GeneralLoad{density, general.breaks, general.breaks_at, general.breaks_in_x};
 }
 
 }  // namespace
@@ -90,6 +91,8 @@ Direction direction(const Case& run, std::string_view key) {
   if (key == "bar.length") {
     data.displacement = carried(scene.displacement, scene.bar.length);
     data.velocity = carried(scene.velocity, scene.bar.length);
+    data.displacement_places = scene.displacement_places;
+    data.velocity_places = scene.velocity_places;
     if (scene.load) data.load = carried_load(*scene.load, scene.bar.length);
   }
   return along;

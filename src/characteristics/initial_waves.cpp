@@ -53,9 +53,11 @@ InitialData initial_data(const Scene& scene) {
   const Bar& bar = scene.bar;
   InitialData data;
   PiecewiseFit fit;
-  data.displacement = fit.of(checked(scene.displacement, bar.length, "initial.displacement"));
+  data.displacement = fit.of(checked(scene.displacement, bar.length, "initial.displacement"),
+                             {.breaks = known_breaks(scene.displacement_places, bar.length)});
   data.displacement_error = fit.error() + refuse_jumps(data.displacement, bar.length);
-  data.velocity = fit.of(checked(scene.velocity, bar.length, "initial.velocity"));
+  data.velocity = fit.of(checked(scene.velocity, bar.length, "initial.velocity"),
+                         {.breaks = known_breaks(scene.velocity_places, bar.length)});
   data.velocity_error = fit.error();
   const double factor = std::sqrt(bar.modulus / bar.density) / bar.length;
   for (std::size_t i = 0; i < data.displacement.size(); ++i) {

@@ -11,18 +11,22 @@ namespace {
 
 constexpr std::size_t most_pairs = 400;  // of a break in x and one in t
 
-const Piecewise& fitted(PiecewiseFit& fit, const SpaceFunction& profile, const Frame& frame, const char* what) {
-  return fit.of([&](double place) {
-    const double x = frame.x(place);
-    return finite_load(
-        frame.start, [&] { return profile(x); }, [&] { return fmt::format("{} at x = {}", what, x); });
-  });
+const Piecewise& fitted(PiecewiseFit& fit, const SpaceFunction& profile, const Places& places, const Frame& frame,
+                        const char* what) {
+  const std::vector<double> breaks = known_breaks(places, frame.x(1.0));
+  return fit.of(
+      [&](double place) {
+        const double x = frame.x(place);
+        return finite_load(
+            frame.start, [&] { return profile(x); }, [&] { return fmt::format("{} at x = {}", what, x); });
+      },
+      {.breaks = breaks});
 }
 
 class SteadyGain final : public LoadGain {
  public:
   SteadyGain(const SteadyLoad& load, const Frame& frame) {
-    const Piecewise& density = fitted(fit_, load.profile, frame, "the load");
+    const Piecewise& density = fitted(fit_, load.profile, load.places, frame, "the load");
     evaluations_ = fit_.evaluations();
     errors.arrivals = frame.factor * fit_.error();
     const double whole = frame.factor * density.integral();
@@ -50,7 +54,7 @@ class SeparableGain final : public LoadGain {
  public:
   SeparableGain(const SeparableLoad& load, const Frame& frame)
       : history_(load.history), frame_(frame), breaks_of_history_(load.breaks, frame) {
-    profile_ = fitted(fit_, load.profile, frame, "the profile");
+    profile_ = fitted(fit_, load.profile, load.places, frame, "the profile");
     profile_error_ = fit_.error();
     profile_bound_ = profile_.bound();
     evaluations_ = profile_evaluations_ = fit_.evaluations();

@@ -15,6 +15,18 @@ constexpr std::size_t most_pieces = 4000;  // beyond that a looser tolerance is 
 
 }  // namespace
 
+std::vector<double> known_breaks(const Places& places, double length) {
+  constexpr std::size_t most = 10000;  // where they have a limit, as those of sin(1/x) > 0
+  std::vector<double> found;
+  if (!places.breaks) return found;
+  const NextBreak next = either_of(places.breaks, places.detail);
+  const double apart = 256.0 * rounding;
+  for (auto at = next(apart * length, (1.0 - apart) * length); at && found.size() < most;
+       at = next(*at + apart * length, (1.0 - apart) * length))
+    found.push_back(*at / length);
+  return found;
+}
+
 const Piecewise& PiecewiseFit::of(const std::function<double(double)>& f, const Options& options) {
   f_ = &f;
   apart_ = options.apart;

@@ -7,8 +7,12 @@
 #include <vector>
 
 #include "characteristics/piecewise.hpp"
+#include "viscobar/scene/scene.hpp"
 
 namespace viscobar::characteristics {
+
+/// Places of a function of x, in parts of the length.
+std::vector<double> known_breaks(const Places& places, double length);
 
 /// Makes polynomial pieces of functions on [0, 1], to rounding: halves an interval until a polynomial of degree 32 or
 /// less has, at points where it was not made, the values of the function up to
@@ -16,8 +20,8 @@ namespace viscobar::characteristics {
 ///     4 eps (max |f| + |f'|),
 ///
 /// what roundings of f and of its argument do, where that is of size 1. Halving goes on around a jump or a kink until
-/// it is known to rounding; then the pieces are put together again. A feature that shows at none of 61 places spread
-/// over [0, 1] is missed.
+/// it is known to rounding; then the pieces are put together again. A feature between known breaks that shows at none
+/// of 61 places spread over [0, 1] is missed.
 class PiecewiseFit {
  public:
   struct Options {

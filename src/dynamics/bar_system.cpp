@@ -4,6 +4,8 @@
 #include <numeric>
 
 #include "dynamics/element_stress.hpp"
+#include "dynamics/finite_load.hpp"
+#include "dynamics/moments.hpp"
 #include "scene/end_kinds.hpp"
 
 namespace viscobar {
@@ -133,24 +135,30 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
     const Lift rate = lift(0.0, 1);
     for (std::size_t i = 0; i < size(); ++i) initial_.v[i] -= rate.at(share(i));
   }
-  if (mass == Mass::fourth_order && fixed > 0) stop_fixed_ends(scene, whole_inertia_.off_diagonal.front());
+  if (const auto moments = moments_of("the initial velocity", scene.velocity, scene.velocity_places); !moments.empty())
+    start_from(moments);
+  else if (mass == Mass::fourth_order && fixed > 0)
+    stop_fixed_ends(scene, whole_inertia_.off_diagonal.front());
   if (!moved) whole_inertia_ = {};
 
   if (scene.load) {
     const SymmetricTridiagonal load_mass = mass_matrix(mesh, mass);
-    const auto weighted = [&](const SpaceFunction& profile) {
-      std::vector<double> values(mesh.nodes()), product(values);
-      for (std::size_t j = 0; j < values.size(); ++j) values[j] = profile(mesh.node(j));
-      load_mass.multiply(values, product);
+    const auto weighted = [&](const SpaceFunction& profile, const Places& places) {
+      std::vector<double> values(mesh.nodes()), product = moments_of("the load", profile, places);
+      if (product.empty()) {
+        product = values;
+        for (std::size_t j = 0; j < values.size(); ++j) values[j] = profile(mesh.node(j));
+        load_mass.multiply(values, product);
+      }
       return SteadyVector{part_of(product, first, n), {product.front(), product.back()}};
     };
-    if (const auto* steady = std::get_if<SteadyLoad>(&*scene.load)) load_ = weighted(steady->profile);
+    if (const auto* steady = std::get_if<SteadyLoad>(&*scene.load)) load_ = weighted(steady->profile, steady->places);
     if (const auto* separable = std::get_if<SeparableLoad>(&*scene.load)) {
-      const SteadyVector profile = weighted(separable->profile);
+      const SteadyVector profile = weighted(separable->profile, separable->places);
       load_ = SeparableVector{profile.weighted, profile.held, separable->history, separable->breaks};
     }
     if (const auto* general = std::get_if<GeneralLoad>(&*scene.load))
-      load_ = GeneralVector{general->density, general->breaks, general->breaks_at, load_mass};
+      load_ = GeneralVector{general->density, general->breaks, general->breaks_at, general->breaks_in_x, load_mass};
   }
   take_forces();
 }
@@ -327,6 +335,56 @@ void BarSystem::stop_fixed_ends(const Scene& scene, double coupling) {
   if (std::ranges::all_of(gained, [](double momentum) { return momentum == 0.0; })) return;
   accelerate(gained);
   for (std::size_t i = 0; i < size(); ++i) initial_.v[i] += gained[i];
+}
+
+// None where nothing is known; and what is smooth has none but on `fourth_order`, unless its detail is finer than a
+// quarter of an element.
+std::vector<double> BarSystem::moments_of(std::string_view what, const SpaceFunction& f, const Places& places) const {
+  std::vector<double> moments;
+  if (!places.breaks) return moments;
+  const double length = mesh_.length;
+  bool needed = mass_ == Mass::fourth_order || places.breaks(0.0, length);
+  std::optional<double> last = places.detail(0.0, length);
+  for (auto next = last; last && !needed; last = next)
+    if ((next = places.detail(*last, length))) needed = *next - *last < mesh_.spacing() / 4.0;
+  if (!needed) return moments;
+  moments.resize(mesh_.nodes());
+  const auto value = [&](double x) {
+    return finite_load(
+        0.0, [&] { return f(x); }, [&] { return fmt::format("{} at x = {}", what, x); });
+  };
+  add_moments(mesh_, mass_, 0, mesh_.elements, value, either_of(places.breaks, places.detail),
+              [&](std::size_t node, double part) { moments[node] += part; });
+  return moments;
+}
+
+// rho M w = rho int phi_i u_1 over the unknowns, held nodes at rest from the first moment on. A node without mass has
+// the velocity to which its neighbours' extends, and they have its moment.
+void BarSystem::start_from(std::vector<double> moments) {
+  for (double& moment : moments) moment *= bar_.density;
+  if (moving()) {
+    const Lift rate = lift(0.0, 1);
+    std::vector<double> frame(mesh_.nodes()), product(frame);
+    add_lift(rate, frame);
+    whole_inertia_.multiply(frame, product);
+    for (std::size_t j = 0; j < moments.size(); ++j) moments[j] -= product[j];
+  }
+  const std::size_t last = mesh_.elements, first = first_node();
+  const double left = mesh_.element(0) / mesh_.element(std::min<std::size_t>(1, last - 1));
+  const double right = mesh_.element(last - 1) / mesh_.element(last < 2 ? 0 : last - 2);
+  const auto give = [&](std::size_t end, std::size_t next, std::size_t inner, double ratio) {
+    moments[next] += (1.0 + ratio) * moments[end];
+    moments[inner] -= ratio * moments[end];
+  };
+  if (massless_[0]) give(0, 1, 2, left);
+  if (massless_[1]) give(last, last - 1, last - 2, right);
+  std::vector<double>& w = moments;  // over all nodes
+  accelerate(std::span(w).subspan(first, size()));
+  if (left_fixed()) w.front() = 0.0;
+  if (right_fixed()) w.back() = 0.0;
+  if (massless_[0]) w[0] = (1.0 + left) * w[1] - left * w[2];
+  if (massless_[1]) w[last] = (1.0 + right) * w[last - 1] - right * w[last - 2];
+  initial_.v = part_of(w, first, size());
 }
 
 void BarSystem::accelerate(std::span<double> force) const {

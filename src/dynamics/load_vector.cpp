@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "dynamics/finite_load.hpp"
+#include "dynamics/moments.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 
 namespace viscobar {
@@ -125,10 +126,23 @@ void LoadVector::find_distributed(double t) {
     const Mesh& mesh = system_.mesh();
     const std::span<double> values = std::span(nodal_).first(mesh.nodes()),
                             product = std::span(nodal_).last(mesh.nodes());
-    for (std::size_t j = 0; j < values.size(); ++j) values[j] = density_at(general.density, mesh.node(j), t);
-    general.mass.multiply(values, product);
+    if (general.breaks_in_x) {
+      std::ranges::fill(product, 0.0);
+      add_moments(t, 0, mesh.elements, [&](std::size_t j, double part) { product[j] += part; });
+    } else {
+      for (std::size_t j = 0; j < values.size(); ++j) values[j] = density_at(general.density, mesh.node(j), t);
+      general.mass.multiply(values, product);
+    }
     std::ranges::copy(product.subspan(system_.first_node(), weighted_.size()), weighted_.begin());
   }
+}
+
+template <class Add>
+void LoadVector::add_moments(double t, std::size_t first, std::size_t last, Add&& add) const {
+  const auto& general = std::get<BarSystem::GeneralVector>(*system_.load_);
+  viscobar::add_moments(
+      system_.mesh(), system_.mass(), first, last, [&](double x) { return density_at(general.density, x, t); },
+      [&](double after, double until) { return general.breaks_in_x(t, after, until); }, add);
 }
 
 // A step back from the start there is no motion.
@@ -199,6 +213,12 @@ double LoadVector::distributed(double t, std::size_t node) const {
   if (const auto* separable = load_as<BarSystem::SeparableVector>())
     return history_at(separable->history, t) * entry(*separable);
   const auto& general = std::get<BarSystem::GeneralVector>(*system_.load_);
+  if (general.breaks_in_x) {
+    double moment = 0.0;
+    add_moments(t, node > 0 ? node - 1 : 0, std::min(node + 1, system_.mesh().elements),
+                [&](std::size_t j, double part) { moment += j == node ? part : 0.0; });
+    return moment;
+  }
   const auto density = [&](std::size_t j) { return density_at(general.density, system_.mesh().node(j), t); };
   const auto& beside = general.mass.off_diagonal;
   double sum = general.mass.diagonal[node] * density(node);

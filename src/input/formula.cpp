@@ -247,7 +247,7 @@ Formula::Formula(std::string text, std::string_view variables, const Parameters&
   } catch (const mu::ParserError& error) {
     throw FormulaError("the formula " + explain(error, text_, variables, parameters_));
   }
-  if (uses('t')) parse_formula(text_, parameters_);  // breaks() will
+  if (!is_constant()) parse_formula(text_, parameters_);  // breaks() will
   if (is_constant() && !std::isfinite(constant_))
     throw FormulaError(fmt::format("must be finite, is {}", printable(constant_)));
   constexpr std::size_t most = 100;
@@ -272,9 +272,11 @@ SpaceTimeFunction Formula::of_x_t() const {
 
 NextBreak Formula::breaks() const {
   if (!uses('t')) return {};
-  FormulaSwitches switches(parse_formula(text_, parameters_), false);
-  if (switches.empty()) return {};
-  return [switches](double after, double until) mutable { return switches.first(0.0, after, until); };
+  const FormulaTree tree = parse_formula(text_, parameters_);
+  FormulaSwitches switches(tree, false);
+  if (uses('x') && switches.empty()) return {};
+  const NextBreak breaks = [switches](double after, double until) mutable { return switches.first(0.0, after, until); };
+  return uses('x') ? breaks : either_of(breaks, FormulaDetail(tree, false));
 }
 
 NextBreakAt Formula::breaks_at() const {
@@ -282,6 +284,22 @@ NextBreakAt Formula::breaks_at() const {
   FormulaSwitches switches(parse_formula(text_, parameters_), true);
   if (switches.empty()) return {};
   return [switches](double x, double after, double until) mutable { return switches.first(x, after, until); };
+}
+
+NextBreakAt Formula::breaks_in_x_at() const {
+  if (!uses('x')) return {};
+  auto switches = FormulaSwitches::along_x(parse_formula(text_, parameters_));
+  if (switches.empty()) return {};
+  return [switches](double t, double after, double until) mutable { return switches.first(t, after, until); };
+}
+
+Places Formula::places() const {
+  if (!uses('x')) return {};
+  const FormulaTree tree = parse_formula(text_, parameters_);
+  return {[switches = FormulaSwitches::along_x(tree)](double after, double until) mutable {
+            return switches.first(0.0, after, until);
+          },
+          FormulaDetail(tree, true)};
 }
 
 SpaceTimeFunction Formula::derivative(std::string_view by) const {

@@ -43,9 +43,13 @@ class Formula {
   TimeFunction derivative_of_t(int order, std::string_view by = "") const;
 
   /// Where it is not a smooth function of t, for all x at once, and what depends on x, too (see FormulaSwitches); empty
-  /// functions where there is nothing of the kind.
+  /// functions where there is nothing of the kind. Pulses in a formula of t alone count, see FormulaDetail.
   NextBreak breaks() const;
   NextBreakAt breaks_at() const;
+  /// Where it is not a smooth function of x, at a time; an empty function where there is nothing of the kind.
+  NextBreakAt breaks_in_x_at() const;
+  /// The same of a formula in x alone, and its detail; empty functions where it does not use x.
+  Places places() const;
 
   /// Its derivative with respect to "x" or to a parameter; an empty function where it does not depend on that.
   SpaceTimeFunction derivative(std::string_view by) const;

@@ -16,10 +16,12 @@ bool takes_two(Operation operation) {
 
 }  // namespace
 
-FormulaSwitches::FormulaSwitches(FormulaTree tree, bool with_x) : tree_(std::move(tree)) {
+template <class Counts>
+FormulaSwitches::FormulaSwitches(FormulaTree tree, bool along_x, Counts&& counts)
+    : tree_(std::move(tree)), along_x_(along_x) {
   for (std::size_t i = 0, count = tree_.nodes.size(); i < count; ++i) {
     const FormulaTree::Node node = tree_.nodes[i];
-    if (!node.uses_t || node.uses_x != with_x) continue;
+    if (!counts(node)) continue;
     if (takes_two(node.operation)) {
       FormulaTree::Node difference = node;
       difference.operation = Operation::subtract;
@@ -32,6 +34,19 @@ FormulaSwitches::FormulaSwitches(FormulaTree tree, bool with_x) : tree_(std::mov
   jets_.resize(tree_.nodes.size());
 }
 
+FormulaSwitches::FormulaSwitches(FormulaTree tree, bool with_x)
+    : FormulaSwitches(std::move(tree), false,
+                      [with_x](const FormulaTree::Node& node) { return node.uses_t && node.uses_x == with_x; }) {}
+
+FormulaSwitches FormulaSwitches::along_x(FormulaTree tree) {
+  return {std::move(tree), true, [](const FormulaTree::Node& node) { return node.uses_x; }};
+}
+
+void FormulaSwitches::bound(Interval s) {
+  const Jet along{s, {1.0, 1.0}}, other{{other_, other_}, {}};
+  tree_.bound(along_x_ ? along : other, along_x_ ? other : along, jets_);
+}
+
 // Whether a branch is surely not taken, by the jets.
 bool FormulaSwitches::excluded(int branch) const {
   for (; branch >= 0; branch = tree_.branches[branch].outer) {
@@ -41,15 +56,15 @@ bool FormulaSwitches::excluded(int branch) const {
   return false;
 }
 
-std::optional<double> FormulaSwitches::first(double x, double after, double until) {
-  x_ = x;
+std::optional<double> FormulaSwitches::first(double other, double after, double until) {
+  other_ = other;
   effort_ = 0;
   coarse_ = (until - after) / 1024;
   return first_within(after, until);
 }
 
 std::optional<double> FormulaSwitches::first_within(double begin, double end) {
-  tree_.bound(x_, {begin, end}, jets_);
+  bound({begin, end});
   ++effort_;
   open_.clear();
   bool monotone = true;
@@ -74,8 +89,8 @@ std::optional<double> FormulaSwitches::first_within(double begin, double end) {
   return first;
 }
 
-double FormulaSwitches::argument_at(std::size_t argument, double t) {
-  tree_.bound(x_, {t, t}, jets_);
+double FormulaSwitches::argument_at(std::size_t argument, double s) {
+  bound({s, s});
   return jets_[argument].value.low;
 }
 

@@ -210,15 +210,15 @@ Jet chosen(std::optional<bool> condition, const Jet& then, const Jet& otherwise)
 
 }  // namespace
 
-void FormulaTree::bound(double x, Interval t, std::vector<Jet>& out) const {
+void FormulaTree::bound(const Jet& x, const Jet& t, std::vector<Jet>& out) const {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const Node& node = nodes[i];
     const auto operand = [&](int index) { return index < 0 ? Jet{} : out[static_cast<std::size_t>(index)]; };
     const Jet a = operand(node.a), b = operand(node.b);
     switch (node.operation) {
       case Operation::number: out[i] = {{node.number, node.number}, {}}; break;
-      case Operation::x: out[i] = {{x, x}, {}}; break;
-      case Operation::t: out[i] = {t, {1.0, 1.0}}; break;
+      case Operation::x: out[i] = x; break;
+      case Operation::t: out[i] = t; break;
       case Operation::negate: out[i] = -a; break;
       case Operation::add: out[i] = a + b; break;
       case Operation::subtract: out[i] = a - b; break;

@@ -44,8 +44,8 @@ struct FormulaTree {
   std::vector<Branch> branches;
   std::vector<std::string> parameters;
 
-  /// Bounds of every node over an interval of t; `out` has an entry for each.
-  void bound(double x, Interval t, std::vector<Jet>& out) const;
+  /// Bounds of every node, from those of x and t; `out` has an entry for each.
+  void bound(const Jet& x, const Jet& t, std::vector<Jet>& out) const;
 };
 
 inline bool is_comparison(FormulaTree::Operation operation) {
@@ -55,8 +55,8 @@ inline bool is_comparison(FormulaTree::Operation operation) {
 /// Of a formula that Formula accepts. @throws FormulaError for any other
 FormulaTree parse_formula(std::string_view text, const Parameters& parameters = {});
 
-/// Where a formula of x and t is not a smooth function of t. It switches where the argument g of one of its parts
-/// changes sign:
+/// Where a formula of x and t is not a smooth function of one of them, s, the other one given. It switches where the
+/// argument g of one of its parts changes sign:
 ///
 ///     a < b, a <= b, a > b, a >= b, a == b, a != b, min(a, b), max(a, b)    g = a - b
 ///     abs(a)                                                                g = a
@@ -64,32 +64,63 @@ FormulaTree parse_formula(std::string_view text, const Parameters& parameters = 
 /// All else that a formula knows is smooth wherever it is finite. What lies in a branch of ?: counts only where that
 /// branch is taken.
 ///
-/// Sign changes are isolated by interval arithmetic on g and its derivative: an interval of time is given up when g
+/// Sign changes are isolated by interval arithmetic on g and its derivative: an interval of s is given up when g
 /// provably keeps its sign on it, and is halved until g is monotone there. So no pulse is too short to be seen. (A g
 /// that touches zero may count, too.) Only a g that interval arithmetic cannot tell from zero, such as sin(t) - sin(t),
-/// uses up the effort of a search; then what changes sign twice within a 1024th of the time searched may be missed.
+/// uses up the effort of a search; then what changes sign twice within a 1024th of the interval searched may be missed.
 class FormulaSwitches {
  public:
-  /// Those whose g uses t: with x as well, or without.
+  /// Those of s = t whose g uses t: with x as well, or without.
   FormulaSwitches(FormulaTree tree, bool with_x);
+  /// Those of s = x.
+  static FormulaSwitches along_x(FormulaTree tree);
 
   bool empty() const { return switches_.empty(); }
 
-  /// The first sign change in (after, until), to the number next to it; absent: none.
-  std::optional<double> first(double x, double after, double until);
+  /// The first sign change of s in (after, until), to the number next to it; absent: none. `other` is what s is not.
+  std::optional<double> first(double other, double after, double until);
 
  private:
+  template <class Counts>
+  FormulaSwitches(FormulaTree tree, bool along_x, Counts&& counts);
+  void bound(Interval s);
   bool excluded(int branch) const;
   std::optional<double> first_within(double begin, double end);
   std::optional<double> flip(std::size_t argument, double begin, double end);
-  double argument_at(std::size_t argument, double t);
+  double argument_at(std::size_t argument, double s);
 
   FormulaTree tree_;
   std::vector<std::size_t> switches_;  // nodes: the g
   std::vector<std::size_t> open_;      // those that may change sign
   std::vector<Jet> jets_;              // of all nodes
-  double x_ = 0.0, coarse_ = 0.0;
+  bool along_x_ = false;
+  double other_ = 0.0, coarse_ = 0.0;
   int effort_ = 0;
+};
+
+/// Where a formula of x or of t alone, s, has stretches on which it is far from linear, though smooth: between the
+/// places of a stretch and its neighbours it differs from a line by no more than a 50th of its largest value, by
+/// intervals of its value and its slope, and no less than a 128th of the interval searched is such a stretch. So no
+/// pulse is too short to be seen.
+class FormulaDetail {
+ public:
+  /// In t only pulses count, which fill less than a tenth of the interval: what goes on all the time no step misses.
+  FormulaDetail(FormulaTree tree, bool along_x);
+
+  /// The first such place in (after, until), of those between 0 and until; absent: none.
+  std::optional<double> operator()(double after, double until);
+
+ private:
+  void find();
+  void divide(double begin, double end);
+
+  FormulaTree tree_;
+  FormulaSwitches switches_;
+  std::vector<Jet> jets_;  // of all nodes
+  std::vector<double> places_;
+  bool along_x_;
+  double until_ = 0.0, rounding_ = 0.0, allowed_ = 0.0, covered_ = 0.0;
+  std::size_t effort_ = 0;
 };
 
 /// A number and its derivative with respect to a parameter.

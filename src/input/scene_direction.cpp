@@ -32,8 +32,8 @@ std::optional<Load> rate_of_load(const SceneEntries& entries, const std::string&
     const SpaceTimeFunction slope = rate(*density, by, length);
     if (!slope && stretched == 0.0) return std::nullopt;
     const auto f = with_mass(density->of_x_t(), slope);
-    if (!density->uses('t')) return SteadyLoad{[f](double x) { return f(x, 0.0); }};
-    return GeneralLoad{f, density->breaks(), density->breaks_at()};
+    if (!density->uses('t')) return SteadyLoad{[f](double x) { return f(x, 0.0); }, density->places()};
+    return GeneralLoad{f, density->breaks(), density->breaks_at(), density->breaks_in_x_at()};
   }
   const auto profile = entries.formula("load.profile"), history = entries.formula("load.history");
   if (!profile || !history) return std::nullopt;
@@ -41,12 +41,14 @@ std::optional<Load> rate_of_load(const SceneEntries& entries, const std::string&
   if (!of_profile && !of_history && stretched == 0.0) return std::nullopt;
   const auto moved = with_mass(profile->of_x_t(), of_profile);
   if (!of_history)
-    return SeparableLoad{[moved](double x) { return moved(x, 0.0); }, history->of_t(), history->breaks()};
+    return SeparableLoad{[moved](double x) { return moved(x, 0.0); }, history->of_t(), history->breaks(),
+                         profile->places()};
   return GeneralLoad{[moved, of_history, f = profile->of_x(), g = history->of_t()](double x, double t) {
                        return moved(x, t) * g(t) + f(x) * of_history(x, t);
                      },
                      history->breaks(),
-                     {}};
+                     {},
+                     profile->breaks_in_x_at()};
 }
 
 // Of what an end is given, and of the gap of its obstacle at the start.
@@ -104,6 +106,8 @@ Direction direction_of(const SceneEntries& entries, const Case& run, const std::
   const auto displacement = entries.formula("initial.displacement"), velocity = entries.formula("initial.velocity");
   if (displacement) along.data.displacement = rate_of_x(*displacement, by, size);
   if (velocity) along.data.velocity = rate_of_x(*velocity, by, size);
+  along.data.displacement_places = run.scene.displacement_places;
+  along.data.velocity_places = run.scene.velocity_places;
   along.data.load = rate_of_load(entries, by, size, length ? 1.0 / size : 0.0);
   if (parameter) {
     add_rates_of_end(entries, "left", run.scene.left_input, by, along.data.left, along.data.left_input);

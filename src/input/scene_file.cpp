@@ -69,15 +69,16 @@ EndInput input_of(const SceneEntries& entries, const std::string& side, const En
 std::optional<Load> load_of(const SceneEntries& entries) {
   if (const auto density = entries.formula("load.density")) {
     if (density->is_zero()) return std::nullopt;
-    if (!density->uses('t')) return SteadyLoad{density->of_x()};
+    if (!density->uses('t')) return SteadyLoad{density->of_x(), density->places()};
     if (!density->uses('x')) return SeparableLoad{[](double) { return 1.0; }, density->of_t(), density->breaks()};
-    return GeneralLoad{density->of_x_t(), density->breaks(), density->breaks_at()};
+    return GeneralLoad{density->of_x_t(), density->breaks(), density->breaks_at(), density->breaks_in_x_at()};
   }
   const auto profile = entries.formula("load.profile"), history = entries.formula("load.history");
   if (!profile || !history || profile->is_zero() || history->is_zero()) return std::nullopt;
   if (history->is_constant())
-    return SteadyLoad{[f = profile->of_x(), factor = history->constant()](double x) { return factor * f(x); }};
-  return SeparableLoad{profile->of_x(), history->of_t(), history->breaks()};
+    return SteadyLoad{[f = profile->of_x(), factor = history->constant()](double x) { return factor * f(x); },
+                      profile->places()};
+  return SeparableLoad{profile->of_x(), history->of_t(), history->breaks(), profile->places()};
 }
 
 OutputFiles files_of(const SceneEntries& entries) {
@@ -107,6 +108,9 @@ Case case_of(SceneEntries& entries) {
   if (entries.present("span.gap")) scene.span = Obstacle{number("span.gap", 1e100), side_of(entries, "span")};
   scene.displacement = function("initial.displacement");
   scene.velocity = function("initial.velocity");
+  const auto places = [&](const char* key) { return entries.formula(key).value_or(Formula(0.0)).places(); };
+  scene.displacement_places = places("initial.displacement");
+  scene.velocity_places = places("initial.velocity");
   scene.load = load_of(entries);
   scene.units = {text("units.length"), text("units.time"), text("units.mass"), text("units.force"),
                  text("units.stress")};

@@ -9,6 +9,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -222,8 +223,10 @@ class BarSystem {
   /// the three entries at each end count. Of the frame.
   double end_power(std::span<const double> w, std::span<const double> a) const;
 
-  /// Initial data at the unknown nodes. On `fourth_order`, where an end is held whose initial velocity is another, the
-  /// velocities are those after it has stopped: rho M w = rho M u_1 over the unknowns, the held node counted in u_1.
+  /// Initial data at the unknown nodes. Velocities that enter by moments, see SteadyLoad, obey rho M w = rho int phi_i
+  /// u_1 over the unknowns, held nodes being at rest. Else, on `fourth_order`, where an end is held whose initial
+  /// velocity is another, the velocities are those after it has stopped: rho M w = rho M u_1 over the unknowns, the
+  /// held node counted in u_1.
   State initial_state() const { return initial_; }
 
   /// Copies the unknowns into a field over all mesh nodes (J+1 entries); fixed nodes keep their displacement and stand
@@ -258,13 +261,15 @@ class BarSystem {
   struct GeneralVector {
     SpaceTimeFunction density;
     NextBreak breaks;
-    NextBreakAt breaks_at;
+    NextBreakAt breaks_at, breaks_in_x;
     SymmetricTridiagonal mass;  // over all nodes
   };
 
   bool moves_frame(bool right) const { return inputs_[right].motion && (walls_[right] || following_); }
   void take_forces();
   void enter_frame();
+  std::vector<double> moments_of(std::string_view what, const SpaceFunction& f, const Places& places) const;
+  void start_from(std::vector<double> moments);
   void stop_fixed_ends(const Scene& scene, double coupling);
   void uniform_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
   void graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
@@ -332,6 +337,8 @@ class LoadVector {
   double next_break(double after, double until);
   bool breaks_within(double from, double to) const;
   void find_distributed(double t);
+  template <class Add>
+  void add_moments(double t, std::size_t first, std::size_t last, Add&& add) const;
   double distributed(double t, std::size_t node) const;
   void add_inputs(double t);
   std::array<double, 2> end_forces(double t) const;

@@ -62,9 +62,26 @@ using NextBreak = std::function<std::optional<double>(double after, double until
 /// Likewise of a function of x and t, at x.
 using NextBreakAt = std::function<std::optional<double>(double x, double after, double until)>;
 
+/// The first of both.
+inline NextBreak either_of(const NextBreak& a, const NextBreak& b) {
+  return [a, b](double after, double until) {
+    const std::optional<double> first = a(after, until), second = b(after, until);
+    return first && (!second || *first < *second) ? first : second;
+  };
+}
+
+/// What is known of a function of x from its formula; empty functions: nothing. Such data enter a mesh by moments
+/// between those places, int phi_i f dx, where they are not smooth or the mesh is too coarse for them, and on
+/// `fourth_order` always; else, and where nothing is known, by their values at the nodes.
+struct Places {
+  NextBreak breaks = {};  ///< of x: where it jumps or has a kink
+  NextBreak detail = {};  ///< where a stretch begins or ends that needs a finer mesh than one of some 100 elements
+};
+
 /// f(x): evaluated once per node.
 struct SteadyLoad {
   SpaceFunction profile;  ///< f(x)
+  Places places = {};     ///< of it
 };
 
 /// f(x,t) = profile(x) history(t): the profile is evaluated once per node, the history once per step.
@@ -75,13 +92,15 @@ struct SeparableLoad {
   SpaceFunction profile;  ///< of x
   TimeFunction history;   ///< of t
   NextBreak breaks = {};  ///< of the history; empty: it is smooth
+  Places places = {};     ///< of the profile
 };
 
 /// f(x,t) of no known structure: evaluated at every node and every step.
 struct GeneralLoad {
-  SpaceTimeFunction density;   ///< f(x,t), force per volume
-  NextBreak breaks = {};       ///< of the density, the same for all x; empty: none
-  NextBreakAt breaks_at = {};  ///< those that are at another time for another x, such as a front that moves
+  SpaceTimeFunction density;     ///< f(x,t), force per volume
+  NextBreak breaks = {};         ///< of the density, the same for all x; empty: none
+  NextBreakAt breaks_at = {};    ///< those that are at another time for another x, such as a front that moves
+  NextBreakAt breaks_in_x = {};  ///< of the density, at a time
 };
 
 /// The density f of a load, in the narrowest kind that holds it.
@@ -134,6 +153,8 @@ struct Scene {
   EndInput left_input{};         ///< what the left end is given
   EndInput right_input{};        ///< likewise the right one
   Units units;                   ///< of its numbers
+  Places displacement_places{};  ///< of u_0
+  Places velocity_places{};      ///< of u_1
 };
 
 /// A fault of the user's input: the key (as in the scene file) and the problem.

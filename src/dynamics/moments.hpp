@@ -1,0 +1,46 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <optional>
+
+#include "viscobar/discretisation/mass.hpp"
+#include "viscobar/discretisation/mesh.hpp"
+
+namespace viscobar {
+
+/// Calls add(i, int phi_i f dx) with the parts of the elements [first, last): Gauss' formula of four points between the
+/// nodes and the breaks of f. `next(after, until)` is the first of its breaks there, or nothing. Under `paper`, which
+/// has a whole weight at the ends, their entries count twice: M f of a constant f is what it is elsewhere.
+template <class Function, class Next, class Add>
+void add_moments(const Mesh& mesh, Mass mass, std::size_t first, std::size_t last, Function&& f, Next&& next,
+                 Add&& add) {
+  constexpr std::array places = {0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263};
+  constexpr std::array weights = {0.1739274225687269, 0.3260725774312731, 0.3260725774312731, 0.1739274225687269};
+  const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * mesh.length, end = mesh.node(last);
+  std::size_t searches = 1000 + 2 * mesh.elements;  // without end where breaks have a limit, as those of sin(1/x) > 0
+  const auto search = [&](double after) {
+    return searches-- > 0 && after < end ? std::optional<double>(next(after, end)).value_or(end) : end;
+  };
+  double stop = search(mesh.node(first));
+  for (std::size_t e = first; e < last; ++e) {
+    const double a = mesh.node(e), b = mesh.node(e + 1);
+    double before = 0.0, after = 0.0;
+    for (double low = a, high = a; high < b; low = high) {
+      high = std::min(stop, b);
+      if (stop <= high) stop = search(stop + rounding);
+      for (std::size_t k = 0; k < places.size() && low < high; ++k) {
+        const double x = low + places[k] * (high - low), share = (x - a) / (b - a);
+        const double part = weights[k] * (high - low) * f(x);
+        before += (1.0 - share) * part;
+        after += share * part;
+      }
+    }
+    add(e, mass == Mass::paper && e == 0 ? 2.0 * before : before);
+    add(e + 1, mass == Mass::paper && e + 1 == mesh.elements ? 2.0 * after : after);
+  }
+}
+
+}  // namespace viscobar

@@ -1,0 +1,71 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "input/formula_tree.hpp"
+
+namespace viscobar {
+
+namespace {
+
+constexpr double far_from_linear = 1.0 / 50, coarse = 1.0 / 128, pulses = 0.1, finest = 1e-9;  // shares
+constexpr std::size_t thorough = 20000;                                                        // evaluations
+
+}  // namespace
+
+FormulaDetail::FormulaDetail(FormulaTree tree, bool along_x)
+    : tree_(std::move(tree)),
+      switches_(along_x ? FormulaSwitches::along_x(tree_) : FormulaSwitches(tree_, false)),
+      jets_(tree_.nodes.size()),
+      along_x_(along_x) {}
+
+std::optional<double> FormulaDetail::operator()(double after, double until) {
+  // Waves ask for one passage after the other.
+  if (until > until_) {
+    until_ = until_ > 0.0 ? 2.0 * until : until;
+    find();
+  }
+  const auto next = std::ranges::upper_bound(places_, after);
+  return next != places_.end() && *next < until ? std::optional(*next) : std::nullopt;
+}
+
+void FormulaDetail::find() {
+  constexpr int parts = 64;
+  places_.clear();
+  effort_ = 0;
+  covered_ = 0.0;
+  rounding_ = 64.0 * std::numeric_limits<double>::epsilon() * until_;
+  double largest = 0.0;
+  for (int i = 0; i < parts; ++i) {
+    const Jet s{{until_ * i / parts, until_ * (i + 1) / parts}, {1.0, 1.0}};
+    tree_.bound(s, s, jets_);
+    largest = std::max({largest, jets_.back().value.high, -jets_.back().value.low});
+  }
+  if (largest == 0.0 || !std::isfinite(largest)) return;
+  allowed_ = far_from_linear * largest;
+  for (double begin = 0.0, end = 0.0; begin < until_; begin = end) {
+    end = switches_.first(0.0, begin + rounding_, until_).value_or(until_);
+    divide(begin, end);
+  }
+  if (!along_x_ && covered_ > pulses * until_) places_.clear();
+}
+
+void FormulaDetail::divide(double begin, double end) {
+  const double size = end - begin;
+  if (size < 4.0 * rounding_ || (!along_x_ && covered_ > pulses * until_)) return;
+  const Jet s{{begin + rounding_, end - rounding_}, {1.0, 1.0}};
+  tree_.bound(s, s, jets_);
+  const auto [value, slope] = jets_.back();
+  const double apart = std::min(value.high - value.low, (slope.high - slope.low) * size / 4.0);
+  if (apart > allowed_ && size > finest * until_ && ++effort_ < thorough) {
+    divide(begin, begin + size / 2.0);
+    divide(begin + size / 2.0, end);
+  } else if (size < coarse * until_) {
+    covered_ += size;
+    if (places_.empty() || places_.back() < begin) places_.push_back(begin);
+    places_.push_back(end);
+  }
+}
+
+}  // namespace viscobar
