@@ -44,19 +44,19 @@ std::string numerics(const std::string& method, const std::string& mass) {
       mass, method);
 }
 
-const std::pair<const char*, const char*> methods[] = {
+const std::pair<const char*, const char*> methods_and_masses[] = {
     {"cvode", "fourth_order"},        {"ida", "consistent"},          {"arkode", "lumped"},
     {"odeint", "fourth_order"},       {"rigid", "fourth_order"},      {"exponential", "consistent"},
     {"fully_discrete", "consistent"}, {"finite_difference", "lumped"}};
 
 TEST(MovingObstacle, ThatIsNotTouchedChangesNoDigitAndNoStep) {
   for (const auto& [moving, still, rest] : untouched())
-    for (const auto& [method, mass] : methods) {
+    for (const auto& [method, mass] : methods_and_masses) {
       // A spring is at odds with some masses only where there is no mass.
       SCOPED_TRACE(std::string(method) + "\n" + moving + rest);
-      const std::string bar = "[bar]\nlength = 1.0\nviscosity = 0.1\n", how = numerics(method, mass);
-      const Recording a = record(parse_scene(bar + moving + rest + how, "").run);
-      const Recording b = record(parse_scene(bar + still + rest + how, "").run);
+      const std::string head = "[bar]\nlength = 1.0\nviscosity = 0.1\n", how = numerics(method, mass);
+      const Recording a = record(parse_scene(head + moving + rest + how, "").run);
+      const Recording b = record(parse_scene(head + still + rest + how, "").run);
       EXPECT_TRUE(a.events.empty());
       EXPECT_EQ(a.statistics.steps, b.statistics.steps);
       EXPECT_EQ(a.u, b.u);
@@ -77,13 +77,13 @@ TEST(MovingObstacle, ThatIsNotTouchedHasNoDerivative) {
   for (const auto& [moving, still, rest] : untouched())
     for (const char* method : {"cvode", "ida", "arkode", "rigid"}) {
       SCOPED_TRACE(std::string(method) + "\n" + moving + rest);
-      const std::string bar = "[parameters]\nshift = 0.0\n[bar]\nlength = 1.0\nviscosity = 0.1\n";
+      const std::string head = "[parameters]\nshift = 0.0\n[bar]\nlength = 1.0\nviscosity = 0.1\n";
       const std::string how =
           numerics(method, "consistent") + "[sensitivity]\nof = [\"bar.viscosity\", \"parameters.shift\"]\n";
       std::string shifted = moving;
       shifted.replace(shifted.find("gap = \"") + 7, 0, "shift+");
-      const Recording a = record(parse_scene(bar + shifted + rest + how, "").run);
-      const Recording b = record(parse_scene(bar + still + rest + how, "").run);
+      const Recording a = record(parse_scene(head + shifted + rest + how, "").run);
+      const Recording b = record(parse_scene(head + still + rest + how, "").run);
       ASSERT_EQ(a.sensitivities.size(), 2u);
       EXPECT_EQ(a.u, b.u);
       EXPECT_EQ(a.sensitivities[0].u, b.sensitivities[0].u);
