@@ -53,11 +53,14 @@ InitialData initial_data(const Scene& scene) {
   const Bar& bar = scene.bar;
   InitialData data;
   PiecewiseFit fit;
-  data.displacement = fit.of(checked(scene.displacement, bar.length, "initial.displacement"),
-                             {.breaks = known_breaks(scene.displacement_places, bar.length)});
+  const auto fitted = [&](const SpaceFunction& f, const Places& places, const char* key) -> const Piecewise& {
+    const std::vector<double> breaks = shares_of(places.breaks, bar.length),
+                              guards = shares_of(places.detail, bar.length);
+    return fit.of(checked(f, bar.length, key), {.breaks = breaks, .guards = guards});
+  };
+  data.displacement = fitted(scene.displacement, scene.displacement_places, "initial.displacement");
   data.displacement_error = fit.error() + refuse_jumps(data.displacement, bar.length);
-  data.velocity = fit.of(checked(scene.velocity, bar.length, "initial.velocity"),
-                         {.breaks = known_breaks(scene.velocity_places, bar.length)});
+  data.velocity = fitted(scene.velocity, scene.velocity_places, "initial.velocity");
   data.velocity_error = fit.error();
   const double factor = std::sqrt(bar.modulus / bar.density) / bar.length;
   for (std::size_t i = 0; i < data.displacement.size(); ++i) {

@@ -13,14 +13,15 @@ constexpr std::size_t most_pairs = 400;  // of a break in x and one in t
 
 const Piecewise& fitted(PiecewiseFit& fit, const SpaceFunction& profile, const Places& places, const Frame& frame,
                         const char* what) {
-  const std::vector<double> breaks = known_breaks(places, frame.x(1.0));
+  const std::vector<double> breaks = shares_of(places.breaks, frame.length),
+                            guards = shares_of(places.detail, frame.length);
   return fit.of(
       [&](double place) {
         const double x = frame.x(place);
         return finite_load(
             frame.start, [&] { return profile(x); }, [&] { return fmt::format("{} at x = {}", what, x); });
       },
-      {.breaks = breaks});
+      {.breaks = breaks, .guards = guards});
 }
 
 class SteadyGain final : public LoadGain {

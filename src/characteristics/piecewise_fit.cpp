@@ -15,14 +15,12 @@ constexpr std::size_t most_pieces = 4000;  // beyond that a looser tolerance is 
 
 }  // namespace
 
-std::vector<double> known_breaks(const Places& places, double length) {
+std::vector<double> shares_of(const NextBreak& places, double length) {
   constexpr std::size_t most = 10000;  // where they have a limit, as those of sin(1/x) > 0
   std::vector<double> found;
-  if (!places.breaks) return found;
-  const NextBreak next = either_of(places.breaks, places.detail);
-  const double apart = 256.0 * rounding;
-  for (auto at = next(apart * length, (1.0 - apart) * length); at && found.size() < most;
-       at = next(*at + apart * length, (1.0 - apart) * length))
+  if (!places) return found;
+  const double apart = 256.0 * rounding * length, end = length - apart;
+  for (auto at = places(apart, end); at && found.size() < most; at = places(*at + apart, end))
     found.push_back(*at / length);
   return found;
 }
@@ -37,8 +35,9 @@ const Piecewise& PiecewiseFit::of(const std::function<double(double)>& f, const 
     // Multiples of the golden section: no formula has its period.
     const double s = std::fmod(0.5 + 0.6180339887498949 * static_cast<double>(k), 1.0);
     guards_.push_back(sample(s));
-    scale_ = std::max(scale_, std::abs(guards_.back().value));
   }
+  for (const double s : options.guards) guards_.push_back(sample(s));
+  for (const Sample& guard : guards_) scale_ = std::max(scale_, std::abs(guard.value));
   std::ranges::sort(guards_, {}, &Sample::s);
   bool done = false;
   for (double tolerance = 4.0 * rounding; !done; tolerance *= 16.0) {

@@ -11,8 +11,8 @@
 
 namespace viscobar::characteristics {
 
-/// Places of a function of x, in parts of the length.
-std::vector<double> known_breaks(const Places& places, double length);
+/// Places of a function of x inside the bar, in parts of its length.
+std::vector<double> shares_of(const NextBreak& places, double length);
 
 /// Makes polynomial pieces of functions on [0, 1], to rounding: halves an interval until a polynomial of degree 32 or
 /// less has, at points where it was not made, the values of the function up to
@@ -20,13 +20,15 @@ std::vector<double> known_breaks(const Places& places, double length);
 ///     4 eps (max |f| + |f'|),
 ///
 /// what roundings of f and of its argument do, where that is of size 1. Halving goes on around a jump or a kink until
-/// it is known to rounding; then the pieces are put together again. A feature between known breaks that shows at none
-/// of 61 places spread over [0, 1] is missed.
+/// it is known to rounding; then the pieces are put together again. A feature that shows at none of the guards, nor at
+/// 61 places spread over [0, 1], is missed.
 class PiecewiseFit {
  public:
   struct Options {
     /// Places in (0, 1), increasing, where f is known not to be smooth.
     std::span<const double> breaks = {};
+    /// Where it has detail that halving may miss: more places to look at.
+    std::span<const double> guards = {};
     /// f is evaluated at least so far away from them, from 0 and 1, but in pieces of a hundred times that or less.
     double apart = 64.0 * std::numeric_limits<double>::epsilon();
     /// Of what is smooth by its making, no place is looked at for features that the halving may have missed.

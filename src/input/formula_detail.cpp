@@ -9,8 +9,8 @@ namespace viscobar {
 
 namespace {
 
-constexpr double far_from_linear = 1.0 / 50, coarse = 1.0 / 128, pulses = 0.1, finest = 1e-9;  // shares
-constexpr std::size_t thorough = 20000;                                                        // evaluations
+constexpr double far_from_linear = 1.0 / 50, coarse = 1.0 / 128, pulses = 0.5, finest = 1e-9;  // shares
+constexpr std::size_t most_halvings = 20000, most_stretches = 1000;
 
 }  // namespace
 
@@ -44,7 +44,9 @@ void FormulaDetail::find() {
   }
   if (largest == 0.0 || !std::isfinite(largest)) return;
   allowed_ = far_from_linear * largest;
-  for (double begin = 0.0, end = 0.0; begin < until_; begin = end) {
+  // Breaks may have a limit, as those of sin(1/x) > 0.
+  std::size_t stretches = 0;
+  for (double begin = 0.0, end = 0.0; begin < until_ && ++stretches < most_stretches; begin = end) {
     end = switches_.first(0.0, begin + rounding_, until_).value_or(until_);
     divide(begin, end);
   }
@@ -58,7 +60,7 @@ void FormulaDetail::divide(double begin, double end) {
   tree_.bound(s, s, jets_);
   const auto [value, slope] = jets_.back();
   const double apart = std::min(value.high - value.low, (slope.high - slope.low) * size / 4.0);
-  if (apart > allowed_ && size > finest * until_ && ++effort_ < thorough) {
+  if (apart > allowed_ && size > finest * until_ && ++effort_ < most_halvings) {
     divide(begin, begin + size / 2.0);
     divide(begin + size / 2.0, end);
   } else if (size < coarse * until_) {

@@ -104,7 +104,7 @@ class FormulaSwitches {
 /// pulse is too short to be seen.
 class FormulaDetail {
  public:
-  /// In t only pulses count, which fill less than a tenth of the interval: what goes on all the time no step misses.
+  /// In t only pulses count, which fill less than half of the interval: what goes on all the time no step misses.
   FormulaDetail(FormulaTree tree, bool along_x);
 
   /// The first such place in (after, until), of those between 0 and until; absent: none.

@@ -82,11 +82,11 @@ std::vector<MeshStep> Plan::made_ladder(std::size_t finest, std::size_t least, b
 // which errors of both signs may cancel, not at all.
 SpaceError Plan::seen_error(const std::vector<MeshStep>& steps) const {
   constexpr std::size_t seen_twice = 3;
-  if (steps.size() >= seen_twice) return space_error(steps, theory_);
+  if (steps.size() >= seen_twice) return data_error_.of(space_error(steps, theory_), steps);
   SpaceError result = space_error(steps, study_.request.of == Goal::displacement ? theory_ : 1.0);
   result.error *= 2.0;
   result.effectivity *= 2.0;
-  return result;
+  return data_error_.of(result, steps);
 }
 
 // Coarse meshes and two settings in time and penalty, side by side: what tolerance, epsilon and mesh are needed.

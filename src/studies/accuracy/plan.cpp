@@ -30,6 +30,7 @@ std::function<double(double)> nudged(const Scene& scene, double by) {
 Plan::Plan(const AccuracyStudy& study)
     : study_(study),
       base_(study.scene),
+      data_error_(study.scene, study.request.of == Goal::displacement || study.request.of == Goal::end_traces),
       runs_([this](const Setting& setting) { return with(setting); }, study.request.of == Goal::peak_reaction,
             study.threads, study.stop) {
   const AccuracyRequest::Given& given = study_.request.given;

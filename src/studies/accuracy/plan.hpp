@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "studies/accuracy/data_error.hpp"
 #include "studies/accuracy/runs.hpp"
 #include "studies/accuracy/space_error.hpp"
 #include "viscobar/studies/accuracy/accuracy.hpp"
@@ -95,6 +96,7 @@ class Plan {
 
   AccuracyStudy study_;
   Case base_;
+  DataError data_error_;
   double theory_ = 4.0;                          // order in h
   std::size_t pilot_elements_ = least_elements;  // of the finest mesh that the search begins with
   std::size_t timed_elements_ = least_elements;  // of that on which it compares settings in time and penalty

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "studies/accuracy/data_error.hpp"
 #include "studies/accuracy/space_error.hpp"
 #include "studies/parallel.hpp"
 
@@ -133,7 +134,7 @@ QuickEstimate quick_estimate(const Case& run, const Sample& solution, double sec
   const MeshStep steps[] = {
       {runs.elements_quarter, runs.elements_half, first},
       {runs.elements_half, run.elements, last, alignment(runs.quarter, runs.half, solution, Goal::displacement, {})}};
-  const SpaceError space = space_error(steps, order_in_theory(run));
+  const SpaceError space = DataError(run).of(space_error(steps, order_in_theory(run)), steps);
   estimate.space = space.error;
   estimate.order = space.trusted;
   estimate.effectivity = space.effectivity;
@@ -155,7 +156,8 @@ QuickEstimate forecast(const Case& run, double seconds) try {
   // Without viscosity kinks stay kinks; and two meshes show no order.
   const bool smooth = runs.eighth && run.scene.bar.viscosity > 0.0;
   const double theory = smooth ? order_in_theory(run) : 1.0;
-  estimate.space = space_error(prolonged(steps, run.elements, expected_order(steps, theory)), theory).error;
+  const std::vector<MeshStep> all = prolonged(steps, run.elements, expected_order(steps, theory));
+  estimate.space = DataError(run).of(space_error(all, theory), all).error;
   estimate.total = estimate.space + estimate.penalty + estimate.time;
   return {estimate, {}};
 } catch (const None& none) {

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "studies/accuracy/space_error.hpp"
+#include "viscobar/case/case.hpp"
+
+namespace viscobar::accuracy {
+
+/// What the error of a mesh has beside its own power of h, from the formulas of u_0, u_1 and f, without a run.
+///
+/// Waves that an element holds a quarter of, or more, are seen by no mesh of a ladder that is too coarse for all of
+/// them. With the wave number k, the largest amplitudes V of a velocity, F of a load and U of a displacement, they move
+/// the bar by
+///
+///     V min(1 / (c k), rho / (eta k^2)),     F / (E k^2),     U,
+///
+/// and by that share of it which their stretch is of an element, where it is shorter.
+///
+/// A jump or a kink between nodes costs a part that is as large as its place in the element says: an order does not
+/// show by it, and the error is no less than that of order 1, d / (r - 1).
+class DataError {
+ public:
+  /// `displacements`: whether errors are those of a displacement, to which waves add.
+  explicit DataError(const Case& run, bool displacements = true);
+
+  /// The error of a ladder with both. Of order 4, 2, ... it stays where there is neither.
+  SpaceError of(SpaceError found, std::span<const MeshStep> ladder) const;
+
+ private:
+  struct Wave {
+    double detail, stretch, error;  // the shortest of its places' distances; of all; of the displacement
+  };
+  template <class Function, class Moves>
+  void add(const Function& f, const Places& places, Moves&& moves);
+
+  double length_;
+  bool displacements_;
+  bool fronts_ = false;         // that move
+  std::vector<double> breaks_;  // places
+  std::vector<Wave> waves_;
+};
+
+}  // namespace viscobar::accuracy

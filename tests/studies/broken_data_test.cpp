@@ -1,0 +1,91 @@
+// Requests on data that a mesh or a step may miss.
+#include "support/broken_data.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "viscobar/input/scene_file.hpp"
+#include "viscobar/studies/accuracy/accuracy.hpp"
+
+namespace viscobar::testing_broken_data {
+namespace {
+
+AccuracyResult solved(const std::string& text) {
+  const SceneFile scene = parse_scene(text, "scene");
+  AccuracyStudy study;
+  study.scene = scene.run;
+  study.request = *scene.accuracy;
+  return solve(study);
+}
+
+// The mean velocity is the momentum over the mass, and what vibrates beside it has faded by the end: exp(-10 t), or
+// less, times the data.
+TEST(BrokenData, EndsWhereItsMomentumTakesIt) {
+  struct {
+    const char* velocity;
+    double viscosity, end, error, u;
+  } const known[] = {{"1 + cos(64*pi*x)", 0.1, 2.0, 1e-4, 2.0},
+                     {"1 + cos(200*pi*x)", 0.1, 2.0, 1e-4, 2.0},
+                     {"x > 0.41 && x < 0.44 ? 1 : 0", 1.0, 20.0, 1e-4, 0.6},
+                     {"x > 0.25 && x < 0.26 ? 1 : 0", 1.0, 20.0, 1e-4, 0.2},
+                     {"x > 0.3 && x < 0.6371 ? 1 : 0", 1.0, 8.0, 1e-3, 2.6968},
+                     {"100*exp(-((x - 0.4321)/0.0005)^2)", 1.0, 20.0, 1e-4, 1.0 * std::sqrt(std::numbers::pi)}};
+  for (const auto& [velocity, viscosity, end, error, u] : known) {
+    const AccuracyResult result =
+        solved(fmt::format("bar.length = 1.0\nbar.viscosity = {}\ninitial.velocity = \"{}\"\ntime.end = {}\n"
+                           "accuracy.error = {}\n",
+                           viscosity, velocity, end, error));
+    const double at_end = result.recording.displacement(result.recording.times.size() - 1).front();
+    EXPECT_TRUE(result.estimate.kept) << velocity << result.estimate.doubt;
+    EXPECT_NEAR(at_end, u, error) << velocity;
+  }
+}
+
+TEST(BrokenData, WithoutViscosityArrivesWhole) {
+  const Case run = parse_scene(
+                       "bar.length = 1.0\nbar.viscosity = 0.0\ntime.end = 2.0\n"
+                       "initial.velocity = \"x > 0.413 && x < 0.414 ? 1000 : 0\"\n"
+                       "method.name = \"characteristics\"\n",
+                       "scene")
+                       .run;
+  const Recording recording = record(run);
+  // A period moves every point by twice the momentum; waves are followed to rounding of the data, 1000.
+  EXPECT_NEAR(recording.displacement(recording.times.size() - 1).front(), 2.0, 1e-10);
+}
+
+// An impulse of 0.2 sqrt(pi), and all steps of an adaptive method could have passed it by.
+TEST(BrokenData, PulsesInTimeAreNotPassedBy) {
+  const double impulse = 0.2 * std::sqrt(std::numbers::pi);
+  for (const char* method : {"cvode", "ida", "arkode", "odeint", "exponential", "rigid"}) {
+    const Case run = parse_scene(fmt::format("bar.length = 1.0\nbar.viscosity = 0.1\nleft.kind = \"free\"\n"
+                                             "left.force = \"1000*exp(-((t-0.4321)/0.0002)^2)\"\ntime.end = 2.0\n"
+                                             "mesh.elements = 40\nmethod.name = \"{}\"\n",
+                                             method),
+                                 "scene")
+                         .run;
+    const Recording recording = record(run);
+    // The mean, from masses h and h/2 that any of the masses has for a motion that is nearly rigid: exp(-15 ...) is
+    // left.
+    const std::span<const double> v = recording.velocity(recording.times.size() - 1);
+    double mean = 0.0;
+    for (std::size_t j = 0; j < v.size(); ++j)
+      mean += v[j] / static_cast<double>(j == 0 || j + 1 == v.size() ? 80 : 40);
+    EXPECT_NEAR(mean, impulse, 1e-3) << method;
+  }
+}
+
+// The campaign is measure_broken_data.
+TEST(BrokenData, OfRandomScenesIsKeptWhereItSaysSo) {
+  for (unsigned seed = 1; seed <= 15; ++seed) {
+    const BrokenData data(seed);
+    const AccuracyResult result = solved(data.text());
+    if (result.estimate.kept) EXPECT_LE(data.wrong(result.recording), data.error) << seed << data.text();
+  }
+}
+
+}  // namespace
+}  // namespace viscobar::testing_broken_data
