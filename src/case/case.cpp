@@ -100,13 +100,12 @@ Odeint odeint(const Case& run) {
 
 AutomaticMethod automatic_method(const Case& run) {
   const Scene& scene = run.scene;
-  const bool differentiable = !run.directions.empty();
-  if (scene.span && !run.epsilon && !differentiable) return {MethodName::fully_discrete, ""};
-  if (run.epsilon || (scene.span && differentiable)) {
+  if (scene.span && !run.epsilon) return {MethodName::fully_discrete, ""};
+  if (run.epsilon) {
     const bool massless = run.mass ? end_obstacles(scene) > 0 && run.mass == Mass::redistributed : redistributes(run);
     return {scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode, ""};
   }
-  if (scene.bar.viscosity > 0.0 || differentiable) return {MethodName::rigid, ""};
+  if (scene.bar.viscosity > 0.0) return {MethodName::rigid, ""};
   if (!validate(scene).empty()) return {MethodName::characteristics, ""};
   const auto rigid_because = [](const std::string& why) {
     return AutomaticMethod{

@@ -10,24 +10,24 @@
 
 namespace viscobar {
 
-std::string input_text(const std::filesystem::path& file) {
+std::string input_text(const std::filesystem::path& file, std::size_t most) {
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
-  return input_text(stream, file.string());
+  return input_text(stream, file.string(), most);
 }
 
-std::string input_text(std::istream& stream, const std::string& name) {
-  constexpr std::size_t largest_file = 1 << 20;  // bytes; a scene takes about one thousand
+std::string input_text(std::istream& stream, const std::string& name, std::size_t most) {
   const auto fail = [&](const std::string& problem) {
     throw SceneError({{name, 1, 1, "", "cannot be read: " + problem}});
   };
   std::string text;
   std::array<char, 4096> block;
-  while (stream && text.size() <= largest_file) {
+  while (stream && text.size() <= most) {
     stream.read(block.data(), block.size());
     text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
   }
-  if (!stream.eof() || text.size() > largest_file) fail(errno != 0 ? std::strerror(errno) : "it is longer than 1 MiB");
+  if (!stream.eof() || text.size() > most)
+    fail(errno != 0 ? std::strerror(errno) : "it is longer than " + std::to_string(most >> 20) + " MiB");
   return text;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <iosfwd>
 #include <string>
@@ -8,10 +9,13 @@
 
 namespace viscobar {
 
-/// The text of a file that the user wrote. @throws SceneError when it cannot be read or is longer than 1 MiB
-std::string input_text(const std::filesystem::path& file);
+/// Bytes of a scene or sweep file at most; a scene takes about one thousand.
+inline constexpr std::size_t longest_scene = std::size_t{1} << 20;
+
+/// The text of a file that the user wrote. @throws SceneError when it cannot be read or has more bytes than that
+std::string input_text(const std::filesystem::path& file, std::size_t most = longest_scene);
 /// The same of a stream, which `name` names in the error.
-std::string input_text(std::istream& stream, const std::string& name);
+std::string input_text(std::istream& stream, const std::string& name, std::size_t most = longest_scene);
 
 inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
 /// Of ASCII.

@@ -223,10 +223,13 @@ std::string choose(const SceneEntries& entries, Case& run) {
 void check_sensitivity(SceneEntries& entries, const Case& run) {
   if (run.directions.empty() || entries.faulty("method.name")) return;
   if (!method_row(run.method).differentiates)
-    entries.report("sensitivity.of",
-                   "{} has no derivatives; use rigid, or the penalised cvode, ida or arkode, or leave "
-                   "method.name out",
-                   name(run.method));
+    entries.report(
+        "sensitivity.of",
+        "{} has no derivatives, and derivatives are those of the motion that is computed: choose a method "
+        "that has them, {}, whose motion is another one by its error",
+        run.automatic ? fmt::format("{}, chosen for the scene,", name(run.method)) : std::string(name(run.method)),
+        run.scene.span ? "method.name = \"arkode\" (or cvode, ida) with a contact.epsilon"
+                       : "method.name = \"rigid\" (or cvode, ida, arkode)");
   std::set<std::string> seen;
   for (const Direction& along : run.directions) {
     if (!seen.insert(along.key).second) entries.report("sensitivity.of", "{} is given twice", along.key);

@@ -1,27 +1,44 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace viscobar {
 
-/// A table of measured values: the first line names the columns, `t` among them, commas between.
+/// A table of measured values, as instruments, spreadsheets and programs write it: a line of names, `t` or `time` among
+/// them, and a line for each time.
+///
+/// Between values are commas, semicolons, tabs or blanks; with another separator than commas, and in quotes, a comma
+/// may be the decimal point. Names may have units ("t [s]", "u_left (mm)"), also in a line of their own. Lines before
+/// the names, comments (#, %, !, //), empty lines and columns of other names are left out. Empty cells and words such
+/// as NA are values that were not measured; so are codes such as -9999 that stand far off from all other values. Rows
+/// are sorted by time.
 struct TraceFile {
   struct Column {
-    std::string name;
-    std::vector<std::string> cells;  ///< as written, blanks around them left out
-    std::vector<double> values;      ///< NaN for an empty cell or nan; of a column of words all NaN
+    std::string name;                ///< one of the known names
+    std::string unit;                ///< as written; empty: none
+    std::vector<std::string> cells;  ///< of a column of words: as written, blanks and quotes around them left out
+    std::vector<double> values;      ///< NaN where there is none; of a column of words all NaN
   };
-  std::vector<Column> columns;
-  std::size_t rows = 0;
+  std::vector<Column> columns;      ///< of known names
+  std::size_t rows = 0;             ///< of data
+  std::string understood;           ///< how the file was read, in a line
+  std::vector<std::string> doubts;  ///< values that were left out as codes, in sentences
 
   const Column* column(std::string_view name) const;  ///< nullptr where there is none
+  Column* column(std::string_view name);              ///< likewise
 };
 
-/// Reads one with columns of those names only, those of `words` being words and the others numbers.
+/// Reads one with columns of those names, `t` first; those of `words` are words and the others numbers.
 /// @throws SceneError naming file, line, column and what is wrong
 TraceFile read_traces(const std::filesystem::path& file, const std::vector<std::string>& known,
                       const std::vector<std::string>& required, const std::vector<std::string>& words = {});
+
+/// What a number in the unit `from` is multiplied by to be one in the unit `to`, of "s", "min", "h", "m", "N", "Pa" and
+/// their decimal parts and multiples, and quotients of two such as "mm/s"; absent for others.
+std::optional<double> unit_ratio(std::string_view from, std::string_view to);
 
 }  // namespace viscobar

@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "sensitivity/random_fits.hpp"
 #include "viscobar/case/recording.hpp"
 
 namespace {
@@ -106,6 +107,154 @@ TEST(Fit, ComesThroughRunsWithoutTheContactThatTheDataHave) {
   EXPECT_NEAR(best.parameters[0].estimate, 0.1, 5.0 * best.parameters[0].standard_deviation);
   EXPECT_EQ(best.sums.size(), 6u);
   EXPECT_LE(best.residual, one.residual * 1.001);
+}
+
+// A false minimum of samples of reactions and velocities that jump: the viscosity from twice and ten times its value.
+TEST(Fit, FindsTheViscosityBeyondTheValleysOfWhatJumps) {
+  for (const double start : {0.2, 0.01, 1.0}) {
+    FitStudy study = study_of({"bar.viscosity"}, {0.1}, {start}, 0.0);
+    study.changes.clear();
+    const auto bent = [](std::span<const double> values) {
+      Case run = bar(values, {"bar.viscosity"});
+      run.scene.left = Obstacle{0.5};
+      run.scene.velocity = [](double x) { return -1.0 - 0.3 * x; };
+      run.end = 2.0;
+      run.directions = {direction(run, "bar.viscosity")};
+      return run;
+    };
+    study.model = bent;
+    const Recording made = record(bent(std::vector{0.1}));
+    study.times = made.times;
+    study.traces.clear();
+    for (const TraceColumn column : {TraceColumn::u_left, TraceColumn::v_left, TraceColumn::reaction_left}) {
+      MeasuredTrace trace{column, {}, 0.01, true};
+      for (std::size_t k = 0; k < made.times.size(); ++k)
+        trace.values.push_back(column == TraceColumn::u_left   ? made.displacement(k).front()
+                               : column == TraceColumn::v_left ? made.velocity(k).front()
+                                                               : made.reaction_left[k]);
+      study.traces.push_back(trace);
+    }
+    const FitResult found = fit(study);
+    EXPECT_TRUE(found.converged) << found.reason;
+    EXPECT_NEAR(found.parameters[0].estimate, 0.1, 1e-5) << start;
+  }
+}
+
+// u(1, t) of a bar that is held at 0 and pushed with sin(3 t); a step of Gauss and Newton from 6 times the modulus
+// leads to 1e8 of it, whose run takes 1e4 times as long.
+TEST(Fit, TakesNoStepsWithoutEndAndNoRunsWithoutEnd) {
+  const auto pushed = [](std::span<const double> values) {
+    Case run;
+    run.scene.bar.viscosity = 0.1;
+    run.scene.bar.modulus = values[0];
+    run.scene.left = Fixed{};
+    run.scene.right_input.force = EndForce{[](double t) { return std::sin(3.0 * t); }, {}, false};
+    run.scene.displacement = run.scene.velocity = [](double) { return 0.0; };
+    run.elements = 20;
+    run.method = MethodName::rigid;
+    run.end = 6.0;
+    run.output_every = 0.06;
+    run.directions = {direction(run, "bar.modulus")};
+    return run;
+  };
+  FitStudy study;
+  study.model = pushed;
+  const Recording made = record(pushed(std::vector{1.0}));
+  study.times = made.times;
+  MeasuredTrace trace{TraceColumn::u_right, {}, 0.005, true};
+  for (std::size_t k = 0; k < made.times.size(); ++k) trace.values.push_back(made.displacement(k).back());
+  study.traces = {trace};
+  for (const double start : {6.0, 10.0, 2.0, 0.1}) {
+    study.parameters = {{"bar.modulus", start, 1e-300}};
+    const FitResult found = fit(study);
+    EXPECT_TRUE(found.converged) << found.reason;
+    EXPECT_NEAR(found.parameters[0].estimate, 1.0, 1e-5) << start;
+    EXPECT_LE(found.runs, 150u);
+  }
+}
+
+// Nothing that happens before the first touch knows of viscosity, modulus or gap.
+TEST(Fit, HasNoDeviationOfWhatNoDatumKnows) {
+  FitStudy study = study_of({"bar.modulus", "bar.viscosity", "left.gap"}, {1.0, 0.08, 0.1}, {1.0, 0.08, 0.1}, 0.0);
+  study.changes.clear();
+  study.times = {0.02, 0.04};
+  study.traces[0].values = {-0.02, -0.04};
+  const FitResult found = fit(study);
+  EXPECT_FALSE(found.converged);
+  EXPECT_EQ(found.undetermined.size(), 3u);
+  EXPECT_EQ(found.freedom, 0u);
+  for (const Estimate& one : found.parameters) EXPECT_TRUE(std::isnan(one.standard_deviation)) << one.key;
+  // The gap alone; one of it and the modulus.
+  for (const std::vector<const char*>& keys : {std::vector{"left.gap"}, std::vector{"left.gap", "bar.modulus"}}) {
+    FitStudy less = study_of(keys, std::vector(keys.size(), 1.0), std::vector(keys.size(), 1.0), 0.0);
+    less.changes.clear();
+    less.times = study.times;
+    less.traces[0].values = study.traces[0].values;
+    const FitResult lacks = fit(less);
+    EXPECT_FALSE(lacks.converged);
+    EXPECT_EQ(lacks.undetermined.size(), keys.size());
+  }
+}
+
+// Data of a bar without an obstacle, for a model that has one: no value of the viscosity explains them.
+TEST(Fit, IsNotConvergedWhereTheModelIsNotThatOfTheData) {
+  FitStudy study = study_of({"bar.viscosity"}, {0.08}, {0.2}, 1e-3);
+  study.changes.clear();
+  for (std::size_t k = 0; k < study.times.size(); ++k) study.traces[0].values[k] = -study.times[k];
+  const FitResult found = fit(study);
+  EXPECT_FALSE(found.converged);
+  ASSERT_FALSE(found.doubts.empty());
+  EXPECT_NE(found.doubts[0].find("deviations away from the data"), std::string::npos) << found.doubts[0];
+  EXPECT_LE(found.runs, 900u);
+}
+
+// Data of a mesh that is sixteen times as fine: what the model is wrong by is not noise, and the only error there is.
+TEST(Fit, CountsTheModelsOwnErrorAmongItsDeviations) {
+  FitStudy study = study_of({"bar.viscosity", "left.gap"}, {0.08, 0.1}, {0.2, 0.15}, 0.0);
+  study.changes.clear();
+  Case fine = bar(std::vector{0.08, 0.1}, {"bar.viscosity", "left.gap"});
+  fine.directions.clear();
+  fine.elements = 320;
+  const Recording made = record(fine);
+  for (std::size_t k = 0; k < made.times.size(); ++k) study.traces[0].values[k] = made.displacement(k).front();
+  const FitResult found = fit(study);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double truth = k == 0 ? 0.08 : 0.1;
+    EXPECT_GT(found.model_errors[k], 0.0);
+    EXPECT_GE(found.parameters[k].standard_deviation, found.model_errors[k]);
+    EXPECT_LT(std::abs(found.parameters[k].estimate - truth), 3.0 * found.parameters[k].standard_deviation);
+  }
+}
+
+TEST(Fit, TakesEqualTimesAndRefusesDataWithoutAValue) {
+  FitStudy study = study_of({"left.gap"}, {0.1}, {0.2}, 0.0);
+  study.changes.clear();
+  study.times.insert(study.times.begin() + 50, study.times[50]);
+  study.traces[0].values.insert(study.traces[0].values.begin() + 50, study.traces[0].values[50]);
+  EXPECT_NEAR(fit(study).parameters[0].estimate, 0.1, 1e-5);
+  for (double& value : study.traces[0].values) value = NAN;
+  EXPECT_THROW(fit(study), std::invalid_argument);
+}
+
+TEST(Fit, RefusesContactTimesWhereNothingCanTouch) {
+  for (const Event& change :
+       {Event{0.1, Where::right, 20}, Event{0.1, Where::span, 3}, Event{0.1, Where::span, 1000}}) {
+    FitStudy study = study_of({"left.gap"}, {0.1}, {0.2}, 0.0);
+    study.changes = {change};
+    EXPECT_THROW(fit(study), std::invalid_argument);
+  }
+}
+
+// A slice of measure_fits.
+TEST(RandomFits, FindTheTruthOrSayThatTheyDidNot) {
+  std::size_t found = 0;
+  for (std::size_t index = 0; index < 40; ++index) {
+    const random_fits::RandomFit one = random_fits::random_fit(1, index);
+    const random_fits::Judged judged = judge(one);
+    EXPECT_TRUE(judged.found || !judged.converged) << index << ": " << one.words << ": " << judged.excess;
+    found += judged.found;
+  }
+  EXPECT_GE(found, 39u);
 }
 
 TEST(Fit, RefusesStudiesThatMakeNoSense) {

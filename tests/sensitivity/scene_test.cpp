@@ -77,16 +77,30 @@ TEST(SceneSensitivities, SurviveTheDescriptionOfTheScene) {
   EXPECT_NE(scene.description.find("parameters.omega"), std::string::npos);
 }
 
-TEST(SceneSensitivities, ChooseAMethodThatHasThem) {
+// Asking for them never changes the motion: the method is that of the plain run, or the scene is refused.
+TEST(SceneSensitivities, ChangeNoMethodAndAreRefusedWhereItHasNone) {
   const auto method = [](const std::string& more) {
     return parse_scene("[bar]\nlength = 1.0\n[initial]\nvelocity = -1.0\n[time]\nend = 1.0\n" + more, "scene")
         .run.method;
   };
   const std::string left = "[left]\nkind = \"obstacle\"\ngap = 0.1\n", of = "[sensitivity]\nof = [\"bar.modulus\"]\n";
+  const std::string span = "[span]\ngap = 0.1\n", epsilon = "[contact]\nepsilon = 1e-3\n";
+  const auto refusal = [&](const std::string& text) -> std::string {
+    try {
+      method(text + of);
+    } catch (const SceneError& error) {
+      return error.what();
+    }
+    return "";
+  };
   EXPECT_EQ(method(left), MethodName::characteristics);
-  EXPECT_EQ(method(left + of), MethodName::rigid);
-  EXPECT_EQ(method("[span]\ngap = 0.1\n"), MethodName::fully_discrete);
-  EXPECT_EQ(method("[span]\ngap = 0.1\n" + of), MethodName::cvode);
+  EXPECT_NE(refusal(left).find("characteristics, chosen for the scene, has no derivatives"), std::string::npos);
+  EXPECT_NE(refusal(left).find("method.name = \"rigid\""), std::string::npos) << refusal(left);
+  EXPECT_EQ(method(span), MethodName::fully_discrete);
+  EXPECT_NE(refusal(span).find("fully_discrete, chosen for the scene, has no derivatives"), std::string::npos);
+  EXPECT_NE(refusal(span).find("method.name = \"arkode\""), std::string::npos) << refusal(span);
+  EXPECT_NE(refusal(left + "[method]\nname = \"odeint\"\n").find("odeint has no derivatives"), std::string::npos);
+  for (const std::string& text : {left + epsilon, span + epsilon}) EXPECT_EQ(method(text + of), method(text)) << text;
 }
 
 TEST(SceneSensitivities, RefuseAJumpThatMoves) {

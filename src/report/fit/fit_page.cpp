@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <vector>
 
@@ -34,7 +35,8 @@ double root_mean_square(const MeasuredTrace& data, const std::vector<double>& mo
 }
 
 std::vector<std::string> remarks(const FitStudy& study, const FitResult& result) {
-  std::vector<std::string> found;
+  std::vector<std::string> found = study.doubts;
+  found.insert(found.end(), result.doubts.begin(), result.doubts.end());
   for (const Undetermined& lack : result.undetermined) {
     std::string shares;
     for (std::size_t k = 0; k < lack.shares.size(); ++k)
@@ -58,6 +60,22 @@ std::vector<std::string> remarks(const FitStudy& study, const FitResult& result)
                     "the deviations",
                     *result.lost));
   return found;
+}
+
+// Within so many standard deviations of an estimate is the value with a probability of 95 %.
+double deviations_of_95(const FitResult& result) {
+  if (result.freedom == 0) return 1.96;
+  return boost::math::quantile(boost::math::students_t(static_cast<double>(result.freedom)), 0.975);
+}
+
+std::string verdict(const FitResult& result) {
+  const std::string freedom =
+      result.freedom == 0
+          ? "as many parameters as numbers: the deviations are those of the data as they are given or assumed"
+          : fmt::format("{} degrees of freedom: 95 % of values lie within {:.3g} standard deviations", result.freedom,
+                        deviations_of_95(result));
+  return fmt::format("{}: {}. The model is {:.3g} deviations of the data away from them; {}",
+                     result.converged ? "Converged" : "Not converged", result.reason, result.residual, freedom);
 }
 
 Table estimates(const FitResult& result) {
@@ -109,9 +127,14 @@ std::string fit_json(const SceneFile& scene, const FitStudy& study, const FitRes
   for (std::size_t k = 0; k < n; ++k) {
     const Estimate& one = result.parameters[k];
     const FittedParameter& asked = study.parameters[k];
-    json["parameters"][one.key] = {{"estimate", one.estimate}, {"standard_deviation", one.standard_deviation},
-                                   {"at_bound", one.at_bound}, {"start", asked.start},
-                                   {"low", asked.low},         {"high", asked.high}};
+    json["parameters"][one.key] = {{"estimate", one.estimate},
+                                   {"standard_deviation", one.standard_deviation},
+                                   {"model_error", result.model_errors[k]},
+                                   {"half_width_95", deviations_of_95(result) * one.standard_deviation},
+                                   {"at_bound", one.at_bound},
+                                   {"start", asked.start},
+                                   {"low", asked.low},
+                                   {"high", asked.high}};
   }
   json["covariance"] = matrix(result.covariance, n);
   json["correlation"] = matrix(result.correlation, n);
@@ -122,7 +145,9 @@ std::string fit_json(const SceneFile& scene, const FitStudy& study, const FitRes
         {"root_mean_square", root_mean_square(study.traces[i], result.traces[i])},
         {"deviation", study.traces[i].deviation}};
   if (!study.changes.empty()) json["residuals"]["events"] = {{"deviation", study.change_deviation}};
+  json["data"] = study.understood;
   json["measured"] = result.measured;
+  json["degrees_of_freedom"] = result.freedom;
   json["runs"] = result.runs;
   json["iterations"] = result.iterations;
   json["converged"] = result.converged;
@@ -143,8 +168,10 @@ std::string fit_json(const SceneFile& scene, const FitStudy& study, const FitRes
 }
 
 std::string fit_text(const FitStudy& study, const FitResult& result) {
-  std::string out = text(estimates(result));
-  out += fmt::format("\n{} numbers, {} runs of the model: {}.\n", result.measured, result.runs, result.reason);
+  std::string out;
+  for (const std::string& line : study.understood) out += line + ".\n";
+  out += (out.empty() ? "" : "\n") + text(estimates(result));
+  out += fmt::format("\n{}.\n{} numbers, {} runs of the model.\n", verdict(result), result.measured, result.runs);
   for (std::size_t i = 0; i < study.traces.size(); ++i)
     out += fmt::format("{}: root mean square of model less data {:.3g}.\n", name(study.traces[i].column),
                        root_mean_square(study.traces[i], result.traces[i]));
@@ -154,6 +181,7 @@ std::string fit_text(const FitStudy& study, const FitResult& result) {
 
 PicturedPage fit_page(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
   Page page = Page::of_study(scene.run.scene, ": fit");
+  page.add_head(notes_html({verdict(result)}));
   page.add_head(html(estimates(result)));
   Numbers numbers;
   numbers.add("Numbers measured", result.measured);
@@ -162,7 +190,8 @@ PicturedPage fit_page(const SceneFile& scene, const FitStudy& study, const FitRe
   page.add(numbers.html("The fit"));
   page.add(traces_picture(study, result));
   const std::vector<std::string> notes = remarks(study, result);
-  if (!notes.empty()) page.add_section("What the data do not tell", notes_html(notes));
+  if (!notes.empty()) page.add_section("What speaks against it, and what the data do not tell", notes_html(notes));
+  if (!study.understood.empty()) page.add_section("The data", notes_html(study.understood));
   return page.with_figures();
 }
 

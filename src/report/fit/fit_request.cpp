@@ -10,8 +10,11 @@
 #include <string_view>
 #include <utility>
 
+#include "case/method_table.hpp"
 #include "input/scene_keys.hpp"
 #include "input/trace_file.hpp"
+#include "scene/unit_names.hpp"
+#include "text/number.hpp"
 
 namespace viscobar {
 
@@ -65,33 +68,68 @@ double largest(const std::vector<double>& values) {
   return most;
 }
 
-void read_data(FitStudy& study, const std::string& file) {
+/// Values in the unit of the scene, where both have one. @throws std::invalid_argument for units that do not fit
+void convert(TraceFile& table, TraceFile::Column& column, const std::string& unit, const std::string& file) {
+  if (column.unit.empty() || unit.empty()) return;
+  const auto ratio = unit_ratio(column.unit, unit);
+  if (!ratio)
+    throw std::invalid_argument(fmt::format("{}: {} is in {}, and the scene's unit of it is {}: convert one of them",
+                                            file, column.name, column.unit, unit));
+  for (double& value : column.values) value *= *ratio;
+  if (*ratio != 1.0) table.understood += fmt::format("; {} converted to {}", column.name, unit);
+}
+
+/// Reads a file of measurements, with times that can be those of the scene.
+TraceFile read_measured(FitStudy& study, const SceneFile& scene, const std::string& file,
+                        const std::vector<std::string>& known, const std::vector<std::string>& required,
+                        const std::vector<std::string>& words) {
+  TraceFile table = read_traces(file, known, required, words);
+  TraceFile::Column& t = *table.column("t");
+  convert(table, t, scene.run.scene.units.time, file);
+  study.doubts.insert(study.doubts.end(), table.doubts.begin(), table.doubts.end());
+  constexpr double far = 100.0;
+  const double last = t.values.back(), end = scene.run.end;
+  if (last > far * end || (last > 0.0 && far * last < end))
+    throw std::invalid_argument(
+        fmt::format("{}: the last time is {:.6g}{}, and the scene ends at {:.6g}: are they in different units, such as "
+                    "milliseconds and seconds? If they are not, say --set time.end={:.6g}",
+                    file, last, t.unit.empty() ? "" : " " + t.unit, end, last));
+  return table;
+}
+
+void read_data(FitStudy& study, const SceneFile& scene, const std::string& file) {
   std::vector<std::string> known = {"t"};
   for (const TraceColumn column : all_trace_columns) known.emplace_back(name(column));
-  const TraceFile table = read_traces(file, known, {"t"});
+  TraceFile table = read_measured(study, scene, file, known, {"t"}, {});
   study.times = table.column("t")->values;
-  for (std::size_t k = 1; k < study.times.size(); ++k)
-    if (!(study.times[k] > study.times[k - 1]))
-      throw std::invalid_argument(fmt::format("{}: t = {} is there twice", file, study.times[k]));
-  for (const TraceColumn column : all_trace_columns)
-    if (const auto* found = table.column(name(column))) study.traces.push_back({column, found->values, 1.0});
+  for (const TraceColumn column : all_trace_columns) {
+    TraceFile::Column* found = table.column(name(column));
+    if (!found) continue;
+    const Dimension dimensions[] = {Dimension::length, Dimension::velocity, Dimension::stress};
+    convert(table, *found, unit_name(scene.run.scene.units, dimensions[static_cast<std::size_t>(column) % 3]), file);
+    if (std::ranges::none_of(found->values, [](double value) { return std::isfinite(value); }))
+      throw std::invalid_argument(fmt::format("{}: {} has no value: leave the column out", file, found->name));
+    study.traces.push_back({column, found->values, 1.0});
+  }
+  study.understood.push_back(table.understood);
   if (study.traces.empty())
     throw std::invalid_argument(fmt::format("{}: has no column of values beside t; known are {}", file,
                                             fmt::join(known.begin() + 1, known.end(), ", ")));
 }
 
-Event change_of(const std::string& file, std::size_t row, double t, const std::string& where,
-                const std::string& change) {
+Event change_of(const std::string& file, double t, const std::string& where, const std::string& change) {
   Event event;
   event.time = t;
   const auto refuse = [&](const std::string& what) {
-    throw std::invalid_argument(fmt::format("{}:{}: {}", file, row + 2, what));
+    throw std::invalid_argument(fmt::format("{}: at t = {}: {}", file, t, what));
   };
   if (where == "left" || where == "right") {
     event.where = where == "left" ? Where::left : Where::right;
   } else if (where.starts_with("span:")) {
     event.where = Where::span;
-    event.node = static_cast<std::size_t>(number(std::string_view(where).substr(5), file));
+    const auto node = number_in<std::size_t>(std::string_view(where).substr(5));
+    if (!node) refuse(fmt::format("where is \"{}\", and no number of a node is behind span:", where));
+    event.node = *node;
   } else {
     refuse(fmt::format("where is \"{}\", not left, right or span:NODE", where));
   }
@@ -101,12 +139,13 @@ Event change_of(const std::string& file, std::size_t row, double t, const std::s
   return event;
 }
 
-void read_changes(FitStudy& study, const std::string& file) {
-  const TraceFile table =
-      read_traces(file, {"t", "where", "change", "velocity"}, {"t", "where", "change"}, {"where", "change"});
+void read_changes(FitStudy& study, const SceneFile& scene, const std::string& file) {
+  const TraceFile table = read_measured(study, scene, file, {"t", "where", "change", "velocity"},
+                                        {"t", "where", "change"}, {"where", "change"});
   for (std::size_t k = 0; k < table.rows; ++k)
-    study.changes.push_back(change_of(file, k, table.column("t")->values[k], table.column("where")->cells[k],
+    study.changes.push_back(change_of(file, table.column("t")->values[k], table.column("where")->cells[k],
                                       table.column("change")->cells[k]));
+  study.understood.push_back(table.understood);
 }
 
 }  // namespace
@@ -115,15 +154,21 @@ PreparedFit prepared_fit(const FitRequest& request,
                          const std::function<SceneFile(const std::vector<std::string>& settings)>& read) {
   if (request.data.empty() && request.events.empty())
     throw std::invalid_argument("fit: there are no data; give --data FILE, --events FILE, or both");
-  const std::string of = list_of(request.parameters);
-  PreparedFit prepared{read({of}), {}};
+  PreparedFit prepared{read({}), {}};
   const SceneFile& scene = prepared.scene;
   FitStudy& study = prepared.study;
+  // A method without derivatives is kept, and its runs are differenced.
+  study.differences = !method_row(scene.run.method).differentiates;
+  std::vector<std::string> kept;
+  if (!study.differences) kept.push_back(list_of(request.parameters));
   study.starts = request.starts;
   study.most_runs = request.most_runs;
-  if (!request.data.empty()) read_data(study, request.data);
-  if (!request.events.empty()) read_changes(study, request.events);
-  for (const std::string& key : request.parameters) study.parameters.push_back(parameter_of(scene, key));
+  if (!request.data.empty()) read_data(study, scene, request.data);
+  if (!request.events.empty()) read_changes(study, scene, request.events);
+  for (const std::string& key : request.parameters) {
+    study.parameters.push_back(parameter_of(scene, key));
+    if (!is_parameter(key)) direction(scene.run, key);  // refuses keys that are none to vary
+  }
   for (const std::string& text : request.bounds) {
     const auto [key, range] = assignment(text, "--bounds", request.parameters);
     const std::size_t colon = range.find(':');
@@ -139,6 +184,7 @@ PreparedFit prepared_fit(const FitRequest& request,
     columns.emplace_back(name(trace.column));
     const double most = largest(trace.values);
     trace.deviation = most > 0.0 ? 0.01 * most : 1.0;
+    trace.assumed = true;
   }
   if (!study.changes.empty()) {
     columns.emplace_back("events");
@@ -150,18 +196,16 @@ PreparedFit prepared_fit(const FitRequest& request,
     if (!(deviation > 0.0)) throw std::invalid_argument(fmt::format("--deviation: {} is not positive", text));
     if (column == "events") study.change_deviation = deviation;
     for (MeasuredTrace& trace : study.traces)
-      if (column == name(trace.column)) trace.deviation = deviation;
+      if (column == name(trace.column)) trace.deviation = deviation, trace.assumed = false;
   }
   // What is chosen for the scene stays while its values move.
-  std::vector<std::string> kept;
   const auto chosen = nlohmann::ordered_json::parse(scene.chosen);
   if (chosen.contains("contact"))
     kept.push_back(fmt::format("contact.epsilon={}", chosen["contact"]["epsilon"].dump()));
   kept.push_back(fmt::format("method.name={}", name(scene.run.method)));
-  study.model = [read, kept, of, keys = request.parameters](std::span<const double> values) {
+  study.model = [read, kept, keys = request.parameters](std::span<const double> values) {
     std::vector<std::string> settings = kept;
     for (std::size_t k = 0; k < values.size(); ++k) settings.push_back(fmt::format("{}={}", keys[k], values[k]));
-    settings.push_back(of);
     return read(settings).run;
   };
   return prepared;

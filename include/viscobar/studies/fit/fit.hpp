@@ -26,6 +26,7 @@ struct MeasuredTrace {
   TraceColumn column = TraceColumn::u_left;  ///< what was measured
   std::vector<double> values;                ///< K
   double deviation = 1.0;                    ///< standard deviation of its noise, or what weighs it against others, > 0
+  bool assumed = false;                      ///< nobody gave that deviation: noise may be larger
 };
 
 /// A parameter that a fit looks for.
@@ -40,26 +41,33 @@ struct FittedParameter {
 ///
 ///     S(p) = sum over traces and times of ((model - data) / deviation)^2 + the same over the times of contact changes
 ///
-/// least, within their bounds, by Levenberg's and Marquardt's method on the sensitivities of each run.
+/// least, within their bounds, by Levenberg's and Marquardt's method on the sensitivities of each run, or on
+/// differences of runs where it has none.
+///
+/// Velocities and reactions jump. So the search compares their integrals first, displacements and impulses, and then
+/// the samples, those beside a contact change with the nearest value that the model has from one sample to the next but
+/// one. While much is left to explain, it begins anew where some of many trial runs came closest to the data.
 struct FitStudy {
   /// The scene for values of the parameters, with the direction of each, in their order; may throw where there is none.
   std::function<Case(std::span<const double> values)> model;
   std::vector<FittedParameter> parameters;  ///< one at least
-  std::vector<double> times;                ///< K, increasing, of the traces
+  std::vector<double> times;                ///< K, of the traces; they do not fall
   std::vector<MeasuredTrace> traces;        ///< may be none where there are changes
   std::vector<Event> changes;               ///< measured contact changes: time, where, node and change count
   double change_deviation = 1.0;            ///< of their times
   std::size_t starts = 1;  ///< so many beginnings: the one given, others spread over the bounds, which must be finite
   std::size_t most_runs = 100;  ///< for each of them
-  /// Differences of 1 + p runs instead of sensitivities: what they save is measured by it.
+  /// Differences of 1 + p runs instead of sensitivities, for methods without these.
   bool differences = false;
+  std::vector<std::string> understood;  ///< how files of data were read, a line each, told with the result
+  std::vector<std::string> doubts;      ///< what is strange in the data, in sentences, told among its warnings
 };
 
 /// What was found for one parameter.
 struct Estimate {
   std::string key;                  ///< of the parameter
   double estimate = 0.0;            ///< its value
-  double standard_deviation = 0.0;  ///< of it; NaN where the data do not determine it
+  double standard_deviation = 0.0;  ///< of it, the model's own error included; NaN where the data do not determine it
   bool at_bound = false;            ///< it would leave its bounds: it has no deviation
 };
 
@@ -73,15 +81,18 @@ struct Undetermined {
 /// The result of a fit.
 struct FitResult {
   std::vector<Estimate> parameters;         ///< n, in the order of the study
-  std::vector<double> covariance;           ///< n x n; NaN where there is none
+  std::vector<double> model_errors;         ///< n: what mesh, steps and tolerances of the model may move each by
+  std::vector<double> covariance;           ///< n x n, with the squares of these; NaN where there is none
   std::vector<double> correlation;          ///< n x n
   std::vector<double> singular_values;      ///< of the Jacobian, parameters counted in their estimates; decreasing
   std::vector<Undetermined> undetermined;   ///< those that count for nothing
   double residual = 0.0;                    ///< (S / (m - n))^(1/2), m numbers measured
   std::size_t measured = 0;                 ///< m
+  std::size_t freedom = 0;                  ///< m - n; 0: the deviations are those of the data as given
   std::size_t runs = 0;                     ///< of the model, all starts together
   std::size_t iterations = 0;               ///< of the best start
-  bool converged = false;                   ///< whether it came to a minimum
+  bool converged = false;                   ///< it came to a minimum, and nothing speaks against it
+  std::vector<std::string> doubts;          ///< what does, in sentences
   std::string reason;                       ///< why it ended
   std::vector<double> sums;                 ///< S at each start's end
   std::vector<std::vector<double>> traces;  ///< of the model, as the study's
