@@ -97,7 +97,7 @@ inline constexpr std::string_view automatic = "automatic";
 ///       neither                                         cvode, whose Adams formulas of order up to 12 follow
 ///                                                       oscillations best
 ///
-/// Where sensitivities are asked for, the first of these that has them: a penalised method, or rigid. Measured in
+/// Whether sensitivities are asked for changes nothing: they are those of this motion, or there are none. Measured in
 /// docs/methods.md.
 struct AutomaticMethod {
   MethodName method;        ///< that suits the case

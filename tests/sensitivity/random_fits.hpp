@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "viscobar/studies/fit/fit.hpp"
+
+/// Random fits: does one that begins within a factor of ten of the truth find it, or say that it did not?
+namespace viscobar::random_fits {
+
+/// Fit number `index` of the campaign `seed`, the same on every machine: bars thrown at an obstacle, pulled at an end,
+/// or under a load, of 12 elements, by `rigid`, a penalty, the scheme (2.8) or characteristics; one to three of
+/// viscosity, modulus, gap and speed; one to four columns, without noise or with 1 %.
+struct RandomFit {
+  FitStudy study;
+  std::vector<double> truth;
+  std::string words;  ///< what it is
+};
+RandomFit random_fit(std::uint64_t seed, std::size_t index);
+
+struct Judged {
+  bool found = false;      ///< S is no larger than where a fit from the truth ends
+  bool converged = false;  ///< it says that it is to be relied on
+  double excess = 0.0;     ///< S over that, in variances of the noise or of 1 % of the deviations
+  std::size_t runs = 0;
+};
+Judged judge(const RandomFit& fit);
+
+}  // namespace viscobar::random_fits
