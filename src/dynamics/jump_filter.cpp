@@ -226,7 +226,8 @@ JumpFilter::Taken JumpFilter::pass_kick(PenalisedSystem& system, std::span<const
   for (std::size_t i = 0; i < w.size(); ++i) force_[i] = w[i] - before[i];
   stiffness(force_, rate_);
   apply(rate_);
-  for (std::size_t i = 0; i < w.size(); ++i) w[i] -= rate_[i];
+  shift_w_.resize(w.size());
+  for (std::size_t i = 0; i < w.size(); ++i) w[i] += shift_w_[i] = -rate_[i];
   return {energy - system.energy(u, w), 0.0};
 }
 
@@ -289,17 +290,20 @@ void JumpFilter::add_slope(const std::array<double, 2>& change, Function&& f, st
   added_stiffness_ = {};
 }
 
+double JumpFilter::fading(const Derivative& derivative) const {
+  if (!bar_.damped()) return 0.0;
+  const Derivative::MatrixRates rates = derivative.matrix_rates();
+  const Bar& bar = bar_.bar();
+  const double square = bar.viscosity * bar.viscosity / (scale_ * bar.modulus * bar.modulus);
+  return -8.0 * square / (1.0 - 2.0 * square) *
+         (2.0 * rates.viscosity / bar.viscosity - rates.inertia - rates.modulus / bar.modulus);
+}
+
 void JumpFilter::differentiate(const Derivative& derivative, std::span<double> force, std::span<double> rate,
                                std::span<double> s, std::span<double> s_rate) {
   const Derivative::MatrixRates rates = derivative.matrix_rates();
   const Bar& bar = bar_.bar();
-  double fading = 0.0;  // theta' / theta
-  if (bar_.damped()) {
-    const double square = bar.viscosity * bar.viscosity / (scale_ * bar.modulus * bar.modulus);
-    fading = -8.0 * square / (1.0 - 2.0 * square) *
-             (2.0 * rates.viscosity / bar.viscosity - rates.inertia - rates.modulus / bar.modulus);
-  }
-  const double growth = fading - rates.modulus / bar.modulus;
+  const double fading = this->fading(derivative), growth = fading - rates.modulus / bar.modulus;
   // A is a pure number but for its springs, k h / E.
   std::array<double, 2> springs{}, dashpots{};
   for (const Mount& mount : bar_.mounts())

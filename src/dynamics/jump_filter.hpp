@@ -63,6 +63,9 @@ class JumpFilter {
   void differentiate(const Derivative& derivative, std::span<double> force, std::span<double> rate, std::span<double> s,
                      std::span<double> s_rate);
   bool has_shifted() const { return shifted_; }  ///< whether that call did anything
+  /// What the last pass_kick() added to velocities: linear in them, and going with theta, theta'/theta being fading().
+  std::span<const double> kick() const { return shift_w_; }
+  double fading(const Derivative& derivative) const;
   /// Those of [b] and [b'] of begin(), before it, and of R' of a hold: the derivative is driven by the bar's motion.
   void start_rates(Derivative& derivative, double t, std::span<const double> w, std::span<const double> s,
                    std::span<const double> s_rate, std::span<double> force, std::span<double> rate);

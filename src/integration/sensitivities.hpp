@@ -36,8 +36,8 @@ class Sensitivities {
   std::vector<ChangeSensitivity> before(double t, std::size_t i, std::span<double> y);
   /// Those of its opening at once, by a rebound.
   void rebound(std::size_t i, std::vector<ChangeSensitivity>& changes) const;
-  /// It has, y being the state after the change but for its derivatives.
-  void after(double t, std::size_t i, std::span<double> y);
+  /// It has, y being the state after the change but for its derivatives; of an impact, with the filter's kick.
+  void after(double t, std::size_t i, const JumpFilter* kicked, std::span<double> y);
 
   /// To those of a change of contact i, velocities in the frame, what they are of the bar itself.
   void add_frame(double t, std::size_t i, std::vector<ChangeSensitivity>& changes) const;
@@ -49,6 +49,7 @@ class Sensitivities {
   template <class Jump>
   void pass_start(JumpFilter& filter, double t, std::span<double> y, Jump&& jump) {
     if (!lost()) {
+      account(t, 1.0, y);
       const Moment at = moment_(t, layout_->u(y), layout_->w(y), {});
       each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
         derivative.take_contacts();
@@ -58,20 +59,26 @@ class Sensitivities {
     }
     jump();
     shift(filter, y);
+    account(t, -1.0, y);
   }
   template <class Jump>
   void pass_break(JumpFilter& filter, double t, double end, std::span<double> y, Jump&& jump) {
+    account(t, 1.0, y);
     jump();
-    if (!filter.has_shifted() || lost()) return;
+    if (lost()) return;
     for (std::size_t k = 0; k < pointers_.size(); ++k) {
       for (std::vector<double>* one : {&jumps_[k].first, &jumps_[k].second}) std::ranges::fill(*one, 0.0);
       pointers_[k]->motion().load_jump(t, end, jumps_[k].first, jumps_[k].second);
     }
     shift(filter, y);
+    account(t, -1.0, y);
   }
   /// The contact is closed still, and before() has been called.
   void hold(JumpFilter& filter, std::size_t i, double t, const JumpFilter::Hold& hold, std::span<double> y);
-  void release(JumpFilter& filter, std::span<double> y) { shift(filter, y); }
+  void release(JumpFilter& filter, double t, std::span<double> y) {
+    shift(filter, y);
+    account(t, -1.0, y);
+  }
 
   /// Of a snapshot, valid until the next call.
   std::span<const FieldSensitivity> fields(double t, std::span<double> y, const Snapshot& snapshot);
@@ -94,6 +101,8 @@ class Sensitivities {
   void complete(Derivative& derivative, const Moment& at, const Block& s);
   void differentiate_by_time(const Moment& at);
   void shift(JumpFilter& filter, std::span<double> y);
+  // The momentum that a shift changes is none of an obstacle's impulse.
+  void account(double t, double sign, std::span<double> y);
   double acceleration_of(const Moment& at, std::size_t node);
   double indicator_rate(const Moment& at, std::size_t i);
   bool grazes(std::size_t i, double rate) const;

@@ -181,7 +181,7 @@ class StepwisePart {
         differentiate_closing(t, i, start, approach);
         tell_event(t, i, Change::closing, approach[system_.contact(i).unknown]);
         if (system_.collides(i)) close(t, i);
-        if (sensitivities_) sensitivities_->after(t, i, y_);
+        if (sensitivities_) sensitivities_->after(t, i, nullptr, y_);
       }
     statistics_.reached_time = t;
     tell_snapshot(t);
@@ -349,23 +349,25 @@ class StepwisePart {
       const Change change = system_.closed(i) ? Change::opening : Change::closing;
       if (sensitivities_) changes_ = sensitivities_->before(t, i, y_);
       tell_event(t, i, change, velocity[system_.contact(i).unknown]);
+      bool kicked = false;
       const bool rings = filter_.acts() && system_.collides(i);
       if (change == Change::opening) {
         const auto hold = rings ? std::optional(filter_.hold(system_, i, t, u(), w())) : std::nullopt;
         if (hold && sensitivities_) sensitivities_->hold(filter_, i, t, *hold, y_);
         system_.set_closed(i, false);
         if (hold) take(filter_.release(system_, i, t, *hold, u(), w()));
-        if (hold && sensitivities_) sensitivities_->release(filter_, y_);
+        if (hold && sensitivities_) sensitivities_->release(filter_, t, y_);
       }
       if (change == Change::closing) {
         const std::vector<double> before(w().begin(), rings ? w().end() : w().begin());
         close(t, i);
-        if (rings && system_.closed(i)) take(filter_.pass_kick(system_, before, u(), w()));
+        kicked = rings && system_.closed(i);
+        if (kicked) take(filter_.pass_kick(system_, before, u(), w()));
       } else if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change()))
         weigh_opening({system_, layout_, stepper_}, i, {t, begin, end, watchdog_.last_change()}, inner_,
                       statistics_.late_opening);
       system_.place_on_obstacle(i, u());
-      if (sensitivities_) sensitivities_->after(t, i, y_);
+      if (sensitivities_) sensitivities_->after(t, i, kicked ? &filter_ : nullptr, y_);
     };
     search_.look_at(begin, t);
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
