@@ -314,7 +314,7 @@ double Derivative::energy(const Moment& at, std::span<const double> s, std::span
   for (const Mount& mount : mounts_) sum += 0.5 * mount.stiffness * u[end(mount)] * u[end(mount)];
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     const double clearance = system_.clearance(i, at.u);
-    if (system_.holds(i) || clearance >= 0.0) continue;
+    if (system_.holds(i) || system_.moves(i) || clearance >= 0.0) continue;
     sum += clearance * (system_.law(i).stiffness * motion_.clearance(i, s) + 0.5 * laws_[i].stiffness * clearance);
   }
   return sum;

@@ -356,7 +356,7 @@ double PenalisedSystem::energy(std::span<const double> u, std::span<const double
 double PenalisedSystem::contact_energy(std::span<const double> u) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < laws_.size(); ++i)
-    if (!holds(i)) sum += laws_[i].energy(-clearance(i, u));
+    if (!holds(i) && !moves(i)) sum += laws_[i].energy(-clearance(i, u));
   return sum;
 }
 

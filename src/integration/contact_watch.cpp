@@ -98,18 +98,28 @@ void ContactWatch::select(std::vector<std::size_t>& positions) const {
   span_.select(positions);
 }
 
+inline std::array<double, 5> ContactWatch::values_of(const End& end, std::span<const double> u,
+                                                     std::span<const double> w) {
+  std::array<double, 5> values{};
+  for (std::size_t k = 0; k < end.entries.size(); ++k) {
+    const std::size_t entry = end.entries[k];
+    values[k] = entry < u.size() ? u[entry] : w[entry - u.size()];
+  }
+  return values;
+}
+
+void ContactWatch::enter_frame(std::span<const double> u, std::span<const double> w) {
+  for (End& end : ends_) end.stored = stored(end, values_of(end, u, w));
+}
+
 void ContactWatch::begin(double t, std::span<const double> u, std::span<const double> w) {
   seen_ = t;
   const auto holds = [this](std::size_t i) { return system_.closed(i) && system_.holds(i); };
   springs_ = !bar_.moving() && !span_.closed() && std::ranges::none_of(ends_, [&](const End& end) {
     return end.follows || std::ranges::any_of(end.contacts, holds);
   });
-  std::array<double, 5> values{};
   for (End& end : ends_) {
-    for (std::size_t k = 0; k < end.entries.size(); ++k) {
-      const std::size_t entry = end.entries[k];
-      values[k] = entry < u.size() ? u[entry] : w[entry - u.size()];
-    }
+    const std::array<double, 5> values = values_of(end, u, w);
     const double now = displacement(end, t, values);
     end.account->displacement = now;
     end.account->lowest = std::min(end.account->lowest, now);

@@ -138,14 +138,7 @@ class ContactWatch {
   bool resolved() const;
 
   /// The state is (u, w) in another frame now: no force has done it.
-  void enter_frame(std::span<const double> u, std::span<const double> w) {
-    std::array<double, 5> values{};
-    for (End& end : ends_) {
-      for (std::size_t k = 0; k < end.entries.size(); ++k)
-        values[k] = end.entries[k] < u.size() ? u[end.entries[k]] : w[end.entries[k] - u.size()];
-      end.stored = stored(end, values);
-    }
-  }
+  void enter_frame(std::span<const double> u, std::span<const double> w);
   /// The velocities of a frame that moves have changed at once by that: no force has done it.
   void pass_kink(std::span<const double> change) {
     for (End& end : ends_) {
@@ -191,6 +184,8 @@ class ContactWatch {
   };
 
   void watch(EndAccount& account, bool right);
+  // Of its entries.
+  static std::array<double, 5> values_of(const End& end, std::span<const double> u, std::span<const double> w);
   void add_extremes(End& end);
   // What is to be added to displacements of the frame.
   double lift(const End& end, double t) const { return bar_.moving() ? bar_.lift(t, 0).of(end.right) : 0.0; }
