@@ -204,6 +204,24 @@ void Derivative::add_frame() {
     for (std::size_t i = 0; i < n; ++i) added_[i] -= inertia_ * lift_inertia(i, lift_[2]);
 }
 
+void Derivative::add_frame_rate(double t, std::span<double> rate) const {
+  const BarSystem& bar = system_.bar();
+  if (!bar.moving()) return;
+  const Lift velocity = system_.lift(t, 1), acceleration = system_.lift(t, 2);
+  const double stress = lift_stress(velocity, acceleration);
+  if (!bar.left_fixed()) rate.front() += stress;
+  if (!bar.right_fixed()) rate.back() -= stress;
+  for (const auto& [node, stiffness, dashpot] : mounts_) {
+    const bool right = bar.is_right(node);
+    rate[node] -= stiffness * velocity.of(right) + dashpot * acceleration.of(right);
+  }
+  const auto [before, after] = system_.beside(t);
+  if (inertia_ == 0.0 || before >= after) return;
+  const Lift early = system_.lift(before, 2), late = system_.lift(after, 2);
+  const Lift jerk{(late.left - early.left) / (after - before), (late.right - early.right) / (after - before)};
+  for (std::size_t i = 0; i < rate.size(); ++i) rate[i] -= inertia_ * lift_inertia(i, jerk);
+}
+
 double Derivative::drive_row(std::size_t end, double t, double u, double u_next, double w, double w_next) const {
   const double apart = system_.origin_at(end == 0 ? 1 : end - 1) - system_.origin_at(end);
   double sum = (modulus_ * (u_next - u + apart) + viscosity_ * (w_next - w)) / system_.bar().spacing_at(end);

@@ -120,6 +120,9 @@ class Derivative {
   /// Sets the added force for the state of the bar. O(n)
   void drive(const Moment& at);
 
+  /// Adds the rate of what the frame adds to that force.
+  void add_frame_rate(double t, std::span<double> rate) const;
+
   /// The added force in the row of a massless end alone, for values of the bar there and at the neighbour.
   double drive_row(std::size_t end, double t, double u, double u_next, double w, double w_next) const;
 

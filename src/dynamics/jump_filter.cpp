@@ -358,6 +358,7 @@ void JumpFilter::start_rates(Derivative& derivative, double t, std::span<const d
   for (double& one : rate) one = -one;
   derivative.motion().add_load_rate(t, rate);
   add_changes(derivative, w, {}, rate);
+  derivative.add_frame_rate(t, rate);
 }
 
 double JumpFilter::hold_rate(Derivative& derivative, std::size_t i, double t, const Hold& hold,
@@ -372,6 +373,7 @@ double JumpFilter::hold_rate(Derivative& derivative, std::size_t i, double t, co
   for (std::size_t j = 0; j < rate_.size(); ++j) rate_[j] = -rate_[j] - force_[j] - inertia * hold.jerk_force[j];
   motion.add_load_rate(t, rate_);
   add_changes(derivative, w, hold.acceleration, rate_);
+  derivative.add_frame_rate(t, rate_);
   return motion.holding_force(i, rate_);
 }
 

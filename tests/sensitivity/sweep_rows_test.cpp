@@ -61,7 +61,7 @@ TEST(SensitivitiesInSweeps, AreThoseOfEachRunAndSurviveTheFile) {
   {
     SweepResults results(scratch / "out", sweep);
     for (const SweepRow& row : rows) results.add(row);
-    results.close();
+    results.close(scratch / "out");
   }
   SweepResults again(scratch / "out", sweep);
   for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -161,7 +161,7 @@ TEST(CasesThatBeginAtANeighbour, HaveTheSameRowsFromAnyNumberOfThreadsAndAfterAn
     {
       SweepResults results(scratch / "out", sweep);
       for (std::size_t i = 0; i < rows.size(); i += every) results.add(rows[i]);
-      results.close();
+      results.close(scratch / "out");
     }
     const SweepResults results(scratch / "out", sweep);
     EXPECT_EQ(told(sweep, all_rows(sweep, 2, results.rows())), whole) << every;
