@@ -118,13 +118,63 @@ TEST_F(Sensitivity, OfAFitSaysWhatIsWrongWithItsData) {
   refused("u_left\n1\n", "t: is missing");
   refused("t,u_left\n0,1\n1,x\n", "data.csv:3:2: u_left: \"x\" is no number");
   refused("t,u_left\n0,1\n1\n", "has 1 values for 2 columns");
-  refused("t,u_left\n1,1\n\n0,1\n", "data.csv:4:1: t: must not fall");
-  refused("t,u_left\n0,1\n0,1\n", "is there twice");
+  refused("t,u_left\n0.1,\n0.2,\n", "u_left has no value");
+  refused("t,u_left,v_left\n0.1,1,NA\n0.2,2,\n", "v_left has no value");
+  refused("t,u_left\n0,0\n1500,0.1\n3000,0.2\n", "such as milliseconds");
+  refused("t,u_left\n0,0\n1,0.1\n3,0.2\n", "such as milliseconds", "--set time.end=3000");
+  refused("t [ms],u_left\n0,0\n1,0.1\n3,0.2\n", "such as milliseconds", "--set units.time=s");
+  refused("t,u_left [in]\n0,0\n1,0.1\n", "u_left is in in, and the scene's unit of it is mm", "--set units.length=mm");
   refused("t,u_left\n", "holds no data");
   refused("t\n0\n", "has no column of values");
   refused("t,u_left\n0,1\n1,1\n", "is no LOW:HIGH", "--bounds left.gap=0.5");
   refused("t,u_left\n0,1\n1,1\n", "is none of left.gap", "--bounds bar.modulus=1:2");
   EXPECT_EQ(viscobar("fit bar.toml --parameters left.gap").code, 2);
+}
+
+TEST_F(Sensitivity, OfAFitRefusesContactTimesWhereNothingCanTouch) {
+  std::ofstream(directory_ / "bar.toml") << scene_text;
+  for (const std::string where :
+       {"right", "span:3", "span:-1", "span:", "span:x", "span:99999999999999999999", "top"}) {
+    std::ofstream(directory_ / "events.csv") << "t,where,change\n0.5," << where << ",closing\n";
+    const auto run = viscobar("fit bar.toml --events events.csv --parameters left.gap");
+    EXPECT_EQ(run.code, 2) << where;
+    EXPECT_NE(run.error.find(" at t = 0.5"), std::string::npos) << run.error;
+  }
+  std::ofstream(directory_ / "events.csv") << "t,where,change\n0.5,span:21,closing\n";
+  EXPECT_EQ(viscobar("fit bar.toml --events events.csv --parameters span.gap --set left.kind=free --set left.gap= "
+                     "--set span.gap=0.1")
+                .code,
+            2);
+}
+
+TEST_F(Sensitivity, OfAFitSaysHowItReadItsDataAndFindsCodesOfMissingValues) {
+  std::ofstream(directory_ / "bar.toml") << scene_text;
+  ASSERT_EQ(viscobar("run bar.toml -o made --quiet").code, 0);
+  std::istringstream csv(read_text(directory_ / "made/ends.csv"));
+  std::ofstream data(directory_ / "data.csv");
+  data << "\xef\xbb\xbfTime [ms];u_left [mm];temperature\n# recorder 7\n";
+  std::string line;
+  std::getline(csv, line);
+  for (int k = 0; std::getline(csv, line); ++k) {
+    const double t = std::stod(line), u = std::stod(line.substr(line.find(',') + 1));
+    std::string number = k % 20 == 7 ? "-9999" : std::to_string(1e3 * u);
+    if (const auto point = number.find('.'); point != number.npos) number[point] = ',';
+    data << static_cast<int>(std::round(1e3 * t)) << ";" << number << ";20\n";
+  }
+  data.close();
+  const auto fit = viscobar(
+      "fit bar.toml --data data.csv --parameters bar.viscosity --set bar.viscosity=0.2 --set units.time=s "
+      "--set units.length=m -o fitted --json");
+  ASSERT_EQ(fit.code, 0) << fit.error;
+  const auto json = fit.json();
+  EXPECT_NEAR(json["parameters"]["bar.viscosity"]["estimate"], 0.08, 1e-4);
+  ASSERT_EQ(json["data"].size(), 1u);
+  const std::string read = json["data"][0];
+  for (const char* part : {"151 rows, t from 0 to 3000 ms", "of u_left [mm]", "semicolons", "decimal commas",
+                           "1 lines of comments", "columns temperature left out"})
+    EXPECT_NE(read.find(part), std::string::npos) << part << "\n" << read;
+  ASSERT_EQ(json["warnings"].size(), 1u);
+  EXPECT_NE(json["warnings"][0].get<std::string>().find("of u_left are -9999"), std::string::npos);
 }
 
 }  // namespace
