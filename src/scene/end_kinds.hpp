@@ -48,7 +48,8 @@ inline constexpr std::string_view inputs_of_fixed_ends[] = {"motion"};
 
 inline constexpr EndKind end_kinds[] = {
     {"obstacle", "an obstacle",
-     "u >= -gap, or u <= gap with the side above; the reaction pushes, never pulls, and only in contact; wants a gap",
+     "u >= -gap, or u <= gap with the side above; the reaction acts only in contact and pushes, but for the dashpot of "
+     "contact.restitution, which may pull as a penalised contact opens; wants a gap",
      Obstacle{1e100}, true, inputs_of_free_ends, obstacle_numbers,
      [](const EndCondition& end, double) { return EndNode{.obstacle = std::get<Obstacle>(end)}; }},
     {"free",

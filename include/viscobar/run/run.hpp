@@ -38,9 +38,9 @@ struct Snapshot {
   double time = 0.0;          ///< t
   std::span<const double> u;  ///< displacement, J+1 entries, valid during the call
   std::span<const double> v;  ///< velocity, likewise
-  /// Force of the obstacles on the end nodes in the direction of u, R_0 = -s and R_L = s in contact: not negative of an
-  /// obstacle below, not positive of one above; for a fixed end the traction of the end element, -s and s; 0 at a free
-  /// end.
+  /// Force of the obstacles on the end nodes in the direction of u, R_0 = -s and R_L = s in contact: a push, but for
+  /// the dashpot of a penalty with restitution, which may pull as a contact opens; for a fixed end the traction of the
+  /// end element, -s and s; 0 at a free end.
   double reaction_left = 0.0;
   double reaction_right = 0.0;  ///< likewise
   /// An entry for each direction that was asked for, valid during the call.
