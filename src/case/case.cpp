@@ -133,9 +133,11 @@ std::string method_words(const Case& run) {
 
 MethodName penalised_method(const Case& run) {
   Case study = run;
-  if (!is_penalised(study.method)) study.method = MethodName::cvode;
+  if (!is_penalised(study.method))
+    study.method = study.scene.bar.viscosity > 0.0 ? MethodName::arkode : MethodName::cvode;
   if (!study.mass && redistributes(study)) study.mass = Mass::redistributed;
-  return has_algebraic_rows(study) && !method_row(study.method).takes_algebraic_rows ? MethodName::ida : study.method;
+  return has_algebraic_rows(study) && !method_row(study.method).takes_algebraic_rows ? MethodName::arkode
+                                                                                     : study.method;
 }
 
 BarSystem make_system(const Case& run) { return BarSystem(run.scene, run.mesh(), effective_mass(run)); }

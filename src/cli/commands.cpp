@@ -16,6 +16,7 @@
 #include "input/input_text.hpp"
 #include "input/scene_keys.hpp"
 #include "report/page.hpp"
+#include "results/output_file.hpp"
 #include "results/result_directory.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/results/io_error.hpp"
@@ -95,7 +96,8 @@ Study::Study(const StudyOptions& options, const SceneFile& scene, ResultKind kin
   end_on_interrupt();
 }
 
-void Study::finish(const std::string& json, PicturedPage page, const std::string& text) const {
+void Study::finish(const std::string& json, PicturedPage page, const std::string& text, const std::string& csv) const {
+  if (!csv.empty()) write_atomically(directory_.path() / (name_ + ".csv"), csv);
   const std::string written = write_study(directory_.path(), name_, json, std::move(page), options_.figures);
   if (options_.scene.json)
     print(written);

@@ -115,8 +115,9 @@ class Study {
   /// Warns of other scenes there; from now on an interrupt ends the program.
   Study(const StudyOptions& options, const SceneFile& scene, ResultKind kind);
 
-  /// Writes NAME.json and NAME.html, and prints the one, or else `text` and where the pictures are. @throws IoError
-  void finish(const std::string& json, PicturedPage page, const std::string& text) const;
+  /// Writes NAME.json, NAME.html and, if it is not empty, NAME.csv, and prints the first, or else `text` and where the
+  /// pictures are. @throws IoError
+  void finish(const std::string& json, PicturedPage page, const std::string& text, const std::string& csv = "") const;
 
  private:
   const StudyOptions& options_;

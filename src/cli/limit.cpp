@@ -14,18 +14,36 @@ constexpr DecadeRange epsilons{"--epsilon", "a positive number", "1e-2:1e-8", st
 struct LimitOptions : StudyOptions {
   using StudyOptions::StudyOptions;
   LimitStudy study;
-  std::string epsilon, mass, error;
+  std::string epsilon, mass, elements, error;
   std::size_t per_decade = 1;
 };
 
+/// "27,54,108", or "27:108", doubled from mesh to mesh.
+std::vector<std::size_t> meshes_named(const std::string& text) {
+  std::vector<std::size_t> meshes;
+  if (text.empty()) return meshes;
+  const auto range = text.find(':');
+  for (std::string word : CLI::detail::split(text, range == std::string::npos ? ',' : ':')) {
+    if (const std::string problem = number_of_elements(word); !problem.empty()) refuse("--elements: {}", problem);
+    meshes.push_back(std::stoul(word));
+  }
+  if (range == std::string::npos) return meshes;
+  if (meshes.size() != 2 || meshes[0] > meshes[1]) refuse("--elements: \"{}\" is no range; it is FIRST:LAST", text);
+  const std::size_t last = meshes[1];
+  meshes.pop_back();
+  while (2 * meshes.back() <= last) meshes.push_back(2 * meshes.back());
+  return meshes;
+}
+
 int study_limit(const LimitOptions& asked) {
   LimitStudy study = asked.study;
+  study.elements = meshes_named(asked.elements);
   if (!asked.epsilon.empty()) study.epsilons = epsilons(asked.epsilon, asked.per_decade);
   std::vector<std::string> settings = finest_mesh(study.elements);
   if (!asked.mass.empty()) settings.push_back("mesh.mass=" + asked.mass);
   if (!asked.error.empty()) settings.push_back("accuracy.error=" + asked.error);
   // The scene's own epsilon, which it may lack, is not used.
-  const SceneFile scene = asked.scene.read(settings, [&](Case& run) {
+  SceneFile scene = asked.scene.read(settings, [&](Case& run) {
     if (study.epsilons.empty()) study.epsilons = natural_penalties(run.scene, asked.per_decade);
     run.epsilon = study.epsilons.front();
     run.method = penalised_method(run);
@@ -41,24 +59,32 @@ int study_limit(const LimitOptions& asked) {
   if (!asked.error.empty() && !chooses) refuse("--elements: --error chooses the mesh; give one of the two");
 
   const Study files(asked, scene, ResultKind::limit);
+  catch_interrupts();
+  study.interrupted = interrupt_asked;
   StatusLine status;
+  if (!asked.output.quiet && !asked.scene.json)
+    study.row = [&](const LimitRow& row) {
+      status.clear();
+      say(limit_row_text(row));
+    };
   if (!asked.output.quiet && on_terminal())
     study.progress = [&](std::size_t done, std::size_t of) { status.show(fmt::format("{} of {} runs", done, of)); };
-  std::optional<ErrorEstimate> missed;
   if (chooses) {
     if (study.progress) status.show("a mesh that keeps the error");
     const AccuracyResult solved = limit_to_accuracy(study, *scene.accuracy);
     study.elements = {solved.run.elements};
-    if (!solved.estimate.kept) missed = solved.estimate;
+    study.estimate = solved.estimate;
   }
+  const std::optional<ErrorEstimate> missed = study.estimate && !study.estimate->kept ? study.estimate : std::nullopt;
   const LimitResult result = limit_of(study);
   status.clear();
   const CouplingResult coupling = balance_errors(study, result);
   files.finish(limit_json(scene, study, result, coupling), limit_page(study, result, coupling),
-               limit_text(study, result, coupling));
+               limit_text(study, result, coupling), limit_csv(result));
   for (const FailedRun& run : result.failed)
     complain(fmt::format("epsilon = {} on {} elements: {}", run.epsilon, run.elements, run.what));
   if (missed) complain(fmt::format("the error that was asked for is not kept at epsilon = 0: {}", missed->doubt));
+  if (interrupt_asked()) return stopped;
   return result.failed.empty() && !missed ? success : run_failed;
 }
 
@@ -74,14 +100,13 @@ Action limit_command(CLI::App& command) {
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   add(command, "--mass", "NAME", asked->mass, "The mass matrix, in place of the scene's");
-  add_list(command, "--elements", "N,N...", study.elements,
-           "Meshes, in place of the scene's; three or more give epsilon(h)")
-      ->check(number_of_elements);
+  add(command, "--elements", "N,N...", asked->elements,
+      "Meshes, in place of the scene's, or FIRST:LAST, doubled: also the bar's own motion; three or more give epsilon(h)");
   add_list(command, "--steps", "DT,DT...", study.steps,
            "Time steps of the scheme to start with, one for each mesh (default: the scene's, or h / (100 c))")
       ->check(positive_number);
   add(command, "--budget", "SECONDS", study.budget,
-      "Processor seconds for smaller steps of the scheme, taken until the verdict is known")
+      "Processor seconds of all runs; the study goes on by itself until the verdict is known")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   asked->scene.takes_accuracy = true;

@@ -39,7 +39,7 @@ const std::array<Files, 6>& all_files() {
             {"ends.csv", "events.csv", "energy.csv", "sensitivity.csv", "field.h5", "field.xdmf", "report.html",
              "checkpoint.bin", "checkpoint.previous.bin"}},
       Files{"compare.json", {R"("pairs")", R"("version")"}, {"compare.html"}},
-      Files{"limit.json", {R"("verdict")", R"("version")"}, {"limit.html"}},
+      Files{"limit.json", {R"("verdict")", R"("version")"}, {"limit.html", "limit.csv"}},
       Files{"precision.json", {R"("reference")", R"("version")"}, {"precision.html"}},
       Files{"sweep.h5", {"viscobar", "\x89HDF"}, {"sweep.csv", "timings.csv", "sweep.json", "sweep.html"}, true},
       Files{"fit.json", {R"("covariance")", R"("version")"}, {"fit.html"}}};

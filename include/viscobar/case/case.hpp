@@ -109,8 +109,8 @@ AutomaticMethod automatic_method(const Case& run);
 /// What to call the method of a run: its name, with "automatic" where it was asked to be chosen.
 std::string method_words(const Case& run);
 
-/// The penalised method that a study of a case takes: the case's own, or cvode for one that does not penalise, and ida
-/// where that one cannot take the scene (massless contact nodes without viscosity).
+/// The penalised method that a study of a case takes: the case's own; if that does not penalise, arkode with viscosity,
+/// else cvode; and arkode where that one cannot take the scene (massless contact nodes without viscosity).
 MethodName penalised_method(const Case& run);
 
 /// The mass of a run: the one asked for, else one whose contact nodes do not bounce by themselves where there is any,

@@ -36,6 +36,10 @@ PicturedPage compare_page(const Scene& scene, const MethodChoice& choice, const 
 /// The output of `viscobar limit` as JSON.
 std::string limit_json(const SceneFile& scene, const LimitStudy& study, const LimitResult& result,
                        const CouplingResult& coupling);
+/// Its rows as CSV, those that a row lacks empty.
+std::string limit_csv(const LimitResult& result);
+/// A row as it is made, in a sentence.
+std::string limit_row_text(const LimitRow& row);
 /// The same for the terminal.
 std::string limit_text(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling);
 /// The same as a page with pictures.

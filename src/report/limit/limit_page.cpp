@@ -11,28 +11,43 @@ namespace viscobar {
 
 namespace {
 
-Json order_or_null(const std::optional<ObservedOrder>& order) { return order ? Json(order->order) : Json(nullptr); }
+Json order_or_null(const std::optional<SequenceOrder>& order) { return order ? Json(order->order) : Json(nullptr); }
 
 Json to_json(const LimitEvidence& evidence) {
   return {{"difference", evidence.difference},
           {"penalty_error", evidence.penalty_error},
           {"scheme_error", evidence.scheme_error},
           {"extrapolated", evidence.extrapolated},
+          {"apart", evidence.apart},
           {"apart_at_least", evidence.lower()},
           {"apart_at_most", evidence.upper()},
-          {"stake", evidence.stake}};
+          {"stake", evidence.stake},
+          {"until", evidence.until}};
 }
 
 Json to_json(const std::vector<SchemeRun>& runs) {
   Json json = Json::array();
   for (const SchemeRun& run : runs)
-    json.push_back({{"step", run.step}, {"change", run.change}, {"events", run.events}, {"seconds", run.seconds}});
+    json.push_back({{"step", run.step},
+                    {"change", run.change},
+                    {"distance", run.distance},
+                    {"events", run.events},
+                    {"seconds", run.seconds}});
   return json;
 }
 
 Json detailed(const std::optional<ObservedOrder>& order) {
   if (!order) return nullptr;
   return {{"order", order->order}, {"standard_error", order->standard_error}};
+}
+
+Json detailed(const std::optional<SequenceOrder>& order, const auto& at) {
+  if (!order) return nullptr;
+  return {{"order", order->order},
+          {"standard_error", order->standard_error},
+          {"bound", order->bound},
+          {"from", at(order->first)},
+          {"to", at(order->last)}};
 }
 
 Json to_json(const std::optional<LocalPower>& of) {
@@ -55,6 +70,9 @@ Json to_json(const LimitRow& row, bool derivatives) {
                {"max_penetration", row.max_penetration},
                {"difference_to_scheme", row.difference_to_scheme}};
   if (row.difference_to_rigid) json["difference_to_rigid"] = *row.difference_to_rigid;
+  if (row.difference_to_own_limit) json["difference_to_own_limit"] = *row.difference_to_own_limit;
+  if (row.difference_to_scheme_limit) json["difference_to_scheme_limit"] = *row.difference_to_scheme_limit;
+  json["tolerance"] = row.tolerance;
   json["steps"] = row.steps;
   json["seconds"] = row.seconds;
   if (derivatives)
@@ -64,27 +82,35 @@ Json to_json(const LimitRow& row, bool derivatives) {
 
 Json to_json(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
   const LimitTheory powers = theory(study);
+  const auto epsilon = [&](std::size_t i) { return rows[i].epsilon; };
   Json json = {{"elements", orders.elements},
                {"verdict", name(orders.verdict)},
                {"reason", verdict_reason(study, orders, rows)},
+               {"sentence", limit_sentence(orders)},
                {"boundary", orders.boundary},
                {"small_epsilon",
-                {{"penetration", detailed(orders.penetration)},
-                 {"to_scheme", detailed(orders.to_scheme)},
-                 {"to_rigid", detailed(orders.to_rigid)},
+                {{"penetration", detailed(orders.penetration, epsilon)},
+                 {"to_scheme", detailed(orders.to_scheme, epsilon)},
+                 {"to_rigid", detailed(orders.to_rigid, epsilon)},
+                 {"to_own_limit", detailed(orders.to_own_limit, epsilon)},
+                 {"to_scheme_limit", detailed(orders.to_scheme_limit, epsilon)},
                  {"theory_penetration", powers.penetration},
                  {"theory_difference", powers.difference}}},
                {"layer_resolved",
-                {{"penetration", detailed(orders.penetration_layer)},
-                 {"to_rigid", detailed(orders.to_rigid_layer)},
+                {{"penetration", detailed(orders.penetration_layer, epsilon)},
+                 {"to_rigid", detailed(orders.to_rigid_layer, epsilon)},
                  {"theory", powers.layer}}},
+               {"scheme_order", detailed(orders.of_step, [&](std::size_t i) { return orders.scheme[i].step; })},
+               {"tolerance", orders.tolerance},
+               {"interrupted", orders.interrupted},
                {"scheme_step", orders.scheme_step},
                {"scheme_error", orders.scheme_error},
                {"scheme_events", orders.scheme_events},
                {"tolerance_error", orders.tolerance_error},
                {"evidence", to_json(orders.evidence)},
                {"scheme_runs", to_json(orders.scheme)}};
-  if (study.derivatives) json["local_power_to"] = orders.local_to_rigid ? Json("rigid") : Json(rows.back().epsilon);
+  if (study.derivatives)
+    json["local_power_to"] = orders.local_to_rigid || rows.empty() ? Json("rigid") : Json(rows.back().epsilon);
   return json;
 }
 
@@ -99,6 +125,26 @@ Json to_json(const CouplingResult& result) {
                               {"mesh_error", mesh.mesh_error},
                               {"epsilon", mesh.epsilon},
                               {"local_order", mesh.epsilon ? Json(mesh.local_order) : Json(nullptr)}});
+  return json;
+}
+
+Json to_json(const std::optional<OwnMotion>& of) {
+  if (!of) return nullptr;
+  const auto spacing = [&](std::size_t i) { return of->meshes[i].spacing; };
+  Json json = {{"reference", of->reference},
+               {"reference_error", of->error},
+               {"penalty", detailed(of->penalty, spacing)},
+               {"scheme", detailed(of->scheme, spacing)},
+               {"apart", detailed(of->apart, spacing)},
+               {"meshes", Json::array()}};
+  for (const OwnMotion::Mesh& mesh : of->meshes)
+    json["meshes"].push_back({{"elements", mesh.elements},
+                              {"spacing", mesh.spacing},
+                              {"penalty", mesh.penalty},
+                              {"scheme", mesh.scheme},
+                              {"apart", mesh.apart},
+                              {"epsilon", mesh.epsilon},
+                              {"step", mesh.step}});
   return json;
 }
 
@@ -131,9 +177,11 @@ std::string numbers(const LimitStudy& study, const LimitResult& result) {
           study.scene.restitution ? "in penalty and scheme" : "undamped penalty, implicit constraint in the scheme");
   all.add("Penalty ε", readable(study.epsilons.front()) + " to " + readable(study.epsilons.back()),
           fmt::format("{} values", study.epsilons.size()));
-  all.add("Scheme's time step", readable(orders.scheme_step),
-          fmt::format("error {}, by {} steps from {} down", readable(orders.scheme_error, 2), orders.scheme.size(),
-                      readable(orders.scheme.front().step, 2)));
+  if (!orders.scheme.empty())
+    all.add("Scheme's time step", readable(orders.scheme_step),
+            fmt::format("error {}, by {} steps from {} down", readable(orders.scheme_error, 2), orders.scheme.size(),
+                        readable(orders.scheme.front().step, 2)));
+  all.add("Relative tolerance", readable(orders.tolerance), "of the penalised runs");
   if (const auto lower = orders.evidence.lower(), upper = orders.evidence.upper(); lower && upper)
     all.add("Distance of the limits", readable(*lower, 2) + " to " + readable(*upper, 2),
             "of the penalised bar and of the scheme, by their differences and errors");
@@ -156,6 +204,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   json["order_penetration"] = order_or_null(orders.penetration);
   json["order_to_rigid"] = order_or_null(orders.to_rigid);
   json["order_to_scheme"] = order_or_null(orders.to_scheme);
+  json["sentence"] = limit_sentence(orders);
   json["budget"] = study.budget;
   json["mass"] = name(effective_mass(study.scene));
   json["restitution"] = study.scene.restitution;
@@ -164,15 +213,52 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   json["failed"] = Json::array();
   for (const FailedRun& run : result.failed)
     json["failed"].push_back({{"epsilon", run.epsilon}, {"elements", run.elements}, {"error", run.what}});
+  json["left_out"] = result.left_out;
+  json["own_motion"] = to_json(result.own_motion);
   json["meshes"] = Json::array();
   for (std::size_t m = 0; m < result.orders.size(); ++m)
     json["meshes"].push_back(to_json(study, result.orders[m], rows_of(result, m)));
   json["coupling"] = to_json(coupling);
   json["coupling_reason"] = coupling.coupling ? Json(nullptr) : Json(coupling.reason);
+  if (study.estimate)
+    json["error_estimate"] = {{"total", study.estimate->total},
+                              {"space", study.estimate->space},
+                              {"time", study.estimate->time},
+                              {"requested", study.estimate->requested},
+                              {"kept", study.estimate->kept}};
   json["scene"] = Json::parse(scene.complete());
   json["chosen"] = Json::parse(scene.chosen);
+  // What ran, not what was asked: the scene of limit.json, as it stands, is that of the finest mesh.
+  Json& ran = json["scene"];
+  ran["mesh"]["elements"] = orders.elements;
+  ran["mesh"]["mass"] = name(effective_mass(study.scene));
+  ran["method"]["relative_tolerance"] = orders.tolerance;
+  if (orders.scheme_step > 0.0) ran["method"]["step"] = orders.scheme_step;
+  if (json["chosen"].contains("mesh") && json["chosen"]["mesh"].contains("elements"))
+    json["chosen"]["mesh"]["elements"] = orders.elements;
   json["version"] = versions().viscobar;
   return json_text(json);
+}
+
+std::string limit_csv(const LimitResult& result) {
+  std::string out =
+      "elements,epsilon,mass,events,max_penetration,difference_to_scheme,difference_to_own_limit,"
+      "difference_to_scheme_limit,tolerance,steps,seconds\n";
+  const auto number = [](const std::optional<double>& value) {
+    return value ? fmt::format("{}", *value) : std::string();
+  };
+  for (const LimitRow& row : result.rows)
+    out += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", row.elements, row.epsilon, name(row.mass), row.events,
+                       row.max_penetration, row.difference_to_scheme, number(row.difference_to_own_limit),
+                       number(row.difference_to_scheme_limit), row.tolerance, row.steps, row.seconds);
+  return out;
+}
+
+std::string limit_row_text(const LimitRow& row) {
+  std::string text = fmt::format("epsilon = {:.3g} on {} elements: {} contact changes, penetration {:.3g}", row.epsilon,
+                                 row.elements, row.events, row.max_penetration);
+  if (row.difference_to_own_limit) text += fmt::format(", {:.3g} from its own limit", *row.difference_to_own_limit);
+  return text;
 }
 
 std::string limit_text(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
@@ -188,6 +274,9 @@ std::string limit_text(const LimitStudy& study, const LimitResult& result, const
     if (result.orders.size() > 1) out += fmt::format("{} elements, ", orders.elements);
     out += fmt::format("{}: {}.\n", name(orders.verdict), verdict_reason(study, orders, rows_of(result, m)));
   }
+  if (result.own_motion)
+    out += fmt::format("\n{}\n{}", own_motion_sentence(*result.own_motion),
+                       text(own_motion_table(*result.own_motion, plain_number)));
   if (result.orders.size() > 1) {
     out += fmt::format("\n{}\n", coupling_sentence(coupling, plain_number));
     if (coupling.coupling) out += text(coupling_table(*coupling.coupling, plain_number));
@@ -199,15 +288,21 @@ PicturedPage limit_page(const LimitStudy& study, const LimitResult& result, cons
   Page page = Page::of_study(study.scene.scene, ": the penalty limit");
   page.add_head(head(study, result));
   page.add(numbers(study, result));
-  page.add(penetration_picture(study, result));
-  page.add(difference_picture(study, result));
-  page.add(events_picture(result));
-  page.add(cost_picture(result));
+  if (!result.rows.empty()) {
+    page.add(penetration_picture(study, result));
+    page.add(difference_picture(study, result));
+    page.add(events_picture(result));
+    page.add(cost_picture(result));
+  }
   page.add_section("Observed powers of ε",
                    html(order_table(study, result)) +
                        "<p class=\"note\">Least squares on logarithms with the standard error of the slope; values "
                        "at a floor are left out.</p>\n");
   if (study.derivatives) page.add(local_powers(result));
+  if (result.own_motion)
+    page.add_section("The bar's own motion",
+                     fmt::format("<p>{}</p>\n{}", escaped(own_motion_sentence(*result.own_motion)),
+                                 html(own_motion_table(*result.own_motion, readable_number))));
   if (result.orders.size() > 1)
     page.add_section("Penalty and mesh in balance",
                      fmt::format("<p>{}</p>\n{}", escaped(coupling_sentence(coupling, readable_number)),

@@ -133,33 +133,49 @@ Picture difference_picture(const LimitStudy& study, const LimitResult& result) {
   std::vector<Panel> panels;
   for (std::size_t m = 0; m < result.orders.size(); ++m) {
     const LimitOrders& orders = result.orders[m];
-    const auto scheme = points_of(rows_of(result, m), [](const LimitRow& row) { return row.difference_to_scheme; });
-    const auto rigid =
-        points_of(rows_of(result, m), [](const LimitRow& row) { return row.difference_to_rigid.value_or(0.0); });
-    const Axis y = decades_of("end difference", {scheme, rigid}, {orders.scheme_error});
+    const auto rows = rows_of(result, m);
+    const auto own = points_of(rows, [](const LimitRow&row) { return row.difference_to_own_limit.value_or(0.0); }),
+               limit = points_of(rows, [](const LimitRow&row) { return row.difference_to_scheme_limit.value_or(0.0); });
+    Lines schemes;  // at its first step, and at its smallest
+    for (const SchemeRun& run : orders.scheme) {
+      if (&run != &orders.scheme.front() && &run != &orders.scheme.back()) continue;
+      std::vector<Point>& points = schemes.emplace_back();
+      for (std::size_t i = 0; i < rows.size() && i < run.differences.size(); ++i)
+        if (run.differences[i] > 0.0) points.push_back({rows[i].epsilon, run.differences[i]});
+    }
+    Lines all = schemes;
+    all.push_back(own);
+    all.push_back(limit);
+    const Axis y = decades_of("end difference", all);
     Figure figure(x, y, 380.0);
-    mark_boundaries(figure, {.rows = {}, .orders = {orders}, .failed = {}}, powers, x);
+    mark_boundaries(figure, {.rows = {}, .orders = {orders}, .failed = {}, .own_motion = {}, .left_out = {}}, powers,
+                    x);
     if (result.orders.size() > 1) figure.legend_note(mesh_label(result, m));
-    // Wide, to be seen below the other where the two agree.
-    figure.series(scheme, {plot::series_colour(1), false, 4.0}, "to the scheme");
-    if (!rigid.empty()) figure.series(rigid, {plot::series_colour(0)}, "to rigid");
-    if (orders.scheme_error > 0.0)
-      figure.level(orders.scheme_error, {plot::series_colour(1), true, 1.2}, "scheme's dt error");
-    if (!rigid.empty() && orders.tolerance_error > y.low)
-      figure.level(orders.tolerance_error, {plot::series_colour(0), true, 1.2}, "tolerance");
-    theory_lines(figure, rigid.empty() ? scheme : rigid, x, orders.boundary,
-                 rigid.empty() && orders.verdict == Verdict::plateau ? std::nullopt : powers.difference, powers.layer);
+    // Wide, to be seen below the others where they agree.
+    if (!limit.empty() && orders.evidence.apart.value_or(0.0) > 0.0)
+      figure.series(limit, {plot::series_colour(2), false, 4.0}, "to the scheme's limit");
+    for (std::size_t k = 0; k < schemes.size(); ++k)
+      figure.series(
+          schemes[k], {plot::series_colour(1), k + 1 < schemes.size(), k + 1 < schemes.size() ? 1.2 : 2.0},
+          fmt::format("to the scheme, dt = {:.2g}", k == 0 ? orders.scheme.front().step : orders.scheme.back().step));
+    if (!own.empty()) figure.series(own, {plot::series_colour(0)}, "to its own limit");
+    if (const auto& settled = orders.to_own_limit) {
+      const std::vector<Point> range = {{rows[settled->first].epsilon, *rows[settled->first].difference_to_own_limit},
+                                        {rows[settled->last].epsilon, *rows[settled->last].difference_to_own_limit}};
+      figure.line(range, {plot::series_colour(0), false, 6.0}, fmt::format("settled, power {:.2f}", settled->order));
+    }
+    theory_lines(figure, own.empty() && !schemes.empty() ? schemes.back() : own, x, orders.boundary,
+                 own.empty() && orders.verdict == Verdict::plateau ? std::nullopt : std::optional(powers.penetration),
+                 powers.layer);
     panels.push_back({fmt::format("difference-{}", orders.elements),
                       fmt::format("Difference of the end traces over the penalty, {} elements", orders.elements),
                       figure});
   }
   return {
       "Difference to the limits",
-      "Largest difference of the end traces over time, to the fully discrete scheme on the same mass" +
-          std::string(common_mass(study.scene) == Mass::redistributed ? " and to the rigid limit, <i>ε</i> = 0 itself"
-                                                                      : "") +
-          ". Coloured dashes: what the time step of the scheme accounts for, and below which its differences mean "
-          "nothing. Grey dashes: slopes of the theory.",
+      "Largest difference of the end traces over time: of the penalised bar to its own limit, to the fully discrete "
+      "scheme at its first and its smallest step, and to the scheme's limit. Thick: the range in which the power of "
+      "<i>ε</i> is settled. Grey dashes: slopes of the theory.",
       panels};
 }
 

@@ -9,11 +9,8 @@ namespace viscobar {
 
 namespace {
 
-std::string with_error(const std::optional<ObservedOrder>& order) {
-  if (!order) return "-";
-  // Two points have no scatter to tell an error from.
-  if (order->standard_error == 0.0) return fmt::format("{:.3f}", order->order);
-  return fmt::format("{:.3f} +- {:.3f}", order->order, order->standard_error);
+std::string with_error(const std::optional<SequenceOrder>& order) {
+  return order ? fmt::format("{:.3f} +- {:.3f}", order->order, order->bound) : "not settled";
 }
 
 std::string power(std::optional<double> value) {
@@ -45,21 +42,39 @@ LimitTheory theory(const LimitStudy& study) {
 
 namespace {
 
+std::string within(const char* of, const std::optional<double>& error) {
+  return error ? fmt::format("{} is {:.2g} away at most", of, *error) : fmt::format("{} does not settle", of);
+}
+
 // What would make an undecided verdict a verdict.
-std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders, const LimitRow& last) {
+std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
   const LimitEvidence& evidence = orders.evidence;
+  std::string budget;
+  if (orders.interrupted)
+    budget = ". The study was interrupted";
+  else if (orders.lacking_seconds)
+    budget = fmt::format(". The next run takes about {:.2g} s of the processor, and --budget {:.3g} does not allow it",
+                         *orders.lacking_seconds, study.budget);
+  else if (study.budget == 0.0)
+    budget = ". --budget 0 allows no run beyond those asked for";
+  if (rows.empty() || orders.scheme.empty())
+    return fmt::format(
+        "no run of the {} came to its end, so there is nothing to compare{}. A larger --budget would tell",
+        rows.empty() ? "penalised bar" : "scheme", budget);
+  const LimitRow& last = rows.back();
   const std::string found = fmt::format("the difference to the scheme is {:.2g} at epsilon = {:.2g} and dt = {:.2g}",
                                         evidence.difference, last.epsilon, orders.scheme_step);
-  const auto within = [](const char* of, const std::optional<double>& error) {
-    return error ? fmt::format("{} is known to {:.2g}", of, *error) : fmt::format("{} does not settle", of);
-  };
-  const std::string penalised = within("the limit of the penalised bar", evidence.penalty_error);
+  const std::string limits =
+      evidence.apart ? fmt::format(". The limits differ by {:.2g} +- {:.1g}", *evidence.apart, evidence.apart_error)
+                     : "";
+  const std::string known = found + limits + "; " + within("the limit of the penalised bar", evidence.penalty_error) +
+                            ", " + within("that of the scheme", evidence.scheme_error);
   switch (evidence.lack) {
     case Lack::obstacle:
       return fmt::format(
           "the bar goes {:.2g} deep into the obstacle at epsilon = {:.2g}, a tenth or more of its displacement: so "
-          "soft a penalty is no obstacle. Smaller epsilons would decide it: leave --epsilon out",
-          last.max_penetration, last.epsilon);
+          "soft a penalty is no obstacle{}. Smaller epsilons would decide it: leave --epsilon out",
+          last.max_penetration, last.epsilon, budget);
     case Lack::contact:
       return fmt::format(
           "nothing touches an obstacle at epsilon = {:.2g}, so there is no contact to compare; {}. A smaller gap, a "
@@ -69,75 +84,102 @@ std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders,
       return found +
              ". Whether the penalised bar settles takes three epsilons or more to say: a longer --epsilon range would "
              "decide it";
-    case Lack::smaller_epsilon:
-      return fmt::format("{}; {}. A smaller epsilon would decide it: --epsilon {:.0e}:{:.0e}, say", found, penalised,
-                         study.epsilons.front(), 0.01 * last.epsilon);
+    case Lack::smaller_epsilon: return fmt::format("{}. A smaller epsilon would decide it{}", known, budget);
     case Lack::larger_epsilon:
       return fmt::format(
           "{}; the penalised bar changes the more from one epsilon to the next, the smaller they are. That is the "
           "error of the time integration at so stiff a penalty, or contact that magnifies it. A range that ends at a "
           "larger epsilon, method.name = \"exponential\" or a shorter time.end would decide it",
           found);
-    case Lack::smaller_step: break;
-    case Lack::nothing: return found;
+    case Lack::tighter_tolerance:
+      return fmt::format("{}. Tighter tolerances than {:.1g} would decide it{}", known, orders.tolerance, budget);
+    case Lack::smaller_step:
+    case Lack::runs:
+    case Lack::nothing: break;
   }
-  const double next = orders.scheme.back().seconds * orders.scheme[orders.scheme.size() - 2].step / orders.scheme_step;
-  std::string text = fmt::format(
-      "{}; {}, {}. A smaller step would decide it: the next one takes about {:.2g} s of the processor, --budget is "
-      "{:.3g}",
-      found, penalised, within("that of the scheme", evidence.scheme_error), next, study.budget);
+  std::string text = fmt::format("{}. A smaller step would decide it{}", known, budget);
   if (!evidence.scheme_error && orders.scheme.size() > 4)
     text += ". If the scheme does not settle there either, contact magnifies its errors: a shorter time.end would tell";
   return text;
 }
 
+std::string remedy_of_plateau(const LimitStudy& study) {
+  if (common_mass(study.scene) == Mass::redistributed) return "";
+  if (!study.scene.restitution)
+    return std::string(
+               ". A contact node with mass rebounds from an undamped penalty and not from the scheme's constraint: "
+               "contact.restitution gives both the same law") +
+           (study.scene.scene.span ? "" : ", --mass redistributed takes the mass away");
+  if (study.scene.scene.span && effective_mass(study.scene) == Mass::consistent)
+    return ". Under a span obstacle the consistent mass ties the impacts of neighbours together, where penalty and "
+           "scheme share no law; with --mass lumped they do";
+  return "";
+}
+
 }  // namespace
 
-std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
-  const LimitRow &first = rows.front(), &last = rows.back();
+std::string limit_sentence(const LimitOrders& orders) {
   const LimitEvidence& evidence = orders.evidence;
-  if (orders.verdict == Verdict::undecided) return undecided_reason(study, orders, last);
-  const std::string errors =
-      fmt::format("{:.2g} of it at most is that of epsilon, {:.2g} that of the scheme's step {:.2g}{}",
-                  evidence.penalty_error.value_or(0.0), evidence.scheme_error.value_or(0.0), orders.scheme_step,
-                  evidence.extrapolated ? ", extrapolated" : "");
-  if (orders.verdict == Verdict::plateau) {
-    std::string text = fmt::format(
-        "the difference to the scheme stays near {:.2g} at epsilon = {:.2g}, and {}: the limits are {:.2g} apart or "
-        "more; contact changes go from {} to {}, the scheme has {}",
-        evidence.difference, last.epsilon, errors, evidence.lower().value_or(0.0), first.events, last.events,
-        orders.scheme_events);
-    if (common_mass(study.scene) == Mass::redistributed) return text;
-    if (!study.scene.restitution)
-      return text +
-             ". A contact node with mass rebounds from an undamped penalty and not from the scheme's constraint: "
-             "contact.restitution gives both the same law" +
-             (study.scene.scene.span ? "" : ", --mass redistributed takes the mass away");
-    if (study.scene.scene.span && effective_mass(study.scene) == Mass::consistent)
-      return text +
-             ". Under a span obstacle the consistent mass ties the impacts of neighbours together, where penalty and "
-             "scheme share no law; with --mass lumped they do";
-    return text;
+  const auto lower = evidence.lower(), upper = evidence.upper();
+  if (orders.verdict == Verdict::undecided || !upper || orders.largest == 0.0) return "";
+  const std::string mesh = fmt::format("at {} elements", orders.elements);
+  const auto share = [&](double value) {
+    return fmt::format("{:.2g} % of the largest displacement", 100.0 * value / orders.largest);
+  };
+  if (orders.verdict == Verdict::converges)
+    return fmt::format("{} the limits agree to {:.1g} ({})", mesh, *upper, share(*upper));
+  if (evidence.apart && !evidence.until)
+    return fmt::format("{} the limits differ by {:.3g} +- {:.1g} ({})", mesh, *evidence.apart, evidence.apart_error,
+                       share(*evidence.apart));
+  return fmt::format("{} the limits differ by {:.2g} or more ({})", mesh, *lower, share(*lower));
+}
+
+std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
+  const LimitEvidence& evidence = orders.evidence;
+  if (orders.verdict == Verdict::undecided) return undecided_reason(study, orders, rows);
+  std::string reason = limit_sentence(orders);
+  if (evidence.until) reason += fmt::format(", already up to t = {:.3g}", *evidence.until);
+  if (!rows.empty() && !evidence.until) {
+    const LimitRow &first = rows.front(), &last = rows.back();
+    reason += fmt::format(
+        "; the difference to the scheme {} {:.2g} at epsilon = {:.2g}, and {:.2g} of it at most is that of epsilon, "
+        "{:.2g} that of the scheme's step {:.2g}{}",
+        orders.verdict == Verdict::plateau
+            ? "stays near"
+            : fmt::format("goes from {:.2g} at epsilon = {:.2g} to", first.difference_to_scheme, first.epsilon),
+        evidence.difference, last.epsilon, evidence.penalty_error.value_or(0.0), evidence.scheme_error.value_or(0.0),
+        orders.scheme_step, evidence.extrapolated ? ", extrapolated" : "");
+    if (orders.verdict == Verdict::plateau)
+      reason += fmt::format("; contact changes go from {} to {}, the scheme has {}", first.events, last.events,
+                            orders.scheme_events);
+    if (evidence.stake)
+      reason += fmt::format("; {} puts {:.2g} at stake", evidence.by_law ? "another law of impact" : "contact itself",
+                            *evidence.stake);
   }
-  return fmt::format(
-      "the difference to the scheme goes from {:.2g} at epsilon = {:.2g} to {:.2g} at {:.2g}, and {}: the limits agree "
-      "to {:.2g}, where {} puts {:.2g} at stake",
-      first.difference_to_scheme, first.epsilon, evidence.difference, last.epsilon, errors,
-      evidence.upper().value_or(0.0), evidence.by_law ? "another law of impact" : "contact itself",
-      evidence.stake.value_or(0.0));
+  return orders.verdict == Verdict::plateau ? reason + remedy_of_plateau(study) : reason;
 }
 
 Table limit_table(const LimitResult& result, NumberText number) {
-  const bool rigid =
-      std::ranges::any_of(result.rows, [](const LimitRow& row) { return row.difference_to_rigid.has_value(); });
+  struct Distance {
+    const char* name;
+    std::optional<double> LimitRow::*value;
+  };
+  std::vector<Distance> distances;
+  const auto add = [&](const char* name, std::optional<double> LimitRow::*value) {
+    const auto has = [&](const LimitRow& row) { return (row.*value).has_value(); };
+    if (std::ranges::any_of(result.rows, has)) distances.push_back({name, value});
+  };
+  add("to its own limit", &LimitRow::difference_to_own_limit);
+  add("to the scheme's limit", &LimitRow::difference_to_scheme_limit);
   Table table{{"elements", "epsilon", "contact changes", "largest penetration", "to the scheme"}, 0, {}};
-  if (rigid) table.header.emplace_back("to the rigid limit");
+  for (const Distance& distance : distances) table.header.emplace_back(distance.name);
   table.header.insert(table.header.end(), {"steps", "seconds"});
   for (const LimitRow& row : result.rows) {
     std::vector<std::string> cells = {fmt::format("{}", row.elements), number(row.epsilon),
                                       fmt::format("{}", row.events), number(row.max_penetration),
                                       number(row.difference_to_scheme)};
-    if (rigid) cells.push_back(row.difference_to_rigid ? number(*row.difference_to_rigid) : "");
+    for (const Distance& distance : distances)
+      cells.push_back(row.*distance.value ? number(*(row.*distance.value)) : "");
     cells.insert(cells.end(), {fmt::format("{}", row.steps), number(row.seconds)});
     table.rows.push_back(std::move(cells));
   }
@@ -146,30 +188,21 @@ Table limit_table(const LimitResult& result, NumberText number) {
 
 Table order_table(const LimitStudy& study, const LimitResult& result) {
   const LimitTheory powers = theory(study);
-  const bool rigid = common_mass(study.scene) == Mass::redistributed;
-  Table table{{"elements", "regime", "penetration", "theory", "to the scheme", "theory"}, 2, {}};
-  if (rigid) table.header.insert(table.header.end(), {"to the rigid limit", "theory"});
-  for (std::size_t m = 0; m < result.orders.size(); ++m) {
-    const LimitOrders& o = result.orders[m];
-    const auto rows = rows_of(result, m);
-    const auto below = std::count_if(rows.begin(), rows.end(), [&](const LimitRow& row) {
-      return !o.boundary || row.epsilon <= 0.01 * *o.boundary;
-    });
-    const bool mixed = o.boundary && below < 2;
-    const std::string difference = mixed ? "-" : power(powers.difference), layer = power(powers.layer);
-    const auto add = [&](const std::string& regime, std::vector<std::string> cells) {
-      cells.insert(cells.begin(), {fmt::format("{}", o.elements), regime});
-      cells.resize(table.header.size());  // without the rigid limit
-      table.rows.push_back(std::move(cells));
-    };
-    add(!o.boundary ? "every epsilon"
-        : mixed     ? "every epsilon, regimes mixed"
-                    : fmt::format("epsilon < {:.2g}", 0.01 * *o.boundary),
-        {with_error(o.penetration), mixed ? "-" : power(powers.penetration), with_error(o.to_scheme), difference,
-         with_error(o.to_rigid), difference});
-    if (o.penetration_layer)
-      add(fmt::format("epsilon > {:.2g}, layer resolved", 100.0 * *o.boundary),
-          {with_error(o.penetration_layer), layer, "-", "-", with_error(o.to_rigid_layer), layer});
+  Table table{{"elements", "regime", "penetration", "theory", "to its own limit", "theory", "to the scheme", "theory",
+               "scheme's power of dt"},
+              2,
+              {}};
+  for (const LimitOrders& o : result.orders) {
+    const bool plateau = o.verdict == Verdict::plateau;
+    table.rows.push_back({fmt::format("{}", o.elements),
+                          o.boundary ? fmt::format("small epsilon, below {:.2g}", *o.boundary) : "every epsilon",
+                          with_error(o.penetration), power(powers.penetration), with_error(o.to_own_limit),
+                          power(powers.penetration), plateau ? "a plateau" : with_error(o.to_scheme),
+                          power(powers.difference), with_error(o.of_step)});
+    if (!o.penetration_layer && !o.to_rigid_layer) continue;
+    table.rows.push_back({fmt::format("{}", o.elements), fmt::format("layer resolved, above {:.2g}", *o.boundary),
+                          with_error(o.penetration_layer), power(powers.layer), with_error(o.to_rigid_layer),
+                          power(powers.layer), "-", "-", "-"});
   }
   return table;
 }
@@ -216,6 +249,33 @@ std::vector<std::string> local_power_remarks(const LimitResult& result) {
     tell(row.local_mean, "mean square");
   }
   return remarks;
+}
+
+Table own_motion_table(const OwnMotion& motion, NumberText number) {
+  Table table{{"elements", "h", "penalty's limit to the bar", "scheme's limit to the bar", "limits apart", "epsilon(h)",
+               "dt(h)"},
+              0,
+              {}};
+  const auto cell = [&](const std::optional<double>& value) { return value ? number(*value) : std::string("outside"); };
+  for (const OwnMotion::Mesh& mesh : motion.meshes)
+    table.rows.push_back({fmt::format("{}", mesh.elements), number(mesh.spacing), number(mesh.penalty),
+                          number(mesh.scheme), number(mesh.apart), cell(mesh.epsilon), cell(mesh.step)});
+  return table;
+}
+
+std::string own_motion_sentence(const OwnMotion& motion) {
+  const auto like = [](const std::optional<SequenceOrder>& order) {
+    return order ? fmt::format("like h^{:.2f} (+- {:.2f})", order->order, order->bound)
+                 : "by a power that is not settled";
+  };
+  std::string sentence = fmt::format("The penalised bar's limit tends to the bar's own motion {}, the scheme's {}",
+                                     like(motion.penalty), like(motion.scheme));
+  if (std::ranges::any_of(motion.meshes, [](const OwnMotion::Mesh& mesh) { return mesh.apart > 0.0; }))
+    sentence += fmt::format("; the difference of the limits falls {}", like(motion.apart));
+  return sentence + fmt::format(
+                        ". The bar's own motion is that of {}, known to {:.1g}; at epsilon(h) and dt(h) penalty "
+                        "and step cost as much as the mesh.",
+                        motion.reference, motion.error);
 }
 
 Table coupling_table(const Coupling& coupling, NumberText number) {

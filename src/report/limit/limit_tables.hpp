@@ -31,11 +31,16 @@ LimitTheory theory(const LimitStudy& study);
 /// Why the verdict on a mesh is what it is, with the numbers that it rests on.
 std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows);
 
+/// What a mathematician wants to quote of a mesh: how far the limits are apart. Empty where that is not known.
+std::string limit_sentence(const LimitOrders& orders);
+
 Table limit_table(const LimitResult& result, NumberText number);
 Table order_table(const LimitStudy& study, const LimitResult& result);
 Table local_power_table(const LimitResult& result, NumberText number);
 /// Where observed powers and those by derivatives are further apart than LocalPower::bound.
 std::vector<std::string> local_power_remarks(const LimitResult& result);
+Table own_motion_table(const OwnMotion& motion, NumberText number);
+std::string own_motion_sentence(const OwnMotion& motion);
 Table coupling_table(const Coupling& coupling, NumberText number);
 std::string coupling_sentence(const CouplingResult& coupling, NumberText number);
 

@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <exception>
 #include <limits>
 #include <span>
 #include <stdexcept>
+#include <utility>
 
 #include "studies/limit/mesh_runs.hpp"
-#include "studies/parallel.hpp"
 
 namespace viscobar {
 
@@ -30,23 +29,6 @@ std::vector<double> natural_penalties(const Scene& scene, std::size_t per_decade
 }
 
 namespace {
-
-// The power in the values between two epsilons that lie above a floor; those within `range` of the smallest epsilon of
-// them, where the power is closest to its limit.
-template <class Value>
-std::optional<ObservedOrder> fit(std::span<const LimitRow> rows, Value value, double floor, double epsilon_low,
-                                 double epsilon_high, double range) {
-  std::vector<double> x, y;
-  for (const LimitRow& row : rows) {
-    const std::optional<double> v = value(row);
-    if (!v || *v <= floor || row.epsilon < epsilon_low || row.epsilon > epsilon_high) continue;
-    x.push_back(row.epsilon);
-    y.push_back(*v);
-  }
-  std::size_t first = 0;
-  while (first < x.size() && x[first] > 1.01 * range * x.back()) ++first;
-  return observed_order(std::span(x).subspan(first), std::span(y).subspan(first));
-}
 
 /// Another law of impact, as far from the case's own as there is.
 Case with_other_law(Case run) {
@@ -70,16 +52,18 @@ bool one_law(const Case& run) {
 }
 
 double tolerance_error(const MeshRuns& mesh) {
-  const Run& scheme = mesh.scheme.front();
-  return 100.0 * scheme.run.tolerance.relative * largest_displacement(scheme.traces);
+  for (const auto* runs : {&mesh.penalised, &mesh.scheme})
+    for (const Run& run : *runs)
+      if (run.complete) return 100.0 * run.run.tolerance.relative * largest_displacement(run.traces);
+  return 0.0;
 }
 
 // The penalised runs that tell whether P(epsilon) settles: a decade apart where that leaves three, since what chatter
 // does to the difference of two that are close hides its order.
-std::vector<const Run*> telling(const std::vector<Run>& penalised) {
+std::vector<const Run*> telling(const MeshRuns& mesh) {
   std::vector<const Run*> all, apart;
-  for (auto run = penalised.rbegin(); run != penalised.rend(); ++run) {
-    if (run->error) continue;
+  for (auto run = mesh.penalised.rbegin(); run != mesh.penalised.rend(); ++run) {
+    if (!run->complete) continue;
     all.push_back(&*run);
     if (apart.empty() || *run->run.epsilon >= 9.99 * *apart.back()->run.epsilon) apart.push_back(&*run);
   }
@@ -88,67 +72,181 @@ std::vector<const Run*> telling(const std::vector<Run>& penalised) {
   return chosen;
 }
 
-Judgement judge_mesh(MeshRuns& mesh, const LimitStudy& study, Progress& progress) {
+Judgement judge_mesh(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
   LimitTraces traces;
   std::vector<const Case*> cases;
-  for (const Run* run : telling(mesh.penalised)) {
+  for (const Run* run : telling(mesh)) {
     traces.penalised.add(*run->run.epsilon, run->traces);
     cases.push_back(&run->run);
   }
   for (const Run& run : mesh.scheme) traces.scheme.add(*run.run.step, run.traces);
-  if (mesh.rigid && massless(*mesh.rigid)) traces.rigid = mesh.rigid->traces;
+  if (const KnownLimit* limit = mesh.scheme_limit()) traces.scheme_limit = LimitTrace{limit->run.traces, limit->error};
+  if (const KnownLimit* limit = mesh.own_limit()) traces.own_limit = LimitTrace{limit->run.traces, limit->error};
+  traces.one_limit = mesh.one_limit;
   traces.one_law = one_law(study.scene);
   traces.floor = tolerance_error(mesh);
   const auto run_now = [&](Run& run) {
-    progress.expect(1);
-    run.trace(mesh.times);
-    progress.done();
+    purse.expect(1);
+    const bool complete = run.trace(mesh.times, purse);
+    purse.done();
+    return complete;
   };
   traces.other_law = [&] {
     if (mesh.other_law.empty()) {
       const std::size_t count = std::min<std::size_t>(4, cases.size());
       for (auto run = cases.end() - static_cast<std::ptrdiff_t>(count); run != cases.end(); ++run)
         mesh.other_law.push_back({with_other_law(**run)});
-      for (Run& run : mesh.other_law) run.attempt([&] { run_now(run); });
+      for (Run& run : mesh.other_law) run_now(run);
     }
     TraceSequence sequence;
     for (const Run& run : mesh.other_law)
-      if (!run.error) sequence.add(*run.run.epsilon, run.traces);
+      if (run.complete) sequence.add(*run.run.epsilon, run.traces);
     return sequence;
   };
   traces.without_obstacles = [&]() -> const EndTraces& {
     if (!mesh.without_obstacles) {
       mesh.without_obstacles = Run{without_obstacles(*cases.back())};
-      run_now(*mesh.without_obstacles);
+      // What the bar does in time can stand for it where it is not there in time.
+      if (!run_now(*mesh.without_obstacles)) mesh.without_obstacles->traces = traces.penalised.last();
     }
     return mesh.without_obstacles->traces;
   };
   return judge(traces);
 }
 
-// Smaller steps of the scheme until the verdict is known, nothing more can be learnt from them, or the next would
-// exceed the budget.
-void decide(std::vector<MeshRuns>& meshes, const LimitStudy& study, Progress& progress) {
-  std::atomic<double> spent = 0.0;
-  parallel_for(
-      meshes.size(),
-      [&](std::size_t m) {
-        MeshRuns& mesh = meshes[m];
-        for (;;) {
-          mesh.judgement = judge_mesh(mesh, study, progress);
-          if (mesh.judgement.evidence.lack != Lack::smaller_step) return;
-          const Run& last = mesh.scheme.back();
-          if (spent + scheme_refinement * last.seconds > study.budget) return;
-          Run next{scheme_case(study, last.run.elements, mesh.step() / scheme_refinement)};
-          progress.expect(1);
-          // Else the verdict stays undecided, with the smallest step that ran.
-          if (!next.attempt([&] { next.trace(mesh.times); })) return;
-          spent += next.seconds;
-          mesh.scheme.push_back(std::move(next));
-          progress.done();
-        }
-      },
-      study.threads);
+// Runs one more where the budget allows it; whether it is there.
+bool go_on(std::deque<Run>& runs, Case next, double expected, MeshRuns& mesh, Purse& purse) {
+  mesh.lacking_seconds.reset();
+  if (!purse.allows(expected, false)) {
+    mesh.lacking_seconds = expected;
+    return false;
+  }
+  Run run{std::move(next)};
+  purse.expect(1);
+  const bool complete = run.trace(mesh.times, purse);
+  purse.done();
+  if (!complete) {
+    if (!run.error) mesh.lacking_seconds = std::max(expected, run.seconds);
+    return false;
+  }
+  if (is_penalised(run.run.method)) purse.tell(row_of(mesh, run));
+  runs.push_back(std::move(run));
+  return true;
+}
+
+bool smaller_step(MeshRuns& mesh, const LimitStudy& study, double refinement, Purse& purse) {
+  const Run& last = mesh.scheme.back();
+  return go_on(mesh.scheme, scheme_case(study, last.run.elements, mesh.step() / refinement), refinement * last.seconds,
+               mesh, purse);
+}
+
+bool smaller_epsilon(MeshRuns& mesh, Purse& purse) {
+  constexpr double decade = 10.0;
+  const Run *last = nullptr, *before = nullptr;
+  for (const Run& run : mesh.penalised)
+    if (run.complete) before = std::exchange(last, &run);
+  if (!last || last->error || !mesh.penalised.back().complete) return false;
+  Case next = last->run;
+  next.epsilon = *next.epsilon / decade;
+  const double grows = before ? std::clamp(last->seconds / std::max(before->seconds, 1e-6), 1.0, decade) : 1.0;
+  return go_on(mesh.penalised, std::move(next), grows * last->seconds, mesh, purse);
+}
+
+// Up to where the limits, or the law of impact, tell two motions apart, where that is early in the run.
+std::optional<double> telling_time(const MeshRuns& mesh) {
+  const Case& run = mesh.penalised.front().run;
+  const double end = run.end;
+  double until = end;
+  if (const KnownLimit* own = mesh.own_limit(), *other = mesh.scheme_limit(); own && other && own != other) {
+    const auto of_own = EndTraces::all(own->run.traces), of_other = EndTraces::all(other->run.traces);
+    double largest = 0.0;
+    for (std::size_t k = 0; k < mesh.times.size(); ++k)
+      for (std::size_t i = 0; i < of_own.size(); ++i)
+        if (const double apart = std::abs((*of_own[i])[k] - (*of_other[i])[k]); apart > 1.01 * largest)
+          largest = apart, until = 1.01 * mesh.times[k] + 1e-3 * end;
+  } else if (!mesh.of_scheme && run.scene.bar.viscosity > 0.0 && !mesh.scheme.empty()) {
+    // The first nodes that are hit have come to rest.
+    const std::vector<Event>& changes = mesh.scheme.back().traces.events;
+    const double h = run.mesh().smallest(), rest = run.scene.bar.density * h * h / run.scene.bar.viscosity;
+    if (!changes.empty()) until = changes.front().time + mesh.step() + 30.0 * rest;
+  }
+  return until < 0.5 * end ? std::optional(until) : std::nullopt;
+}
+
+// Nodes tell their law of impact by their first rebounds: a short run, which is cheap, tells a plateau as well as the
+// whole one.
+std::optional<Judgement> early_plateau(const MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
+  const auto until = mesh.scheme.empty() || study.scene.restitution ? std::nullopt : telling_time(mesh);
+  if (!until) return std::nullopt;
+  const Case& run = mesh.penalised.front().run;
+  LimitStudy early = study;
+  early.elements = {run.elements};
+  early.scene.elements = run.elements;
+  early.scene.end = early.scene.output_every = *until;
+  if (mesh.of_scheme) {
+    const std::vector<const Run*> runs = telling(mesh);
+    const double smallest = *runs.back()->run.epsilon;
+    early.epsilons = decades(100.0 * smallest, smallest);
+    early.steps = {std::min(mesh.step(), *until / 1000.0)};
+  } else {
+    const Bar& bar = run.scene.bar;
+    const double h = run.mesh().smallest(), boundary = bar.density * h * h * h * h / (bar.viscosity * bar.viscosity);
+    early.epsilons = decades(boundary, 1e-4 * boundary);
+    early.steps = {*until / 3000.0};
+  }
+  early.derivatives = false;
+  early.row = {};
+  early.progress = {};
+  early.budget = std::min(study.budget / 4.0, purse.left());
+  if (!(early.budget > 0.0)) return std::nullopt;
+  const LimitOrders found = viscobar::limit_of(early).orders.front();
+  purse.spend(found.seconds);
+  if (found.verdict != Verdict::plateau) return std::nullopt;
+  Judgement judgement{found.verdict, found.evidence, found.scheme_error};
+  judgement.evidence.until = found.evidence.until.value_or(*until);
+  return judgement;
+}
+
+// Until the verdict is known, nothing more can be learnt, or the budget does not allow the next run.
+void decide(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
+  constexpr double dear = 0.5;  // seconds of a step of the scheme, from which a shorter run is tried first
+  bool early = study.budget > 0.0;
+  for (;;) {
+    mesh.judgement = judge_mesh(mesh, study, purse);
+    const Lack lack = mesh.judgement.evidence.lack;
+    if (lack == Lack::nothing || lack == Lack::contact || lack == Lack::runs) break;
+    const bool costly = lack == Lack::smaller_step && !mesh.scheme.empty() && mesh.scheme.back().seconds > dear;
+    if (early && (costly || !mesh.of_scheme)) {
+      early = false;
+      if (const auto found = early_plateau(mesh, study, purse)) {
+        mesh.judgement = *found;
+        break;
+      }
+    }
+    const bool tighter = lack == Lack::tighter_tolerance && tighten(mesh, purse);
+    const bool finer =
+        (lack == Lack::smaller_step || lack == Lack::penalties) && smaller_step(mesh, study, scheme_refinement, purse);
+    const bool stiffer = (lack == Lack::smaller_epsilon || lack == Lack::obstacle) && smaller_epsilon(mesh, purse);
+    if (!tighter && !finer && !stiffer) break;
+  }
+}
+
+// So small a step that the distances to the scheme show the penalty's order over the epsilons asked for, or as many of
+// them as a small part of the budget buys.
+void refine_scheme(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
+  constexpr double part_of_budget = 0.1, part_of_distance = 0.05, little = 0.02;
+  if (mesh.judgement.verdict != Verdict::converges || !mesh.scheme_limit()) return;
+  const auto lacking = mesh.lacking_seconds;
+  const double s = *mesh.judgement.evidence.scheme_error;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Run& run : mesh.penalised)
+    if (run.complete) nearest = std::min(nearest, largest_difference(run.traces, mesh.scheme_limit()->run.traces));
+  const double seconds = std::max(mesh.scheme.back().seconds, 1e-4),
+               wanted = s / (part_of_distance * std::max(nearest, 10.0 * tolerance_error(mesh)));
+  double refinement = wanted;
+  if (refinement * seconds > part_of_budget * study.budget) refinement = little * study.budget / seconds;
+  if (refinement > 2.0) smaller_step(mesh, study, std::min(refinement, 1e6), purse);
+  mesh.lacking_seconds = lacking;
 }
 
 std::string text_of(const std::exception_ptr& error) {
@@ -161,70 +259,96 @@ std::string text_of(const std::exception_ptr& error) {
 
 void tabulate(const MeshRuns& mesh, LimitResult& result) {
   for (const Run& penalised : mesh.penalised) {
-    const Case& run = penalised.run;
     if (penalised.error) {
-      result.failed.push_back({*run.epsilon, run.elements, text_of(penalised.error)});
-      continue;
+      result.failed.push_back({*penalised.run.epsilon, penalised.run.elements, text_of(penalised.error)});
+    } else if (!penalised.complete) {
+      result.left_out.push_back(*penalised.run.epsilon);
+    } else {
+      LimitRow row = row_of(mesh, penalised);
+      if (!mesh.scheme.empty())
+        row.difference_to_scheme = largest_difference(penalised.traces, mesh.scheme.back().traces);
+      result.rows.push_back(row);
     }
-    const EndTraces& traces = penalised.traces;
-    LimitRow row;
-    row.epsilon = *run.epsilon;
-    row.elements = run.elements;
-    row.mass = effective_mass(run);
-    row.events = traces.events.size();
-    row.max_penetration = traces.statistics.max_penetration;
-    row.difference_to_scheme = largest_difference(traces, mesh.scheme.back().traces);
-    if (mesh.rigid && !mesh.rigid->error) row.difference_to_rigid = largest_difference(traces, mesh.rigid->traces);
-    row.steps = traces.statistics.steps;
-    row.seconds = traces.statistics.integration_seconds;
-    result.rows.push_back(row);
   }
 }
 
 // What the penalised runs tend to, or the last of them.
 const Run& limit_of_penalty(const MeshRuns& mesh) {
-  if (mesh.rigid && !mesh.rigid->error && (massless(*mesh.rigid) || one_law(mesh.rigid->run))) return *mesh.rigid;
-  return *std::find_if(mesh.penalised.rbegin(), mesh.penalised.rend(), [](const Run& run) { return !run.error; });
+  if (const KnownLimit* limit = mesh.own_limit()) return limit->run;
+  return *std::find_if(mesh.penalised.rbegin(), mesh.penalised.rend(), [](const Run& run) { return run.complete; });
+}
+
+// A range that settles above theory's boundary of the regimes, and is not the one of small penalties.
+std::optional<SequenceOrder> of_layer(const Sequence& sequence, const std::optional<double>& boundary) {
+  const std::vector<SequenceOrder> ranges = boundary ? sequence.settled() : std::vector<SequenceOrder>();
+  const auto above = [&](const SequenceOrder& range) {
+    return sequence.x[range.first] * sequence.x[range.last] > *boundary * *boundary && range.order < 0.85;
+  };
+  const auto found = std::ranges::find_if(ranges, above);
+  return found == ranges.end() ? std::nullopt : std::optional(*found);
+}
+
+// The order of small penalties: not that of the layer, which ends above the boundary.
+std::optional<SequenceOrder> of_node(const Sequence& sequence, const std::optional<double>& boundary) {
+  const auto found = sequence.order();
+  return found && boundary && sequence.x[found->last] > *boundary ? std::nullopt : found;
 }
 
 LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
   LimitOrders orders;
-  const Case& scheme = mesh.scheme.back().run;
-  const Bar& bar = scheme.scene.bar;
-  orders.elements = scheme.elements;
-  orders.scheme_step = *scheme.step;
-  orders.scheme_error = mesh.judgement.scheme_error;
-  orders.scheme_events = mesh.scheme.back().traces.events.size();
-  for (std::size_t i = 0; i < mesh.scheme.size(); ++i) {
-    const Run& run = mesh.scheme[i];
-    orders.scheme.push_back({*run.run.step, i > 0 ? largest_difference(run.traces, mesh.scheme[i - 1].traces) : 0.0,
-                             run.traces.events.size(), run.seconds});
-  }
+  const Case& any = mesh.penalised.front().run;
+  const Bar& bar = any.scene.bar;
+  orders.elements = any.elements;
+  orders.tolerance = any.tolerance.relative;
   orders.tolerance_error = tolerance_error(mesh);
   orders.verdict = mesh.judgement.verdict;
   orders.evidence = mesh.judgement.evidence;
-  const double h = scheme.mesh().smallest();  // of the contact nodes
-  const bool span = scheme.scene.span.has_value();
+  orders.lacking_seconds = mesh.lacking_seconds;
+  orders.scheme_error = mesh.judgement.scheme_error;
+  const KnownLimit *own = mesh.own_limit(), *other = mesh.scheme_limit();
+  Sequence steps;
+  for (std::size_t i = 0; i < mesh.scheme.size(); ++i) {
+    const Run& run = mesh.scheme[i];
+    SchemeRun& row = orders.scheme.emplace_back();
+    row.step = *run.run.step;
+    row.change = i > 0 ? largest_difference(run.traces, mesh.scheme[i - 1].traces) : 0.0;
+    if (other) row.distance = largest_difference(run.traces, other->run.traces);
+    row.events = run.traces.events.size();
+    row.seconds = run.seconds;
+    for (const Run& penalised : mesh.penalised)
+      if (penalised.complete) row.differences.push_back(largest_difference(penalised.traces, run.traces));
+    if (other) steps.add(row.step, *row.distance, other->error);
+    orders.largest = std::max(orders.largest, largest_displacement(run.traces));
+  }
+  orders.of_step = steps.order();
+  if (!mesh.scheme.empty()) {
+    orders.scheme_step = mesh.step();
+    orders.scheme_events = mesh.scheme.back().traces.events.size();
+  }
+  const double h = any.mesh().smallest();  // of the contact nodes
+  const bool span = any.scene.span.has_value();
   // zeta ~ 1 of an end node on its spring 1 / epsilon; under a span the spring is h / epsilon.
   if (bar.viscosity > 0.0)
     orders.boundary = bar.density * h * h * h * (span ? h : 1.0) / (bar.viscosity * bar.viscosity);
-  // Below it a difference is mostly the scheme's own error.
-  const double floor = 1.5 * orders.evidence.scheme_error.value_or(orders.scheme_error) + orders.tolerance_error;
-  constexpr double every = std::numeric_limits<double>::infinity(), two_decades = 100.0;
-  const auto small = [&](auto value, double lowest) {
-    const auto order =
-        orders.boundary ? fit(rows, value, lowest, 0.0, 0.01 * *orders.boundary, two_decades) : std::nullopt;
-    return order ? order : fit(rows, value, lowest, 0.0, every, two_decades);
-  };
-  const auto penetration = [](const LimitRow& row) { return std::optional(row.max_penetration); };
-  const auto to_rigid = [](const LimitRow& row) { return row.difference_to_rigid; };
-  const auto to_scheme = [](const LimitRow& row) { return std::optional(row.difference_to_scheme); };
-  orders.penetration = small(penetration, 0.0);
-  orders.to_rigid = small(to_rigid, orders.tolerance_error);
-  orders.to_scheme = small(to_scheme, floor);
-  if (orders.boundary && !span) {
-    orders.penetration_layer = fit(rows, penetration, 0.0, 100.0 * *orders.boundary, every, two_decades);
-    orders.to_rigid_layer = fit(rows, to_rigid, orders.tolerance_error, 100.0 * *orders.boundary, every, two_decades);
+  Sequence penetration, to_rigid, to_scheme, to_own;
+  const double s = orders.evidence.scheme_error.value_or(orders.scheme_error);
+  for (const LimitRow& row : rows) {
+    penetration.add(row.epsilon, row.max_penetration, 0.01 * orders.tolerance_error);
+    to_scheme.add(row.epsilon, row.difference_to_scheme, s);
+    if (other) to_rigid.add(row.epsilon, *row.difference_to_rigid, other->error + 0.1 * orders.tolerance_error);
+    if (own) to_own.add(row.epsilon, *row.difference_to_own_limit, own->error + 0.1 * orders.tolerance_error);
+  }
+  orders.penetration = of_node(penetration, orders.boundary);
+  orders.to_own_limit = of_node(to_own, orders.boundary);
+  // What stops at a plateau is no order of anything.
+  if (orders.verdict != Verdict::plateau) {
+    orders.to_rigid = of_node(to_rigid, orders.boundary);
+    orders.to_scheme = of_node(to_scheme, orders.boundary);
+  }
+  orders.to_scheme_limit = orders.to_rigid;
+  if (!span) {
+    orders.penetration_layer = of_layer(penetration, orders.boundary);
+    orders.to_rigid_layer = of_layer(to_rigid, orders.boundary);
   }
   return orders;
 }
@@ -239,30 +363,32 @@ LimitResult limit_of(const LimitStudy& study) {
   if (!study.steps.empty() && study.steps.size() != meshes.size())
     throw std::invalid_argument("one scheme step is needed for each mesh");
 
-  std::vector<MeshRuns> runs;
+  Purse purse(study);
+  LimitResult result;
+  std::vector<KnownMesh> known;
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     Case probe = study.scene;
     probe.elements = meshes[m];
-    runs.push_back(runs_of(study, meshes[m], study.steps.empty() ? scheme_step(probe) : study.steps[m]));
-  }
-  Progress progress(study);
-  carry_out(runs, study, progress);
-  decide(runs, study, progress);
-
-  LimitResult result;
-  for (const MeshRuns& mesh : runs) {
+    MeshRuns mesh = runs_of(study, meshes[m], study.steps.empty() ? scheme_step(probe) : study.steps[m], purse);
+    decide(mesh, study, purse);
+    refine_scheme(mesh, study, purse);
     const std::size_t first = result.rows.size();
     tabulate(mesh, result);
     LimitOrders orders = orders_of(mesh, std::span(result.rows).subspan(first));
     orders.first_row = first;
     orders.row_count = result.rows.size() - first;
-    if (study.derivatives) {
+    orders.interrupted = purse.interrupted();
+    orders.seconds = purse.spent();
+    if (study.derivatives && orders.row_count > 0) {
       const Run& limit = limit_of_penalty(mesh);
       orders.local_to_rigid = limit.run.method == MethodName::rigid;
       add_local_powers(mesh, limit.traces, orders.tolerance_error, std::span(result.rows).subspan(first));
     }
     result.orders.push_back(orders);
+    if (meshes.size() > 1 && mesh.own_limit() && mesh.scheme_limit())
+      known.push_back({mesh.times, mesh.own_limit()->run.traces, mesh.scheme_limit()->run.traces});
   }
+  result.own_motion = own_motion_of(study, result, known, purse);
   return result;
 }
 

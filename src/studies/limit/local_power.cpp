@@ -95,7 +95,7 @@ void compare(std::span<LimitRow> rows, std::optional<LocalPower> LimitRow::*loca
 void add_local_powers(const MeshRuns& mesh, const EndTraces& limit, double floor, std::span<LimitRow> rows) {
   auto row = rows.begin();
   for (const Run& run : mesh.penalised) {
-    if (run.error) continue;
+    if (!run.complete) continue;
     const Difference difference(run, limit, mesh.times);
     // Derivatives are good to 100 tolerances of the largest: docs/sensitivity.md.
     const double derivative_error = 100.0 * run.run.tolerance.relative * difference.largest_change();

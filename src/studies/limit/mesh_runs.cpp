@@ -3,40 +3,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <ctime>
 #include <stdexcept>
 
 #include "case/method_table.hpp"
+#include "case/run_cost.hpp"
 #include "studies/parallel.hpp"
 
 namespace viscobar::limit {
 
 namespace {
 
-constexpr std::size_t comparison_intervals = 2000;
+constexpr double of_limits = 100.0;  // between the two tolerances that tell a limit's error
 
 Case sound(Case run) {
   const std::vector<Finding> findings = validate(run);
   if (!findings.empty()) throw std::invalid_argument(fmt::format("{}: {}", findings[0].key, findings[0].problem));
-  return run;
-}
-
-Case penalised_case(const LimitStudy& study, std::size_t elements, double epsilon) {
-  Case run = study.scene;
-  run.directions.clear();
-  run.elements = elements;
-  run.epsilon = epsilon;
-  run.method = penalised_method(run);
-  run.mass = effective_mass(run);  // of all partners
-  run.tolerance = run.tolerance.with_relative(std::min(run.tolerance.relative, 1e-10));
-  run.output_every = run.end;
-  return sound(std::move(run));
-}
-
-Case rigid_case(const LimitStudy& study, std::size_t elements) {
-  Case run = penalised_case(study, elements, study.epsilons.front());
-  run.method = MethodName::rigid;
   return run;
 }
 
@@ -47,17 +31,90 @@ double thread_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+// Tight where that costs little of the budget: the distances of seven decades are told by one tolerance then.
+double tolerance_of(const LimitStudy& study, Case run) {
+  const double own = run.tolerance.relative;
+  const auto count = static_cast<double>(study.epsilons.size() + 2);
+  for (const double relative : {1e-10, 1e-8, 1e-7})
+    if (relative <= own) {
+      run.tolerance.relative = relative;
+      if (study.budget == 0.0 || count * estimated_seconds(run) <= study.budget / 6.0) return relative;
+    }
+  return own;
+}
+
+// The motion has waves of the length of an element.
+std::size_t intervals(const Case& run) {
+  const double transits = run.end * std::sqrt(run.scene.bar.modulus / run.scene.bar.density) / run.mesh().smallest();
+  return static_cast<std::size_t>(std::clamp(2.0 * transits, 2000.0, 20000.0));
+}
+
+std::optional<KnownLimit> limit_of(Case run, std::optional<double> restitution) {
+  run.method = MethodName::rigid;
+  run.restitution = restitution;
+  if (!validate(run).empty()) return std::nullopt;
+  KnownLimit limit{{run}, {run}};
+  limit.rough.run.tolerance = run.tolerance.with_relative(std::min(of_limits * run.tolerance.relative, 1e-4));
+  return limit;
+}
+
+void trace(KnownLimit& limit, std::span<const double> times, Purse& purse) {
+  if (limit.rough.trace(times, purse) && limit.run.trace(times, purse))
+    limit.error =
+        largest_difference(limit.run.traces, limit.rough.traces) + 1e-14 * largest_displacement(limit.run.traces);
+}
+
+void each(std::span<Run* const> runs, const LimitStudy& study, Purse& purse, const auto& work) {
+  purse.expect(runs.size());
+  parallel_for(
+      runs.size(),
+      [&](std::size_t k) {
+        if (!purse.empty() && !runs[k]->error) work(*runs[k]);
+        purse.done();
+      },
+      study.threads);
+}
+
 }  // namespace
 
 const double scheme_refinement = std::cbrt(10.0);
 
-void Run::trace(std::span<const double> times) {
+bool Run::trace(std::span<const double> times, Purse& purse) {
   const double begin = thread_seconds();
-  traces = trace_ends(run, times);
-  seconds = thread_seconds() - begin;
+  double told = begin;
+  unsigned calls = 0;
+  const auto spend = [&] {
+    const double now = thread_seconds();
+    purse.spend(now - told);
+    told = now;
+  };
+  try {
+    traces = trace_ends(run, times, [&](double) {
+      constexpr unsigned seldom = 128;  // looking at the clock takes as long as a short step
+      if (++calls % seldom != 0) return RunControl::go_on;
+      spend();
+      return purse.empty() ? RunControl::stop : RunControl::go_on;
+    });
+    complete = traces.statistics.completed;
+  } catch (const IntegrationError&) {
+    error = std::current_exception();
+  }
+  spend();
+  seconds = told - begin;
+  return complete;
 }
 
-bool massless(const Run& rigid) { return rigid.run.mass == Mass::redistributed; }
+Case penalised_case(const LimitStudy& study, std::size_t elements, double epsilon) {
+  Case run = study.scene;
+  run.directions.clear();
+  run.elements = elements;
+  run.epsilon = epsilon;
+  run.method = penalised_method(run);
+  run.mass = effective_mass(run);  // of all partners
+  run.output_every = run.end;
+  run.tolerance = run.tolerance.with_relative(tolerance_of(study, run));
+  return sound(std::move(run));
+}
 
 Case scheme_case(const LimitStudy& study, std::size_t elements, double step) {
   Case run = penalised_case(study, elements, study.epsilons.front());
@@ -66,51 +123,130 @@ Case scheme_case(const LimitStudy& study, std::size_t elements, double step) {
   return sound(std::move(run));
 }
 
-MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step) {
-  MeshRuns runs;
+MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Purse& purse) {
+  MeshRuns mesh;
+  const Case first = penalised_case(study, elements, study.epsilons.front());
+  const bool massless = first.mass == Mass::redistributed;
+  mesh.one_limit = massless || study.scene.restitution.has_value();
+  mesh.of_scheme = limit_of(first, study.scene.restitution);
+  // An undamped spring throws a node back with the speed of its arrival. Chatter has the more bounces the tighter the
+  // tolerance: it begins with a rough one.
+  if (mesh.of_scheme && !mesh.one_limit) {
+    Case elastic = first;
+    elastic.tolerance = elastic.tolerance.with_relative(std::max(elastic.tolerance.relative, 1e-9));
+    mesh.of_penalty = limit_of(elastic, 1.0);
+  }
   for (const double factor : {scheme_refinement * scheme_refinement, scheme_refinement, 1.0})
-    runs.scheme.push_back({scheme_case(study, elements, factor * step)});
-  if (Case rigid = rigid_case(study, elements); validate(rigid).empty()) runs.rigid = Run{std::move(rigid)};
+    mesh.scheme.push_back({scheme_case(study, elements, factor * step)});
   for (const double epsilon : study.epsilons) {
-    Case& run = runs.penalised.emplace_back(penalised_case(study, elements, epsilon)).run;
+    Case& run = mesh.penalised.emplace_back(Run{penalised_case(study, elements, epsilon)}).run;
     if (study.derivatives && method_row(run.method).differentiates)
       run.directions.push_back(direction(run, "contact.epsilon"));
   }
-  return runs;
+
+  std::vector<Event> changes;
+  const auto add_changes = [&](const EndTraces& traces) {
+    changes.insert(changes.end(), traces.events.begin(), traces.events.end());
+  };
+  const std::array all{0.0, first.end};
+  std::vector<KnownLimit*> limits;
+  for (auto* limit : {&mesh.of_scheme, &mesh.of_penalty})
+    if (*limit) limits.push_back(&**limit);
+  std::vector<Run*> scouts;  // tell where contacts change
+  std::vector<Run> rough;
+  for (KnownLimit* limit : limits) scouts.push_back(&limit->rough);
+  if (limits.empty()) {
+    for (const Run& run : mesh.penalised) {
+      rough.push_back({run.run});
+      rough.back().run.directions.clear();
+      rough.back().run.tolerance = study.scene.tolerance;
+    }
+    for (Run& run : rough) scouts.push_back(&run);
+  }
+  each(scouts, study, purse, [&](Run& run) { run.trace(all, purse); });
+  for (Run* run : scouts) {
+    add_changes(run->traces);
+    run->complete = false;
+  }
+  mesh.times = comparison_times(first.end, intervals(first), changes);
+
+  purse.expect(limits.size());
+  parallel_for(
+      limits.size(),
+      [&](std::size_t k) {
+        if (!limits[k]->rough.error) trace(*limits[k], mesh.times, purse);
+        purse.done();
+      },
+      study.threads);
+  if (mesh.of_scheme && massless)
+    for (const Run* run : {&mesh.of_scheme->rough, &mesh.of_scheme->run})
+      if (run->error) std::rethrow_exception(run->error);
+
+  // The largest steps and penalties first: what they took tells what the next ones take.
+  std::vector<Run*> runs;
+  for (std::size_t k = 0; k < std::max(mesh.scheme.size(), mesh.penalised.size()); ++k) {
+    if (k < mesh.scheme.size()) runs.push_back(&mesh.scheme[k]);
+    if (k < mesh.penalised.size()) runs.push_back(&mesh.penalised[k]);
+  }
+  std::atomic<double> longest = 0.0;
+  each(runs, study, purse, [&](Run& run) {
+    if (!purse.allows(run.run.method == MethodName::fully_discrete ? 0.0 : longest.load(), true)) return;
+    run.trace(mesh.times, purse);
+    if (run.run.method == MethodName::fully_discrete || !run.complete) return;
+    longest = std::max(longest.load(), run.seconds);
+    purse.tell(row_of(mesh, run));
+  });
+  for (const Run& run : mesh.scheme)
+    if (run.error) std::rethrow_exception(run.error);
+  if (std::ranges::all_of(mesh.penalised, [](const Run& run) { return run.error != nullptr; }))
+    std::rethrow_exception(mesh.penalised.front().error);
+  std::erase_if(mesh.scheme, [](const Run& run) { return !run.complete; });
+  return mesh;
 }
 
-void carry_out(std::vector<MeshRuns>& meshes, const LimitStudy& study, Progress& progress) {
-  std::vector<std::pair<MeshRuns*, Run*>> tasks;
-  for (MeshRuns& mesh : meshes) mesh.each([&](Run& run) { tasks.emplace_back(&mesh, &run); });
-  progress.expect(2 * tasks.size());
-  const auto each = [&](const auto& work) {
-    parallel_for(
-        tasks.size(),
-        [&](std::size_t k) {
-          const auto& [mesh, run] = tasks[k];
-          if (!run->error) run->attempt([&] { work(*mesh, *run); });
-          progress.done();
-        },
-        study.threads);
-  };
-  each([](MeshRuns&, Run& run) {
-    // A scheme's contacts change where those of its partners do.
-    if (run.run.method != MethodName::fully_discrete) run.traces.events = contact_changes(run.run);
-  });
-  for (MeshRuns& mesh : meshes) {
-    std::vector<Event> changes;
-    mesh.each(
-        [&](const Run& run) { changes.insert(changes.end(), run.traces.events.begin(), run.traces.events.end()); });
-    mesh.times = comparison_times(study.scene.end, comparison_intervals, changes);
+bool tighten(MeshRuns& mesh, Purse& purse) {
+  bool changed = false;
+  for (auto* limit : {&mesh.of_scheme, &mesh.of_penalty}) {
+    if (!*limit || !(*limit)->known() || (*limit)->run.run.tolerance.relative <= 1e-12) continue;
+    KnownLimit next = **limit;
+    const double grows = std::max(1.0, (*limit)->run.seconds / std::max((*limit)->rough.seconds, 1e-6));
+    if (!purse.allows(grows * (*limit)->run.seconds, false)) {
+      mesh.lacking_seconds = grows * (*limit)->run.seconds;
+      continue;
+    }
+    next.rough = next.run;
+    next.run.complete = false;
+    next.run.run.tolerance =
+        next.run.run.tolerance.with_relative(std::max(1e-13, next.run.run.tolerance.relative / of_limits));
+    purse.expect(1);
+    if (next.run.trace(mesh.times, purse)) {
+      next.error =
+          largest_difference(next.run.traces, next.rough.traces) + 1e-14 * largest_displacement(next.run.traces);
+      **limit = std::move(next);
+      changed = true;
+    }
+    purse.done();
   }
-  each([](MeshRuns& mesh, Run& run) { run.trace(mesh.times); });
-  for (const MeshRuns& mesh : meshes) {
-    for (const Run& run : mesh.scheme)
-      if (run.error) std::rethrow_exception(run.error);
-    if (mesh.rigid && mesh.rigid->error && massless(*mesh.rigid)) std::rethrow_exception(mesh.rigid->error);
-    if (std::ranges::all_of(mesh.penalised, [](const Run& run) { return run.error != nullptr; }))
-      std::rethrow_exception(mesh.penalised.front().error);
-  }
+  return changed;
+}
+
+LimitRow row_of(const MeshRuns& mesh, const Run& penalised) {
+  const Case& run = penalised.run;
+  const EndTraces& traces = penalised.traces;
+  LimitRow row;
+  row.epsilon = *run.epsilon;
+  row.elements = run.elements;
+  row.mass = effective_mass(run);
+  row.tolerance = run.tolerance.relative;
+  row.events = traces.events.size();
+  row.max_penetration = traces.statistics.max_penetration;
+  if (const KnownLimit* limit = mesh.scheme_limit())
+    row.difference_to_rigid = row.difference_to_scheme_limit = largest_difference(traces, limit->run.traces);
+  if (const KnownLimit* limit = mesh.own_limit())
+    row.difference_to_own_limit = largest_difference(traces, limit->run.traces);
+  row.steps = traces.statistics.steps;
+  row.seconds = traces.statistics.integration_seconds;
+  return row;
 }
 
 }  // namespace viscobar::limit

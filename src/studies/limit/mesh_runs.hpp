@@ -1,9 +1,9 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <deque>
 #include <exception>
-#include <functional>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -19,10 +19,21 @@ namespace viscobar::limit {
 /// half of a step at the same time again.
 extern const double scheme_refinement;
 
-/// Counts runs for whoever watches.
-class Progress {
+/// The processor seconds that a study may spend, over all its threads, and who watches it.
+class Purse {
  public:
-  explicit Progress(const LimitStudy& study) : tell_(study.progress) {}
+  explicit Purse(const LimitStudy& study) : study_(study) {}
+
+  void spend(double seconds) { spent_ = spent_ + seconds; }
+  double spent() const { return spent_; }
+  double left() const { return study_.budget - spent_; }
+  bool interrupted() const { return study_.interrupted && study_.interrupted(); }
+  /// Whether runs are to stop. A budget of 0 lets the runs that were asked for go on.
+  bool empty() const { return interrupted() || (study_.budget > 0.0 && spent_ > study_.budget); }
+  /// Whether a run may begin that takes so long; of those that were asked for with a budget of 0, too.
+  bool allows(double seconds, bool asked) const {
+    return !interrupted() && (study_.budget > 0.0 ? spent_ + seconds <= study_.budget : asked);
+  }
   void expect(std::size_t runs) {
     const std::lock_guard lock(mutex_);
     all_ += runs;
@@ -30,11 +41,16 @@ class Progress {
   void done() {
     const std::lock_guard lock(mutex_);
     ++done_;
-    if (tell_) tell_(done_, all_);
+    if (study_.progress) study_.progress(done_, all_);
+  }
+  void tell(const LimitRow& row) {
+    const std::lock_guard lock(mutex_);
+    if (study_.row) study_.row(row);
   }
 
  private:
-  const std::function<void(std::size_t, std::size_t)>& tell_;
+  const LimitStudy& study_;
+  std::atomic<double> spent_ = 0.0;
   std::mutex mutex_;
   std::size_t done_ = 0, all_ = 0;
 };
@@ -45,52 +61,67 @@ struct Run {
   EndTraces traces = {};
   std::exception_ptr error = {};
   double seconds = 0.0;
+  bool complete = false;
 
-  /// @throws IntegrationError
-  void trace(std::span<const double> times);
-  /// Does what may fail as a run may; whether it succeeds.
-  bool attempt(const auto& work) {
-    try {
-      work();
-    } catch (const IntegrationError&) {
-      error = std::current_exception();
-    }
-    return !error;
-  }
+  /// Stops where the purse is empty; whether it came to its end. Errors of the integration are kept.
+  bool trace(std::span<const double> times, Purse& purse);
 };
 
-/// The rigid limit on massless contact nodes decides about the limit; on others it stands beside it, and may fail, as
-/// bounces without end do.
-bool massless(const Run& rigid);
+/// What a sequence tends to, by the method `rigid`, and how far that may be from the truth: what a hundredfold
+/// tolerance changes.
+struct KnownLimit {
+  Run run, rough;
+  double error = 0.0;
+
+  bool known() const { return run.complete && rough.complete; }
+};
 
 /// The runs of one mesh. Those that a verdict asks for come later, so that references to the others must stay valid.
 struct MeshRuns {
-  std::deque<Run> scheme;  // dt decreasing
-  std::optional<Run> rigid;
-  std::vector<Run> penalised;  // epsilon decreasing
+  std::deque<Run> scheme;     // dt decreasing
+  std::deque<Run> penalised;  // epsilon decreasing
+  std::optional<KnownLimit> of_scheme;
+  std::optional<KnownLimit> of_penalty;  // where that is another motion than the scheme's
+  bool one_limit = false;                // by theory: both are of_scheme
   std::vector<double> times;
   std::vector<Run> other_law;
   std::optional<Run> without_obstacles;
   Judgement judgement = {};
+  std::optional<double> lacking_seconds;  // what the next run would have taken, which the budget did not allow
 
-  template <class Use>
-  void each(Use&& use) {
-    for (Run& run : scheme) use(run);
-    if (rigid) use(*rigid);
-    for (Run& run : penalised) use(run);
+  const KnownLimit* scheme_limit() const { return of_scheme && of_scheme->known() ? &*of_scheme : nullptr; }
+  const KnownLimit* own_limit() const {
+    if (one_limit) return scheme_limit();
+    return of_penalty && of_penalty->known() ? &*of_penalty : nullptr;
   }
   double step() const { return *scheme.back().run.step; }
 };
 
-/// Of the scheme, on one mesh. @throws std::invalid_argument where it is not sound
+/// Cases of one mesh: penalised, of the scheme, and of `rigid` with a restitution.
+/// @throws std::invalid_argument where they are not sound
+Case penalised_case(const LimitStudy& study, std::size_t elements, double epsilon);
 Case scheme_case(const LimitStudy& study, std::size_t elements, double step);
 
-/// That are to be run in any case, the scheme at `step` and two larger ones.
-MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step);
+/// Carries out the runs that were asked for: the limits first, whose contact changes tell the times, then the scheme at
+/// `step` and two larger ones and the penalised runs, in parallel. Runs that the budget does not allow are left out.
+/// @throws IntegrationError when the scheme, the rigid limit of massless nodes or every penalised run failed
+MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Purse& purse);
 
-/// All runs of all meshes, independent, in two passes: where contacts change, then the traces on times that show it.
-/// @throws IntegrationError when the scheme, the rigid limit of massless nodes or every penalised run of a mesh failed
-void carry_out(std::vector<MeshRuns>& meshes, const LimitStudy& study, Progress& progress);
+/// Runs the limits again at a tolerance a hundredth of theirs; whether that changed anything.
+bool tighten(MeshRuns& mesh, Purse& purse);
+
+/// The row of a penalised run, its distance to the scheme apart.
+LimitRow row_of(const MeshRuns& mesh, const Run& penalised);
+
+/// The limits of a mesh, kept for the bar's own motion.
+struct KnownMesh {
+  std::vector<double> times;
+  EndTraces own, scheme;
+};
+
+/// Absent for fewer than three meshes, where a limit is not known, or the budget is spent.
+std::optional<OwnMotion> own_motion_of(const LimitStudy& study, const LimitResult& result,
+                                       std::span<const KnownMesh> known, Purse& purse);
 
 /// Powers of epsilon in u_epsilon - U at each row of a mesh, by derivatives of its runs (see LocalPower), U the traces
 /// `limit`. Both norms are those of the common times, the integral by the trapezoidal rule, and so the formulas hold of

@@ -24,11 +24,13 @@ double largest_displacement(const EndTraces& traces) {
 }
 
 std::optional<double> LimitEvidence::lower() const {
+  if (apart) return std::max(0.0, *apart - apart_error);
   if (!upper()) return std::nullopt;
   return std::max(0.0, difference - *penalty_error - *scheme_error);
 }
 
 std::optional<double> LimitEvidence::upper() const {
+  if (apart) return *apart + apart_error;
   if (!penalty_error || !scheme_error) return std::nullopt;
   return difference + *penalty_error + *scheme_error;
 }
@@ -50,6 +52,8 @@ constexpr double least_part_of_order = 0.25;
 // P(0) = S(0) is believed where what is left is a small part of what a wrong limit would change. A law of impact either
 // is the same or is not: a quarter tells. What contact does with massless nodes has no such alternative.
 constexpr double part_of_law = 0.25, part_of_contact = 0.01;
+// Of what contact changes, where the limit is known: how close both sequences must have come to it.
+constexpr double part_of_stake = 0.05;
 
 bool touches(const EndTraces& traces) { return !traces.events.empty() || traces.statistics.max_penetration > 0.0; }
 
@@ -88,33 +92,46 @@ Judgement known(Verdict verdict, Judgement found) {
   return found;
 }
 
-// Massless nodes: P(0) is the rigid limit, known apart from both sequences.
-Judgement judge_massless(const LimitTraces& mesh) {
+// How far the limit of a sequence may be from the one it is seen to fall to: where the distances are |C x^p + d| and
+// the powers of neighbours agree to 0.06, d is a tenth of the last one at most.
+double left_over(const Sequence& sequence, double theory) {
+  constexpr double safe_part = 0.25;
+  const auto order = sequence.order();
+  const bool settles = order && order->last + 1 == sequence.x.size() && order->order >= 0.75 * theory;
+  return settles ? safe_part * sequence.distance.back() : sequence.distance.back();
+}
+
+// Both limits are known, each by a run of its own: G is, and both sequences are to be seen to fall to their limit, as
+// close as half the distance to the other one.
+Judgement judge_known(const LimitTraces& mesh) {
   Judgement found;
   LimitEvidence& evidence = found.evidence;
-  const EndTraces& rigid = *mesh.rigid;
+  const LimitTrace &own = *mesh.own_limit, &other = *mesh.scheme_limit;
+  const Sequence penalised = mesh.penalised.to(own.traces, own.error + mesh.floor),
+                 scheme = mesh.scheme.to(other.traces, other.error + mesh.floor);
+  const double p = penalised.distance.back(), s = scheme.distance.back();
   evidence.difference = largest_difference(mesh.penalised.last(), mesh.scheme.last());
-  evidence.penalty_error = largest_difference(mesh.penalised.last(), rigid) + mesh.floor;
-  std::vector<double> distance;
-  for (const EndTraces& scheme : mesh.scheme.traces) distance.push_back(largest_difference(scheme, rigid));
-  const double left = distance.back() + mesh.floor;
-  const Settling itself = settling(mesh.scheme, by_step, mesh.floor);
-  found.scheme_error = left;
-  const std::size_t first = distance.size() - std::min(considered, distance.size());
-  const auto order = observed_order(std::span(mesh.scheme.x).subspan(first), std::span(distance).subspan(first));
-  if (distance.back() <= mesh.floor || (distance.size() >= 3 && order && order->order >= 0.5)) {
-    evidence.scheme_error = left;
-    evidence.stake = stake_of_contact(mesh);
-    if (*evidence.penalty_error + left <= part_of_contact * *evidence.stake) return known(Verdict::converges, found);
-    evidence.lack = left > *evidence.penalty_error ? Lack::smaller_step : Lack::smaller_epsilon;
+  evidence.penalty_error = p + own.error;
+  evidence.scheme_error = found.scheme_error = s + other.error;
+  evidence.apart = mesh.one_limit ? 0.0 : largest_difference(own.traces, other.traces);
+  evidence.apart_error = mesh.one_limit ? other.error : own.error + other.error;
+  const bool differ = *evidence.lower() > 0.0;
+  if (!differ && hardest_impact(other.traces) > 0.0 && !mesh.one_limit) {
+    // Two laws of impact do not lead to one limit because their difference is too small to be seen.
+    evidence.lack = Lack::tighter_tolerance;
     return found;
   }
-  // It tends to something else only where it stays away from the rigid limit over a decade of dt, and settles there.
-  evidence.lack = Lack::smaller_step;
-  if (mesh.scheme.x.front() < 9.0 * mesh.scheme.x.back() || distance.back() < 0.5 * distance.front() || !itself.settled)
-    return found;
-  evidence.scheme_error = found.scheme_error = itself.error;
-  return *evidence.lower() > 0.0 ? known(Verdict::plateau, found) : found;
+  if (!differ) evidence.stake = stake_of_contact(mesh);
+  const double near = differ ? 0.5 * *evidence.apart : part_of_stake * *evidence.stake;
+  if (!differ && evidence.apart_error > part_of_contact * *evidence.stake)
+    evidence.lack = Lack::tighter_tolerance;
+  else if (left_over(penalised, by_penalty.order) > near || !penalised.falls(by_penalty.order))
+    evidence.lack = Lack::smaller_epsilon;
+  else if (left_over(scheme, by_step.order) > near || !scheme.falls(by_step.order))
+    evidence.lack = Lack::smaller_step;
+  else
+    return known(differ ? Verdict::plateau : Verdict::converges, found);
+  return found;
 }
 
 // Scheme traces from which a first power of dt is taken: T_i + (T_i - T_{i-1}) x_i / (x_{i-1} - x_i). Their limit is
@@ -218,11 +235,23 @@ Settling settling(const TraceSequence& sequence, const Approach& approach, doubl
           .grows = enough && !still && shown && shown->order < 0.0};
 }
 
+Sequence TraceSequence::to(const EndTraces& limit, double floor) const {
+  Sequence sequence;
+  for (std::size_t i = 0; i < x.size(); ++i) sequence.add(x[i], largest_difference(traces[i], limit), floor);
+  return sequence;
+}
+
 Judgement judge(const LimitTraces& mesh) {
+  if (mesh.penalised.x.empty() || mesh.scheme.x.empty()) {
+    Judgement none;
+    none.evidence.lack = Lack::runs;
+    return none;
+  }
   const EndTraces& penalised = mesh.penalised.last();
   const bool through = is_no_obstacle(penalised.statistics.max_penetration, largest_displacement(penalised));
-  if (!through && (touches(penalised) || (mesh.rigid && touches(*mesh.rigid))))
-    return mesh.rigid ? judge_massless(mesh) : judge_massive(mesh);
+  const bool limits = mesh.own_limit && mesh.scheme_limit;
+  if (!through && (touches(penalised) || (limits && touches(mesh.own_limit->traces))))
+    return limits ? judge_known(mesh) : judge_massive(mesh);
   Judgement found;
   found.evidence.difference = largest_difference(penalised, mesh.scheme.last());
   found.evidence.lack = through ? Lack::obstacle : Lack::contact;

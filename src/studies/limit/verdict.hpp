@@ -21,6 +21,8 @@ struct TraceSequence {
     traces.push_back(value);
   }
   const EndTraces& last() const { return traces.back(); }
+  /// |T(x) - limit|, each with that floor.
+  Sequence to(const EndTraces& limit, double floor) const;
 };
 
 /// |T(x) - T(0)| at the smallest x.
@@ -42,11 +44,19 @@ struct Approach {
 /// values or more and at least a quarter of that order. Differences below `floor` are those of the time integration.
 Settling settling(const TraceSequence& sequence, const Approach& approach, double floor);
 
+/// A limit that is known by a run of its own, to an error.
+struct LimitTrace {
+  TracesRef traces;
+  double error = 0.0;
+};
+
 /// The traces of one mesh, and what is run only where a verdict needs it.
 struct LimitTraces {
   TraceSequence penalised;                   ///< over epsilon
   TraceSequence scheme;                      ///< over dt
-  std::optional<TracesRef> rigid;            ///< of massless contact nodes
+  std::optional<LimitTrace> own_limit;       ///< P(0)
+  std::optional<LimitTrace> scheme_limit;    ///< S(0)
+  bool one_limit = false;                    ///< by theory they are one motion
   bool one_law = false;                      ///< massive contact nodes have one law of impact in penalty and scheme
   double floor = 0.0;                        ///< error of the time integration in a difference
   std::function<TraceSequence()> other_law;  ///< the last penalised traces, with another restitution

@@ -1,0 +1,66 @@
+#include <algorithm>
+#include <cmath>
+
+#include "studies/limit/mesh_runs.hpp"
+
+namespace viscobar::limit {
+
+namespace {
+
+Case own_motion_case(const LimitStudy& study, std::size_t elements) {
+  Case run = penalised_case(study, elements, study.epsilons.front());
+  run.restitution.reset();
+  run.tolerance = run.tolerance.with_relative(1e-10);
+  run.mass.reset();
+  run.method = MethodName::characteristics;
+  if (run.scene.bar.viscosity == 0.0 && validate(run).empty()) return run;
+  run.method = MethodName::rigid;
+  run.mass = Mass::fourth_order;
+  return run;
+}
+
+}  // namespace
+
+std::optional<OwnMotion> own_motion_of(const LimitStudy& study, const LimitResult& result,
+                                       std::span<const KnownMesh> known, Purse& purse) {
+  if (known.size() < 3 || known.size() != result.orders.size()) return std::nullopt;
+  std::size_t finest = 0;
+  for (const LimitOrders& orders : result.orders) finest = std::max(finest, orders.elements);
+  OwnMotion motion;
+  Run fine{own_motion_case(study, 2 * finest)}, half{own_motion_case(study, finest)};
+  if (!validate(fine.run).empty()) return std::nullopt;
+  motion.reference = fine.run.method == MethodName::characteristics
+                         ? "characteristics"
+                         : "the mass fourth_order on " + std::to_string(fine.run.elements) + " elements";
+  Sequence penalty, scheme, apart;
+  for (std::size_t m = 0; m < known.size(); ++m) {
+    const KnownMesh& mesh = known[m];
+    const LimitOrders& orders = result.orders[m];
+    if (!fine.trace(mesh.times, purse) || !half.trace(mesh.times, purse)) return std::nullopt;
+    motion.error = std::max(motion.error, largest_difference(fine.traces, half.traces));
+    OwnMotion::Mesh& row = motion.meshes.emplace_back();
+    row.elements = orders.elements;
+    row.spacing = study.scene.scene.bar.length / static_cast<double>(orders.elements);
+    row.penalty = largest_difference(mesh.own, fine.traces);
+    row.scheme = largest_difference(mesh.scheme, fine.traces);
+    row.apart = orders.evidence.apart.value_or(0.0);
+    Sequence epsilons, steps;
+    for (const LimitRow& at : std::span(result.rows).subspan(orders.first_row, orders.row_count))
+      epsilons.add(at.epsilon, at.difference_to_own_limit.value_or(0.0), 0.0);
+    for (const SchemeRun& at : orders.scheme) steps.add(at.step, at.distance.value_or(0.0), 0.0);
+    row.epsilon = epsilons.where(row.penalty);
+    row.step = steps.where(row.scheme);
+  }
+  std::ranges::sort(motion.meshes, {}, &OwnMotion::Mesh::elements);
+  for (const OwnMotion::Mesh& row : motion.meshes) {
+    penalty.add(row.spacing, row.penalty, motion.error);
+    scheme.add(row.spacing, row.scheme, motion.error);
+    apart.add(row.spacing, row.apart, 0.0);
+  }
+  motion.penalty = penalty.order();
+  motion.scheme = scheme.order();
+  motion.apart = apart.order();
+  return motion;
+}
+
+}  // namespace viscobar::limit
