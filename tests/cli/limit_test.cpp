@@ -54,21 +54,39 @@ TEST_F(Limit, ACoarseStepIsRefinedUntilThePlateauShows) {
   EXPECT_EQ(result["verdict"], "plateau") << result["reason"];
   const Json& mesh = result["meshes"][0];
   EXPECT_LT(mesh["scheme_step"].get<double>(), 1e-2);
-  EXPECT_GT(mesh["evidence"]["apart_at_least"].get<double>(), 0.0);
-  EXPECT_LT(mesh["evidence"]["apart_at_least"].get<double>(), 3.1e-3);
-  EXPECT_GT(mesh["evidence"]["apart_at_most"].get<double>(), 3.1e-3);
+  // 3.1e-3 by other runs (docs/limit-verdicts.md), to two digits.
+  EXPECT_GT(mesh["evidence"]["apart_at_least"].get<double>(), 3.05e-3);
+  EXPECT_LT(mesh["evidence"]["apart_at_most"].get<double>(), 3.15e-3);
+  EXPECT_EQ(result["scene"]["method"]["step"], mesh["scheme_step"]);
 }
 
 TEST_F(Limit, ScenesOfThePaperHaveTheirPlateauAsTheyAreShipped) {
-  const struct { const char *name, *plateau; } scenes[] = {{"unit-both-ends", "9.1e-06"}, {"paper-both-ends", "0.048"}};
+  // |P(0) - S(0)| by the scheme of restitution 1 against that of 0 at steps of its own: 1.3e-5 +- 1e-6 and 5.1e-2 at
+  // the output times; between them it is what `rigid` of either restitution has. Found at all times of the run.
+  const struct {
+    const char* name;
+    double apart;
+  } scenes[] = {{"unit-both-ends", 9.9e-6}, {"paper-both-ends", 5.24e-2}, {"paper-left-end", 2.4e-4}};
   for (const auto& shipped : scenes) {
-    const Ended ended = viscobar("limit " + scene(shipped.name) + " --epsilon 1e-2:1e-8 --json");
+    const Ended ended = viscobar("limit " + scene(shipped.name) + " --json");
     ASSERT_EQ(ended.code, 0) << ended.error;
     const Json result = ended.json();
     EXPECT_EQ(result["verdict"], "plateau") << result["reason"];
-    EXPECT_NE(result["reason"].get<std::string>().find(std::string("stays near ") + shipped.plateau), std::string::npos)
-        << result["reason"];
+    EXPECT_TRUE(result["order_to_scheme"].is_null()) << "a plateau has no order";
+    // Chatter has its largest difference at one bounce, which a tolerance moves by a tenth.
+    EXPECT_NEAR(result["meshes"][0]["evidence"]["apart"].get<double>(), shipped.apart, 0.1 * shipped.apart);
   }
+}
+
+TEST_F(Limit, HoldsItsBudgetAndKeepsItsRows) {
+  const Ended ended =
+      viscobar("limit " + scene("paper-both-ends") + " --epsilon 1e-5:1e-11 --budget 2 --json -o budget");
+  ASSERT_EQ(ended.code, 0) << ended.error;
+  const Json result = ended.json();
+  EXPECT_GT(result["rows"].size(), 0u);
+  EXPECT_EQ(result["rows"].size() + result["left_out"].size(), 7u);
+  const std::string csv = read_text(directory_ / "budget" / "limit.csv");
+  EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(csv, '\n')), result["rows"].size() + 1);
 }
 
 TEST_F(Limit, ADifferenceBelowTheErrorOfTheStepAloneConvincesNobody) {
@@ -120,7 +138,7 @@ step = 1e-3
   const Json result = ended.json();
   EXPECT_EQ(result["verdict"], "converges") << result["reason"];
   // The study knows the error: it has the rigid limit to compare with.
-  EXPECT_NEAR(result["meshes"][0]["scheme_error"].get<double>(), 3.8e-5, 0.1e-5);
+  EXPECT_NEAR(result["meshes"][0]["scheme_runs"][2]["distance"].get<double>(), 3.8e-5, 0.1e-5);
 }
 
 // The ends tell nothing then. On the lumped mass impacts of a span are a single node's each, and a common restitution
@@ -278,8 +296,8 @@ TEST_F(Limit, ATerminalSeesHowManyRunsAreDone) {
                              " --epsilon 1e-2:1e-3 --set time.end=1 -o out" + option + " >out.txt");
   };
   const std::string text = shown("");
-  // Three of the scheme, rigid and two penalised, in two passes.
-  EXPECT_NE(text.find("12 of 12 runs"), std::string::npos) << text;
+  // Two of rigid, restitution 0 and 1, which tell the times first, three of the scheme and two penalised.
+  EXPECT_NE(text.find("9 of 9 runs"), std::string::npos) << text;
   EXPECT_TRUE(text.ends_with("\r\033[K")) << text;  // nothing stays
   EXPECT_EQ(shown(" --quiet"), "");
 }

@@ -19,7 +19,7 @@ namespace {
 
 using namespace viscobar;
 
-std::string order(const std::optional<ObservedOrder>& found) {
+std::string order(const std::optional<SequenceOrder>& found) {
   return found ? fmt::format("{:.3f} +- {:.3f}", found->order, found->standard_error) : "-";
 }
 

@@ -172,7 +172,9 @@ TEST(Limit, APathToTheBarExistsOnThePapersMassOfOrderTwoInH) {
     scene.elements = elements;
     const double h = scene.mesh().spacing();
     scene.step = 0.2 * h * h;
-    return limit_of(study_of(scene, {0.1 * h * h * h})).rows.at(0).difference_to_scheme;
+    LimitStudy study = study_of(scene, {0.1 * h * h * h});
+    study.budget = 0.0;
+    return limit_of(study).rows.at(0).difference_to_scheme;
   };
   for (const double viscosity : {1.0, 0.1})
     EXPECT_NEAR(std::log2(difference(viscosity, 27) / difference(viscosity, 54)), 2.0, 0.1) << viscosity;
@@ -209,14 +211,67 @@ TEST(Limit, UnderASpanOneRestitutionGivesOneLimitWhereTheMassDoesNotTieNeighbour
   EXPECT_LT(consistent.rows.back().difference_to_scheme, 0.01 * 650.0);
 }
 
-TEST(Limit, OneEpsilonAloneHasNoVerdictUnlessTheRigidLimitJudgesIt) {
+TEST(Limit, OneEpsilonAloneHasNoVerdictAndTheStudyGoesOnByItself) {
   Case scene = paper_throw(0.01);
   scene.step = 1e-4;
-  const LimitOrders massive = only(limit_of(study_of(scene, {1e-3})));
+  LimitStudy study = study_of(scene, {1e-3});
+  study.budget = 0.0;
+  const LimitOrders massive = only(limit_of(study));
   EXPECT_EQ(massive.verdict, Verdict::undecided);
-  EXPECT_EQ(massive.evidence.lack, Lack::penalties);
+  EXPECT_EQ(massive.evidence.lack, Lack::smaller_epsilon);
+  study.budget = 60.0;
+  const LimitResult result = limit_of(study);
+  EXPECT_EQ(only(result).verdict, Verdict::plateau);
+  EXPECT_GT(result.rows.size(), 1u);
   scene.mass = Mass::redistributed;
   EXPECT_EQ(only(limit_of(study_of(scene, {1e-8}))).verdict, Verdict::converges);
+}
+
+TEST(Limit, TheLimitsOfThePapersPairAreApartByWhatTwoRunsOfRigidAre) {
+  // Restitution 1 and 0 of `rigid`; every row of both sequences lies within its distance to its own limit of that.
+  Case scene = paper_throw(0.01);
+  scene.step = 1e-4;
+  const LimitResult result = limit_of(study_of(scene, decades(1e-2, 1e-7)));
+  const LimitOrders orders = only(result);
+  ASSERT_TRUE(orders.evidence.apart);
+  // A hundredth, which the times of comparison may miss of a maximum.
+  EXPECT_LT(orders.evidence.apart_error, 0.011 * *orders.evidence.apart);
+  for (const LimitRow& row : result.rows) {
+    ASSERT_TRUE(row.difference_to_own_limit && row.difference_to_scheme_limit);
+    // The triangle's inequality, to the rounding of three maxima.
+    EXPECT_LE(std::abs(*row.difference_to_scheme_limit - *orders.evidence.apart), *row.difference_to_own_limit + 1e-9);
+  }
+  EXPECT_LT(*result.rows.back().difference_to_own_limit, 0.1 * *orders.evidence.apart);
+}
+
+TEST(Limit, ABudgetIsOne) {
+  // Contact changes grow like epsilon^(-1/2): six decades of them take minutes.
+  Case scene = paper_throw(1.0);
+  scene.elements = 200;
+  scene.step = 1e-3;
+  LimitStudy study = study_of(scene, decades(1e-4, 1e-12));
+  study.budget = 0.5;
+  std::size_t told = 0;
+  study.row = [&](const LimitRow&) { ++told; };
+  const LimitResult result = limit_of(study);
+  EXPECT_GT(result.rows.size(), 0u);
+  EXPECT_EQ(told, result.rows.size());
+  EXPECT_EQ(result.rows.size() + result.left_out.size(), study.epsilons.size());
+  // A run looks at the clock every 128 steps, some milliseconds, and what is judged after the last is not counted.
+  EXPECT_LT(only(result).seconds, 1.0);
+}
+
+TEST(Limit, AnInterruptKeepsWhatIsThereAndJudgesIt) {
+  Case scene = paper_throw(0.01);
+  scene.step = 1e-4;
+  LimitStudy study = study_of(scene, decades(1e-2, 1e-8));
+  study.threads = 1;
+  std::size_t rows = 0;
+  study.row = [&](const LimitRow&) { ++rows; };
+  study.interrupted = [&] { return rows >= 3; };
+  const LimitResult result = limit_of(study);
+  EXPECT_EQ(result.rows.size(), 3u);
+  EXPECT_TRUE(only(result).interrupted);
 }
 
 TEST(Limit, ABarThatIsPressedOnItsObstacleHasOneLimitOnAnyMassAndLaw) {
@@ -358,7 +413,8 @@ TEST(LimitVerdict, WhatABarWouldFallWithoutItsObstacleIsNotAtStake) {
   std::vector<EndTraces> traces;
   for (const double x : at) traces.push_back(moves(2e6 * x));
   LimitTraces mesh;
-  mesh.rigid = rigid;
+  mesh.own_limit = mesh.scheme_limit = LimitTrace{rigid};
+  mesh.one_limit = true;
   mesh.without_obstacles = [&]() -> const EndTraces& { return falls; };
   for (std::size_t i = 0; i < at.size(); ++i) mesh.penalised.add(at[i], rigid), mesh.scheme.add(at[i], traces[i]);
   const Judgement found = judge(mesh);

@@ -245,7 +245,8 @@ void refine_scheme(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
                wanted = s / (part_of_distance * std::max(nearest, 10.0 * tolerance_error(mesh)));
   double refinement = wanted;
   if (refinement * seconds > part_of_budget * study.budget) refinement = little * study.budget / seconds;
-  if (refinement > 2.0) smaller_step(mesh, study, std::min(refinement, 1e6), purse);
+  if (refinement > 2.0 && smaller_step(mesh, study, std::min(refinement, 1e6), purse))
+    mesh.judgement = judge_mesh(mesh, study, purse);
   mesh.lacking_seconds = lacking;
 }
 
@@ -288,10 +289,10 @@ std::optional<SequenceOrder> of_layer(const Sequence& sequence, const std::optio
   return found == ranges.end() ? std::nullopt : std::optional(*found);
 }
 
-// The order of small penalties: not that of the layer, which ends above the boundary.
+// The order of small penalties: it has come well below the boundary.
 std::optional<SequenceOrder> of_node(const Sequence& sequence, const std::optional<double>& boundary) {
   const auto found = sequence.order();
-  return found && boundary && sequence.x[found->last] > *boundary ? std::nullopt : found;
+  return found && boundary && sequence.x[found->last] > 0.01 * *boundary ? std::nullopt : found;
 }
 
 LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {

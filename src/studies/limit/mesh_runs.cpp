@@ -190,7 +190,9 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Pur
   }
   std::atomic<double> longest = 0.0;
   each(runs, study, purse, [&](Run& run) {
-    if (!purse.allows(run.run.method == MethodName::fully_discrete ? 0.0 : longest.load(), true)) return;
+    // A quarter of the budget is for what decides.
+    const double kept = longest > 0.0 ? longest + 0.25 * study.budget : 0.0;
+    if (!purse.allows(run.run.method == MethodName::fully_discrete ? 0.0 : kept, true)) return;
     run.trace(mesh.times, purse);
     if (run.run.method == MethodName::fully_discrete || !run.complete) return;
     longest = std::max(longest.load(), run.seconds);
