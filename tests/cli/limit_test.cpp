@@ -63,8 +63,10 @@ TEST_F(Limit, ACoarseStepIsRefinedUntilThePlateauShows) {
 TEST_F(Limit, ScenesOfThePaperHaveTheirPlateauAsTheyAreShipped) {
   // |P(0) - S(0)| by the scheme of restitution 1 against that of 0 at steps of its own: 1.3e-5 +- 1e-6 and 5.1e-2 at
   // the output times; between them it is what `rigid` of either restitution has. Found at all times of the run.
-  const struct { const char* name; double apart; } scenes[] = {
-      {"unit-both-ends", 9.9e-6}, {"paper-both-ends", 5.24e-2}, {"paper-left-end", 2.4e-4}};
+  const struct {
+    const char* name;
+    double apart;
+  } scenes[] = {{"unit-both-ends", 9.9e-6}, {"paper-both-ends", 5.24e-2}, {"paper-left-end", 2.4e-4}};
   for (const auto& shipped : scenes) {
     const Ended ended = viscobar("limit " + scene(shipped.name) + " --json");
     ASSERT_EQ(ended.code, 0) << ended.error;

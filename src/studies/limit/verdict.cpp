@@ -54,6 +54,10 @@ constexpr double least_part_of_order = 0.25;
 constexpr double part_of_law = 0.25, part_of_contact = 0.01;
 // Of what contact changes, where the limit is known: how close both sequences must have come to it.
 constexpr double part_of_stake = 0.05;
+// Of that: so close, chatter need not fall from one value to the next.
+constexpr double beyond_doubt = 0.1;
+// Of a largest difference, that its times may miss: see comparison_times().
+constexpr double missed_part = 0.01;
 
 bool touches(const EndTraces& traces) { return !traces.events.empty() || traces.statistics.max_penetration > 0.0; }
 
@@ -114,7 +118,7 @@ Judgement judge_known(const LimitTraces& mesh) {
   evidence.penalty_error = p + own.error;
   evidence.scheme_error = found.scheme_error = s + other.error;
   evidence.apart = mesh.one_limit ? 0.0 : largest_difference(own.traces, other.traces);
-  evidence.apart_error = mesh.one_limit ? other.error : own.error + other.error;
+  evidence.apart_error = mesh.one_limit ? other.error : own.error + other.error + missed_part * *evidence.apart;
   const bool differ = *evidence.lower() > 0.0;
   if (!differ && hardest_impact(other.traces) > 0.0 && !mesh.one_limit) {
     // Two laws of impact do not lead to one limit because their difference is too small to be seen.
@@ -125,9 +129,10 @@ Judgement judge_known(const LimitTraces& mesh) {
   const double near = differ ? 0.5 * *evidence.apart : part_of_stake * *evidence.stake;
   if (!differ && evidence.apart_error > part_of_contact * *evidence.stake)
     evidence.lack = Lack::tighter_tolerance;
-  else if (left_over(penalised, by_penalty.order) > near || !penalised.falls(by_penalty.order))
+  else if (left_over(penalised, by_penalty.order) > near ||
+           !(p <= beyond_doubt * near || penalised.falls(by_penalty.order)))
     evidence.lack = Lack::smaller_epsilon;
-  else if (left_over(scheme, by_step.order) > near || !scheme.falls(by_step.order))
+  else if (left_over(scheme, by_step.order) > near || !(s <= beyond_doubt * near || scheme.falls(by_step.order)))
     evidence.lack = Lack::smaller_step;
   else
     return known(differ ? Verdict::plateau : Verdict::converges, found);
