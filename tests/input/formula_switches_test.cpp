@@ -153,7 +153,7 @@ TEST(FormulaSwitches, AreThoseOfTheFormulaThatIsEvaluated) {
     for (const auto& [x, t] : {std::pair{0.3, 0.7}, {1.7, 0.2}, {0.9, 2.6}}) {
       const double expected = (*f)(x, t);
       if (!std::isfinite(expected) || std::abs(expected) > 1e6) continue;
-      tree.bound(x, {t, t}, jets);
+      tree.bound({{x, x}, {0.0, 0.0}}, {{t, t}, {1.0, 1.0}}, jets);
       const Interval value = jets.back().value;
       // What is infinite or no number on the way is not known to the tree, and rounding may decide a comparison.
       if (value.low != value.high) continue;
