@@ -9,9 +9,10 @@
 
 namespace viscobar {
 
-/// A contact opens at t, in the step from `begin` to `end`; `last_change` was the last change before.
+/// A contact opens at t, in the step from `begin` to `end`; `last_change` was the last change before, `load_break` the
+/// last time at which the load may have jumped.
 struct Opening {
-  double t, begin, end, last_change;
+  double t, begin, end, last_change, load_break;
 };
 
 /// Who makes the step.
@@ -27,8 +28,11 @@ struct OpeningMotion {
 inline void weigh_opening(const OpeningMotion& motion, std::size_t i, const Opening& opening, std::span<double> state,
                           LateOpening& latest) {
   const auto& [system, layout, stepper] = motion;
-  const auto [t, begin, end, last_change] = opening;
+  const auto [t, begin, end, last_change, load_break] = opening;
   const std::size_t node = system.contact(i).unknown;
+  const double omega = system.contact_rate(i);
+  // A jump of the load asks for the opening at once, which comes within the same delay.
+  if (omega * (t - load_break) < 10.0) return;
   std::vector<double> force(layout.nodes);
   const auto pull = [&](double at) {
     stepper.interpolate(at, state);
@@ -45,7 +49,6 @@ inline void weigh_opening(const OpeningMotion& motion, std::size_t i, const Open
   const double tolerated =
       (bar.modulus * weights.promised_displacement() + bar.viscosity * weights.promised_velocity()) /
       system.bar().spacing_at(node);
-  const double omega = system.contact_rate(i);
   // Late by as long as the pull has grown, or by the step over the spring, it changes the node's velocity by pull *
   // lateness / m.
   const double lateness =

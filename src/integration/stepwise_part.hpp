@@ -103,6 +103,7 @@ class StepwisePart {
         if (!change) reach(t);
         return Checkpoint{t, next_output_, {}, archived(*this)};
       }
+      if (!change && t >= leg_end_) load_break_ = t;
       if (change || (t >= leg_end_ && t < end)) restart(t);
     }
     statistics_.reached_time = end;
@@ -152,6 +153,7 @@ class StepwisePart {
     if (checkpoint) {
       next_output_ = checkpoint->outputs;
       distrust_toggling();
+      load_break_ = checkpoint->time;
       restart(checkpoint->time);
       return checkpoint->time;
     }
@@ -175,10 +177,14 @@ class StepwisePart {
     }
     for (std::size_t i = 0; i < system_.contact_count(); ++i)
       if (system_.closed(i)) {
-        if (system_.collides(i)) system_.set_closed(i, false);
         differentiate_closing(t, i, start, approach);
-        tell_event(t, i, Change::closing, approach[system_.contact(i).unknown]);
-        if (system_.collides(i)) close(t, i);
+        const double velocity = approach[system_.contact(i).unknown];
+        if (system_.collides(i)) {
+          system_.set_closed(i, false);
+          strike(t, i, velocity);
+        } else {
+          tell_event(t, i, Change::closing, velocity);
+        }
         if (sensitivities_) sensitivities_->after(t, i, y_);
       }
     statistics_.reached_time = t;
@@ -249,7 +255,7 @@ class StepwisePart {
     const auto jump = system_.bar().kink(t, times_.back());
     if (sensitivities_) sensitivities_->pass_kink(t, times_.back(), jump.has_value(), y_);
     if (jump) pass_kink(t, *jump);
-    system_.complete_displacement(t, u());
+    follow_load(t);
     system_.complete_velocity(t, u(), w());
     if (sensitivities_) sensitivities_->begin_leg(t, times_.back());
     if (ends_) {
@@ -258,6 +264,15 @@ class StepwisePart {
     }
     if (!search_.selects()) select(true);
     stepper_.restart(t, leg_end_, y_);
+  }
+
+  // Undamped nodes without mass follow their row at once. Where a load jumps, or opens or closes their contact by that,
+  // the energy that it gives them is its work: that of a force which grows there as fast as one likes.
+  void follow_load(double t) {
+    const bool works = layout_.work && t == load_break_ && system_.bar().has_massless() && !system_.bar().damped();
+    const double before = works ? system_.energy(u(), w()) : 0.0;
+    system_.complete_displacement(t, u());
+    if (works) y_[*layout_.work] += system_.energy(u(), w()) - before;
   }
 
   // The stepper samples what the ends need from now on, and where asked for the search, each entry once.
@@ -280,7 +295,7 @@ class StepwisePart {
       if (!system_.collides(i) || !system_.closed(i) || w()[node] == 0.0) continue;
       system_.set_closed(i, false);
       if (system_.contact(i).sign * w()[node] < 0.0)
-        close(t, i);
+        strike(t, i, std::nullopt);
       else
         tell_event(t, i, Change::opening, w()[node]);
     }
@@ -316,18 +331,21 @@ class StepwisePart {
   // In the step from `begin` to `end`.
   void switch_contacts(double t, double begin, double end) {
     system_.complete_velocity(t, u(), w());
-    const std::span<const double> velocity = w();
     const auto switch_one = [&](std::size_t i) {
-      const Change change = system_.closed(i) ? Change::opening : Change::closing;
+      const bool opens = system_.closed(i);
+      const std::size_t node = system_.contact(i).unknown;
+      const double& velocity = w()[node];
       if (sensitivities_) changes_ = sensitivities_->before(t, i, y_);
-      tell_event(t, i, change, velocity[system_.contact(i).unknown]);
-      if (change == Change::opening) system_.set_closed(i, false);
-      if (change == Change::closing)
-        close(t, i);
-      else if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change()))
-        weigh_opening({system_, layout_, stepper_}, i, {t, begin, end, watchdog_.last_change()}, inner_,
-                      statistics_.late_opening);
-      system_.place_on_obstacle(i, u());
+      if (!opens) close(t, i, velocity);
+      // A node that follows its neighbour at once is put where the new state has it as the next leg begins.
+      if (!system_.bar().massless(node) || system_.bar().damped()) system_.place_on_obstacle(i, u());
+      if (opens) {
+        system_.set_closed(i, false);
+        tell_event(t, i, Change::opening, velocity);
+        if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change()))
+          weigh_opening({system_, layout_, stepper_}, i, {t, begin, end, watchdog_.last_change(), load_break_}, inner_,
+                        statistics_.late_opening);
+      }
       if (sensitivities_) sensitivities_->after(t, i, y_);
     };
     search_.look_at(begin, t);
@@ -339,11 +357,16 @@ class StepwisePart {
   }
 
   // Its node is at the obstacle, or there to rounding. Bounces lower than what a step may be wrong by are not resolved.
-  void close(double t, std::size_t i) {
-    if (!system_.collides(i)) {
-      system_.set_closed(i, true);
-      return watchdog_.close(t, system_.contact(i).unknown + system_.bar().first_node(), system_.contact_rate(i));
-    }
+  void close(double t, std::size_t i, double velocity) {
+    if (system_.collides(i)) return strike(t, i, velocity);
+    tell_event(t, i, Change::closing, velocity);
+    system_.set_closed(i, true);
+    watchdog_.close(t, system_.contact(i).unknown + system_.bar().first_node(), system_.contact_rate(i));
+  }
+
+  // The impact of a rigid contact. `closing` is the velocity that its closing is told with, absent where that has been
+  // told. One that neither rests nor rebounds, because the bar pulls its node away at once, is no contact.
+  void strike(double t, std::size_t i, std::optional<double> closing) {
     const ErrorWeights& weights = stepper_.weights();
     const double h = system_.bar().spacing_at(system_.contact(i).unknown);
     const PenalisedSystem::Collision collision =
@@ -351,11 +374,13 @@ class StepwisePart {
     if (layout_.dissipated) y_[*layout_.dissipated] += collision.dissipated;
     if (layout_.end_inertia) y_[*layout_.end_inertia] += collision.end_inertia;
     if (ends_) ends_->strike(i, collision.impulse);
+    const double leaves = w()[system_.contact(i).unknown];
+    if (closing && (collision.rests || leaves != 0.0)) tell_event(t, i, Change::closing, *closing);
     if (sensitivities_) sensitivities_->rebound(i, changes_);
     if (collision.rests)
       system_.set_closed(i, true);
-    else
-      tell_event(t, i, Change::opening, w()[system_.contact(i).unknown]);
+    else if (!closing || leaves != 0.0)
+      tell_event(t, i, Change::opening, leaves);
   }
 
   // A step across a jump of the load may leave the surface by less than its error, to either side, and a bar that has
@@ -403,7 +428,7 @@ class StepwisePart {
   std::vector<double> y_, inner_;          // the state where the run is, and within a step
   std::vector<std::size_t> selected_;      // positions of sampled entries
   std::array<double, 3> account_shift_{};  // of the account of this leg
-  double leg_end_ = 0.0;
+  double leg_end_ = 0.0, load_break_ = -std::numeric_limits<double>::infinity();
   std::size_t next_output_ = 0;
   std::optional<Sensitivities>& sensitivities_;
   std::vector<ChangeSensitivity> changes_;  // of the contact change under way

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "support/run_trace.hpp"
+#include "viscobar/case/recording.hpp"
+#include "viscobar/input/scene_file.hpp"
 #include "viscobar/integration/integrate.hpp"
 #include "viscobar/studies/exact/exact_solutions.hpp"
 
@@ -182,6 +184,45 @@ TEST(Rigid, ABarThatComesToRestDoesNotToggleItsContacts) {
   const RunTrace trace = run(thrown(1.0), 27, uniform_times(10.0, 20));
   EXPECT_LE(trace.events.size(), 4u);
   EXPECT_LT(trace.statistics.steps, 20000u);
+}
+
+// The bar pulls its node off the obstacle at once: a closing and an opening of one time, where the bar itself comes no
+// nearer than 1.6e-4, or stays.
+TEST(Rigid, HasNoContactOfZeroLength) {
+  Scene graze;
+  graze.bar.viscosity = 0.0244;
+  graze.left = Obstacle{0.2249};
+  graze.displacement = [](double x) { return 0.256 * std::abs(x - 0.569); };
+  graze.velocity = [](double) { return -0.73; };
+  graze.load = SteadyLoad{[](double) { return 1.05; }};
+  const auto run_on = [](const Scene& scene, std::size_t elements, double end) {
+    return record(BarSystem(scene, {1.0, elements}, Mass::fourth_order), std::vector{0.0, end}, Rigid{{1e-6, 1e-9}});
+  };
+  EXPECT_TRUE(run_on(graze, 16, 1.112).events.empty());
+
+  const Case shaken = parse_scene(R"toml(
+[bar]
+length = 1.0
+viscosity = 1e-4
+[left]
+kind = "fixed"
+motion = "0.1*sin(3*t)"
+[right]
+kind = "obstacle"
+gap = 0.05
+side = "above"
+[time]
+end = 6.0
+[mesh]
+elements = 100
+[output]
+every = 6.0
+)toml",
+                                  "shaken.toml")
+                          .run;
+  const Recording trace = record(shaken);
+  EXPECT_EQ(std::ranges::count(trace.events, Change::closing, &Event::change), 3);
+  EXPECT_NEAR(trace.statistics.energy->balance_error(), 0.0, 200 * 1e-6 * trace.statistics.energy->work);
 }
 
 TEST(Rigid, FollowsTheGrazingContactsOfTheManufacturedSolutionOneByOne) {

@@ -14,6 +14,7 @@
 #include "support/absolute_tolerance.hpp"
 #include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
+#include "viscobar/input/scene_file.hpp"
 
 namespace viscobar::testing_switching_load {
 namespace {
@@ -246,7 +247,43 @@ TEST(SwitchingLoad, ThatJumpsOpensAndClosesAContactOfAMasslessNodeThere) {
     EXPECT_EQ(found.events[1].change, Change::opening) << name(method);
     EXPECT_EQ(found.events[2].time, 0.02) << name(method);
     EXPECT_EQ(found.events[2].change, Change::closing) << name(method);
+    // What the jumps strain the element beside the node by, F^2 h / (2 E) = 0.002 with F = 8 / 16, is their work.
+    const EnergyAccount& energy = *found.statistics.energy;
+    EXPECT_NEAR(energy.balance_error(), 0.0, 200 * run.tolerance.relative * energy.work) << name(method);
   }
+}
+
+// The pull at the opening is that of the force since it has jumped, which is no pull that the contact held out.
+TEST(SwitchingLoad, ThatLetsGoOfAContactAtRestIsNoLateOpening) {
+  for (const MethodName method : adaptive)
+    for (const double epsilon : {1e-5, 1e-7, 1e-9}) {
+      Case run = parse_scene(R"(
+[bar]
+length = 1.0
+viscosity = 0.1
+[left]
+kind = "obstacle"
+gap = 0.0
+force = "t < 3 ? -1 : 1"
+[time]
+end = 3.5
+[mesh]
+elements = 20
+mass = "lumped"
+[contact]
+restitution = 0.5
+epsilon = 1e-7
+[method]
+name = "arkode"
+[output]
+every = 3.5
+)",
+                             "let-go.toml")
+                     .run;
+      run.method = method;
+      run.epsilon = epsilon;
+      EXPECT_LT(record(run).statistics.late_opening.ratio, 1.0) << name(method) << " " << epsilon;
+    }
 }
 
 // Steps do not pile up where the load jumps.
