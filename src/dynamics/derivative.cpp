@@ -227,6 +227,11 @@ double Derivative::reaction(std::size_t i, const Moment& at, std::span<const dou
          law.damping * rate[node] - laws_[i].damping * at.w[node];
 }
 
+double Derivative::opening_reaction(std::size_t i, const Moment& at, std::span<const double> s,
+                                    std::span<const double> rate) {
+  return system_.holds(i) ? reaction(i, at, s, rate) : system_.contact(i).sign * motion_.row_reaction(i, at.t, s, rate);
+}
+
 double Derivative::stress(std::size_t element, std::span<const double> u, std::span<const double> v,
                           std::span<const double> s, std::span<const double> rate) const {
   const Bar& bar = system_.bar().bar();

@@ -125,6 +125,8 @@ class Derivative {
 
   /// Of the reaction of contact i in the direction of u, the bar being at the moment driven by last.
   double reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate);
+  /// Of the reaction whose zero opens closed contact i: the same where it holds(), else that of row_reaction().
+  double opening_reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate);
   /// Of the stress E u_x + eta v_x in an element, from the values at all nodes.
   double stress(std::size_t element, std::span<const double> u, std::span<const double> v, std::span<const double> s,
                 std::span<const double> rate) const;

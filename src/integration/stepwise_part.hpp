@@ -43,7 +43,7 @@ class StepwisePart {
         observers_(observers),
         telling_(observers, statistics),
         schedule_(observers, times, begin),
-        search_(system, stepper),
+        search_(system, stepper, layout.size),
         watchdog_(begin, times.back()),
         snapshot_(system, observers.reactions),
         y_(layout.size),
@@ -341,6 +341,8 @@ class StepwisePart {
       if (!system_.bar().massless(node) || system_.bar().damped()) system_.place_on_obstacle(i, u());
       if (opens) {
         system_.set_closed(i, false);
+        // A rounding of its penetration is a velocity of a node without mass.
+        if (system_.changes_by_row(i)) system_.complete_velocity(t, u(), w());
         tell_event(t, i, Change::opening, velocity);
         if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change()))
           weigh_opening({system_, layout_, stepper_}, i, {t, begin, end, watchdog_.last_change(), load_break_}, inner_,
