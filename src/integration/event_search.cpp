@@ -148,7 +148,8 @@ inline double EventSearch::uncertainty(std::size_t i) const {
 double EventSearch::against(std::size_t i, double t, std::span<const double> y) {
   const std::size_t n = system_.size(), node = system_.contact(i).unknown;
   const std::span<const double> u = y.first(n), w = y.subspan(n, n);
-  if (!system_.changes_by_row(i)) return system_.closed(i) ? 0.0 : system_.contact(i).sign * w[node];
+  const bool follows = system_.bar().massless(node) && !system_.bar().damped();  // its indicator is its neighbour's
+  if (!system_.changes_by_row(i)) return system_.closed(i) || follows ? 0.0 : system_.contact(i).sign * w[node];
   if (system_.closed(i) && system_.holds(i)) return 0.0;
   return -sign(i) * system_.row_reaction(i, t, u, w) * system_.bar().spacing_at(node) / system_.bar().bar().modulus;
 }

@@ -156,6 +156,7 @@ class StepwisePart {
     if (checkpoint) {
       next_output_ = checkpoint->outputs;
       distrust_toggling();
+      load_break_ = checkpoint->time;
       const bool entered = checkpoint->frame == Checkpoint::Frame::entered;
       if (entered && sensitivities_) {
         leg_end_ = system_.begin_leg(checkpoint->time, times_.back());

@@ -179,7 +179,7 @@ Judged judge(const SceneFile& scene) {
     const Run exact = run_of(by_exponentials(run));
     const Run mine = run_of(run);
     judged.events = mine.statistics.events;
-    judged.phantom = phantom_of(run, mine) + phantom_of(by_exponentials(run), exact);
+    judged.phantom = phantom_of(run, mine);
     const double tolerance = run.tolerance.relative * exact.largest + absolute_tolerance(run);
     judged.error = distance(mine.u, exact.u) / (100.0 * tolerance);
     const EnergyAccount& energy = *mine.statistics.energy;
