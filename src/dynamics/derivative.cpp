@@ -257,11 +257,6 @@ double Derivative::holding_force(bool right, double t, const Nodal& bar, const N
          system_.bar().holding_force(right, s.u, s.v, s.a, motion_.load_held(right, t));
 }
 
-double Derivative::opening_reaction(std::size_t i, const Moment& at, std::span<const double> s,
-                                    std::span<const double> rate) {
-  return system_.holds(i) ? reaction(i, at, s, rate) : system_.contact(i).sign * motion_.row_reaction(i, at.t, s, rate);
-}
-
 double Derivative::momentum(std::size_t end, const Moment& at, std::span<const double> s,
                             std::span<const double> rate) const {
   const SymmetricTridiagonal& inertia = system_.bar().inertia();

@@ -134,8 +134,6 @@ class Derivative {
   };
   /// Of the force that holds a fixed end (see BarSystem), from the values of the bar itself and of s. O(1)
   double holding_force(bool right, double t, const Nodal& bar, const Nodal& s) const;
-  /// Of the reaction whose zero opens closed contact i: the same where it holds(), else that of row_reaction().
-  double opening_reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate);
   /// Of (rho M v + eta K u) in the row of an end, and of what that changes by beside the impulse, (E K u - M f): the
   /// impulse of the obstacles on that end is the one plus the integral of the other.
   double momentum(std::size_t end, const Moment& at, std::span<const double> s, std::span<const double> rate) const;

@@ -21,12 +21,11 @@ double time_rounding(double t, double speed) {
 
 }  // namespace
 
-EventSearch::EventSearch(PenalisedSystem& system, LegStepper& stepper, std::size_t size)
+EventSearch::EventSearch(PenalisedSystem& system, LegStepper& stepper)
     : system_(system),
       stepper_(stepper),
       count_(system.contact_count()),
-      samples_(count_ * (Bernstein::max_degree + 1)),
-      state_(size) {
+      samples_(count_ * (Bernstein::max_degree + 1)) {
   for (std::size_t i = 0; i < count_; ++i) {
     first_.push_back(entries_.size());
     for (const std::size_t entry : system.indicator_entries(i)) entries_.push_back(entry);
@@ -70,7 +69,6 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
     if (looking) ends->look_at(j, t, sample.values);
   }
   double first = 2.0;
-  bool later = false;
   for (const std::size_t i : looked_at_) {
     if (system_.moves(i)) continue;
     const std::span<const double> values(samples_.data() + i * (order + 1), order + 1);
@@ -79,13 +77,11 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
     const auto [lowest, highest] = std::ranges::minmax(values);
     const double speed = end > begin ? (highest - lowest) / (end - begin) : 0.0;
     const double of_time = time_rounding(std::max(std::abs(begin), std::abs(end)), speed);
-    const auto descent = Bernstein::through(values).first_descent(-uncertainty(i) - of_time, 0x1p-52, first);
-    const auto s = descent ? agreed(i, begin, end, *descent) : descent;
-    if (s && *s < first) first = *s, which_ = i, later = s != descent;
+    const auto s = Bernstein::through(values).first_descent(-uncertainty(i) - of_time, 0x1p-52, first);
+    if (s && *s < first) first = *s, which_ = i;
   }
   if (first > 1.0) return std::nullopt;
-  const double t = begin + first * (end - begin);
-  return later ? t : polished(begin, end, t, which_);
+  return polished(begin, end, begin + first * (end - begin), which_);
 }
 
 bool EventSearch::may_reach_moving(double begin, double end, double whole) {
@@ -114,14 +110,13 @@ void EventSearch::look_at(double begin, double t) {
   for (std::size_t i = 0; i < count_; ++i) present_[i] = oriented(i, t, sample);
 }
 
-bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) {
+bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) const {
   if (system_.moves(i)) return false;
   std::array<double, 4> values{};
   for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) values[k - first_[i]] = y[entries_[k]];
   const std::span<const double> entries = std::span(values).first(first_[i + 1] - first_[i]);
   const double p =
       system_.indicator_needs_rates(i) ? present_[i] : oriented(i, t, system_.indicator_weights(i), entries);
-  if (against(i, t, y) > 0.0) return false;
   // Half the tolerance, so that a contact switched now is not found on the wrong side by the next check.
   return rates_[i] < 0.0 && p <= 0.5 * (uncertainty(i) + time_rounding(t, -rates_[i]));
 }
@@ -137,44 +132,9 @@ inline double EventSearch::uncertainty(std::size_t i) const {
     if (i != distrusted_) return least;
     return least + share_ * (system_.collides(i) ? ErrorWeights::inertial_share : 1.0) * weights.reaction_tolerance();
   }
-  const double rounding = system_.indicator_rounding(i, weights.largest_displacement());
-  if (i != distrusted_) return rounding;
-  return rounding + share_ * (system_.relaxes(i) ? weights.reaction_tolerance() / (1.0 + system_.relative_stiffness(i))
-                                                 : weights.displacement_tolerance());
-}
-
-// What speaks against a change of contact i in the state y: the velocity of a node that is to close, away from the
-// obstacle; by the row, (h/E) times a reaction that holds it, or pulls.
-double EventSearch::against(std::size_t i, double t, std::span<const double> y) {
-  const std::size_t n = system_.size(), node = system_.contact(i).unknown;
-  const std::span<const double> u = y.first(n), w = y.subspan(n, n);
-  const bool follows = system_.bar().massless(node) && !system_.bar().damped();  // its indicator is its neighbour's
-  if (!system_.changes_by_row(i)) return system_.closed(i) || follows ? 0.0 : system_.contact(i).sign * w[node];
-  if (system_.closed(i) && system_.holds(i)) return 0.0;
-  return -sign(i) * system_.row_reaction(i, t, u, w) * system_.bar().spacing_at(node) / system_.bar().bar().modulus;
-}
-
-double EventSearch::against(std::size_t i, double t) {
-  stepper_.interpolate(t, state_);
-  return against(i, t, state_);
-}
-
-// The first part of the step from s on at which nothing speaks against a change of contact i, whose indicator has
-// descended there.
-std::optional<double> EventSearch::agreed(std::size_t i, double begin, double end, double s) {
-  const double from = begin + s * (end - begin);
-  if (!(against(i, from) > 0.0)) return s;
-  std::array<double, Bernstein::max_degree + 1> values{};
-  const std::size_t order = stepper_.order();
-  for (std::size_t j = 0; j <= order; ++j)
-    values[j] =
-        against(i, j == order ? end : from + (end - from) * static_cast<double>(j) / static_cast<double>(order));
-  const double least =
-      system_.changes_by_row(i)
-          ? stepper_.weights().negligible_reaction(system_.bar().spacing_at(system_.contact(i).unknown))
-          : 0.0;
-  const auto part = Bernstein::through(std::span(values).first(order + 1)).first_descent(-least, 0x1p-52);
-  return part ? std::optional(s + *part * (1.0 - s)) : std::nullopt;
+  double rounding = system_.indicator_rounding(i, weights.largest_displacement());
+  if (system_.relaxes(i)) rounding += weights.reaction_tolerance() / (1.0 + system_.relative_stiffness(i));
+  return i == distrusted_ ? rounding + weights.displacement_tolerance() * share_ : rounding;
 }
 
 // Mostly the bounds of a step prove that nothing happens in it, and take a part of what samples do.

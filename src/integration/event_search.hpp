@@ -17,14 +17,10 @@ namespace viscobar {
 /// crossing is missed: neither two within a step nor a touch. A descent counts once it passes the uncertainty of the
 /// indicator, and its time is that of p = 0, or of the number next to it: a rounding of the time is one of p by the
 /// speed of the contact, in a long run more than that of p itself.
-///
-/// p alone may err by what a step errs by. So a contact changes only where the motion agrees: a node that closes moves
-/// in, and the row of a damped node without mass has the sign that the new state asks for. Where it does not agree at
-/// the descent of p, the change is where it begins to.
 class EventSearch {
  public:
-  /// Both outlive it; `size` is that of the state.
-  EventSearch(PenalisedSystem& system, LegStepper& stepper, std::size_t size);
+  /// Both outlive it.
+  EventSearch(PenalisedSystem& system, LegStepper& stepper);
 
   /// Entries of (u, w) that the search samples.
   const std::vector<std::size_t>& sampled_entries() const { return entries_; }
@@ -55,7 +51,7 @@ class EventSearch {
   void look_at(double begin, double t);
 
   /// Whether contact i changes at the event too: its oriented indicator is used up and falls.
-  bool changes(std::size_t i, double t, std::span<const double> y);
+  bool changes(std::size_t i, double t, std::span<const double> y) const;
 
   /// From here on the clearance of contact i counts as uncertain by a share of the tolerance, too.
   void distrust(std::size_t i, double share) { distrusted_ = i, share_ = share; }
@@ -76,9 +72,6 @@ class EventSearch {
   bool look_at_the_near();
   bool far(std::size_t i) const;
   double uncertainty(std::size_t i) const;
-  double against(std::size_t i, double t, std::span<const double> y);
-  double against(std::size_t i, double t);
-  std::optional<double> agreed(std::size_t i, double begin, double end, double s);
   std::span<const double> part(std::size_t i, std::span<const double> sampled) const {
     return sampled.subspan(first_[i], first_[i + 1] - first_[i]);
   }
@@ -102,7 +95,6 @@ class EventSearch {
   std::vector<double> samples_;
   std::vector<double> rates_, present_;  // of the oriented indicators, and those that have accelerations, at an event
   std::vector<double> values_;           // of a sample with rates
-  std::vector<double> state_;            // where p descends
   bool with_rates_ = false;              // an indicator asks for them in this step
   bool bounded_ = false;                 // the indicators are those of bounded entries, as long as no contact changes
   bool quiet_ = false;

@@ -44,7 +44,7 @@ class StepwisePart {
         observers_(observers),
         telling_(observers, statistics),
         schedule_(observers, times, begin),
-        search_(system, stepper, layout.size),
+        search_(system, stepper),
         watchdog_(begin, times.back()),
         snapshot_(system, observers.reactions),
         filter_(system.bar()),
@@ -407,8 +407,6 @@ class StepwisePart {
       if (!system_.bar().massless(node) || system_.bar().damped()) system_.place_on_obstacle(i, u());
       if (opens) {
         system_.set_closed(i, false);
-        // A rounding of its penetration is a velocity of a node without mass.
-        if (system_.changes_by_row(i)) system_.complete_velocity(t, u(), w());
         tell_event(t, i, Change::opening, velocity);
         if (hold) take(filter_.release(system_, i, t, *hold, u(), w()));
         if (hold && sensitivities_) sensitivities_->release(filter_, t, y_);
