@@ -367,8 +367,9 @@ class Run {
       const double loss = dt * system_.lift_loss(system_.lift(time(n_), 1, dt), v(false), v(true));
       energy.dissipated += loss;
       energy.work += loss;
-      const double of_frame = system_.lift_end_power(system_.lift(time(n_), 1, dt), system_.lift(time(n_), 2, dt),
-                                                     v(false), v(true), step_->acceleration());
+      const std::array<double, 6> a = accelerations_at_ends();
+      const double of_frame =
+          system_.lift_end_power(system_.lift(time(n_), 1, dt), system_.lift(time(n_), 2, dt), v(false), v(true), a);
       for (double* one : {&energy.end_inertia, &energy.dissipated, &energy.work}) *one += of_frame;
     }
     const auto& contacts = step_->contacts();
@@ -389,6 +390,22 @@ class Run {
       energy.end_inertia += taken_by_rows, energy.dissipated += taken_by_rows;
     }
     if (!contacts.empty()) watch_growth(taken);
+  }
+
+  // Of the three nodes at either end.
+  std::array<double, 6> accelerations_at_ends() {
+    const LaneOrder& order = step_->order();
+    const std::span<const double> a = step_->acceleration();
+    const auto at = [&](std::size_t node) {
+      if (node < order.first || node >= order.size() - order.last) return a[node];
+      return a[order.row((node - order.first) % order.rows) + (node - order.first) / order.rows];
+    };
+    std::array<double, 6> values{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t inwards = std::min(k, a.size() - 1);
+      values[k] = at(inwards), values[5 - k] = at(a.size() - 1 - inwards);
+    }
+    return values;
   }
 
   // An impact of Paoli and Schatzman's lasts two steps: what the first took the second may give back. So impacts are

@@ -81,14 +81,6 @@ void TimeStep::start_from(const State& start, double begin, Start order) {
   order_.from_nodes(start.v, p_);
   const std::vector<double> v(p_.begin(), p_.end());
   bound_contacts(begin);
-  if (order == Start::first_order && system_.moving()) {
-    // u^1 = u^0 + dt u_1, u being that of the bar: over a step the frame does not go at its velocity at the start.
-    const Lift rate = system_.lift(begin, 1), from = system_.lift(begin, 0), to = system_.lift(begin + dt_, 0);
-    const Lift ahead = {rate.left - (to.left - from.left) / dt_, rate.right - (to.right - from.right) / dt_};
-    std::vector<double> p = start.v;
-    for (std::size_t i = 0; i < p.size(); ++i) p[i] += ahead.at(system_.share(i));
-    order_.from_nodes(p, p_);
-  }
   if (order == Start::second_order) {
     // The Taylor term with the step's own matrix in place of rho M: a difference of O(dt^3), and it stays bounded at
     // any dt / h, where dt^2 (rho M)^{-1} K would not.

@@ -92,8 +92,8 @@ TEST(MovingObstacle, ThatIsNotTouchedHasNoDerivative) {
     }
 }
 
-// (2.8) with a start of first order: u^1 = u^0 + dt u_1 of the bar itself, whatever moves an end. The bar flies at its
-// velocity, and u(dt) is to rounding where that leads.
+// (2.8) with a start of first order: u^1 = u^0 + dt u_1 of the bar itself, whatever the obstacle does. The bar flies at
+// its velocity, and u(dt) is to rounding where that leads.
 TEST(MovingObstacle, SchemesStartWithTheVelocityOfTheBar) {
   for (const std::string end : {"kind = \"obstacle\"\ngap = \"1+5*t^2\"\n", "kind = \"free\"\n"})
     for (const char* method : {"fully_discrete", "finite_difference"}) {
