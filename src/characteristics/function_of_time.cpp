@@ -66,38 +66,6 @@ FunctionOfTime moved_by(std::vector<Piece> pieces) {
   return {start, std::move(motion)};
 }
 
-/// The number next to zero where both have one sign, else 0.
-double least_of(double a, double b) {
-  if (a * b <= 0.0) return 0.0;
-  return std::abs(a) < std::abs(b) ? a : b;
-}
-
-/// Limits the slopes of a cubic spline: it rises, falls and stays where the samples do, and does not swing beside a
-/// jump. Those of a smooth function stay as they are. With the chords d and the slopes at a sample of the parabolas on
-/// both sides, each with the lesser of the second differences at both ends of its interval, and t the least of these
-/// slopes, a slope has the sign of t and at most the size max(3 least |d|, 3/2 |t|) [Huynh 1993, SIAM J. Numer. Anal.
-/// 30].
-void limit_slopes(std::span<const double> t, std::span<const double> y, std::vector<double>& m) {
-  const std::size_t n = t.size();
-  const auto chord = [&](std::size_t i) { return (y[i + 1] - y[i]) / (t[i + 1] - t[i]); };
-  const auto second = [&](std::size_t i) {
-    const std::size_t k = std::clamp<std::size_t>(i, 1, n - 2);
-    return (chord(k) - chord(k - 1)) / (t[k + 1] - t[k - 1]);
-  };
-  // Of the parabola over the i-th interval, at its begin or end.
-  const auto slope = [&](std::size_t i, double sign) {
-    return chord(i) + sign * least_of(second(i), second(i + 1)) * (t[i + 1] - t[i]);
-  };
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t before = i > 0 ? i - 1 : 0, behind = std::min(i, n - 2);
-    const double least = i == 0       ? slope(0, -1.0)
-                         : i == n - 1 ? slope(n - 2, 1.0)
-                                      : least_of(slope(before, 1.0), slope(behind, -1.0));
-    const double chords = std::abs(least_of(chord(before), chord(behind)));
-    m[i] = least_of(m[i], std::copysign(least == 0.0 ? 0.0 : std::max(3.0 * chords, 1.5 * std::abs(least)), least));
-  }
-}
-
 double sound(double value, double t) {
   if (!std::isfinite(value)) throw std::invalid_argument(fmt::format("is {} at t = {}", value, t));
   return value;
@@ -155,7 +123,6 @@ FunctionOfTime spline_through(std::span<const double> t, std::span<const double>
   }
   m[n - 1] = slope_at_end(n - 1, n - 2, n - 3, n - 4);
   for (std::size_t i = n - 1; i-- > 1;) m[i] -= upper[i] * m[i + 1];
-  limit_slopes(t, y, m);
   std::vector<Piece> pieces;
   for (std::size_t i = 0; i + 1 < n; ++i) {
     const double h = t[i + 1] - t[i];

@@ -64,26 +64,5 @@ TEST(FunctionOfTime, OfSamplesIsACubicSpline) {
   EXPECT_FALSE(same.motion.breaks);
 }
 
-// Between two samples it keeps between their values, and where they stay it stays, whatever jumps beside them.
-TEST(FunctionOfTime, OfSamplesDoesNotSwingBesideAJump) {
-  struct Samples {
-    std::vector<double> t, y;
-  };
-  for (const Samples& samples :
-       {Samples{{0, .5, 1, 1.001, 2, 2.5, 3}, {0, 0, 0, 1, 1, 1, 1}}, Samples{{0, .001, 1, 2, 3}, {0, 5, 5, 5, 5}},
-        Samples{{0, 1, 2, 2.999, 3}, {2, 2, 2, 2, -1}}, Samples{{0, 1, 2, 3, 4, 5, 6}, {0, 0, 1, 1, 0, 0, 0}},
-        Samples{{0, 1, 1.01, 2, 2.01, 3}, {0, 1, 11, 12, 2, 3}},
-        Samples{{0, 1, 1.0001, 1.0002, 2, 3}, {0, 0, 1e6, 0, 0, 0}}}) {
-    const FunctionOfTime f = spline_through(samples.t, samples.y);
-    for (std::size_t i = 0; i + 1 < samples.t.size(); ++i)
-      for (double s = 0.0; s <= 1.0; s += 1.0 / 64.0) {
-        const auto [low, high] = std::minmax(samples.y[i], samples.y[i + 1]);
-        const double value = f.start + f.motion.displacement(samples.t[i] + s * (samples.t[i + 1] - samples.t[i]));
-        EXPECT_GE(value, low - 1e-12 * std::abs(samples.y[2]) - 1e-9) << i << " " << s;
-        EXPECT_LE(value, high + 1e-12 * std::abs(samples.y[2]) + 1e-9) << i << " " << s;
-      }
-  }
-}
-
 }  // namespace
 }  // namespace viscobar::characteristics

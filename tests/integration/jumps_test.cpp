@@ -234,10 +234,9 @@ TEST(Jump, PassesDerivatives) {
   for (std::size_t k = 0; k < 6; ++k) {
     const double step = 1e-4 * values[k];
     const auto moved = [&](double by) {
-      return record(
-          parse_scene(text, "",
-                      {fmt::format("{}={:.17g}", with.sensitivities[k].key, values[k] + by), "sensitivity.of="})
-              .run);
+      const std::vector<std::string> changes = {fmt::format("{}={:.17g}", with.sensitivities[k].key, values[k] + by),
+                                                "sensitivity.of="};
+      return record(parse_scene(text, "", changes).run);
     };
     const Recording above = moved(step), below = moved(-step);
     double largest = 0.0, worst = 0.0;

@@ -610,8 +610,7 @@ FitResult fit(const FitStudy& study) {
     found.push_back(search.minimum_from(start));
     result.sums.push_back(found.back().misfit.sound ? found.back().misfit.sum()
                                                     : std::numeric_limits<double>::quiet_NaN());
-    const double gain = small_residual * small_residual;
-    if (found.back().misfit.sum() < found[best].misfit.sum() - gain) best = found.size() - 1;
+    if (found.back().misfit.sum() < found[best].misfit.sum()) best = found.size() - 1;
     return is_explained(study, found[best].misfit);
   };
   Eigen::VectorXd given(study.parameters.size());
@@ -620,17 +619,14 @@ FitResult fit(const FitStudy& study) {
   for (std::size_t i = 1; i < study.starts; ++i) explained = begin_at(start_of(study, i, true));
   // Many runs without derivatives say where to begin again, while much is left to explain.
   const std::size_t tries = 24 * std::min<std::size_t>(study.parameters.size(), 4), most_runs = 8 * study.most_runs;
-  // So they do where no number is left that could speak against what was found.
-  const bool few = found[best].misfit.residual.size() <= std::ssize(study.parameters);
-  for (std::size_t round = 0; round < 3 && (!explained || (few && round == 0)); ++round) {
+  for (std::size_t round = 0; round < 3 && !explained; ++round) {
     std::vector<std::pair<double, Eigen::VectorXd>> tried;
     for (std::size_t i = 1; i <= tries && search.runs < most_runs; ++i) {
       const Eigen::VectorXd start = start_of(study, round * tries + i, false);
       tried.emplace_back(search.at(start, Compared::integrals, false).sum(), start);
     }
     std::ranges::sort(tried, {}, &std::pair<double, Eigen::VectorXd>::first);
-    for (std::size_t i = 0;
-         i < std::min<std::size_t>(4, tried.size()) && (!explained || few) && search.runs < most_runs; ++i)
+    for (std::size_t i = 0; i < std::min<std::size_t>(4, tried.size()) && !explained && search.runs < most_runs; ++i)
       if (std::isfinite(tried[i].first)) explained = begin_at(tried[i].second);
   }
   const Minimum& minimum = found[best];
