@@ -368,8 +368,8 @@ class Run {
       energy.dissipated += loss;
       energy.work += loss;
       const std::array<double, 6> a = accelerations_at_ends();
-      const double of_frame =
-          system_.lift_end_power(system_.lift(time(n_), 1, dt), system_.lift(time(n_), 2, dt), v(false), v(true), a);
+      const double of_frame = dt * system_.lift_end_power(system_.lift(time(n_), 1, dt), system_.lift(time(n_), 2, dt),
+                                                          v(false), v(true), a);
       for (double* one : {&energy.end_inertia, &energy.dissipated, &energy.work}) *one += of_frame;
     }
     const auto& contacts = step_->contacts();
