@@ -219,49 +219,6 @@ JumpFilter::Taken JumpFilter::pass_break(PenalisedSystem& system, double t, doub
   return put(system, t, force, rate, u, w);
 }
 
-JumpFilter::Taken JumpFilter::pass_kick(PenalisedSystem& system, std::span<const double> before,
-                                        std::span<const double> u, std::span<double> w) {
-  prepare(system);
-  const double energy = system.energy(u, w);
-  for (std::size_t i = 0; i < w.size(); ++i) force_[i] = w[i] - before[i];
-  stiffness(force_, rate_);
-  apply(rate_);
-  shift_w_.resize(w.size());
-  for (std::size_t i = 0; i < w.size(); ++i) w[i] += shift_w_[i] = -rate_[i];
-  return {energy - system.energy(u, w), 0.0};
-}
-
-JumpFilter::Hold JumpFilter::hold(PenalisedSystem& system, std::size_t i, double t, std::span<const double> u,
-                                  std::span<const double> w) {
-  prepare(system);
-  const double force = system.holding_force(i, t, u, w);
-  // The same row for the rates: a = (rho M)^{-1} F, F' = b' - K w - C a.
-  std::vector<double> acceleration(u.size());
-  system.force(t, u, w, acceleration);
-  system.accelerate(acceleration);
-  stiffness(w, rate_);
-  damping(acceleration, force_);
-  for (std::size_t j = 0; j < rate_.size(); ++j) rate_[j] = -rate_[j] - force_[j];
-  system.add_load_rate(t, rate_);
-  Hold hold{force, system.holding_force(i, rate_), std::move(acceleration), std::vector<double>(u.size())};
-  std::vector<double> jerk(rate_);
-  system.accelerate(jerk);
-  bar_.inertia().multiply(jerk, hold.jerk_force);
-  return hold;
-}
-
-JumpFilter::Taken JumpFilter::release(PenalisedSystem& system, std::size_t i, double t, const Hold& hold,
-                                      std::span<double> u, std::span<double> w) {
-  prepare(system);
-  std::ranges::fill(force_, 0.0);
-  std::ranges::fill(rate_, 0.0);
-  const std::size_t node = system.contact(i).unknown;
-  force_[node] = -hold.force;
-  rate_[node] = -hold.rate;
-  return put(system, t, force_, rate_, u, w);
-}
-
-// What -K x - C x' changes by where the matrices do.
 void JumpFilter::add_changes(const Derivative& derivative, std::span<const double> x, std::span<const double> x_rate,
                              std::span<double> force) const {
   const Derivative::MatrixRates rates = derivative.matrix_rates();
@@ -359,22 +316,6 @@ void JumpFilter::start_rates(Derivative& derivative, double t, std::span<const d
   derivative.motion().add_load_rate(t, rate);
   add_changes(derivative, w, {}, rate);
   derivative.add_frame_rate(t, rate);
-}
-
-double JumpFilter::hold_rate(Derivative& derivative, std::size_t i, double t, const Hold& hold,
-                             std::span<const double> w, std::span<const double> s, std::span<const double> s_rate) {
-  PenalisedSystem& motion = derivative.motion();
-  std::vector<double> acceleration(s.size());
-  motion.force(t, s, s_rate, acceleration);
-  motion.accelerate(acceleration);
-  stiffness(s_rate, rate_);
-  damping(acceleration, force_);
-  const double inertia = derivative.matrix_rates().inertia;
-  for (std::size_t j = 0; j < rate_.size(); ++j) rate_[j] = -rate_[j] - force_[j] - inertia * hold.jerk_force[j];
-  motion.add_load_rate(t, rate_);
-  add_changes(derivative, w, hold.acceleration, rate_);
-  derivative.add_frame_rate(t, rate_);
-  return motion.holding_force(i, rate_);
 }
 
 }  // namespace viscobar

@@ -43,36 +43,17 @@ class JumpFilter {
               std::span<double> w);
   /// Where the load breaks at t; nothing elsewhere. `end` as in PenalisedSystem::begin_leg().
   Taken pass_break(PenalisedSystem& system, double t, double end, std::span<double> u, std::span<double> w);
-  /// Where the velocities of nodes have jumped from `before`: high modes keep theirs.
-  Taken pass_kick(PenalisedSystem& system, std::span<const double> before, std::span<const double> u,
-                  std::span<double> w);
-
-  /// What a closed contact that collides() does to the row of its node: R and R', on the bar; and the motion that R' is
-  /// of, a and rho M a'.
-  struct Hold {
-    double force, rate;
-    std::vector<double> acceleration, jerk_force;
-  };
-  Hold hold(PenalisedSystem& system, std::size_t i, double t, std::span<const double> u, std::span<const double> w);
-  /// After that contact has opened: [b] = -R e, [b'] = -R' e.
-  Taken release(PenalisedSystem& system, std::size_t i, double t, const Hold& hold, std::span<double> u,
-                std::span<double> w);
-
-  /// The derivatives s of a state that the last call of begin(), pass_break() or release() has put right, with those of
+  /// The derivatives s of a state that the last call of begin() or pass_break() has put right, with those of
   /// [b] and [b'], which are overwritten. Shifts are linear in the data, go like h / E, and with theta.
   void differentiate(const Derivative& derivative, std::span<double> force, std::span<double> rate, std::span<double> s,
                      std::span<double> s_rate);
   bool has_shifted() const { return shifted_; }  ///< whether that call did anything
-  /// What the last pass_kick() added to velocities: linear in them, and going with theta, theta'/theta being fading().
-  std::span<const double> kick() const { return shift_w_; }
-  double fading(const Derivative& derivative) const;
-  /// Those of [b] and [b'] of begin(), before it, and of R' of a hold: the derivative is driven by the bar's motion.
+  /// Those of [b] and [b'] of begin(), before it: the derivative is driven by the bar's motion.
   void start_rates(Derivative& derivative, double t, std::span<const double> w, std::span<const double> s,
                    std::span<const double> s_rate, std::span<double> force, std::span<double> rate);
-  double hold_rate(Derivative& derivative, std::size_t i, double t, const Hold& hold, std::span<const double> w,
-                   std::span<const double> s, std::span<const double> s_rate);
 
  private:
+  double fading(const Derivative& derivative) const;  // theta' / theta
   void add_changes(const Derivative& derivative, std::span<const double> x, std::span<const double> x_rate,
                    std::span<double> force) const;
   void prepare(const PenalisedSystem& system);

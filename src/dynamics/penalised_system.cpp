@@ -312,12 +312,6 @@ double PenalisedSystem::holding_force(std::size_t i, double t, std::span<const d
   return sign * (-stress / bar_.spacing_at(node) - sign * load(node, t)) * (1.0 - penetration_share(i));
 }
 
-double PenalisedSystem::holding_force(std::size_t i, std::span<const double> force) {
-  std::ranges::copy(force, acceleration_.begin());
-  accelerate_held();
-  return held_force(i);
-}
-
 // Of all contacts that hold nodes with mass, whatever their number, by one solve.
 void PenalisedSystem::accelerate_held(double t, std::span<const double> u, std::span<const double> w) {
   acceleration_.resize(size());

@@ -225,9 +225,6 @@ class PenalisedSystem {
   /// That of a closed contact that holds(), as its row gives it, of either sign.
   double holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
 
-  /// The same of a contact that collides(), under the force F on all nodes but for its own; of F' it is the rate.
-  double holding_force(std::size_t i, std::span<const double> force);
-
   /// Energy of the springs of closed contacts.
   double contact_energy(std::span<const double> u) const;
   /// Kinetic, elastic and contact energy, in the frame of the system.

@@ -202,16 +202,13 @@ void Sensitivities::rebound(std::size_t i, std::vector<ChangeSensitivity>& chang
         -restitution_ * changes[k].velocity - directions_[k].restitution * old_velocity_[system_.contact(i).unknown];
 }
 
-void Sensitivities::after(double t, std::size_t i, const JumpFilter* kicked, std::span<double> y) {
+void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
   if (lost()) return;
   const std::size_t n = layout_->nodes, node = system_.contact(i).unknown;
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
   // A node that is released may get its velocity from the mesh.
   const bool struck = shifted_ && system_.collides(i) && old_velocity_[node] != 0.0 && w_[node] != old_velocity_[node];
   const bool rebounds = struck && !system_.closed(i);
-  std::vector<double> unkicked = w_, s_unkicked(n);
-  if (kicked)
-    for (std::size_t j = 0; j < n; ++j) unkicked[j] -= kicked->kick()[j];
   each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     if (struck) {
       // v+ - v- goes along (rho M)^{-1} e_i, in parts that do not depend on the parameter.
@@ -220,19 +217,6 @@ void Sensitivities::after(double t, std::size_t i, const JumpFilter* kicked, std
       const double share = (reflected - left) / (w_[node] - old_velocity_[node]);
       for (std::size_t j = 0; j < n; ++j) s[n + j] += share * (w_[j] - old_velocity_[j]);
       s[n + node] = reflected;
-      if (kicked) {
-        const double fading = kicked->fading(derivative);
-        for (std::size_t j = 0; j < n; ++j) {
-          s[n + j] += fading * kicked->kick()[j];
-          s_unkicked[j] = s[n + j] - (share + fading) * kicked->kick()[j];
-        }
-        Moment before = at;
-        before.w = unkicked;
-        layout_->each_impulse([&](std::size_t e, std::size_t end) {
-          s.impulses()[e] +=
-              derivative.momentum(end, before, s.u(), s_unkicked) - derivative.momentum(end, at, s.u(), s.w());
-        });
-      }
     }
     if (system_.closed(i) && system_.holds(i)) {
       derivative.motion().place_on_obstacle(i, s.u());
@@ -292,19 +276,7 @@ void Sensitivities::account(double t, double sign, std::span<double> y) {
   });
 }
 
-void Sensitivities::hold(JumpFilter& filter, std::size_t i, double t, const JumpFilter::Hold& hold,
-                         std::span<double> y) {
-  if (lost()) return;
-  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
-  each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
-    complete(derivative, at, s);
-    for (std::vector<double>* one : {&jumps_[k].first, &jumps_[k].second}) std::ranges::fill(*one, 0.0);
-    jumps_[k].second[system_.contact(i).unknown] = -filter.hold_rate(derivative, i, t, hold, at.w, s.u(), s.w());
-  });
-  account(t, 1.0, y);
-}
-
-void Sensitivities::pass_kink(double t, double end, bool bar_has_one, JumpFilter& filter, std::span<double> y) {
+void Sensitivities::pass_kink(double t, double end, bool bar_has_one, std::span<double> y) {
   if (lost()) return;
   for (std::size_t i = 0; i < system_.contact_count() && bar_has_one; ++i)
     if (system_.collides(i) && system_.closed(i))
@@ -326,9 +298,7 @@ void Sensitivities::pass_kink(double t, double end, bool bar_has_one, JumpFilter
         });
       };
       account(1.0);
-      const std::vector<double> before(s.w().begin(), s.w().end());
       derivative.data().pass_kink(*jump, s.w());
-      if (filter.acts()) filter.pass_kick(derivative.motion(), before, s.u(), s.w());
       account(-1.0);
     } catch (const LoadError&) {
       return lose(t, fmt::format("the motion of an end has a kink whose time moves with {}", directions_[k].key), y);

@@ -36,8 +36,8 @@ class Sensitivities {
   std::vector<ChangeSensitivity> before(double t, std::size_t i, std::span<double> y);
   /// Those of its opening at once, by a rebound.
   void rebound(std::size_t i, std::vector<ChangeSensitivity>& changes) const;
-  /// It has, y being the state after the change but for its derivatives; of an impact, with the filter's kick.
-  void after(double t, std::size_t i, const JumpFilter* kicked, std::span<double> y);
+  /// It has, y being the state after the change but for its derivatives.
+  void after(double t, std::size_t i, std::span<double> y);
 
   /// To those of a change of contact i, velocities in the frame, what they are of the bar itself.
   void add_frame(double t, std::size_t i, std::vector<ChangeSensitivity>& changes) const;
@@ -46,10 +46,10 @@ class Sensitivities {
   void leave_frame(double t, double after, std::span<double> y);
   void enter_frame(double t, std::span<double> y) { book_momentum(t, y, -1.0); }
   /// A leg begins at t, where motions of ends may have kinks; before the velocities of the bar have passed its own.
-  void pass_kink(double t, double end, bool bar_has_one, JumpFilter& filter, std::span<double> y);
+  void pass_kink(double t, double end, bool bar_has_one, std::span<double> y);
 
   /// The same jumps of the derivatives as of the bar, see JumpFilter: to be called before those of the bar in the state
-  /// y, which `jump`() makes, of the start of the run, of a break of the load, or of the release of contact i.
+  /// y, which `jump`() makes, of the start of the run, or of a break of the load.
   template <class Jump>
   void pass_start(JumpFilter& filter, double t, std::span<double> y, Jump&& jump) {
     if (!lost()) {
@@ -74,12 +74,6 @@ class Sensitivities {
       for (std::vector<double>* one : {&jumps_[k].first, &jumps_[k].second}) std::ranges::fill(*one, 0.0);
       pointers_[k]->motion().load_jump(t, end, jumps_[k].first, jumps_[k].second);
     }
-    shift(filter, y);
-    account(t, -1.0, y);
-  }
-  /// The contact is closed still, and before() has been called.
-  void hold(JumpFilter& filter, std::size_t i, double t, const JumpFilter::Hold& hold, std::span<double> y);
-  void release(JumpFilter& filter, double t, std::span<double> y) {
     shift(filter, y);
     account(t, -1.0, y);
   }

@@ -194,7 +194,7 @@ class StepwisePart {
         } else {
           tell_event(t, i, Change::closing, velocity);
         }
-        if (sensitivities_) sensitivities_->after(t, i, nullptr, y_);
+        if (sensitivities_) sensitivities_->after(t, i, y_);
       }
     statistics_.reached_time = t;
     tell_snapshot(t);
@@ -325,12 +325,8 @@ class StepwisePart {
   // opens.
   void pass_kink(double t) {
     const auto jump = system_.bar().kink(t, times_.back());
-    if (sensitivities_) sensitivities_->pass_kink(t, times_.back(), jump.has_value(), filter_, y_);
+    if (sensitivities_) sensitivities_->pass_kink(t, times_.back(), jump.has_value(), y_);
     if (!jump) return;
-    const std::vector<double> before(w().begin(), w().end());
-    std::vector<std::optional<JumpFilter::Hold>> holds(system_.contact_count());
-    for (std::size_t i = 0; i < holds.size(); ++i)
-      if (filter_.acts() && system_.collides(i) && system_.closed(i)) holds[i] = filter_.hold(system_, i, t, u(), w());
     const double gained = system_.bar().pass_kink(*jump, w());
     if (layout_.work) y_[*layout_.work] += gained;
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
@@ -342,10 +338,6 @@ class StepwisePart {
       else
         tell_event(t, i, Change::opening, w()[node]);
     }
-    if (!filter_.acts()) return;
-    take(filter_.pass_kick(system_, before, u(), w()));
-    for (std::size_t i = 0; i < holds.size(); ++i)
-      if (holds[i] && !system_.closed(i)) take(filter_.release(system_, i, t, *holds[i], u(), w()));
   }
 
   // What the high modes of the mesh have lost at a jump.
@@ -391,30 +383,17 @@ class StepwisePart {
       const std::size_t node = system_.contact(i).unknown;
       const double& velocity = w()[node];
       if (sensitivities_) changes_ = sensitivities_->before(t, i, y_);
-      const bool rings = filter_.acts() && system_.collides(i);
-      bool kicked = false;
-      std::optional<JumpFilter::Hold> hold;
-      if (opens) {
-        if (rings) hold = filter_.hold(system_, i, t, u(), w());
-        if (hold && sensitivities_) sensitivities_->hold(filter_, i, t, *hold, y_);
-      } else {
-        const std::vector<double> before(w().begin(), rings ? w().end() : w().begin());
-        close(t, i, velocity);
-        kicked = rings && system_.closed(i);
-        if (kicked) take(filter_.pass_kick(system_, before, u(), w()));
-      }
+      if (!opens) close(t, i, velocity);
       // A node that follows its neighbour at once is put where the new state has it as the next leg begins.
       if (!system_.bar().massless(node) || system_.bar().damped()) system_.place_on_obstacle(i, u());
       if (opens) {
         system_.set_closed(i, false);
         tell_event(t, i, Change::opening, velocity);
-        if (hold) take(filter_.release(system_, i, t, *hold, u(), w()));
-        if (hold && sensitivities_) sensitivities_->release(filter_, t, y_);
         if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change()))
           weigh_opening({system_, layout_, stepper_}, i, {t, begin, end, watchdog_.last_change(), load_break_}, inner_,
                         statistics_.late_opening);
       }
-      if (sensitivities_) sensitivities_->after(t, i, kicked ? &filter_ : nullptr, y_);
+      if (sensitivities_) sensitivities_->after(t, i, y_);
     };
     search_.look_at(begin, t);
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {

@@ -63,11 +63,6 @@ void Run::pass_kink() {
   std::ranges::copy(velocities, w.begin() + first);
   std::vector<double> change = w;
   const double gained = system_.pass_kink(*jump, w);
-  if (filter_.acts()) {
-    const std::vector<double> u = displacement();
-    const JumpFilter::Taken taken = filter_.pass_kick(penalised_, change, u, w);
-    if (statistics_.energy) statistics_.energy->take_by_rows(taken.energy);
-  }
   for (std::size_t i = 0; i < w.size(); ++i) change[i] = w[i] - change[i];
   if (ends_) ends_->pass_kink(change);
   for (Index k = 0; k < velocities.size(); ++k) y_[leg().displacements() + k] = w[static_cast<std::size_t>(first + k)];
