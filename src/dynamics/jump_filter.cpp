@@ -210,11 +210,19 @@ JumpFilter::Taken JumpFilter::begin(PenalisedSystem& system, double t, const Neg
   return put(system, t, force_, rate_, u, w);
 }
 
+// There the load of the frame jumps, and the bar does not; or its velocities do as well, which are left as they are.
+bool JumpFilter::jumps_with_frame(double t, double end) const {
+  if (!bar_.moving()) return false;
+  for (const bool right : {false, true})
+    if (bar_.inputs()[right].motion && !bar_.wall(right)) return true;
+  return bar_.kink(t, end).has_value();
+}
+
 JumpFilter::Taken JumpFilter::pass_break(PenalisedSystem& system, double t, double end, std::span<double> u,
                                          std::span<double> w) {
   std::vector<double> force(u.size()), rate(u.size());
   shifted_ = false;
-  if (!system.load_jump(t, end, force, rate)) return {};
+  if (jumps_with_frame(t, end) || !system.load_jump(t, end, force, rate)) return {};
   prepare(system);
   return put(system, t, force, rate, u, w);
 }

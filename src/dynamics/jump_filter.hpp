@@ -41,7 +41,8 @@ class JumpFilter {
   /// the error of the mesh.
   Taken begin(PenalisedSystem& system, double t, const Negligible& negligible, std::span<double> u,
               std::span<double> w);
-  /// Where the load breaks at t; nothing elsewhere. `end` as in PenalisedSystem::begin_leg().
+  /// Where the load breaks at t; nothing elsewhere, nor where a motion has a kink. `end` as in
+  /// PenalisedSystem::begin_leg().
   Taken pass_break(PenalisedSystem& system, double t, double end, std::span<double> u, std::span<double> w);
   /// The derivatives s of a state that the last call of begin() or pass_break() has put right, with those of
   /// [b] and [b'], which are overwritten. Shifts are linear in the data, go like h / E, and with theta.
@@ -54,6 +55,7 @@ class JumpFilter {
 
  private:
   double fading(const Derivative& derivative) const;  // theta' / theta
+  bool jumps_with_frame(double t, double end) const;
   void add_changes(const Derivative& derivative, std::span<const double> x, std::span<const double> x_rate,
                    std::span<double> force) const;
   void prepare(const PenalisedSystem& system);

@@ -282,6 +282,10 @@ class StepwisePart {
     if (leg != Leg::same) pass_kink(t);
     follow_load(t);
     system_.complete_velocity(t, u(), w());
+    if (ends_ && leg == Leg::first && filter_.acts()) {  // the data are of the range of an end
+      ends_->measure_from(system_.origin());
+      ends_->begin(t, u(), w());
+    }
     if (filter_.acts() && leg != Leg::same) {
       const ErrorWeights& weights = stepper_.weights();
       const auto start = [&] {
