@@ -34,7 +34,6 @@
 #include "viscobar/studies/limit/limit.hpp"
 #include "viscobar/studies/orders/observed_order.hpp"
 #include "viscobar/studies/orders/orders.hpp"
-#include "viscobar/studies/orders/sequence.hpp"
 #include "viscobar/studies/precision/precision.hpp"
 #include "viscobar/sweep/sweep.hpp"
 

@@ -1,8 +1,8 @@
-#include "viscobar/studies/orders/sequence.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "viscobar/studies/orders/observed_order.hpp"
 
 namespace viscobar {
 namespace {

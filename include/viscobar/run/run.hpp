@@ -38,9 +38,9 @@ struct Snapshot {
   double time = 0.0;          ///< t
   std::span<const double> u;  ///< displacement, J+1 entries, valid during the call
   std::span<const double> v;  ///< velocity, likewise
-  /// Force of the obstacles on the end nodes in the direction of u, R_0 = -s and R_L = s in contact: a push, but for the
-  /// dashpot of a penalty with restitution, which may pull as a contact opens; for a fixed end the force that holds or
-  /// moves it, by its own row (see BarSystem::holding_force); 0 at a free end.
+  /// Force of the obstacles on the end nodes in the direction of u, R_0 = -s and R_L = s in contact: a push, but for
+  /// the dashpot of a penalty with restitution, which may pull as a contact opens; for a fixed end the force that holds
+  /// or moves it, by its own row (see BarSystem::holding_force); 0 at a free end.
   double reaction_left = 0.0;
   double reaction_right = 0.0;  ///< likewise
   /// An entry for each direction that was asked for, valid during the call.
@@ -70,9 +70,9 @@ struct EnergyAccount {
   double final = 0.0;       ///< the same at the end
   double dissipated = 0.0;  ///< by viscosity, the dashpots of contacts and ends, impacts, and end_inertia
   double work = 0.0;        ///< of the load, of forces on the ends, and of what moves ends and obstacles
-  /// Of it, taken by the end rows of the mass `fourth_order`, whose inertia has no energy of its own: int v.(M - Q) v' dt, Q
-  /// the symmetric part that the kinetic energy is made of, O(h^2); and what is lost where its high modes are put at
-  /// their equilibrium, at jumps, O(h). 0 for other masses.
+  /// Of it, taken by the end rows of the mass `fourth_order`, whose inertia has no energy of its own: int v.(M - Q) v'
+  /// dt, Q the symmetric part that the kinetic energy is made of, O(h^2); and what is lost where its high modes are put
+  /// at their equilibrium, at jumps, O(h). 0 for other masses.
   double end_inertia = 0.0;
   /// Of a scheme: the most that its impacts have given the bar, which an obstacle that stands still cannot. With A(t)
   /// what impacts took up to t, max A(s) - A(t) over s <= t, nothing touching at s, and 0 at the start.

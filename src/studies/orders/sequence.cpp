@@ -1,8 +1,8 @@
-#include "viscobar/studies/orders/sequence.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <span>
+
+#include "viscobar/studies/orders/observed_order.hpp"
 
 namespace viscobar {
 

@@ -9,7 +9,7 @@
 
 #include "viscobar/case/case.hpp"
 #include "viscobar/studies/accuracy/accuracy.hpp"
-#include "viscobar/studies/orders/sequence.hpp"
+#include "viscobar/studies/orders/observed_order.hpp"
 
 namespace viscobar {
 

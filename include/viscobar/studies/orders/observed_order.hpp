@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace viscobar {
 
@@ -14,5 +16,47 @@ struct ObservedOrder {
 
 /// Absent for fewer than two usable points (both coordinates positive and finite).
 std::optional<ObservedOrder> observed_order(std::span<const double> x, std::span<const double> y);
+
+/// The power p of d ~ C x^p over a range of a sequence, and how far it may be from the power for x -> 0.
+struct SequenceOrder : ObservedOrder {
+  double bound = 0.0;     ///< of the error of p
+  std::size_t first = 0;  ///< index of the first value of the range
+  std::size_t last = 0;   ///< and of its last one
+};
+
+/// Distances d(x) to a limit, x a penalty, a step or a mesh size that decreases to 0.
+///
+/// A distance tells a power where it is ten times its floor, what else is in it: the other sequence, tolerances,
+/// rounding. Between neighbours the power is p_i = log(d_i / d_{i+1}) / log(x_i / x_{i+1}). A range settles where
+///
+///     two p_i agree to 0.03, or three or more to 0.06,
+///
+/// its power is the slope of all of it, and its bound twice the slope's standard error, or how far the p_i of its last
+/// half lie from it, or what the floors may do, whichever is largest. It is told where the bound is 0.04 at most.
+struct Sequence {
+  std::vector<double> x;         ///< decreasing, > 0
+  std::vector<double> distance;  ///< >= 0
+  std::vector<double> floor;     ///< what else is in each distance, >= 0
+
+  /// One more value.
+  void add(double at, double value, double otherwise) {
+    x.push_back(at);
+    distance.push_back(value);
+    floor.push_back(otherwise);
+  }
+  /// Ranges that settle, each the largest from where the one before it ended, x decreasing. Two of them are two
+  /// regimes.
+  std::vector<SequenceOrder> settled() const;
+  /// The largest settled range that ends with the smallest distance above its floor, or, of four values or more, two
+  /// before it at most: that of the limit x -> 0. Absent: not settled.
+  std::optional<SequenceOrder> order() const;
+  /// Whether the distances are seen to fall to 0: the last is within ten floors, or the last three, over half a decade
+  /// of x or more, fall with a quarter of the power `theory` or more, each below the one before it.
+  bool falls(double theory) const;
+  /// The x at which the distance is `level`, by the power between the two values that enclose it; absent: none do.
+  std::optional<double> where(double level) const;
+  /// The smallest x whose distance is ten times its floor; absent: there is none.
+  std::optional<std::size_t> last_told() const;
+};
 
 }  // namespace viscobar
