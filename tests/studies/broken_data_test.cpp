@@ -83,7 +83,9 @@ TEST(BrokenData, OfRandomScenesIsKeptWhereItSaysSo) {
   for (unsigned seed = 1; seed <= 15; ++seed) {
     const BrokenData data(seed);
     const AccuracyResult result = solved(data.text());
-    if (result.estimate.kept) EXPECT_LE(data.wrong(result.recording), data.error) << seed << data.text();
+    if (result.estimate.kept) {
+      EXPECT_LE(data.wrong(result.recording), data.error) << seed << data.text();
+    }
   }
 }
 
