@@ -39,6 +39,8 @@ void begin_hdf5() {
   void* const room = mmap(nullptr, needed, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (room == MAP_FAILED) throw std::bad_alloc();
   munmap(room, needed);
+  // Of a process that goes on after a failure, as one of Python.
+  [[maybe_unused]] static const herr_t once = H5dont_atexit();
 }
 
 Hdf5File hdf5_file(const std::filesystem::path& path, unsigned access, hid_t properties) {
