@@ -274,9 +274,8 @@ NextBreak Formula::breaks() const {
   if (!uses('t')) return {};
   const FormulaTree tree = parse_formula(text_, parameters_);
   FormulaSwitches switches(tree, false);
-  if (uses('x') && switches.empty()) return {};
-  const NextBreak breaks = [switches](double after, double until) mutable { return switches.first(0.0, after, until); };
-  return uses('x') ? breaks : either_of(breaks, FormulaDetail(tree, false));
+  if (switches.empty()) return {};
+  return [switches](double after, double until) mutable { return switches.first(0.0, after, until); };
 }
 
 NextBreakAt Formula::breaks_at() const {
