@@ -352,12 +352,6 @@ double PenalisedSystem::dissipated_power(std::span<const double> w) const {
   return power;
 }
 
-double PenalisedSystem::end_power(double t, std::span<const double> u, std::span<const double> w) {
-  force(t, u, w, acceleration_);
-  accelerate(acceleration_);
-  return bar_.end_power(w, acceleration_);
-}
-
 double PenalisedSystem::load_power(double t, std::span<const double> w) {
   const std::span<const double> load = load_->at(t);
   return std::inner_product(load.begin(), load.end(), w.begin(), 0.0);

@@ -230,8 +230,13 @@ class PenalisedSystem {
   }
   /// w.M f(t)
   double load_power(double t, std::span<const double> w);
-  /// Power of the end rows of the mass (see BarSystem::end_power), the acceleration being that of F(t, u, w).
-  double end_power(double t, std::span<const double> u, std::span<const double> w);
+  /// Power of the end rows of the mass (see BarSystem::end_power), acceleration(i) being that of the motion. That of
+  /// F(t, u, w) would have E/h times what u is wrong by, which does no work but adds up in a long flight.
+  double end_power(std::span<const double> w, auto&& acceleration) {
+    for (std::size_t k = 0; k < 3; ++k)
+      for (const std::size_t i : {k, size() - 1 - k}) acceleration_[i] = acceleration(i);
+    return bar_.end_power(w, acceleration_);
+  }
   bool dissipates() const { return bar_.damped() || dashpots_; }  ///< by viscosity or a contact's dashpot
   /// By those, a mount's dashpot, or impacts.
   bool takes_energy() const { return dissipates() || collides_ || bar_.has_dashpots(); }

@@ -279,7 +279,9 @@ void StepPolynomial::add_account(double until, std::span<double> y) {
   const auto accounts = static_cast<std::ptrdiff_t>(2 * layout_.nodes);
   std::copy_n(begin_.y.begin() + accounts, layout_.account(), y.begin() + accounts);
   add_energy_flow<3>(
-      system_, layout_, begin_.t, until, [&](double t, std::span<double> inner) { motion_at(t, inner); }, inner_,
+      system_, layout_, begin_.t, until, [&](double t, std::span<double> inner) { motion_at(t, inner); },
+      [&](double t, std::size_t i) { return massive(i, weights((t - begin_.t) / length(), 2)) / (length() * length()); },
+      inner_,
       y.subspan(2 * layout_.nodes, layout_.account()));
 }
 

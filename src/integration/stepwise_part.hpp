@@ -86,6 +86,7 @@ class StepwisePart {
       } else {
         outputs_until(limit, [&](double) { return account_shift_; });
       }
+      if (statistics_.energy) notice(stepper_.account());
       t = limit;
       statistics_.reached_time = t;
       watchdog_.step(t, statistics_.events);
@@ -220,6 +221,11 @@ class StepwisePart {
     ends_->add();
   }
 
+  void notice(std::span<const double> account) {
+    const auto entry = [&](std::optional<std::size_t> at) { return at ? account[*at - 2 * layout_.nodes] : 0.0; };
+    statistics_.energy->notice(entry(layout_.dissipated), entry(layout_.work), entry(layout_.end_inertia));
+  }
+
   // Whether the step may spoil the account by more than its share of what the motion's own error does. The correction
   // is several times the error, which is a fraction of it that falls with the order.
   bool account_doubtful(double from, double to) {
@@ -237,7 +243,8 @@ class StepwisePart {
       for (std::size_t k = 0; k < count; ++k) shift[k] += sign * inner_[first + k];
     }
     add_energy_flow<5>(
-        system_, layout_, from, to, [&](double t, std::span<double> y) { stepper_.interpolate(t, y); }, inner_, shift);
+        system_, layout_, from, to, [&](double t, std::span<double> y) { stepper_.interpolate(t, y); },
+        [&](double t, std::size_t i) { return stepper_.acceleration(t, i); }, inner_, shift);
     return shift;
   }
 

@@ -314,6 +314,7 @@ class Run {
     energy.dissipated += taken;
     if (system_.loaded()) energy.work += dt * step_->load_power();
     if (system_.has_end_rows()) energy.end_inertia += dt * step_->end_power();
+    energy.notice(energy.dissipated, energy.work, energy.end_inertia);
     if (!contacts.empty()) watch_growth(taken);
   }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <limits>
@@ -73,12 +75,19 @@ struct EnergyAccount {
   /// Taken by the end rows of the mass `fourth_order`, whose inertia has no energy of its own: int v.(M - Q) v' dt, Q
   /// the symmetric part that the kinetic energy is made of. O(h^2); 0 for other masses.
   double end_inertia = 0.0;
+  /// The most that dissipated, work, and what they left to the bar came to on the way: the scale of what the balance may
+  /// be off by.
+  double largest = 0.0;
   /// Of a scheme: the most that its impacts have given the bar, which an obstacle that stands still cannot. With A(t)
   /// what impacts took up to t, max A(s) - A(t) over s <= t, nothing touching at s, and 0 at the start.
   double growth = 0.0;
   double growth_time = 0.0;  ///< that t
   /// What the integration lost or gained.
   double balance_error() const { return final + dissipated + end_inertia - initial - work; }
+  /// Takes notice, for `largest`, of what was dissipated, of work and end_inertia on the way.
+  void notice(double gone, double came, double at_ends) {
+    largest = std::max({largest, std::abs(gone), std::abs(came), std::abs(initial + came - gone - at_ends)});
+  }
 };
 
 /// How long something has been in contact, from contact changes.

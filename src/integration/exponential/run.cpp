@@ -293,16 +293,11 @@ std::optional<SampledFlow> Run::resolved_flow(const std::vector<Series>& motion,
     if (leg().has_end_rows()) accelerations.push_back(motion[k].col(2) * (2.0 / (tau * tau)));
   }
   SampledFlow sampled = sampled_flow(leg(), velocities, loads, accelerations, tau, frame_loss(tau));
-  EnergyFlow& flow = sampled.flow;
+  const EnergyFlow& flow = sampled.flow;
   // As a bar at rest sets in motion, its energy is so small that a share of it would be below the flow's own
   // rounding.
   const double share = 1e-12 * energy_scale_ * tau / (times_.back() - times_.front());
-  // What may be rounding alone would add up in a long flight.
   const double ends = end_power_rounding(velocities) * tau;
-  if (std::abs(flow.end_inertia) <= ends) {
-    flow.end_inertia = 0.0;
-    for (EnergyFlow& power : sampled.powers) power.end_inertia = 0.0;
-  }
   const double known = 64.0 * rounding *
                            (std::abs(flow.dissipated) + std::abs(flow.work) + std::abs(flow.end_inertia) +
                             distance_.cancelled_power(penetration) * tau) +
@@ -318,10 +313,13 @@ FrameLoss Run::frame_loss(double tau) const {
 
 double Run::end_power_rounding(const std::vector<VectorXd>& velocities) const {
   if (!system_.has_end_rows()) return 0.0;
-  double fastest = 0.0;
-  for (const VectorXd& v : velocities) fastest = std::max(fastest, v.cwiseAbs().maxCoeff());
+  double fastest = 0.0, gained = 0.0;
+  for (const VectorXd& v : velocities) {
+    fastest = std::max(fastest, v.cwiseAbs().maxCoeff());
+    gained = std::max(gained, (v - velocities[0]).cwiseAbs().maxCoeff());
+  }
   const Bar& bar = system_.bar();
-  return 4.0 / 3.0 * fastest * bar.density * propagators_.inverse_inertia() * rounding *
+  return 4.0 / 3.0 * gained * bar.density * propagators_.inverse_inertia() * rounding *
          (bar.modulus * largest_displacement_ + bar.viscosity * fastest);
 }
 
@@ -391,6 +389,7 @@ void Run::add(const EnergyFlow& flow) {
   statistics_.energy->dissipated += flow.dissipated;
   statistics_.energy->work += flow.work;
   statistics_.energy->end_inertia += flow.end_inertia;
+  statistics_.energy->notice(statistics_.energy->dissipated, statistics_.energy->work, statistics_.energy->end_inertia);
   energy_scale_ = std::max(energy_scale_, statistics_.energy->initial + std::abs(statistics_.energy->work));
 }
 

@@ -107,8 +107,8 @@ class Run {
                                            double tau, double penetration) const;
   FrameLoss frame_loss(double tau) const;
 
-  // What rounding makes of the power of the end rows in a long flight: the row (rho h / 24) (3, 4, 1) times
-  // accelerations, by forces that are differences of rounded displacements and velocities.
+  // What rounding makes of the power of the end rows: the row (rho h / 24) (3, 4, 1) times accelerations, by forces that
+  // are differences of rounded displacements and velocities, times what the step has changed velocities by.
   double end_power_rounding(const std::vector<VectorXd>& velocities) const;
 
   // A step that one Taylor series covers, cut at the first contact change.

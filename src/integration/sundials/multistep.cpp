@@ -60,7 +60,14 @@ std::size_t Multistep::order() const {
 
 void Multistep::interpolate(double t, std::span<double> y) {
   call("GetDky", library_.get_dky, t, 0, interpolated_.get());
+  rates_at_.reset();
   std::ranges::copy(values(interpolated_), y.begin());
+}
+
+double Multistep::acceleration(double t, std::size_t unknown) {
+  if (rates_at_ != t) call("GetDky", library_.get_dky, t, 1, interpolated_.get());
+  rates_at_ = t;
+  return leg_.layout.w(values(interpolated_))[unknown];
 }
 
 std::span<const double> Multistep::sample(double t, int derivative) {

@@ -42,6 +42,10 @@ class Multistep : public LegStepper {
   void select(std::span<const std::size_t> sampled) final { probed_->selected.assign(sampled.begin(), sampled.end()); }
   bool hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) final;
   double account_correction() const final { return leg_.account_correction; }
+  std::span<const double> account() const final {
+    return values(state_).subspan(2 * leg_.layout.nodes, leg_.layout.account());
+  }
+  double acceleration(double t, std::size_t unknown) final;
   ErrorWeights& weights() final { return weights_; }
 
  protected:
@@ -82,6 +86,7 @@ class Multistep : public LegStepper {
   RestWatch rest_;
   RestWatch::Advice advice_ = RestWatch::Advice::go_on;
   Vector interpolated_;
+  std::optional<double> rates_at_;  // the time whose rates it has
   std::optional<Probed> probed_;
   Vector probe_, hull_;
   NonlinearSolver solver_;
