@@ -54,7 +54,8 @@ class Run {
   Statistics operator()() {
     try {
       const auto* checkpoint = std::get_if<Checkpoint>(&start_);
-      step_.emplace(system_, checkpoint ? system_.initial_state() : std::get<State>(start_), times_.front(), scheme_);
+      step_.emplace(system_, checkpoint ? system_.initial_state() : std::get<State>(start_), times_.front(), scheme_,
+                    times_.back() + scheme_.step);
       was_active_.assign(step_->contacts().size(), 0);
       active_ = step_->active();
       find_contacts_at_ends();
