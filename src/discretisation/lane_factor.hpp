@@ -2,20 +2,59 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <experimental/simd>
 #include <span>
 #include <vector>
 
+#include "discretisation/wide.hpp"
 #include "viscobar/discretisation/tridiagonal.hpp"
 
 namespace viscobar {
 
-/// One value in each of the stretches of a bar that are worked on side by side.
-using Lanes = std::experimental::fixed_size_simd<double, 16>;
-constexpr std::size_t lane_count = Lanes::size();
+inline constexpr std::size_t lane_count = 16;
 
-inline Lanes load_lanes(const double* x) { return Lanes(x, std::experimental::element_aligned); }
-inline void store_lanes(const Lanes& lanes, double* x) { lanes.copy_to(x, std::experimental::element_aligned); }
+/// One value in each of the stretches of a bar that are worked on side by side, in registers of that width.
+template <std::size_t width>
+struct LanesOf {
+  static constexpr std::size_t registers = lane_count / width;
+  typename Wide<width>::type part[registers];
+};
+
+template <std::size_t width>
+[[gnu::always_inline]] inline LanesOf<width> operator+(const LanesOf<width>& a, const LanesOf<width>& b) {
+  LanesOf<width> sum;
+#pragma GCC unroll 8
+  for (std::size_t i = 0; i < a.registers; ++i) sum.part[i] = a.part[i] + b.part[i];
+  return sum;
+}
+template <std::size_t width>
+[[gnu::always_inline]] inline LanesOf<width> operator-(const LanesOf<width>& a, const LanesOf<width>& b) {
+  LanesOf<width> difference;
+#pragma GCC unroll 8
+  for (std::size_t i = 0; i < a.registers; ++i) difference.part[i] = a.part[i] - b.part[i];
+  return difference;
+}
+template <std::size_t width>
+[[gnu::always_inline]] inline LanesOf<width> operator*(const LanesOf<width>& a, const LanesOf<width>& b) {
+  LanesOf<width> product;
+#pragma GCC unroll 8
+  for (std::size_t i = 0; i < a.registers; ++i) product.part[i] = a.part[i] * b.part[i];
+  return product;
+}
+template <std::size_t width>
+[[gnu::always_inline]] inline LanesOf<width> operator*(double a, const LanesOf<width>& b) {
+  LanesOf<width> product;
+#pragma GCC unroll 8
+  for (std::size_t i = 0; i < b.registers; ++i) product.part[i] = a * b.part[i];
+  return product;
+}
+
+/// The first lane first.
+template <std::size_t width>
+[[gnu::always_inline]] inline double sum_of(const LanesOf<width>& lanes) {
+  double sum = 0.0;
+  for (std::size_t l = 0; l < lane_count; ++l) sum += lanes.part[l / width][l % width];
+  return sum;
+}
 
 /// An order of the nodes of a bar in which 16 stretches of equal length lie side by side,
 ///
@@ -96,47 +135,48 @@ class LaneFactor {
 
   /// First sweep. `right(k)` is row k of b divided by the `scale` of the constructor, asked for k = 0, 1, ... once
   /// each; y receives the eliminated rows, and `interface`, which holds b there, what they pull.
-  template <class Row>
-  void eliminate(Row&& right, std::span<double> y, std::span<double> interface) const {
+  template <class Lanes, class Row>
+  [[gnu::always_inline]] void eliminate(Row&& right, std::span<double> y, std::span<double> interface) const {
     if (order_.rows == 0) return;
     // Copies, since a store of lanes may alias anything.
     const double *lower = lower_.data(), *from_left = from_left_.data();
     const std::size_t reach = reach_, m = inner_rows();
     double* row = &y[order_.row(0)];
-    Lanes eliminated = 0.0, pull = 0.0;
+    Lanes eliminated{}, pull{};
     for (std::size_t k = 0; k < reach; ++k, row += lane_count) {
       eliminated = right(k) - lower[k] * eliminated;
-      pull += from_left[k] * eliminated;
-      store_lanes(eliminated, row);
+      pull = pull + from_left[k] * eliminated;
+      put(eliminated, row);
     }
     for (std::size_t k = reach; k < m; ++k, row += lane_count) {
       eliminated = right(k) - lower[k] * eliminated;
-      store_lanes(eliminated, row);
+      put(eliminated, row);
     }
     double* left = &interface[order_.first - 1];
-    store_lanes(load_lanes(left) + scale_ * pull, left);
-    store_lanes(load_lanes(left + 1) - scale_ * lower[m] * eliminated, left + 1);
+    put(take<Lanes>(left) + scale_ * pull, left);
+    put(take<Lanes>(left + 1) - (scale_ * lower[m]) * eliminated, left + 1);
   }
 
   /// Second sweep, from the solution at the interface: `use(k, x)` receives row k of x, k = m - 1, ..., 0.
-  template <class Row>
-  void substitute(std::span<const double> interface, std::span<const double> y, Row&& use) const {
+  template <class Lanes, class Row>
+  [[gnu::always_inline]] void substitute(std::span<const double> interface, std::span<const double> y,
+                                         Row&& use) const {
     if (order_.rows == 0) return;
     const double *lower = lower_.data() + 1, *inverse_pivot = scaled_inverse_pivot_.data(),
                  *from_left = from_left_.data();
     const std::size_t reach = reach_;
     const double* rows = &y[order_.row(0)];
-    const Lanes left = load_lanes(&interface[order_.first - 1]);
-    Lanes x = load_lanes(&interface[order_.first]);
+    const Lanes left = take<Lanes>(&interface[order_.first - 1]);
+    Lanes x = take<Lanes>(&interface[order_.first]);
     std::size_t k = inner_rows();
     while (k > reach) {
       --k;
-      x = inverse_pivot[k] * load_lanes(rows + k * lane_count) - lower[k] * x;
+      x = inverse_pivot[k] * take<Lanes>(rows + k * lane_count) - lower[k] * x;
       use(k, x);
     }
     while (k > 0) {
       --k;
-      x = inverse_pivot[k] * load_lanes(rows + k * lane_count) + from_left[k] * left - lower[k] * x;
+      x = inverse_pivot[k] * take<Lanes>(rows + k * lane_count) + from_left[k] * left - lower[k] * x;
       use(k, x);
     }
   }

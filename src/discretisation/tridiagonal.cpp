@@ -3,6 +3,8 @@
 #include <cassert>
 #include <stdexcept>
 
+#include "discretisation/wide.hpp"
+
 namespace viscobar {
 
 EndRows EndRows::times(double factor) const {
@@ -30,12 +32,14 @@ void SymmetricTridiagonal::multiply(std::span<const double> x, std::span<double>
   const std::size_t n = size();
   assert(x.size() == n && out.size() == n);
   if (off_diagonal.empty()) {
-    for (std::size_t i = 0; i < n; ++i) out[i] = diagonal[i] * x[i];
-    return;
+    return each(
+        n, [ out = out.data(), d = diagonal.data(), x = x.data() ](std::size_t i)
+               __attribute__((always_inline)) { out[i] = d[i] * x[i]; });
   }
   out[0] = diagonal[0] * x[0] + off_diagonal[0] * x[1];
-  for (std::size_t i = 1; i + 1 < n; ++i)
-    out[i] = off_diagonal[i - 1] * x[i - 1] + diagonal[i] * x[i] + off_diagonal[i] * x[i + 1];
+  each(
+      n - 2, [ to = out.data() + 1, d = diagonal.data() + 1, off = off_diagonal.data(), x = x.data() ](std::size_t i)
+                 __attribute__((always_inline)) { to[i] = off[i] * x[i] + d[i] * x[i + 1] + off[i + 1] * x[i + 2]; });
   out[n - 1] = off_diagonal[n - 2] * x[n - 2] + diagonal[n - 1] * x[n - 1];
   if (!end_rows) return;
   out[0] += end_rows->first_times(x);

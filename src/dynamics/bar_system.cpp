@@ -3,6 +3,7 @@
 #include <cassert>
 #include <numeric>
 
+#include "discretisation/wide.hpp"
 #include "scene/end_kinds.hpp"
 
 namespace viscobar {
@@ -173,13 +174,16 @@ void BarSystem::uniform_force(std::span<const double> u, std::span<const double>
   }
   const auto inner = [&](auto stress) {
     out[0] = stress(0) - left;
-    for (std::size_t i = 1; i + 1 < n; ++i) out[i] = stress(i) - stress(i - 1);
+    each(
+        n - 2, [ =, to = out.data() + 1 ](std::size_t i)
+                   __attribute__((always_inline)) { to[i] = stress(i + 1) - stress(i); });
     out[n - 1] = right - stress(n - 2);
   };
   if (damped())
-    inner([=](std::size_t i) { return stiffness * (u[i + 1] - u[i]) + damping * (w[i + 1] - w[i]); });
+    inner([=](std::size_t i)
+              __attribute__((always_inline)) { return stiffness * (u[i + 1] - u[i]) + damping * (w[i + 1] - w[i]); });
   else
-    inner([=](std::size_t i) { return stiffness * (u[i + 1] - u[i]); });
+    inner([=](std::size_t i) __attribute__((always_inline)) { return stiffness * (u[i + 1] - u[i]); });
 }
 
 void BarSystem::graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {

@@ -1,11 +1,12 @@
 #include "dynamics/penalised_system.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
+
+#include "discretisation/wide.hpp"
 
 namespace viscobar {
 
@@ -77,9 +78,14 @@ void PenalisedSystem::find_offsets() {
 }
 
 double PenalisedSystem::largest_displacement(std::span<const double> u) const {
-  const Eigen::Map<const Eigen::ArrayXd> relative(u.data(), static_cast<Eigen::Index>(u.size()));
-  if (origin_.empty()) return relative.abs().maxCoeff();
-  return (relative + Eigen::Map<const Eigen::ArrayXd>(origin_.data(), relative.size())).abs().maxCoeff();
+  if (origin_.empty())
+    return largest_of(
+        u.size(), [u = u.data()](std::size_t i, auto kind)
+                      __attribute__((always_inline)) { return take<decltype(kind)>(u + i); });
+  return largest_of(
+      u.size(), [ u = u.data(), origin = origin_.data() ](std::size_t i, auto kind) __attribute__((always_inline)) {
+        return take<decltype(kind)>(u + i) + take<decltype(kind)>(origin + i);
+      });
 }
 
 void PenalisedSystem::set_closed(std::size_t i, bool closed) {
@@ -178,12 +184,14 @@ double PenalisedSystem::relative_stiffness(std::size_t i) const {
 
 void PenalisedSystem::force(double t, std::span<const double> u, std::span<const double> w, std::span<double> out) {
   bar_.internal_force(u, w, out);
-  for (std::size_t i = 0; i < origin_force_.size(); ++i) out[i] += origin_force_[i];
-  if (load_) {
-    const std::span<const double> load = load_->at(t);
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] += load[i];
-  }
-  for (std::size_t i = 0; i < added_.size(); ++i) out[i] += added_[i];
+  const auto add = [to = out.data()](std::span<const double> forces) {
+    each(
+        forces.size(),
+        [ to, from = forces.data() ](std::size_t i) __attribute__((always_inline)) { to[i] += from[i]; });
+  };
+  add(origin_force_);
+  if (load_) add(load_->at(t));
+  add(added_);
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!closed(i) || holds(i)) continue;
     const std::size_t node = contact(i).unknown;

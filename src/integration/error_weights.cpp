@@ -1,10 +1,10 @@
 #include "integration/error_weights.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <limits>
 #include <span>
 
+#include "discretisation/wide.hpp"
 #include "dynamics/natural_scales.hpp"
 
 namespace viscobar {
@@ -19,7 +19,9 @@ Allowance allowance(const Tolerance& tolerance, const BarSystem& system, double 
 namespace {
 
 double largest(std::span<const double> x) {
-  return Eigen::Map<const Eigen::ArrayXd>(x.data(), static_cast<Eigen::Index>(x.size())).abs().maxCoeff();
+  return largest_of(
+      x.size(), [x = x.data()](std::size_t i, auto kind)
+                    __attribute__((always_inline)) { return take<decltype(kind)>(x + i); });
 }
 
 }  // namespace

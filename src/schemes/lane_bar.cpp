@@ -13,36 +13,40 @@ struct ViscousStress {
   double relaxation;
   const double *u, *w;
   double nodes(std::size_t i, std::size_t j) const { return u[j] - u[i] + relaxation * (w[j] - w[i]); }
+  template <class Lanes>
   [[gnu::always_inline]] Lanes rows(std::size_t i, std::size_t j) const {
-    return load_lanes(u + j) - load_lanes(u + i) + relaxation * (load_lanes(w + j) - load_lanes(w + i));
+    return take<Lanes>(u + j) - take<Lanes>(u + i) + relaxation * (take<Lanes>(w + j) - take<Lanes>(w + i));
   }
 };
 
 struct ElasticStress {
   const double* u;
   double nodes(std::size_t i, std::size_t j) const { return u[j] - u[i]; }
+  template <class Lanes>
   [[gnu::always_inline]] Lanes rows(std::size_t i, std::size_t j) const {
-    return load_lanes(u + j) - load_lanes(u + i);
+    return take<Lanes>(u + j) - take<Lanes>(u + i);
   }
 };
 
+template <class Lanes>
 [[gnu::always_inline]] inline Lanes with_lane(std::size_t lane, double value, const Lanes& lanes) {
   std::array<double, lane_count> values;
-  store_lanes(lanes, values.data());
+  put(lanes, values.data());
   values[lane] = value;
-  return load_lanes(values.data());
+  return take<Lanes>(values.data());
 }
 
 // Of the elements in front of the stretches and of those behind: a stretch follows the separator of the one before.
-template <class Stress>
+template <class Lanes, class Stress>
 [[gnu::always_inline]] inline Lanes in_front(const LaneOrder& order, const Stress& stress) {
   const double first = stress.nodes(order.first - 1, order.first);
-  return with_lane(0, first, stress.rows(order.row(order.rows - 1) - 1, order.first));
+  return with_lane(0, first, stress.template rows<Lanes>(order.row(order.rows - 1) - 1, order.first));
 }
-template <class Stress>
+template <class Lanes, class Stress>
 [[gnu::always_inline]] inline Lanes behind(const LaneOrder& order, const Stress& stress) {
   const std::size_t separators = order.row(order.rows - 1), end = order.row(order.rows);
-  return with_lane(lane_count - 1, stress.nodes(end - 1, end), stress.rows(separators, order.first + 1));
+  return with_lane(lane_count - 1, stress.nodes(end - 1, end),
+                   stress.template rows<Lanes>(separators, order.first + 1));
 }
 
 // Forces of the end nodes: `left` and `right` are the stresses beyond the first and the last node.
@@ -63,31 +67,33 @@ void end_forces(const LaneOrder& order, const Stress& stress, double scale, doub
   forces(begin, n, stress.nodes(begin - 1, begin), &interface[begin - skipped]);
 }
 
-template <class Stress>
-void eliminate(const LaneFactor& factor, const Stress& stress, double scale, std::span<const double> load,
-               std::span<double> y, std::span<double> interface) {
+template <class Lanes, class Stress>
+[[gnu::always_inline]] inline void eliminate(const LaneFactor& factor, const Stress& stress, double scale,
+                                             std::span<const double> load, std::span<double> y,
+                                             std::span<double> interface) {
   const LaneOrder& order = factor.order();
   const std::size_t m = factor.inner_rows(), separators = order.row(m);
-  Lanes at_separators = scale * (behind(order, stress) - stress.rows(order.row(m - 1), separators));
-  auto force = [ stress, row = order.row(0), before = in_front(order, stress) ](std::size_t k) mutable
+  const Lanes at_separators =
+      scale * (behind<Lanes>(order, stress) - stress.template rows<Lanes>(order.row(m - 1), separators));
+  auto force = [ stress, row = order.row(0), before = in_front<Lanes>(order, stress) ](std::size_t k) mutable
       __attribute__((always_inline)) {
     const std::size_t here = row + k * lane_count;
-    const Lanes next = stress.rows(here, here + lane_count), difference = next - before;
+    const Lanes next = stress.template rows<Lanes>(here, here + lane_count), difference = next - before;
     before = next;
     return difference;
   };
   if (load.empty()) {
-    store_lanes(at_separators, &interface[order.first]);
-    return factor.eliminate(force, y, interface);
+    put(at_separators, &interface[order.first]);
+    return factor.eliminate<Lanes>(force, y, interface);
   }
   for (std::size_t i = 0; i < order.first; ++i) interface[i] += load[i];
-  store_lanes(at_separators + load_lanes(&load[separators]), &interface[order.first]);
+  put(at_separators + take<Lanes>(&load[separators]), &interface[order.first]);
   for (std::size_t i = 1; i <= order.last; ++i) interface[interface.size() - i] += load[load.size() - i];
   auto loaded = [ force, rows = &load[order.row(0)], per_scale = 1.0 / scale ](std::size_t k) mutable
       __attribute__((always_inline)) {
-    return force(k) + per_scale * load_lanes(rows + k * lane_count);
+    return force(k) + per_scale * take<Lanes>(rows + k * lane_count);
   };
-  factor.eliminate(loaded, y, interface);
+  factor.eliminate<Lanes>(loaded, y, interface);
 }
 
 }  // namespace
@@ -111,7 +117,9 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
     for (const Mount& mount : system_.mounts())
       (mount.unknown == 0 ? interface.front() : interface.back()) -=
           mount.stiffness * u[mount.unknown] + mount.dashpot * w[mount.unknown];
-    if (order_.rows > 0) return eliminate(factor, stress, stiffness(system_), load, y, interface);
+    if (order_.rows > 0)
+      return by_width([&factor, stress, scale = stiffness(system_), load, y, interface ](auto width) __attribute__((
+          always_inline)) { eliminate<LanesOf<width>>(factor, stress, scale, load, y, interface); });
     for (std::size_t i = 0; i < load.size(); ++i) interface[i] += load[i];
   };
   if (system_.damped())
@@ -137,16 +145,21 @@ double LaneBar::squared_strain_rate(std::span<const double> p, double lever, std
     const std::size_t separators = order_.row(order_.rows - 1), end = order_.row(order_.rows);
     sum += squared(order_.first - 1, order_.first) + squared(end - 1, end);
     for (std::size_t l = 1; l < lane_count; ++l) sum += squared(separators + l - 1, order_.first + l);
-    const auto row = [&](std::size_t k) {
-      return load_lanes(&p[order_.row(k)]) + lever * load_lanes(&a[order_.row(k)]);
+    const auto rows = [ p = &p[order_.row(0)], a = &a[order_.row(0)], lever, rows = order_.rows ](auto width)
+        __attribute__((always_inline)) {
+      using Lanes = LanesOf<width>;
+      const auto row = [=](std::size_t k) __attribute__((always_inline)) {
+        return take<Lanes>(p + k * lane_count) + lever * take<Lanes>(a + k * lane_count);
+      };
+      Lanes here = row(0), sums{};
+      for (std::size_t k = 1; k < rows; ++k) {
+        const Lanes next = row(k), difference = next - here;
+        sums = sums + difference * difference;
+        here = next;
+      }
+      return sum_of(sums);
     };
-    Lanes here = row(0), sums = 0.0;
-    for (std::size_t k = 1; k < order_.rows; ++k) {
-      const Lanes next = row(k), difference = next - here;
-      sums += difference * difference;
-      here = next;
-    }
-    sum += std::experimental::reduce(sums);
+    sum += by_width(rows);
     for (std::size_t i = n - order_.last; i + 1 < n; ++i) sum += squared(i, i + 1);
   }
   if (system_.left_fixed()) sum += node(0) * node(0);
@@ -155,12 +168,16 @@ double LaneBar::squared_strain_rate(std::span<const double> p, double lever, std
 }
 
 double power(std::span<const double> load, std::span<const double> p, double lever, std::span<const double> a) {
-  Lanes sums = 0.0;
-  std::size_t i = 0;
-  for (; i + lane_count <= load.size(); i += lane_count)
-    sums += load_lanes(&load[i]) * (load_lanes(&p[i]) + lever * load_lanes(&a[i]));
-  double sum = std::experimental::reduce(sums);
-  for (; i < load.size(); ++i) sum += load[i] * (p[i] + lever * a[i]);
+  const std::size_t rows = load.size() / lane_count;
+  double sum =
+      by_width([ f = load.data(), p = p.data(), a = a.data(), lever, rows ](auto width) __attribute__((always_inline)) {
+        using Lanes = LanesOf<width>;
+        Lanes sums{};
+        for (std::size_t i = 0; i < rows * lane_count; i += lane_count)
+          sums = sums + take<Lanes>(f + i) * (take<Lanes>(p + i) + lever * take<Lanes>(a + i));
+        return sum_of(sums);
+      });
+  for (std::size_t i = rows * lane_count; i < load.size(); ++i) sum += load[i] * (p[i] + lever * a[i]);
   return sum;
 }
 

@@ -235,19 +235,23 @@ void TimeStep::solve(double lever) {
 template <class Use>
 void TimeStep::substitute(Use&& use) {
   eliminated_ = false;
-  const auto row = [use, rows = a_.data(), first = order_.first](std::size_t k, const Lanes& a) {
-    store_lanes(a, rows + first + k * lane_count);
-    use(first + k * lane_count, a);
-  };
-  factor_.substitute(interface_, a_, row);
-  for (std::size_t i = 0; i < order_.first; ++i) use(i, a_[i] = interface_[i]);
-  if (order_.rows > 0) row(order_.rows - 1, load_lanes(&interface_[order_.first]));
-  const std::size_t skipped = a_.size() - interface_.size();
-  for (std::size_t i = a_.size() - order_.last; i < a_.size(); ++i) use(i, a_[i] = interface_[i - skipped]);
+  by_width([ this, use ](auto width) __attribute__((always_inline)) {
+    using Lanes = LanesOf<width>;
+    const auto row =
+        [ use, rows = a_.data(), first = order_.first ](std::size_t k, const Lanes& a) __attribute__((always_inline)) {
+      put(a, rows + first + k * lane_count);
+      use(first + k * lane_count, a);
+    };
+    factor_.substitute<Lanes>(interface_, a_, row);
+    for (std::size_t i = 0; i < order_.first; ++i) use(i, a_[i] = interface_[i]);
+    if (order_.rows > 0) row(order_.rows - 1, take<Lanes>(&interface_[order_.first]));
+    const std::size_t skipped = a_.size() - interface_.size();
+    for (std::size_t i = a_.size() - order_.last; i < a_.size(); ++i) use(i, a_[i] = interface_[i - skipped]);
+  });
 }
 
 std::span<const double> TimeStep::acceleration() {
-  if (eliminated_) substitute([](std::size_t, const auto&) {});
+  if (eliminated_) substitute([](std::size_t, const auto&) __attribute__((always_inline)){});
   return a_;
 }
 
@@ -258,10 +262,11 @@ namespace {
   u += dt * p;
 }
 
+template <class Lanes>
 [[gnu::always_inline]] inline void move(double dt, const Lanes& a, double& p, double& u) {
-  const Lanes moved = load_lanes(&p) + dt * a;
-  store_lanes(moved, &p);
-  store_lanes(load_lanes(&u) + dt * moved, &u);
+  const Lanes moved = take<Lanes>(&p) + dt * a;
+  put(moved, &p);
+  put(take<Lanes>(&u) + dt * moved, &u);
 }
 
 }  // namespace
@@ -271,7 +276,8 @@ void TimeStep::advance() {
   // The velocity of a held node from its displacements, so that rest is exact and not rounding's motion.
   for (std::size_t k = 0; k < contacts_.size(); ++k) bound_[k] = least_velocity(k);
   if (eliminated_)
-    substitute([dt = dt_, p = p_.data(), u = u_.data()](std::size_t i, const auto& a) { move(dt, a, p[i], u[i]); });
+    substitute([ dt = dt_, p = p_.data(), u = u_.data() ](std::size_t i, const auto& a)
+                   __attribute__((always_inline)) { move(dt, a, p[i], u[i]); });
   else
     for (std::size_t i = 0; i < u_.size(); ++i) move(dt_, a_[i], p_[i], u_[i]);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {

@@ -14,6 +14,7 @@ namespace viscobar::testing_lane_factor {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
+using Lanes = LanesOf<compiled_width>;
 
 // tridiag(off, diagonal, off) with `odd` rows at either end that are unlike the rest.
 SymmetricTridiagonal uniform_matrix(std::size_t n, double diagonal, double off, std::size_t odd) {
@@ -35,9 +36,9 @@ std::vector<double> solve(const LaneFactor& factor, const std::vector<double>& b
   order.from_nodes(b, ordered);
   for (std::size_t i = 0; i < b.size(); ++i)
     if (i < order.first || order.rows == 0 || i >= order.row(order.rows - 1)) interface.push_back(ordered[i]);
-  factor.eliminate([&](std::size_t k) { return load_lanes(&ordered[order.row(k)]); }, y, interface);
+  factor.eliminate<Lanes>([&](std::size_t k) { return take<Lanes>(&ordered[order.row(k)]); }, y, interface);
   TridiagonalFactor(factor.condensed()).solve(interface);
-  factor.substitute(interface, y, [&](std::size_t k, const Lanes& row) { store_lanes(row, &ordered[order.row(k)]); });
+  factor.substitute<Lanes>(interface, y, [&](std::size_t k, const Lanes& row) { put(row, &ordered[order.row(k)]); });
   for (std::size_t i = 0, k = 0; i < b.size(); ++i)
     if (i < order.first || order.rows == 0 || i >= order.row(order.rows - 1)) ordered[i] = interface[k++];
   order.to_nodes([&](std::size_t i) { return ordered[i]; }, x);

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "discretisation/wide.hpp"
 #include "dynamics/lost_inertia.hpp"
 #include "run/step_failure.hpp"
 
@@ -36,16 +37,19 @@ void Leg::solve_momentum(PenalisedSystem& forces, double t, double gamma, std::s
   const std::size_t n = layout.nodes;
   const double *u = y.data(), *w = u + n;
   double *x_u = x.data(), *x_w = x_u + n, *explicit_u = field.data();
-  for (std::size_t i = 0; i < n; ++i) {
-    x_u[i] = gamma * w[i] + factor * z[i];
-    explicit_u[i] = u[i] + x_u[i];
-  }
+  each(
+      n, [ =, z = z.data() ](std::size_t i) __attribute__((always_inline)) {
+        x_u[i] = gamma * w[i] + factor * z[i];
+        explicit_u[i] = u[i] + x_u[i];
+      });
   const std::span<double> right(x_w, n);
   forces.force(t, field, {w, n}, right);
-  for (double& entry : right) entry *= gamma;
+  each(
+      n, [=](std::size_t i) __attribute__((always_inline)) { x_w[i] *= gamma; });
   subtract_inertia(-factor, z.subspan(n, n), right);
   solve(1.0, gamma, gamma * gamma, right);
-  for (std::size_t i = 0; i < n; ++i) x_u[i] += gamma * x_w[i];
+  each(
+      n, [=](std::size_t i) __attribute__((always_inline)) { x_u[i] += gamma * x_w[i]; });
 }
 
 void Leg::solve_first_order(double t, double gamma, std::span<const double> y, double factor, std::span<const double> z,
@@ -123,11 +127,14 @@ void Leg::subtract_inertia(double factor, std::span<const double> x, std::span<d
   const SymmetricTridiagonal& inertia = system.bar().inertia();
   const std::size_t n = out.size();
   if (inertia.is_diagonal()) {
-    for (std::size_t i = 0; i < n; ++i) out[i] -= factor * inertia.diagonal[i] * x[i];
-    return;
+    return each(
+        n, [ factor, out = out.data(), m = inertia.diagonal.data(), x = x.data() ](std::size_t i)
+               __attribute__((always_inline)) { out[i] -= factor * m[i] * x[i]; });
   }
   inertia.multiply(x, field);
-  for (std::size_t i = 0; i < n; ++i) out[i] -= factor * field[i];
+  each(
+      n, [ factor, out = out.data(), product = field.data() ](std::size_t i)
+             __attribute__((always_inline)) { out[i] -= factor * product[i]; });
 }
 
 void Leg::account_rates(double t, std::span<const double> w, std::span<const double> a, std::span<double> y_rate) {

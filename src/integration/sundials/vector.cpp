@@ -3,7 +3,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <experimental/simd>
+
+#include "discretisation/wide.hpp"
 
 namespace viscobar::sundials {
 
@@ -11,50 +12,45 @@ namespace {
 
 constexpr std::size_t highest_order = 12;
 
-namespace simd = std::experimental;
-using Pack = simd::native_simd<double>;
-
-template <class Values>
-Values load(const double* x) {
-  if constexpr (std::is_same_v<Values, Pack>)
-    return Pack(x, simd::element_aligned);
-  else
-    return *x;
-}
-void store(const Pack& pack, double* x) { pack.copy_to(x, simd::element_aligned); }
-void store(double value, double* x) { *x = value; }
-
-// body(i, 0.0) for each i < n, or body(i, Pack()) for as many from i on as a register has: four of those a turn, since
+// body(i, 0.0) for each i < n, or body(i, Wide()) for as many from i on as a register has: four of those a turn, since
 // the loop itself would be as many instructions as what is done in it.
 template <class Body>
-[[gnu::always_inline]] inline void in_packs(std::size_t n, const Body& body) {
-  constexpr std::size_t size = Pack::size();
-  std::size_t i = 0;
-  for (; i + 4 * size <= n; i += 4 * size)
+[[gnu::always_inline]] inline void in_packs(std::size_t n, const Body& of) {
+  by_width([ n, body = of ](auto width) __attribute__((always_inline)) {
+    constexpr std::size_t size = width;
+    using Pack = typename Wide<size>::type;
+    std::size_t i = 0;
+    for (; i + 4 * size <= n; i += 4 * size)
 #pragma GCC unroll 4
-    for (std::size_t k = 0; k < 4; ++k) body(i + k * size, Pack());
-  for (; i + size <= n; i += size) body(i, Pack());
-  for (; i < n; ++i) body(i, 0.0);
+      for (std::size_t k = 0; k < 4; ++k) body(i + k * size, Pack());
+    for (; i + size <= n; i += size) body(i, Pack());
+    for (; i < n; ++i) body(i, 0.0);
+  });
 }
 
 // The whole triangle, or its first cascade alone.
 template <std::size_t q, bool whole>
-void sum_history(double* const* z, std::size_t n) {
-  const auto sum = [z](std::size_t i, auto kind) {
+void sum_history(double* const* histories, std::size_t n) {
+  std::array<double*, q + 1> z;
+  std::copy_n(histories, q + 1, z.begin());
+  const auto sum = [z](std::size_t i, auto kind) __attribute__((always_inline)) {
     using Values = decltype(kind);
     std::array<Values, q + 1> values;
 #pragma GCC unroll 16
-    for (std::size_t j = 0; j <= q; ++j) values[j] = load<Values>(z[j] + i);
+    for (std::size_t j = 0; j <= q; ++j) values[j] = take<Values>(z[j] + i);
 #pragma GCC unroll 16
     for (std::size_t k = 1; k <= (whole ? q : 1); ++k)
 #pragma GCC unroll 16
       for (std::size_t j = q; j >= k; --j) values[j - 1] += values[j];
 #pragma GCC unroll 16
-    for (std::size_t j = 0; j < q; ++j) store(values[j], z[j] + i);
+    for (std::size_t j = 0; j < q; ++j) put(values[j], z[j] + i);
   };
-  std::size_t i = 0;
-  for (; i + Pack::size() <= n; i += Pack::size()) sum(i, Pack());
-  for (; i < n; ++i) sum(i, 0.0);
+  by_width([ n, sum ](auto width) __attribute__((always_inline)) {
+    constexpr std::size_t size = width;
+    std::size_t i = 0;
+    for (; i + size <= n; i += size) sum(i, typename Wide<size>::type());
+    for (; i < n; ++i) sum(i, 0.0);
+  });
 }
 
 using Kernel = void (*)(double* const*, std::size_t);
@@ -111,9 +107,10 @@ void HistorySums::carry_out() {
     (whole ? triangles : cascades)[q - 1](z.data(), size_);
   }
   for (std::size_t k = whole ? count_ : q; k < count_; ++k)
-    in_packs(size_, [x = sums_[k].x, y = sums_[k].y](std::size_t i, auto kind) {
-      store(load<decltype(kind)>(x + i) + load<decltype(kind)>(y + i), x + i);
-    });
+    in_packs(
+        size_, [ x = sums_[k].x, y = sums_[k].y ](std::size_t i, auto kind) __attribute__((always_inline)) {
+          put(take<decltype(kind)>(x + i) + take<decltype(kind)>(y + i), x + i);
+        });
   count_ = 0;
 }
 
@@ -165,33 +162,38 @@ void destroy(N_Vector x) noexcept {
 
 // to <- what `value` makes of entries i of the operands.
 template <class Value>
-void each_entry(N_Vector to, const Value& value) {
+[[gnu::always_inline]] inline void each_entry(N_Vector to, const Value& value) {
   auto& out = array(to);
-  in_packs(static_cast<std::size_t>(out.size()),
-           [&value, z = out.data()](std::size_t i, auto kind) { store(value(i, kind), z + i); });
+  in_packs(
+      static_cast<std::size_t>(out.size()), [ value, z = out.data() ](std::size_t i, auto kind)
+                                                __attribute__((always_inline)) { put(value(i, kind), z + i); });
 }
 
 // The result is written once, and may be one of the operands. Of two products the one that is named first is rounded
-// before the other is added to it, since the compiler fuses what follows.
+// before the other is added to it, where the compiler fuses what follows.
 template <std::size_t count>
 void combine(const sunrealtype* c, N_Vector* x, N_Vector z) {
   std::array<const double*, count> from;
-  for (std::size_t k = 0; k < count; ++k) from[k] = array(x[k]).data();
-  each_entry(z, [c, from](std::size_t i, auto kind) {
-    const auto term = [&](std::size_t k) { return c[k] * load<decltype(kind)>(from[k] + i); };
-    auto sum = count > 1 ? term(count > 1) : term(0);
-    if constexpr (count > 1) sum = term(0) + sum;
-    constexpr std::size_t first = std::min<std::size_t>(count, 4);
+  std::array<double, count> factors;
+  for (std::size_t k = 0; k < count; ++k) from[k] = array(x[k]).data(), factors[k] = c[k];
+  each_entry(
+      z, [ factors, from ](std::size_t i, auto kind) __attribute__((always_inline)) {
+        const auto term = [&](std::size_t k) __attribute__((always_inline)) {
+          return factors[k] * take<decltype(kind)>(from[k] + i);
+        };
+        auto sum = term(count > 1 ? 1 : 0);
+        if constexpr (count > 1) sum = term(0) + sum;
+        constexpr std::size_t first = std::min<std::size_t>(count, 4);
 #pragma GCC unroll 4
-    for (std::size_t k = 2; k < first; ++k) sum += term(k);
+        for (std::size_t k = 2; k < first; ++k) sum += term(k);
 #pragma GCC unroll 4
-    for (std::size_t k = first; k + 1 < count; k += 2) {
-      const auto other = term(k + 1);
-      sum += term(k) + other;
-    }
-    if constexpr (count > first && (count - first) % 2 == 1) sum += term(count - 1);
-    return sum;
-  });
+        for (std::size_t k = first; k + 1 < count; k += 2) {
+          const auto other = term(k + 1);
+          sum += term(k) + other;
+        }
+        if constexpr (count > first && (count - first) % 2 == 1) sum += term(count - 1);
+        return sum;
+      });
 }
 
 template <std::size_t... k>
@@ -251,10 +253,11 @@ int scale_add_multi(int count, sunrealtype* c, N_Vector x, N_Vector* y, N_Vector
   for (std::size_t begin = 0, size = static_cast<std::size_t>(added.size()); begin < size; begin += piece)
     for (int k = 0; k < count; ++k) {
       const double *from = stored(y[k]).data() + begin, *term = added.data() + begin;
-      in_packs(std::min(piece, size - begin),
-               [from, term, factor = c[k], to = stored(z[k]).data() + begin](std::size_t i, auto kind) {
-                 store(load<decltype(kind)>(from + i) + factor * load<decltype(kind)>(term + i), to + i);
-               });
+      in_packs(
+          std::min(piece, size - begin), [ from, term, factor = c[k], to = stored(z[k]).data() +
+                                           begin ](std::size_t i, auto kind) __attribute__((always_inline)) {
+            put(take<decltype(kind)>(from + i) + factor * take<decltype(kind)>(term + i), to + i);
+          });
     }
   return 0;
 }
@@ -269,19 +272,23 @@ void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z
   if (a == 1.0 && b == 1.0 && x == z && y != z && put_off(x, y)) return;
   const double *first = array(x).data(), *second = array(y).data();
   if (a == 1.0)
-    each_entry(z, [b, first, second](std::size_t i, auto kind) {
-      return load<decltype(kind)>(first + i) + b * load<decltype(kind)>(second + i);
-    });
+    each_entry(
+        z, [ b, first, second ](std::size_t i, auto kind) __attribute__((always_inline)) {
+          return take<decltype(kind)>(first + i) + b * take<decltype(kind)>(second + i);
+        });
   else
-    each_entry(z, [a, b, first, second](std::size_t i, auto kind) {
-      const auto other = b * load<decltype(kind)>(second + i);
-      return a * load<decltype(kind)>(first + i) + other;
-    });
+    each_entry(
+        z, [ a, b, first, second ](std::size_t i, auto kind) __attribute__((always_inline)) {
+          const auto other = b * take<decltype(kind)>(second + i);
+          return a * take<decltype(kind)>(first + i) + other;
+        });
 }
 
 double weighted_max_norm(N_Vector x, N_Vector w) noexcept {
-  const Eigen::Index n = content(x).weighed;
-  return (array(x).head(n) * array(w).head(n)).abs().maxCoeff();
+  return largest_of(
+      static_cast<std::size_t>(content(x).weighed),
+      [ x = array(x).data(), w = array(w).data() ](std::size_t i, auto kind)
+          __attribute__((always_inline)) { return take<decltype(kind)>(x + i) * take<decltype(kind)>(w + i); });
 }
 
 using Combination = int (*)(int, sunrealtype*, N_Vector*, N_Vector);
@@ -299,8 +306,19 @@ Vector make(Eigen::Index size, const Probed* probed, Eigen::Index weighed, Combi
   ops.nvgetarraypointer = [](N_Vector x) noexcept { return array(x).data(); };
   ops.nvgetlength = [](N_Vector x) noexcept { return static_cast<sunindextype>(array(x).size()); };
   ops.nvlinearsum = linear_sum;
-  ops.nvconst = [](sunrealtype c, N_Vector z) noexcept { array(z).setConstant(c); };
-  ops.nvprod = [](N_Vector x, N_Vector y, N_Vector z) noexcept { array(z) = array(x) * array(y); };
+  ops.nvconst = [](sunrealtype c, N_Vector z) noexcept {
+    auto& out = array(z);
+    each(
+        static_cast<std::size_t>(out.size()),
+        [ c, z = out.data() ](std::size_t i) __attribute__((always_inline)) { z[i] = c; });
+  };
+  ops.nvprod = [](N_Vector x, N_Vector y, N_Vector z) noexcept {
+    const double *first = array(x).data(), *second = array(y).data();
+    each_entry(
+        z, [ first, second ](std::size_t i, auto kind) __attribute__((always_inline)) {
+          return take<decltype(kind)>(first + i) * take<decltype(kind)>(second + i);
+        });
+  };
   ops.nvdiv = [](N_Vector x, N_Vector y, N_Vector z) noexcept { array(z) = array(x) / array(y); };
   ops.nvscale = [](sunrealtype c, N_Vector x, N_Vector z) noexcept { combine<1>(&c, &x, z); };
   ops.nvabs = [](N_Vector x, N_Vector z) noexcept { array(z) = array(x).abs(); };
