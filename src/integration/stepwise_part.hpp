@@ -424,9 +424,9 @@ class StepwisePart {
         system_.collide(i, t, u(), w(), {weights.displacement_tolerance(), weights.negligible_reaction(h)});
     if (layout_.dissipated) y_[*layout_.dissipated] += collision.dissipated;
     if (layout_.end_inertia) y_[*layout_.end_inertia] += collision.end_inertia;
-    if (ends_) ends_->strike(i, collision.impulse);
     const double leaves = w()[system_.contact(i).unknown];
     if (closing && (collision.rests || leaves != 0.0)) tell_event(t, i, Change::closing, *closing);
+    if (ends_) ends_->strike(i, collision.impulse);  // of the contact that has closed
     if (sensitivities_) sensitivities_->rebound(i, changes_);
     if (collision.rests)
       system_.set_closed(i, true);
