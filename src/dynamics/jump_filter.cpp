@@ -9,7 +9,6 @@ namespace viscobar {
 
 namespace {
 
-constexpr std::size_t fewest_elements = 8;
 constexpr double stiffest = 100.0;  // of a spring, in E/h: the node of a stiffer one is as good as held
 
 // g(mu), seven times differentiable: of a kink the polynomial would want more terms.

@@ -24,6 +24,7 @@ namespace viscobar {
 /// mode with mu < 1 to leave alone. See docs/fourth-order.md.
 class JumpFilter {
  public:
+  static constexpr std::size_t fewest_elements = 8;
   /// Refers to the bar, which outlives it.
   explicit JumpFilter(const BarSystem& bar);
   bool acts() const { return share_ > 0.0; }  ///< theta > 0

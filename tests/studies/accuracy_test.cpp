@@ -272,8 +272,8 @@ TEST(AccuracyOnRequest, BeforeTheRunTheForecastGoesOnWithTheOrderOfCoarserMeshes
       const accuracy::Sample coarse = *accuracy::sample_of(run, stop);
       run.elements *= 16;
       const double error = difference(coarse, *accuracy::sample_of(run, stop), Goal::displacement);
-      EXPECT_GT(forecast.estimate->space, 0.5 * error) << viscosity << " " << elements;
-      EXPECT_LT(forecast.estimate->space, 28.0 * error) << viscosity << " " << elements;
+      EXPECT_GT(forecast.estimate->space, 0.5 * error) << viscosity << " " << elements << " " << error;
+      EXPECT_LT(forecast.estimate->space, 28.0 * error) << viscosity << " " << elements << " " << error;
     }
 }
 
