@@ -181,7 +181,12 @@ class Same {
     if (a.is_number()) return expect(a.get<double>(), b.get<double>(), key);
     ASSERT_EQ(a.type(), b.type()) << key;
     if (a.is_string()) {
-      EXPECT_EQ(words(a.get<std::string>()), words(b.get<std::string>())) << key;
+      // The files that were read have other names.
+      const auto told = [&](const json& text) {
+        const std::string all = text.get<std::string>();
+        return key == "data" ? all.substr(std::min(all.find(": "), all.size())) : all;
+      };
+      EXPECT_EQ(words(told(a)), words(told(b))) << key;
     } else if (a.is_structured()) {
       ASSERT_EQ(a.size(), b.size()) << key << "\n" << a << "\n" << b;
       for (auto i = a.begin(), j = b.begin(); i != a.end(); ++i, ++j) {

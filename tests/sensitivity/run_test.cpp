@@ -169,10 +169,9 @@ TEST(Sensitivities, EndWhereARigidContactGrazes) {
   Case run = turned_back(0.5 - 2e-11);
   run.directions = directions(run, {"left.gap"});
   const Recording found = record(run);
-  ASSERT_FALSE(found.events.empty());
+  EXPECT_TRUE(found.events.empty()) << "a contact of no length is none";
   ASSERT_TRUE(found.statistics.sensitivity->lost.has_value());
   EXPECT_NEAR(*found.statistics.sensitivity->lost, 1.0, 1e-5);
-  EXPECT_TRUE(std::isnan(found.events[0].sensitivities[0].time));
   EXPECT_TRUE(std::isnan(found.statistics.sensitivity->impulse_left[0]));
   const std::size_t nodes = found.mesh.nodes();
   for (std::size_t k = 0; k < found.times.size(); ++k)

@@ -95,6 +95,18 @@ TEST(Limit, WhereTheMeshResolvesTheLayerThePowerIsTwoThirds) {
   EXPECT_NEAR(orders.to_rigid_layer->order, 2.0 / 3.0, 0.02);
 }
 
+/// The power that the difference to the scheme follows over the two decades down to the least penalty asked for,
+/// whether it has settled or not.
+double power_to_scheme(const LimitResult& result, const std::vector<double>& asked) {
+  std::vector<double> epsilon, difference;
+  for (const LimitRow& row : result.rows)
+    if (row.epsilon >= 0.99 * asked.back() && row.epsilon <= 101.0 * asked.back()) {
+      epsilon.push_back(row.epsilon);
+      difference.push_back(row.difference_to_scheme);
+    }
+  return observed_order(epsilon, difference)->order;
+}
+
 class CommonRestitution : public testing::TestWithParam<std::tuple<double, double, Impact>> {};
 
 TEST_P(CommonRestitution, GivesPenaltyAndSchemeOneLimitOnTheConsistentMassLikeTheRootOfEpsilon) {
@@ -108,8 +120,10 @@ TEST_P(CommonRestitution, GivesPenaltyAndSchemeOneLimitOnTheConsistentMassLikeTh
   const LimitResult result = limit_of(study_of(scene, epsilons));
   const LimitOrders orders = only(result);
   EXPECT_EQ(orders.verdict, Verdict::converges);
-  ASSERT_TRUE(orders.to_scheme);
-  EXPECT_NEAR(orders.to_scheme->order, 0.5, 0.05);
+  EXPECT_NEAR(power_to_scheme(result, epsilons), 0.5, 0.05);
+  if (orders.to_scheme) {
+    EXPECT_NEAR(orders.to_scheme->order, 0.5, 0.05) << "where it is told";
+  }
   EXPECT_NEAR(orders.penetration->order, 0.5, 0.01);
   for (const LimitRow& row : result.rows)
     if (restitution == 0.0) {
@@ -202,7 +216,7 @@ TEST(Limit, UnderASpanOneRestitutionGivesOneLimitWhereTheMassDoesNotTieNeighbour
   const LimitResult lumped = limit_of(study_of(paper_span(Mass::lumped), decades(1e-5, 1e-7)));
   EXPECT_EQ(only(lumped).verdict, Verdict::converges);
   EXPECT_NEAR(*only(lumped).boundary, 1.0, 1e-12);
-  EXPECT_NEAR(only(lumped).to_scheme->order, 0.5, 0.05);
+  EXPECT_NEAR(power_to_scheme(lumped, decades(1e-5, 1e-7)), 0.5, 0.05);
   EXPECT_FALSE(only(lumped).penetration_layer);
   // On the consistent mass the impact of a node is an impulse on its neighbours, which share it between them by a law
   // of their own: a plateau, small beside the 650 that the bar falls.

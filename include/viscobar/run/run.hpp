@@ -182,8 +182,9 @@ struct Checkpoint {
   std::size_t outputs = 0;  ///< output times told so far
   Statistics statistics;    ///< so far
   std::string state;        ///< the method's own, binary
-  /// The frame of that state. As the bar comes to an obstacle that moves, the run enters the one that follows it.
-  enum class Frame { resting, entered, following } frame = Frame::resting;
+  /// Frames that a state may be in. As the bar comes to an obstacle that moves, the run enters the one that follows it.
+  enum class Frame { resting, entered, following };
+  Frame frame = Frame::resting;  ///< of that state
 };
 
 /// Where a run begins: with initial data, or where another run was.
