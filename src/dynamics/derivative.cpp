@@ -248,6 +248,11 @@ double Derivative::reaction(std::size_t i, const Moment& at, std::span<const dou
          law.damping * rate[node] - laws_[i].damping * at.w[node];
 }
 
+double Derivative::opening_reaction(std::size_t i, const Moment& at, std::span<const double> s,
+                                    std::span<const double> rate) {
+  return system_.holds(i) ? reaction(i, at, s, rate) : system_.contact(i).sign * motion_.row_reaction(i, at.t, s, rate);
+}
+
 double Derivative::holding_force(bool right, double t, const Nodal& bar, const Nodal& s) const {
   const Mesh& mesh = system_.bar().mesh();
   const std::size_t element = right ? mesh.elements - 1 : 0;

@@ -128,6 +128,8 @@ class Derivative {
 
   /// Of the reaction of contact i in the direction of u, the bar being at the moment driven by last.
   double reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate);
+  /// Of the reaction whose zero opens closed contact i: the same where it holds(), else that of row_reaction().
+  double opening_reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate);
   /// Displacements, velocities and accelerations at all nodes.
   struct Nodal {
     std::span<const double> u, v, a;

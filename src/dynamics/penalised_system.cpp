@@ -300,16 +300,22 @@ std::array<double, 2> PenalisedSystem::end_reactions(double t, std::span<const d
 }
 
 double PenalisedSystem::holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w) {
-  const std::size_t node = contact(i).unknown;
-  const double sign = contact(i).sign;
   if (collides(i)) {
     accelerate_held(t, u, w);
     return held_force(i);
   }
-  const std::size_t next = neighbour(node);
+  return contact(i).sign * row_reaction(i, t, u, w) * (1.0 - penetration_share(i));
+}
+
+double PenalisedSystem::row_reaction(std::size_t i, double t, std::span<const double> u, std::span<const double> w) {
+  const std::size_t node = contact(i).unknown, next = neighbour(node);
+  const double sign = contact(i).sign;
   const double stress = bar_.bar().modulus * (sign * u[next] + contact(i).clearance(origin_at(next))) +
                         bar_.bar().viscosity * sign * w[next];
-  return sign * (-stress / bar_.spacing_at(node) - sign * load(node, t)) * (1.0 - penetration_share(i));
+  double reaction = -stress / bar_.spacing_at(node) - sign * load(node, t);
+  for (const Mount& mount : bar_.mounts())
+    if (mount.unknown == node) reaction -= mount.stiffness * contact(i).gap;
+  return reaction;
 }
 
 // Of all contacts that hold nodes with mass, whatever their number, by one solve.

@@ -141,6 +141,10 @@ class PenalisedSystem {
   /// Whether contact i is closed on a node without mass and a stiff spring, kappa > 1e4, whose penetration is at once
   /// what the strain beside it makes of it.
   bool relaxes(std::size_t i) const;
+  /// Whether the row of contact i, on a damped node without mass, has the sign of its reaction, too. On the surface
+  /// the node moves at s w_i = -(h/eta) R, R being row_reaction(): it leaves where R < 0 and stays where R > 0. k times
+  /// a depth that is less than a step may be wrong by has no sign of its own.
+  bool changes_by_row(std::size_t i) const { return massless(contact(i).unknown) && bar_.damped(); }
   /// k h / E
   double relative_stiffness(std::size_t i) const;
   /// What a clearance may be wrong by through rounding alone, for displacements up to `largest`.
@@ -224,6 +228,9 @@ class PenalisedSystem {
 
   /// That of a closed contact that holds(), as its row gives it, of either sign.
   double holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
+  /// What holds the node of contact i, which has no mass, on its obstacle, R >= 0 where it pushes: the remainder of its
+  /// row there, R = -(E (u_1 + s gap) + eta w_1) s / h - s (M f)_i.
+  double row_reaction(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
 
   /// Energy of the springs of closed contacts.
   double contact_energy(std::span<const double> u) const;

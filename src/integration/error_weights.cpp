@@ -42,8 +42,7 @@ double ErrorWeights::viscous_tolerance() const {
 double ErrorWeights::negligible_reaction(double h) const {
   const Bar& bar = system_.bar().bar();
   const double rounding = 32.0 * std::numeric_limits<double>::epsilon();
-  return h / bar.length * displacement_tolerance() + consumed_ * viscous_tolerance() +
-         rounding * (largest_u_ + bar.viscosity / bar.modulus * largest_w_);
+  return h / bar.length * displacement_tolerance() + rounding * (largest_u_ + bar.viscosity / bar.modulus * largest_w_);
 }
 
 double ErrorWeights::promised_energy() const { return inertia_ * largest_w_ * promised_velocity(); }

@@ -14,14 +14,10 @@ namespace viscobar {
 /// Measured in docs/methods.md.
 struct Accumulation {
   double dissipating, conserving, per_change;
-  /// Of waves that viscosity consumes within a step, the error of w in tolerances: it shows in a reaction by eta/E.
-  double consumed;
 };
-inline constexpr Accumulation multistep_accumulation{150.0, 1000.0, 6.0, 1.0};
+inline constexpr Accumulation multistep_accumulation{150.0, 1000.0, 6.0};
 /// One-step methods advance the more accurate of the two solutions whose difference is their error estimate.
-inline constexpr Accumulation one_step_accumulation{2.0, 10.0, 1.0, 1.0};
-/// Radau's formulas of order 15 leave such waves no error to speak of.
-inline constexpr Accumulation radau_accumulation{2.0, 10.0, 1.0, 0.0};
+inline constexpr Accumulation one_step_accumulation{2.0, 10.0, 1.0};
 
 /// Steps that the motion bounds are wrong by 11 tolerances of a derivative at most, and mostly by a hundredth of one.
 /// Measured in 299 runs of tests/sensitivity, each step's error estimate over the largest derivative of its run so far.
@@ -50,8 +46,7 @@ class ErrorWeights {
         massive_end_(system.bar().massive_end()),
         inertia_(system.bar().bar().density * system.bar().bar().length),
         accumulated_(system.dissipates() ? accumulation.dissipating : accumulation.conserving),
-        per_change_(accumulation.per_change),
-        consumed_(accumulation.consumed) {
+        per_change_(accumulation.per_change) {
     for (const Derivative* derivative : derivatives) derivatives_.push_back({derivative->relative_scale(end)});
   }
 
@@ -71,7 +66,7 @@ class ErrorWeights {
   /// Of (h/E) times a reaction, u + gap + (eta/E) w + ...
   double reaction_tolerance() const;
   /// Of the same, what has no effect: a force R displaces the bar by R L/E, so that (h/E) R of h/L tolerances of u is
-  /// within the tolerance. Nor can be told what is rounding, which is one of u, and what a method leaves of fast waves.
+  /// within the tolerance. Nor can be told what is rounding, which is one of u and of (eta/E) w.
   double negligible_reaction(double h) const;
   /// An error of (u, w) that the stress of an element shows once has in (rho M a)_i, a = -(rho M)^{-1} (E K u + eta K
   /// w), the largest h^2 omega^2 of the mass, 12, times what its row has beside the diagonal, 1/4 at most.
@@ -99,8 +94,7 @@ class ErrorWeights {
   Tolerance tolerance_;
   Allowance absolute_;
   std::size_t massive_begin_, massive_end_;
-  double inertia_, largest_u_ = 0.0, largest_w_ = 0.0, accumulated_, per_change_, consumed_, tightening_ = 1.0,
-                   passed_over_ = 0.0;
+  double inertia_, largest_u_ = 0.0, largest_w_ = 0.0, accumulated_, per_change_, tightening_ = 1.0, passed_over_ = 0.0;
   std::vector<OfDerivative> derivatives_;
 };
 

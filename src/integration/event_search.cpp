@@ -21,11 +21,13 @@ double time_rounding(double t, double speed) {
 
 }  // namespace
 
-EventSearch::EventSearch(PenalisedSystem& system, LegStepper& stepper)
+EventSearch::EventSearch(PenalisedSystem& system, LegStepper& stepper, std::size_t size)
     : system_(system),
       stepper_(stepper),
       count_(system.contact_count()),
-      samples_(count_ * (Bernstein::max_degree + 1)) {
+      samples_(count_ * (Bernstein::max_degree + 1)),
+      state_(size),
+      pulls_(count_) {
   for (std::size_t i = 0; i < count_; ++i) {
     first_.push_back(entries_.size());
     for (const std::size_t entry : system.indicator_entries(i)) entries_.push_back(entry);
@@ -69,6 +71,7 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
     if (looking) ends->look_at(j, t, sample.values);
   }
   double first = 2.0;
+  bool later = false;
   for (const std::size_t i : looked_at_) {
     if (system_.moves(i)) continue;
     const std::span<const double> values(samples_.data() + i * (order + 1), order + 1);
@@ -77,11 +80,13 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
     const auto [lowest, highest] = std::ranges::minmax(values);
     const double speed = end > begin ? (highest - lowest) / (end - begin) : 0.0;
     const double of_time = time_rounding(std::max(std::abs(begin), std::abs(end)), speed);
-    const auto s = Bernstein::through(values).first_descent(-uncertainty(i) - of_time, 0x1p-52, first);
-    if (s && *s < first) first = *s, which_ = i;
+    const auto descent = Bernstein::through(values).first_descent(-uncertainty(i) - of_time, 0x1p-52, first);
+    const auto s = descent ? agreed(i, begin, end, *descent) : descent;
+    if (s && *s < first) first = *s, which_ = i, later = s != descent;
   }
   if (first > 1.0) return std::nullopt;
-  return polished(begin, end, begin + first * (end - begin), which_);
+  const double t = begin + first * (end - begin);
+  return later ? t : polished(begin, end, t, which_);
 }
 
 bool EventSearch::may_reach_moving(double begin, double end, double whole) {
@@ -110,31 +115,100 @@ void EventSearch::look_at(double begin, double t) {
   for (std::size_t i = 0; i < count_; ++i) present_[i] = oriented(i, t, sample);
 }
 
-bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) const {
+bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) {
   if (system_.moves(i)) return false;
   std::array<double, 4> values{};
   for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) values[k - first_[i]] = y[entries_[k]];
   const std::span<const double> entries = std::span(values).first(first_[i + 1] - first_[i]);
   const double p =
       system_.indicator_needs_rates(i) ? present_[i] : oriented(i, t, system_.indicator_weights(i), entries);
+  if (against(i, t, y) > 0.0) return false;
   // Half the tolerance, so that a contact switched now is not found on the wrong side by the next check.
   return rates_[i] < 0.0 && p <= 0.5 * (uncertainty(i) + time_rounding(t, -rates_[i]));
 }
 
-// A spring answers to its own clearance, which is known to rounding. The pull on a rigid contact opens it as soon as it
-// has an effect. On a fine mesh the error of a step shows in the reaction as more than that, and a bar that comes to
-// rest may toggle: then, and for that contact alone, the reaction counts as uncertain by a share of that error.
+// A spring answers to its own clearance, which is known to rounding, and a rigid contact to its reaction. What toggles
+// is more and more of the tolerance uncertain.
 inline double EventSearch::uncertainty(std::size_t i) const {
   const ErrorWeights& weights = stepper_.weights();
-  if (system_.holds(i)) {
-    if (!system_.closed(i)) return weights.displacement_tolerance();
-    const double least = weights.negligible_reaction(system_.bar().spacing_at(system_.contact(i).unknown));
-    if (i != distrusted_) return least;
-    return least + share_ * (system_.collides(i) ? ErrorWeights::inertial_share : 1.0) * weights.reaction_tolerance();
+  if (system_.holds(i))
+    return system_.closed(i) ? system_.clearance_rounding(i, weights.largest_displacement())
+                             : weights.displacement_tolerance();
+  const double rounding = system_.indicator_rounding(i, weights.largest_displacement());
+  if (i != distrusted_) return rounding;
+  return rounding + share_ * (system_.relaxes(i) ? weights.reaction_tolerance() / (1.0 + system_.relative_stiffness(i))
+                                                 : weights.displacement_tolerance());
+}
+
+// What speaks against a change of contact i in the state y: the velocity of a node that is to close, away from the
+// obstacle; by the row of a damped node without mass, (h/E) times a reaction that holds it, or pulls.
+double EventSearch::against(std::size_t i, double t, std::span<const double> y) {
+  const std::size_t n = system_.size(), node = system_.contact(i).unknown;
+  const std::span<const double> u = y.first(n), w = y.subspan(n, n);
+  if (system_.changes_by_row(i))
+    return -sign(i) * system_.row_reaction(i, t, u, w) * system_.bar().spacing_at(node) / system_.bar().bar().modulus;
+  // The indicator of an undamped node without mass is its neighbour's.
+  return system_.closed(i) || system_.bar().massless(node) ? 0.0 : system_.contact(i).sign * w[node];
+}
+
+double EventSearch::against(std::size_t i, double t) {
+  if (system_.indicator_needs_rates(i)) return oriented(i, t, at(t));
+  stepper_.interpolate(t, state_);
+  return against(i, t, state_);
+}
+
+std::span<const double> EventSearch::against_between(std::size_t i, double from, double end) {
+  const std::size_t order = stepper_.order();
+  for (std::size_t j = 0; j <= order; ++j)
+    against_[j] =
+        against(i, j == order ? end : from + (end - from) * static_cast<double>(j) / static_cast<double>(order));
+  return std::span(against_).first(order + 1);
+}
+
+// The first part of the step from s on at which contact i changes, whose indicator has descended there: where nothing
+// speaks against it any more.
+std::optional<double> EventSearch::agreed(std::size_t i, double begin, double end, double s) {
+  const double from = begin + s * (end - begin);
+  if (against(i, from) > 0.0) {
+    const auto part = Bernstein::through(against_between(i, from, end)).first_descent(0.0);
+    if (!part) return std::nullopt;
+    s += *part * (1.0 - s);
   }
-  double rounding = system_.indicator_rounding(i, weights.largest_displacement());
-  if (system_.relaxes(i)) rounding += weights.reaction_tolerance() / (1.0 + system_.relative_stiffness(i));
-  return i == distrusted_ ? rounding + weights.displacement_tolerance() * share_ : rounding;
+  return opens_by_row(i) ? lasting(i, begin, end, s) : std::optional(s);
+}
+
+// Where contact i opens, which pulls from the part s of the step on, and maybe since earlier.
+std::optional<double> EventSearch::lasting(std::size_t i, double begin, double end, double s) {
+  Pull& pull = pulls_[i];
+  if (pull.until != begin) pull = {};
+  const double from = begin + s * (end - begin), time = end - from;
+  const Bar& bar = system_.bar().bar();
+  const ErrorWeights& weights = stepper_.weights();
+  const std::size_t node = system_.contact(i).unknown;
+  const double h = system_.bar().spacing_at(node),
+               impedance = system_.bar().massless(node) ? 0.0 : std::sqrt(bar.modulus * bar.density);
+  const std::span<const double> against = against_between(i, from, end);
+  const double force = std::max(-Bernstein::mean(against), 0.0) * bar.modulus / h;
+  const double gained = force / (bar.density * bar.length) * time;
+  pull.distance += (force / (bar.viscosity / h + impedance) + pull.velocity + 0.5 * gained) * time;
+  pull.velocity += gained;
+  pull.since = std::min(pull.since, from);
+  pull.until = against.back() < 0.0 ? end : -std::numeric_limits<double>::infinity();
+  const bool counts = pull.velocity > weights.velocity_tolerance() ||
+                      pull.distance > weights.displacement_tolerance() ||
+                      (impedance > 0.0 && std::ranges::min(against) < -noticed(i, h));
+  if (!counts) return std::nullopt;
+  pull.velocity -= gained;
+  return s;
+}
+
+// (h/E) times the pull that opens a node with mass at once, which has an effect. On a fine mesh the error of a step
+// shows in the reaction as more than that, and a bar that comes to rest may toggle: then, and for that contact alone,
+// the reaction counts as uncertain by a share of that error.
+double EventSearch::noticed(std::size_t i, double h) const {
+  const ErrorWeights& weights = stepper_.weights();
+  const double least = weights.negligible_reaction(h);
+  return i == distrusted_ ? least + share_ * ErrorWeights::inertial_share * weights.reaction_tolerance() : least;
 }
 
 // Mostly the bounds of a step prove that nothing happens in it, and take a part of what samples do.

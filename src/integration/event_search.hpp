@@ -1,9 +1,14 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "integration/bernstein.hpp"
 #include "integration/contact_watch.hpp"
 #include "integration/stepper.hpp"
 
@@ -17,10 +22,19 @@ namespace viscobar {
 /// crossing is missed: neither two within a step nor a touch. A descent counts once it passes the uncertainty of the
 /// indicator, and its time is that of p = 0, or of the number next to it: a rounding of the time is one of p by the
 /// speed of the contact, in a long run more than that of p itself.
+///
+/// p alone may err by what a step errs by. So a contact changes only where the motion agrees: a node that closes moves
+/// in, and the row of a damped node without mass has the sign that the new state asks for. Where it does not agree at
+/// the descent of p, the change is where it begins to.
+///
+/// What pulls by R < 0 on a node at rest holds back the bar, whose velocity it changes by V = int R / (rho L) dt, and
+/// the node, which would move off by int R / (eta/h + z) + V dt, z = sqrt(E rho) for one with mass, else 0. A damped
+/// node without mass and one that a rigid contact holds are let go as soon as V or that way exceeds the tolerance of a
+/// step, and V is given back. A pull that is an error of the motion turns before.
 class EventSearch {
  public:
-  /// Both outlive it.
-  EventSearch(PenalisedSystem& system, LegStepper& stepper);
+  /// Both outlive it; `size` is that of the state.
+  EventSearch(PenalisedSystem& system, LegStepper& stepper, std::size_t size);
 
   /// Entries of (u, w) that the search samples.
   const std::vector<std::size_t>& sampled_entries() const { return entries_; }
@@ -46,12 +60,16 @@ class EventSearch {
 
   /// The contact that changes first.
   std::size_t first_contact() const { return which_; }
+  /// Since when it has pulled, at the latest t, where it opens.
+  double pulled_since(double t) const { return std::min(t, pulls_[which_].since); }
+  /// The velocity that it has taken from the bar meanwhile.
+  double held_back() const { return pulls_[which_].velocity; }
 
   /// To be called before changes(): the rates of all contacts at the event, within the step made last.
   void look_at(double begin, double t);
 
   /// Whether contact i changes at the event too: its oriented indicator is used up and falls.
-  bool changes(std::size_t i, double t, std::span<const double> y) const;
+  bool changes(std::size_t i, double t, std::span<const double> y);
 
   /// From here on the clearance of contact i counts as uncertain by a share of the tolerance, too.
   void distrust(std::size_t i, double share) { distrusted_ = i, share_ = share; }
@@ -72,6 +90,21 @@ class EventSearch {
   bool look_at_the_near();
   bool far(std::size_t i) const;
   double uncertainty(std::size_t i) const;
+  double against(std::size_t i, double t, std::span<const double> y);
+  double against(std::size_t i, double t);
+  std::optional<double> agreed(std::size_t i, double begin, double end, double s);
+  std::optional<double> lasting(std::size_t i, double begin, double end, double s);
+  double noticed(std::size_t i, double h) const;
+  bool opens_by_row(std::size_t i) const {
+    return system_.closed(i) && (system_.changes_by_row(i) || system_.collides(i));
+  }
+  // against() on the way from `from` to `end`, at equidistant points.
+  std::span<const double> against_between(std::size_t i, double from, double end);
+  // Of a closed contact that opens by its row: since when it pulls, up to where that is known, and what the bar and its
+  // node have missed.
+  struct Pull {
+    double since = std::numeric_limits<double>::infinity(), until = since, velocity = 0.0, distance = 0.0;
+  };
   std::span<const double> part(std::size_t i, std::span<const double> sampled) const {
     return sampled.subspan(first_[i], first_[i + 1] - first_[i]);
   }
@@ -95,8 +128,11 @@ class EventSearch {
   std::vector<double> samples_;
   std::vector<double> rates_, present_;  // of the oriented indicators, and those that have accelerations, at an event
   std::vector<double> values_;           // of a sample with rates
-  bool with_rates_ = false;              // an indicator asks for them in this step
-  bool bounded_ = false;                 // the indicators are those of bounded entries, as long as no contact changes
+  std::vector<double> state_;            // where p descends
+  std::vector<Pull> pulls_;
+  std::array<double, Bernstein::max_degree + 1> against_{};
+  bool with_rates_ = false;  // an indicator asks for them in this step
+  bool bounded_ = false;     // the indicators are those of bounded entries, as long as no contact changes
   bool quiet_ = false;
   std::size_t which_ = 0, distrusted_ = 0;
   double share_ = 0.0;

@@ -123,9 +123,9 @@ double Sensitivities::acceleration_of(const Moment& at, std::size_t node) {
 
 // Of s u + gap, or of the reaction where that decides.
 double Sensitivities::indicator_rate(const Moment& at, std::size_t i) {
-  if (!system_.closed(i) || !system_.holds(i)) return system_.contact(i).sign * at.w[system_.contact(i).unknown];
+  if (!opens_by_reaction(i)) return system_.contact(i).sign * at.w[system_.contact(i).unknown];
   differentiate_by_time(at);
-  return time_.motion().holding_force(i, at.t, at.w, acceleration_);
+  return time_.opening_reaction(i, at, at.w, acceleration_);
 }
 
 // With delta ten tolerances of the indicator, phi + phi' tau + phi'' tau^2 / 2 = +-delta has no root where phi'^2 is
@@ -135,13 +135,17 @@ bool Sensitivities::grazes(std::size_t i, double rate) const {
   const double tolerances = 10.0 / promised_multiple;
   const double u = tolerances * weights_->promised_displacement(), w = tolerances * weights_->promised_velocity();
   const std::size_t node = system_.contact(i).unknown;
-  if (!system_.closed(i) || !system_.holds(i))
-    return std::abs(rate) <= w || rate * rate <= 2.0 * std::abs(acceleration_[node]) * u;
+  if (!opens_by_reaction(i)) return std::abs(rate) <= w || rate * rate <= 2.0 * std::abs(acceleration_[node]) * u;
   const double h = bar.spacing_at(node), length = bar.bar().length;
   const double reaction = ErrorWeights::inertial_share * (u + bar.bar().viscosity / bar.bar().modulus * w);
   const double speed = std::sqrt(bar.bar().modulus / bar.bar().density);
   const double flattest = std::sqrt(2.0 * reaction * h / length * weights_->largest_displacement()) * speed / length;
   return std::abs(rate) * h / bar.bar().modulus <= flattest;
+}
+
+// A stiff spring on a node without mass has its reaction from the row, too.
+bool Sensitivities::opens_by_reaction(std::size_t i) const {
+  return system_.closed(i) && (system_.holds(i) || (system_.relaxes(i) && system_.changes_by_row(i)));
 }
 
 // Whether the rate of the state jumps where contact i changes: without a dashpot a spring begins and ends with none.
@@ -154,14 +158,15 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, std::size_t i, st
   const std::size_t n = layout_->nodes, node = system_.contact(i).unknown;
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
   const double rate = indicator_rate(at, i);
-  const bool graze = grazes(i, rate), held = system_.closed(i) && system_.holds(i);
+  const bool graze = grazes(i, rate), held = opens_by_reaction(i);
   const double acceleration = acceleration_of(at, node);
   old_velocity_ = w_;
   old_acceleration_ = acceleration_;
   bool moves = false;
   each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     complete(derivative, at, s);
-    const double fall = held ? derivative.reaction(i, at, s.u(), s.w()) : derivative.motion().clearance(i, s.u());
+    const double fall =
+        held ? derivative.opening_reaction(i, at, s.u(), s.w()) : derivative.motion().clearance(i, s.u());
     shifts_[k] = fall == 0.0 ? 0.0 : -fall / rate;
     moves |= fall != 0.0;
     if (!graze || fall == 0.0)

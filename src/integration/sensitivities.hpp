@@ -105,6 +105,7 @@ class Sensitivities {
   double acceleration_of(const Moment& at, std::size_t node);
   double indicator_rate(const Moment& at, std::size_t i);
   bool grazes(std::size_t i, double rate) const;
+  bool opens_by_reaction(std::size_t i) const;
   bool jumps(std::size_t i) const;
 
   PenalisedSystem& system_;

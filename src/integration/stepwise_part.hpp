@@ -44,7 +44,7 @@ class StepwisePart {
         observers_(observers),
         telling_(observers, statistics),
         schedule_(observers, times, begin),
-        search_(system, stepper),
+        search_(system, stepper, layout.size),
         watchdog_(begin, times.back()),
         snapshot_(system, observers.reactions),
         filter_(system.bar()),
@@ -392,7 +392,12 @@ class StepwisePart {
       if (!system_.bar().massless(node) || system_.bar().damped()) system_.place_on_obstacle(i, u());
       if (opens) {
         system_.set_closed(i, false);
-        tell_event(t, i, Change::opening, velocity);
+        const bool first = i == search_.first_contact();
+        if (first) give_back(system_.contact(i).sign * search_.held_back());
+        // A rounding of its penetration is a velocity of a node without mass.
+        if (system_.changes_by_row(i)) system_.complete_velocity(t, u(), w());
+        tell_event(first ? std::max(search_.pulled_since(t), watchdog_.last_change()) : t, i, Change::opening,
+                   velocity);
         if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change()))
           weigh_opening({system_, layout_, stepper_}, i, {t, begin, end, watchdog_.last_change(), load_break_}, inner_,
                         statistics_.late_opening);
@@ -405,6 +410,15 @@ class StepwisePart {
     }
     watchdog_.change(t, search_.first_contact());
     distrust_toggling();
+  }
+
+  // The velocity that the pull of a contact has taken from the bar before it opened, and the heat that made of it.
+  void give_back(double velocity) {
+    if (velocity == 0.0) return;
+    const auto kinetic = [&] { return 0.5 * system_.bar().inertia().quadratic_form(w()); };
+    const double before = kinetic();
+    for (double& of_node : w()) of_node += velocity;
+    if (layout_.dissipated) y_[*layout_.dissipated] -= kinetic() - before;
   }
 
   // Its node is at the obstacle, or there to rounding. Bounces lower than what a step may be wrong by are not resolved.

@@ -37,6 +37,7 @@ struct Judged {
   double balance = 0.0;        ///< |balance error| over 100 relative tolerances of the largest term
   double late = 0.0;           ///< LateOpening::ratio
   std::string said;            ///< the alarm, or the error
+  std::string phantom;         ///< a contact change that cannot be
 };
 
 Judged judge(const SceneFile& scene);

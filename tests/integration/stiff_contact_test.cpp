@@ -140,6 +140,64 @@ TEST_P(StiffMasslessContact, TendsToTheRigidObstacleDownToEveryEpsilon) {
   }
 }
 
+// A pull of (h/E) R = eta/E times the tolerance of the velocities never came, and the bar clung to its obstacle for
+// ever: at viscosity 12 and 1e-6 u_left stayed at -0.1 instead of -0.0908. `rigid` on the same mass is the truth: a
+// spring of kappa = k h / E follows its row by eta / (E kappa), below 1e-8 here.
+TEST_P(StiffMasslessContact, OpensInTimeAtEveryViscosityAndTolerance) {
+  for (const double viscosity : {0.1, 2.0, 12.0, 50.0}) {
+    const double scale = std::max(1.0, viscosity);  // of time: a transit, or eta / E
+    Case run;
+    run.scene.bar = {1.0, 1.0, 1.0, viscosity};
+    run.scene.left = Obstacle{0.1};
+    run.scene.displacement = [](double) { return 0.0; };
+    run.scene.velocity = [](double) { return -1.0; };
+    run.elements = 40;
+    run.mass = Mass::redistributed;
+    run.end = 3.0 * scale;
+    run.output_every = run.end;
+    run.method = MethodName::rigid;
+    run.tolerance = {1e-9, 1e-12};
+    const Recording truth = record(run);
+    ASSERT_EQ(truth.events.size(), 2u) << viscosity;
+    run.epsilon = 1e-10;
+    run.method = GetParam();
+    for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
+      run.tolerance = {tolerance, 1e-3 * tolerance};
+      const Recording spring = record(run);
+      const Event& last = spring.events.back();
+      EXPECT_EQ(last.change, Change::opening) << viscosity << " " << tolerance;
+      EXPECT_GT(last.velocity, 0.0) << viscosity << " " << tolerance;
+      // The promise, 100 tolerances of the time scale and of what is moved.
+      EXPECT_NEAR(last.time, truth.events.back().time, 100.0 * tolerance * scale) << viscosity << " " << tolerance;
+      const double largest = std::max(0.1, std::abs(truth.displacement(1).front()));
+      EXPECT_NEAR(spring.displacement(1).front(), truth.displacement(1).front(), 100.0 * tolerance * largest)
+          << viscosity << " " << tolerance;
+      if (tolerance <= 1e-4) {
+        EXPECT_EQ(spring.events.size(), 2u) << viscosity << " " << tolerance;
+      }
+    }
+  }
+}
+
+// It was found where the depth's own error had a zero, at a velocity into the obstacle, and closed again at once: 36
+// changes at a tolerance of 1e-5.
+TEST(StiffMasslessContact, DoesNotOpenWhileItsRowPushes) {
+  Case run;
+  run.scene.bar = {1.0, 1.0, 1.0, 0.1};
+  run.scene.left = Obstacle{0.1};
+  run.scene.displacement = [](double) { return 0.0; };
+  run.scene.velocity = [](double) { return -1.0; };
+  run.elements = 100;
+  run.mass = Mass::redistributed;
+  run.end = 3.0;
+  run.epsilon = 1e-6;
+  run.method = MethodName::odeint;
+  for (const double tolerance : {1e-4, 1e-5, 1e-6}) {
+    run.tolerance = {tolerance, 1e-3 * tolerance};
+    EXPECT_EQ(contact_changes(run).size(), 2u) << tolerance;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Methods, StiffMasslessContact,
                          testing::Values(MethodName::cvode, MethodName::ida, MethodName::arkode, MethodName::odeint),
                          [](const auto& method) { return std::string(name(method.param)); });

@@ -31,7 +31,7 @@ class Stepper final : public LegStepper {
       : system_(run.system),
         layout_(run.layout),
         statistics_(run.statistics),
-        weights_(run.system, run.layout, tolerance, run.times.back(), radau_accumulation, run.derivatives),
+        weights_(run.system, run.layout, tolerance, run.times.back(), one_step_accumulation, run.derivatives),
         longest_(longest_step(run.system, run.times.back() - run.times.front())),
         step_(run.times.back() - run.times.front()),
         begin_y_(layout_.size),
