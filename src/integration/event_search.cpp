@@ -196,7 +196,7 @@ std::optional<double> EventSearch::lasting(std::size_t i, double begin, double e
   pull.until = against.back() < 0.0 ? end : -std::numeric_limits<double>::infinity();
   const bool counts = pull.velocity > weights.velocity_tolerance() ||
                       pull.distance > weights.displacement_tolerance() ||
-                      (impedance > 0.0 && std::ranges::min(against) < -noticed(i, h));
+                      (impedance > 0.0 && Bernstein::through(against).first_descent(-noticed(i, h)));
   if (!counts) return std::nullopt;
   pull.velocity -= gained;
   return s;

@@ -151,14 +151,14 @@ bool Sensitivities::opens_by_reaction(std::size_t i) const {
 // Whether the rate of the state jumps where contact i changes: without a dashpot a spring begins and ends with none.
 bool Sensitivities::jumps(std::size_t i) const { return system_.holds(i) || system_.law(i).damping > 0.0; }
 
-std::vector<ChangeSensitivity> Sensitivities::before(double t, std::size_t i, std::span<double> y) {
+std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std::size_t i, std::span<double> y) {
   std::vector<ChangeSensitivity> changes(pointers_.size(), {nothing, nothing});
   shifted_ = false;
   if (lost()) return changes;
   const std::size_t n = layout_->nodes, node = system_.contact(i).unknown;
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
   const double rate = indicator_rate(at, i);
-  const bool graze = grazes(i, rate), held = opens_by_reaction(i);
+  const bool graze = grazes(i, rate) || (since < t && system_.collides(i)), held = opens_by_reaction(i);
   const double acceleration = acceleration_of(at, node);
   old_velocity_ = w_;
   old_acceleration_ = acceleration_;
@@ -186,7 +186,7 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, std::size_t i, st
   last_change_ = {t, i};
   if (!jumps(i)) return changes;
   if (graze && moves) {
-    lose(t,
+    lose(since,
          fmt::format("a contact {} with an indicator that hardly moves, a graze: its time has no derivative",
                      system_.closed(i) ? "opens" : "closes"),
          y);

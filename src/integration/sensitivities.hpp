@@ -33,7 +33,8 @@ class Sensitivities {
   void begin_leg(double t, double end);
 
   /// Contact i is about to change at t in the state y, whose velocities are complete: derivatives of that change.
-  std::vector<ChangeSensitivity> before(double t, std::size_t i, std::span<double> y);
+  /// A rigid contact that opens by a pull which it has had `since` earlier opens as by a graze.
+  std::vector<ChangeSensitivity> before(double t, double since, std::size_t i, std::span<double> y);
   /// Those of its opening at once, by a rebound.
   void rebound(std::size_t i, std::vector<ChangeSensitivity>& changes) const;
   /// It has, y being the state after the change but for its derivatives.

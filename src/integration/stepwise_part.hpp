@@ -211,7 +211,7 @@ class StepwisePart {
     std::ranges::copy(start.u, u().begin());
     std::ranges::copy(approach, w().begin());
     system_.complete_displacement(t, u());
-    changes_ = sensitivities_->before(t, i, y_);
+    changes_ = sensitivities_->before(t, t, i, y_);
     std::copy_n(settled.begin(), 2 * layout_.nodes, y_.begin());
     system_.set_closed(i, closed);
   }
@@ -386,18 +386,18 @@ class StepwisePart {
       const bool opens = system_.closed(i);
       const std::size_t node = system_.contact(i).unknown;
       const double& velocity = w()[node];
-      if (sensitivities_) changes_ = sensitivities_->before(t, i, y_);
+      const bool pulled = opens && i == search_.first_contact();
+      const double told = pulled ? std::max(search_.pulled_since(t), watchdog_.last_change()) : t;
+      if (sensitivities_) changes_ = sensitivities_->before(t, told, i, y_);
       if (!opens) close(t, i, velocity);
       // A node that follows its neighbour at once is put where the new state has it as the next leg begins.
       if (!system_.bar().massless(node) || system_.bar().damped()) system_.place_on_obstacle(i, u());
       if (opens) {
         system_.set_closed(i, false);
-        const bool first = i == search_.first_contact();
-        if (first) give_back(system_.contact(i).sign * search_.held_back());
+        if (pulled) give_back(system_.contact(i).sign * search_.held_back());
         // A rounding of its penetration is a velocity of a node without mass.
         if (system_.changes_by_row(i)) system_.complete_velocity(t, u(), w());
-        tell_event(first ? std::max(search_.pulled_since(t), watchdog_.last_change()) : t, i, Change::opening,
-                   velocity);
+        tell_event(told, i, Change::opening, velocity);
         if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change()))
           weigh_opening({system_, layout_, stepper_}, i, {t, begin, end, watchdog_.last_change(), load_break_}, inner_,
                         statistics_.late_opening);

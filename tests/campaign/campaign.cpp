@@ -62,8 +62,9 @@ Run run_of(const Case& run) {
   return result;
 }
 
-// At each node closings and openings take turns, a node that closes moves in, one that opens moves out, and a contact
-// lasts. The velocity of a node that is passed over, on a spring that a step does not resolve, is known to the promise.
+// At each node closings and openings take turns, a node that closes moves in, to rounding, one that opens moves out,
+// and a contact lasts. The velocity of a node that is passed over, on a spring that a step does not resolve, is known
+// to the promise. An undamped node without mass has no velocity of its own.
 std::string phantom_of(const Case& run, const Run& result) {
   const BarSystem system = make_system(run);
   const double unknown = 100.0 * (run.tolerance.relative * result.fastest + absolute_tolerance(run));
@@ -76,7 +77,8 @@ std::string phantom_of(const Case& run, const Run& result) {
       const bool closing = event.change == Change::closing;
       const double away = contact.sign * event.velocity;
       if (closing == closed.has_value()) all += fmt::format("out of turn at {}; ", event.time);
-      if (closing ? away > 0.0 : away < -unknown)
+      const bool moves = !system.massless(contact.unknown) || system.damped();
+      if (moves && (closing ? away > 1e-12 * result.fastest : away < -unknown))
         all += fmt::format("{} at {} with {}; ", closing ? "closes" : "opens", event.time, event.velocity);
       if (!closing && closed && !(event.time > *closed)) all += fmt::format("no length at {}; ", event.time);
       closed = closing ? std::optional(event.time) : std::nullopt;
