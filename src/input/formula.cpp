@@ -278,6 +278,13 @@ NextBreak Formula::breaks() const {
   return [switches](double after, double until) mutable { return switches.first(0.0, after, until); };
 }
 
+NextBreak Formula::breaks_and_pulses(double length) const {
+  if (!uses('t')) return {};
+  FormulaDetail pulses(parse_formula(text_, parameters_), false, {0.0, uses('x') ? length : 0.0});
+  const NextBreak breaks = this->breaks();
+  return breaks ? either_of(breaks, pulses) : pulses;
+}
+
 NextBreakAt Formula::breaks_at() const {
   if (!uses('t') || !uses('x')) return {};
   FormulaSwitches switches(parse_formula(text_, parameters_), true);
@@ -298,7 +305,7 @@ Places Formula::places() const {
   return {[switches = FormulaSwitches::along_x(tree)](double after, double until) mutable {
             return switches.first(0.0, after, until);
           },
-          FormulaDetail(tree, true)};
+          FormulaDetail(tree, true, {0.0, 0.0})};
 }
 
 SpaceTimeFunction Formula::derivative(std::string_view by) const {

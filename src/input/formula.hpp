@@ -43,8 +43,10 @@ class Formula {
   TimeFunction derivative_of_t(int order, std::string_view by = "") const;
 
   /// Where it is not a smooth function of t, for all x at once, and what depends on x, too (see FormulaSwitches); empty
-  /// functions where there is nothing of the kind. Pulses in a formula of t alone count, see FormulaDetail.
+  /// functions where there is nothing of the kind.
   NextBreak breaks() const;
+  /// The same, and the pulses of t for x in [0, length], see FormulaDetail: no step may pass them by.
+  NextBreak breaks_and_pulses(double length) const;
   NextBreakAt breaks_at() const;
   /// Where it is not a smooth function of x, at a time; an empty function where there is nothing of the kind.
   NextBreakAt breaks_in_x_at() const;

@@ -14,11 +14,14 @@ constexpr std::size_t most_halvings = 20000, most_stretches = 1000;
 
 }  // namespace
 
-FormulaDetail::FormulaDetail(FormulaTree tree, bool along_x)
+FormulaDetail::FormulaDetail(FormulaTree tree, bool along_x, Interval other)
     : tree_(std::move(tree)),
       switches_(along_x ? FormulaSwitches::along_x(tree_) : FormulaSwitches(tree_, false)),
       jets_(tree_.nodes.size()),
-      along_x_(along_x) {}
+      along_x_(along_x),
+      other_{other, {0.0, 0.0}} {}
+
+void FormulaDetail::bound(const Jet& s) { tree_.bound(along_x_ ? s : other_, along_x_ ? other_ : s, jets_); }
 
 std::optional<double> FormulaDetail::operator()(double after, double until) {
   // Waves ask for one passage after the other.
@@ -39,7 +42,7 @@ void FormulaDetail::find() {
   double largest = 0.0;
   for (int i = 0; i < parts; ++i) {
     const Jet s{{until_ * i / parts, until_ * (i + 1) / parts}, {1.0, 1.0}};
-    tree_.bound(s, s, jets_);
+    bound(s);
     largest = std::max({largest, jets_.back().value.high, -jets_.back().value.low});
   }
   if (largest == 0.0 || !std::isfinite(largest)) return;
@@ -57,7 +60,7 @@ void FormulaDetail::divide(double begin, double end) {
   const double size = end - begin;
   if (size < 4.0 * rounding_ || (!along_x_ && covered_ > pulses * until_)) return;
   const Jet s{{begin + rounding_, end - rounding_}, {1.0, 1.0}};
-  tree_.bound(s, s, jets_);
+  bound(s);
   const auto [value, slope] = jets_.back();
   const double apart = std::min(value.high - value.low, (slope.high - slope.low) * size / 4.0);
   if (apart > allowed_ && size > finest * until_ && ++effort_ < most_halvings) {

@@ -98,19 +98,21 @@ class FormulaSwitches {
   int effort_ = 0;
 };
 
-/// Where a formula of x or of t alone, s, has stretches on which it is far from linear, though smooth: between the
+/// Where a formula has stretches of s, x or t, on which it is far from linear, though smooth: between the
 /// places of a stretch and its neighbours it differs from a line by no more than a 50th of its largest value, by
 /// intervals of its value and its slope, and no less than a 128th of the interval searched is such a stretch. So no
 /// pulse is too short to be seen.
 class FormulaDetail {
  public:
   /// In t only pulses count, which fill less than half of the interval: what goes on all the time no step misses.
-  FormulaDetail(FormulaTree tree, bool along_x);
+  /// `other` is what the other variable is.
+  FormulaDetail(FormulaTree tree, bool along_x, Interval other);
 
   /// The first such place in (after, until), of those between 0 and until; absent: none.
   std::optional<double> operator()(double after, double until);
 
  private:
+  void bound(const Jet& s);
   void find();
   void divide(double begin, double end);
 
@@ -119,6 +121,7 @@ class FormulaDetail {
   std::vector<Jet> jets_;  // of all nodes
   std::vector<double> places_;
   bool along_x_;
+  Jet other_;
   double until_ = 0.0, rounding_ = 0.0, allowed_ = 0.0, covered_ = 0.0;
   std::size_t effort_ = 0;
 };

@@ -33,7 +33,7 @@ std::optional<Load> rate_of_load(const SceneEntries& entries, const std::string&
     if (!slope && stretched == 0.0) return std::nullopt;
     const auto f = with_mass(density->of_x_t(), slope);
     if (!density->uses('t')) return SteadyLoad{[f](double x) { return f(x, 0.0); }, density->places()};
-    return GeneralLoad{f, density->breaks(), density->breaks_at(), density->breaks_in_x_at()};
+    return GeneralLoad{f, density->breaks_and_pulses(length), density->breaks_at(), density->breaks_in_x_at()};
   }
   const auto profile = entries.formula("load.profile"), history = entries.formula("load.history");
   if (!profile || !history) return std::nullopt;
@@ -41,12 +41,12 @@ std::optional<Load> rate_of_load(const SceneEntries& entries, const std::string&
   if (!of_profile && !of_history && stretched == 0.0) return std::nullopt;
   const auto moved = with_mass(profile->of_x_t(), of_profile);
   if (!of_history)
-    return SeparableLoad{[moved](double x) { return moved(x, 0.0); }, history->of_t(), history->breaks(),
+    return SeparableLoad{[moved](double x) { return moved(x, 0.0); }, history->of_t(), history->breaks_and_pulses(0.0),
                          profile->places()};
   return GeneralLoad{[moved, of_history, f = profile->of_x(), g = history->of_t()](double x, double t) {
                        return moved(x, t) * g(t) + f(x) * of_history(x, t);
                      },
-                     history->breaks(),
+                     history->breaks_and_pulses(0.0),
                      {},
                      profile->breaks_in_x_at()};
 }
@@ -60,7 +60,7 @@ void add_rates_of_end(const SceneEntries& entries, const std::string& side, cons
     return formula;
   };
   if (const auto force = dependent(".force"))
-    rates.force = EndForce{force->derivative_of_t(0, by), force->breaks(), force->is_constant()};
+    rates.force = EndForce{force->derivative_of_t(0, by), force->breaks_and_pulses(0.0), force->is_constant()};
   if (const auto moved = dependent(".motion"); moved && input.motion) rates.motion = motion_of(*moved, by, 1.0, 0.0);
   if (auto* obstacle = std::get_if<Obstacle>(&end))
     if (const auto gap = dependent(".gap")) {
@@ -75,7 +75,7 @@ EndMotion motion_of(const Formula& f, const std::string& by, double scale, doubl
   const auto derivative = [&](int order, double plus) -> TimeFunction {
     return [of = f.derivative_of_t(order, by), scale, plus](double t) { return scale * of(t) + plus; };
   };
-  return {derivative(0, offset), derivative(1, 0.0), derivative(2, 0.0), f.breaks()};
+  return {derivative(0, offset), derivative(1, 0.0), derivative(2, 0.0), f.breaks_and_pulses(0.0)};
 }
 
 EndMotion motion_of_gap(const Formula& gap, const std::string& by, const Obstacle& obstacle) {

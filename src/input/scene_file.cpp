@@ -56,7 +56,7 @@ EndInput input_of(const SceneEntries& entries, const std::string& side, const En
   input.stiffness = number(".stiffness");
   input.dashpot = number(".dashpot");
   if (const auto force = entries.formula(side + ".force"); force && !force->is_zero())
-    input.force = EndForce{force->of_t(), force->breaks(), force->is_constant()};
+    input.force = EndForce{force->of_t(), force->breaks_and_pulses(0.0), force->is_constant()};
   if (const auto motion = entries.formula(side + ".motion"); motion && !motion->is_zero())
     input.motion = motion_of(*motion, "", 1.0, 0.0);
   if (const auto* obstacle = std::get_if<Obstacle>(&end))
@@ -70,15 +70,17 @@ std::optional<Load> load_of(const SceneEntries& entries) {
   if (const auto density = entries.formula("load.density")) {
     if (density->is_zero()) return std::nullopt;
     if (!density->uses('t')) return SteadyLoad{density->of_x(), density->places()};
-    if (!density->uses('x')) return SeparableLoad{[](double) { return 1.0; }, density->of_t(), density->breaks()};
-    return GeneralLoad{density->of_x_t(), density->breaks(), density->breaks_at(), density->breaks_in_x_at()};
+    if (!density->uses('x'))
+      return SeparableLoad{[](double) { return 1.0; }, density->of_t(), density->breaks_and_pulses(0.0)};
+    return GeneralLoad{density->of_x_t(), density->breaks_and_pulses(entries.number("bar.length").value_or(1.0)),
+                       density->breaks_at(), density->breaks_in_x_at()};
   }
   const auto profile = entries.formula("load.profile"), history = entries.formula("load.history");
   if (!profile || !history || profile->is_zero() || history->is_zero()) return std::nullopt;
   if (history->is_constant())
     return SteadyLoad{[f = profile->of_x(), factor = history->constant()](double x) { return factor * f(x); },
                       profile->places()};
-  return SeparableLoad{profile->of_x(), history->of_t(), history->breaks(), profile->places()};
+  return SeparableLoad{profile->of_x(), history->of_t(), history->breaks_and_pulses(0.0), profile->places()};
 }
 
 OutputFiles files_of(const SceneEntries& entries) {

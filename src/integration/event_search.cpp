@@ -122,7 +122,12 @@ bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) {
   const std::span<const double> entries = std::span(values).first(first_[i + 1] - first_[i]);
   const double p =
       system_.indicator_needs_rates(i) ? present_[i] : oriented(i, t, system_.indicator_weights(i), entries);
-  if (against(i, t, y) > 0.0) return false;
+  // Of mirror images one may be ahead by rounding; one that has just opened does not close by it.
+  const ErrorWeights& weights = stepper_.weights();
+  const double rounding = system_.changes_by_row(i)
+                              ? system_.clearance_rounding(i, weights.largest_displacement())
+                              : 32.0 * std::numeric_limits<double>::epsilon() * weights.largest_velocity();
+  if (against(i, t, y) > -sign(i) * rounding) return false;
   // Half the tolerance, so that a contact switched now is not found on the wrong side by the next check.
   return rates_[i] < 0.0 && p <= 0.5 * (uncertainty(i) + time_rounding(t, -rates_[i]));
 }
