@@ -337,23 +337,49 @@ void BarSystem::stop_fixed_ends(const Scene& scene, double coupling) {
   for (std::size_t i = 0; i < size(); ++i) initial_.v[i] += gained[i];
 }
 
+namespace {
+
+// Those places of detail, and between them pieces that grow to either side of a stretch by no more than two: the flanks
+// of a pulse have their share of its moment.
+std::vector<double> graded(const NextBreak& detail, double length) {
+  std::vector<double> places, all;
+  for (auto at = detail(0.0, length); at; at = detail(*at, length)) places.push_back(*at);
+  const auto towards_middle = [&](double from, double size, double middle) {
+    for (double at = from + size; (middle - at) * size > 0.0; size *= 2.0, at += size) all.push_back(at);
+  };
+  for (std::size_t k = 0; k <= places.size() && !places.empty(); ++k) {
+    const double a = k > 0 ? places[k - 1] : 0.0, b = k < places.size() ? places[k] : length;
+    const double middle = k == 0 ? a : k == places.size() ? b : 0.5 * (a + b);
+    if (k > 0) all.push_back(a);
+    if (k > 1) towards_middle(a, a - places[k - 2], middle);
+    if (k + 1 < places.size()) towards_middle(b, b - places[k + 1], middle);
+  }
+  std::ranges::sort(all);
+  return all;
+}
+
+}  // namespace
+
 // None where nothing is known; and what is smooth has none but on `fourth_order`, unless its detail is finer than a
 // quarter of an element.
 std::vector<double> BarSystem::moments_of(std::string_view what, const SpaceFunction& f, const Places& places) const {
   std::vector<double> moments;
   if (!places.breaks) return moments;
   const double length = mesh_.length;
+  const std::vector<double> detail = graded(places.detail, length);
   bool needed = mass_ == Mass::fourth_order || places.breaks(0.0, length);
-  std::optional<double> last = places.detail(0.0, length);
-  for (auto next = last; last && !needed; last = next)
-    if ((next = places.detail(*last, length))) needed = *next - *last < mesh_.spacing() / 4.0;
+  for (std::size_t k = 1; k < detail.size() && !needed; ++k) needed = detail[k] - detail[k - 1] < mesh_.spacing() / 4.0;
   if (!needed) return moments;
+  const auto next_detail = [&](double after, double until) -> std::optional<double> {
+    const auto next = std::ranges::upper_bound(detail, after);
+    return next != detail.end() && *next < until ? std::optional(*next) : std::nullopt;
+  };
   moments.resize(mesh_.nodes());
   const auto value = [&](double x) {
     return finite_load(
         0.0, [&] { return f(x); }, [&] { return fmt::format("{} at x = {}", what, x); });
   };
-  add_moments(mesh_, mass_, 0, mesh_.elements, value, either_of(places.breaks, places.detail),
+  add_moments(mesh_, mass_, 0, mesh_.elements, value, either_of(places.breaks, next_detail),
               [&](std::size_t node, double part) { moments[node] += part; });
   return moments;
 }
