@@ -28,6 +28,12 @@ double ErrorWeights::displacement_tolerance() const {
   return (tolerance_.relative * largest_u_ + absolute_.displacement) / tightening_;
 }
 
+double ErrorWeights::tolerance_at(std::size_t i) const {
+  const double own = std::min(clearances_[i], largest_u_);
+  return std::max((tolerance_.relative * own + absolute_.displacement) / tightening_,
+                  system_.clearance_rounding(i, largest_u_));
+}
+
 double ErrorWeights::velocity_tolerance() const {
   return (tolerance_.relative * largest_w_ + absolute_.velocity) / tightening_;
 }

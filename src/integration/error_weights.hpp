@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -51,7 +52,9 @@ class ErrorWeights {
         inertia_(system.bar().bar().density * system.bar().bar().length),
         accumulated_(system.dissipates() ? accumulation.dissipating : accumulation.conserving),
         per_change_(accumulation.per_change),
-        consumed_(accumulation.consumed) {
+        consumed_(accumulation.consumed),
+        clearances_(system.collides() ? system.contact_count() : 0),
+        heights_(clearances_.size()) {
     for (const Derivative* derivative : derivatives) derivatives_.push_back({derivative->relative_scale(end)});
   }
 
@@ -67,6 +70,19 @@ class ErrorWeights {
   double largest_displacement() const { return largest_u_; }
   double largest_velocity() const { return largest_w_; }
   double displacement_tolerance() const;
+  /// Of the node of contact i that collides, beside its own motion: a bar may fly far whose end bounces low.
+  double tolerance_at(std::size_t i) const;
+  /// Open contact i, which collides, has been so far from its obstacle.
+  void widen(std::size_t i, double clearance) { clearances_[i] = std::max(clearances_[i], clearance); }
+  /// The height of a bounce of that contact that counts for nothing: below tolerance_at(), or below the tolerance and a
+  /// hundredth of the highest bounce so far, or among what roundings of the clearance stir.
+  double negligible_bounce(std::size_t i) const {
+    constexpr double stirred = 32.0, small = 0.01;
+    return std::max({tolerance_at(i), std::min(displacement_tolerance(), small * heights_[i]),
+                     stirred * system_.clearance_rounding(i, largest_u_)});
+  }
+  /// That contact's node has left for such a height.
+  void bounce(std::size_t i, double height) { heights_[i] = std::max(heights_[i], height); }
   double velocity_tolerance() const;
   /// Of (h/E) times a reaction, u + gap + (eta/E) w + ...
   double reaction_tolerance() const;
@@ -83,7 +99,7 @@ class ErrorWeights {
   double promised_energy() const;
 
   static void members(auto& weights, auto&& each) {
-    each(weights.largest_u_, weights.largest_w_, weights.derivatives_);
+    each(weights.largest_u_, weights.largest_w_, weights.derivatives_, weights.clearances_, weights.heights_);
   }
 
  private:
@@ -102,6 +118,7 @@ class ErrorWeights {
   double inertia_, largest_u_ = 0.0, largest_w_ = 0.0, accumulated_, per_change_, consumed_, tightening_ = 1.0,
                    passed_over_ = 0.0;
   std::vector<OfDerivative> derivatives_;
+  std::vector<double> clearances_, heights_;  // largest ones so far, of contacts that collide; else none
 };
 
 }  // namespace viscobar
