@@ -74,13 +74,10 @@ class ErrorWeights {
   double tolerance_at(std::size_t i) const;
   /// Open contact i, which collides, has been so far from its obstacle.
   void widen(std::size_t i, double clearance) { clearances_[i] = std::max(clearances_[i], clearance); }
-  /// The height of a bounce of that contact that counts for nothing: below tolerance_at(), or below the tolerance and a
-  /// hundredth of the highest bounce so far, or among what roundings of the clearance stir.
-  double negligible_bounce(std::size_t i) const {
-    constexpr double stirred = 32.0, small = 0.01;
-    return std::max({tolerance_at(i), std::min(displacement_tolerance(), small * heights_[i]),
-                     stirred * system_.clearance_rounding(i, largest_u_)});
-  }
+  /// The height of a bounce of that contact that counts for nothing: beside its own motion, or beside the bar's where
+  /// it is a hundredth of the highest so far, or among what roundings of the clearance stir. A rest is one error,
+  /// however many changes there were.
+  double negligible_bounce(std::size_t i) const;
   /// That contact's node has left for such a height.
   void bounce(std::size_t i, double height) { heights_[i] = std::max(heights_[i], height); }
   double velocity_tolerance() const;
