@@ -241,16 +241,17 @@ PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std
   // A closing is found late, at a depth; what the node has gained by falling there is not thrown back.
   const double gained = 2.0 * std::max(pressed, 0.0) * std::max(-clearance(i, u), 0.0);
   const double rebound = restitution_ * std::sqrt(std::max(speed * speed - gained, 0.0));
+  const double height = pressed > 0.0 ? rebound * rebound / (2.0 * pressed) : 0.0;
   bool rests = true;
   if (rebound == 0.0) {
     rests = mass * pressed * bar_.spacing_at(node) / bar_.bar().modulus > -negligible.reaction;
   } else {
-    rests = pressed > 0.0 && rebound * rebound <= 2.0 * pressed * negligible.displacement;
+    rests = pressed > 0.0 && height <= negligible.displacement;
     if (!rests) leave_with(sign * rebound);
   }
   const double dissipated = 0.5 * mass * (speed - w[node]) * (speed + w[node]);
   return {rests, dissipated, kinetic - 0.5 * bar_.inertia().quadratic_form(w) - dissipated,
-          mass * (w[node] + sign * speed)};
+          mass * (w[node] + sign * speed), height};
 }
 
 void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w) {

@@ -116,10 +116,11 @@ class PenalisedSystem {
     double dissipated;   ///< of the energy
     double end_inertia;  ///< what the end rows of the mass took
     double impulse;      ///< P, on the bar
+    double height;       ///< H of a rebound onto which the bar is pressed, else 0
   };
   /// What may be neglected of a displacement, and of (h/E) times a reaction.
   struct Negligible {
-    double displacement;  ///< of the node
+    double displacement;  ///< of the node, the height of a bounce
     double reaction;      ///< times h/E, a displacement
   };
   /// The impact of open contact i, which collides(), its node being at the obstacle with velocity s w_i <= 0, here for

@@ -28,6 +28,20 @@ double ErrorWeights::displacement_tolerance() const {
   return (tolerance_.relative * largest_u_ + absolute_.displacement) / tightening_;
 }
 
+double ErrorWeights::tolerance_at(std::size_t i) const {
+  const double own = std::min(clearances_[i], largest_u_);
+  return std::max((tolerance_.relative * own + absolute_.displacement) / tightening_,
+                  system_.clearance_rounding(i, largest_u_));
+}
+
+double ErrorWeights::negligible_bounce(std::size_t i) const {
+  // Each change adds a rounding of the clearance to the height, which tolerance_at() is at least.
+  constexpr double stirred = 64.0, small = 0.01;
+  const double once = tightening_ / (tolerance_.control == ErrorControl::global ? accumulated_ : 1.0);
+  return std::max({once * tolerance_at(i), std::min(once * displacement_tolerance(), small * heights_[i]),
+                   stirred * system_.clearance_rounding(i, largest_u_)});
+}
+
 double ErrorWeights::velocity_tolerance() const {
   return (tolerance_.relative * largest_w_ + absolute_.velocity) / tightening_;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -46,7 +47,9 @@ class ErrorWeights {
         massive_end_(system.bar().massive_end()),
         inertia_(system.bar().bar().density * system.bar().bar().length),
         accumulated_(system.dissipates() ? accumulation.dissipating : accumulation.conserving),
-        per_change_(accumulation.per_change) {
+        per_change_(accumulation.per_change),
+        clearances_(system.collides() ? system.contact_count() : 0),
+        heights_(clearances_.size()) {
     for (const Derivative* derivative : derivatives) derivatives_.push_back({derivative->relative_scale(end)});
   }
 
@@ -62,6 +65,16 @@ class ErrorWeights {
   double largest_displacement() const { return largest_u_; }
   double largest_velocity() const { return largest_w_; }
   double displacement_tolerance() const;
+  /// Of the node of contact i that collides, beside its own motion: a bar may fly far whose end bounces low.
+  double tolerance_at(std::size_t i) const;
+  /// Open contact i, which collides, has been so far from its obstacle.
+  void widen(std::size_t i, double clearance) { clearances_[i] = std::max(clearances_[i], clearance); }
+  /// The height of a bounce of that contact that counts for nothing: beside its own motion, or beside the bar's where
+  /// it is a hundredth of the highest so far, or among what roundings of the clearance stir. A rest is one error,
+  /// however many changes there were.
+  double negligible_bounce(std::size_t i) const;
+  /// That contact's node has left for such a height.
+  void bounce(std::size_t i, double height) { heights_[i] = std::max(heights_[i], height); }
   double velocity_tolerance() const;
   /// Of (h/E) times a reaction, u + gap + (eta/E) w + ...
   double reaction_tolerance() const;
@@ -78,7 +91,7 @@ class ErrorWeights {
   double promised_energy() const;
 
   static void members(auto& weights, auto&& each) {
-    each(weights.largest_u_, weights.largest_w_, weights.derivatives_);
+    each(weights.largest_u_, weights.largest_w_, weights.derivatives_, weights.clearances_, weights.heights_);
   }
 
  private:
@@ -96,6 +109,7 @@ class ErrorWeights {
   std::size_t massive_begin_, massive_end_;
   double inertia_, largest_u_ = 0.0, largest_w_ = 0.0, accumulated_, per_change_, tightening_ = 1.0, passed_over_ = 0.0;
   std::vector<OfDerivative> derivatives_;
+  std::vector<double> clearances_, heights_;  // largest ones so far, of contacts that collide; else none
 };
 
 }  // namespace viscobar

@@ -78,6 +78,7 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
     if (system_.closed(i))
       for (double value : values) max_penetration_ = std::max(max_penetration_, system_.penetration_share(i) * value);
     const auto [lowest, highest] = std::ranges::minmax(values);
+    if (system_.collides(i) && !system_.closed(i)) stepper_.weights().widen(i, highest);
     const double speed = end > begin ? (highest - lowest) / (end - begin) : 0.0;
     const double of_time = time_rounding(std::max(std::abs(begin), std::abs(end)), speed);
     const auto descent = Bernstein::through(values).first_descent(-uncertainty(i) - of_time, 0x1p-52, first);
@@ -137,8 +138,9 @@ bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) {
 inline double EventSearch::uncertainty(std::size_t i) const {
   const ErrorWeights& weights = stepper_.weights();
   if (system_.holds(i))
-    return system_.closed(i) ? system_.clearance_rounding(i, weights.largest_displacement())
-                             : weights.displacement_tolerance();
+    return system_.closed(i)     ? system_.clearance_rounding(i, weights.largest_displacement())
+           : system_.collides(i) ? weights.tolerance_at(i)
+                                 : weights.displacement_tolerance();
   const double rounding = system_.indicator_rounding(i, weights.largest_displacement());
   if (i != distrusted_) return rounding;
   return rounding + share_ * (system_.relaxes(i) ? weights.reaction_tolerance() / (1.0 + system_.relative_stiffness(i))
@@ -223,6 +225,9 @@ bool EventSearch::proved_quiet(const std::optional<ContactWatch>& ends) {
   if (!stepper_.hull(lowest_, highest_, last_)) return false;
   for (std::size_t i = 0; i < count_; ++i)
     if (!far(i)) return false;
+  for (std::size_t i = 0; i < count_; ++i)
+    if (system_.collides(i) && !system_.closed(i))
+      stepper_.weights().widen(i, system_.contact(i).sign * last_[first_[i]] + system_.indicator_offset(i, 0.0));
   return !watched || ends->within(lowest_, highest_, last_);
 }
 

@@ -432,10 +432,11 @@ class StepwisePart {
   // The impact of a rigid contact. `closing` is the velocity that its closing is told with, absent where that has been
   // told. One that neither rests nor rebounds, because the bar pulls its node away at once, is no contact.
   void strike(double t, std::size_t i, std::optional<double> closing) {
-    const ErrorWeights& weights = stepper_.weights();
+    ErrorWeights& weights = stepper_.weights();
     const double h = system_.bar().spacing_at(system_.contact(i).unknown);
     const PenalisedSystem::Collision collision =
-        system_.collide(i, t, u(), w(), {weights.displacement_tolerance(), weights.negligible_reaction(h)});
+        system_.collide(i, t, u(), w(), {weights.negligible_bounce(i), weights.negligible_reaction(h)});
+    weights.bounce(i, collision.height);
     if (layout_.dissipated) y_[*layout_.dissipated] += collision.dissipated;
     if (layout_.end_inertia) y_[*layout_.end_inertia] += collision.end_inertia;
     const double leaves = w()[system_.contact(i).unknown];

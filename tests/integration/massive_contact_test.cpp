@@ -185,6 +185,41 @@ TEST_P(MassiveContact, DoesNotThrowBackWhatItsNodeGainsByFallingBelowTheSurface)
   EXPECT_LT(leaves_with(depth), leaves_with(0.0) - depth);
 }
 
+// The paper's bar with an obstacle at its left end: the other end flies thousands away, so that a tolerance of u is
+// higher than the end's first bounce. The bounce is the node's own, and resolved; what is far away does not matter.
+TEST_P(MassiveContact, ABounceBesideALargeDisplacementIsTheOneOfThePenaltyAndOfTheScheme) {
+  const auto highest = [](double length, const auto& method) {
+    Scene scene;
+    scene.bar = {length, 1.0, 1.0, 1.0};
+    scene.left = Obstacle{1.0};
+    scene.displacement = scene.velocity = [](double x) { return x * (1.0 - x); };
+    const BarSystem system(scene, {length, static_cast<std::size_t>(9.0 * length)}, GetParam());
+    std::vector<double> times = uniform_times(1e-4, 1200, 1.05);  // from before the impact on
+    times.insert(times.begin(), 0.0);
+    const RunTrace run = record(system, times, method, false);
+    double largest = 0.0;
+    bool touched = false;
+    for (std::size_t k = 1; k < times.size(); ++k) {
+      touched |= !run.events.empty() && times[k] > run.events.front().time;
+      if (touched) largest = std::max(largest, run.u[k].front() + 1.0);
+    }
+    return largest;
+  };
+  for (const double e : {0.5, 1.0}) {
+    const double soft = highest(26.0, Arkode{{1e-6, e}, {1e-10}}), stiff = highest(26.0, Arkode{{1e-8, e}, {1e-10}});
+    const double coarse = highest(26.0, FullyDiscrete{1e-5, Start::second_order, e}),
+                 fine = highest(26.0, FullyDiscrete{2e-6, Start::second_order, e});
+    for (const double length : {26.0, 60.0})
+      for (const double tolerance : {1e-6, 1e-11}) {
+        const double rigid = highest(length, Rigid{{tolerance}, e});
+        // The penalty tends there like the root of epsilon, and half as much again for what is not yet of that power.
+        EXPECT_NEAR(rigid, stiff, 1.5 * std::abs(stiff - soft) / 9.0) << name(GetParam()) << e << " " << tolerance;
+        // The scheme at first order: of a fifth of the step the error is less than its change.
+        EXPECT_NEAR(rigid, fine, std::abs(fine - coarse)) << name(GetParam()) << e << " " << tolerance;
+      }
+  }
+}
+
 // A bar that falls on its end and stays there: its bounces accumulate, and are not counted out.
 TEST_P(MassiveContact, BouncesThatAccumulateEndInRest) {
   Scene scene;

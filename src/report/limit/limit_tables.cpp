@@ -138,7 +138,13 @@ std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, s
   const LimitEvidence& evidence = orders.evidence;
   if (orders.verdict == Verdict::undecided) return undecided_reason(study, orders, rows);
   std::string reason = limit_sentence(orders);
-  if (evidence.until) reason += fmt::format(", already up to t = {:.3g}", *evidence.until);
+  if (evidence.until)
+    reason += orders.verdict == Verdict::plateau
+                  ? fmt::format(", already up to t = {:.3g}", *evidence.until)
+                  : fmt::format(
+                        "; both sequences are seen to tend to one limit up to t = {:.3g}, behind which the bar "
+                        "magnifies what is left of them",
+                        *evidence.until);
   if (!rows.empty() && !evidence.until) {
     const LimitRow &first = rows.front(), &last = rows.back();
     reason += fmt::format(

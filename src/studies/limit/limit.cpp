@@ -72,16 +72,26 @@ std::vector<const Run*> telling(const MeshRuns& mesh) {
   return chosen;
 }
 
-Judgement judge_mesh(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
+// By the whole run, or by its beginning.
+Judgement judge_mesh(MeshRuns& mesh, const LimitStudy& study, Purse& purse, std::optional<double> until = {}) {
   LimitTraces traces;
   std::vector<const Case*> cases;
+  std::deque<EndTraces> beginnings;
+  const auto seen = [&](const EndTraces& all) -> const EndTraces& {
+    return until ? beginnings.emplace_back(beginning_of(all, mesh.times, *until)) : all;
+  };
   for (const Run* run : telling(mesh)) {
-    traces.penalised.add(*run->run.epsilon, run->traces);
+    traces.penalised.add(*run->run.epsilon, seen(run->traces));
     cases.push_back(&run->run);
   }
-  for (const Run& run : mesh.scheme) traces.scheme.add(*run.run.step, run.traces);
-  if (const KnownLimit* limit = mesh.scheme_limit()) traces.scheme_limit = LimitTrace{limit->run.traces, limit->error};
-  if (const KnownLimit* limit = mesh.own_limit()) traces.own_limit = LimitTrace{limit->run.traces, limit->error};
+  for (const Run& run : mesh.scheme) traces.scheme.add(*run.run.step, seen(run.traces));
+  const auto limit_trace = [&](const KnownLimit* limit) {
+    if (!limit) return std::optional<LimitTrace>();
+    const EndTraces& run = seen(limit->run.traces);
+    return std::optional(LimitTrace{run, until ? limit_error(run, seen(limit->rough.traces)) : limit->error});
+  };
+  traces.scheme_limit = limit_trace(mesh.scheme_limit());
+  traces.own_limit = limit_trace(mesh.own_limit());
   traces.one_limit = mesh.one_limit;
   traces.one_law = one_law(study.scene);
   traces.floor = tolerance_error(mesh);
@@ -100,18 +110,20 @@ Judgement judge_mesh(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
     }
     TraceSequence sequence;
     for (const Run& run : mesh.other_law)
-      if (run.complete) sequence.add(*run.run.epsilon, run.traces);
+      if (run.complete) sequence.add(*run.run.epsilon, seen(run.traces));
     return sequence;
   };
   traces.without_obstacles = [&]() -> const EndTraces& {
     if (!mesh.without_obstacles) {
       mesh.without_obstacles = Run{without_obstacles(*cases.back())};
       // What the bar does in time can stand for it where it is not there in time.
-      if (!run_now(*mesh.without_obstacles)) mesh.without_obstacles->traces = traces.penalised.last();
+      if (!run_now(*mesh.without_obstacles)) mesh.without_obstacles->traces = mesh.penalised.back().traces;
     }
-    return mesh.without_obstacles->traces;
+    return seen(mesh.without_obstacles->traces);
   };
-  return judge(traces);
+  Judgement judgement = judge(traces);
+  judgement.evidence.until = until;
+  return judgement;
 }
 
 // Runs one more where the budget allows it; whether it is there.
@@ -165,10 +177,11 @@ std::optional<double> telling_time(const MeshRuns& mesh) {
         if (const double apart = std::abs((*of_own[i])[k] - (*of_other[i])[k]); apart > 1.01 * largest)
           largest = apart, until = 1.01 * mesh.times[k] + 1e-3 * end;
   } else if (!mesh.of_scheme && run.scene.bar.viscosity > 0.0 && !mesh.scheme.empty()) {
-    // The first nodes that are hit have come to rest.
-    const std::vector<Event>& changes = mesh.scheme.back().traces.events;
+    // The first nodes that are hit have come to rest. The scheme knows when to its step only.
     const double h = run.mesh().smallest(), rest = run.scene.bar.density * h * h / run.scene.bar.viscosity;
-    if (!changes.empty()) until = changes.front().time + mesh.step() + 30.0 * rest;
+    for (const Run& penalised : mesh.penalised)
+      if (const std::vector<Event>& changes = penalised.traces.events; !changes.empty())
+        until = std::min(until, changes.front().time + 30.0 * rest);
   }
   return until < 0.5 * end ? std::optional(until) : std::nullopt;
 }
@@ -207,18 +220,43 @@ std::optional<Judgement> early_plateau(const MeshRuns& mesh, const LimitStudy& s
   return judgement;
 }
 
+constexpr double part_known = 0.25;  // error of a plateau, as a part of it, from which its beginning tells more
+
+// A bar that magnifies small differences hides late in the run what its beginning shows. Where limits differ there,
+// they do; where they are one by theory, both sequences are to be seen to tend there as long as the bar lets them.
+std::optional<Judgement> by_beginning(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
+  constexpr int halvings = 8;
+  if (!mesh.own_limit() || !mesh.scheme_limit() || mesh.scheme.empty()) return std::nullopt;
+  double until = mesh.penalised.front().run.end;
+  for (int k = 0; k < halvings; ++k) {
+    const Judgement found = judge_mesh(mesh, study, purse, until *= 0.5);
+    const LimitEvidence& evidence = found.evidence;
+    if (found.verdict == Verdict::plateau ? evidence.apart_error <= part_known * *evidence.apart
+                                          : found.verdict == Verdict::converges && mesh.one_limit)
+      return found;
+  }
+  return std::nullopt;
+}
+
 // Until the verdict is known, nothing more can be learnt, or the budget does not allow the next run.
 void decide(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
-  constexpr double dear = 0.5;  // seconds of a step of the scheme, from which a shorter run is tried first
+  constexpr double dear = 1.0 / 120.0;  // of a budget, from which on a shorter run is tried before the next one
+  constexpr std::size_t enough = 3;     // likewise, runs beyond those that were asked for
   bool early = study.budget > 0.0;
+  const std::size_t asked = mesh.penalised.size();
   for (;;) {
     mesh.judgement = judge_mesh(mesh, study, purse);
     const Lack lack = mesh.judgement.evidence.lack;
     if (lack == Lack::nothing || lack == Lack::contact || lack == Lack::runs) break;
-    const bool costly = lack == Lack::smaller_step && !mesh.scheme.empty() && mesh.scheme.back().seconds > dear;
+    const Run* next = lack == Lack::smaller_step && !mesh.scheme.empty() ? &mesh.scheme.back()
+                      : lack == Lack::smaller_epsilon                    ? &mesh.penalised.back()
+                                                                         : nullptr;
+    const bool costly = (next && next->seconds > dear * study.budget) || mesh.penalised.size() >= asked + enough;
     if (early && (costly || !mesh.of_scheme)) {
       early = false;
-      if (const auto found = early_plateau(mesh, study, purse)) {
+      auto found = by_beginning(mesh, study, purse);
+      if (!found) found = early_plateau(mesh, study, purse);
+      if (found) {
         mesh.judgement = *found;
         break;
       }
@@ -229,13 +267,17 @@ void decide(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
     const bool stiffer = (lack == Lack::smaller_epsilon || lack == Lack::obstacle) && smaller_epsilon(mesh, purse);
     if (!tighter && !finer && !stiffer) break;
   }
+  const LimitEvidence& evidence = mesh.judgement.evidence;
+  if (evidence.lack != Lack::nothing || (evidence.apart && evidence.apart_error > part_known * *evidence.apart &&
+                                         mesh.judgement.verdict == Verdict::plateau))
+    if (const auto found = by_beginning(mesh, study, purse)) mesh.judgement = *found;
 }
 
 // So small a step that the distances to the scheme show the penalty's order over the epsilons asked for, or as many of
 // them as a small part of the budget buys.
 void refine_scheme(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
-  constexpr double part_of_budget = 0.1, part_of_distance = 0.05, little = 0.02;
-  if (mesh.judgement.verdict != Verdict::converges || !mesh.scheme_limit()) return;
+  constexpr double part_of_budget = 0.05, part_of_distance = 0.05, little = 0.02;
+  if (mesh.judgement.verdict != Verdict::converges || mesh.judgement.evidence.until || !mesh.scheme_limit()) return;
   const auto lacking = mesh.lacking_seconds;
   const double s = *mesh.judgement.evidence.scheme_error;
   double nearest = std::numeric_limits<double>::infinity();

@@ -17,6 +17,9 @@ namespace viscobar::limit {
 namespace {
 
 constexpr double of_limits = 100.0;  // between the two tolerances that tell a limit's error
+// Of a budget: for the runs that tell when contacts change, and for the steps of the rows that were asked for, which
+// take a third of their time; the rest is for their contacts and traces.
+constexpr double part_of_scouts = 1.0 / 60.0, part_of_rows = 1.0 / 24.0;
 
 Case sound(Case run) {
   const std::vector<Finding> findings = validate(run);
@@ -31,15 +34,18 @@ double thread_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// Tight where that costs little of the budget: the distances of seven decades are told by one tolerance then.
-double tolerance_of(const LimitStudy& study, Case run) {
-  const double own = run.tolerance.relative;
-  const auto count = static_cast<double>(study.epsilons.size() + 2);
+// Tight where that costs little of the budget: the distances of seven decades are told by one tolerance then. Runs of
+// all penalties take as many steps as the longest scout, of fourth or fifth order. Steps are counted, not timed, so
+// that the same study has the same rows.
+double tolerance_of(const LimitStudy& study, const Case& row, std::size_t steps, double at) {
+  const StepSeconds cost = method_row(row.method).seconds;
+  const double seconds = static_cast<double>((study.epsilons.size() + 1) * steps) *
+                         (cost.step + cost.node * static_cast<double>(row.mesh().nodes()));
+  const double own = study.scene.tolerance.relative;
   for (const double relative : {1e-10, 1e-8, 1e-7})
-    if (relative <= own) {
-      run.tolerance.relative = relative;
-      if (study.budget == 0.0 || count * estimated_seconds(run) <= study.budget / 6.0) return relative;
-    }
+    if (relative <= own &&
+        (study.budget == 0.0 || seconds * std::pow(at / relative, 0.2) <= part_of_rows * study.budget))
+      return relative;
   return own;
 }
 
@@ -53,15 +59,12 @@ std::optional<KnownLimit> limit_of(Case run, std::optional<double> restitution) 
   run.method = MethodName::rigid;
   run.restitution = restitution;
   if (!validate(run).empty()) return std::nullopt;
-  KnownLimit limit{{run}, {run}};
-  limit.rough.run.tolerance = run.tolerance.with_relative(std::min(of_limits * run.tolerance.relative, 1e-4));
-  return limit;
+  return KnownLimit{{run}, {run}};
 }
 
 void trace(KnownLimit& limit, std::span<const double> times, Purse& purse) {
   if (limit.rough.trace(times, purse) && limit.run.trace(times, purse))
-    limit.error =
-        largest_difference(limit.run.traces, limit.rough.traces) + 1e-14 * largest_displacement(limit.run.traces);
+    limit.error = limit_error(limit.run.traces, limit.rough.traces);
 }
 
 void each(std::span<Run* const> runs, const LimitStudy& study, Purse& purse, const auto& work) {
@@ -104,6 +107,19 @@ bool Run::trace(std::span<const double> times, Purse& purse) {
   return complete;
 }
 
+double limit_error(const EndTraces& run, const EndTraces& rough) {
+  return largest_difference(run, rough) + 1e-14 * largest_displacement(run);
+}
+
+EndTraces beginning_of(const EndTraces& traces, std::span<const double> times, double until) {
+  EndTraces part = traces;
+  const auto count = std::ranges::upper_bound(times, until) - times.begin();
+  for (auto* trace : EndTraces::all(part)) trace->resize(static_cast<std::size_t>(count));
+  std::erase_if(part.events, [&](const Event& change) { return change.time > until; });
+  if (part.events.empty() && !traces.events.empty()) part.statistics.max_penetration = 0.0;
+  return part;
+}
+
 Case penalised_case(const LimitStudy& study, std::size_t elements, double epsilon) {
   Case run = study.scene;
   run.directions.clear();
@@ -112,7 +128,6 @@ Case penalised_case(const LimitStudy& study, std::size_t elements, double epsilo
   run.method = penalised_method(run);
   run.mass = effective_mass(run);  // of all partners
   run.output_every = run.end;
-  run.tolerance = run.tolerance.with_relative(tolerance_of(study, run));
   return sound(std::move(run));
 }
 
@@ -129,13 +144,8 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Pur
   const bool massless = first.mass == Mass::redistributed;
   mesh.one_limit = massless || study.scene.restitution.has_value();
   mesh.of_scheme = limit_of(first, study.scene.restitution);
-  // An undamped spring throws a node back with the speed of its arrival. Chatter has the more bounces the tighter the
-  // tolerance: it begins with a rough one.
-  if (mesh.of_scheme && !mesh.one_limit) {
-    Case elastic = first;
-    elastic.tolerance = elastic.tolerance.with_relative(std::max(elastic.tolerance.relative, 1e-9));
-    mesh.of_penalty = limit_of(elastic, 1.0);
-  }
+  // An undamped spring throws a node back with the speed of its arrival.
+  if (mesh.of_scheme && !mesh.one_limit) mesh.of_penalty = limit_of(first, 1.0);
   for (const double factor : {scheme_refinement * scheme_refinement, scheme_refinement, 1.0})
     mesh.scheme.push_back({scheme_case(study, elements, factor * step)});
   for (const double epsilon : study.epsilons) {
@@ -144,31 +154,46 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Pur
       run.directions.push_back(direction(run, "contact.epsilon"));
   }
 
-  std::vector<Event> changes;
-  const auto add_changes = [&](const EndTraces& traces) {
-    changes.insert(changes.end(), traces.events.begin(), traces.events.end());
-  };
-  const std::array all{0.0, first.end};
   std::vector<KnownLimit*> limits;
   for (auto* limit : {&mesh.of_scheme, &mesh.of_penalty})
     if (*limit) limits.push_back(&**limit);
-  std::vector<Run*> scouts;  // tell where contacts change
-  std::vector<Run> rough;
+  // Scouts tell where contacts change, and what a run costs.
+  const double roughest = std::min(of_limits * first.tolerance.relative, 1e-4);
+  std::deque<Run> of_rows;
+  std::vector<Run*> scouts;
   for (KnownLimit* limit : limits) scouts.push_back(&limit->rough);
-  if (limits.empty()) {
+  if (limits.empty())
     for (const Run& run : mesh.penalised) {
-      rough.push_back({run.run});
-      rough.back().run.directions.clear();
-      rough.back().run.tolerance = study.scene.tolerance;
+      scouts.push_back(&of_rows.emplace_back(Run{run.run}));
+      of_rows.back().run.directions.clear();
     }
-    for (Run& run : rough) scouts.push_back(&run);
-  }
-  each(scouts, study, purse, [&](Run& run) { run.trace(all, purse); });
+  else
+    for (Run* scout : scouts) scout->run.tolerance = first.tolerance.with_relative(roughest);
+  const std::array all{0.0, first.end};
+  const double begun = purse.spent();
+  each(scouts, study, purse, [&](Run& run) {
+    if (study.budget == 0.0 || purse.spent() - begun <= part_of_scouts * study.budget) run.trace(all, purse);
+  });
+  std::vector<Event> changes;
+  std::size_t most_steps = 0;
+  bool scouted = true;
   for (Run* run : scouts) {
-    add_changes(run->traces);
+    changes.insert(changes.end(), run->traces.events.begin(), run->traces.events.end());
+    most_steps = std::max(most_steps, run->traces.statistics.steps);
+    scouted &= run->complete;
     run->complete = false;
   }
   mesh.times = comparison_times(first.end, intervals(first), changes);
+  const double tolerance = scouted ? tolerance_of(study, first, most_steps, scouts.front()->run.tolerance.relative)
+                                   : first.tolerance.relative;
+  const auto set = [&](Run& run, double relative) { run.run.tolerance = run.run.tolerance.with_relative(relative); };
+  for (Run& run : mesh.penalised) set(run, tolerance);
+  for (KnownLimit* limit : limits) {
+    // Chatter has the more bounces the tighter the tolerance: it begins with a rough one.
+    const bool chatters = mesh.of_penalty && limit == &*mesh.of_penalty;
+    set(limit->run, chatters ? std::max(tolerance, 1e-9) : tolerance);
+    set(limit->rough, std::min(of_limits * limit->run.run.tolerance.relative, 1e-4));
+  }
 
   purse.expect(limits.size());
   parallel_for(
@@ -222,8 +247,7 @@ bool tighten(MeshRuns& mesh, Purse& purse) {
         next.run.run.tolerance.with_relative(std::max(1e-13, next.run.run.tolerance.relative / of_limits));
     purse.expect(1);
     if (next.run.trace(mesh.times, purse)) {
-      next.error =
-          largest_difference(next.run.traces, next.rough.traces) + 1e-14 * largest_displacement(next.run.traces);
+      next.error = limit_error(next.run.traces, next.rough.traces);
       **limit = std::move(next);
       changed = true;
     }

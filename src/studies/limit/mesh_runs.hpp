@@ -97,6 +97,11 @@ struct MeshRuns {
   double step() const { return *scheme.back().run.step; }
 };
 
+/// Of a limit, by a run with a hundredfold tolerance.
+double limit_error(const EndTraces& run, const EndTraces& rough);
+/// What traces on these times are up to `until`.
+EndTraces beginning_of(const EndTraces& traces, std::span<const double> times, double until);
+
 /// Cases of one mesh: penalised, of the scheme, and of `rigid` with a restitution.
 /// @throws std::invalid_argument where they are not sound
 Case penalised_case(const LimitStudy& study, std::size_t elements, double epsilon);
