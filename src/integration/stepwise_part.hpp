@@ -128,10 +128,9 @@ class StepwisePart {
     try {
       reach(t);
       system_.complete_velocity(t, u(), w());
-    } catch (const std::exception&) {
-      return;  // what failed there may fail again
+      tell_snapshot(t);
+    } catch (const std::exception&) {  // what failed there may fail again
     }
-    tell_snapshot(t);
   }
 
  private:
