@@ -389,6 +389,7 @@ class Run {
       const double taken_by_rows = dt * step_->end_power();
       energy.end_inertia += taken_by_rows, energy.dissipated += taken_by_rows;
     }
+    energy.notice(energy.dissipated, energy.work);
     if (!contacts.empty()) watch_growth(taken);
   }
 
@@ -400,12 +401,7 @@ class Run {
       if (node < order.first || node >= order.size() - order.last) return a[node];
       return a[order.row((node - order.first) % order.rows) + (node - order.first) / order.rows];
     };
-    std::array<double, 6> values{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t inwards = std::min(k, a.size() - 1);
-      values[k] = at(inwards), values[5 - k] = at(a.size() - 1 - inwards);
-    }
-    return values;
+    return end_values(a.size(), at);
   }
 
   // An impact of Paoli and Schatzman's lasts two steps: what the first took the second may give back. So impacts are
