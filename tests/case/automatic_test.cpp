@@ -83,7 +83,9 @@ TEST(Automatic, RunsEveryCombinationOfKeysOrRefusesItByTheKeyThatIsWrong) {
 TEST(Automatic, TakesTheFirstMassThatTheMethodTakes) {
   const auto mass = [](Given given) { return effective_mass(given.run()); };
   EXPECT_EQ(mass({.viscosity = 0.1}), Mass::fourth_order);
-  EXPECT_EQ(mass({.span = true}), Mass::fourth_order);
+  EXPECT_EQ(mass({.span = true}), Mass::lumped) << "nothing damps what impacts leave";
+  EXPECT_EQ(mass({.span = true, .viscosity = 0.1}), Mass::fourth_order);
+  EXPECT_EQ(mass({.span = true, .restitution = true, .viscosity = 0.1}), Mass::lumped) << "nodes are thrown back";
   EXPECT_EQ(mass({.span = true, .epsilon = true}), Mass::consistent);
   EXPECT_EQ(mass({.epsilon = true}), Mass::redistributed);
   EXPECT_EQ(mass({.left = "free", .epsilon = true}), Mass::fourth_order);
