@@ -129,8 +129,9 @@ AutomaticMethod automatic_method(const Case& run) {
           *time));
   } catch (const std::invalid_argument& misfit) {
     return rigid_because(misfit.what());
-  } catch (const IntegrationError&) {
-    // Of the load: each method meets it.
+  } catch (const IntegrationError& error) {
+    // Another failure of the load is one that each method meets.
+    if (error.failure == Failure::detail) return rigid_because(error.what());
   }
   return {MethodName::characteristics, ""};
 }
