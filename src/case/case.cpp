@@ -46,7 +46,16 @@ bool redistributes(const Case& run) {
   return contacts > 0 && !scene.span && run.elements > contacts;
 }
 
+// Under a span obstacle neighbours meet it one after the other. Where what they do then does not die out, for they are
+// thrown back or nothing damps them, a mass that couples them spreads the impact of one over the others, and finer
+// meshes bring the run no nearer (docs/methods.md).
+bool impacts_stay(const Case& run) {
+  return run.scene.span && is_scheme(run.method) &&
+         (run.restitution.value_or(0.0) > 0.0 || run.scene.bar.viscosity == 0.0);
+}
+
 Mass quiet_mass(const Case& run) {
+  if (impacts_stay(run)) return Mass::lumped;
   if (is_penalised(run.method) && meets_obstacle(run.scene))
     return redistributes(run) && method_row(run.method).takes_massless(run) ? Mass::redistributed : Mass::consistent;
   if (run.elements >= 3 && run.grading == 1.0) return Mass::fourth_order;
@@ -120,8 +129,9 @@ AutomaticMethod automatic_method(const Case& run) {
           *time));
   } catch (const std::invalid_argument& misfit) {
     return rigid_because(misfit.what());
-  } catch (const IntegrationError&) {
-    // Of the load: each method meets it.
+  } catch (const IntegrationError& error) {
+    // Another failure of the load is one that each method meets.
+    if (error.failure == Failure::detail) return rigid_because(error.what());
   }
   return {MethodName::characteristics, ""};
 }

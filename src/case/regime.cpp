@@ -139,6 +139,12 @@ std::optional<std::vector<FirstImpact>> first_impacts(const Case& run) {
   return found;
 }
 
+std::string contact_law(const Case& run) {
+  if (effective_mass(run) == Mass::redistributed) return "contact: nodes at an obstacle have no mass to be thrown back";
+  if (!run.restitution) return "contact: springs without dashpot throw nodes back, as restitution 1 does";
+  return fmt::format("contact: nodes leave an obstacle with restitution {}", *run.restitution);
+}
+
 std::optional<std::string> peak_remark(const Case& run, const BarSystem& system) {
   const Bar& bar = system.bar();
   double mass = 0.0;

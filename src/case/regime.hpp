@@ -80,6 +80,10 @@ struct FirstImpact {
 /// than 10^8 nodal steps.
 std::optional<std::vector<FirstImpact>> first_impacts(const Case& run);
 
+/// The law of contact that a penalised run has, in words: whether its nodes are thrown back. Two laws are two motions,
+/// and an estimate of the error is of one.
+std::string contact_law(const Case& run);
+
 /// Why the peak reaction of an impact at an end of this run has no limit as the discretisation is refined, in a
 /// sentence; absent where it has one. Reactions of an impact with speed V, m the effective mass of the contact node:
 ///

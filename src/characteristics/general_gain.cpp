@@ -15,8 +15,6 @@ namespace viscobar::characteristics {
 
 namespace {
 
-constexpr std::size_t most_evaluations = 200'000'000;
-
 // Clenshaw and Curtis' formula with 17 points, exact to degree 17. Its points include the ends: what breaks close to
 // them would pass between the points of Gauss' formula.
 std::span<const GaussNode> clenshaw_curtis() {
@@ -57,20 +55,16 @@ class GeneralGain final : public LoadGain {
 
  private:
   void prepare(std::size_t passage) override {
-    evaluations_before_ = evaluations_;
+    rough_ = 0;
     breaks_of_density_.enter(passage);
   }
   void look(double s) override {
-    evaluations_before_ = evaluations_;
+    rough_ = 0;
     LoadGain::look(s);
   }
 
   double at(const Way& way, double r) {
-    if (++evaluations_ - evaluations_before_ > most_evaluations)
-      throw LoadError(frame_.t(way.time),
-                      fmt::format("the load was evaluated {} times for one output or passage: it is too rough to be "
-                                  "followed to rounding; tell where it breaks, or use rigid",
-                                  most_evaluations));
+    ++evaluations_;
     r = inside_.first < inside_.second ? std::clamp(r, inside_.first, inside_.second) : r;
     const double x = frame_.x(std::clamp(way.rightward ? way.place - r : way.place + r, 0.0, 1.0));
     const double t = frame_.t(std::max(0.0, way.time - r));
@@ -111,6 +105,14 @@ class GeneralGain final : public LoadGain {
     const double tolerance = rounding * (32.0 * std::max(size, small_ * way.length) + 8.0 * of_time);
     if (std::abs(left.value + right.value - whole.value) <= tolerance || depth >= 48 || !(from < middle && middle < to))
       return left.value + right.value;
+    if (depth >= shallow) rough_ += 100;  // of halves, and of a search for a jump
+    if (rough_ > most_rough)
+      throw RoughLoad(
+          frame_.t(way.time),
+          fmt::format("more than {} evaluations of the load for one output or passage of a wave went into "
+                      "jumps and kinks that are not where the formula is known to break, as where its breaks "
+                      "travel; method.name = \"rigid\" takes such a load on a mesh",
+                      most_rough));
     if (depth >= shallow)
       if (const auto sum = across_a_jump(way, from, to, tolerance)) return *sum;
     return halved(way, from, middle, left, size, depth + 1) + halved(way, middle, to, right, size, depth + 1);
@@ -161,7 +163,7 @@ class GeneralGain final : public LoadGain {
   Frame frame_;
   static constexpr int shallow = 6;  // halvings
   Breaks breaks_of_density_;
-  std::size_t evaluations_before_ = 0;     // the present look or passage
+  std::size_t rough_ = 0;                  // evaluations of the present look or passage where it is
   std::pair<double, double> inside_{};     // where the load is evaluated
   double small_ = 0.0;                     // beside the load at other times
   double largest_ = 0.0, steepest_ = 0.0;  // of what has been seen

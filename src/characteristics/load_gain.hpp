@@ -18,6 +18,12 @@
 
 namespace viscobar::characteristics {
 
+/// A load that asks for more work than a run should do; it may be sound.
+class RoughLoad : public LoadError {
+ public:
+  using LoadError::LoadError;
+};
+
 /// What waves gain from a load on their way through the bar: a wave that has come the way l, in lengths of the bar, to
 /// the place x at the time tau, in passages, has gained
 ///
@@ -54,6 +60,8 @@ class LoadGain {
     double arrivals = 0.0, looked_at = 0.0;
     static void members(auto& errors, auto&& each) { each(errors.arrivals, errors.looked_at); }
   };
+  /// Evaluations for one output or passage where the load is rough.
+  std::size_t most_rough = 20'000'000;
   Errors errors;  ///< to be set where a run goes on from a checkpoint
   std::size_t evaluations() const { return evaluations_; }
 

@@ -2,11 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 #include <variant>
 
 namespace viscobar::characteristics {
+
+namespace {
+
+constexpr std::size_t rough_awaited = 3'000;  // evaluations for one passage, by a look ahead
+
+}  // namespace
 
 Run::Run(const Scene& scene, const Mesh& mesh, const Checkpoint* from, std::span<const double> times,
          const Characteristics& method, const Observers& observers, double most_work)
@@ -28,6 +35,7 @@ Run::Run(const Scene& scene, const Mesh& mesh, const Checkpoint* from, std::span
       left_(end_of(scene_.left, scene_.left_input, data_.displacement(0, 0.0))),
       right_(end_of(scene_.right, scene_.right_input, data_.displacement(data_.displacement.size() - 1, 1.0))) {
   if (scene.load) load_ = LoadGain::of(*scene_.load, scene.bar, passage_, times.front(), times.back());
+  if (load_ && std::isfinite(most_work)) load_->most_rough = rough_awaited;
   if (observers_.snapshot) u_.resize(mesh.nodes()), v_.resize(mesh.nodes());
   const double until = (times.back() - times.front()) / passage_;
   last_passage_ = static_cast<std::size_t>(std::max(0.0, std::ceil(until) - 1.0));
@@ -52,6 +60,8 @@ PartEnd Run::operator()() {
       leave();
       if (worked() > most_work_) return reached();
     }
+  } catch (const RoughLoad& error) {
+    fail(Failure::detail, error.what());
   } catch (const LoadError& error) {
     fail(Failure::load, error.what());
   }
@@ -266,7 +276,7 @@ std::optional<double> roughens(const Scene& scene, double end) {
   try {
     characteristics::Run(scene, Mesh{scene.bar.length, 1}, nullptr, times, method, nobody, work_awaited)();
   } catch (const IntegrationError& error) {
-    if (error.failure != Failure::detail) throw;
+    if (error.failure != Failure::detail || error.statistics.events == 0) throw;
     return error.statistics.reached_time;
   }
   return std::nullopt;

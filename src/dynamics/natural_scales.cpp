@@ -11,6 +11,7 @@ namespace viscobar {
 namespace {
 
 constexpr int looks_at_varying = 64;
+constexpr double between_instants = 0.5 + 1e-9;
 
 double largest(std::span<const double> values) {
   double most = 0.0;
@@ -18,12 +19,12 @@ double largest(std::span<const double> values) {
   return most;
 }
 
-// The mean over [0, end] of f at so many times. Where it is not finite it counts for nothing: a run that comes there
-// says so.
+// The mean over [0, end] of f at so many times, which no formula names: a value at one instant is nothing. Where it is
+// not finite it counts for nothing: a run that comes there says so.
 double mean(double end, int looks, const auto& f) {
   double sum = 0.0;
   for (int k = 0; k < looks; ++k) try {
-      if (const double value = f(end * (k + 0.5) / looks); std::isfinite(value)) sum += value;
+      if (const double value = f(end * (k + between_instants) / looks); std::isfinite(value)) sum += value;
     } catch (const std::exception&) {
     }
   return sum / looks;

@@ -393,13 +393,6 @@ PenalisedSystem::EndPower PenalisedSystem::end_power(double t, std::span<const d
   return {bar_.end_power(w, a) + of_frame, of_frame};
 }
 
-PenalisedSystem::EndPower PenalisedSystem::end_power_of(double t, std::span<const double> u,
-                                                        std::span<const double> w) {
-  force(t, u, w, acceleration_);
-  accelerate(acceleration_);
-  return end_power(t, w, acceleration_);
-}
-
 double PenalisedSystem::load_power(double t, std::span<const double> w) {
   const std::span<const double> load = load_->at(t);
   return std::inner_product(load.begin(), load.end(), w.begin(), 0.0);

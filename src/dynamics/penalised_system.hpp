@@ -250,14 +250,14 @@ class PenalisedSystem {
   }
   /// w.M f(t)
   double load_power(double t, std::span<const double> w);
-  /// Power of the end rows of the mass (see BarSystem::end_power) at the acceleration a, and what of it is the frame's,
-  /// which what moves the frame does.
+  /// Power of the end rows of the mass (see BarSystem::end_power) at the acceleration a, of all unknowns or of three at
+  /// either end (end_values()), and what of it is the frame's, which what moves the frame does. Where a is that of
+  /// F(t, u, w), it has E/h times what u is wrong by, which does no work but adds up in a long flight: the derivative
+  /// of the same w has not.
   struct EndPower {
     double all, of_frame;
   };
   EndPower end_power(double t, std::span<const double> w, std::span<const double> a) const;
-  EndPower end_power_of(double t, std::span<const double> u,
-                        std::span<const double> w);               ///< a being that of F(t, u, w)
   bool dissipates() const { return bar_.damped() || dashpots_; }  ///< by viscosity or a contact's dashpot
   /// By those, a mount's dashpot, or impacts.
   bool takes_energy() const { return dissipates() || collides_ || bar_.has_dashpots(); }

@@ -11,10 +11,10 @@ namespace viscobar {
 /// Dissipated power, load power and power of the mass's end rows at a time, those that the layout has, in its order.
 ///
 /// @param motion_at fills displacements and velocities: motion_at(t, y)
+/// @param accelerations end_values() of the derivative of those velocities: accelerations(t)
 /// @param y scratch of layout.size entries
-template <class Motion>
-std::array<double, 3> energy_flow(PenalisedSystem& system, const Layout& layout, double t, Motion&& motion_at,
-                                  std::span<double> y) {
+std::array<double, 3> energy_flow(PenalisedSystem& system, const Layout& layout, double t, auto&& motion_at,
+                                  auto&& accelerations, std::span<double> y) {
   motion_at(t, y);
   const std::span<double> w = layout.w(y);
   system.complete_velocity(t, layout.u(y), w);
@@ -24,7 +24,7 @@ std::array<double, 3> energy_flow(PenalisedSystem& system, const Layout& layout,
   if (layout.dissipated) flow[*layout.dissipated - first] = system.dissipated_power(w) + loss;
   if (layout.work) flow[*layout.work - first] = system.load_power(t, w) + loss;
   if (layout.end_inertia) {
-    const auto [all, of_frame] = system.end_power_of(t, layout.u(y), w);
+    const auto [all, of_frame] = system.end_power(t, w, accelerations(t));
     flow[*layout.end_inertia - first] = all;
     if (layout.work) flow[*layout.work - first] += of_frame;
   }
@@ -34,12 +34,12 @@ std::array<double, 3> energy_flow(PenalisedSystem& system, const Layout& layout,
 /// Adds the integrals of energy_flow() over [from, to], by Gauss' formula with n points, to the energy account.
 ///
 /// @param account layout.account() entries
-template <std::size_t n, class Motion>
-void add_energy_flow(PenalisedSystem& system, const Layout& layout, double from, double to, Motion&& motion_at,
-                     std::span<double> y, std::span<double> account) {
+template <std::size_t n>
+void add_energy_flow(PenalisedSystem& system, const Layout& layout, double from, double to, auto&& motion_at,
+                     auto&& accelerations, std::span<double> y, std::span<double> account) {
   const double half = 0.5 * (to - from), middle = from + half;
   for (const auto [node, weight] : gauss<n>()) {
-    const std::array<double, 3> flow = energy_flow(system, layout, middle + node * half, motion_at, y);
+    const std::array<double, 3> flow = energy_flow(system, layout, middle + node * half, motion_at, accelerations, y);
     for (std::size_t k = 0; k < layout.account(); ++k) account[k] += half * weight * flow[k];
   }
 }

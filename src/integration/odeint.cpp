@@ -21,13 +21,14 @@ namespace {
 template <class Formulas>
 class OdeintStepper final : public PolynomialStepper {
  public:
-  OdeintStepper(const StepperParts& parts, const Odeint& method)
+  OdeintStepper(const StepperParts& parts, const Odeint& method, double stable_step)
       : PolynomialStepper(parts, method.tolerance),
         system_(parts.system),
         statistics_(parts.statistics),
         formulas_(system_, statistics_),
         end_(parts.times.back()),
         longest_(longest_step(system_, end_ - parts.times.front())),
+        stable_(stable_step),
         size_(adaptive ? 1e-3 * (end_ - parts.times.front()) : *method.step),
         scales_(motion_.size) {}
 
@@ -80,7 +81,17 @@ class OdeintStepper final : public PolynomialStepper {
     if (!std::isfinite(std::reduce(all.begin(), all.end()))) throw not_finite();
   }
 
+  // Whether neighbours differ in their accelerations by more than a thousandth of a tolerance of the mesh's fastest
+  // mode has: a bar that flies without strain may take long steps.
+  bool strained() const {
+    const std::vector<double>& a = step_.begin().a;
+    double largest = system_.bar().left_fixed() || system_.bar().right_fixed() || a.size() == 1 ? std::abs(a[0]) : 0.0;
+    for (std::size_t i = 0; i + 1 < a.size(); ++i) largest = std::max(largest, std::abs(a[i + 1] - a[i]));
+    return largest * stable_ * stable_ > 1e-3 * weights_.displacement_tolerance();
+  }
+
   void make_controlled_step(double t) {
+    if (stable_ > 0.0 && size_ > stable_ && strained()) size_ = stable_;
     StepPolynomial::End& reached = step_.end();
     for (double growth = 5.0;; growth = 1.0) {
       reached.t = target(t);
@@ -102,7 +113,7 @@ class OdeintStepper final : public PolynomialStepper {
   PenalisedSystem& system_;
   Statistics& statistics_;
   Formulas formulas_;
-  double end_, longest_, size_, stop_ = 0.0;  // end of the run; end of the leg
+  double end_, longest_, stable_, size_, stop_ = 0.0;  // end of the run; end of the leg
   std::vector<double> scales_;
 };
 
@@ -116,9 +127,11 @@ Statistics integrate(const BarSystem& system, const StartingPoint& start, std::s
   return run_stepwise("odeint", system, method.penalty, start, times, observers,
                       [&](const StepperParts& parts) -> std::unique_ptr<LegStepper> {
                         switch (what.stepper) {
-                          case Stepper::rosenbrock4: return std::make_unique<OdeintStepper<Rosenbrock4>>(parts, method);
-                          case Stepper::symplectic: return std::make_unique<OdeintStepper<Symplectic>>(parts, method);
-                          default: return std::make_unique<OdeintStepper<Dopri5>>(parts, method);
+                          case Stepper::rosenbrock4:
+                            return std::make_unique<OdeintStepper<Rosenbrock4>>(parts, method, 0.0);
+                          case Stepper::symplectic:
+                            return std::make_unique<OdeintStepper<Symplectic>>(parts, method, 0.0);
+                          default: return std::make_unique<OdeintStepper<Dopri5>>(parts, method, what.longest_step);
                         }
                       });
 }

@@ -279,8 +279,13 @@ void StepPolynomial::add_account(double until, std::span<double> y) {
   const auto accounts = static_cast<std::ptrdiff_t>(2 * layout_.nodes);
   std::copy_n(begin_.y.begin() + accounts, layout_.account(), y.begin() + accounts);
   add_energy_flow<3>(
-      system_, layout_, begin_.t, until, [&](double t, std::span<double> inner) { motion_at(t, inner); }, inner_,
-      y.subspan(2 * layout_.nodes, layout_.account()));
+      system_, layout_, begin_.t, until, [&](double t, std::span<double> inner) { motion_at(t, inner); },
+      [&](double t) {
+        const double s = (t - begin_.t) / length();
+        const Weights second = weights(s, 2);
+        return end_values(layout_.nodes, [&](std::size_t i) { return value(i, s, 2, second); });
+      },
+      inner_, y.subspan(2 * layout_.nodes, layout_.account()));
 }
 
 double StepPolynomial::value(std::size_t unknown, double s, int derivative) const {
@@ -291,7 +296,12 @@ double StepPolynomial::value(std::size_t unknown, double s, int derivative, cons
   if (const std::size_t place = relaxation_of_[unknown]) {
     const Relaxation& relaxation = relaxations_[place - 1];
     const double u = relaxed(relaxation, s);
-    return derivative == 0 ? u : relaxed_rate(relaxation, s, u);
+    if (derivative == 0) return u;
+    const double w = relaxed_rate(relaxation, s, u);
+    if (derivative == 1) return w;
+    double drive = 0.0;
+    for (std::size_t j = 6; j-- > 1;) drive = drive * s + static_cast<double>(j) * relaxation.drive[j];
+    return drive / length() - relaxation.row.rate * w;
   }
   const double change = massive(unknown, weights), h = length();
   return derivative == 0 ? begin_.y[unknown] + change : change / (derivative == 1 ? h : h * h);

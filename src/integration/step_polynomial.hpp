@@ -87,6 +87,8 @@ class StepPolynomial {
 
   const End& begin() const { return begin_; }
   End& end() { return end_; }
+  /// The energy account there.
+  std::span<const double> account() const { return std::span(end_.y).subspan(2 * layout_.nodes, layout_.account()); }
 
   /// The whole state, energy account included.
   void at(double t, std::span<double> y);
@@ -160,6 +162,7 @@ class PolynomialStepper : public LegStepper {
   void begin_run(std::vector<std::size_t> sampled_entries) final { step_.begin_run(std::move(sampled_entries)); }
   std::size_t order() const final { return StepPolynomial::degree; }
   void interpolate(double t, std::span<double> y) final { step_.at(t, y); }
+  std::span<const double> account() const final { return step_.account(); }
   std::span<const double> sample(double t, int derivative) final { return step_.sample(t, derivative); }
   void select(std::span<const std::size_t> sampled) final { step_.select(sampled); }
   bool hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) final {

@@ -89,6 +89,7 @@ class StepwisePart {
       } else {
         outputs_until(limit, [&](double) { return account_shift_; });
       }
+      if (statistics_.energy) notice(limit);
       t = limit;
       statistics_.reached_time = t;
       watchdog_.step(t, statistics_.events);
@@ -249,6 +250,19 @@ class StepwisePart {
     ends_->add();
   }
 
+  // At the end of the last step. In a frame that moves its energy is not known there; the bar's is of that size.
+  void notice(double t) {
+    const std::span<const double> account = stepper_.account();
+    const auto entry = [&](std::optional<std::size_t> at) { return at ? account[*at - 2 * layout_.nodes] : 0.0; };
+    EnergyAccount& energy = *statistics_.energy;
+    energy.notice(entry(layout_.dissipated) + entry(layout_.end_inertia) + energy.end_inertia, entry(layout_.work));
+    const Bar& bar = system_.bar().bar();
+    if (!system_.bar().moving()) return;
+    const Lift rate = system_.bar().lift(t, 1);
+    energy.largest = std::max({energy.largest, 0.5 * bar.density * bar.length * rate.left * rate.left,
+                               0.5 * bar.density * bar.length * rate.right * rate.right});
+  }
+
   // Whether the step may spoil the account by more than its share of what the motion's own error does. The correction
   // is several times the error, which is a fraction of it that falls with the order.
   bool account_doubtful(double from, double to) {
@@ -266,7 +280,8 @@ class StepwisePart {
       for (std::size_t k = 0; k < count; ++k) shift[k] += sign * inner_[first + k];
     }
     add_energy_flow<5>(
-        system_, layout_, from, to, [&](double t, std::span<double> y) { stepper_.interpolate(t, y); }, inner_, shift);
+        system_, layout_, from, to, [&](double t, std::span<double> y) { stepper_.interpolate(t, y); },
+        [&](double t) { return stepper_.end_accelerations(t); }, inner_, shift);
     return shift;
   }
 

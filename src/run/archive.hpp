@@ -34,7 +34,7 @@ template <class T, class Value>
 concept Like = std::is_same_v<std::remove_const_t<T>, Value>;
 
 void members(Like<EnergyAccount> auto& energy, auto&& each) {
-  each(energy.initial, energy.final, energy.dissipated, energy.work, energy.end_inertia, energy.growth,
+  each(energy.initial, energy.final, energy.dissipated, energy.work, energy.end_inertia, energy.largest, energy.growth,
        energy.growth_time);
 }
 void members(Like<TimeInContact> auto& contact, auto&& each) { each(contact.until_opening, contact.closed_since); }

@@ -60,7 +60,7 @@ class Run {
       const auto* checkpoint = std::get_if<Checkpoint>(&start_);
       State start = checkpoint ? system_.initial_state() : std::get<State>(start_);
       const JumpFilter::Taken taken = checkpoint ? JumpFilter::Taken{} : settle_high_modes(start);
-      step_.emplace(system_, start, times_.front(), scheme_);
+      step_.emplace(system_, start, times_.front(), scheme_, times_.back() + scheme_.step);
       was_active_.assign(step_->contacts().size(), 0);
       active_ = step_->active();
       find_contacts_at_ends();
@@ -92,7 +92,10 @@ class Run {
     restore(*this, checkpoint, times_, observers_);
     step_->restored();
     written_ = checkpoint.outputs;
-    if (filter_.acts()) watch_breaks(time(n_));
+    if (filter_.acts()) {
+      watch_breaks(time(n_) - ahead());
+      while (next_break_ <= time(n_) + ahead() && next_break_ < times_.back()) enter_break(time(n_));
+    }
     pass_breaks();
     step_->balance(time(++n_));
   }
@@ -116,28 +119,52 @@ class Run {
                          start.u, start.v);
   }
 
-  // Those of the load up to t_{n+1}, u^{n+1} being known.
+  // A load that breaks within half a step of t_n is there its mean, and has jumped by a share of the whole.
+  double ahead() const { return system_.moving() ? 0.0 : scheme_.step / 2; }
+
+  // The next break, a share of which is in the load at t: the rest is passed with the next step.
+  double enter_break(double t) {
+    const double share = ahead() == 0.0 ? 1.0 : std::clamp((t + ahead() - next_break_) / scheme_.step, 0.0, 1.0);
+    if (share < 1.0) begun_.push_back({next_break_, 1.0 - share});
+    next_break_ = settled_->begin_leg(next_break_, times_.back());
+    return share;
+  }
+
+  // Those of the load at t_{n+1}, u^{n+1} being known.
   void pass_breaks() {
-    while (next_break_ <= time(n_ + 1) && next_break_ < times_.back()) {
-      const auto& contacts = step_->contacts();
-      for (std::size_t i = 0; i < settled_->contact_count(); ++i) {
-        bool held = false;
-        for (std::size_t k = 0; k < contacts.size(); ++k)
-          held |= active_[k] && contacts[k].unknown == settled_->contact(i).unknown &&
-                  contacts[k].sign == settled_->contact(i).sign;
-        settled_->set_closed(i, held);
-      }
-      std::vector<double> u(system_.size()), p(u);
-      step_->order().to_nodes([&](std::size_t i) { return step_->u()[i]; }, u);
-      step_->order().to_nodes([&](std::size_t i) { return step_->p()[i]; }, p);
-      const double before = statistics_.energy ? step_->energy() : 0.0;
-      const double t = std::exchange(next_break_, settled_->begin_leg(next_break_, times_.back()));
-      const JumpFilter::Taken taken = filter_.pass_break(*settled_, t, times_.back(), u, p);
-      step_->put(u, p);
-      if (!statistics_.energy) continue;
-      statistics_.energy->work += taken.work;
-      statistics_.energy->take_by_rows(before + taken.work - step_->energy());
+    const double t = time(n_ + 1);
+    if (begun_.empty() && next_break_ > t + ahead()) return;
+    for (const auto& [at, share] : std::exchange(begun_, {})) pass_break(at, share);
+    while (next_break_ <= t + ahead() && next_break_ < times_.back()) {
+      const double at = next_break_;
+      pass_break(at, enter_break(t));
     }
+  }
+
+  void pass_break(double t, double share) {
+    const auto& contacts = step_->contacts();
+    for (std::size_t i = 0; i < settled_->contact_count(); ++i) {
+      bool held = false;
+      for (std::size_t k = 0; k < contacts.size(); ++k)
+        held |= active_[k] && contacts[k].unknown == settled_->contact(i).unknown &&
+                contacts[k].sign == settled_->contact(i).sign;
+      settled_->set_closed(i, held);
+    }
+    std::vector<double> u(system_.size()), p(u);
+    step_->order().to_nodes([&](std::size_t i) { return step_->u()[i]; }, u);
+    step_->order().to_nodes([&](std::size_t i) { return step_->p()[i]; }, p);
+    const std::vector<double> u_before = u, p_before = p;
+    const double before = statistics_.energy ? step_->energy() : 0.0;
+    const JumpFilter::Taken taken = filter_.pass_break(*settled_, t, times_.back(), u, p);
+    for (std::size_t i = 0; i < u.size(); ++i) {
+      u[i] = u_before[i] + share * (u[i] - u_before[i]);
+      p[i] = p_before[i] + share * (p[i] - p_before[i]);
+    }
+    step_->put(u, p);
+    if (!statistics_.energy) return;
+    const double work = share * taken.work;
+    statistics_.energy->work += work;
+    statistics_.energy->take_by_rows(before + work - step_->energy());
   }
 
   // Whether it comes there.
@@ -389,6 +416,7 @@ class Run {
       const double taken_by_rows = dt * step_->end_power();
       energy.end_inertia += taken_by_rows, energy.dissipated += taken_by_rows;
     }
+    energy.notice(energy.dissipated, energy.work);
     if (!contacts.empty()) watch_growth(taken);
   }
 
@@ -400,12 +428,7 @@ class Run {
       if (node < order.first || node >= order.size() - order.last) return a[node];
       return a[order.row((node - order.first) % order.rows) + (node - order.first) / order.rows];
     };
-    std::array<double, 6> values{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t inwards = std::min(k, a.size() - 1);
-      values[k] = at(inwards), values[5 - k] = at(a.size() - 1 - inwards);
-    }
-    return values;
+    return end_values(a.size(), at);
   }
 
   // An impact of Paoli and Schatzman's lasts two steps: what the first took the second may give back. So impacts are
@@ -478,7 +501,8 @@ class Run {
   JumpFilter filter_;
   std::optional<PenalisedSystem> settled_;  // what it sees of the scheme
   double next_break_ = std::numeric_limits<double>::infinity();
-  bool spanned_ = false;                                         // by an obstacle
+  std::vector<std::pair<double, double>> begun_;  // breaks that the load has a part of, and the share that is left
+  bool spanned_ = false;                          // by an obstacle
   std::array<std::pair<std::size_t, std::size_t>, 2> at_end_{};  // contacts from one up to another
   std::vector<WatchedEnd> watched_;
   std::vector<double> u_, v_, u_nodal_, v_nodal_;

@@ -41,7 +41,8 @@ LaneFactor lane_factor(const BarSystem& system, const SymmetricTridiagonal& matr
 
 }  // namespace
 
-TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, const FullyDiscrete& scheme)
+TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, const FullyDiscrete& scheme,
+                   std::optional<double> end)
     : system_(system),
       dt_(scheme.step),
       restitution_(scheme.restitution),
@@ -67,6 +68,12 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
     solves_ = ends.size();
   }
   if (system.loaded()) load_.emplace(system, dt_);
+  if (load_ && end && !load_->steady() && !system.moving()) {
+    load_begin_ = begin, load_end_ = *end;
+    pieces_.emplace(system, dt_);
+    enter_load(begin);
+    mean_.resize(system.size());
+  }
   for (std::vector<double>* values : {&lower_, &bound_, &reaction_, &reaction_before_, &start_impulse_})
     values->resize(contacts_.size());
 
@@ -211,14 +218,42 @@ void TimeStep::balance(double t) {
   solve(dt_);
 }
 
+void TimeStep::enter_load(double t) {
+  next_break_ = pieces_->enter(t, load_end_);
+  if (next_break_ >= load_end_) next_break_ = -unbounded;
+}
+
+// At t_n, or where the load breaks within half a step its mean over that time: what it does there is not lost, and what
+// it is at one instant is nothing.
+std::span<const double> TimeStep::load_over_step(double t) {
+  if (!pieces_) return load_->at(t);
+  const double from = std::max(t - dt_ / 2, load_begin_), to = t + dt_ / 2;
+  if (next_break_ <= from) enter_load(from);
+  if (to <= next_break_) return load_->at(t);
+  std::ranges::fill(mean_, 0.0);
+  for (double begin = from; begin < to;) {
+    const double end = std::min(next_break_, to), share = (end - begin) / (to - from);
+    constexpr int last = 16;  // of Simpson's points: a smooth pulse that stands between two breaks is one of some width
+    for (int k = 0; k <= last; ++k) {
+      const double weight = share * (k % last == 0 ? 1.0 : k % 2 == 0 ? 2.0 : 4.0) / (3.0 * last);
+      const std::span<const double> now = pieces_->at(begin + (end - begin) * k / last);
+      for (std::size_t i = 0; i < mean_.size(); ++i) mean_[i] += weight * now[i];
+      ++load_evaluations_;
+    }
+    if (next_break_ < to) enter_load(next_break_);
+    begin = end;
+  }
+  return mean_;
+}
+
 void TimeStep::evaluate_load(double t) {
   if (!load_) return;
   const bool known = load_->steady() && load_evaluations_ > 0;
   if (!known) ++load_evaluations_;
   if (order_.rows == 0) {
-    load_now_ = load_->at(t);
+    load_now_ = load_over_step(t);
   } else if (!known) {
-    order_.from_nodes(load_->at(t), fields_[4]);
+    order_.from_nodes(load_over_step(t), fields_[4]);
     load_now_ = fields_[4];
   }
 }

@@ -30,8 +30,11 @@ class TimeStep {
   /// dt u_1, which is K_h at restitution 0, and the balance at t_1. A massless node has no initial velocity: its u^1
   /// follows from the balance of its row at t_1 (backward Euler), and without viscosity, where that row is algebraic,
   /// its u^0 from the same balance at t_0. lambda^0 is lambda^1 where u^0 touches, 0 elsewhere.
+  /// Where the load breaks within half a step of t_n, f^n is its mean over that time, up to `end`; without that, and in
+  /// a frame that moves, its value.
   /// @throws LoadError, std::domain_error when the matrix is not positive definite in floating-point numbers
-  TimeStep(const BarSystem& system, const State& start, double begin, const FullyDiscrete& scheme);
+  TimeStep(const BarSystem& system, const State& start, double begin, const FullyDiscrete& scheme,
+           std::optional<double> end = std::nullopt);
 
   /// All that balance() depends on after advance(), for a checkpoint there.
   static void members(auto& step, auto&& each) {
@@ -105,6 +108,8 @@ class TimeStep {
 
  private:
   void evaluate_load(double t);
+  void enter_load(double t);
+  std::span<const double> load_over_step(double t);
   void bound_contacts(double t);
   void solve(double lever);
   template <class Use>
@@ -131,8 +136,10 @@ class TimeStep {
   LaneFactor factor_;  // of the rows between the interface's; none under a span obstacle
   LaneOrder order_;
   LaneBar bar_;
-  std::optional<LoadVector> load_;
+  std::optional<LoadVector> load_, pieces_;  // the latter between its breaks, where it has any
   std::span<const double> load_now_;
+  double load_begin_ = 0.0, load_end_ = 0.0, next_break_ = 0.0;
+  std::vector<double> mean_;
   std::vector<Contact> contacts_;
   std::variant<std::monostate, EndConstraint, SpanConstraint> solver_;
   LaneFields fields_;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "support/paper_throw.hpp"
+#include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {
 namespace {
@@ -30,6 +31,77 @@ TEST(Alarm, IsSilentOnSoundRuns) {
   for (const MethodName method :
        {MethodName::cvode, MethodName::ida, MethodName::arkode, MethodName::odeint, MethodName::exponential})
     EXPECT_TRUE(Sounded(method)().empty()) << name(method);
+}
+
+constexpr const char* all_methods[] = {"cvode",
+                                       "ida",
+                                       "arkode",
+                                       "odeint",
+                                       "rigid",
+                                       "exponential",
+                                       "characteristics",
+                                       "fully_discrete",
+                                       "finite_difference"};
+
+Statistics run_of(const Case& run) {
+  Observers observers;
+  observers.energy = true;
+  return simulate(run, make_system(run), observers);
+}
+
+// What the tolerances allow is a share of the energy on the way, of which nothing is left at the end.
+TEST(Alarm, IsSilentWhereABarComesToRest) {
+  const std::string steel = "[bar]\nlength = 1.0\nmodulus = 2.1e11\ndensity = 7800\n[mesh]\nelements = 10\n";
+  for (const std::string& scene :
+       {std::string("[bar]\nlength = 1.0\n[load]\ndensity = \"cos(2*pi*t)\"\n[time]\nend = 1.0\n"),
+        "[mesh]\nelements = 20\n" +
+            std::string("[bar]\nlength = 1.0\n[load]\ndensity = \"cos(2*pi*t)\"\n[time]\nend = 1.0\n"),
+        std::string("[bar]\nlength = 1.0\nviscosity = 0.1\n[load]\nprofile = \"1+x\"\n"
+                    "history = \"sin(4*pi*t)\"\n[time]\nend = 2.0\n"),
+        steel + "[load]\nprofile = 1.0\nhistory = \"t<0.01 ? 7800 : -7800\"\n[time]\nend = 0.02\n"})
+    for (const char* method : all_methods) {
+      if (method == std::string("characteristics") && scene.find("viscosity") != std::string::npos) continue;
+      const SceneFile file = parse_scene(scene + "[method]\nname = \"" + method + "\"\n", "scene");
+      const Statistics statistics = run_of(file.run);
+      for (const Alarm& alarm : alarms(file.run, make_system(file.run), statistics))
+        ADD_FAILURE() << method << ": " << alarm.what << "\n" << scene;
+    }
+}
+
+// A bar that gets the speed 0.1 and flies a hundred of its lengths: E = 39. Its own account must not multiply by E/h
+// what rounding makes of u, which is 10; the tolerances promise 2e-4 E, and all of it is taken in the first 0.1.
+TEST(Alarm, KnowsTheEnergyOfABarThatTravelsFar) {
+  for (const char* method : {"cvode", "ida", "arkode", "rigid", "exponential", "fully_discrete"}) {
+    const Case run =
+        parse_scene(std::string("[bar]\nlength = 1.0\nmodulus = 2.1e11\ndensity = 7800\n[mesh]\nelements = 10\n"
+                                "[load]\nprofile = 1.0\nhistory = \"t<0.1 ? 7800 : 0\"\n[time]\nend = 100.0\n"
+                                "[output]\nevery = 20\n[method]\nstep = 0.001\nname = \"") +
+                        method + "\"\n",
+                    "scene")
+            .run;
+    const Statistics statistics = run_of(run);
+    EXPECT_NEAR(statistics.energy->final, 39.0, run.method == MethodName::fully_discrete ? 1.0 : 39.0 * 2e-4) << method;
+    // By matrix exponentials a step has a rounding of u, times their entries, omega <= sqrt(8 E/rho)/h, in v = 0.1.
+    const double of_steps = run.method == MethodName::exponential
+                                ? 2.0 * static_cast<double>(statistics.steps) * 2.2e-16 *
+                                      std::sqrt(8.0 * 2.1e11 / 7800.0) / 0.1 * 10.0 / 0.1
+                                : 0.0;
+    EXPECT_LE(std::abs(statistics.energy->balance_error()), 39.0 * (1e-9 + of_steps)) << method;
+  }
+}
+
+TEST(Alarm, NamesABalanceOfASchemeThatIsOff) {
+  const Case run = parse_scene(
+                       "[bar]\nlength = 1.0\nviscosity = 0.1\n[left]\nkind = \"obstacle\"\ngap = 0.1\n"
+                       "[initial]\nvelocity = -1.0\n[time]\nend = 1.0\n[method]\nname = \"fully_discrete\"\n",
+                       "scene")
+                       .run;
+  Statistics statistics = run_of(run);
+  const BarSystem system = make_system(run);
+  EXPECT_TRUE(alarms(run, system, statistics).empty());
+  statistics.energy->dissipated *= 0.9;
+  ASSERT_EQ(alarms(run, system, statistics).size(), 1u);
+  EXPECT_TRUE(alarms(run, system, statistics)[0].ruinous);
 }
 
 TEST(Alarm, NamesABalanceThatIsOff) {

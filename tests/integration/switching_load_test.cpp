@@ -293,5 +293,27 @@ TEST(SwitchingLoad, IsCrossedWithoutStepsThatShrinkToNothing) {
     EXPECT_LE(by(jump, method).statistics.steps, 2 * by(smooth, method).statistics.steps + 64) << name(method);
 }
 
+// A pulse of impulse 1 that no step of 0.01 looks at, one that it looks at once, a jump within a step, and a value at
+// one instant, of impulse 0. The bar moves as a whole: v is the impulse so far. What the steps and sums round is below
+// 1e-10 of it; the start of first order loses nothing here, because nothing acts then.
+TEST(SwitchingLoad, GivesItsImpulseToTheSchemesHoweverShortItIs) {
+  const struct {
+    const char* text;
+    double impulse;
+  } loads[] = {{"t > 0.1 && t < 0.1001 ? 10000 : 0", 1.0},
+               {"t > 0.10003 && t < 0.10013 ? 10000 : 0", 1.0},
+               {"t > 0.1234567 ? 1 : 0", 2.0 - 0.1234567},
+               {"t > 0.5 && t < 0.9 ? 1 : 0", 0.4},
+               {"t == 1 ? 1e9 : 0", 0.0}};
+  for (const auto& [text, impulse] : loads)
+    for (const MethodName method : {MethodName::fully_discrete, MethodName::finite_difference}) {
+      Case run = bar_under(history(text), 0.0);
+      run.end = 2.0;
+      run.step = 0.01;
+      const Recording recording = by(run, method);
+      EXPECT_NEAR(recording.v.back(), impulse, 1e-10) << text;
+    }
+}
+
 }  // namespace
 }  // namespace viscobar::testing_switching_load

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -40,6 +41,17 @@ struct EndRows {
     return rows;
   }
 };
+
+/// at(i) of the three rows at either end of n, which is all that products with end rows look at: for i = 0, 1, 2, n-3,
+/// n-2, n-1, and within them where there are fewer.
+std::array<double, 6> end_values(std::size_t n, auto&& at) {
+  std::array<double, 6> values{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t inwards = std::min(k, n - 1);
+    values[k] = at(inwards), values[5 - k] = at(n - 1 - inwards);
+  }
+  return values;
+}
 
 /// Tridiagonal matrix A, symmetric but for its end rows: A = T + (end rows), T(i,i) = diagonal[i], T(i,i+1) = T(i+1,i)
 /// = off_diagonal[i]. A diagonal matrix has an empty off_diagonal, a symmetric one no end rows: nothing is stored or

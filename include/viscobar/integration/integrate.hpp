@@ -124,7 +124,7 @@ struct Odeint {
 struct OdeintPlan {
   Stepper stepper = Stepper::dopri5;  ///< never automatic
   double least_steps = 0.0;           ///< that stability, or the fixed step, requires
-  double longest_step = 0.0;          ///< of symplectic, that is stable
+  double longest_step = 0.0;          ///< at which no mode of the mesh grows; 0: of no matter
   std::optional<Refusal> refusal;     ///< why the method does not fit
 };
 /// Chooses the stepper and counts its steps. O(n).

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <limits>
@@ -74,12 +76,19 @@ struct EnergyAccount {
   /// dt, Q the symmetric part that the kinetic energy is made of, O(h^2); and what is lost where its high modes are put
   /// at their equilibrium, at jumps, O(h). 0 for other masses.
   double end_inertia = 0.0;
+  /// The most that dissipated, work, and what they left to the bar came to on the way: the scale of what the balance
+  /// may be off by.
+  double largest = 0.0;
   /// Of a scheme: the most that its impacts have given the bar, which an obstacle that stands still cannot. With A(t)
   /// what impacts took up to t, max A(s) - A(t) over s <= t, nothing touching at s, and 0 at the start.
   double growth = 0.0;
   double growth_time = 0.0;  ///< that t
   /// Adds to both.
   void take_by_rows(double taken) { end_inertia += taken, dissipated += taken; }
+  /// Takes notice, for `largest`, of what dissipated and work are on the way.
+  void notice(double gone, double came) {
+    largest = std::max({largest, std::abs(gone), std::abs(came), std::abs(initial + came - gone)});
+  }
   /// What the integration lost or gained.
   double balance_error() const { return final + dissipated - initial - work; }
 };

@@ -8,7 +8,9 @@
 
 namespace viscobar::exponential {
 
-/// Energy that viscosity and dashpots take, that the load gives, and that the end rows of the mass take.
+/// Energy that viscosity and dashpots take, that the load gives, and that the end rows of the mass take. The power of
+/// those is v.N a = v_0.N a + (v - v_0).N a, v_0 the velocity where the step begins. The first part is the rate of
+/// v_0.N v, which is taken as it is: what a is wrong by, E/h times the roundings of u, would add up in a long flight.
 struct EnergyFlow {
   double dissipated = 0.0, work = 0.0, end_inertia = 0.0;
   /// Adds so many times another.
@@ -35,6 +37,7 @@ struct SampledFlow {
   EnergyFlow flow;
   double error = 0.0;
   std::array<EnergyFlow, 9> powers;  ///< at the eighths, times the length of the step
+  std::array<double, 9> at_ends{};   ///< there: v_0.N (v - v_0), which is in none of the powers
 
   /// The flow over the part [0, sigma] of the step: the integral of the polynomial through the powers.
   EnergyFlow until(double sigma) const;

@@ -71,7 +71,7 @@ LoadPolynomial rescaled(const LoadPolynomial& p, double origin, double scale) {
 }
 
 LoadInterpolation::LoadInterpolation(const BarSystem& system, double begin, double end)
-    : basis_(static_cast<Index>(system.size()), 0) {
+    : system_(system), basis_(static_cast<Index>(system.size()), 0) {
   if (!system.loaded()) return;
   LoadVector load(system);
   if (load.steady()) {
@@ -81,11 +81,24 @@ LoadInterpolation::LoadInterpolation(const BarSystem& system, double begin, doub
   load_.emplace(system);
   constexpr int looks = 64;
   for (int k = 0; k < looks; ++k) try {
-      const std::span<const double> now = load.at(begin + (end - begin) * (k + 0.5) / looks);
+      const std::span<const double> now =
+          load.at(begin + (end - begin) * (k + 0.5 + 1e-9) / looks);  // no instant that a formula names
       const double size = Eigen::Map<const Eigen::VectorXd>(now.data(), basis_.rows()).stableNorm();
       if (std::isfinite(size)) expected_ = std::max(expected_, size);
     } catch (const LoadError&) {  // a run that comes there says so
     }
+}
+
+// In a frame that moves the load may cancel its forces: what is left is their rounding.
+double LoadInterpolation::parts(double t) const {
+  if (!system_.moving()) return 0.0;
+  const Bar& bar = system_.bar();
+  const auto most = [](const Lift& lift) { return std::max(std::abs(lift.left), std::abs(lift.right)); };
+  const Lift at = system_.lift(t, 0), rate = system_.lift(t, 1);
+  double force = std::abs(bar.modulus * (at.right - at.left) + bar.viscosity * (rate.right - rate.left)) / bar.length;
+  for (const Mount& mount : system_.mounts()) force += mount.stiffness * most(at) + mount.dashpot * most(rate);
+  return force + bar.density * system_.mesh().spacing() * std::sqrt(static_cast<double>(system_.size())) *
+                     most(system_.lift(t, 2));
 }
 
 MatrixXd LoadInterpolation::varying(const LoadPolynomial& p) const { return load_ ? MatrixXd(basis_ * p) : MatrixXd(); }
@@ -101,7 +114,7 @@ bool LoadInterpolation::fit(double t, double tau, double negligible, LoadPolynom
   for (Index i = 0; i < points; ++i) {
     const std::span<const double> value = load_->at(t + tau * table.node[i]);
     samples.col(i) = Eigen::Map<const Eigen::VectorXd>(value.data(), basis_.rows());
-    largest_ = std::max(largest_, samples.col(i).stableNorm());
+    largest_ = std::max({largest_, samples.col(i).stableNorm(), parts(t + tau * table.node[i])});
   }
   for (Index i = 0; i < points; ++i) extend(basis_, samples.col(i), largest_);
   const MatrixXd coefficients = (basis_.transpose() * samples) * table.analysis;

@@ -54,10 +54,13 @@ class LoadInterpolation {
   std::size_t evaluations() const { return load_ ? load_->evaluations() : 0; }
 
  private:
+  double parts(double t) const;
+
+  const BarSystem& system_;
   std::optional<LoadVector> load_;
   std::span<const double> steady_;
   Eigen::MatrixXd basis_;
-  double largest_ = 0.0;   // so far
+  double largest_ = 0.0;   // so far, of the sum and of the parts that may cancel in it
   double expected_ = 0.0;  // among 64 of the run
 };
 

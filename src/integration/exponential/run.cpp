@@ -49,6 +49,19 @@ void Run::fail(Failure why, const std::exception& cause) {
   throw IntegrationError(why, fmt::format("exponential stopped at t = {}: {}", t_, cause.what()), reached());
 }
 
+// Undamped nodes without mass follow their rows at once. Where a load jumps, or opens or closes their contact by that,
+// the energy that it gives them is its work.
+double Run::energy_of_followers() {
+  if (!statistics_.energy || !system_.has_massless() || system_.damped()) return 0.0;
+  std::vector<double> u(system_.size()), w(system_.size());
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    const auto k = static_cast<Index>(i) - static_cast<Index>(system_.massive_begin());
+    if (k >= 0 && k < leg().displacements()) u[i] = y_[k] + propagators_.origin()[static_cast<Index>(i)];
+  }
+  penalised_.complete_displacement(t_, u);
+  return penalised_.energy(u, w);
+}
+
 void Run::enter_piece() {
   piece_end_ = penalised_.begin_leg(t_, times_.back());
   load_.enter(t_, times_.back());
@@ -176,7 +189,9 @@ void Run::begin_leg() {
 
 bool Run::advance() {
   if (t_ >= piece_end_) {
+    const double before = energy_of_followers();
     enter_piece();
+    if (statistics_.energy) statistics_.energy->work += energy_of_followers() - before;
     pass_kink();
     settle_high_modes(false);
   }
@@ -318,6 +333,7 @@ void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distan
     if (c == first || (leaving && std::abs(value(distances[c], sigma)) <= distance_.band(c, largest())))
       changing.push_back(c);
   }
+  const double before = energy_of_followers();
   for (const std::size_t c : changing) {
     penalised_.set_closed(c, !penalised_.closed(c));
     if (penalised_.closed(c)) measure_from_obstacle(c);
@@ -325,6 +341,7 @@ void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distan
     tell_change(c, v[node(c)]);
   }
   begin_leg();
+  if (statistics_.energy) statistics_.energy->work += energy_of_followers() - before;
 }
 
 void Run::tell_change(std::size_t c, double velocity) {
@@ -356,20 +373,14 @@ std::optional<SampledFlow> Run::resolved_flow(const std::vector<Series>& motion,
     if (system_.has_end_rows()) accelerations.push_back(motion[k].col(2) * (2.0 / (tau * tau)));
   }
   SampledFlow sampled = sampled_flow(leg(), velocities, loads, accelerations, tau, frame_flow(tau));
-  EnergyFlow& flow = sampled.flow;
+  const EnergyFlow& flow = sampled.flow;
   // As a bar at rest sets in motion, its energy is so small that a share of it would be below the flow's own
   // rounding.
   const double share = 1e-12 * energy_scale_ * tau / (times_.back() - times_.front());
-  // What may be rounding alone would add up in a long flight.
-  const double ends = end_power_rounding(velocities) * tau;
-  if (std::abs(flow.end_inertia) <= ends) {
-    flow.end_inertia = 0.0;
-    for (EnergyFlow& power : sampled.powers) power.end_inertia = 0.0;
-  }
   const double known = 64.0 * rounding *
                            (std::abs(flow.dissipated) + std::abs(flow.work) + std::abs(flow.end_inertia) +
                             distance_.cancelled_power(penetration) * tau) +
-                       ends;
+                       end_power_rounding(velocities) * tau;
   if (sampled.error > std::max({share, known, std::numeric_limits<double>::min()})) return std::nullopt;
   return sampled;
 }
@@ -385,10 +396,13 @@ FrameFlow Run::frame_flow(double tau) const {
 
 double Run::end_power_rounding(const std::vector<VectorXd>& velocities) const {
   if (!system_.has_end_rows()) return 0.0;
-  double fastest = 0.0;
-  for (const VectorXd& v : velocities) fastest = std::max(fastest, v.cwiseAbs().maxCoeff());
+  double fastest = 0.0, gained = 0.0;
+  for (const VectorXd& v : velocities) {
+    fastest = std::max(fastest, v.cwiseAbs().maxCoeff());
+    gained = std::max(gained, (v - velocities[0]).cwiseAbs().maxCoeff());
+  }
   const Bar& bar = system_.bar();
-  return 4.0 / 3.0 * fastest * bar.density * propagators_.inverse_inertia() * rounding *
+  return 4.0 / 3.0 * gained * bar.density * propagators_.inverse_inertia() * rounding *
          (bar.modulus * largest_displacement_ + bar.viscosity * fastest);
 }
 
@@ -458,6 +472,7 @@ void Run::add(const EnergyFlow& flow) {
   statistics_.energy->dissipated += flow.dissipated + flow.end_inertia;
   statistics_.energy->work += flow.work;
   statistics_.energy->end_inertia += flow.end_inertia;
+  statistics_.energy->notice(statistics_.energy->dissipated, statistics_.energy->work);
   energy_scale_ = std::max(energy_scale_, statistics_.energy->initial + std::abs(statistics_.energy->work));
 }
 

@@ -77,6 +77,7 @@ class Run {
   Statistics reached();
   [[noreturn]] void fail(Failure why, const std::exception& cause);
 
+  double energy_of_followers();
   void enter_piece();  // of time, from here on, in which the load is smooth
   void pass_kink();    // where what holds or bounds an end changes its velocity at once
   // Puts high modes at their equilibrium (see JumpFilter): at the start, or where the load breaks.
@@ -114,8 +115,8 @@ class Run {
                                            double tau, double penetration) const;
   FrameFlow frame_flow(double tau) const;
 
-  // What rounding makes of the power of the end rows in a long flight: the row (rho h / 24) (3, 4, 1) times
-  // accelerations, by forces that are differences of rounded displacements and velocities.
+  // What rounding makes of the power of the end rows: the row (rho h / 24) (3, 4, 1) times accelerations, by forces
+  // that are differences of rounded displacements and velocities, times what the step has changed velocities by.
   double end_power_rounding(const std::vector<VectorXd>& velocities) const;
 
   // A step that one Taylor series covers, cut at the first contact change.

@@ -92,6 +92,9 @@ class Stepper final : public LegStepper {
 
   std::size_t order() const override { return stages; }
   ErrorWeights& weights() override { return weights_; }
+  std::span<const double> account() const override {
+    return std::span(end_y_).subspan(2 * layout_.nodes, layout_.account());
+  }
 
   void changes_at(std::span<const double> y) override { weights_.fill(y, weight_); }
 
@@ -293,6 +296,11 @@ class Stepper final : public LegStepper {
     system_.complete_displacement(t, layout_.u(y));
   }
 
+  std::array<double, 6> end_accelerations(double t) override {
+    const Parts weights = Formula::get().weights((t - begin_t_) / h_, 1);
+    return end_values(layout_.nodes, [&](std::size_t i) { return combined(weights, x_[i]) / h_; });
+  }
+
   // One part of all nodes behind the other.
   void sort_by_part() {
     const std::size_t n = layout_.nodes;
@@ -310,7 +318,8 @@ class Stepper final : public LegStepper {
     const double half = 0.5 * (end_t_ - begin_t_), middle = begin_t_ + half;
     const auto at = [&](double s) {
       return energy_flow(
-          system_, layout_, middle + s * half, [&](double t, std::span<double> inner) { motion_at(t, inner); }, inner_);
+          system_, layout_, middle + s * half, [&](double t, std::span<double> inner) { motion_at(t, inner); },
+          [&](double t) { return end_accelerations(t); }, inner_);
     };
     const StepPowers::Flow sum =
         until == end_t_ ? powers_.over_step(end_t_ - begin_t_, at) : powers_.up_to((until - middle) / half, at);

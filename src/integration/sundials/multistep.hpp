@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -42,6 +43,10 @@ class Multistep : public LegStepper {
   void select(std::span<const std::size_t> sampled) final { probed_->selected.assign(sampled.begin(), sampled.end()); }
   bool hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) final;
   double account_correction() const final { return leg_.account_correction; }
+  std::span<const double> account() const final {
+    return values(state_).subspan(2 * leg_.layout.nodes, leg_.layout.account());
+  }
+  std::array<double, 6> end_accelerations(double t) final;
   ErrorWeights& weights() final { return weights_; }
 
  protected:

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "case/regime.hpp"
 #include "dynamics/natural_scales.hpp"
 #include "studies/accuracy/plan.hpp"
 
@@ -116,6 +117,11 @@ void Plan::explain(ErrorEstimate& estimate, const Case& run) const {
           fmt::format("{} elements: from {}", run.elements,
                       estimate.order ? fmt::format("the observed power {:.2g} of the mesh", *estimate.order)
                                      : "the difference to coarser meshes, which show no power to rely on"));
+  if (penalised_)
+    estimate.reasons.push_back(
+        contact_law(run) + (run.restitution && !given.restitution
+                                ? "; without this request they are thrown back: give contact.restitution to say which"
+                                : ""));
   if (penalised_)
     because(given.epsilon, fmt::format("epsilon {:.3g}", *run.epsilon),
             fmt::format("epsilon {:.3g}: from two penalties, its part of the error", *run.epsilon));

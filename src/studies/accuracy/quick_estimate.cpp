@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "case/regime.hpp"
 #include "dynamics/jump_filter.hpp"
 #include "studies/accuracy/data_error.hpp"
 #include "studies/accuracy/space_error.hpp"
@@ -99,6 +100,7 @@ ErrorEstimate estimate_of(const Case& run, const Coarser& runs, const Sample& fi
   estimate.largest = largest(finest, Goal::displacement);
   estimate.time = time_error(run, runs, estimate.largest);
   if (is_penalised(run.method)) estimate.penalty = finest.statistics.max_penetration;
+  if (is_penalised(run.method) && meets_obstacle(run.scene)) estimate.reasons.push_back(contact_law(run));
   estimate.seconds = runs.seconds;
   for (const auto& [elements, sample] :
        {std::pair{runs.elements_quarter, &runs.quarter}, {runs.elements_half, &runs.half}}) {

@@ -10,7 +10,8 @@
 namespace viscobar::accuracy {
 
 /// The power of h with which the error falls where the motion is smooth: 4 on `fourth_order`, else 2. On a span
-/// obstacle the border of what touches moves from node to node: 2 on any mass.
+/// obstacle the border of what touches moves from node to node: 2 on any mass, and 1 where nodes are thrown back or
+/// nothing damps what their impacts leave.
 double order_in_theory(const Case& run);
 
 /// Two neighbouring meshes of a ladder and how far their runs are apart.
