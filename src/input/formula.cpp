@@ -280,6 +280,8 @@ NextBreak Formula::breaks() const {
 
 NextBreak Formula::breaks_and_pulses(double length) const {
   if (!uses('t')) return {};
+  // A jump or kink that travels is at each time somewhere in x: of all x at once no pulse can be told from it.
+  if (breaks_at()) return breaks();
   FormulaDetail pulses(parse_formula(text_, parameters_), false, {0.0, uses('x') ? length : 0.0});
   const NextBreak breaks = this->breaks();
   return breaks ? either_of(breaks, pulses) : pulses;
