@@ -1,5 +1,7 @@
 // Prints docs/limit-verdicts.md: verdicts of `limit` beside what is known by other means. Run:
-// build/release/tests/measure_verdicts >docs/limit-verdicts.md       (or with part of a scene's name: those rows alone)
+// build/release/tests/measure_verdicts >docs/limit-verdicts.md
+// build/release/tests/measure_verdicts --seed 2026        (60 random scenes of another seed)
+// build/release/tests/measure_verdicts paper              (the rows of part of a scene's name alone)
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -77,12 +79,14 @@ std::string number(std::optional<double> value) { return value ? fmt::format("{:
 int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   constexpr std::size_t all = 60;
-  std::vector<VerdictScene> scenes = shipped_scenes();
-  for (VerdictScene& scene : random_verdict_scenes(all - scenes.size())) scenes.push_back(std::move(scene));
+  const bool seeded = argc > 2 && std::string(argv[1]) == "--seed";
+  std::vector<VerdictScene> scenes = seeded ? std::vector<VerdictScene>() : shipped_scenes();
+  const unsigned seed = seeded ? static_cast<unsigned>(std::stoul(argv[2])) : 1523;
+  for (VerdictScene& scene : random_verdict_scenes(all - scenes.size(), seed)) scenes.push_back(std::move(scene));
   fmt::print("{}", page_head);
   std::size_t undecided = 0, wrong = 0, untouched = 0, outside = 0;
   for (const VerdictScene& scene : scenes) {
-    if (argc > 1 && scene.name.find(argv[1]) == std::string::npos) continue;
+    if (argc > 1 && !seeded && scene.name.find(argv[1]) == std::string::npos) continue;
     const LimitResult result = limit_of(verdict_study(scene));
     const LimitOrders& orders = result.orders.front();
     const LimitEvidence& evidence = orders.evidence;

@@ -213,16 +213,29 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Pur
     if (k < mesh.scheme.size()) runs.push_back(&mesh.scheme[k]);
     if (k < mesh.penalised.size()) runs.push_back(&mesh.penalised[k]);
   }
-  std::atomic<double> longest = 0.0;
+  const double decides = 0.25 * study.budget;  // what is kept for that, once there is a row
+  std::mutex mutex;
+  double under_way = 0.0;  // what runs are expected to take that have begun
+  double next = limits.empty() ? 0.0 : limits.front()->run.seconds, last = next;
   each(runs, study, purse, [&](Run& run) {
-    // A quarter of the budget is for what decides.
-    const double kept = longest > 0.0 ? longest + 0.25 * study.budget : 0.0;
-    if (!purse.allows(run.run.method == MethodName::fully_discrete ? 0.0 : kept, true)) return;
+    if (run.run.method == MethodName::fully_discrete) return void(run.trace(mesh.times, purse));
+    double expected = 0.0;
+    {
+      const std::lock_guard lock(mutex);
+      expected = next;
+      if (!purse.allows(under_way + expected, true)) return;
+      under_way += expected;
+    }
     run.trace(mesh.times, purse);
-    if (run.run.method == MethodName::fully_discrete || !run.complete) return;
-    longest = std::max(longest.load(), run.seconds);
+    const std::lock_guard lock(mutex);
+    under_way -= expected;
+    if (!run.complete) return;
+    purse.keep(decides);
+    next = run.seconds * std::clamp(run.seconds / std::max(last, 1e-6), 1.0, 10.0);
+    last = run.seconds;
     purse.tell(row_of(mesh, run));
   });
+  purse.keep(0.0);
   for (const Run& run : mesh.scheme)
     if (run.error) std::rethrow_exception(run.error);
   if (std::ranges::all_of(mesh.penalised, [](const Run& run) { return run.error != nullptr; }))
