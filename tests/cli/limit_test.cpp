@@ -299,8 +299,9 @@ TEST_F(Limit, ATerminalSeesHowManyRunsAreDone) {
                              " --epsilon 1e-2:1e-3 --set time.end=1 -o out" + option + " >out.txt");
   };
   const std::string text = shown("");
-  // Two of rigid, restitution 0 and 1, which tell the times first, three of the scheme and two penalised.
-  EXPECT_NE(text.find("9 of 9 runs"), std::string::npos) << text;
+  // Two of rigid, restitution 0 and 1, twice before they tell the limits, for the cost and the times of contacts; three
+  // of the scheme and two penalised.
+  EXPECT_NE(text.find("11 of 11 runs"), std::string::npos) << text;
   EXPECT_TRUE(text.ends_with("\r\033[K")) << text;  // nothing stays
   EXPECT_EQ(shown(" --quiet"), "");
 }

@@ -1,5 +1,8 @@
 // Prints docs/limit-verdicts.md: verdicts of `limit` beside what is known by other means. Run:
-// build/release/tests/measure_verdicts >docs/limit-verdicts.md       (or with part of a scene's name: those rows alone)
+// build/release/tests/measure_verdicts >docs/limit-verdicts.md
+// build/release/tests/measure_verdicts --seed 2026        (60 random scenes of another seed)
+// build/release/tests/measure_verdicts --orders 7         (powers of epsilon of 100 random scenes beside theory's)
+// build/release/tests/measure_verdicts paper              (the rows of part of a scene's name alone)
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -63,7 +66,7 @@ undamped penalty on end nodes, or else the penalised bar at epsilon = 1e-10 by m
 At a dash, and where the change is as large as the distance of a plateau, the truth rests on theory alone: the four scenes of the paper with a left end or a span.
 On `bouncing`, an elastic bar that magnifies what is wrong by a step, the scheme of these other runs has too long a step: their distance is the whole motion, and outside the bounds.
 
-"Apart, at least" and "at most" are the bounds of |P(0) - S(0)| found by `limit`. The smallest step and the processor seconds are those of the scheme in `limit`.
+"Apart, at least" and "at most" are the bounds of |P(0) - S(0)| found by `limit`; where the beginning of the run tells the verdict, "at least" is of it, and "at most" says up to when. The smallest step and the processor seconds are those of the scheme in `limit`.
 A test repeats a part of this table.
 
 | scene | elements | mass, restitution | viscosity | ends | load | truth by theory | distance by other runs | verdict | apart, at least | at most | smallest step | seconds |
@@ -72,17 +75,55 @@ A test repeats a part of this table.
 
 std::string number(std::optional<double> value) { return value ? fmt::format("{:.1e}", *value) : "-"; }
 
+// Scenes with one limit: theory has the power 1 on massless contact nodes, 1/2 on nodes with mass and one restitution.
+void print_orders(unsigned seed) {
+  constexpr std::size_t all = 100;
+  std::size_t count = 0, told = 0, off = 0;
+  fmt::print(
+      "| scene | elements | mass, restitution | viscosity | load | theory | to its own limit | to the scheme |\n");
+  fmt::print("|---|---|---|---|---|---|---|---|\n");
+  for (const VerdictScene& scene : random_verdict_scenes(2 * all, seed)) {
+    const bool massless = scene.run.mass == Mass::redistributed;
+    if (scene.pressed || (!massless && !scene.run.restitution) || count == all) continue;
+    const LimitResult result = limit_of(verdict_study(scene));
+    const LimitOrders& orders = result.orders.front();
+    if (orders.evidence.lack == Lack::contact) continue;
+    ++count;
+    const double theory = massless ? 1.0 : 0.5;
+    bool is_off = false;
+    const auto text = [&](const std::optional<SequenceOrder>& order) {
+      if (!order) return std::string("-");
+      is_off |= std::abs(order->order - theory) > 0.03;
+      return fmt::format("{:.3f} +- {:.3f} by {}", order->order, order->bound, order->last - order->first + 1);
+    };
+    const std::string own = text(orders.to_own_limit), scheme = text(orders.to_scheme);
+    told += orders.to_own_limit.has_value();
+    off += is_off;
+    fmt::print("| {} | {} | {}, {} | {:.2g} | {} | {} | {} | {}{} |\n", scene.name, scene.run.elements,
+               name(effective_mass(scene.run)),
+               scene.run.restitution ? fmt::format("e = {}", *scene.run.restitution) : "none",
+               scene.run.scene.bar.viscosity, scene.load, theory, own, scheme, is_off ? " (OFF)" : "");
+  }
+  fmt::print("\n{} scenes: a power is told in {}, off by more than 0.03 in {}.\n", count, told, off);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  if (argc > 2 && std::string(argv[1]) == "--orders") {
+    print_orders(static_cast<unsigned>(std::stoul(argv[2])));
+    return 0;
+  }
   constexpr std::size_t all = 60;
-  std::vector<VerdictScene> scenes = shipped_scenes();
-  for (VerdictScene& scene : random_verdict_scenes(all - scenes.size())) scenes.push_back(std::move(scene));
+  const bool seeded = argc > 2 && std::string(argv[1]) == "--seed";
+  std::vector<VerdictScene> scenes = seeded ? std::vector<VerdictScene>() : shipped_scenes();
+  const unsigned seed = seeded ? static_cast<unsigned>(std::stoul(argv[2])) : 1523;
+  for (VerdictScene& scene : random_verdict_scenes(all - scenes.size(), seed)) scenes.push_back(std::move(scene));
   fmt::print("{}", page_head);
   std::size_t undecided = 0, wrong = 0, untouched = 0, outside = 0;
   for (const VerdictScene& scene : scenes) {
-    if (argc > 1 && scene.name.find(argv[1]) == std::string::npos) continue;
+    if (argc > 1 && !seeded && scene.name.find(argv[1]) == std::string::npos) continue;
     const LimitResult result = limit_of(verdict_study(scene));
     const LimitOrders& orders = result.orders.front();
     const LimitEvidence& evidence = orders.evidence;
@@ -104,7 +145,9 @@ int main(int argc, char** argv) {
         !open && !same ? " (WRONG)"
         : inside       ? ""
                        : " (OUTSIDE)",
-        number(evidence.lower()), number(evidence.upper()), orders.scheme_step, seconds);
+        number(evidence.lower()),
+        evidence.until ? fmt::format("up to t = {:.2g}", *evidence.until) : number(evidence.upper()),
+        orders.scheme_step, seconds);
   }
   fmt::print(
       "\n{} scenes: {} verdicts are wrong, {} are undecided, {} of which because nothing touches. In {} the distance "

@@ -64,10 +64,12 @@ inline KnownVerdict known_verdict(const VerdictScene& scene) {
   return known;
 }
 
-/// Whether the bounds of a study enclose the distance.
+/// Whether the bounds of a study enclose the distance; those of the beginning of a run say nothing about its rest but
+/// that limits which differ do so there.
 inline bool agrees(const LimitEvidence& evidence, const KnownVerdict& known) {
   const auto lower = evidence.lower(), upper = evidence.upper();
   if (!known.distance || !lower || !upper) return true;
+  if (evidence.until) return *lower <= *known.distance + known.error;
   return *lower <= *known.distance + known.error && *upper >= *known.distance - known.error;
 }
 

@@ -232,8 +232,10 @@ std::optional<Judgement> by_beginning(MeshRuns& mesh, const LimitStudy& study, P
     const Judgement found = judge_mesh(mesh, study, purse, until *= 0.5);
     const LimitEvidence& evidence = found.evidence;
     if (found.verdict == Verdict::plateau ? evidence.apart_error <= part_known * *evidence.apart
-                                          : found.verdict == Verdict::converges && mesh.one_limit)
+                                          : found.verdict == Verdict::converges && mesh.one_limit) {
+      mesh.magnifies = true;
       return found;
+    }
   }
   return std::nullopt;
 }
@@ -388,6 +390,7 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
     orders.to_rigid = of_node(to_rigid, orders.boundary);
     orders.to_scheme = of_node(to_scheme, orders.boundary);
   }
+  if (mesh.magnifies) orders.to_own_limit = orders.to_rigid = orders.to_scheme = orders.of_step = std::nullopt;
   orders.to_scheme_limit = orders.to_rigid;
   if (!span) {
     orders.penetration_layer = of_layer(penetration, orders.boundary);

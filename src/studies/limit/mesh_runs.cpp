@@ -7,6 +7,7 @@
 #include <cmath>
 #include <ctime>
 #include <stdexcept>
+#include <utility>
 
 #include "case/method_table.hpp"
 #include "case/run_cost.hpp"
@@ -174,26 +175,31 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Pur
   each(scouts, study, purse, [&](Run& run) {
     if (study.budget == 0.0 || purse.spent() - begun <= part_of_scouts * study.budget) run.trace(all, purse);
   });
-  std::vector<Event> changes;
   std::size_t most_steps = 0;
   bool scouted = true;
   for (Run* run : scouts) {
-    changes.insert(changes.end(), run->traces.events.begin(), run->traces.events.end());
     most_steps = std::max(most_steps, run->traces.statistics.steps);
-    scouted &= run->complete;
-    run->complete = false;
+    scouted &= std::exchange(run->complete, false);
   }
-  mesh.times = comparison_times(first.end, intervals(first), changes);
   const double tolerance = scouted ? tolerance_of(study, first, most_steps, scouts.front()->run.tolerance.relative)
                                    : first.tolerance.relative;
   const auto set = [&](Run& run, double relative) { run.run.tolerance = run.run.tolerance.with_relative(relative); };
   for (Run& run : mesh.penalised) set(run, tolerance);
+  std::vector<Run*> again;  // a bounce is over before a rough time of its impact
   for (KnownLimit* limit : limits) {
     // Chatter has the more bounces the tighter the tolerance: it begins with a rough one.
     const bool chatters = mesh.of_penalty && limit == &*mesh.of_penalty;
     set(limit->run, chatters ? std::max(tolerance, 1e-9) : tolerance);
     set(limit->rough, std::min(of_limits * limit->run.run.tolerance.relative, 1e-4));
+    if (limit->rough.run.tolerance.relative < roughest) again.push_back(&limit->rough);
   }
+  each(again, study, purse, [&](Run& run) { run.trace(all, purse); });
+  std::vector<Event> changes;
+  for (Run* run : scouts) {
+    changes.insert(changes.end(), run->traces.events.begin(), run->traces.events.end());
+    run->complete = false;
+  }
+  mesh.times = comparison_times(first.end, intervals(first), changes);
 
   purse.expect(limits.size());
   parallel_for(
@@ -213,16 +219,29 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Pur
     if (k < mesh.scheme.size()) runs.push_back(&mesh.scheme[k]);
     if (k < mesh.penalised.size()) runs.push_back(&mesh.penalised[k]);
   }
-  std::atomic<double> longest = 0.0;
+  const double decides = 0.25 * study.budget;  // what is kept for that, once there is a row
+  std::mutex mutex;
+  double under_way = 0.0;  // what runs are expected to take that have begun
+  double next = limits.empty() ? 0.0 : limits.front()->run.seconds, last = next;
   each(runs, study, purse, [&](Run& run) {
-    // A quarter of the budget is for what decides.
-    const double kept = longest > 0.0 ? longest + 0.25 * study.budget : 0.0;
-    if (!purse.allows(run.run.method == MethodName::fully_discrete ? 0.0 : kept, true)) return;
+    if (run.run.method == MethodName::fully_discrete) return void(run.trace(mesh.times, purse));
+    double expected = 0.0;
+    {
+      const std::lock_guard lock(mutex);
+      expected = next;
+      if (!purse.allows(under_way + expected, true)) return;
+      under_way += expected;
+    }
     run.trace(mesh.times, purse);
-    if (run.run.method == MethodName::fully_discrete || !run.complete) return;
-    longest = std::max(longest.load(), run.seconds);
+    const std::lock_guard lock(mutex);
+    under_way -= expected;
+    if (!run.complete) return;
+    purse.keep(decides);
+    next = run.seconds * std::clamp(run.seconds / std::max(last, 1e-6), 1.0, 10.0);
+    last = run.seconds;
     purse.tell(row_of(mesh, run));
   });
+  purse.keep(0.0);
   for (const Run& run : mesh.scheme)
     if (run.error) std::rethrow_exception(run.error);
   if (std::ranges::all_of(mesh.penalised, [](const Run& run) { return run.error != nullptr; }))

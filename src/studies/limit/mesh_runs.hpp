@@ -29,10 +29,12 @@ class Purse {
   double left() const { return study_.budget - spent_; }
   bool interrupted() const { return study_.interrupted && study_.interrupted(); }
   /// Whether runs are to stop. A budget of 0 lets the runs that were asked for go on.
-  bool empty() const { return interrupted() || (study_.budget > 0.0 && spent_ > study_.budget); }
+  bool empty() const { return interrupted() || (study_.budget > 0.0 && spent_ + kept_ > study_.budget); }
+  /// From here on runs are to stop that much earlier.
+  void keep(double seconds) { kept_ = seconds; }
   /// Whether a run may begin that takes so long; of those that were asked for with a budget of 0, too.
   bool allows(double seconds, bool asked) const {
-    return !interrupted() && (study_.budget > 0.0 ? spent_ + seconds <= study_.budget : asked);
+    return !interrupted() && (study_.budget > 0.0 ? spent_ + kept_ + seconds <= study_.budget : asked);
   }
   void expect(std::size_t runs) {
     const std::lock_guard lock(mutex_);
@@ -50,7 +52,7 @@ class Purse {
 
  private:
   const LimitStudy& study_;
-  std::atomic<double> spent_ = 0.0;
+  std::atomic<double> spent_ = 0.0, kept_ = 0.0;
   std::mutex mutex_;
   std::size_t done_ = 0, all_ = 0;
 };
@@ -83,6 +85,7 @@ struct MeshRuns {
   std::optional<KnownLimit> of_scheme;
   std::optional<KnownLimit> of_penalty;  // where that is another motion than the scheme's
   bool one_limit = false;                // by theory: both are of_scheme
+  bool magnifies = false;                // small differences, so that distances over the whole run have no order
   std::vector<double> times;
   std::vector<Run> other_law;
   std::optional<Run> without_obstacles;

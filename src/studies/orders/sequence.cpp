@@ -9,7 +9,7 @@ namespace viscobar {
 namespace {
 
 constexpr double above_floor = 10.0;
-constexpr double agreement_of_two = 0.03, agreement_of_more = 0.06, largest_bound = 0.04, roughness = 0.2;
+constexpr double agreement_of_two = 0.03, agreement_of_more = 0.06, largest_bound = 0.04, roughness = 0.1;
 
 double power(const Sequence& s, std::size_t i, std::size_t j) {
   return std::log(s.distance[i] / s.distance[j]) / std::log(s.x[i] / s.x[j]);
@@ -32,11 +32,22 @@ std::optional<SequenceOrder> order_of(const Sequence& s, std::size_t first, std:
   const auto slope =
       observed_order(std::span(s.x).subspan(first, powers + 1), std::span(s.distance).subspan(first, powers + 1));
   if (!slope) return std::nullopt;
+  // Two powers may agree by chance, where the one before them is another.
+  if (powers == 2 && first > 0 && told(s, first - 1) && std::abs(power(s, first - 1, first) - slope->order) > roughness)
+    return std::nullopt;
+  // Powers that drift to one side go on doing so, like a geometric sequence.
+  double drift = 0.0;
+  if (powers > 2) {
+    const double end = power(s, last - 1, last), now = end - power(s, last - 2, last - 1),
+                 before = power(s, last - 2, last - 1) - power(s, last - 3, last - 2);
+    if (now * before > 0.0)
+      drift = std::abs(end - slope->order) + std::abs(now) / std::max(0.1, std::abs(before / now) - 1.0);
+  }
   const std::size_t middle = last - std::max<std::size_t>(1, powers / 2);
   const double floors =
       (s.floor[first] / s.distance[first] + s.floor[last] / s.distance[last]) / std::log(s.x[first] / s.x[last]);
   SequenceOrder order{*slope, 0.0, first, last};
-  order.bound = std::max({2.0 * slope->standard_error, std::abs(power(s, middle, last) - slope->order), floors});
+  order.bound = std::max({2.0 * slope->standard_error, std::abs(power(s, middle, last) - slope->order), floors, drift});
   return order.bound <= largest_bound ? std::optional(order) : std::nullopt;
 }
 

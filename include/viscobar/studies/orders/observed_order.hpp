@@ -31,8 +31,9 @@ struct SequenceOrder : ObservedOrder {
 ///
 ///     two p_i agree to 0.03, or three or more to 0.06,
 ///
-/// its power is the slope of all of it, and its bound twice the slope's standard error, or how far the p_i of its last
-/// half lie from it, or what the floors may do, whichever is largest. It is told where the bound is 0.04 at most.
+/// two only where the one before them is not another. Its power is the slope of all of it, and its bound twice the
+/// slope's standard error, or how far the p_i of its last half lie from it, or where they drift to, or what the floors
+/// may do, whichever is largest. It is told where the bound is 0.04 at most.
 struct Sequence {
   std::vector<double> x;         ///< decreasing, > 0
   std::vector<double> distance;  ///< >= 0
