@@ -36,8 +36,6 @@ std::optional<double> FormulaDetail::operator()(double after, double until) {
 void FormulaDetail::find() {
   constexpr int parts = 64;
   places_.clear();
-  effort_ = 0;
-  covered_ = 0.0;
   rounding_ = 64.0 * std::numeric_limits<double>::epsilon() * until_;
   double largest = 0.0;
   for (int i = 0; i < parts; ++i) {
@@ -47,13 +45,23 @@ void FormulaDetail::find() {
   }
   if (largest == 0.0 || !std::isfinite(largest)) return;
   allowed_ = far_from_linear * largest;
+  search(coarse);
+  // Beside what goes on all the time a pulse is far shorter.
+  if (!along_x_ && quiet_ < pulses * until_) search(coarse / 8.0);
+  if (!along_x_ && covered_ > pulses * until_) places_.clear();
+}
+
+void FormulaDetail::search(double share) {
+  places_.clear();
+  effort_ = 0;
+  covered_ = quiet_ = 0.0;
+  coarse_ = share * until_;
   // Breaks may have a limit, as those of sin(1/x) > 0.
   std::size_t stretches = 0;
   for (double begin = 0.0, end = 0.0; begin < until_ && ++stretches < most_stretches; begin = end) {
     end = switches_.first(0.0, begin + rounding_, until_).value_or(until_);
     divide(begin, end);
   }
-  if (!along_x_ && covered_ > pulses * until_) places_.clear();
 }
 
 void FormulaDetail::divide(double begin, double end) {
@@ -66,7 +74,10 @@ void FormulaDetail::divide(double begin, double end) {
   if (apart > allowed_ && size > finest * until_ && ++effort_ < most_halvings) {
     divide(begin, begin + size / 2.0);
     divide(begin + size / 2.0, end);
-  } else if (size < coarse * until_) {
+    return;
+  }
+  if (value.high - value.low <= allowed_) quiet_ += size;
+  if (size < coarse_) {
     covered_ += size;
     if (places_.empty() || places_.back() < begin) places_.push_back(begin);
     places_.push_back(end);

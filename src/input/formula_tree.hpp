@@ -104,8 +104,8 @@ class FormulaSwitches {
 /// pulse is too short to be seen.
 class FormulaDetail {
  public:
-  /// In t only pulses count, which fill less than half of the interval: what goes on all the time no step misses.
-  /// `other` is what the other variable is.
+  /// In t only pulses count, which fill less than half of the interval, and beside what does not rest for half of it
+  /// only those of a 1024th: what goes on all the time no step misses. `other` is what the other variable is.
   FormulaDetail(FormulaTree tree, bool along_x, Interval other);
 
   /// The first such place in (after, until), of those between 0 and until; absent: none.
@@ -114,6 +114,7 @@ class FormulaDetail {
  private:
   void bound(const Jet& s);
   void find();
+  void search(double share);
   void divide(double begin, double end);
 
   FormulaTree tree_;
@@ -122,7 +123,7 @@ class FormulaDetail {
   std::vector<double> places_;
   bool along_x_;
   Jet other_;
-  double until_ = 0.0, rounding_ = 0.0, allowed_ = 0.0, covered_ = 0.0;
+  double until_ = 0.0, rounding_ = 0.0, allowed_ = 0.0, covered_ = 0.0, quiet_ = 0.0, coarse_ = 0.0;
   std::size_t effort_ = 0;
 };
 

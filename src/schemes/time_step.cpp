@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <span>
 #include <tuple>
@@ -233,11 +234,13 @@ std::span<const double> TimeStep::load_over_step(double t) {
   std::ranges::fill(mean_, 0.0);
   for (double begin = from; begin < to;) {
     const double end = std::min(next_break_, to), share = (end - begin) / (to - from);
-    constexpr int last = 16;  // of Simpson's points: a smooth pulse that stands between two breaks is one of some width
-    for (int k = 0; k <= last; ++k) {
-      const double weight = share * (k % last == 0 ? 1.0 : k % 2 == 0 ? 2.0 : 4.0) / (3.0 * last);
-      const std::span<const double> now = pieces_->at(begin + (end - begin) * k / last);
-      for (std::size_t i = 0; i < mean_.size(); ++i) mean_[i] += weight * now[i];
+    // Gauss' two points a piece, never a break itself, where the load may have a pole: a smooth pulse that stands
+    // between two breaks is one of some width.
+    constexpr int pieces = 16;
+    for (int k = 0; k < 2 * pieces; ++k) {
+      const double part = (k / 2 + 0.5 + (k % 2 == 0 ? -0.5 : 0.5) / std::numbers::sqrt3) / pieces;
+      const std::span<const double> now = pieces_->at(begin + (end - begin) * part);
+      for (std::size_t i = 0; i < mean_.size(); ++i) mean_[i] += share / (2 * pieces) * now[i];
       ++load_evaluations_;
     }
     if (next_break_ < to) enter_load(next_break_);
