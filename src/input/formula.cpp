@@ -301,13 +301,21 @@ NextBreakAt Formula::breaks_in_x_at() const {
   return [switches](double t, double after, double until) mutable { return switches.first(t, after, until); };
 }
 
-Places Formula::places() const {
+Places Formula::places(double length) const {
   if (!uses('x')) return {};
+  // The same few formulas in thousands of scenes of a sweep.
+  thread_local std::map<std::tuple<std::string, Parameters, double>, Places> all_known;
+  const auto key = std::tuple(text_, parameters_, length);
+  if (const auto known = all_known.find(key); known != all_known.end()) return known->second;
   const FormulaTree tree = parse_formula(text_, parameters_);
-  return {[switches = FormulaSwitches::along_x(tree)](double after, double until) mutable {
-            return switches.first(0.0, after, until);
-          },
-          FormulaDetail(tree, true, {0.0, 0.0})};
+  FormulaDetail detail(tree, true, {0.0, 0.0});
+  detail(0.0, length);  // found once, for all copies
+  constexpr std::size_t most = 100;
+  if (all_known.size() >= most) all_known.clear();
+  return all_known[key] = {[switches = FormulaSwitches::along_x(tree)](double after, double until) mutable {
+                             return switches.first(0.0, after, until);
+                           },
+                           detail};
 }
 
 SpaceTimeFunction Formula::derivative(std::string_view by) const {

@@ -32,7 +32,7 @@ std::optional<Load> rate_of_load(const SceneEntries& entries, const std::string&
     const SpaceTimeFunction slope = rate(*density, by, length);
     if (!slope && stretched == 0.0) return std::nullopt;
     const auto f = with_mass(density->of_x_t(), slope);
-    if (!density->uses('t')) return SteadyLoad{[f](double x) { return f(x, 0.0); }, density->places()};
+    if (!density->uses('t')) return SteadyLoad{[f](double x) { return f(x, 0.0); }, density->places(length)};
     return GeneralLoad{f, density->breaks_and_pulses(length), density->breaks_at(), density->breaks_in_x_at()};
   }
   const auto profile = entries.formula("load.profile"), history = entries.formula("load.history");
@@ -42,7 +42,7 @@ std::optional<Load> rate_of_load(const SceneEntries& entries, const std::string&
   const auto moved = with_mass(profile->of_x_t(), of_profile);
   if (!of_history)
     return SeparableLoad{[moved](double x) { return moved(x, 0.0); }, history->of_t(), history->breaks_and_pulses(0.0),
-                         profile->places()};
+                         profile->places(length)};
   return GeneralLoad{[moved, of_history, f = profile->of_x(), g = history->of_t()](double x, double t) {
                        return moved(x, t) * g(t) + f(x) * of_history(x, t);
                      },

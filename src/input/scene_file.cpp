@@ -66,21 +66,21 @@ EndInput input_of(const SceneEntries& entries, const std::string& side, const En
 }
 
 // The narrowest kind of load that the formulas allow, and none at all for one that is zero.
-std::optional<Load> load_of(const SceneEntries& entries) {
+std::optional<Load> load_of(const SceneEntries& entries, double length) {
   if (const auto density = entries.formula("load.density")) {
     if (density->is_zero()) return std::nullopt;
-    if (!density->uses('t')) return SteadyLoad{density->of_x(), density->places()};
+    if (!density->uses('t')) return SteadyLoad{density->of_x(), density->places(length)};
     if (!density->uses('x'))
       return SeparableLoad{[](double) { return 1.0; }, density->of_t(), density->breaks_and_pulses(0.0)};
-    return GeneralLoad{density->of_x_t(), density->breaks_and_pulses(entries.number("bar.length").value_or(1.0)),
-                       density->breaks_at(), density->breaks_in_x_at()};
+    return GeneralLoad{density->of_x_t(), density->breaks_and_pulses(length), density->breaks_at(),
+                       density->breaks_in_x_at()};
   }
   const auto profile = entries.formula("load.profile"), history = entries.formula("load.history");
   if (!profile || !history || profile->is_zero() || history->is_zero()) return std::nullopt;
   if (history->is_constant())
     return SteadyLoad{[f = profile->of_x(), factor = history->constant()](double x) { return factor * f(x); },
-                      profile->places()};
-  return SeparableLoad{profile->of_x(), history->of_t(), history->breaks_and_pulses(0.0), profile->places()};
+                      profile->places(length)};
+  return SeparableLoad{profile->of_x(), history->of_t(), history->breaks_and_pulses(0.0), profile->places(length)};
 }
 
 OutputFiles files_of(const SceneEntries& entries) {
@@ -110,10 +110,12 @@ Case case_of(SceneEntries& entries) {
   if (entries.present("span.gap")) scene.span = Obstacle{number("span.gap", 1e100), side_of(entries, "span")};
   scene.displacement = function("initial.displacement");
   scene.velocity = function("initial.velocity");
-  const auto places = [&](const char* key) { return entries.formula(key).value_or(Formula(0.0)).places(); };
+  const auto places = [&](const char* key) {
+    return entries.formula(key).value_or(Formula(0.0)).places(run.scene.bar.length);
+  };
   scene.displacement_places = places("initial.displacement");
   scene.velocity_places = places("initial.velocity");
-  scene.load = load_of(entries);
+  scene.load = load_of(entries, run.scene.bar.length);
   scene.units = {text("units.length"), text("units.time"), text("units.mass"), text("units.force"),
                  text("units.stress")};
 
