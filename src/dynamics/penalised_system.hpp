@@ -139,12 +139,13 @@ class PenalisedSystem {
   /// Whether contact i, while closed, holds its node at -s gap: a rigid one does, and a spring on a massless node that
   /// gives way by less than the rounding of the strain, kappa = k h / E > (1 + eta / (h sqrt(E rho))) / rounding.
   bool holds(std::size_t i) const { return holds_[i] != 0; }
+  bool held(std::size_t unknown) const;  ///< by a closed contact that holds()
   /// Whether contact i is closed on a node without mass and a stiff spring, kappa > 1e4, whose penetration is at once
   /// what the strain beside it makes of it.
   bool relaxes(std::size_t i) const;
-  /// Whether the row of contact i, on a damped node without mass, has the sign of its reaction, too. On the surface
-  /// the node moves at s w_i = -(h/eta) R, R being row_reaction(): it leaves where R < 0 and stays where R > 0. k times
-  /// a depth that is less than a step may be wrong by has no sign of its own.
+  /// On a damped node without mass the row of contact i has the sign of its reaction, too: on the surface the node
+  /// moves at s w_i = -(h/eta) R, R being row_reaction(). It leaves where R < 0 and stays where R > 0. k times a depth
+  /// that is less than a step may be wrong by has no sign of its own.
   bool changes_by_row(std::size_t i) const { return massless(contact(i).unknown) && bar_.damped(); }
   /// k h / E
   double relative_stiffness(std::size_t i) const;
@@ -229,8 +230,8 @@ class PenalisedSystem {
 
   /// That of a closed contact that holds(), as its row gives it, of either sign.
   double holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
-  /// What holds the node of contact i, which has no mass, on its obstacle, R >= 0 where it pushes: the remainder of its
-  /// row there, R = -(E (u_1 + s gap) + eta w_1) s / h - s (M f)_i.
+  /// The remainder of the row of contact i, whose node has no mass, on its obstacle: it holds the node there, R >= 0
+  /// where it pushes. R = -(E (u_1 + s gap) + eta w_1) s / h - s (M f)_i, less k gap of a spring at that end.
   double row_reaction(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
 
   /// Energy of the springs of closed contacts.
@@ -272,7 +273,6 @@ class PenalisedSystem {
   static std::size_t neighbour(std::size_t end) { return end == 0 ? 1 : end - 1; }
   std::array<double, 2> inertia_beside(std::size_t end) const;
   bool gives_way_by_rounding(std::size_t i) const;
-  bool held(std::size_t unknown) const;
   void accelerate_held(double t, std::span<const double> u, std::span<const double> w);
   void accelerate_held();
   double held_force(std::size_t i) const;

@@ -147,8 +147,8 @@ inline double EventSearch::uncertainty(std::size_t i) const {
                                                  : weights.displacement_tolerance());
 }
 
-// What speaks against a change of contact i in the state y: the velocity of a node that is to close, away from the
-// obstacle; by the row of a damped node without mass, (h/E) times a reaction that holds it, or pulls.
+// Positive where the state y speaks against a change of contact i: the velocity of a node that is to close, away from
+// the obstacle; by the row of a damped node without mass, (h/E) times a reaction that holds it, or pulls.
 double EventSearch::against(std::size_t i, double t, std::span<const double> y) {
   const std::size_t n = system_.size(), node = system_.contact(i).unknown;
   const std::span<const double> u = y.first(n), w = y.subspan(n, n);

@@ -27,10 +27,10 @@ namespace viscobar {
 /// in, and the row of a damped node without mass has the sign that the new state asks for. Where it does not agree at
 /// the descent of p, the change is where it begins to.
 ///
-/// What pulls by R < 0 on a node at rest holds back the bar, whose velocity it changes by V = int R / (rho L) dt, and
-/// the node, which would move off by int R / (eta/h + z) + V dt, z = sqrt(E rho) for one with mass, else 0. A damped
-/// node without mass and one that a rigid contact holds are let go as soon as V or that way exceeds the tolerance of a
-/// step, and V is given back. A pull that is an error of the motion turns before.
+/// A contact that pulls, R < 0, holds back the bar and its node. The bar loses the velocity V = int |R| / (rho L) dt.
+/// The node misses the way int |R| / (eta/h + z) + V dt; z is sqrt(E rho) for one with mass, else 0. A damped node
+/// without mass and one that a rigid contact holds are let go as soon as V or that way exceeds the tolerance of a step,
+/// and the bar gets V back. A pull that is an error of the motion turns before.
 class EventSearch {
  public:
   /// Both outlive it; `size` is that of the state.

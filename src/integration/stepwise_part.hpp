@@ -431,7 +431,8 @@ class StepwisePart {
     if (velocity == 0.0) return;
     const auto kinetic = [&] { return 0.5 * system_.bar().inertia().quadratic_form(w()); };
     const double before = kinetic();
-    for (double& of_node : w()) of_node += velocity;
+    for (std::size_t i = 0; i < layout_.nodes; ++i)
+      if (!system_.held(i)) w()[i] += velocity;
     if (layout_.dissipated) y_[*layout_.dissipated] -= kinetic() - before;
   }
 
