@@ -65,6 +65,8 @@ TEST(BrokenData, PulsesInTimeAreNotPassedBy) {
   for (const char* pulse :
        {"left.force = \"1000*exp(-((t-0.4321)/0.0002)^2)\"", "load.density = \"1000*exp(-((t-0.4321)/0.0002)^2)\"",
         "load.density = \"2000*x*exp(-((t-0.4321)/0.0002)^2)\"",
+        "load.density = \"sin(pi*t) + 1000*exp(-((t-0.4321)/0.0002)^2)\"",
+        "load.density = \"1000*sin(pi*t) + 1000*exp(-((t-0.4321)/0.0002)^2)\"",
         "load.profile = \"2*x\"\nload.history = \"t < 1 ? 1000*exp(-((t-0.4321)/0.0002)^2) : 0\""})
     for (const char* method : {"cvode", "ida", "arkode", "odeint", "exponential", "rigid"}) {
       const Case run = parse_scene(fmt::format("bar.length = 1.0\nbar.viscosity = 0.1\nleft.kind = \"free\"\n"

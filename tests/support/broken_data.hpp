@@ -125,15 +125,25 @@ class BrokenData {
   void add_velocity() { velocity_ = shape(u_1); }
   void add_load() {
     load_ = shape(f);
-    switch (std::uniform_int_distribution(0, 1)(random_)) {
+    switch (std::uniform_int_distribution(0, 2)(random_)) {
       case 0:
         history_ = "1";
         steps_ = {{0.0, 1.0}};
         break;
-      default: {
+      case 1: {
         const double a = uniform(0.0, 0.4) * end_, b = a + std::pow(10.0, uniform(-2.0, -0.5)) * end_;
         history_ = fmt::format("t > {} && t < {} ? 1 : 0", a, b);
         steps_ = {{a, 1.0}, {b, -1.0}};
+        break;
+      }
+      default: {
+        // A smooth pulse, as the 160 impulses of its middle rule, which converges like exp(-(pi s/h)^2).
+        const double size = std::pow(10.0, uniform(-4.0, -1.5)) * end_, middle = uniform(0.2, 0.7) * end_;
+        history_ = fmt::format("{}*exp(-((t - {})/{})^2)", 0.1 / size, middle, size);
+        for (int i = -80; i < 80; ++i) {
+          const double s = (i + 0.5) / 80.0 * 6.0;
+          if (middle + s * size > 0.0) impulses_.push_back({middle + s * size, 0.1 * std::exp(-s * s) * 6.0 / 80.0});
+        }
       }
     }
   }
@@ -169,6 +179,8 @@ class BrokenData {
       if (loaded) {
         for (const auto& [since, size] : steps_)
           if (t > since) a += f.of[k] * size * response(k, t - since).pushed;
+        for (const auto& [when, size] : impulses_)
+          if (t > when) a += f.of[k] * size * response(k, t - when).thrown;
       }
       sum += a * cosines[k];
       start += u_0.of[k] * cosines[k];
@@ -183,7 +195,7 @@ class BrokenData {
   struct Event {
     double time, size;
   };
-  std::vector<Event> steps_;
+  std::vector<Event> steps_, impulses_;
   Coefficients u_0, u_1, f;
 };
 
