@@ -313,10 +313,7 @@ double PenalisedSystem::row_reaction(std::size_t i, double t, std::span<const do
   const double sign = contact(i).sign;
   const double stress = bar_.bar().modulus * (sign * u[next] + contact(i).clearance(origin_at(next))) +
                         bar_.bar().viscosity * sign * w[next];
-  double reaction = -stress / bar_.spacing_at(node) - sign * load(node, t);
-  for (const Mount& mount : bar_.mounts())
-    if (mount.unknown == node) reaction -= mount.stiffness * contact(i).gap;
-  return reaction;
+  return -stress / bar_.spacing_at(node) - sign * load(node, t);
 }
 
 // Of all contacts that hold nodes with mass, whatever their number, by one solve.
