@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -24,6 +25,8 @@ class BrokenData {
   explicit BrokenData(unsigned seed) : random_(seed) {
     viscosity_ = std::pow(10.0, uniform(-2.0, 0.0));
     end_ = uniform(0.5, 4.0);
+    if (chance(0.5))
+      grid_ = std::array{10.0, 16.0, 20.0, 50.0, 100.0}[std::uniform_int_distribution<std::size_t>(0, 4)(random_)];
     if (chance(0.3)) add_tent();
     if (chance(0.6) || displacement_.empty()) add_velocity();
     if (chance(0.5)) add_load();
@@ -86,11 +89,14 @@ class BrokenData {
 
   double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
   bool chance(double share) { return uniform(0.0, 1.0) < share; }
+  // Half of the scenes break at round places, which meshes may have nodes at.
+  double place(double low, double high) { return rounded(uniform(low, high)); }
+  double rounded(double x) const { return grid_ > 0.0 ? std::max(1.0, std::round(x * grid_)) / grid_ : x; }
   double width() { return std::pow(10.0, uniform(-2.5, -0.7)); }
 
   void add_tent() {
-    tent_half_ = uniform(0.05, 0.25);
-    tent_middle_ = uniform(tent_half_, 1.0 - tent_half_);
+    tent_half_ = place(0.05, 0.25);
+    tent_middle_ = place(tent_half_, 1.0 - tent_half_);
     tent_slope_ = uniform(-1.0, 1.0);
     displacement_ = fmt::format("{}*max(0, {} - abs(x - {}))", tent_slope_, tent_half_, tent_middle_);
     u_0.add_tent(tent_middle_, tent_half_, tent_slope_);
@@ -100,12 +106,12 @@ class BrokenData {
     const double height = uniform(-2.0, 2.0);
     switch (std::uniform_int_distribution(0, 3)(random_)) {
       case 0: {
-        const double b = uniform(0.35, 0.95), a = uniform(0.05, 0.3);
+        const double b = place(0.35, 0.95), a = place(0.05, 0.3);
         of.add_box(a, b, height);
         return fmt::format("x > {} && x < {} ? {} : 0", a, b, height);
       }
       case 1: {
-        const double size = width(), a = uniform(0.05, 0.75), strong = height * 0.2 / size;
+        const double size = rounded(width()), a = place(0.05, 0.75), strong = height * 0.2 / size;
         of.add_box(a, a + size, strong);
         return fmt::format("x > {} && x < {} ? {} : 0", a, a + size, strong);
       }
@@ -190,6 +196,7 @@ class BrokenData {
   }
 
   std::mt19937 random_;
+  double grid_ = 0.0;  // of places
   double viscosity_ = 1.0, end_ = 1.0, tent_middle_ = 0.0, tent_half_ = 0.0, tent_slope_ = 0.0;
   std::string displacement_, velocity_, load_, history_;
   struct Event {

@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <numeric>
 
 #include "case/run_cost.hpp"
 #include "studies/accuracy/plan.hpp"
@@ -124,16 +124,22 @@ bool Plan::affordable(std::size_t elements) const {
          validate(run).empty();
 }
 
-// J (e / wanted)^(1/p). Up to 256, where a run costs about as much on half as many elements, in powers of two, so that
-// the runs of the pilots serve; then in eights, so that a half has quarters.
+// In eights, so that a half has quarters, and halves keep the unit.
+std::size_t Plan::multiple(std::size_t elements) const {
+  const std::size_t of = std::lcm(std::size_t{8}, 2 * unit_);
+  return (elements + of - 1) / of * of;
+}
+
+// J (e / wanted)^(1/p). Up to 256, where a run costs about as much on half as many elements, in doubled units, so that
+// the runs of the pilots serve.
 std::size_t Plan::wanted_elements(const SpaceError& known, std::size_t from) const {
   constexpr double few = 256.0, longest = 4.0;  // the meshes between are run for the estimate anyway
-  if (known.error <= 0.0) return least_elements;
+  if (known.error <= 0.0) return doubled_unit(least_elements);
   const double order = std::clamp(known.order, 0.5, theory_);
   const double factor = std::pow(known.error / (shares_.space * reachable_), 1.0 / order);
   const double elements = std::ceil(static_cast<double>(from) * std::min(factor, longest));
   const auto wanted = static_cast<std::size_t>(elements);
-  return std::max(elements <= few ? std::bit_ceil(wanted) : (wanted + 7) / 8 * 8, least_elements);
+  return elements <= few || doubled_ ? doubled_unit(std::max(wanted, least_elements)) : multiple(wanted);
 }
 
 // Meshes are refined until the last one before the solution's promises that the solution keeps the request. Of order 2,
@@ -173,9 +179,9 @@ void Plan::climb_from(std::size_t& known) {
       return;
     }
     const double expected = expected_order(steps, theory_);
-    for (std::size_t quarters = theory_ > 2.0 ? 5 : 8; same && quarters <= 8; ++quarters) {
+    for (std::size_t quarters = theory_ > 2.0 && !doubled_ ? 5 : 8; same && quarters <= 8; ++quarters) {
       const std::size_t solution = known * quarters / 4;
-      if (known * quarters % 4 != 0 || solution < least_elements ||
+      if (known * quarters % (4 * unit_) != 0 || solution < least_elements ||
           seen_error(prolonged(steps, solution, expected)).error > 1.05 * share * reachable_)
         continue;
       chosen_.elements = solution;

@@ -65,16 +65,28 @@ DataError::DataError(const Case& run, bool displacements)
   if (const auto* general = std::get_if<GeneralLoad>(&*scene.load)) fronts_ = static_cast<bool>(general->breaks_in_x);
 }
 
+bool DataError::at_nodes(std::size_t elements) const {
+  const auto count = static_cast<double>(elements);
+  return std::ranges::all_of(breaks_, [&](double at) {
+    const double place = at / length_ * count;
+    return std::abs(place - std::round(place)) <= 1e-9 * count;
+  });
+}
+
+std::size_t DataError::unit() const {
+  constexpr std::size_t most = 128;  // a mesh that costs no more than the search for a smaller one
+  if (fronts_) return 1;
+  for (std::size_t elements = 1; elements <= most; ++elements)
+    if (at_nodes(elements)) return elements;
+  return 1;
+}
+
 SpaceError DataError::of(SpaceError found, std::span<const MeshStep> ladder) const {
   if (ladder.empty()) return found;
   const MeshStep& last = ladder.back();
   const auto coarse = static_cast<double>(last.coarse), fine = static_cast<double>(last.fine);
-  const auto between = [&](double at) {
-    const double place = at / length_ * coarse;
-    return std::abs(place - std::round(place)) > 1e-9 * coarse;
-  };
   const double before = found.error;
-  if (fronts_ || std::ranges::any_of(breaks_, between)) {
+  if (fronts_ || !at_nodes(last.coarse)) {
     found.error = std::max(found.error, last.distance / (fine / coarse - 1.0));
     found.trusted.reset();
   }

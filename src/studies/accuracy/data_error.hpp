@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -28,7 +29,15 @@ class DataError {
   /// The error of a ladder with both. Of order 4, 2, ... it stays where there is neither.
   SpaceError of(SpaceError found, std::span<const MeshStep> ladder) const;
 
+  /// The least number of elements whose nodes all breaks of u_0, u_1 and f are at: multiples of it keep the order that
+  /// a mesh has without them. 1 where there are none, where they move, or where no number up to 128 does.
+  std::size_t unit() const;
+  /// Whether the data break at all. The motion then has kinks, over which no mesh can be interpolated to another's
+  /// nodes.
+  bool broken() const { return fronts_ || !breaks_.empty(); }
+
  private:
+  bool at_nodes(std::size_t elements) const;
   struct Wave {
     double detail, stretch, error;  // the shortest of its places' distances; of all; of the displacement
   };

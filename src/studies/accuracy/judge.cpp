@@ -116,7 +116,8 @@ void Plan::explain(ErrorEstimate& estimate, const Case& run) const {
   because(given.elements, fmt::format("{} elements", run.elements),
           fmt::format("{} elements: from {}", run.elements,
                       estimate.order ? fmt::format("the observed power {:.2g} of the mesh", *estimate.order)
-                                     : "the difference to coarser meshes, which show no power to rely on"));
+                                     : "the difference to coarser meshes, which show no power to rely on") +
+              (unit_ > 1 ? "; the data break at nodes" : ""));
   if (penalised_)
     estimate.reasons.push_back(
         contact_law(run) + (run.restitution && !given.restitution

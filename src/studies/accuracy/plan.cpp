@@ -76,6 +76,9 @@ Plan::Plan(const AccuracyStudy& study)
   if (theory_ > 2.0 && !stepping_ && !penalised_ && share >= loose) pilot_elements_ = least_elements / 2;
   if (penalised_)
     chosen_.epsilon = given.epsilon ? *base_.epsilon : std::clamp(share * 1e-1, 1e-8, 1e-3) * natural_epsilon(scene);
+  unit_ = data_error_.unit();
+  doubled_ = study_.request.of == Goal::displacement && data_error_.broken();
+  pilot_elements_ = doubled_unit(pilot_elements_);
   timed_elements_ = pilot_elements_;
   guess_ = chosen_;
   if (study_.start && !waves_) begin_at(*study_.start);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <map>
 #include <optional>
@@ -40,7 +41,7 @@ class Plan {
   struct Shares {
     double space = 0.65, penalty = 0.1, time = 0.25;
   };
-  static constexpr std::size_t least_elements = 16;  ///< of a solution: fewer are no faster
+  static constexpr std::size_t least_elements = 16;  ///< of a solution: fewer are no faster, on any unit
   static constexpr std::size_t most_rungs = 4;       ///< meshes that an error is seen by
   static constexpr double excess = 1.2;
   static constexpr double nudge_share = 1e-9;  ///< of the natural velocity
@@ -52,6 +53,8 @@ class Plan {
   double apart(const Setting& coarse, const Setting& fine) const;
   double aligned(const Setting& first, const Setting& second, const Setting& third) const;
   void tell(const std::string& what) const;
+  // The least multiple of the unit by a power of two that is not less.
+  std::size_t doubled_unit(std::size_t elements) const { return unit_ * std::bit_ceil((elements + unit_ - 1) / unit_); }
 
   // Where a neighbour ended: start.cpp.
   void begin_at(const AccuracyStart& start);
@@ -74,6 +77,7 @@ class Plan {
   std::vector<MeshStep> ladder(const std::vector<Setting>& steps, bool* same) const;
   std::vector<MeshStep> made_ladder(std::size_t finest, std::size_t least, bool* same);
   SpaceError seen_error(const std::vector<MeshStep>& steps) const;
+  std::size_t multiple(std::size_t elements) const;
   bool affordable(std::size_t elements) const;
   std::size_t wanted_elements(const SpaceError& known, std::size_t from) const;
   void pilot();
@@ -97,6 +101,8 @@ class Plan {
   AccuracyStudy study_;
   Case base_;
   DataError data_error_;
+  std::size_t unit_ = 1;                         // meshes have multiples of it, so that data break at nodes
+  bool doubled_ = false;                         // each mesh has the nodes of the coarser ones
   double theory_ = 4.0;                          // order in h
   std::size_t pilot_elements_ = least_elements;  // of the finest mesh that the search begins with
   std::size_t timed_elements_ = least_elements;  // of that on which it compares settings in time and penalty

@@ -1,6 +1,5 @@
 // A search that begins where a neighbour's ended.
 #include <algorithm>
-#include <bit>
 
 #include "studies/accuracy/plan.hpp"
 
@@ -23,7 +22,7 @@ namespace accuracy {
 // K. Tolerance and penalty are the finer of the neighbour's and one's own guess, until runs show their errors.
 void Plan::begin_at(const AccuracyStart& start) {
   const AccuracyRequest::Given& given = study_.request.given;
-  const std::size_t finest = theory_ > 2.0 ? std::bit_ceil(start.elements) / 4 : (start.elements + 7) / 8 * 2;
+  const std::size_t finest = theory_ > 2.0 ? doubled_unit(start.elements) / 4 : multiple(start.elements) / 4;
   begun_ = !given.elements && finest > pilot_elements_ && affordable(finest);
   if (begun_) {
     // The coarser one, too, if it has as many elements as the estimate compares settings on.
