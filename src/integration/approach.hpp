@@ -3,8 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+
+#include "viscobar/dynamics/bar_system.hpp"
 
 namespace viscobar {
+
+/// Breaks and pulses of the motion of a contact's obstacle, see EndMotion; empty: it has none.
+inline const NextBreak& breaks_of_gap(const BarSystem& system, const Contact& contact) {
+  return system.inputs()[contact.where == Where::right].motion->breaks;
+}
 
 /// Whether a positive f may come down to `floor` in [a, b]. A parabola through three of five values bounds it, with
 /// four times what the other two are off as the margin; where that decides nothing, halves do.
@@ -25,12 +33,17 @@ bool may_reach(Function&& f, double floor, double a, double b, int halvings = 12
   return halvings == 0 || may_reach(f, floor, a, middle, halvings - 1) || may_reach(f, floor, middle, b, halvings - 1);
 }
 
-/// The same, of a part of a run whose whole has that length: what lasts a 256th of it is seen in a long step, too.
+/// The same, of a part of a run whose whole has that length: what lasts a 256th of it is seen in a long step, too, and
+/// between the breaks and pulses of a motion that f has, what is shorter.
 template <class Function>
-bool may_reach_within(double whole, Function&& f, double floor, double a, double b) {
-  const double pieces = std::max(1.0, std::ceil(64.0 * (b - a) / whole));
-  for (double k = 0.0; k < pieces; ++k)
-    if (may_reach(f, floor, a + (b - a) * k / pieces, a + (b - a) * (k + 1.0) / pieces)) return true;
+bool may_reach_within(double whole, Function&& f, const NextBreak& next, double floor, double a, double b) {
+  const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(a), std::abs(b));
+  for (double to = b; a < b; a = to) {
+    to = next ? next(a + rounding, b).value_or(b) : b;
+    const double pieces = std::max(1.0, std::ceil(64.0 * (to - a) / whole));
+    for (double k = 0.0; k < pieces; ++k)
+      if (may_reach(f, floor, a + (to - a) * k / pieces, a + (to - a) * (k + 1.0) / pieces)) return true;
+  }
   return false;
 }
 

@@ -98,7 +98,7 @@ bool EventSearch::may_reach_moving(double begin, double end, double whole) {
       return oriented(i, t, at(t)) + (system_.bar().gap(contact, t) - contact.gap);
     };
     const double rounding = system_.clearance_rounding(i, stepper_.weights().largest_displacement());
-    if (may_reach_within(whole, clearance, rounding, begin, end)) return true;
+    if (may_reach_within(whole, clearance, breaks_of_gap(system_.bar(), contact), rounding, begin, end)) return true;
   }
   return false;
 }

@@ -445,7 +445,8 @@ class StepwisePart {
   }
 
   // The impact of a rigid contact. `closing` is the velocity that its closing is told with, absent where that has been
-  // told. One that neither rests nor rebounds, because the bar pulls its node away at once, is no contact.
+  // told. One that neither rests nor rebounds, because the bar or an obstacle that turns back pulls its node away at
+  // once, is a contact if it stops more than the promised error of a velocity.
   void strike(double t, std::size_t i, std::optional<double> closing) {
     ErrorWeights& weights = stepper_.weights();
     const double h = system_.bar().spacing_at(system_.contact(i).unknown);
@@ -455,12 +456,14 @@ class StepwisePart {
     if (layout_.dissipated) y_[*layout_.dissipated] += collision.dissipated;
     if (layout_.end_inertia) y_[*layout_.end_inertia] += collision.end_inertia;
     const double leaves = w()[system_.contact(i).unknown];
-    if (closing && (collision.rests || leaves != 0.0)) tell_event(t, i, Change::closing, *closing);
+    const bool counts =
+        collision.rests || leaves != 0.0 || !closing || std::abs(*closing) > weights.promised_velocity();
+    if (closing && counts) tell_event(t, i, Change::closing, *closing);
     if (ends_) ends_->strike(i, collision.impulse);  // of the contact that has closed
     if (sensitivities_) sensitivities_->rebound(i, changes_);
     if (collision.rests)
       system_.set_closed(i, true);
-    else if (!closing || leaves != 0.0)
+    else if (counts)
       tell_event(t, i, Change::opening, leaves);
   }
 

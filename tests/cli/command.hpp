@@ -7,7 +7,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 
 #include "support/scratch.hpp"
@@ -23,6 +25,19 @@ struct Ended {
 
   nlohmann::json json() const { return nlohmann::json::parse(out); }
 };
+
+/// The last line of a table, by the names of its columns.
+inline std::map<std::string, std::string> last_row(const std::string& table) {
+  std::istringstream lines(table);
+  std::string header, line, last;
+  std::getline(lines, header);
+  while (std::getline(lines, line))
+    if (!line.empty()) last = line;
+  std::map<std::string, std::string> row;
+  std::istringstream names(header), cells(last);
+  for (std::string name, cell; std::getline(names, name, ',') && std::getline(cells, cell, ',');) row[name] = cell;
+  return row;
+}
 
 /// Runs the program in a directory of the test's own.
 class Command : public testing::Test {

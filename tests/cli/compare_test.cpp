@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <fstream>
 #include <string>
 
 #include "cli/command.hpp"
@@ -40,6 +42,37 @@ TEST_F(Compare, RunsEveryMethodThatFitsAndMatchesTheirContacts) {
   EXPECT_NE(remarks.find("The masses differ"), std::string::npos);
   EXPECT_NE(remarks.find("lumped by finite_difference"), std::string::npos);
   EXPECT_NE(remarks.find("do not from an exact constraint"), std::string::npos);
+}
+
+// The mass that compare told makes it the same run: rigid and the schemes have another one of their own choice.
+TEST_F(Compare, CountsTheContactsThatRunAndSweepCount) {
+  for (const char* name : {"chatter", "rebound"}) {
+    const Ended compared = viscobar("compare " + scene(name) + " --json");
+    ASSERT_EQ(compared.code, 0) << compared.error;
+    for (const Json& method : compared.json()["methods"]) {
+      const std::string label = method["method"],
+                        keys = "method.name=" + label + " --set mesh.mass=" + method["mass"].get<std::string>();
+      const Ended alone = viscobar("run " + scene(name) + " -o run --json --set " + keys);
+      ASSERT_EQ(alone.code, 0) << label << alone.error;
+      const Json summary = alone.json();
+      const std::string rows = read_text(directory_ / "run" / "events.csv");
+      EXPECT_EQ(method["events"], summary["events"]) << label;
+      EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n') - 1, summary["events"].get<long>()) << label;
+      std::ofstream(directory_ / "sweep.toml")
+          << "scene = \"" VISCOBAR_SOURCE_DIR "/examples/scenes/" << name << ".toml\"\n[set]\nmethod.name = \"" << label
+          << "\"\nmesh.mass = " << method["mass"].dump() << "\n[vary]\ntime.end = [" << summary["reached_time"].dump()
+          << "]\n";
+      ASSERT_EQ(viscobar("sweep sweep.toml -o table").code, 0) << label;
+      const auto row = last_row(read_text(directory_ / "table" / "sweep.csv"));
+      EXPECT_EQ(row.at("events"), method["events"].dump()) << label;
+      std::size_t closings = 0;
+      for (std::size_t at = 0; (at = rows.find(",closing", at)) != std::string::npos; ++at) ++closings;
+      EXPECT_EQ(std::stoul(row.at("closings_left")) +
+                    (row.at("closings_right").empty() ? 0 : std::stoul(row.at("closings_right"))),
+                closings)
+          << label;
+    }
+  }
 }
 
 TEST_F(Compare, TheFirstMethodAskedForIsTheReference) {

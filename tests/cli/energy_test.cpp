@@ -3,8 +3,6 @@
 
 #include <cmath>
 #include <fstream>
-#include <map>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -14,19 +12,6 @@ namespace viscobar::testing_cli {
 namespace {
 
 using Json = nlohmann::json;
-
-// The last line of a table, by the names of its columns.
-std::map<std::string, std::string> last_row(const std::string& table) {
-  std::istringstream lines(table);
-  std::string header, line, last;
-  std::getline(lines, header);
-  while (std::getline(lines, line))
-    if (!line.empty()) last = line;
-  std::map<std::string, std::string> row;
-  std::istringstream names(header), cells(last);
-  for (std::string name, cell; std::getline(names, name, ',') && std::getline(cells, cell, ',');) row[name] = cell;
-  return row;
-}
 
 class OneEnergy : public Command, public testing::WithParamInterface<const char*> {};
 

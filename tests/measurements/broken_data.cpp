@@ -28,7 +28,7 @@ int main(int count, char** words) {
         fmt::print("seed {}: {}, {} elements, asked {:.1e}, estimate {:.1e}, error {:.1e} {}\n", seed + i,
                    result.estimate.kept ? "KEPT AND FALSE" : "not kept", result.run.elements, data.error,
                    result.estimate.total, error, result.estimate.doubt);
-      if (result.estimate.kept && error > data.error) fmt::print("{}\n", data.text());
+      if (!result.estimate.kept || error > data.error) fmt::print("{}\n", data.text());
       wrong += result.estimate.kept && error > data.error;
     } catch (const std::exception& error) {
       ++failed;

@@ -149,7 +149,8 @@ bool ContactDistance::stays_away(std::size_t c, const std::vector<Series>& motio
   const Contact& contact = penalised_.contact(c);
   const double nearest = SampledRange(values, slopes).lowest() - contact.gap;
   return !may_reach_within(
-      whole, [&](double at) { return nearest + system_.gap(contact, at); }, band(c, largest), t, t + tau);
+      whole, [&](double at) { return nearest + system_.gap(contact, at); }, breaks_of_gap(system_, contact),
+      band(c, largest), t, t + tau);
 }
 
 bool ContactDistance::keeps_state(std::size_t c, const std::vector<Series>& motion,

@@ -283,7 +283,9 @@ void Run::take_short_step(double tau) {
       return value(distances[c], (at - t_) / tau) + (system_.gap(contact, at) - contact.gap);
     };
     if (penalised_.moves(c)) {
-      if (may_reach_within(run_length(), clearance, distance_.band(c, known), t_, t_ + tau)) return follow(series, tau);
+      if (may_reach_within(run_length(), clearance, breaks_of_gap(system_, contact), distance_.band(c, known), t_,
+                           t_ + tau))
+        return follow(series, tau);
       continue;
     }
     const std::optional<double> passage = first_passage(distances[c], distance_.band(c, known));

@@ -189,7 +189,7 @@ void Plan::climb_from(std::size_t& known) {
     }
     next = std::max(next, 2 * known);
     const double apart = steps.empty() ? 0.0 : steps.back().distance;
-    stuck = before > 0.0 && apart > 0.9 * before ? stuck + 1 : 0;
+    stuck = before > 0.0 && apart > 0.9 * before && data_error_.sees(known) ? stuck + 1 : 0;
     before = apart;
     if (stuck >= 3) {
       doubt_ = fmt::format(

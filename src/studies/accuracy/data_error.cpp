@@ -73,6 +73,12 @@ bool DataError::at_nodes(std::size_t elements) const {
   });
 }
 
+bool DataError::unseen(const Wave& wave, double elements) const { return wave.detail < length_ / elements / 4.0; }
+
+bool DataError::sees(std::size_t elements) const {
+  return std::ranges::none_of(waves_, [&](const Wave& wave) { return unseen(wave, static_cast<double>(elements)); });
+}
+
 std::size_t DataError::unit() const {
   constexpr std::size_t most = 128;  // a mesh that costs no more than the search for a smaller one
   if (fronts_) return 1;
@@ -88,11 +94,16 @@ SpaceError DataError::of(SpaceError found, std::span<const MeshStep> ladder) con
   const double before = found.error;
   if (fronts_ || !at_nodes(last.coarse)) {
     found.error = std::max(found.error, last.distance / (fine / coarse - 1.0));
+    // Two meshes may be wrong alike by chance. The one before tells, by half of what the power 3 of moments gains.
+    if (ladder.size() > 1) {
+      const MeshStep& earlier = ladder[ladder.size() - 2];
+      const double finer = fine / static_cast<double>(earlier.fine);
+      found.error = std::max(found.error, earlier.distance / (finer * finer));
+    }
     found.trusted.reset();
   }
   for (const Wave& wave : waves_)
-    if (displacements_ && wave.detail < length_ / fine / 4.0)
-      found.error += wave.error * std::min(1.0, wave.stretch / length_ * fine);
+    if (displacements_ && unseen(wave, fine)) found.error += wave.error * std::min(1.0, wave.stretch / length_ * fine);
   if (before > 0.0) found.effectivity *= found.error / before;
   return found;
 }

@@ -20,7 +20,8 @@ namespace viscobar::accuracy {
 /// and by that share of it which their stretch is of an element, where it is shorter.
 ///
 /// A jump or a kink between nodes costs a part that is as large as its place in the element says: an order does not
-/// show by it, and the error is no less than that of order 1, d / (r - 1).
+/// show by it, and the error is no less than that of order 1, d / (r - 1), nor than what the difference before promises
+/// with the power 2.
 class DataError {
  public:
   /// `displacements`: whether errors are those of a displacement, to which waves add.
@@ -32,15 +33,18 @@ class DataError {
   /// The least number of elements whose nodes all breaks of u_0, u_1 and f are at: multiples of it keep the order that
   /// a mesh has without them. 1 where there are none, where they move, or where no number up to 128 does.
   std::size_t unit() const;
-  /// Whether the data break at all. The motion then has kinks, over which no mesh can be interpolated to another's
-  /// nodes.
-  bool broken() const { return fronts_ || !breaks_.empty(); }
+  /// Whether a mesh sees all waves. One that does not may be further from the next than from one that is coarser.
+  bool sees(std::size_t elements) const;
+  /// Whether the data have breaks or waves. The motion then has kinks or waves, over which no mesh can be interpolated
+  /// to another's nodes.
+  bool rough() const { return fronts_ || !breaks_.empty() || !waves_.empty(); }
 
  private:
   bool at_nodes(std::size_t elements) const;
   struct Wave {
     double detail, stretch, error;  // the shortest of its places' distances; of all; of the displacement
   };
+  bool unseen(const Wave& wave, double elements) const;
   template <class Function, class Moves>
   void add(const Function& f, const Places& places, Moves&& moves);
 
