@@ -445,8 +445,9 @@ class StepwisePart {
   }
 
   // The impact of a rigid contact. `closing` is the velocity that its closing is told with, absent where that has been
-  // told. One that neither rests nor rebounds, because the bar or an obstacle that turns back pulls its node away at
-  // once, is a contact if it stops more than the promised error of a velocity.
+  // told. One that neither rests nor rebounds, because the bar pulls its node away at once, is an error of the mesh and
+  // no contact; one that an obstacle brings about, which moves in by more than half of that velocity and turns back,
+  // is.
   void strike(double t, std::size_t i, std::optional<double> closing) {
     ErrorWeights& weights = stepper_.weights();
     const double h = system_.bar().spacing_at(system_.contact(i).unknown);
@@ -456,8 +457,9 @@ class StepwisePart {
     if (layout_.dissipated) y_[*layout_.dissipated] += collision.dissipated;
     if (layout_.end_inertia) y_[*layout_.end_inertia] += collision.end_inertia;
     const double leaves = w()[system_.contact(i).unknown];
-    const bool counts =
-        collision.rests || leaves != 0.0 || !closing || std::abs(*closing) > weights.promised_velocity();
+    const bool counts = collision.rests || leaves != 0.0 || !closing ||
+                        (std::abs(*closing) > weights.promised_velocity() &&
+                         2.0 * system_.contact(i).sign * frame_velocity(t, i) > std::abs(*closing));
     if (closing && counts) tell_event(t, i, Change::closing, *closing);
     if (ends_) ends_->strike(i, collision.impulse);  // of the contact that has closed
     if (sensitivities_) sensitivities_->rebound(i, changes_);
@@ -475,9 +477,15 @@ class StepwisePart {
     search_.distrust(watchdog_.last_contact(), toggles > 0 ? share : 0.0);
   }
 
+  // Of the frame at a contact, which is that of its obstacle.
+  double frame_velocity(double t, std::size_t i) const {
+    const BarSystem& bar = system_.bar();
+    return bar.moving() ? bar.lift(t, 1).at(bar.share(system_.contact(i).unknown)) : 0.0;
+  }
+
   void tell_event(double t, std::size_t i, Change change, double velocity) {
     const BarSystem& bar = system_.bar();
-    if (bar.moving()) velocity += bar.lift(t, 1).at(bar.share(system_.contact(i).unknown));
+    velocity += frame_velocity(t, i);
     std::vector<ChangeSensitivity> of_bar = changes_;
     if (sensitivities_) sensitivities_->add_frame(t, i, of_bar);
     telling_.event(t, bar, system_.contact(i), change, velocity, of_bar);
