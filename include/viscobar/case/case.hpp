@@ -119,8 +119,8 @@ MethodName penalised_method(const Case& run);
 ///     no penalised contact                        fourth_order, on three equal elements or more
 ///     else                                        redistributed for an obstacle at an end, or consistent
 ///
-/// `finite_difference` takes the lumped one when the case says "consistent" or nothing, since (3.22) is (2.8) with a
-/// diagonal product; `characteristics` has no mass.
+/// `finite_difference` takes the lumped one when the case says "consistent" or nothing: (3.22) is (2.8) with a diagonal
+/// product. So do schemes under a span obstacle with restitution or without viscosity. `characteristics` has none.
 Mass effective_mass(const Case& run);
 
 /// The mass that a study of several methods gives all that take it: that of its penalised_method().
