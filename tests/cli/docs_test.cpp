@@ -91,6 +91,7 @@ constexpr struct {
     {"scripts/sensitivity-cost", "takes minutes"},
     {"scripts/fresh-machine", "takes an hour"},
     {"scripts/install-packages", "scripts/demo does"},
+    {"scripts/compare-builds", "takes minutes; a slice of it is one of the tests"},
     {"scripts/campaign", "takes minutes; a slice of it is one of the tests"},
     {"build/release/tests/malformed_test", "is one of the tests"},
     {"build/release/tests/properties_test", "is one of the tests"},
