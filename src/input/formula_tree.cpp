@@ -193,8 +193,11 @@ std::optional<bool> compared(Operation operation, Interval d) {
   }
 }
 
-Jet of_truth(std::optional<bool> value) {
-  if (!value) return {{0.0, 1.0}, any_number};
+bool rests(const Jet& a) { return a.slope.is(0.0); }
+
+// What does not move does not jump, though it may be true for some values of the other variable alone.
+Jet of_truth(std::optional<bool> value, bool rests) {
+  if (!value) return {{0.0, 1.0}, rests ? Interval{} : any_number};
   return *value ? Jet{{1.0, 1.0}, {}} : Jet{};
 }
 
@@ -203,9 +206,9 @@ std::optional<bool> both(std::optional<bool> a, std::optional<bool> b) {
   return a == true && b == true ? std::optional(true) : std::nullopt;
 }
 
-Jet chosen(std::optional<bool> condition, const Jet& then, const Jet& otherwise) {
-  if (condition) return *condition ? then : otherwise;
-  return {hull(then.value, otherwise.value), any_number};
+Jet chosen(const Jet& condition, const Jet& then, const Jet& otherwise) {
+  if (const auto known = truth(condition.value)) return *known ? then : otherwise;
+  return {hull(then.value, otherwise.value), rests(condition) ? hull(then.slope, otherwise.slope) : any_number};
 }
 
 }  // namespace
@@ -225,11 +228,14 @@ void FormulaTree::bound(const Jet& x, const Jet& t, std::vector<Jet>& out) const
       case Operation::multiply: out[i] = a * b; break;
       case Operation::divide: out[i] = a / b; break;
       case Operation::power: out[i] = viscobar::power(a, b); break;
-      case Operation::both: out[i] = of_truth(viscobar::both(truth(a.value), truth(b.value))); break;
-      case Operation::either:
-        out[i] = of_truth(negated(viscobar::both(negated(truth(a.value)), negated(truth(b.value)))));
+      case Operation::both:
+        out[i] = of_truth(viscobar::both(truth(a.value), truth(b.value)), rests(a) && rests(b));
         break;
-      case Operation::choose: out[i] = chosen(truth(a.value), b, operand(node.c)); break;
+      case Operation::either:
+        out[i] =
+            of_truth(negated(viscobar::both(negated(truth(a.value)), negated(truth(b.value)))), rests(a) && rests(b));
+        break;
+      case Operation::choose: out[i] = chosen(a, b, operand(node.c)); break;
       case Operation::sin: out[i] = viscobar::sin(a); break;
       case Operation::cos: out[i] = viscobar::cos(a); break;
       case Operation::tan: out[i] = viscobar::tan(a); break;
@@ -239,7 +245,7 @@ void FormulaTree::bound(const Jet& x, const Jet& t, std::vector<Jet>& out) const
       case Operation::abs: out[i] = viscobar::abs(a); break;
       case Operation::min: out[i] = viscobar::min(a, b); break;
       case Operation::max: out[i] = viscobar::max(a, b); break;
-      default: out[i] = of_truth(compared(node.operation, (a - b).value));
+      default: out[i] = of_truth(compared(node.operation, (a - b).value), rests(a - b));
     }
   }
 }

@@ -86,6 +86,23 @@ TEST(BrokenData, PulsesInTimeAreNotPassedBy) {
     }
 }
 
+// What breaks in x alone has no pulses in t. Conditions that t does not move once stopped every run 20,000 times.
+TEST(BrokenData, BreaksInXStopNoStepInTime) {
+  const auto steps = [](const char* load) {
+    return record(
+               parse_scene(fmt::format("bar.length = 1.0\nbar.viscosity = 0.1\n{}\ntime.end = 2.0\nmesh.elements = 20\n"
+                                       "method.name = \"rigid\"\n",
+                                       load),
+                           "scene")
+                   .run)
+        .statistics.steps;
+  };
+  const std::size_t apart = steps("load.profile = \"x < 0.25\"\nload.history = \"sin(t)\"");
+  for (const char* load : {"(x < 0.25)*sin(t)", "x < 0.25 ? sin(t) : 0", "sin(t)*(x < 0.25 && x > -1)",
+                           "max(0, (0.25 - x)/abs(0.25 - x))*sin(t)"})
+    EXPECT_LT(steps(fmt::format("load.density = \"{}\"", load).c_str()), 2 * apart) << load;
+}
+
 // An obstacle that shoots out and back within a fifth of a thousandth touches a bar at rest. On a spring it moves it as
 // the exact propagator of the mesh says, and without one as (2.8) does in steps of a hundredth of the pulse. Adaptive
 // steps are far longer: all but (2.8) passed it by.
