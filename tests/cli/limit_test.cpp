@@ -319,6 +319,17 @@ TEST_F(Limit, AtTheCoupledEpsilonThePenaltyCostsAsMuchAsTheMesh) {
   }
 }
 
+TEST_F(Limit, TellsTheErrorOfTheMeshThatWasAskedFor) {
+  const std::string study = "limit " + scene("chatter") + " --epsilon 1e-3 --budget 0 --error ";
+  const Ended missed = viscobar(study + "1e-3");  // the scene has 27 elements, and keeps them
+  EXPECT_EQ(missed.code, 1);
+  EXPECT_NE(missed.out.find("27 elements, at epsilon = 0: error of the mesh"), std::string::npos) << missed.out;
+  EXPECT_NE(missed.out.find("asked for is not kept"), std::string::npos) << missed.out;
+  const Ended kept = viscobar(study + "0.5");
+  EXPECT_EQ(kept.code, 0);
+  EXPECT_NE(kept.out.find("asked for is kept"), std::string::npos) << kept.out;
+}
+
 TEST_F(Limit, TwoMeshesGiveNoCouplingAndSayWhy) {
   const Json result = study("--mass redistributed --epsilon 1e-2:1e-3 --elements 9,18 --set time.end=2");
   EXPECT_TRUE(result["coupling"].is_null());

@@ -187,8 +187,7 @@ std::string numbers(const LimitStudy& study, const LimitResult& result) {
             "of the penalised bar and of the scheme, by their differences and errors");
   if (study.estimate)
     all.add("Error of the mesh", readable(study.estimate->total, 2),
-            fmt::format("at ε = 0, {} asked for and {}kept", readable(study.estimate->requested, 2),
-                        study.estimate->kept ? "" : "not "));
+            fmt::format("at ε = 0; the one asked for is {}kept", study.estimate->kept ? "" : "not "));
   all.add("Error of the tolerance", readable(orders.tolerance_error, 2), "at most, in a difference");
   if (orders.boundary)
     all.add("Regimes meet at", readable(*orders.boundary, 3), "ε = " + std::string(theory(study).boundary));
@@ -279,9 +278,9 @@ std::string limit_text(const LimitStudy& study, const LimitResult& result, const
     out += fmt::format("{}: {}.\n", name(orders.verdict), verdict_reason(study, orders, rows_of(result, m)));
   }
   if (study.estimate)
-    out += fmt::format("{} elements, at epsilon = 0: error of the mesh {:.2g}, {:.2g} asked for and {}kept.\n",
-                       result.orders[finest(result)].elements, study.estimate->total, study.estimate->requested,
-                       study.estimate->kept ? "" : "not ");
+    out +=
+        fmt::format("{} elements, at epsilon = 0: error of the mesh {:.2g}, the one asked for is {}kept.\n",
+                    result.orders[finest(result)].elements, study.estimate->total, study.estimate->kept ? "" : "not ");
   if (result.own_motion)
     out += fmt::format("\n{}\n{}", own_motion_sentence(*result.own_motion),
                        text(own_motion_table(*result.own_motion, plain_number)));
