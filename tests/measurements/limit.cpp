@@ -1,4 +1,4 @@
-// Prints the tables of docs/penalty-limit.md but that of the redistributions. Run:
+// Prints tables behind docs/penalty-limit.md, but that of the redistributions. Run:
 // build/release/tests/measure_limit
 #include "viscobar/studies/limit/limit.hpp"
 

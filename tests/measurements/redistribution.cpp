@@ -1,4 +1,4 @@
-// Prints the errors of several redistributed masses against exact solutions: the table "which redistribution" of
+// Prints the errors of several redistributed masses against exact solutions: behind "which redistribution" of
 // docs/penalty-limit.md. The inertia is the only difference: the time stepping is scheme (2.8) with a small step,
 // written out here because the library has one redistribution, the first of the list. Run:
 // build/release/tests/measure_redistribution

@@ -38,6 +38,43 @@ TEST(Sequence, KeepsTwoRegimesApart) {
   EXPECT_NEAR(both.order()->order, 1.0, both.order()->bound + 1e-12);
 }
 
+TEST(Sequence, TellsNoPowerWhereALogarithmHidesIt) {
+  // A contact that may pull lets go after log(1/x) of its time sqrt(x). Over seven decades the powers come to
+  // 1/2 - 1/ln(1/x), 0.43, and the last three differ by 0.03 only.
+  EXPECT_FALSE(sequence_of([](double x) { return std::sqrt(x) * std::log(3.0 / x); }, 0.0).order());
+}
+
+TEST(Sequence, TellsThePowerThatADriftLeavesAndABoundThatHasTheLimit) {
+  // x^(1/2) (1 + x^(1/4)): powers from 0.63 to 0.51, each nearer to 1/2 by a factor of 1.8.
+  const auto order = sequence_of([](double x) { return std::sqrt(x) * (1.0 + std::pow(x, 0.25)); }, 0.0, 10).order();
+  ASSERT_TRUE(order);
+  EXPECT_LE(std::abs(order->order - 0.5), order->bound);
+}
+
+TEST(Sequence, WantsMoreThanTwoPowersBehindAnother) {
+  // 1/3 while bounces are still out of step, as of chatter that loses no speed, then 1/2: two powers near 1/2 alone
+  // may be on their way.
+  Sequence sequence;
+  for (const double distance : {2.2e-2, 1.1e-2, 5.4e-3, 2.4e-3, 8.2e-4, 2.8e-4})
+    sequence.add(std::pow(10.0, -static_cast<double>(sequence.x.size())), distance, 0.0);
+  EXPECT_FALSE(sequence.order());
+  for (const double power : {0.49, 0.497})
+    sequence.add(0.1 * sequence.x.back(), sequence.distance.back() * std::pow(10.0, -power), 0.0);
+  ASSERT_TRUE(sequence.order());
+  EXPECT_NEAR(sequence.order()->order, 0.5, 0.03);
+}
+
+TEST(Sequence, OfDistancesToANeighbourOfTheLimitHasTheOrderOfThoseToTheLimitOrNone) {
+  // A neighbour 3e-5 away, above which x^(1/2) is told down to 1e-6; of a sequence that does not settle it has none.
+  const Sequence limit = sequence_of([](double x) { return std::sqrt(x); }, 0.0),
+                 neighbour = sequence_of([](double x) { return std::sqrt(x) - 3e-5; }, 3e-5);
+  const auto order = neighbour.order_within(limit.order());
+  ASSERT_TRUE(order);
+  EXPECT_NEAR(order->order, 0.5, order->bound);
+  EXPECT_EQ(order->last, 6u);
+  EXPECT_FALSE(neighbour.order_within({}));
+}
+
 TEST(Sequence, FallsToItsLimitOrDoesNot) {
   EXPECT_TRUE(sequence_of([](double x) { return std::sqrt(x); }, 0.0).falls(0.5));
   EXPECT_FALSE(sequence_of([](double x) { return 1e-2 + x; }, 0.0).falls(0.5));

@@ -185,6 +185,9 @@ std::string numbers(const LimitStudy& study, const LimitResult& result) {
   if (const auto lower = orders.evidence.lower(), upper = orders.evidence.upper(); lower && upper)
     all.add("Distance of the limits", readable(*lower, 2) + " to " + readable(*upper, 2),
             "of the penalised bar and of the scheme, by their differences and errors");
+  if (study.estimate)
+    all.add("Error of the mesh", readable(study.estimate->total, 2),
+            fmt::format("at ε = 0; the one asked for is {}kept", study.estimate->kept ? "" : "not "));
   all.add("Error of the tolerance", readable(orders.tolerance_error, 2), "at most, in a difference");
   if (orders.boundary)
     all.add("Regimes meet at", readable(*orders.boundary, 3), "ε = " + std::string(theory(study).boundary));
@@ -274,6 +277,10 @@ std::string limit_text(const LimitStudy& study, const LimitResult& result, const
     if (result.orders.size() > 1) out += fmt::format("{} elements, ", orders.elements);
     out += fmt::format("{}: {}.\n", name(orders.verdict), verdict_reason(study, orders, rows_of(result, m)));
   }
+  if (study.estimate)
+    out +=
+        fmt::format("{} elements, at epsilon = 0: error of the mesh {:.2g}, the one asked for is {}kept.\n",
+                    result.orders[finest(result)].elements, study.estimate->total, study.estimate->kept ? "" : "not ");
   if (result.own_motion)
     out += fmt::format("\n{}\n{}", own_motion_sentence(*result.own_motion),
                        text(own_motion_table(*result.own_motion, plain_number)));

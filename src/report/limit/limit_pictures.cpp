@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "report/limit/limit_tables.hpp"
 #include "text/number.hpp"
@@ -71,20 +72,22 @@ std::string slope_name(double order) {
   return order == 0.5 ? "slope 1/2" : "slope 2/3";
 }
 
-/// A dashed line of the theory's slope, parallel to what is measured and a little below it, over [low, high].
-void slope_line(Figure& figure, Point through, double order, double low, double high) {
+/// A dashed line of the theory's slope over [low, high], below all that is measured there.
+void slope_line(Figure& figure, const std::vector<Point>& points, double order, double low, double high) {
   constexpr double shift = 0.45;
-  const auto at = [&](double x) { return Point{x, shift * through.y * std::pow(x / through.x, order)}; };
-  figure.line(std::vector<Point>{at(low), at(high)}, {soft, true, 1.4}, slope_name(order));
+  double least = std::numeric_limits<double>::infinity();
+  for (const Point& point : points)
+    if (point.x >= 0.99 * low && point.x <= 1.01 * high) least = std::min(least, point.y / std::pow(point.x, order));
+  const auto at = [&](double x) { return Point{x, shift * least * std::pow(x, order)}; };
+  if (std::isfinite(least)) figure.line(std::vector<Point>{at(low), at(high)}, {soft, true, 1.4}, slope_name(order));
 }
 
 /// Lines of theory for one curve: the node's power below the boundary of the regimes, the layer's above.
 void theory_lines(Figure& figure, const std::vector<Point>& points, const Axis& x, std::optional<double> boundary,
                   std::optional<double> node, std::optional<double> layer) {
-  if (points.empty()) return;
   const double border = std::clamp(boundary.value_or(x.high), x.low, x.high);
-  if (node && border > 3.0 * x.low) slope_line(figure, points.back(), *node, x.low, border);
-  if (layer && border < x.high / 3.0) slope_line(figure, points.front(), *layer, border, x.high);
+  if (node && border > 3.0 * x.low) slope_line(figure, points, *node, x.low, border);
+  if (layer && border < x.high / 3.0) slope_line(figure, points, *layer, border, x.high);
 }
 
 bool inside(std::optional<double> boundary, const Axis& x) {

@@ -388,7 +388,7 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
   // What stops at a plateau is no order of anything.
   if (orders.verdict != Verdict::plateau) {
     orders.to_rigid = of_node(to_rigid, orders.boundary);
-    orders.to_scheme = of_node(to_scheme, orders.boundary);
+    orders.to_scheme = own ? to_scheme.order_within(orders.to_own_limit) : of_node(to_scheme, orders.boundary);
   }
   if (mesh.magnifies) orders.to_own_limit = orders.to_rigid = orders.to_scheme = orders.of_step = std::nullopt;
   orders.to_scheme_limit = orders.to_rigid;

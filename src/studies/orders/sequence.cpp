@@ -9,7 +9,7 @@ namespace viscobar {
 namespace {
 
 constexpr double above_floor = 10.0;
-constexpr double agreement_of_two = 0.03, agreement_of_more = 0.06, largest_bound = 0.04, roughness = 0.1;
+constexpr double agreement = 0.04, largest_bound = 0.04, roughness = 0.06;
 
 double power(const Sequence& s, std::size_t i, std::size_t j) {
   return std::log(s.distance[i] / s.distance[j]) / std::log(s.x[i] / s.x[j]);
@@ -19,8 +19,13 @@ bool told(const Sequence& s, std::size_t i) {
   return s.distance[i] > 0.0 && std::isfinite(s.distance[i]) && s.distance[i] >= above_floor * s.floor[i];
 }
 
-/// The order of a range whose distances are told, if its local powers agree.
-std::optional<SequenceOrder> order_of(const Sequence& s, std::size_t first, std::size_t last) {
+/// How far the floors may put the power from i to j wrong.
+double by_floors(const Sequence& s, std::size_t i, std::size_t j) {
+  return (s.floor[i] / s.distance[i] + s.floor[j] / s.distance[j]) / std::log(s.x[i] / s.x[j]);
+}
+
+/// The slope of a range whose distances are told, where its powers agree; its bound is what they show by themselves.
+std::optional<SequenceOrder> slope_of(const Sequence& s, std::size_t first, std::size_t last) {
   const std::size_t powers = last - first;
   if (powers < 2) return std::nullopt;
   double lowest = power(s, first, first + 1), highest = lowest;
@@ -28,27 +33,39 @@ std::optional<SequenceOrder> order_of(const Sequence& s, std::size_t first, std:
     lowest = std::min(lowest, power(s, i, i + 1));
     highest = std::max(highest, power(s, i, i + 1));
   }
-  if (highest - lowest > (powers == 2 ? agreement_of_two : agreement_of_more)) return std::nullopt;
+  if (highest - lowest > agreement) return std::nullopt;
   const auto slope =
       observed_order(std::span(s.x).subspan(first, powers + 1), std::span(s.distance).subspan(first, powers + 1));
   if (!slope) return std::nullopt;
-  // Two powers may agree by chance, where the one before them is another.
-  if (powers == 2 && first > 0 && told(s, first - 1) && std::abs(power(s, first - 1, first) - slope->order) > roughness)
-    return std::nullopt;
-  // Powers that drift to one side go on doing so, like a geometric sequence.
-  double drift = 0.0;
-  if (powers > 2) {
-    const double end = power(s, last - 1, last), now = end - power(s, last - 2, last - 1),
-                 before = power(s, last - 2, last - 1) - power(s, last - 3, last - 2);
-    if (now * before > 0.0)
-      drift = std::abs(end - slope->order) + std::abs(now) / std::max(0.1, std::abs(before / now) - 1.0);
-  }
   const std::size_t middle = last - std::max<std::size_t>(1, powers / 2);
-  const double floors =
-      (s.floor[first] / s.distance[first] + s.floor[last] / s.distance[last]) / std::log(s.x[first] / s.x[last]);
   SequenceOrder order{*slope, 0.0, first, last};
-  order.bound = std::max({2.0 * slope->standard_error, std::abs(power(s, middle, last) - slope->order), floors, drift});
-  return order.bound <= largest_bound ? std::optional(order) : std::nullopt;
+  order.bound = std::max(
+      {2.0 * slope->standard_error, std::abs(power(s, middle, last) - slope->order), by_floors(s, first, last)});
+  return order;
+}
+
+std::optional<SequenceOrder> if_bounded(const std::optional<SequenceOrder>& order) {
+  return order && order->bound <= largest_bound ? order : std::nullopt;
+}
+
+/// The order of a range whose distances are told: it is that of x -> 0, too.
+std::optional<SequenceOrder> order_of(const Sequence& s, std::size_t first, std::size_t last) {
+  std::optional<SequenceOrder> order = slope_of(s, first, last);
+  if (!order) return std::nullopt;
+  const bool before = first > 0 && told(s, first - 1);
+  // Two powers may agree by chance, where the one before them is another.
+  if (last - first == 2 && before && std::abs(power(s, first - 1, first) - order->order) > roughness)
+    return std::nullopt;
+  // A third of the range tells a drift better than its last powers do.
+  if (const std::size_t part = std::max<std::size_t>(1, (last - first) / 3); last - first > 2 || before) {
+    const double end = power(s, last - part, last), middle = power(s, last - 2 * part, last - part), now = end - middle,
+                 change = middle - power(s, last - 3 * part, last - 2 * part);
+    if (now * change > 0.0 && std::abs(now) > by_floors(s, last - part, last)) {
+      const double ratio = std::max(0.1, change / now - 1.0);
+      order->bound = std::max(order->bound, std::abs(end - order->order) + std::abs(now) * (1.0 + 2.0 / ratio));
+    }
+  }
+  return if_bounded(order);
 }
 
 }  // namespace
@@ -73,22 +90,19 @@ std::optional<std::size_t> Sequence::last_told() const {
 }
 
 std::optional<SequenceOrder> Sequence::order() const {
-  const auto end = last_told();
-  if (!end) return std::nullopt;
-  std::optional<SequenceOrder> best;
-  for (std::size_t last = *end; last + 2 >= *end && last >= 2; --last)
-    for (std::size_t first = 0; first + (last < *end ? 3 : 2) <= last; ++first) {
-      bool all = true;
-      for (std::size_t i = first; i <= last; ++i) all &= told(*this, i);
-      const auto found = all ? order_of(*this, first, last) : std::nullopt;
-      if (!found) continue;
-      // What follows may be rough, but not of another regime.
-      for (std::size_t i = last; i < *end; ++i) all &= std::abs(power(*this, i, i + 1) - found->order) <= roughness;
-      if (!all) continue;
-      if (!best || found->last - found->first > best->last - best->first) best = found;
-      break;
-    }
-  return best;
+  const auto last = last_told();
+  std::size_t first = last.value_or(0);
+  while (first > 0 && told(*this, first - 1)) --first;
+  for (; last && first + 2 <= *last; ++first)
+    if (const auto found = order_of(*this, first, *last)) return found;
+  return std::nullopt;
+}
+
+std::optional<SequenceOrder> Sequence::order_within(const std::optional<SequenceOrder>& nearer) const {
+  if (!nearer) return std::nullopt;
+  std::size_t last = nearer->first;
+  while (last < nearer->last && told(*this, last + 1)) ++last;
+  return told(*this, nearer->first) ? if_bounded(slope_of(*this, nearer->first, last)) : std::nullopt;
 }
 
 std::optional<double> Sequence::where(double level) const {

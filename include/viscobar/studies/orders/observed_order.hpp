@@ -27,13 +27,16 @@ struct SequenceOrder : ObservedOrder {
 /// Distances d(x) to a limit, x a penalty, a step or a mesh size that decreases to 0.
 ///
 /// A distance tells a power where it is ten times its floor, what else is in it: the other sequence, tolerances,
-/// rounding. Between neighbours the power is p_i = log(d_i / d_{i+1}) / log(x_i / x_{i+1}). A range settles where
+/// rounding. Between neighbours the power is p_i = log(d_i / d_{i+1}) / log(x_i / x_{i+1}). A range settles where two
+/// p_i or more agree to 0.04, two only where the one before them is not another. Its power is the slope of all of it.
+/// Its bound is twice the slope's standard error, or how far the power of its last half lies from it, or what the
+/// floors may do, or where the p_i drift to, by more than the floors may do, whichever is largest. Powers that drift
+/// to one side do so as slowly as those of x^p log(1/x), p_k = p - c / (k + k_0), of which three, those of the
+/// thirds of the range, tell
 ///
-///     two p_i agree to 0.03, or three or more to 0.06,
+///     |p - p_k|  =  |p_k - p_{k-1}| (1 + 2 / (r - 1)),      r = (p_{k-1} - p_{k-2}) / (p_k - p_{k-1}).
 ///
-/// two only where the one before them is not another. Its power is the slope of all of it, and its bound twice the
-/// slope's standard error, or how far the p_i of its last half lie from it, or where they drift to, or what the floors
-/// may do, whichever is largest. It is told where the bound is 0.04 at most.
+/// It is told where the bound is 0.04 at most.
 struct Sequence {
   std::vector<double> x;         ///< decreasing, > 0
   std::vector<double> distance;  ///< >= 0
@@ -48,9 +51,12 @@ struct Sequence {
   /// Ranges that settle, each the largest from where the one before it ended, x decreasing. Two of them are two
   /// regimes.
   std::vector<SequenceOrder> settled() const;
-  /// The largest settled range that ends with the smallest distance above its floor, or, of four values or more, two
-  /// before it at most: that of the limit x -> 0. Absent: not settled.
+  /// The largest settled range that ends with the smallest distance above its floor: that of the limit x -> 0. Absent:
+  /// not settled.
   std::optional<SequenceOrder> order() const;
+  /// Of distances to a run near the limit, where those to the limit itself have the order `nearer`: the slope over the
+  /// part of its range that is above the floor. They know no more of x -> 0 than that.
+  std::optional<SequenceOrder> order_within(const std::optional<SequenceOrder>& nearer) const;
   /// Whether the distances are seen to fall to 0: the last is within ten floors, or the last three, over half a decade
   /// of x or more, fall with a quarter of the power `theory` or more, each below the one before it.
   bool falls(double theory) const;
