@@ -349,7 +349,10 @@ class StepwisePart {
     if (layout_.work) y_[*layout_.work] += gained;
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
       const std::size_t node = system_.contact(i).unknown;
-      if (!system_.collides(i) || !system_.closed(i) || w()[node] == 0.0) continue;
+      if (!system_.collides(i) || !system_.closed(i)) continue;
+      // A kink of the other end's motion leaves a rounding.
+      if (jump->at(system_.bar().share(node)) == 0.0) w()[node] = 0.0;
+      if (w()[node] == 0.0) continue;
       system_.set_closed(i, false);
       if (system_.contact(i).sign * w()[node] < 0.0)
         strike(t, i, std::nullopt);

@@ -82,7 +82,7 @@ class Run {
 
   /// What a checkpoint holds of it, u^{n+1} being known and the outputs told up to t_n.
   static void members(auto& run, auto&& each) {
-    each(run.n_, *run.step_, std::span(run.was_active_), run.taken_, run.taken_at_rest_, run.touching_);
+    each(run.n_, *run.step_, std::span(run.was_active_), run.largest_, run.taken_, run.taken_at_rest_, run.touching_);
   }
 
  private:
@@ -358,13 +358,23 @@ class Run {
     bool changed = false;
     for (std::size_t k = 0; k < active_.size(); ++k) changed |= active_[k] != was_active_[k];
     if (!changed) return;
+    // A closing is more than what rounding makes of the displacements: it pushes its node, or its node has moved in.
+    for (const double u : step_->u()) largest_ = std::max(largest_, std::abs(u));
+    const double dt = scheme_.step, rounding = 64.0 * std::numeric_limits<double>::epsilon() * largest_;
     const auto& contacts = step_->contacts();
     for (std::size_t k = 0; k < contacts.size(); ++k)
-      if (const std::size_t i = contacts[k].unknown; was_active_[k] && !active_[k])
-        tell(time(n), k, Change::opening, step_->p()[i] + scheme_.step * step_->acceleration()[i]);
-    for (std::size_t k = 0; k < contacts.size(); ++k)
-      if (active_[k] && !was_active_[k]) tell(time(n + 1), k, Change::closing, step_->p()[contacts[k].unknown]);
-    std::ranges::copy(active_, was_active_.begin());
+      if (const std::size_t i = contacts[k].unknown; was_active_[k] && !active_[k]) {
+        was_active_[k] = 0;
+        tell(time(n), k, Change::opening, step_->p()[i] + dt * step_->acceleration()[i]);
+      }
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const std::size_t i = contacts[k].unknown;
+      const double mass = system_.bar().density * system_.spacing_at(i) / 2.0, velocity = step_->p()[i];
+      if (!active_[k] || was_active_[k]) continue;
+      if (!(step_->reaction()[k] * dt * dt > rounding * mass || std::abs(velocity) * dt > rounding)) continue;
+      was_active_[k] = 1;
+      tell(time(n + 1), k, Change::closing, velocity);
+    }
   }
 
   void tell(double t, std::size_t k, Change change, double velocity) {
@@ -496,6 +506,8 @@ class Run {
   std::size_t steps_ = 1, n_ = 1, written_ = 0;
   std::span<const unsigned char> active_;  // of the step
   std::vector<unsigned char> was_active_;
+  double largest_ = 0.0;  // displacement at changes
+  double rounding_ = 0.0;                     // of displacements
   double taken_ = 0.0, taken_at_rest_ = 0.0;  // by impacts: up to now, and the most when nothing touched
   bool touching_ = false;
   JumpFilter filter_;
