@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <queue>
+#include <tuple>
 #include <utility>
 
 #include "input/formula_tree.hpp"
@@ -18,10 +20,20 @@ FormulaDetail::FormulaDetail(FormulaTree tree, bool along_x, Interval other)
     : tree_(std::move(tree)),
       switches_(along_x ? FormulaSwitches::along_x(tree_) : FormulaSwitches(tree_, false)),
       jets_(tree_.nodes.size()),
+      middle_(jets_),
       along_x_(along_x),
       other_{other, {0.0, 0.0}} {}
 
-void FormulaDetail::bound(const Jet& s) { tree_.bound(along_x_ ? s : other_, along_x_ ? other_ : s, jets_); }
+// Each part of the formula by its mean value form as well: what it is in the middle, and its slope times the way from
+// there. So (t - 1)*(t - 1) is bounded like (t - 1)^2.
+void FormulaDetail::bound(const Jet& s) {
+  const double middle = s.value.low + (s.value.high - s.value.low) / 2.0;
+  const Jet point{{middle, middle}, s.slope};
+  tree_.bound(along_x_ ? point : other_, along_x_ ? other_ : point, middle_);
+  const Interval way{s.value.low - middle, s.value.high - middle};
+  tree_.bound(along_x_ ? s : other_, along_x_ ? other_ : s, jets_,
+              [&](std::size_t i, Jet& jet) { jet.value = common(jet.value, middle_[i].value + jet.slope * way); });
+}
 
 std::optional<double> FormulaDetail::operator()(double after, double until) {
   // Waves ask for one passage after the other.
@@ -34,21 +46,38 @@ std::optional<double> FormulaDetail::operator()(double after, double until) {
 }
 
 void FormulaDetail::find() {
-  constexpr int parts = 64;
   places_.clear();
   rounding_ = 64.0 * std::numeric_limits<double>::epsilon() * until_;
-  double largest = 0.0;
-  for (int i = 0; i < parts; ++i) {
-    const Jet s{{until_ * i / parts, until_ * (i + 1) / parts}, {1.0, 1.0}};
-    bound(s);
-    largest = std::max({largest, jets_.back().value.high, -jets_.back().value.low});
-  }
-  if (largest == 0.0 || !std::isfinite(largest)) return;
+  const double largest = this->largest();
+  if (largest == 0.0) return;
   allowed_ = far_from_linear * largest;
   search(coarse);
   // Beside what goes on all the time a pulse is far shorter.
   if (!along_x_ && quiet_ < pulses * until_) search(coarse / 8.0);
   if (!along_x_ && covered_ > pulses * until_) places_.clear();
+}
+
+// A bound of |f| that is at most twice a value of it: where bounds are greatest they are halved. Where that does not
+// come to an end, the greatest value that was met.
+double FormulaDetail::largest() {
+  constexpr int parts = 64, most = 4000;
+  const auto size = [](Interval of) { return std::max(of.high, -of.low); };
+  double met = 0.0;
+  std::priority_queue<std::tuple<double, double, double>> bounds;  // each with its interval
+  const auto add = [&](double begin, double end) {
+    bound({{begin, end}, {1.0, 1.0}});
+    if (const double value = size(middle_.back().value); std::isfinite(value)) met = std::max(met, value);
+    bounds.emplace(size(jets_.back().value), begin, end);
+  };
+  for (int i = 0; i < parts; ++i) add(until_ * i / parts, until_ * (i + 1) / parts);
+  for (int i = 0; i < most && std::get<0>(bounds.top()) > 2.0 * met; ++i) {
+    const auto [most_there, begin, end] = bounds.top();
+    bounds.pop();
+    const double middle = begin + (end - begin) / 2.0;
+    add(begin, middle);
+    add(middle, end);
+  }
+  return std::min(std::get<0>(bounds.top()), 2.0 * met);
 }
 
 void FormulaDetail::search(double share) {

@@ -213,7 +213,8 @@ Jet chosen(const Jet& condition, const Jet& then, const Jet& otherwise) {
 
 }  // namespace
 
-void FormulaTree::bound(const Jet& x, const Jet& t, std::vector<Jet>& out) const {
+void FormulaTree::bound(const Jet& x, const Jet& t, std::vector<Jet>& out,
+                        const std::function<void(std::size_t, Jet&)>& tighten) const {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const Node& node = nodes[i];
     const auto operand = [&](int index) { return index < 0 ? Jet{} : out[static_cast<std::size_t>(index)]; };
@@ -247,6 +248,7 @@ void FormulaTree::bound(const Jet& x, const Jet& t, std::vector<Jet>& out) const
       case Operation::max: out[i] = viscobar::max(a, b); break;
       default: out[i] = of_truth(compared(node.operation, (a - b).value), rests(a - b));
     }
+    if (tighten) tighten(i, out[i]);
   }
 }
 

@@ -44,8 +44,10 @@ struct FormulaTree {
   std::vector<Branch> branches;
   std::vector<std::string> parameters;
 
-  /// Bounds of every node, from those of x and t; `out` has an entry for each.
-  void bound(const Jet& x, const Jet& t, std::vector<Jet>& out) const;
+  /// Bounds of every node, from those of x and t; `out` has an entry for each. `tighten` may narrow that of a node
+  /// before those it is a part of are bounded.
+  void bound(const Jet& x, const Jet& t, std::vector<Jet>& out,
+             const std::function<void(std::size_t node, Jet&)>& tighten = {}) const;
 };
 
 inline bool is_comparison(FormulaTree::Operation operation) {
@@ -114,12 +116,13 @@ class FormulaDetail {
  private:
   void bound(const Jet& s);
   void find();
+  double largest();
   void search(double share);
   void divide(double begin, double end);
 
   FormulaTree tree_;
   FormulaSwitches switches_;
-  std::vector<Jet> jets_;  // of all nodes
+  std::vector<Jet> jets_, middle_;  // of all nodes
   std::vector<double> places_;
   bool along_x_;
   Jet other_;

@@ -26,6 +26,12 @@ inline Interval hull(std::initializer_list<double> values) {
 }
 inline Interval hull(Interval a, Interval b) { return {std::min(a.low, b.low), std::max(a.high, b.high)}; }
 
+/// What two bounds of one number leave; the first one where roundings keep them apart.
+inline Interval common(Interval a, Interval b) {
+  const Interval result{std::max(a.low, b.low), std::min(a.high, b.high)};
+  return result.low <= result.high ? result : a;
+}
+
 inline Interval operator+(Interval a, Interval b) { return hull({a.low + b.low, a.high + b.high}); }
 inline Interval operator-(Interval a) { return {-a.high, -a.low}; }
 inline Interval operator-(Interval a, Interval b) { return a + -b; }

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -223,6 +224,21 @@ every = 6.0
   const Recording trace = record(shaken);
   EXPECT_EQ(std::ranges::count(trace.events, Change::closing, &Event::change), 3);
   EXPECT_NEAR(trace.statistics.energy->balance_error(), 0.0, 200 * 1e-6 * trace.statistics.energy->work);
+}
+
+// The front of the kink, which stops the left end, arrives at t = 2.6.
+TEST(Rigid, AKinkOfWhatMovesTheOtherEndOpensNoContact) {
+  for (const double viscosity : {0.0, 0.2}) {
+    const Recording trace =
+        record(parse_scene(fmt::format("bar.length = 1.0\nbar.viscosity = {}\nleft.kind = \"fixed\"\n"
+                                       "left.motion = \"0.02*min(t, 1.6)\"\nright.kind = \"obstacle\"\n"
+                                       "right.side = \"above\"\nright.gap = 0.0\nload.density = 0.5\ntime.end = 2.5\n"
+                                       "method.name = \"rigid\"\n",
+                                       viscosity),
+                           "scene")
+                   .run);
+    EXPECT_EQ(trace.events.size(), 1u) << viscosity;
+  }
 }
 
 TEST(Rigid, FollowsTheGrazingContactsOfTheManufacturedSolutionOneByOne) {
