@@ -56,6 +56,9 @@ def recorded(case: _core.Case, label: str, scheme: Scheme) -> _core.Kept:
     # The impulse so far is the integral over the steps, which the output times do not resolve.
     impulses = {side: np.append(0.0, np.cumsum(np.diff(t) * (R[1:] + R[:-1]) / 2)) for side, R in reactions.items()}
     if len(out) == 3:
+        for at, where, change, _ in out[2]:
+            if where not in ("left", "right") or change not in ("closing", "opening"):
+                raise refuse(f"the contact change {where!r}, {change!r} at t = {at} is none: left or right, closing or opening")
         events = [
             (float(at), where == "left", change == "closing", float(velocity), float(np.interp(at, t, impulses[where])))
             for at, where, change, velocity in out[2]

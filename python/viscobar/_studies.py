@@ -68,6 +68,11 @@ class Orders(Table):
     standard_error: dict[str, float]
 
 
+def _listed(names: Any) -> list[Any]:
+    """One name, or one scheme, alone is a list of it."""
+    return [names] if isinstance(names, str) or callable(names) else list(names)
+
+
 def _check_methods(names: Sequence[str]) -> None:
     for name in names:
         if name not in _core.methods:
@@ -110,6 +115,7 @@ def compare(
 
     What a scheme raises comes out as it is. A built-in method that fails is a row with an error.
     """
+    methods = None if methods is None else _listed(methods)
     named = [method for method in methods or [] if isinstance(method, str)]
     own: dict[str, Any] = {label_of(method): method for method in methods or [] if not isinstance(method, str)}
     own.update(schemes or {})
@@ -271,6 +277,7 @@ def precision(
     Rows have method, label, error, seconds, steps; `.summary` has the reference and how good it is. Ctrl-C ends it after the
     runs at hand.
     """
+    methods = _listed(methods)
     _check_methods(methods)
     if repeat and repeat % 2 == 0:
         raise ValueError("repeat: the median needs an odd number of runs")
@@ -364,6 +371,7 @@ def fit(
     The scene must have formulas, not Python functions. Ctrl-C ends it after the run at hand.
     """
     text = Scene.toml(as_scene(scene, None, set))
+    parameters = _listed(parameters)
     with tempfile.TemporaryDirectory() as directory:
         printed, page = _core.fit(
             text,

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <type_traits>
 
 #include "case/method_table.hpp"
 #include "case/regime.hpp"
+#include "dynamics/natural_scales.hpp"
 
 namespace viscobar {
 
@@ -153,9 +155,28 @@ BarSystem make_system(const Case& run) { return BarSystem(run.scene, run.mesh(),
 
 namespace {
 
+/// The squares of what is smaller than this, energies among them, have no digits left.
+constexpr double least_displacement = 1e-100;
+
+/// @throws IntegrationError where the data move the bar, but by less than that
+void require_size(const State& start, const BarSystem& system, double end) {
+  const auto any = [](const std::vector<double>& values) {
+    return std::ranges::any_of(values, [](double value) { return std::abs(value) >= least_displacement; });
+  };
+  if (any(start.u) || any(start.v)) return;
+  const double moved = displacement_of_data(system, end);
+  if (moved > 0.0 && moved < least_displacement)
+    throw IntegrationError(Failure::overflow,
+                           fmt::format("the data move the bar by some {:.1e}, which is too small for the squares of "
+                                       "double precision: write 0, or take other units",
+                                       moved),
+                           {});
+}
+
 Statistics simulate_from(const StartingPoint& start, const Case& run, const BarSystem& system,
                          std::span<const double> times, const Observers& observers) {
   try {
+    if (const auto* state = std::get_if<State>(&start)) require_size(*state, system, run.end);
     const auto integrated = [&](const auto& method) {
       if constexpr (std::is_same_v<decltype(method), const Characteristics&>) {
         const auto* checkpoint = std::get_if<Checkpoint>(&start);

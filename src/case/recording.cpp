@@ -133,9 +133,15 @@ std::optional<std::string> fault(const Recording& recording, const Case& run) {
                        recording.mesh.nodes());
   if (!recording.v.empty() && recording.v.size() != values)
     return fmt::format("v has {} values, u {}", recording.v.size(), values);
-  for (const auto* reaction : {&recording.reaction_left, &recording.reaction_right})
+  for (const auto* reaction : {&recording.reaction_left, &recording.reaction_right}) {
     if (!reaction->empty() && reaction->size() != times.size())
       return fmt::format("a reaction has {} values for {} times", reaction->size(), times.size());
+    if (!all_finite(*reaction)) return "a reaction is not finite";
+  }
+  for (const Event& event : recording.events)
+    if (!(event.time >= times.front() && event.time <= times.back()) || !std::isfinite(event.velocity))
+      return fmt::format("a contact change at t = {} with velocity {} is none of a run from {} to {}", event.time,
+                         event.velocity, times.front(), times.back());
   if (!all_finite(recording.u) || !all_finite(recording.v)) return "u or v is not finite";
   if (!std::is_sorted(recording.events.begin(), recording.events.end(),
                       [](const Event& a, const Event& b) { return a.time < b.time; }))

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "case/chatter.hpp"
 #include "case/method_table.hpp"
 
 namespace viscobar {
@@ -98,45 +99,71 @@ std::vector<ContactRegime> contact_regimes(const Case& run, const BarSystem& sys
   return regimes;
 }
 
-std::optional<std::vector<FirstImpact>> first_impacts(const Case& run) {
-  Case trial = run;
-  const Scene& scene = run.scene;
-  trial.method = MethodName::fully_discrete;
-  trial.step = std::min(run.mesh().spacing() / std::sqrt(scene.bar.modulus / scene.bar.density), run.end / 500.0);
-  trial.output_every = run.end;
-  // Waves tell it exactly, where they are what is asked for.
-  const bool exact = run.method == MethodName::characteristics;
-  if (exact) trial.method = run.method;
-  constexpr double most_nodal_steps = 1e8;
-  if (!exact && run.end / *trial.step * static_cast<double>(run.elements) > most_nodal_steps) return std::nullopt;
+namespace {
 
+/// What that run meets; absent where it fails, or takes more steps.
+std::optional<Foresight> foreseen_by(const Case& trial, double most_steps) {
+  const Scene& scene = trial.scene;
   const std::size_t places = end_obstacles(scene) + std::size_t{scene.span.has_value()};
-  std::vector<FirstImpact> found;
-  if (places == 0) return found;
-  const auto known = [&](Where where) { return std::ranges::find(found, where, &FirstImpact::where); };
-  Observers observers;
-  observers.event = [&](const Event& event) {
-    if (event.change != Change::closing || known(event.where) != found.end()) return;
-    const EndInput& input = event.where == Where::left ? scene.left_input : scene.right_input;
-    const bool moves = event.where != Where::span && input.motion;
-    const double obstacle = moves ? input.motion->velocity(event.time) : 0.0;
-    found.push_back({event.where, event.time, std::abs(event.velocity - obstacle)});
-  };
-  observers.progress = [&](double) { return found.size() == places ? RunControl::stop : RunControl::go_on; };
+  Foresight found;
+  auto& impacts = found.impacts;
+  const auto known = [&](Where where) { return std::ranges::find(impacts, where, &FirstImpact::where); };
   const BarSystem system = make_system(trial);
-  const State start = system.initial_state();
   // What lies on its obstacle and moves into it hits at once.
+  const State start = system.initial_state();
   for (const Contact& contact : system.contacts()) {
     const double u = start.u[contact.unknown], v = contact.sign * start.v[contact.unknown];
     if (v >= 0.0 || contact.clearance(u) > 1e-12 * std::abs(u)) continue;
-    if (const auto before = known(contact.where); before != found.end())
+    if (const auto before = known(contact.where); before != impacts.end())
       before->speed = std::max(before->speed, -v);
     else
-      found.push_back({contact.where, 0.0, -v});
+      impacts.push_back({contact.where, 0.0, -v});
   }
-  if (found.size() == places) return found;
-  simulate(trial, system, observers);
-  return found;
+  ChatterWatch watch(system);
+  if (is_penalised(trial.method)) found.chatters = false;
+  const double way_and_back = 2.0 * scene.bar.length * std::sqrt(scene.bar.density / scene.bar.modulus);
+  double steps = 0.0;
+  Observers observers;
+  observers.event = [&](const Event& event) {
+    if (found.chatters && watch.heard(event)) found.chatters = true;
+    if (event.change != Change::closing || known(event.where) != impacts.end()) return;
+    const EndInput& input = event.where == Where::left ? scene.left_input : scene.right_input;
+    const bool moves = event.where != Where::span && input.motion;
+    const double obstacle = moves ? input.motion->velocity(event.time) : 0.0;
+    impacts.push_back({event.where, event.time, std::abs(event.velocity - obstacle)});
+  };
+  observers.progress = [&](double time) {
+    const bool met = impacts.size() == places;
+    const bool heard = found.chatters.value_or(true) || (met && time > impacts.back().time + way_and_back);
+    return (met && heard) || ++steps > most_steps ? RunControl::stop : RunControl::go_on;
+  };
+  if (impacts.size() == places && !found.chatters) return found;
+  try {
+    simulate(trial, system, observers);
+  } catch (const IntegrationError&) {
+    return std::nullopt;
+  }
+  return steps > most_steps ? std::nullopt : std::optional(found);
+}
+
+}  // namespace
+
+std::optional<Foresight> foresee(const Case& run) {
+  if (!meets_obstacle(run.scene)) return Foresight{};
+  Case trial = run;
+  trial.output_every = run.end;
+  trial.directions.clear();
+  const auto elements = static_cast<double>(run.elements);
+  // Waves tell it exactly, where they are what is asked for.
+  const bool exact = run.method == MethodName::characteristics;
+  if (exact || !is_scheme(run.method))
+    if (auto found = foreseen_by(trial, exact ? 1e300 : 3e6 / elements)) return found;
+  trial.method = MethodName::fully_discrete;
+  trial.step =
+      std::min(run.mesh().spacing() / std::sqrt(run.scene.bar.modulus / run.scene.bar.density), run.end / 500.0);
+  constexpr double most_nodal_steps = 1e8;
+  if (run.end / *trial.step * elements > most_nodal_steps) return std::nullopt;
+  return foreseen_by(trial, 1e300);
 }
 
 std::string contact_law(const Case& run) {

@@ -75,10 +75,16 @@ struct FirstImpact {
   double speed = 0.0;         ///< towards the obstacle
 };
 
-/// First contacts at the left end, the right end and under the span, as far as they come before the end, by the fully
-/// discrete scheme with a step in which a wave crosses an element (or the end / 500). Absent when that were more
-/// than 10^8 nodal steps.
-std::optional<std::vector<FirstImpact>> first_impacts(const Case& run);
+/// What a run will meet.
+struct Foresight {
+  std::vector<FirstImpact> impacts;  ///< at the left end, the right end and under the span, before the end
+  std::optional<bool> chatters{};    ///< whether a contact does so within a wave's way and back after them
+};
+
+/// By the run's own method, as long as that takes no more than 3 10^6 nodal steps; else by the fully discrete scheme
+/// with a step in which a wave crosses an element (or the end / 500), which says nothing of chatter. Absent when that
+/// were more than 10^8 nodal steps.
+std::optional<Foresight> foresee(const Case& run);
 
 /// The law of contact that a penalised run has, in words: whether its nodes are thrown back. Two laws are two motions,
 /// and an estimate of the error is of one.

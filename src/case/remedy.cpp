@@ -17,7 +17,7 @@ std::string remedy(const Case& run, Failure why) {
       return fmt::format("{}, a smaller bar.viscosity or bar.modulus, or a larger bar.density",
                          is_scheme(run.method) ? "take a shorter method.step" : "choose an earlier time.end");
     case Failure::overflow:
-      return "the numbers of the scene are too large, or too far apart: bring initial data, load, bar.modulus, "
+      return "the numbers of the scene are too large, too small, or too far apart: bring initial data, load, bar.modulus, "
              "bar.density and contact.epsilon nearer to one by a choice of units";
     case Failure::load:
       return "change the formula that the message names: until time.end a load or force must be finite and smooth "

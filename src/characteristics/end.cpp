@@ -28,6 +28,7 @@ void End::answer(const Piecewise& arriving, double until, const Scale& scale, Pi
   sent.clear();
   marks_.clear();
   turns_.clear();
+  latest_.time -= 1.0;
   marks_.push_back({0.0, place_, 0.0, borne_.impulse, closed_});
   widen_to(place_);
   for (std::size_t i = 0; i < arriving.size() && arriving[i].begin < until; ++i) {
@@ -54,8 +55,13 @@ void End::send(const Piecewise::Piece& piece, const Chebyshev& arriving, double 
                  place_after(last, sent.integral()));
   }
   borne_.impulse += of_sent(sent.integral()) - of_sent(before);
-  if (p.upper() > borne_.max_reaction)
-    borne_.max_reaction = maximum(p.restricted(z_begin, z_end), borne_.max_reaction, roundings * p.bound());
+  const double known = std::abs(latest_.reaction);
+  if (p.upper() <= known) return;
+  const double largest = maximum(p.restricted(z_begin, z_end), known, roundings * p.bound());
+  const double middle = 0.5 * (begin + until);
+  const double where =
+      std::max({begin, middle, until}, [&](double a, double b) { return p(piece.z(a)) < p(piece.z(b)); });
+  borne_.max_reaction = std::max(borne_.max_reaction, latest_.raise(sign_ * largest, where));
 }
 
 void End::widen_to(double place) {
@@ -79,7 +85,8 @@ void End::widen(const Chebyshev& velocity, double duration, double from, double 
 
 void End::turn(double s, double velocity, const Piecewise& sent) {
   closed_ = !closed_;
-  turns_.push_back({s, closed_ ? Change::closing : Change::opening, sign_ * velocity});
+  turns_.push_back({s, closed_ ? Change::closing : Change::opening, sign_ * velocity, latest_});
+  if (closed_) latest_ = {0.0, s};
   marks_.push_back({s, 0.0, of_sent(sent.integral()), borne_.impulse, closed_});
 }
 

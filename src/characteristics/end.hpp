@@ -14,7 +14,8 @@ namespace viscobar::characteristics {
 struct Turn {
   double s;
   Change change;
-  double velocity;  ///< of the end beside it: before a closing, after an opening
+  double velocity;   ///< of the end beside it: before a closing, after an opening
+  ContactPeak peak;  ///< of the contact that ends, by parts of the passage and / (rho c)
 };
 
 /// One end of the bar. A passage is the time that a wave takes through the bar, s = 0 ... 1; within it what arrives, w
@@ -52,13 +53,14 @@ class End {
   /// From the beginning on: multiply impulses by rho c L / c and reactions by rho c.
   double impulse() const { return sign_ * borne_.impulse; }
   double max_reaction() const { return borne_.max_reaction; }  ///< away from an obstacle
+  const ContactPeak& latest() const { return latest_; }        ///< as in Turn, of the last contact
   std::pair<double, double> range() const;                     ///< the least displacement and the largest
 
   const std::vector<Turn>& turns() const { return turns_; }  ///< of that passage, in order
   std::size_t searched() const { return searched_; }         ///< pieces, for turns
 
   /// As between two passages.
-  static void members(auto& end, auto&& each) { each(end.place_, end.closed_, end.borne_, end.searched_); }
+  static void members(auto& end, auto&& each) { each(end.place_, end.closed_, end.borne_, end.searched_, end.latest_); }
 
  private:
   enum class Kind { free, fixed, obstacle };
@@ -95,6 +97,7 @@ class End {
   double place_;
   bool closed_ = false;
   Borne borne_;
+  ContactPeak latest_;
   std::size_t searched_ = 0;
   std::vector<Mark> marks_;
   std::vector<Turn> turns_;

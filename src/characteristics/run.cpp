@@ -206,6 +206,7 @@ void Run::tell(const Told& event) {
     Cursor along(end.moved());
     told.impulse = impedance_ * end.driven.force_factor() * passage_ * end.now.end.impulse_at(event.turn.s, along);
     statistics_.account->count(told);
+    if (told.change == Change::opening) told.peak = peak_of(end, event.turn.peak);
   }
   telling_.told(told);
 }

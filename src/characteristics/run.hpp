@@ -142,6 +142,10 @@ class Run {
 
   // Of R = impedance * (what arrives), over the passages so far.
   void account(EndAccount& account, const BarEnd& end) const;
+  ContactPeak peak_of(const BarEnd& end, const ContactPeak& latest) const {
+    return {impedance_ * end.driven.force_factor() * latest.reaction,
+            std::clamp(time_at(latest.time), times_.front(), times_.back())};
+  }
   [[noreturn]] void fail(Failure why, const std::string& what);
   void begin();
 

@@ -47,6 +47,7 @@ void Run::account(EndAccount& account, const BarEnd& bar_end) const {
   if (bar_end.driven.moves()) account.lowest = driven.lowest, account.highest = driven.highest;
   account.impulse = impedance_ * bar_end.driven.force_factor() * passage_ * end.impulse();
   account.peak_reaction = impedance_ * bar_end.driven.force_factor() * end.max_reaction();
+  account.latest = peak_of(bar_end, end.latest());
 }
 
 void Run::begin() {

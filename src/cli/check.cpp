@@ -21,21 +21,24 @@ std::string events(const Case& run, const BarSystem& system) {
   return fmt::format("{}, one for each contact node", system.contacts().size());
 }
 
-std::string impact_text(const Case& run, const std::optional<std::vector<FirstImpact>>& hits) {
-  if (!hits) return "not predicted, the scene is large";
-  if (hits->empty()) return fmt::format("none to t = {}", run.end);
+std::string impact_text(const Case& run, const std::optional<Foresight>& foreseen) {
+  if (!foreseen) return "not predicted, the scene is large";
+  if (foreseen->impacts.empty()) return fmt::format("none to t = {}", run.end);
   std::string text;
-  for (const FirstImpact& impact : *hits)
+  for (const FirstImpact& impact : foreseen->impacts)
     text += fmt::format("{}{} at t = {:.4g}, speed {:.3g}", text.empty() ? "" : "; ", name(impact.where), impact.time,
                         impact.speed);
   return text;
 }
 
 std::string to_text(const ContactRegime& regime) {
+  const bool rebounds = regime.damping_ratio && *regime.damping_ratio < 1.0;
   std::string text = "massless node, no bounce";
   if (regime.damping_ratio)
     text = fmt::format("damping ratio zeta = {:.3g}, {}", *regime.damping_ratio,
-                       regime.chatters ? "chatter expected" : "no bounce");
+                       regime.chatters ? "chatter expected"
+                       : rebounds      ? "no chatter"
+                                       : "no bounce");
   if (regime.impact)
     text += fmt::format("; impact at speed {:.3g}, predicted penetration {:.2g} ({})", regime.impact->speed,
                         regime.impact->penetration, name(regime.impact->layer));
@@ -72,7 +75,7 @@ std::string check_text(const Case& run, const SceneCheck& check) {
   text += row("event functions", events(run, system));
   text += row("memory", "about {} vectors of {} numbers, {}", check.memory.vectors, system.size(),
               byte_number(check.memory.bytes));
-  if (!system.contacts().empty()) text += row("first impacts", impact_text(run, check.impacts));
+  if (!system.contacts().empty()) text += row("first impacts", impact_text(run, check.foreseen));
   if (const auto& error = check.error)
     text += row("error",
                 "about {:.1g} of displacements (space {:.1g}, penalty {:.1g}, time {:.1g}), by "

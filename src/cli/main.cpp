@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "cli/commands.hpp"
+#include "input/scene_keys.hpp"
 #include "results/directory_lock.hpp"
 #include "results/output_file.hpp"
 #include "text/nearest_name.hpp"
@@ -67,6 +68,36 @@ std::string meant(const std::string& word, const std::vector<std::string>& known
   return nearest ? fmt::format("; did you mean {}?", *nearest) : "";
 }
 
+/// The key of a scene that an option "--word" was meant to be: of that name, or of a name or table with a word that
+/// begins so, such as --tol.
+const SceneKey* key_meant(std::string_view word, bool whole) {
+  const auto keys = scene_keys();
+  const auto is_meant = [&](const SceneKey& key) {
+    if (whole) return key.leaf() == word;
+    const std::string name = "." + std::string(key.leaf());
+    return word.size() > 2 &&
+           (name.find("." + std::string(word)) != name.npos || name.find("_" + std::string(word)) != name.npos);
+  };
+  const auto found = std::ranges::find_if(keys, is_meant);
+  if (found != keys.end()) return &*found;
+  return !whole && is_scene_table(word) ? find_scene_key(word, "name") : nullptr;
+}
+
+/// Of an option that there is not: the option, or the key of the scene, that it was meant to be.
+std::string option_meant(const CLI::App& command, const std::string& option) {
+  const std::string word = plain_name(option.substr(option.find_first_not_of('-')));
+  const bool takes_keys = command.get_option_no_throw("--set") != nullptr;
+  const auto set = [](const SceneKey* key) {
+    return fmt::format("; {0} is a key of the scene: --set {0}=VALUE", key->name);
+  };
+  if (const SceneKey* key = takes_keys ? key_meant(word, true) : nullptr) return set(key);
+  std::vector<std::string> names = option_names(command);
+  for (std::string& name : names) name.erase(0, 2);
+  if (const auto nearest = nearest_name(word, names)) return fmt::format("; did you mean --{}?", *nearest);
+  const SceneKey* key = takes_keys ? key_meant(word, false) : nullptr;
+  return key ? set(key) : "";
+}
+
 /// What the user got wrong, with the nearest thing that exists.
 std::string explanation(const CLI::App& app, const CLI::ParseError& error) {
   const auto chosen = app.get_subcommands();
@@ -75,7 +106,7 @@ std::string explanation(const CLI::App& app, const CLI::ParseError& error) {
     return fmt::format("unexpected argument {}", fmt::join(app.remaining(), " "));
   for (const std::string& word : command.remaining()) {
     const std::string bare = word.substr(0, word.find('='));
-    if (bare.starts_with('-')) return fmt::format("unknown option {}{}", bare, meant(bare, option_names(command)));
+    if (bare.starts_with('-')) return fmt::format("unknown option {}{}", bare, option_meant(command, bare));
     if (!chosen.empty()) return fmt::format("unexpected argument {}", word);
     std::vector<std::string> names = option_names(app);
     for (const CLI::App* known : app.get_subcommands({})) names.push_back(known->get_name());
@@ -149,15 +180,18 @@ int run(int argc, char** argv) {
 
 /// Where memory ends inside of what promised not to throw, as libraries do: with a message and without allocating one.
 [[noreturn]] void end_without_memory() {
+  // What leaves a function that promised not to throw may come here unnamed, as from those of std::filesystem.
+  bool memory = !std::current_exception() && std::uncaught_exceptions() > 0;
   try {
     if (std::current_exception()) throw;
   } catch (const std::bad_alloc&) {
-    constexpr std::string_view message = "viscobar: there is not enough memory\n";
-    [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, message.data(), message.size());
-    std::_Exit(run_failed);
+    memory = true;
   } catch (...) {
   }
-  std::abort();
+  if (!memory) std::abort();
+  constexpr std::string_view message = "viscobar: there is not enough memory\n";
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, message.data(), message.size());
+  std::_Exit(run_failed);
 }
 
 }  // namespace

@@ -283,19 +283,21 @@ void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w)
   complete_velocity(t, u, w);
 }
 
-std::array<double, 2> PenalisedSystem::end_reactions(double t, std::span<const double> u, std::span<const double> w) {
-  std::array<double, 2> sum{};
+std::array<double, 3> PenalisedSystem::reactions(double t, std::span<const double> u, std::span<const double> w) {
+  std::array<double, 3> sum{};
   bool accelerated = false;
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     const std::size_t node = contact(i).unknown;
     const bool left = node == 0 && !bar_.left_fixed(), right = node + 1 == size() && !bar_.right_fixed();
-    if (!closed(i) || !(left || right)) continue;
+    const bool span = contact(i).where == Where::span;
+    if (!closed(i) || !(left || right || span)) continue;
     const double sign = contact(i).sign;
     if (collides(i) && !std::exchange(accelerated, true)) accelerate_held(t, u, w);
     const double reaction = !holds(i) ? laws_[i].reaction(-clearance(i, u), -sign * w[node])
                                       : std::max(0.0, sign * (collides(i) ? held_force(i) : holding_force(i, t, u, w)));
     if (left) sum[0] += sign * reaction;
     if (right) sum[1] += sign * reaction;
+    if (span) sum[2] += sign * reaction;
   }
   return sum;
 }

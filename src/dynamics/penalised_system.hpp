@@ -225,8 +225,9 @@ class PenalisedSystem {
   /// in, or touches at rest and is pressed in. Completes u and w at massless nodes on the way.
   void settle(double t, std::span<double> u, std::span<double> w);
 
-  /// Reactions of the contacts at the left and the right end, in the direction of u, the sum of s_i R_i.
-  std::array<double, 2> end_reactions(double t, std::span<const double> u, std::span<const double> w);
+  /// Reactions of the contacts at the left and the right end, and of those of a span obstacle, in the direction of u,
+  /// the sum of s_i R_i.
+  std::array<double, 3> reactions(double t, std::span<const double> u, std::span<const double> w);
 
   /// That of a closed contact that holds(), as its row gives it, of either sign.
   double holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w);

@@ -187,6 +187,16 @@ std::string unknown_token(std::string_view token, std::string_view variables, st
                                            variables.size() > 1 ? ", t" : "", fmt::join(functions, " ")));
 }
 
+// A factor beside another, as on paper.
+std::string_view product_advice(std::string_view text, std::size_t position) {
+  const std::size_t before = text.substr(0, position).find_last_not_of(' ');
+  if (position >= text.size() || before == text.npos) return {};
+  const auto part = [](char c) { return starts_name(c) || is_digit(c); };
+  const char ends = text[before], begins = text[position];
+  return (part(ends) || ends == ')' || ends == '.') && (part(begins) || begins == '(') ? "; a product is written with *"
+                                                                                       : "";
+}
+
 constexpr std::string_view outer_comma =
     "has a comma outside of a function's arguments; decimals are written with a point";
 
@@ -206,7 +216,8 @@ std::string explain(const mu::ParserError& error, std::string_view text, std::st
     case mu::ecUNEXPECTED_ARG_SEP: return std::string(outer_comma);
     case mu::ecEXPRESSION_TOO_LONG: return "is too long";
     default:
-      return position < text.size() ? fmt::format("does not expect \"{}\"{}", error.GetToken(), at(position))
+      return position < text.size() ? fmt::format("does not expect \"{}\"{}{}", error.GetToken(), at(position),
+                                                  product_advice(text, position))
                                     : "is not complete";
   }
 }

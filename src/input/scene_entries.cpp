@@ -177,7 +177,8 @@ void SceneEntries::add(const TomlNode& entry, const std::string& written, std::s
     for (const SceneKey& own : scene_keys())
       if (own.table() == entry.key) faulty_.emplace(own.name);
   } else {
-    const SceneKey* nearest = nearest_scene_key(table, entry.key);
+    const SceneKey* nearest =
+        nearest_scene_key(table, entry.key, [&](const SceneKey& one) { return takes(one.type, entry.value); });
     report_at(key_place, written.empty() ? entry.key : written + "." + entry.key,
               nearest && nearest->name == entry.key
                   ? fmt::format("unknown key; write {} below [{}], or {} without quotes", nearest->leaf(),

@@ -273,15 +273,20 @@ std::optional<std::string_view> meant_name(std::string_view word, std::span<cons
   return nearest ? nearest : nearest_name(usual, candidates);
 }
 
-const SceneKey* nearest_scene_key(std::string_view table, std::string_view leaf) {
-  std::vector<std::string_view> siblings;
-  for (const SceneKey& key : scene_keys())
-    if (key.table() == table || table.empty()) siblings.push_back(key.leaf());
-  const auto nearest = meant_name(leaf, siblings);
+const SceneKey* nearest_scene_key(std::string_view table, std::string_view leaf,
+                                  const std::function<bool(const SceneKey&)>& takes) {
+  const auto near = [&](bool of_its_type) {
+    std::vector<std::string_view> siblings;
+    for (const SceneKey& key : scene_keys())
+      if ((key.table() == table || table.empty()) && (!of_its_type || takes(key))) siblings.push_back(key.leaf());
+    return meant_name(leaf, siblings);
+  };
+  auto nearest = near(true);
+  if (!nearest) nearest = near(false);  // a slip in the value beside one in the name
   const std::string_view usual = usual_name(leaf);
   const auto found = std::ranges::find_if(scene_keys(), [&](const SceneKey& key) {
     if (nearest) return key.leaf() == *nearest && (table.empty() || key.table() == table);
-    return key.leaf() == leaf || key.leaf() == usual;
+    return (key.leaf() == leaf || key.leaf() == usual) && takes(key);
   });
   return found == scene_keys().end() ? nullptr : &*found;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -62,7 +63,9 @@ bool is_scene_table(std::string_view name);
 std::optional<std::string_view> meant_name(std::string_view word, std::span<const std::string_view> candidates);
 
 /// The key that an unknown one was probably meant to be: the nearest one of the same table, or the one of that name in
-/// another table; above the first table, the nearest one of any.
-const SceneKey* nearest_scene_key(std::string_view table, std::string_view leaf);
+/// another table; above the first table, the nearest one of any. One that takes the value comes before others.
+const SceneKey* nearest_scene_key(
+    std::string_view table, std::string_view leaf,
+    const std::function<bool(const SceneKey&)>& takes = [](const SceneKey&) { return true; });
 
 }  // namespace viscobar

@@ -124,6 +124,20 @@ std::optional<double> percentage(std::string_view text) {
   return value && std::isfinite(*value) ? std::optional(*value / 100.0) : std::nullopt;
 }
 
+bool takes(KeyType type, const TomlValue& value) {
+  const bool text = std::holds_alternative<std::string>(value), number = number_of(value).has_value();
+  switch (type) {
+    case KeyType::text:
+    case KeyType::choice: return text;
+    case KeyType::count:
+    case KeyType::number: return number;
+    case KeyType::amount:
+    case KeyType::formula: return number || text;
+    case KeyType::list: return std::holds_alternative<std::vector<std::string>>(value);
+  }
+  return false;
+}
+
 std::string problem_with(const SceneKey& key, const TomlValue& value, const Parameters& parameters) {
   const auto* text = std::get_if<std::string>(&value);
   const auto number = number_of(value);

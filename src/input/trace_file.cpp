@@ -86,7 +86,9 @@ std::optional<std::string_view> comment_in(std::string_view line) {
 bool is_missing(const std::string& cell) {
   static const Cells words = {"",     "na",      "n/a",  "n.a.", "#n/a", "#na", "nan", "null", "nil",
                               "none", "missing", "void", "-",    "--",   "---", ".",   "?",    "*"};
-  return contains(words, plain_name(cell)) || (!cell.empty() && cell.find_first_not_of('-') == cell.npos);
+  const std::string_view name = std::string_view(cell).substr(cell.starts_with('-') && cell.size() > 1 ? 1 : 0);
+  return contains(words, plain_name(name)) || name.starts_with("nan(") ||
+         (!cell.empty() && cell.find_first_not_of('-') == cell.npos);
 }
 
 struct Number {
@@ -296,7 +298,9 @@ class TraceReader {
       ++missing_;
     } else {
       const Number number = number_of(cell);
-      if (!number.value) report(k + 1, column.name, fmt::format("\"{}\" is no number", cell));
+      if (!number.value)
+        report(k + 1, column.name,
+               fmt::format("\"{}\" is no number; leave the cell empty where nothing was measured", cell));
       value = number.value.value_or(not_measured);
       commas_ = commas_ || number.comma;
       points_ = points_ || (!number.comma && cell.find('.') != cell.npos);

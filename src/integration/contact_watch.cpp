@@ -12,6 +12,25 @@ namespace viscobar {
 
 // Private functions that a step calls for each sample are inline.
 
+namespace {
+
+/// Takes the reactions of a step, which ends at `to`, into the peaks of its contact and of the run.
+void raise(auto& account, std::span<const double> force, double to, double length) {
+  const double known = std::abs(account.latest.reaction);
+  const auto [least, most] = std::ranges::minmax_element(force);
+  const double excess = Bernstein::excess(force.size() - 1) * (*most - *least);
+  if (*most + excess <= known && excess - *least <= known) return;
+  const Bernstein polynomial = Bernstein::through(force);
+  const auto take = [&](double extreme, auto sample) {
+    const double part = static_cast<double>(sample - force.begin()) / static_cast<double>(force.size() - 1);
+    account.peak_reaction = std::max(account.peak_reaction, account.latest.raise(extreme, to - (1.0 - part) * length));
+  };
+  take(polynomial.largest(known), most);
+  take(polynomial.smallest(-known), least);
+}
+
+}  // namespace
+
 SpanForce::SpanForce(const PenalisedSystem& system, SpanAccount& account) : system_(system), account_(account) {
   for (std::size_t i = 0; i < system.contact_count(); ++i)
     if (system.contact(i).where == Where::span) nodes_.push_back({i, 0, 0, system.law(i).damping > 0.0});
@@ -40,16 +59,11 @@ bool SpanForce::closed() const {
   return std::ranges::any_of(nodes_, [this](const Node& node) { return system_.closed(node.contact); });
 }
 
-void SpanForce::add(double length, std::size_t order) {
+void SpanForce::add(double to, double length, std::size_t order) {
   if (!closed()) return;
   const std::span<const double> force = std::span(force_).first(order + 1);
   account_.impulse += length * Bernstein::mean(force);
-  const auto [least, most] = std::ranges::minmax(force);
-  const double beyond = std::max(most, -least) + Bernstein::excess(order) * (most - least);
-  if (beyond <= account_.peak_reaction) return;
-  const Bernstein polynomial = Bernstein::through(force);
-  account_.peak_reaction =
-      std::max(polynomial.largest(account_.peak_reaction), -polynomial.smallest(-account_.peak_reaction));
+  raise(account_, force, to, length);
 }
 
 void SpanForce::look_at(std::size_t j, std::span<const double> y) {
@@ -140,9 +154,9 @@ bool ContactWatch::within(std::span<const double> lowest, std::span<const double
   for (const End& end : ends_) {
     const EndAccount& account = *end.account;
     const double low = lowest[*position], high = highest[*position], now = last[*position];
-    const bool inside = (low == now || low + end.origin >= account.lowest) &&
-                        (high == now || high + end.origin <= account.highest) &&
-                        (!end.shut || largest_reaction(end, position, lowest, highest) <= account.peak_reaction);
+    const bool inside =
+        (low == now || low + end.origin >= account.lowest) && (high == now || high + end.origin <= account.highest) &&
+        (!end.shut || largest_reaction(end, position, lowest, highest) <= std::abs(account.latest.reaction));
     if (!inside) return false;
     position += end.entries.size();
   }
@@ -237,7 +251,7 @@ void ContactWatch::strike(std::size_t i, double impulse) {
 
 void ContactWatch::add() {
   if (!(length_ > 0.0)) return;
-  span_.add(length_, order_);
+  span_.add(seen_, length_, order_);
   for (End& end : ends_) {
     end.account->displacement = end.u[order_];
     if (extremes_) add_extremes(end);
@@ -258,9 +272,7 @@ void ContactWatch::add_extremes(End& end) {
     for (std::size_t j = 0; j <= order_; ++j)
       end.force[j] += inertia(static_cast<double>(j) / static_cast<double>(order_)) / length_;
   }
-  const auto [push, pull] = beyond(end.force);
-  if (push > account.peak_reaction) account.peak_reaction = through(end.force).largest(account.peak_reaction);
-  if (-pull > account.peak_reaction) account.peak_reaction = -through(end.force).smallest(-account.peak_reaction);
+  raise(account, used(end.force), seen_, length_);
 }
 
 void ContactWatch::watch(EndAccount& account, bool right) {

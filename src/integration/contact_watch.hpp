@@ -36,10 +36,10 @@ class SpanForce {
   void look_at(std::size_t j, std::span<const double> y);
   /// R at the samples.
   const std::array<double, Bernstein::max_degree + 1>& samples() const { return force_; }
-  /// max |R| so far
+  /// max |R| of the run so far
   double peak() const { return account_.peak_reaction; }
-  /// Adds a step of that length.
-  void add(double length, std::size_t order);
+  /// Adds a step of that length, which ends at `to`.
+  void add(double to, double length, std::size_t order);
 
  private:
   struct Node {

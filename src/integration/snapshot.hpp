@@ -34,7 +34,7 @@ class SnapshotBuilder {
     }
     Snapshot snapshot{t, nodal_u, nodal_v};
     if (!reactions_) return snapshot;
-    const std::array<double, 2> reactions = system_.end_reactions(t, u, w);
+    const std::array<double, 3> reactions = system_.reactions(t, u, w);
     if (!a_.empty()) system_.expand_acceleration(t, u, w, a_);
     const auto reaction = [&](bool right) {
       if (!bar.wall(right)) return reactions[right];
@@ -42,6 +42,7 @@ class SnapshotBuilder {
     };
     snapshot.reaction_left = reaction(false);
     snapshot.reaction_right = reaction(true);
+    snapshot.reaction_span = reactions[2];
     return snapshot;
   }
 

@@ -198,11 +198,12 @@ class RecordedRun {
     outcome().wall_seconds = wall_seconds();
     if (!scene_.run.files.report) return;
     attempt(outcome(), [&] {
-      const Page page = report_page(scene_.run, system_, outcome(), data_);
+      Page page = report_page(scene_.run, system_, outcome(), data_);
+      outcome().wall_seconds = wall_seconds();  // the page's and the summary's
+      tell_whole_run(page, outcome().wall_seconds);
       written_.merge(
           write_page(place_, "report.html", options_.figures ? page.with_figures() : PicturedPage{page.html(), {}}));
     });
-    outcome().wall_seconds = wall_seconds();
   }
 
   // The summary comes last, and says completed only when all else is there.

@@ -89,9 +89,12 @@ std::string section_html(std::string_view heading, std::string_view content) {
   return fmt::format("<section><h2>{}</h2>\n{}</section>\n", heading, content);
 }
 
+std::string sentence_html(std::string_view sentence) { return escaped(with_readable_numbers(sentence)); }
+
 std::string notes_html(const std::vector<std::string>& sentences) {
   std::string html;
-  for (const std::string& sentence : sentences) html += fmt::format("<p class=\"note\">{}.</p>\n", escaped(sentence));
+  for (const std::string& sentence : sentences)
+    html += fmt::format("<p class=\"note\">{}.</p>\n", sentence_html(sentence));
   return html;
 }
 
@@ -110,6 +113,10 @@ void Page::add(Picture picture) {
     panels_.push_back(std::move(panel));
   }
   body_ += fmt::format("<figcaption>{}</figcaption>\n</figure>\n", picture.caption);
+}
+
+void Page::fill_in(std::string_view mark, std::string_view text) {
+  if (const std::size_t at = body_.find(mark); at != body_.npos) body_.replace(at, mark.size(), text);
 }
 
 void Page::add_data(std::string_view key, std::string_view json) {

@@ -20,6 +20,9 @@ std::string model_html(const Scene& scene);
 
 std::string section_html(std::string_view heading, std::string_view content);
 
+/// A sentence of the program as HTML, its numbers as the page writes them.
+std::string sentence_html(std::string_view sentence);
+
 /// Remarks, sentences without their full stops, below each other.
 std::string notes_html(const std::vector<std::string>& sentences);
 
@@ -65,6 +68,8 @@ class Page {
   void add(std::string_view html) { body_ += html; }
   void add(Picture picture);
   void add_section(std::string_view heading, std::string_view content) { add(section_html(heading, content)); }
+  /// Fills in what was not known before the page was made: the words `mark` in what has been added.
+  void fill_in(std::string_view mark, std::string_view text);
   /// A further member of the document that the script reads.
   void add_data(std::string_view key, std::string_view json);
 

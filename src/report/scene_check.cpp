@@ -60,23 +60,23 @@ std::string contact_kind(const Case& run) {
 namespace {
 
 /// What a contact that bounces means for the limit epsilon -> 0, and what to change.
-std::string advice(const Case& run, const ContactRegime& regime) {
+std::string advice(const Case& run, const ContactRegime& regime, bool here) {
   const bool span = regime.where == Where::span;
   const std::string bounce = fmt::format("{}: the {} (zeta = {:.3g} < 1)", name(regime.where),
                                          span ? "nodes rebound" : "end node rebounds", *regime.damping_ratio);
   if (run.restitution)
     return fmt::format(
         "{}, and so do those of the fully discrete scheme with the same contact.restitution = {}: the two share one "
-        "limit as epsilon goes to 0, but the nodes chatter; contact.restitution = 0 prevents the chatter",
-        bounce, *run.restitution);
+        "limit as epsilon goes to 0, but the nodes {}; contact.restitution = 0 prevents the chatter",
+        bounce, *run.restitution, here ? "chatter" : "will chatter");
   if (span)
     return bounce +
            ", and those of the fully discrete scheme do not: as epsilon goes to 0 the difference has a plateau; "
            "contact.restitution = 0 makes the two agree";
   return fmt::format(
-      "{}: it may chatter, and every bounce costs steps; as epsilon goes to 0 the difference to the fully "
-      "discrete scheme has a plateau; remedies: {}",
-      bounce, chatter_remedies(run, regime, regime.where));
+      "{}{}; as epsilon goes to 0 {}the difference to the fully discrete scheme has a plateau; remedies: {}", bounce,
+      here ? ": it may chatter, and every bounce costs steps" : "", here ? "" : "it will chatter, and ",
+      chatter_remedies(run, regime, regime.where));
 }
 
 double gap_of(const Scene& scene, Where where) {
@@ -100,11 +100,11 @@ std::optional<std::string> inner_obstacle(const SceneEnd& end, const std::vector
 
 std::vector<std::string> warnings_of(const Case& run, const BarSystem& system,
                                      const std::vector<ContactRegime>& regimes,
-                                     const std::optional<std::vector<FirstImpact>>& impacts) {
+                                     const std::optional<Foresight>& foreseen) {
   std::vector<std::string> found;
-  if (impacts)
+  if (foreseen)
     for (const SceneEnd& end : ends_of(run.scene))
-      if (const auto inner = inner_obstacle(end, *impacts)) found.push_back(*inner);
+      if (const auto inner = inner_obstacle(end, foreseen->impacts)) found.push_back(*inner);
   if (!run.reservation.empty()) found.push_back(run.reservation);
   for (const SceneEnd& end : ends_of(run.scene)) {
     if (!is_fixed(end.condition)) continue;
@@ -121,7 +121,7 @@ std::vector<std::string> warnings_of(const Case& run, const BarSystem& system,
                       end.name, begins, v));
   }
   for (const ContactRegime& regime : regimes)
-    if (regime.chatters) found.push_back(advice(run, regime));
+    if (regime.chatters) found.push_back(advice(run, regime, !foreseen || foreseen->chatters.value_or(true)));
   const double displacement = natural_scales(system, run.end).displacement;
   for (const ContactRegime& regime : regimes)
     if (const double gap = gap_of(run.scene, regime.where);
@@ -134,11 +134,11 @@ std::vector<std::string> warnings_of(const Case& run, const BarSystem& system,
 }
 
 /// The speed that a first impact will have tells more than the initial velocity.
-void predict(ContactRegime& regime, const std::optional<std::vector<FirstImpact>>& hits, const Case& run,
+void predict(ContactRegime& regime, const std::optional<Foresight>& foreseen, const Case& run,
              const BarSystem& system) {
-  if (!hits || regime.where == Where::span) return;
-  const auto first = std::ranges::find(*hits, regime.where, &FirstImpact::where);
-  if (first == hits->end() || first->speed == 0.0) return;
+  if (!foreseen || regime.where == Where::span) return;
+  const auto first = std::ranges::find(foreseen->impacts, regime.where, &FirstImpact::where);
+  if (first == foreseen->impacts.end() || first->speed == 0.0) return;
   const double h = system.spacing_at(regime.where == Where::left ? 0 : system.size() - 1);
   regime.impact = predict_impact(system.bar(), h, regime.effective_mass, effective_epsilon(run), first->speed);
 }
@@ -163,14 +163,16 @@ Json to_json(const ContactRegime& regime) {
 }  // namespace
 
 SceneCheck check_scene(const Case& run) {
-  SceneCheck check{make_system(run), first_impacts(run), {}, memory_need(run), {}, {}, {}};
+  SceneCheck check{make_system(run), foresee(run), {}, memory_need(run), {}, {}, {}};
   check.regimes = contact_regimes(run, check.system);
-  for (ContactRegime& regime : check.regimes) predict(regime, check.impacts, run, check.system);
+  for (ContactRegime& regime : check.regimes) predict(regime, check.foreseen, run, check.system);
   constexpr double patience = 0.5;  // seconds
   accuracy::QuickEstimate forecast = accuracy::forecast(run, patience);
   check.error = std::move(forecast.estimate);
   check.no_error = std::move(forecast.why_not);
-  check.warnings = warnings_of(run, check.system, check.regimes, check.impacts);
+  check.warnings = warnings_of(run, check.system, check.regimes, check.foreseen);
+  if (check.foreseen && check.foreseen->chatters == false)
+    for (ContactRegime& regime : check.regimes) regime.chatters = false;
   return check;
 }
 
@@ -202,9 +204,9 @@ std::string check_json(const SceneFile& scene, const SceneCheck& check) {
   json["memory"] = {{"vectors", std::llround(check.memory.vectors)}, {"bytes", std::llround(check.memory.bytes)}};
   json["contacts"] = Json::array();
   for (const ContactRegime& regime : check.regimes) json["contacts"].push_back(to_json(regime));
-  json["first_impacts"] = check.impacts ? Json::array() : Json(nullptr);
-  if (check.impacts)
-    for (const FirstImpact& impact : *check.impacts) json["first_impacts"].push_back(to_json(impact));
+  json["first_impacts"] = check.foreseen ? Json::array() : Json(nullptr);
+  if (check.foreseen)
+    for (const FirstImpact& impact : check.foreseen->impacts) json["first_impacts"].push_back(to_json(impact));
   json["error"] = nullptr;
   if (const auto& error = check.error)
     json["error"] = {

@@ -15,13 +15,13 @@ namespace viscobar {
 
 /// What `viscobar check` knows of a sound scene before it runs.
 struct SceneCheck {
-  BarSystem system;                                 ///< with the terms that the scene has
-  std::optional<std::vector<FirstImpact>> impacts;  ///< predicted; absent where the scene is large
-  std::vector<ContactRegime> regimes;               ///< of the contacts of a penalised method
-  MemoryNeed memory;                                ///< of the run
-  std::optional<ErrorEstimate> error;               ///< forecast; absent for exact methods and large scenes
-  std::string no_error;                             ///< why it is absent, in half a sentence; empty for exact methods
-  std::vector<std::string> warnings;                ///< what to change, in sentences
+  BarSystem system;                    ///< with the terms that the scene has
+  std::optional<Foresight> foreseen;   ///< absent where the scene is large
+  std::vector<ContactRegime> regimes;  ///< of the contacts of a penalised method
+  MemoryNeed memory;                   ///< of the run
+  std::optional<ErrorEstimate> error;  ///< forecast; absent for exact methods and large scenes
+  std::string no_error;                ///< why it is absent, in half a sentence; empty for exact methods
+  std::vector<std::string> warnings;   ///< what to change, in sentences
 };
 
 SceneCheck check_scene(const Case& run);

@@ -38,14 +38,16 @@ void members(Like<EnergyAccount> auto& energy, auto&& each) {
        energy.growth_time);
 }
 void members(Like<TimeInContact> auto& contact, auto&& each) { each(contact.until_opening, contact.closed_since); }
+void members(Like<ContactPeak> auto& peak, auto&& each) { each(peak.reaction, peak.time); }
 void members(Like<EndAccount> auto& end, auto&& each) {
-  each(end.displacement, end.lowest, end.highest, end.closings, end.impulse, end.peak_reaction, end.contact);
+  each(end.displacement, end.lowest, end.highest, end.closings, end.impulse, end.peak_reaction, end.contact,
+       end.latest);
 }
 void members(Like<Representation> auto& representation, auto&& each) {
   each(representation.error, representation.rounding, representation.velocity);
 }
 void members(Like<SpanAccount> auto& span, auto&& each) {
-  each(span.closings, span.openings, span.contact, span.impulse, span.peak_reaction);
+  each(span.closings, span.openings, span.contact, span.impulse, span.peak_reaction, span.latest);
 }
 void members(Like<RunAccount> auto& account, auto&& each) { each(account.left, account.right, account.span); }
 void members(Like<Statistics> auto& statistics, auto&& each) {
@@ -60,7 +62,8 @@ void members(Like<SensitivityAccount> auto& account, auto&& each) {
   each(account.impulse_left, account.impulse_right, account.energy, account.lost, account.why);
 }
 void members(Like<Event> auto& event, auto&& each) {
-  each(event.time, event.where, event.node, event.change, event.velocity, event.impulse, event.sensitivities);
+  each(event.time, event.where, event.node, event.change, event.velocity, event.impulse, event.peak,
+       event.sensitivities);
 }
 void members(Like<Checkpoint> auto& checkpoint, auto&& each) {
   each(checkpoint.time, checkpoint.outputs, checkpoint.statistics, checkpoint.state, checkpoint.frame);

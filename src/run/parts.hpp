@@ -90,13 +90,19 @@ inline double begin_of(const StartingPoint& start, std::span<const double> times
   return checkpoint ? checkpoint->time : times.front();
 }
 
-/// Counts a contact change, and gives it the impulse so far where an account is kept.
+/// Counts a contact change, and gives it the impulse so far, and the peak of what ends, where an account is kept.
 inline void count_change(Statistics& statistics, Event& event) {
   ++statistics.events;
   if (!statistics.account) return;
   statistics.account->count(event);
-  if (event.where == Where::left) event.impulse = statistics.account->left.impulse;
-  if (event.where == Where::right) event.impulse = statistics.account->right.impulse;
+  const RunAccount& account = *statistics.account;
+  if (event.where == Where::span) {
+    if (event.change == Change::opening && account.span.closed() == 0) event.peak = account.span.latest;
+    return;
+  }
+  const EndAccount& end = event.where == Where::left ? account.left : account.right;
+  event.impulse = end.impulse;
+  if (event.change == Change::opening) event.peak = end.latest;
 }
 
 /// The state of a method, archived by its members(), put into a checkpoint or taken from one.

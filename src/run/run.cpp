@@ -30,12 +30,14 @@ void RunAccount::count(const Event& event) {
   const bool closing = event.change == Change::closing;
   if (event.where == Where::span) {
     ++(closing ? span.closings : span.openings);
+    if (closing && !span.contact.closed_since) span.latest = {0.0, event.time};
     if (closing) span.contact.close(event.time);
     if (span.closed() == 0) span.contact.open(event.time);
     return;
   }
   EndAccount& end = event.where == Where::left ? left : right;
   end.closings += closing;
+  if (closing && !end.contact.closed_since) end.latest = {0.0, event.time};
   closing ? end.contact.close(event.time) : end.contact.open(event.time);
 }
 

@@ -84,11 +84,23 @@ std::string unit_name(const Units& units, const UnitPowers& powers) {
   return fmt::format("{}/{}", above.empty() ? "1" : above, divisors > 1 ? "(" + below + ")" : below);
 }
 
-std::string with_unit(std::string_view words, const Units& units, Dimension quantity) {
-  std::string unit = unit_name(units, quantity);
-  if (unit.empty()) return std::string(words);
+namespace {
+
+std::string squares(std::string unit) {
   for (std::size_t at = 0; (at = unit.find("^2", at)) != unit.npos;) unit.replace(at, 2, "²");
-  return fmt::format("{} [{}]", words, unit);
+  return unit;
+}
+
+}  // namespace
+
+std::string with_unit(std::string_view words, const Units& units, Dimension quantity) {
+  const std::string unit = unit_name(units, quantity);
+  return unit.empty() ? std::string(words) : fmt::format("{} [{}]", words, squares(unit));
+}
+
+std::string in_unit(std::string number, const Units& units, Dimension quantity) {
+  const std::string unit = unit_name(units, quantity);
+  return unit.empty() ? number : number + "\u00a0" + squares(unit);
 }
 
 std::string named_units(const Units& units) {

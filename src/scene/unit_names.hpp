@@ -28,6 +28,9 @@ inline std::string unit_name(const Units& units, Dimension quantity) { return un
 /// "time t [s]", with ² for ^2; without a unit the words alone.
 std::string with_unit(std::string_view words, const Units& units, Dimension quantity);
 
+/// "1.25 m/s", for a text of a number; without a unit the number alone.
+std::string in_unit(std::string number, const Units& units, Dimension quantity);
+
 /// The units that are named, as "length: m, time: s"; empty where none is.
 std::string named_units(const Units& units);
 

@@ -213,12 +213,13 @@ class Run {
       end.lowest = end.highest = end.displacement;
       each_contact_at(right, [&](std::size_t k) {
         end.impulse += sign(k) * step_->start_impulse()[k];
-        end.peak_reaction = std::max(end.peak_reaction, step_->reaction_before()[k]);
+        end.peak_reaction =
+            std::max(end.peak_reaction, end.latest.raise(sign(k) * step_->reaction_before()[k], times_.front()));
       });
       if (end.peak_reaction > 0.0) end.contact.close(times_.front());
     }
     account.span.impulse = of_span(step_->start_impulse());
-    account.span.peak_reaction = std::abs(of_span(step_->reaction_before()));
+    account.span.peak_reaction = account.span.latest.raise(of_span(step_->reaction_before()), times_.front());
   }
 
   EndAccount& account_of(bool right) { return right ? statistics_.account->right : statistics_.account->left; }
@@ -264,12 +265,13 @@ class Run {
   // Over (t_{n-1}, t_n], where u and lambda are linear; before t_1 lambda^0 has its part in what the start took.
   void account_reactions(std::size_t n) {
     const double dt = scheme_.step, theta = n < steps_ ? 1.0 : std::min((times_.back() - time(n - 1)) / dt, 1.0);
+    const double until = std::min(time(n), times_.back());
     const double *now = step_->reaction().data(), *then = step_->reaction_before().data();
     for (const WatchedEnd& watched : watched_) {
       EndAccount& end = *watched.account;
       double displacement = *watched.u;
       if (theta < 1.0 && watched.p) displacement -= (1.0 - theta) * dt * *watched.p;
-      if (system_.moving()) displacement += system_.lift(std::min(time(n), times_.back()), 0).of(watched.right);
+      if (system_.moving()) displacement += system_.lift(until, 0).of(watched.right);
       end.displacement = displacement;
       if (displacement < end.lowest) end.lowest = displacement;
       if (displacement > end.highest) end.highest = displacement;
@@ -278,14 +280,14 @@ class Run {
         if (now[k] == 0.0 && then[k] == 0.0) continue;
         const double before = n > 1 ? (1.0 - theta / 2) * then[k] : 0.0;
         end.impulse += sign(k) * (dt * theta * (before + theta / 2 * now[k]));
-        end.peak_reaction = std::max(end.peak_reaction, reaction(k, theta));
+        end.peak_reaction = std::max(end.peak_reaction, end.latest.raise(sign(k) * reaction(k, theta), until));
       }
     }
     if (!spanned_) return;
     const double before = of_span(step_->reaction_before()), after = of_span(step_->reaction());
     SpanAccount& span = statistics_.account->span;
     span.impulse += dt * theta * ((n > 1 ? (1.0 - theta / 2) * before : 0.0) + theta / 2 * after);
-    span.peak_reaction = std::max(span.peak_reaction, std::abs((1.0 - theta) * before + theta * after));
+    span.peak_reaction = std::max(span.peak_reaction, span.latest.raise((1.0 - theta) * before + theta * after, until));
   }
 
   // Output times in (t_{n-1}, t_n]: u and v = (u^{n+1} - u^{n-1}) / (2 dt) and lambda at t_{n-1} and t_n, interpolated.
@@ -328,6 +330,8 @@ class Run {
       if (!a_nodal_.empty()) system_.add_lift(system_.lift(t, 2), a_nodal_);
     }
     Snapshot snapshot{t, u_nodal_, v_nodal_, reaction_at(false, theta), reaction_at(true, theta)};
+    if (spanned_)
+      snapshot.reaction_span = (1.0 - theta) * of_span(step_->reaction_before()) + theta * of_span(step_->reaction());
     if (observers_.energy) {
       const double now = time(n_);
       snapshot.energy = step_->energies(now);
@@ -383,13 +387,15 @@ class Run {
     if (system_.moving()) velocity += system_.lift(t, 1).at(system_.share(contact.unknown));
     Event event{t, contact.where, contact.unknown + system_.first_node(), change, velocity};
     count_change(statistics_, event);
-    if (!observers_.event) return;
     // lambda^n, which leads to the contact at t_{n+1}, is of it, and what the start takes at once is of the first one.
+    if (statistics_.account && change == Change::closing && contact.where == Where::span)
+      statistics_.account->span.latest.raise(of_span(step_->reaction()), t);
     if (event.impulse && change == Change::closing) {
-      const EndAccount& end = account_of(contact.where == Where::right);
+      EndAccount& end = account_of(contact.where == Where::right);
+      end.latest.raise(sign(k) * step_->reaction()[k], t);
       *event.impulse = end.closings == 1 ? 0.0 : *event.impulse - sign(k) * (scheme_.step / 2 * step_->reaction()[k]);
     }
-    telling_.told(event);
+    if (observers_.event) telling_.told(event);
   }
 
   // dE = dt (f, v) - eta dt a(v, v) - dt v.rho (M - Q) a + dt lambda v,  v = (u^{n+1} - u^{n-1}) / (2 dt), the step

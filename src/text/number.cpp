@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 
 namespace viscobar {
@@ -50,6 +51,29 @@ std::string readable(double value, int digits) {
   const std::string power = power_of_ten(std::stoi(scientific.substr(at + 1)));
   if (mantissa == "1") return power;
   return with_true_minus(mantissa) + "\u2009×\u2009" + power;
+}
+
+std::string with_readable_numbers(std::string_view sentence) {
+  std::string text;
+  const auto digit = [&](std::size_t i) { return i < sentence.size() && sentence[i] >= '0' && sentence[i] <= '9'; };
+  for (std::size_t i = 0; i < sentence.size();) {
+    const bool inside = i > 0 && (std::isalnum(static_cast<unsigned char>(sentence[i - 1])) || sentence[i - 1] == '_' ||
+                                  sentence[i - 1] == '.');
+    double value = 0.0;
+    const char* const begin = sentence.data() + i;
+    const auto [rest, error] = std::from_chars(begin, sentence.data() + sentence.size(), value);
+    const std::string_view number(begin, static_cast<std::size_t>(rest - begin));
+    const std::size_t mark = number.find('e');
+    if (!inside && digit(i) && error == std::errc{} && mark != number.npos) {
+      const auto digits =
+          static_cast<int>(std::ranges::count_if(number.substr(0, mark), [](char c) { return c != '.'; }));
+      text += readable(value, digits);
+      i += number.size();
+    } else {
+      text += sentence[i++];
+    }
+  }
+  return text;
 }
 
 std::string ordinal(std::size_t number) {

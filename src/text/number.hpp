@@ -24,6 +24,9 @@ void append_decimals(std::string& text, double value, int decimals);
 /// A number for people: a few digits, with a true minus sign; 1.2 x 10^k where it is very large or small.
 std::string readable(double value, int digits = 4);
 
+/// A sentence whose numbers, such as 1.2e-05, are written as readable() writes them.
+std::string with_readable_numbers(std::string_view sentence);
+
 /// 10^exponent
 std::string power_of_ten(int exponent);
 

@@ -1,8 +1,12 @@
 #include "case/alarm.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "support/paper_throw.hpp"
+#include "support/scene_text.hpp"
 #include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {
@@ -47,6 +51,51 @@ Statistics run_of(const Case& run) {
   Observers observers;
   observers.energy = true;
   return simulate(run, make_system(run), observers);
+}
+
+// Squares of less than 1e-154 are 0, so energies, balances and error norms say nothing then; denormal data have no end.
+TEST(Alarm, DataThatAreTooSmallForSquaresEndInAMessageByEveryMethod) {
+  const std::vector<std::pair<std::string, std::string>> tiny[] = {
+      {{"initial.velocity", "-1e-310"}},
+      {{"initial.velocity", "0"}, {"initial.displacement", "\"1e-310*x\""}},
+      {{"initial.velocity", "\"exp(-711*(1+x))\""}},
+      {{"initial.velocity", "0"}, {"left.force", "\"1e-300*sin(t)\""}},
+      {{"initial.velocity", "0"}, {"load.density", "\"1e-300*sin(t)\""}},
+      {{"initial.velocity", "-1.9e-211"}, {"left.gap", "1.9e-212"}}};
+  for (const char* method : all_methods)
+    for (auto changes : tiny) {
+      changes.emplace_back("method.name", std::string("\"") + method + "\"");
+      if (method == std::string("characteristics")) changes.emplace_back("bar.viscosity", "0.0");
+      const std::string text = falling_bar_with(changes);
+      try {
+        run_of(parse_scene(text, "scene").run);
+        ADD_FAILURE() << text;
+      } catch (const IntegrationError& error) {
+        EXPECT_NE(std::string(error.what()).find("too small for the squares of double precision"), std::string::npos)
+            << error.what() << text;
+      }
+    }
+}
+
+// All data times 2^k: the equations are linear, contact included, and a power of two changes no digit.
+TEST(Alarm, DataOfOtherSizesMoveTheBarInProportion) {
+  for (const char* method : all_methods) {
+    const auto lowest = [&](double scale) {
+      const std::string text =
+          falling_bar_with({{"initial.velocity", fmt::format("{}", -scale)},
+                            {"left.gap", fmt::format("{}", 0.1 * scale)},
+                            {"bar.viscosity", method == std::string("characteristics") ? "0.0" : "0.1"},
+                            {"method.name", fmt::format("\"{}\"", method)}});
+      double last = 0.0;
+      Observers observers;
+      observers.snapshot = [&](const Snapshot& now) { last = now.u.back() / scale; };
+      const Case run = parse_scene(text, "scene").run;
+      simulate(run, make_system(run), observers);
+      return last;
+    };
+    const double at_one = lowest(1.0);
+    for (const int power : {-300, 300}) EXPECT_NEAR(lowest(std::ldexp(1.0, power)), at_one, 1e-9) << method << power;
+  }
 }
 
 // What the tolerances allow is a share of the energy on the way, of which nothing is left at the end.

@@ -61,6 +61,23 @@ TEST(Recorder, TakesTheEndsAlone) {
   EXPECT_EQ(fault(found, run), std::nullopt);
 }
 
+TEST(Recorder, FindsReactionsAndContactChangesThatNoRunHas) {
+  const Case run = two_elements();
+  const auto fault_of = [&](double reaction, double time, double velocity) {
+    Recorder recorder(run, "own");
+    const std::vector<double> rest(3, 0.0);
+    recorder.step(0.0, rest, rest, reaction);
+    recorder.step(1.0, rest, rest, reaction);
+    recorder.change({time, Where::left, 0, Change::closing, velocity});
+    return fault(recorder.recording(), run);
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(fault_of(1.0, 0.5, -1.0), std::nullopt);
+  EXPECT_TRUE(fault_of(nan, 0.5, -1.0));
+  for (const double time : {99.0, -0.1, nan}) EXPECT_TRUE(fault_of(1.0, time, -1.0)) << time;
+  EXPECT_TRUE(fault_of(1.0, 0.5, nan));
+}
+
 TEST(Recorder, RefusesWhatCannotBeARun) {
   const std::vector<double> good(3, 0.0), four(4, 0.0), two(2, 0.0);
   std::vector<double> nan(3, std::numeric_limits<double>::quiet_NaN());

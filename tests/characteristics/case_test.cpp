@@ -77,11 +77,11 @@ TEST(CharacteristicsCase, IsTheReferenceOfPrecision) {
 }
 
 TEST(CharacteristicsCase, PredictsTheFirstImpactExactly) {
-  const auto impacts = first_impacts(example("bouncing.toml"));
-  ASSERT_TRUE(impacts);
-  ASSERT_EQ(impacts->size(), 1u);
-  EXPECT_NEAR(impacts->front().time, 1.0, 1e-14);
-  EXPECT_NEAR(impacts->front().speed, 10.0, 1e-12);
+  const auto foreseen = foresee(example("bouncing.toml"));
+  ASSERT_TRUE(foreseen);
+  ASSERT_EQ(foreseen->impacts.size(), 1u);
+  EXPECT_NEAR(foreseen->impacts.front().time, 1.0, 1e-14);
+  EXPECT_NEAR(foreseen->impacts.front().speed, 10.0, 1e-12);
 }
 
 // At rest at both ends of the run: what the bar had in between counts.

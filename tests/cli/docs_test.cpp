@@ -1,6 +1,15 @@
-// Every command of the pages is run as it stands there.
+// Every command of the pages is run as it stands there, and numbers that prose tells of them are compared with what
+// they say: behind such a number, or a verdict, a page names where it stands, in a comment that readers do not see,
+//
+//     takes 60<!-- mine.out/summary.json at /steps --> steps
+//     5.7e-06<!-- viscobar limit scene.toml --json at /rows/0/error -->
+//
+// a file of JSON or CSV (its columns by name) that the commands above have written, or a command that prints JSON, and
+// a JSON pointer. A number holds to half a unit of its last digit, and to a tenth behind "about" or "some".
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <map>
 #include <regex>
 
 #include "cli/command.hpp"
@@ -23,6 +32,56 @@ std::vector<std::string> commands_of(const std::string& page, const std::regex& 
   return found;
 }
 
+/// A number, in digits or as a word, and where it comes from.
+struct Quoted {
+  std::string text, source, pointer;
+};
+
+std::vector<Quoted> numbers_of(const std::string& text) {
+  static const std::regex quoted(
+      "((?:about |some )?(?:[0-9][0-9.]*(?:e-?[0-9]+)?|[a-z]+))[*`]*<!-- ([^>]*) at (/[^ ]*) -->");
+  std::vector<Quoted> found;
+  for (std::sregex_iterator at(text.begin(), text.end(), quoted), end; at != end; ++at)
+    found.push_back({(*at)[1], (*at)[2], (*at)[3]});
+  return found;
+}
+
+/// Whether it is what the text says.
+bool says(const std::string& text, double value) {
+  if (text.find(' ') != text.npos) {
+    const double told = std::stod(text.substr(text.find(' ')));
+    return std::abs(told - std::abs(value)) <= 0.1 * told;
+  }
+  static const char* const words[] = {"none", "one",   "two",   "three", "four", "five",
+                                      "six",  "seven", "eight", "nine",  "ten"};
+  const auto word = std::find(std::begin(words), std::end(words), text);
+  if (word != std::end(words)) return value == static_cast<double>(word - std::begin(words));
+  const std::size_t mark = std::min(text.find('e'), text.size()), point = text.find('.');
+  const int exponent = mark < text.size() ? std::stoi(text.substr(mark + 1)) : 0;
+  const int decimals = point < mark ? static_cast<int>(mark - point) - 1 : 0;
+  const double unit = std::pow(10.0, exponent - decimals);
+  return std::abs(std::stod(text) - std::abs(value)) <= 0.5 * unit * (1.0 + 1e-9);
+}
+
+/// The columns of a table.
+nlohmann::json columns_of(const std::string& csv) {
+  std::istringstream lines(csv);
+  std::string line, cell;
+  std::getline(lines, line);
+  std::vector<std::string> names;
+  for (std::istringstream head(line); std::getline(head, cell, ',');) names.push_back(cell);
+  nlohmann::json table;
+  while (std::getline(lines, line)) {
+    std::size_t k = 0;
+    for (std::istringstream row(line); std::getline(row, cell, ',') && k < names.size(); ++k) {
+      char* rest = nullptr;
+      const double value = std::strtod(cell.c_str(), &rest);
+      table[names[k]].push_back(*rest ? nlohmann::json(cell) : nlohmann::json(value));
+    }
+  }
+  return table;
+}
+
 /// The first block of TOML that is a whole scene.
 std::string scene_of(const std::string& page) {
   const std::size_t begin = page.find("```toml\n");
@@ -31,19 +90,27 @@ std::string scene_of(const std::string& page) {
 
 /// Commands that take seconds as built for release are left to that build.
 #ifdef __SANITIZE_ADDRESS__
-bool slow(const std::string& command) { return command.find("viscobar precision") != command.npos; }
+bool slow(const std::string& command) { return command.find("precision") != command.npos; }
 #else
 bool slow(const std::string&) { return false; }
 #endif
 
 struct Page {
   const char *file, *name;
-  std::size_t least;  ///< so that a change of their looks does not make commands invisible
+  std::size_t least;        ///< so that a change of their looks does not make commands invisible
+  std::size_t numbers = 0;  ///< likewise
 };
 
 void PrintTo(const Page& page, std::ostream* out) { *out << page.file; }
 
-class Docs : public testing_cli::Command, public testing::WithParamInterface<Page> {};
+class Docs : public testing_cli::Command, public testing::WithParamInterface<Page> {
+ protected:
+  nlohmann::json told_by(const std::string& source) const {
+    if (source.starts_with("viscobar ")) return viscobar(source.substr(9)).json();
+    const std::string text = read_text(directory_ / source);
+    return source.ends_with(".csv") ? columns_of(text) : nlohmann::json::parse(text);
+  }
+};
 
 TEST_P(Docs, CommandsRunAsTheyStandThere) {
   const std::string page = read_text(testing_cli::fs::path(VISCOBAR_SOURCE_DIR) / GetParam().file);
@@ -52,22 +119,45 @@ TEST_P(Docs, CommandsRunAsTheyStandThere) {
   std::ofstream(directory_ / "scene.toml") << scene_of(page);
   const std::vector<std::string> commands = commands_of(page, std::regex("^viscobar "));
   EXPECT_GE(commands.size(), GetParam().least);
+  std::size_t compared = 0;
+  std::map<std::string, nlohmann::json> known;  // what commands print does not change below them
+  const auto compare = [&](const std::string& prose) {
+    for (const auto& [text, source, pointer] : numbers_of(prose)) {
+      ++compared;
+      if (slow(source)) continue;
+      SCOPED_TRACE(text + " of " + source + " at " + pointer);
+      try {
+        const bool printed = source.starts_with("viscobar ");
+        if (!printed || !known.contains(source)) known[source] = told_by(source);
+        const nlohmann::json& value = known[source].at(nlohmann::json::json_pointer(pointer));
+        EXPECT_TRUE(value.is_string() ? value == text : says(text, value.get<double>())) << value;
+      } catch (const std::exception& error) {
+        ADD_FAILURE() << error.what();
+      }
+    }
+  };
+  std::size_t read = 0;
   for (const std::string& command : commands) {
+    const std::size_t at = page.find("    " + command, read);
+    compare(page.substr(read, at - read));
+    read = at + 1;
     if (slow(command)) continue;
     std::ofstream(directory_ / "command.bash") << "set -euo pipefail\nviscobar() { '" VISCOBAR_COMMAND "' \"$@\"; }\n"
                                                << command << "\n";
     const std::string line = "cd '" + directory_.string() + "' && /bin/bash command.bash >out.txt 2>error.txt";
     EXPECT_EQ(std::system(line.c_str()), 0) << command << "\n" << read_text(directory_ / "error.txt");
   }
+  compare(page.substr(read));
+  EXPECT_GE(compared, GetParam().numbers);
 }
 
-constexpr Page pages[] = {{"README.md", "readme", 6},
-                          {"docs/tutorial.md", "tutorial", 12},
+constexpr Page pages[] = {{"README.md", "readme", 6, 6},
+                          {"docs/tutorial.md", "tutorial", 12, 15},
                           {"docs/commands.md", "commands", 20},
                           {"docs/model.md", "model", 1},
                           {"docs/report.md", "report", 2},
                           {"docs/scene-file.md", "scene_file", 1},
-                          {"docs/penalty-limit.md", "limit", 1},
+                          {"docs/penalty-limit.md", "limit", 1, 1},
                           {"docs/internals/stability.md", "stability", 1},
                           {"docs/internals/storms.md", "storms", 1},
                           {"docs/internals/sweep-balance.md", "sweep_balance", 1},

@@ -145,7 +145,7 @@ TEST(PenalisedSystem, MeasuredFromItsObstacleABarFeelsTheSameForces) {
       system.complete_displacement(0.0, u);
       system.complete_velocity(0.0, u, w);
       const std::vector<double> displacement = u, velocity = w;
-      const double energy = system.energy(u, w), reaction = system.end_reactions(0.0, u, w)[0];
+      const double energy = system.energy(u, w), reaction = system.reactions(0.0, u, w)[0];
       system.force(0.0, u, w, before);
       system.measure_from_obstacle(0, u);
       system.measure_from_obstacle(1, u);
@@ -160,7 +160,7 @@ TEST(PenalisedSystem, MeasuredFromItsObstacleABarFeelsTheSameForces) {
         EXPECT_NEAR(after[i], before[i], 1e-11) << i;
       }
       EXPECT_NEAR(system.energy(u, w), energy, 1e-12 * energy);
-      EXPECT_NEAR(system.end_reactions(0.0, u, w)[0], reaction, 1e-12);
+      EXPECT_NEAR(system.reactions(0.0, u, w)[0], reaction, 1e-12);
       EXPECT_DOUBLE_EQ(system.largest_displacement(u),
                        std::abs(*std::ranges::max_element(displacement, {}, [](double x) { return std::abs(x); })));
     }
@@ -174,7 +174,7 @@ TEST(PenalisedSystem, APenetrationFarBelowTheRoundingOfTheGapGivesItsReaction) {
   system.set_closed(0, true);
   system.measure_from_obstacle(0, u);
   u[0] = -epsilon * force;
-  EXPECT_DOUBLE_EQ(system.end_reactions(0.0, u, w)[0], force);
+  EXPECT_DOUBLE_EQ(system.reactions(0.0, u, w)[0], force);
   // What its clearance is not known better than is a reaction below the rounding of the strain beside it.
   EXPECT_LT(system.indicator_rounding(0, 0.1) / epsilon, 64.0 * 0.2 * 3.0 / 0.25 * 2.3e-16);
 }

@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <sstream>
 
+#include "support/scene_text.hpp"
 #include "support/scratch.hpp"
+#include "text/number.hpp"
 #include "viscobar/record/record_run.hpp"
 
 namespace viscobar {
@@ -101,6 +105,104 @@ TEST(Report, MarksEveryContactChangeOfAnOrdinaryRun) {
   for (const char* column : {"t", "place", "closes", "velocity"})
     EXPECT_EQ(events[column].size(), events["happened"].get<std::size_t>()) << column;
   EXPECT_EQ(events["places"], nlohmann::json({"left"}));
+}
+
+/// Columns of a table by their names.
+std::map<std::string, std::vector<std::string>> columns_of(const std::string& csv) {
+  std::istringstream lines(csv);
+  std::string line, cell;
+  std::getline(lines, line);
+  std::vector<std::string> names;
+  for (std::istringstream head(line); std::getline(head, cell, ',');) names.push_back(cell);
+  std::map<std::string, std::vector<std::string>> columns;
+  while (std::getline(lines, line)) {
+    std::istringstream row(line);
+    for (const std::string& name : names) std::getline(row, cell, ','), columns[name].push_back(cell);
+  }
+  return columns;
+}
+
+/// The largest size of what a line of a picture shows.
+double largest_of(const nlohmann::json& figure, const std::string& label) {
+  double most = 0.0;
+  for (const nlohmann::json& layer : figure["layers"])
+    if (layer.value("kind", "") == "line" && layer.value("label", "") == label)
+      for (const nlohmann::json& y : layer["y"]) most = std::max(most, std::abs(y.get<double>()));
+  return most;
+}
+
+// Numbers of the page have nine digits, those of a line in a picture six.
+TEST(Report, SaysWhatEventsAndSummarySayAndDrawsEachContactWithItsPeak) {
+  const std::vector<std::pair<std::string, std::string>> two = {
+      {"right.kind", "\"obstacle\""}, {"right.side", "\"above\""}, {"right.gap", "0.1"}, {"time.end", "4.0"}};
+  const auto with = [](std::vector<std::pair<std::string, std::string>> all, const char* method,
+                       std::vector<std::pair<std::string, std::string>> more) {
+    all.emplace_back("method.name", std::string("\"") + method + "\"");
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  const std::vector<std::pair<std::string, std::string>> span = {
+      {"left.kind", "\"free\""}, {"span.gap", "0.1"}, {"initial.velocity", "\"-1-x/10\""}};
+  std::vector<std::string> scenes;
+  for (const char* method : {"rigid", "cvode", "characteristics", "fully_discrete", "exponential"})
+    scenes.push_back(falling_bar_with(
+        with(two, method, {{"bar.viscosity", std::string(method) == "characteristics" ? "0.0" : "0.05"}})));
+  for (const char* method : {"arkode", "fully_discrete"}) {
+    std::string text = falling_bar_with(with(span, method, {{"output.every", "0.05"}}));
+    text.erase(text.find("left.gap"), text.find("initial") - text.find("left.gap"));
+    scenes.push_back(text);
+  }
+  // Between two outputs, a chatter, and a bar that lies on its obstacle.
+  scenes.push_back(falling_bar_with({{"output.every", "0.5"}, {"time.end", "3.0"}, {"method.name", "\"rigid\""}}));
+  scenes.push_back(falling_bar_with({{"bar.viscosity", "0.003"},
+                                     {"mesh.mass", "\"consistent\""},
+                                     {"contact.epsilon", "1e-6"},
+                                     {"time.end", "3.0"},
+                                     {"method.name", "\"cvode\""}}));
+  scenes.push_back(falling_bar_with({{"load.density", "-1"}, {"units.length", "\"m\""}, {"time.end", "3.0"}}));
+  ASSERT_EQ(scenes.size(), 10u);
+  std::size_t contacts = 0;
+  for (const std::string& text : scenes) {
+    SCOPED_TRACE(text);
+    const Scratch scratch;
+    record_run(parse_scene(text, "scene"), scratch.path());
+    const Html report{read_text(scratch / "report.html")};
+    const auto summary = nlohmann::json::parse(read_text(scratch / "summary.json"));
+    auto events = columns_of(read_text(scratch / "events.csv"));
+    const nlohmann::json data = data_of(report);
+    EXPECT_TRUE(report.has("<dt>Whole run</dt><dd>" + readable(summary["wall_seconds"], 3) + " s</dd>"));
+    EXPECT_EQ(report.has("Work done on the bar"), summary["scene"].contains("load"));
+    EXPECT_FALSE(report.has("magnified by 0"));
+    ASSERT_EQ(data["events"]["t"].size(), events["t"].size());
+    for (std::size_t k = 0; k < events["t"].size(); ++k)
+      EXPECT_NEAR(data["events"]["t"][k], std::stod(events["t"][k]), 1e-8);
+    for (const std::string place : {"left", "right", "span"}) {
+      if (!summary["contact"].contains(place)) continue;
+      const nlohmann::json &support = data["supports"][place], &told = summary["contact"][place];
+      const nlohmann::json &parts = support["contact"], &peaks = support["peaks"];
+      ASSERT_EQ(parts.size(), peaks.size()) << place;
+      double peak = 0.0, time = 0.0;
+      for (std::size_t k = 0; k + 1 < parts.size(); k += 2, ++contacts) {
+        EXPECT_GE(peaks[k], parts[k].get<double>() - 1e-8);
+        EXPECT_LE(peaks[k], parts[k + 1].get<double>() + 1e-8);
+        peak = std::max(peak, std::abs(peaks[k + 1].get<double>()));
+        time += parts[k + 1].get<double>() - parts[k].get<double>();
+      }
+      if (place != "span") {
+        EXPECT_EQ(parts.size() / 2, told["closings"]);
+      }
+      const double most = told["max_reaction"];
+      EXPECT_NEAR(peak, most, 1e-8 * most) << place;
+      EXPECT_NEAR(time, told["time_in_contact"], 1e-8 * static_cast<double>(parts.size() + 1)) << place;
+      EXPECT_NEAR(largest_of(data["figures"]["reactions"], place == "span" ? place : place + " end"), most,
+                  1e-5 * most);
+      // The contact row of an end without mass, or held without a spring: its stress is the reaction.
+      if (place == "left" && (summary["method"] == "rigid" || summary["method"] == "characteristics")) {
+        EXPECT_GE(largest_of(data["figures"]["end-stress"], "s(0, t)"), most * (1.0 - 1e-5));
+      }
+    }
+  }
+  EXPECT_GT(contacts, 100u) << "with the chatter's";
 }
 
 TEST(Report, ShowsWhatTheSceneHas) {

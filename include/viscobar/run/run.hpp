@@ -45,6 +45,7 @@ struct Snapshot {
   /// or moves it, by its own row (see BarSystem::holding_force); 0 at a free end.
   double reaction_left = 0.0;
   double reaction_right = 0.0;  ///< likewise
+  double reaction_span = 0.0;   ///< of a span obstacle on all of its nodes
   /// An entry for each direction that was asked for, valid during the call.
   std::span<const FieldSensitivity> sensitivities{};
   std::optional<EnergyState> energy = std::nullopt;  ///< where Observers asked for the account
@@ -52,6 +53,18 @@ struct Snapshot {
 
 /// What a contact does: closing, the node reaches the obstacle; opening, it leaves.
 enum class Change { closing, opening };
+
+/// The largest reaction of a contact from its closing on.
+struct ContactPeak {
+  double reaction = 0.0;  ///< R, in the direction of u, of the largest |R|
+  double time = 0.0;      ///< where it is, to a part of a step
+
+  /// Takes another one in; returns |R| of the larger.
+  double raise(double other, double at) {
+    if (std::abs(other) > std::abs(reaction)) reaction = other, time = at;
+    return std::abs(reaction);
+  }
+};
 
 /// A contact change.
 struct Event {
@@ -64,6 +77,9 @@ struct Event {
   /// the account of the run.
   std::optional<double> impulse = std::nullopt;
   std::vector<ChangeSensitivity> sensitivities = {};  ///< an entry for each direction that was asked for
+  /// Of an opening that ends the contact of its end, or that of all nodes under a span obstacle; absent where nobody
+  /// asked for the account of the run.
+  std::optional<ContactPeak> peak = std::nullopt;
 };
 
 /// initial + work = final + dissipated + balance_error, the error being that of the time integration.
@@ -122,6 +138,7 @@ struct EndAccount {
   /// viscobar::peak_remark().
   double peak_reaction = 0.0;
   TimeInContact contact;  ///< with any obstacle of its own
+  ContactPeak latest;     ///< of the contact that lasts, or else of the last one
 };
 
 /// The nodes under a span obstacle.
@@ -132,6 +149,7 @@ struct SpanAccount {
   double impulse = 0.0;      ///< int R dt, R the obstacle's force on the bar in the direction of u, of all nodes
   /// max |R|, see EndAccount::peak_reaction.
   double peak_reaction = 0.0;
+  ContactPeak latest;  ///< of the contact of any node that lasts, or else of the last one
 
   /// Nodes in contact.
   std::size_t closed() const { return closings - openings; }

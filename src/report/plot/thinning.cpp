@@ -47,10 +47,13 @@ void ThinnedIntervals::add(Interval interval) {
   const double resolution = (intervals_.back().end - intervals_.front().begin) / static_cast<double>(capacity);
   std::vector<Interval> merged = {intervals_.front()};
   for (const Interval& next : intervals_) {
-    if (next.begin - merged.back().end < resolution)
-      merged.back().end = std::max(merged.back().end, next.end);
-    else
+    Interval& last = merged.back();
+    if (next.begin - last.end >= resolution) {
       merged.push_back(next);
+      continue;
+    }
+    last.end = std::max(last.end, next.end);
+    if (std::abs(next.peak.y) > std::abs(last.peak.y)) last.peak = next.peak;
   }
   intervals_ = std::move(merged);
 }

@@ -78,10 +78,12 @@ std::vector<Point> thin(std::span<const Point> line, std::size_t capacity = 600)
 
 struct Interval {
   double begin, end;
-  static void members(auto& interval, auto&& each) { each(interval.begin, interval.end); }
+  Point peak{0.0, 0.0};  ///< the largest in size of what happens in it, where that is told
+  static void members(auto& interval, auto&& each) { each(interval.begin, interval.end, interval.peak); }
 };
 
-/// Intervals in increasing order, never more than 2000: gaps that a picture of the whole could not show are closed.
+/// Intervals in increasing order, never more than 2000: gaps that a picture of the whole could not show are closed, and
+/// the larger peak stays.
 class ThinnedIntervals {
  public:
   void add(Interval interval);

@@ -34,10 +34,20 @@ ReportData::ReportData(const Case& run, const BarSystem& system)
       system_(system),
       has_springs_(is_penalised(run.method) && !system.contacts().empty()) {}
 
-std::vector<plot::Interval> ReportData::End::in_contact(double now) const {
+std::vector<plot::Interval> ReportData::End::in_contact(double now, const ContactPeak& lasting) const {
   std::vector<plot::Interval> all = contacts.intervals();
-  if (closed_since) all.push_back({*closed_since, now});
+  if (closed_since) all.push_back({*closed_since, now, {lasting.time, lasting.reaction}});
   return all;
+}
+
+void ReportData::End::add(const Event& event) {
+  if (event.change == Change::closing) {
+    if (!closed_since) closed_since = event.time;
+  } else if (closed_since) {
+    const ContactPeak peak = event.peak.value_or(ContactPeak{0.0, event.time});
+    contacts.add({*closed_since, event.time, {peak.time, peak.reaction}});
+    closed_since.reset();
+  }
 }
 
 void ReportData::Fastest::join(const Fastest& next) {
@@ -57,6 +67,8 @@ void ReportData::add(const Snapshot& at) {
   };
   add_to(left, at.u.front(), at.reaction_left, stress_of(0));
   add_to(right, at.u.back(), at.reaction_right, stress_of(system_.mesh().elements - 1));
+  if (snapshots == 0 && at.reaction_span != 0.0) span.closed_since = at.time;
+  span.reaction.add({at.time, at.reaction_span});
   ++snapshots;
   sensitivities.resize(std::max(sensitivities.size(), at.sensitivities.size()));
   for (std::size_t k = 0; k < at.sensitivities.size(); ++k) {
@@ -70,14 +82,11 @@ void ReportData::add(const Snapshot& at) {
 void ReportData::add(const Event& event) {
   if (first_events.size() < most_events) first_events.push_back(event);
   marked_events.add({event});
-  if (event.where == Where::span) return;
-  End& end = event.where == Where::left ? left : right;
-  if (event.change == Change::closing) {
-    if (!end.closed_since) end.closed_since = event.time;
-  } else if (end.closed_since) {
-    end.contacts.add({*end.closed_since, event.time});
-    end.closed_since.reset();
-  }
+  if (event.where != Where::span) return (event.where == Where::left ? left : right).add(event);
+  if (event.change == Change::closing || event.peak) span.add(event);
+  // An end lies on it, too.
+  if (event.node == 0) left.add(event);
+  if (event.node == system_.mesh().elements) right.add(event);
 }
 
 }  // namespace viscobar

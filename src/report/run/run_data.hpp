@@ -73,11 +73,12 @@ class ReportData {
   static constexpr std::size_t buckets = 800;
   struct End {
     plot::ThinnedLine displacement{buckets}, reaction{buckets}, traction{buckets};
-    plot::ThinnedIntervals contacts;     // that are over
+    plot::ThinnedIntervals contacts;     // that are over, with the peaks of their reactions
     std::optional<double> closed_since;  // of the one that is not
 
-    /// Times in contact up to `now`, as far as a picture shows them.
-    std::vector<plot::Interval> in_contact(double now) const;
+    void add(const Event& event);
+    /// Times in contact up to `now`, as far as a picture shows them; the one that lasts has that peak.
+    std::vector<plot::Interval> in_contact(double now, const ContactPeak& lasting) const;
     static void members(auto& end, auto&& each) {
       each(end.displacement, end.reaction, end.traction, end.contacts, end.closed_since);
     }
@@ -112,12 +113,13 @@ class ReportData {
   std::size_t snapshots = 0;
   ThinnedField field, stress;
   End left, right;
+  End span;  // all of its nodes together: reaction and contacts alone
   std::vector<plot::ThinnedLine> energy{energy_columns.size(), plot::ThinnedLine(buckets)};  // of energy_columns
   std::vector<Slopes> sensitivities;                                                         // of each direction
   std::vector<Event> first_events;
   plot::Thinned<Fastest> marked_events{most_marks};
   static void members(auto& data, auto&& each) {
-    each(data.snapshots, data.field, data.stress, data.left, data.right, data.energy, data.sensitivities,
+    each(data.snapshots, data.field, data.stress, data.left, data.right, data.span, data.energy, data.sensitivities,
          data.first_events, data.marked_events);
   }
 

@@ -7,6 +7,7 @@
 
 #include "case/regime.hpp"
 #include "results/csv.hpp"
+#include "scene/unit_names.hpp"
 #include "text/number.hpp"
 #include "text/printable_text.hpp"
 #include "text/table.hpp"
@@ -17,53 +18,85 @@ namespace {
 
 constexpr const char* how_far = "How far from the bar itself";
 
+/// Stands where tell_whole_run() puts the time.
+constexpr std::string_view whole_run = "<!--whole run-->";
+
 std::string seconds(double value) { return readable(value, 3) + " s"; }
+
+/// A number for people with its unit.
+class InUnits {
+ public:
+  explicit InUnits(const Case& run) : units_(run.scene.units) {}
+  std::string operator()(double value, Dimension quantity, int digits = 4) const {
+    return in_unit(readable(value, digits), units_, quantity);
+  }
+
+ private:
+  const Units& units_;
+};
+
+/// Whether anything does work on the bar: a load, a force on an end, or what moves ends and obstacles.
+bool worked_on(const Scene& scene) {
+  const auto drives = [](const EndInput& input) { return input.force || input.motion; };
+  return scene.load || drives(scene.left_input) || drives(scene.right_input);
+}
 
 std::string numbers(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data) {
   Numbers all;
+  const InUnits with(run);
   all.add("Method", method_words(run));
   if (is_adaptive(run.method)) {
     const Allowance absolute = allowance(run.tolerance, system, run.end);
     all.add("Tolerances", readable(run.tolerance.relative),
-            fmt::format("relative; absolute {} of u, {} of v", readable(absolute.displacement),
-                        readable(absolute.velocity)));
+            fmt::format("relative; absolute {} of u, {} of v", with(absolute.displacement, Dimension::length),
+                        with(absolute.velocity, Dimension::velocity)));
   }
-  if (is_scheme(run.method)) all.add("Time step", readable(scheme_step(run)));
+  if (is_scheme(run.method)) all.add("Time step", with(scheme_step(run), Dimension::time));
   if (data.has_springs()) all.add("Penalty ε", readable(effective_epsilon(run)));
   if (run.restitution && !system.contacts().empty()) all.add("Restitution", readable(*run.restitution));
   all.add("Elements", fmt::format("{}", system.mesh().elements),
-          fmt::format("h = {}{}, {} mass", readable(system.mesh().spacing()),
-                      system.mesh().uniform()
-                          ? ""
-                          : fmt::format(" on average, {} at the contacts", readable(system.mesh().smallest())),
+          fmt::format("h = {}{}, {} mass", with(system.mesh().spacing(), Dimension::length),
+                      system.mesh().uniform() ? ""
+                                              : fmt::format(" on average, {} at the contacts",
+                                                            with(system.mesh().smallest(), Dimension::length)),
                       name(system.mass())));
   if (outcome.statistics) all.add("Unknowns", outcome.statistics->unknowns);
-  all.add("Simulated time", readable(outcome.reached_time),
-          outcome.ending == Ending::completed ? std::string() : "of " + readable(run.end));
+  all.add("Simulated time", with(outcome.reached_time, Dimension::time),
+          outcome.ending == Ending::completed ? std::string() : "of " + with(run.end, Dimension::time));
   all.add("Steps", outcome.steps);
   if (!system.contacts().empty()) all.add("Contact changes", outcome.events);
   if (const auto& statistics = outcome.statistics) {
     all.add("Evaluations", statistics->rhs_evaluations);
     all.add("Linear solves", statistics->linear_solves);
     all.add("Factorisations", statistics->matrix_factorisations);
-    if (!system.contacts().empty()) all.add("Largest penetration", readable(statistics->max_penetration, 3));
+    if (!system.contacts().empty())
+      all.add("Largest penetration", with(statistics->max_penetration, Dimension::length, 3));
     if (const auto& energy = statistics->energy) {
-      all.add("Energy at the start", readable(energy->initial));
-      all.add("Energy at the end", readable(energy->final));
-      all.add("Dissipated", readable(energy->dissipated), "work of the load " + readable(energy->work));
-      if (energy->end_inertia != 0.0) all.add("Of it by the mass's end rows", readable(energy->end_inertia));
-      all.add("Energy balance error", readable(energy->balance_error(), 2));
+      const auto add = [&](const char* what, double value, int digits = 4) {
+        all.add(what, with(value, Dimension::energy, digits));
+      };
+      add("Energy at the start", energy->initial);
+      add("Energy at the end", energy->final);
+      add("Dissipated", energy->dissipated);
+      if (energy->end_inertia != 0.0) add("Of it by the mass's end rows", energy->end_inertia);
+      if (worked_on(run.scene)) add("Work done on the bar", energy->work);
+      add("Energy balance error", energy->balance_error(), 2);
     }
     all.add("Integration", seconds(statistics->integration_seconds));
   }
-  all.add("Whole run", seconds(outcome.wall_seconds));
+  all.add("Whole run", std::string(whole_run));
   return all.html("The run in numbers");
 }
 
 std::string contact_section(const Case& run, const BarSystem& system, const Outcome& outcome) {
   if (!outcome.statistics || !outcome.statistics->account) return {};
   const RunAccount& account = *outcome.statistics->account;
-  Table table{{"Obstacle", "closings", "time in contact", "impulse of the reaction", "peak reaction"}, 1, {}};
+  const Units& units = run.scene.units;
+  Table table{{"Obstacle", "closings", with_unit("time in contact", units, Dimension::time),
+               with_unit("impulse of the reaction", units, Dimension::impulse),
+               with_unit("peak reaction", units, Dimension::stress)},
+              1,
+              {}};
   const auto add = [&](const char* where, bool there, const auto& obstacle) {
     if (there)
       table.rows.push_back({where, fmt::format("{}", obstacle.closings),
@@ -81,9 +114,12 @@ std::string contact_section(const Case& run, const BarSystem& system, const Outc
   return section_html("Contact", html(table) + notes_html(notes));
 }
 
-std::string event_section(const Outcome& outcome, const ReportData& data) {
+std::string event_section(const Units& units, const Outcome& outcome, const ReportData& data) {
   if (data.first_events.empty()) return {};
-  Table table{{"time", "where", "change", "velocity"}, 3, {}};
+  Table table{
+      {with_unit("time", units, Dimension::time), "where", "change", with_unit("velocity", units, Dimension::velocity)},
+      3,
+      {}};
   for (const Event& event : data.first_events)
     table.rows.push_back({readable(event.time, 8), place(event), event.change == Change::closing ? "closes" : "opens",
                           readable(event.velocity)});
@@ -106,23 +142,36 @@ std::string_view of_words(Goal goal) {
   return {};
 }
 
+Dimension dimension_of(Goal goal) {
+  switch (goal) {
+    case Goal::contact_times: return Dimension::time;
+    case Goal::impulse: return Dimension::impulse;
+    case Goal::peak_reaction: return Dimension::stress;
+    case Goal::end_velocity: return Dimension::velocity;
+    default: return Dimension::length;
+  }
+}
+
 std::string verdict(const ErrorEstimate& estimate) {
   if (!estimate.requested) return "";
   return fmt::format("; {:.2g} asked for: {}", *estimate.requested, estimate.kept ? "kept" : "not kept");
 }
 
-std::string estimate_section(const ErrorEstimate& estimate) {
+std::string estimate_section(const Case& run, const ErrorEstimate& estimate) {
   Numbers all;
-  all.add("Error, estimated", readable(estimate.total, 2), of_words(estimate.of));
-  all.add("of the mesh", readable(estimate.space, 2),
+  const auto with = [&](double value, int digits = 2) {
+    return InUnits(run)(value, dimension_of(estimate.of), digits);
+  };
+  all.add("Error, estimated", with(estimate.total), of_words(estimate.of));
+  all.add("of the mesh", with(estimate.space),
           estimate.order ? fmt::format("observed power {:.2g} of the mesh", *estimate.order) : std::string());
-  all.add("of the penalty", readable(estimate.penalty, 2));
-  all.add("of the time integration", readable(estimate.time, 2));
-  if (estimate.requested) all.add("asked for", readable(*estimate.requested, 2), estimate.kept ? "kept" : "not kept");
-  all.add("Largest value", readable(estimate.largest));
+  all.add("of the penalty", with(estimate.penalty));
+  all.add("of the time integration", with(estimate.time));
+  if (estimate.requested) all.add("asked for", with(*estimate.requested), estimate.kept ? "kept" : "not kept");
+  all.add("Largest value", with(estimate.largest, 4));
   if (!estimate.runs.empty()) all.add("Runs for the estimate", estimate.runs.size());
   std::string list;
-  for (const std::string& reason : estimate.reasons) list += fmt::format("<li>{}</li>\n", escaped(reason));
+  for (const std::string& reason : estimate.reasons) list += fmt::format("<li>{}</li>\n", sentence_html(reason));
   return all.html(how_far) + (list.empty() ? "" : fmt::format("<ul class=\"note\">\n{}</ul>\n", list));
 }
 
@@ -141,19 +190,19 @@ Page report_page(const Case& run, const BarSystem& system, const Outcome& outcom
   Page page(run.scene.title.empty() ? "A run of viscobar" : run.scene.title, run.scene);
   if (!outcome.error.empty())
     page.add_head(fmt::format("<p class=\"failed\"><b>The run did not complete.</b> It reached t = {}: {}</p>\n",
-                              readable(outcome.reached_time), escaped(outcome.error)));
+                              InUnits(run)(outcome.reached_time, Dimension::time), sentence_html(outcome.error)));
   for (const std::string& warning : outcome.warnings)
-    page.add_head(fmt::format("<p class=\"warning\"><b>Warning.</b> {}</p>\n", escaped(warning)));
+    page.add_head(fmt::format("<p class=\"warning\"><b>Warning.</b> {}</p>\n", sentence_html(warning)));
   if (data.field.rows() >= 2) {
     const FieldColours colours = field_colours(run, data);
     const FieldColours of_stress = stress_colours(run, data);
     page.add(profiles(run, data));
     page.add(axial_bar(run, data, of_stress));
     page.add(displacement_map(run, data, colours));
-    page.add(stress_map(run, data, of_stress));
+    page.add(stress_map(run, system, outcome, data, of_stress));
     page.add(end_traces(run, outcome, data));
-    page.add(reactions(run, data));
-    page.add(end_tractions(run, data));
+    page.add(reactions(run, outcome, data));
+    page.add(end_tractions(run, system, outcome, data));
     page.add(energies(run, data));
     page.add(sensitivities(run, data));
     page.add_data("field", field_json(data.field, colours));
@@ -163,12 +212,15 @@ Page report_page(const Case& run, const BarSystem& system, const Outcome& outcom
     page.add_data("supports", supports_json(run.scene, outcome, data));
   }
   page.add(numbers(run, system, outcome, data));
-  if (outcome.error_estimate) page.add(estimate_section(*outcome.error_estimate));
+  if (outcome.error_estimate) page.add(estimate_section(run, *outcome.error_estimate));
   if (!outcome.no_estimate.empty())
-    page.add(section_html(how_far, fmt::format("<p>There is no estimate: {}</p>\n", escaped(outcome.no_estimate))));
+    page.add(
+        section_html(how_far, fmt::format("<p>There is no estimate: {}</p>\n", sentence_html(outcome.no_estimate))));
   page.add(contact_section(run, system, outcome));
-  page.add(event_section(outcome, data));
+  page.add(event_section(run.scene.units, outcome, data));
   return page;
 }
+
+void tell_whole_run(Page& page, double wall_seconds) { page.fill_in(whole_run, seconds(wall_seconds)); }
 
 }  // namespace viscobar

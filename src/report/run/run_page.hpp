@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <string>
 #include <utility>
@@ -13,6 +14,9 @@ namespace viscobar {
 
 /// The page report.html, with the pictures that the scene gives rise to.
 Page report_page(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data);
+
+/// Puts the time of the whole run into it, which its making is a part of.
+void tell_whole_run(Page& page, double wall_seconds);
 
 /// The estimate of a run's error as rows of a terminal's table, name and value.
 std::vector<std::pair<std::string, std::string>> estimate_rows(const ErrorEstimate& estimate);
@@ -49,6 +53,14 @@ struct TimeLine {
   plot::Style style;
   std::string_view name;
 };
+/// A line of what is known at the output times, and of each contact at its closing, its peak and its opening.
+std::vector<plot::Point> with_contacts(const std::vector<plot::Point>& line,
+                                       const std::vector<plot::Interval>& contacts,
+                                       const std::function<double(double t, double reaction)>& value);
+/// Of an end that is "left" or "right", up to where the run came.
+std::vector<plot::Interval> contacts_of(std::string_view end, const Outcome& outcome, const ReportData& data);
+std::vector<plot::Interval> contacts_of_span(const Outcome& outcome, const ReportData& data);
+
 /// Lines over the time of the run, with zero in view.
 plot::Figure over_time(const Case& run, const ReportData& data, const std::string& axis, double height,
                        const std::vector<TimeLine>& lines);
@@ -60,11 +72,12 @@ FieldColours stress_colours(const Case& run, const ReportData& data);
 Picture displacement_map(const Case& run, const ReportData& data, const FieldColours& colours);
 Picture profiles(const Case& run, const ReportData& data);
 Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& data);
-Picture reactions(const Case& run, const ReportData& data);
+Picture reactions(const Case& run, const Outcome& outcome, const ReportData& data);
 Picture energies(const Case& run, const ReportData& data);
 Picture sensitivities(const Case& run, const ReportData& data);
-Picture stress_map(const Case& run, const ReportData& data, const FieldColours& colours);
-Picture end_tractions(const Case& run, const ReportData& data);
+Picture stress_map(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data,
+                   const FieldColours& colours);
+Picture end_tractions(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data);
 /// The points x + s u, s being axial_magnification(), in the colours of the stress, between the walls of the ends.
 Picture axial_bar(const Case& run, const ReportData& data, const FieldColours& colours);
 /// By how much displacements are drawn larger along the bar: 1, 2 or 5 times a power of ten.
@@ -77,7 +90,8 @@ double axial_magnification(const Case& run, const ReportData& data);
 std::string field_json(const ThinnedField& field, const FieldColours& colours);
 /// The contact changes that the page marks, as columns.
 std::string events_json(const ReportData& data, std::size_t happened);
-/// What holds the ends and the span: kind, gap, and the times in contact. An obstacle that moves has its surface at the
+/// What holds the ends and the span: kind, gap, the times in contact, and of each contact the time of its largest
+/// reaction and that. An obstacle that moves has its surface at the
 /// times of the field.
 std::string supports_json(const Scene& scene, const Outcome& outcome, const ReportData& data);
 

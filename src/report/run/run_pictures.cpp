@@ -133,7 +133,8 @@ Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& da
     for (std::vector<ObstacleLevel>* levels : {&shown, &span})
       std::erase_if(*levels, [&](const ObstacleLevel& level) { return !range.reach(level.u); });
     Figure figure(time_axis(data.field, run.scene.units), range.axis(displacement_label(run, label)), 220.0);
-    if (body) figure.shade(trace.in_contact(outcome.reached_time), plot::series_colour(colour), "in contact");
+    if (body || run.scene.span)
+      figure.shade(contacts_of(end.name, outcome, data), plot::series_colour(colour), "in contact");
     for (const ObstacleLevel& level : shown) figure.level(level.u, {"var(--ink)", true, 1.2}, obstacle_text(level));
     if (!surface.empty()) figure.line(surface, {"var(--ink)", true, 1.2}, "obstacle");
     if (body && surface.empty() && shown.empty())
@@ -143,7 +144,7 @@ Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& da
     figure.line(points, {plot::series_colour(colour)}, label);
     panels.push_back({fmt::format("{}-end", end.name), "Displacement over time: " + label, figure});
   }
-  const bool obstacles = is_obstacle(run.scene.left) || is_obstacle(run.scene.right);
+  const bool obstacles = meets_obstacle(run.scene);
   return {"Ends",
           fmt::format("Displacement of the {}.{}", panels.size() < 2 ? "end that moves" : "two ends",
                       obstacles ? " Dashed: obstacle; shaded: times in contact." : ""),
@@ -173,17 +174,53 @@ Picture sensitivities(const Case& run, const ReportData& data) {
   return picture;
 }
 
-Picture reactions(const Case& run, const ReportData& data) {
-  const bool span = run.scene.span.has_value();
+std::vector<Interval> contacts_of(std::string_view end, const Outcome& outcome, const ReportData& data) {
+  const auto* account = outcome.statistics && outcome.statistics->account ? &*outcome.statistics->account : nullptr;
+  const bool left = end == "left";
+  const ContactPeak lasting = account ? (left ? account->left : account->right).latest : ContactPeak{};
+  return (left ? data.left : data.right).in_contact(outcome.reached_time, lasting);
+}
+
+std::vector<Interval> contacts_of_span(const Outcome& outcome, const ReportData& data) {
+  const auto* account = outcome.statistics && outcome.statistics->account ? &*outcome.statistics->account : nullptr;
+  return data.span.in_contact(outcome.reached_time, account ? account->span.latest : ContactPeak{});
+}
+
+std::vector<Point> with_contacts(const std::vector<Point>& line, const std::vector<Interval>& contacts,
+                                 const std::function<double(double, double)>& value) {
+  std::vector<Point> known;
+  for (const auto& [begin, end, peak] : contacts) {
+    if (line.empty() || begin > line.front().x) known.push_back({begin, value(begin, 0.0)});
+    if (peak.y != 0.0) known.push_back({std::clamp(peak.x, begin, end), value(peak.x, peak.y)});
+    if (line.empty() || end < line.back().x) known.push_back({end, value(end, 0.0)});
+  }
+  std::vector<Point> all;
+  std::ranges::merge(line, known, std::back_inserter(all), {}, &Point::x, &Point::x);
+  return all;
+}
+
+Picture reactions(const Case& run, const Outcome& outcome, const ReportData& data) {
   std::vector<TimeLine> lines;
-  if (span || is_obstacle(run.scene.left))
-    lines.push_back({data.left.reaction.points(), {plot::series_colour(0), false, 2.4}, "left end"});
-  if (span || is_obstacle(run.scene.right))  // dashed, to be seen where both are equal
-    lines.push_back({data.right.reaction.points(), {plot::series_colour(1), !lines.empty(), 1.6}, "right end"});
+  const auto add = [&](const ReportData::End& trace, const std::vector<Interval>& contacts, plot::Style style,
+                       std::string_view name) {
+    lines.push_back(
+        {with_contacts(trace.reaction.points(), contacts, [](double, double r) { return r; }), std::move(style), name});
+  };
+  // Dashed, to be seen where both are equal.
+  if (is_obstacle(run.scene.left))
+    add(data.left, contacts_of("left", outcome, data), {plot::series_colour(0), false, 2.4}, "left end");
+  if (is_obstacle(run.scene.right))
+    add(data.right, contacts_of("right", outcome, data), {plot::series_colour(1), !lines.empty(), 1.6}, "right end");
+  if (run.scene.span) add(data.span, contacts_of_span(outcome, data), {plot::series_colour(2), false, 1.8}, "span");
   if (lines.empty()) return {};
   const std::string axis = with_unit("reaction R", run.scene.units, Dimension::stress);
   return {"Reactions",
-          "Force of the obstacle on each end, at the output times.",
+          fmt::format(
+              "Force of the obstacle on {}, at the output times, and of each contact at its closing, its peak and its "
+              "opening.",
+              !run.scene.span     ? "each end"
+              : lines.size() == 1 ? "the whole span"
+                                  : "each end and on the whole span"),
           {{"reactions", "Reactions of the obstacles over time", over_time(run, data, axis, 240.0, lines)}}};
 }
 

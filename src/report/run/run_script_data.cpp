@@ -30,14 +30,21 @@ std::string numbers(const std::vector<double>& values, int digits = digits_of_ti
   return json_numbers(values, std::identity(), digits);
 }
 
-std::string support_json(const SceneEnd& end, const ReportData& data, const ReportData::End& trace, double reached) {
+std::string contacts_json(const std::vector<plot::Interval>& parts) {
+  std::vector<double> contact, peaks;
+  for (const plot::Interval& part : parts) {
+    contact.insert(contact.end(), {part.begin, part.end});
+    peaks.insert(peaks.end(), {part.peak.x, part.peak.y});
+  }
+  return R"(,"contact":)" + numbers(contact) + R"(,"peaks":)" + numbers(peaks) + '}';
+}
+
+std::string support_json(const SceneEnd& end, const ReportData& data, const std::vector<plot::Interval>& contacts) {
   std::string text = fmt::format(R"({{"kind":"{}")", end_kind(end.condition).name);
   if (!end.obstacle()) return text + '}';
   text += sides_json(*end.obstacle());
   if (end.input.motion) text += R"(,"surface":)" + numbers(end.surface(data.field.times()));
-  std::vector<double> contact;
-  for (const plot::Interval& part : trace.in_contact(reached)) contact.insert(contact.end(), {part.begin, part.end});
-  return text + R"(,"contact":)" + numbers(contact) + '}';
+  return text + contacts_json(contacts);
 }
 
 }  // namespace
@@ -87,9 +94,12 @@ std::string events_json(const ReportData& data, std::size_t happened) {
 
 std::string supports_json(const Scene& scene, const Outcome& outcome, const ReportData& data) {
   const auto [left, right] = ends_of(scene);
-  std::string text = fmt::format(R"({{"left":{},"right":{})", support_json(left, data, data.left, outcome.reached_time),
-                                 support_json(right, data, data.right, outcome.reached_time));
-  if (scene.span) text += fmt::format(R"(,"span":{{"side":"{}"{}}})", name(scene.span->side), sides_json(*scene.span));
+  std::string text =
+      fmt::format(R"({{"left":{},"right":{})", support_json(left, data, contacts_of(left.name, outcome, data)),
+                  support_json(right, data, contacts_of(right.name, outcome, data)));
+  if (scene.span)
+    text += fmt::format(R"(,"span":{{"side":"{}"{}{})", name(scene.span->side), sides_json(*scene.span),
+                        contacts_json(contacts_of_span(outcome, data)));
   return text + '}';
 }
 

@@ -40,23 +40,54 @@ FieldColours stress_colours(const Case& run, const ReportData& data) {
   return colours_of(data.stress, with_unit("stress s", run.scene.units, Dimension::stress));
 }
 
-Picture stress_map(const Case& run, const ReportData& data, const FieldColours& colours) {
+namespace {
+
+/// Stress of the first or the last element at the output times, and of each contact what the balance of its end gives,
+/// s = -+ (R + F). A penalty, or a step of a scheme, that stops the mass of a node has another R, and a spring at the
+/// end takes a part of it.
+std::vector<Point> traction(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data,
+                            bool right) {
+  const SceneEnd end = ends_of(run.scene)[right];
+  std::vector<Point> line = (right ? data.right : data.left).traction.points();
+  const bool balanced = run.method == MethodName::characteristics || run.method == MethodName::rigid ||
+                        (end.obstacle() && system.massless(system.end(right)));
+  if (!end.obstacle() || !balanced || end.input.stiffness > 0.0 || end.input.dashpot > 0.0) return line;
+  return with_contacts(line, contacts_of(end.name, outcome, data), [&](double t, double reaction) {
+    const double force = reaction + (end.input.force ? end.input.force->value(t) : 0.0);
+    return right ? force : -force;
+  });
+}
+
+}  // namespace
+
+Picture stress_map(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data,
+                   const FieldColours& colours) {
   const char* formula =
       run.scene.bar.viscosity > 0.0 ? "<i>E u<sub>x</sub></i> + <i>η u<sub>xt</sub></i>" : "<i>E u<sub>x</sub></i>";
+  Range ends;
+  for (const bool right : {false, true}) ends.add(traction(run, system, outcome, data, right));
+  std::string beyond;
+  if (ends.low < colours.range.low || ends.high > colours.range.high)
+    beyond = fmt::format(" Between the output times the stress of the ends came to {}, beyond the scale.",
+                         readable(ends.low < colours.range.low ? ends.low : ends.high, 3));
   return {
       "Stress over space and time",
-      fmt::format("Mean stress <i>s</i> = {} of each element; tension is positive.{}", formula,
-                  map_remark(run, data.stress, colours, "element")),
+      fmt::format("Mean stress <i>s</i> = {} of each element at the output times; tension is positive.{}{}", formula,
+                  beyond, map_remark(run, data.stress, colours, "element")),
       {{"stress", "Stress over time and space as a colour map", map_figure(run, data.stress, colours, "stress-map")}}};
 }
 
-Picture end_tractions(const Case& run, const ReportData& data) {
+Picture end_tractions(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data) {
+  const std::vector<TimeLine> lines = {
+      {traction(run, system, outcome, data, false), {plot::series_colour(0), false, 2.4}, "s(0, t)"},
+      {traction(run, system, outcome, data, true), {plot::series_colour(1), true, 1.6}, "s(L, t)"}};
+  const bool with = lines[0].points.size() > data.left.traction.points().size() ||
+                    lines[1].points.size() > data.right.traction.points().size();
   return {"End tractions",
-          "Mean stress of the first and of the last element; tension is positive.",
+          fmt::format("Mean stress of the first and of the last element at the output times{}; tension is positive.",
+                      with ? ", and the stress at the end where a contact closes, has its peak, and opens" : ""),
           {{"end-stress", "Stress of the first and the last element over time",
-            over_time(run, data, with_unit("stress s", run.scene.units, Dimension::stress), 240.0,
-                      {{data.left.traction.points(), {plot::series_colour(0), false, 2.4}, "s(0, t)"},
-                       {data.right.traction.points(), {plot::series_colour(1), true, 1.6}, "s(L, t)"}})}}};
+            over_time(run, data, with_unit("stress s", run.scene.units, Dimension::stress), 240.0, lines)}}};
 }
 
 double axial_magnification(const Case& run, const ReportData& data) {
@@ -151,8 +182,9 @@ Picture axial_bar(const Case& run, const ReportData& data, const FieldColours& c
   Figure live(place, {.label = "", .low = 0.0, .high = 1.0, .bare = true}, 150.0);
   live.walls(walls);
   live.live_layer(R"({"kind":"axial"})");
-  const std::string said = s == 1.0 ? "Displacements are drawn as they are."
-                                    : fmt::format("Displacements are magnified by {}.", readable(s));
+  const std::string said = s == 1.0  ? "Displacements are drawn as they are."
+                           : s < 1.0 ? fmt::format("Displacements are drawn {} times smaller.", readable(1.0 / s))
+                                     : fmt::format("Displacements are magnified by {}.", readable(s));
   std::string hatched;
   for (const auto& [wall, places] : moving) walls.push_back(wall);
   if (!walls.empty()) hatched = " Hatched: walls.";

@@ -227,12 +227,15 @@ void FieldFile::flush() {
   check_in_place(path_, *identity_);
   const std::vector<double>& times = growing_.front().waiting;
   if (times.empty()) return;
+  // Rows written once more would not have the checksums that they get.
+  if (std::exchange(torn_, true)) throw IoError(path_, "is left as a failure in the middle of its rows left it");
   for (Growing& grown : growing_) append_rows(grown);
   hdf5_checked(path_, "cannot be flushed", [&] { return H5Fflush(file_.get(), H5F_SCOPE_GLOBAL); });
   // After the rows, so that it never names one that is not there.
   xdmf_.append(times);
   rows_ += times.size();
   for (Growing& grown : growing_) grown.waiting.clear();
+  torn_ = false;
 }
 
 void FieldFile::append_rows(Growing& grown) {

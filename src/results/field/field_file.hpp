@@ -120,6 +120,7 @@ class FieldFile {
   std::vector<FieldMark::Region> fixed_;  // values that do not grow
   std::vector<Growing> growing_;          // t, u, v, stress, and those of each key
   std::size_t rows_ = 0;                  // in the file
+  bool torn_ = false;                     // a flush has begun, and not ended
   FlushClock clock_;
   Checksum checksum_;
 };
