@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "calls.hpp"
 #include "viscobar/case/recording.hpp"
@@ -62,6 +63,7 @@ class Run : public Kept {
   PythonCase case_;
   BarSystem system_;
   Outcome outcome_;
+  std::vector<double> span_;  // reactions of a span obstacle at the output times
   bool stopping_ = false;
 };
 

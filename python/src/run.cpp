@@ -107,6 +107,11 @@ Run::Run(PythonCase run) : case_(std::move(run)), system_(make_system(case_.scen
 Observers Run::observers(py::object& self, py::object& observer, py::object& on_event) {
   const Case& run = case_.scene.run;
   Observers observers = filling(recording, run);
+  span_.clear();
+  observers.snapshot = [this, keep = std::move(observers.snapshot)](const Snapshot& at) {
+    keep(at);
+    span_.push_back(at.reaction_span);
+  };
   // With Python's lock.
   const auto ask = [this](auto&& call) {
     const Gil gil;
@@ -219,10 +224,13 @@ std::string Run::page() const {
                 std::span(recording.v).subspan(k * nodes, nodes), recording.reaction_left[k],
                 recording.reaction_right[k]};
     if (k < recording.energy.size()) at.energy = recording.energy[k];
+    if (k < span_.size()) at.reaction_span = span_[k];
     data.add(at);
   }
   for (; event != recording.events.end(); ++event) data.add(*event);
-  return report_page(case_.scene.run, system_, outcome_, data).html();
+  Page page = report_page(case_.scene.run, system_, outcome_, data);
+  tell_whole_run(page, outcome_.wall_seconds);
+  return page.html();
 }
 
 std::array<std::vector<double>, 6> Run::energies() const {
