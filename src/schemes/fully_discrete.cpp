@@ -362,20 +362,26 @@ class Run {
     bool changed = false;
     for (std::size_t k = 0; k < active_.size(); ++k) changed |= active_[k] != was_active_[k];
     if (!changed) return;
-    // A closing is more than what rounding makes of the displacements: it pushes its node, or its node has moved in.
-    for (const double u : step_->u()) largest_ = std::max(largest_, std::abs(u));
-    const double dt = scheme_.step, rounding = 64.0 * std::numeric_limits<double>::epsilon() * largest_;
     const auto& contacts = step_->contacts();
+    const double dt = scheme_.step;
+    const auto mass = [&](std::size_t k) {
+      return system_.bar().density * system_.spacing_at(contacts[k].unknown) / 2.0;
+    };
+    double size = 0.0;
+    for (const double u : step_->u()) size = std::max(size, std::abs(u));
+    for (std::size_t k = 0; k < contacts.size(); ++k)
+      largest_ = std::max({largest_, step_->reaction()[k], step_->reaction_before()[k], mass(k) * size / (dt * dt)});
     for (std::size_t k = 0; k < contacts.size(); ++k)
       if (const std::size_t i = contacts[k].unknown; was_active_[k] && !active_[k]) {
         was_active_[k] = 0;
         tell(time(n), k, Change::opening, step_->p()[i] + dt * step_->acceleration()[i]);
       }
+    // A closing is more than rounding: it pushes its node, or its node has moved in.
+    constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
     for (std::size_t k = 0; k < contacts.size(); ++k) {
-      const std::size_t i = contacts[k].unknown;
-      const double mass = system_.bar().density * system_.spacing_at(i) / 2.0, velocity = step_->p()[i];
+      const double velocity = step_->p()[contacts[k].unknown];
       if (!active_[k] || was_active_[k]) continue;
-      if (!(step_->reaction()[k] * dt * dt > rounding * mass || std::abs(velocity) * dt > rounding)) continue;
+      if (!(std::max(step_->reaction()[k], mass(k) * std::abs(velocity) / dt) > rounding * largest_)) continue;
       was_active_[k] = 1;
       tell(time(n + 1), k, Change::closing, velocity);
     }
@@ -512,7 +518,7 @@ class Run {
   std::size_t steps_ = 1, n_ = 1, written_ = 0;
   std::span<const unsigned char> active_;  // of the step
   std::vector<unsigned char> was_active_;
-  double largest_ = 0.0;  // displacement at changes
+  double largest_ = 0.0;                      // force on a contact at changes
   double rounding_ = 0.0;                     // of displacements
   double taken_ = 0.0, taken_at_rest_ = 0.0;  // by impacts: up to now, and the most when nothing touched
   bool touching_ = false;

@@ -64,7 +64,6 @@ TEST(BrokenData, PulsesInTimeAreNotPassedBy) {
   const double impulse = 0.2 * std::sqrt(std::numbers::pi);
   for (const char* pulse :
        {"left.force = \"1000*exp(-((t-0.4321)/0.0002)^2)\"", "left.force = \"1000*exp(-2.5e7*(t-0.4321)*(t-0.4321))\"",
-        "left.force = \"1000/exp(2.5e7*(t*t - 0.8642*t + 0.18671041))\"",
         "load.density = \"1000*exp(-((t-0.4321)/0.0002)^2)\"", "load.density = \"2000*x*exp(-((t-0.4321)/0.0002)^2)\"",
         "load.density = \"sin(pi*t) + 1000*exp(-((t-0.4321)/0.0002)^2)\"",
         "load.density = \"1000*sin(pi*t) + 1000*exp(-((t-0.4321)/0.0002)^2)\"",
