@@ -193,8 +193,7 @@ void Run::solve_to_accuracy(py::object& self, py::object& observer, py::object& 
     if (outcome_.ending != Ending::completed) return;
     try {
       const py::gil_scoped_release released;
-      recording.statistics = *outcome_.statistics;
-      outcome_.error_estimate = plan->judge(accuracy::sample_of(case_.scene.run, recording));
+      outcome_.error_estimate = plan->judge();
     } catch (const accuracy::Stopped&) {
       return fail(outcome_, Ending::interrupted, "interrupted");
     } catch (const IntegrationError& error) {

@@ -103,6 +103,7 @@ py::tuple limit_study(const PythonCase& self, const std::vector<double>& epsilon
   study.budget = budget;
   study.derivatives = derivatives;
   study.threads = threads;
+  study.interrupted = [&] { return stop.load(); };
   study.progress = [&](std::size_t, std::size_t) {
     if (stop) throw Interrupted();
   };
@@ -268,10 +269,9 @@ py::tuple fit_scene(const std::string& text, FitRequest request) {
   std::atomic<bool> stop{false};
   std::string json, page;
   hearing_signals(faults, stop, [&] {
-    const auto [scene, study] = prepared_fit(request, [&](const std::vector<std::string>& settings) {
-      if (stop) throw std::runtime_error("stopped");
-      return parse_scene(text, "scene", settings);
-    });
+    auto [scene, study] = prepared_fit(
+        request, [&](const std::vector<std::string>& settings) { return parse_scene(text, "scene", settings); });
+    study.stop = [&] { return stop.load(); };
     const FitResult result = fit(study);
     json = fit_json(scene, study, result);
     page = fit_page(scene, study, result).html;

@@ -42,7 +42,8 @@ class Scene(dict):
     array is called once a time, not once a node.
 
     force, motion and gap of an end may be functions f(t), too, or samples: a pair of arrays (times, values), four at least,
-    from t = 0 to the end or beyond, through which a twice differentiable cubic spline is laid. A motion and a gap are
+    from t = 0 to the end or beyond, through which a cubic spline is laid, twice differentiable but beside jumps and kinks of
+    the samples, where it rises, falls and stays as they do. What a mask hides is left out. A motion and a gap are
     differentiated twice.
 
     Wherever a scene is wanted, a plain dictionary or the path of a scene file may be given as well.
@@ -163,6 +164,12 @@ def samples(name: str, value: Any) -> tuple[np.ndarray, np.ndarray]:
     """Times and values as the library wants them."""
     if name not in SAMPLED:
         raise SceneError([Finding(name, "is given by samples", "only " + ", ".join(SAMPLED) + " may be")])
+    if any(np.iscomplexobj(part) for part in value):
+        raise SceneError([Finding(name, "has samples that are complex numbers")])
+    # What a mask hides was not measured, at the time of it, too.
+    hidden = np.ma.getmaskarray(np.ma.asarray(value[0])), np.ma.getmaskarray(np.ma.asarray(value[1]))
+    if hidden[0].shape == hidden[1].shape:
+        value = [np.ma.getdata(part)[~(hidden[0] | hidden[1])] for part in map(np.ma.asarray, value)]
     try:
         times, values = (np.ascontiguousarray(part, dtype=float) for part in value)
     except (TypeError, ValueError) as error:

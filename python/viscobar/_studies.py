@@ -308,7 +308,8 @@ class Fit(Table):
     estimates   mapping of keys to estimates
     covariance  array (n, n), n parameters, in the order of the rows; NaN where the data do not determine it
     runs        of the model
-    converged   whether it came to a minimum; `summary["reason"]` says why it ended
+    converged   whether it came to a minimum, and nothing speaks against it; `summary["reason"]` says why it ended,
+                `summary["warnings"]` what speaks against it
     summary     as `viscobar fit --json`
     """
 
@@ -335,7 +336,10 @@ def _measured(data: Any, file: str) -> str:
         return ""
     if isinstance(data, (str, os.PathLike)):
         return os.fspath(data)
-    columns = {name: list(values) for name, values in data.items()}
+    for name, values in data.items():
+        if np.iscomplexobj(values):
+            raise ValueError(f"fit: {name} has complex numbers")
+    columns = {name: list(values.astype(float).filled(np.nan) if np.ma.isMaskedArray(values) else values) for name, values in data.items()}
     if len({len(values) for values in columns.values()}) > 1:
         raise ValueError("fit: the columns of the data have different lengths")
     with open(file, "w", encoding="utf-8") as out:

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <vector>
@@ -66,6 +68,47 @@ FunctionOfTime moved_by(std::vector<Piece> pieces) {
   return {start, std::move(motion)};
 }
 
+/// The number next to zero where all have one sign, else 0.
+double least_of(std::initializer_list<double> all) {
+  const auto [low, high] = std::minmax(all);
+  return low > 0.0 ? low : high < 0.0 ? high : 0.0;
+}
+
+/// Limits the slopes m of a cubic spline through y(t): it rises, falls and stays where the samples do, and does not
+/// swing beside a jump or a kink. Between chords of slopes d and d' that is so where m has their sign and is at most
+/// 3 min(|d|, |d'|) [Fritsch and Carlson 1980]. It may leave that where the samples bend one way over five intervals
+/// alike, as those of a smooth function do at a maximum: then it is no further from the parabolas of both sides than
+/// they bend.
+void limit_slopes(std::span<const double> t, std::span<const double> y, std::vector<double>& m) {
+  constexpr double alike = 4.0;
+  const std::size_t n = t.size();
+  const auto length = [&](std::size_t i) { return t[i + 1] - t[i]; };
+  const auto chord = [&](std::size_t i) { return (y[i + 1] - y[i]) / length(i); };
+  // By how much slopes change over half of the i-th interval at least, 0 where the samples beside it do not bend alike.
+  const auto bend = [&](std::size_t i) {
+    double least = std::numeric_limits<double>::infinity(), sign = 0.0, shortest = length(i), longest = length(i);
+    for (std::size_t k = std::max<std::size_t>(i, 2) - 1; k <= std::min(i + 2, n - 2); ++k) {
+      const double second = (chord(k) - chord(k - 1)) / (t[k + 1] - t[k - 1]);
+      if (sign * second < 0.0) return 0.0;
+      sign = std::copysign(1.0, second);
+      least = std::min(least, std::abs(second));
+      shortest = std::min({shortest, length(k - 1), length(k)});
+      longest = std::max({longest, length(k - 1), length(k)});
+    }
+    return longest <= alike * shortest ? sign * least * length(i) : 0.0;
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t before = i > 0 ? i - 1 : 0, behind = std::min(i, n - 2);
+    const double most = 3.0 * least_of({chord(before), chord(behind)});
+    const double limited = std::clamp(m[i], std::min(most, 0.0), std::max(most, 0.0));
+    if (limited == m[i]) continue;
+    const double of_before = bend(before), of_behind = bend(behind), bends = std::abs(least_of({of_before, of_behind}));
+    const double left = i > 0 ? chord(before) + of_before : chord(0) - of_behind;
+    const double right = i + 1 < n ? chord(behind) - of_behind : left;
+    m[i] = bends > 0.0 ? std::clamp(m[i], std::min(left, right) - bends, std::max(left, right) + bends) : limited;
+  }
+}
+
 double sound(double value, double t) {
   if (!std::isfinite(value)) throw std::invalid_argument(fmt::format("is {} at t = {}", value, t));
   return value;
@@ -123,6 +166,7 @@ FunctionOfTime spline_through(std::span<const double> t, std::span<const double>
   }
   m[n - 1] = slope_at_end(n - 1, n - 2, n - 3, n - 4);
   for (std::size_t i = n - 1; i-- > 1;) m[i] -= upper[i] * m[i + 1];
+  limit_slopes(t, y, m);
   std::vector<Piece> pieces;
   for (std::size_t i = 0; i + 1 < n; ++i) {
     const double h = t[i + 1] - t[i];

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "cli/commands.hpp"
+#include "report/run/run_page.hpp"
 #include "report/scene_check.hpp"
 #include "text/table.hpp"
 
@@ -76,12 +77,15 @@ std::string check_text(const Case& run, const SceneCheck& check) {
   text += row("memory", "about {} vectors of {} numbers, {}", check.memory.vectors, system.size(),
               byte_number(check.memory.bytes));
   if (!system.contacts().empty()) text += row("first impacts", impact_text(run, check.foreseen));
-  if (const auto& error = check.error)
-    text += row("error",
-                "about {:.1g} of displacements (space {:.1g}, penalty {:.1g}, time {:.1g}), by "
-                "runs on coarser meshes",
-                error->total, error->space, error->penalty, error->time);
-  if (!check.no_error.empty()) text += row("error", "there is no estimate: " + check.no_error);
+  if (check.error) {
+    const auto rows = estimate_rows(*check.error);
+    text += row(rows.front().first,
+                rows.front().second + (check.error_elements == run.elements
+                                           ? ""
+                                           : fmt::format(" on {} elements; runs on {} take longer than a check",
+                                                         check.error_elements, run.elements)));
+  }
+  if (!check.no_error.empty()) text += row("error, estimated", "there is no estimate: " + check.no_error);
   for (const ContactRegime& regime : check.regimes)
     text += row(fmt::format("{} contact", name(regime.where)), to_text(regime));
   return text;

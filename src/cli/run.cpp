@@ -106,7 +106,7 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
     }
     if (outcome.error_estimate)
       for (const auto& [what, value] : estimate_rows(*outcome.error_estimate)) text += row(what, value);
-    if (!outcome.no_estimate.empty()) text += row("error", "there is no estimate: " + outcome.no_estimate);
+    if (!outcome.no_estimate.empty()) text += row("error, estimated", "there is no estimate: " + outcome.no_estimate);
     text += row("integration", "{:.3g} s", statistics->integration_seconds);
   }
   text += row("whole run", "{:.3g} s", outcome.wall_seconds);

@@ -1,5 +1,6 @@
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "input/described_scene.hpp"
 #include "results/json.hpp"
@@ -21,12 +22,10 @@ RunRecord not_begun(const std::filesystem::path& directory) {
   return record;
 }
 
-/// Has a probe hear what the observers of a run hear.
-void observe(RecordOptions& own, const RecordOptions& options, accuracy::Probe& probe) {
-  own.snapshot = [&](const Snapshot& snapshot) {
-    probe.add(snapshot);
-    if (options.snapshot) options.snapshot(snapshot);
-  };
+/// Has a probe watch a run.
+void observe(RecordOptions& own, const RecordOptions& options, accuracy::Probe& probe, std::vector<double> times) {
+  own.watch_times = std::move(times);
+  own.watch = [&](const Snapshot& snapshot) { probe.add(snapshot); };
   own.event = [&](const Event& event) {
     probe.add(event);
     if (options.event) options.event(event);
@@ -71,15 +70,15 @@ void warn_of_doubt(Outcome& outcome) {
 
 RunRecord record_with_estimate(const SceneFile& scene, const std::filesystem::path& directory,
                                const RecordOptions& options) {
-  accuracy::Probe probe(scene.run);
+  std::vector<double> times = accuracy::times_of_errors(scene.run.end);
+  accuracy::Probe probe(scene.run, times.size());
   RecordOptions own = options;
-  observe(own, options, probe);
+  observe(own, options, probe, std::move(times));
   own.estimate = [&](Outcome& outcome) {
     constexpr double patience = 2.0;  // of the time that the run took
     try {
-      const accuracy::Sample sample = probe.take(*outcome.statistics);
-      const accuracy::QuickEstimate found =
-          accuracy::quick_estimate(scene.run, sample, patience * outcome.statistics->integration_seconds, options.stop);
+      const accuracy::QuickEstimate found = accuracy::quick_estimate(
+          scene.run, probe.take(*outcome.statistics), patience * outcome.statistics->integration_seconds, options.stop);
       outcome.error_estimate = found.estimate;
       outcome.no_estimate = found.why_not;
     } catch (const std::exception& error) {  // the run is whole without
@@ -104,9 +103,9 @@ RunRecord record_to_accuracy(const SceneFile& scene, const std::filesystem::path
     } catch (const IntegrationError& error) {
       failure = error.what();
     }
-    accuracy::Probe probe(run);
+    accuracy::Probe probe(run, plan.times().size());
     RecordOptions own = options;
-    observe(own, options, probe);
+    observe(own, options, probe, plan.times());
     own.estimate = [&](Outcome& outcome) {
       estimate_into(outcome, study.request, [&] {
         return failure.empty() ? plan.judge(probe.take(*outcome.statistics)) : no_estimate(study.request, failure);
@@ -127,9 +126,8 @@ RunRecord resume_to_accuracy(const SceneFile& scene, const std::filesystem::path
     // What was chosen stands in the checkpoint as if it had been given. What came before it is in files only.
     estimate_into(outcome, *scene.accuracy, [&] {
       accuracy::Plan plan(study_of(scene, options));
-      std::optional<accuracy::Sample> solution = accuracy::sample_of(plan.next(), options.stop);
-      if (!solution) throw accuracy::Stopped();
-      return plan.judge(std::move(*solution));
+      plan.next();
+      return plan.judge();
     });
     warn_of_doubt(outcome);
   };

@@ -1,6 +1,7 @@
 #include "viscobar/record/record_run.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "case/chatter.hpp"
 #include "input/described_scene.hpp"
@@ -75,7 +76,11 @@ class RecordedRun {
 
   RunRecord operator()() {
     begin();
-    simulate_into(outcome(), scene_.run, system_, last_.motion, observers());
+    if (options_.watch && !last_.motion) {
+      outputs_ = scene_.run.output_times();
+      std::ranges::set_union(outputs_, options_.watch_times, std::back_inserter(times_));
+    }
+    simulate_into(outcome(), scene_.run, system_, last_.motion, observers(), times_);
     judge(outcome(), scene_.run, system_, [this](const std::string& warning) { warn(warning); });
     // Each for itself: what one cannot write, another may.
     for (std::size_t k = 0; k < files_->tables.size(); ++k) close(GrowingFiles::names[k], files_->tables[k]);
@@ -140,6 +145,9 @@ class RecordedRun {
     observers.energy = observers.account = true;
     observers.directions = scene_.run.directions;
     observers.snapshot = [this](const Snapshot& snapshot) {
+      const bool watched = !times_.empty() && std::ranges::binary_search(options_.watch_times, snapshot.time);
+      if (watched) options_.watch(snapshot);
+      if (watched && !std::ranges::binary_search(outputs_, snapshot.time)) return;
       files_->append(snapshot);
       data_.add(snapshot);
       if (options_.snapshot) options_.snapshot(snapshot);
@@ -169,11 +177,19 @@ class RecordedRun {
       if (simulated()) checkpoints.every = last_.schedule->interval;
       checkpoints.asked = [this] { return stopping_ || (clock_ && clock_->due()); };
       checkpoints.take = [this](const Checkpoint& motion) {
-        take(motion);
+        take(as_resumed(motion));
         return stopping_ ? RunControl::stop : RunControl::go_on;
       };
     }
     return observers;
+  }
+
+  // A run that is resumed has the output times alone.
+  Checkpoint as_resumed(Checkpoint motion) const {
+    if (times_.empty() || motion.outputs == 0) return motion;
+    const auto told = std::ranges::upper_bound(outputs_, times_[motion.outputs - 1]);
+    motion.outputs = static_cast<std::size_t>(told - outputs_.begin());
+    return motion;
   }
 
   void warn(const std::string& warning) {
@@ -240,6 +256,7 @@ class RecordedRun {
   std::optional<GrowingFiles> files_;
   FileChecksums written_;  // what is whole
   std::optional<CheckpointClock> clock_;
+  std::vector<double> outputs_, times_;  // and those at which it is watched, too; empty where it is not
   bool stopping_ = false;
   RunRecord record_;
 };

@@ -87,9 +87,11 @@ void fail(Outcome& outcome, Ending ending, const std::string& error) {
 }
 
 void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, const std::optional<Checkpoint>& from,
-                   const Observers& observers) {
+                   const Observers& observers, std::span<const double> times) {
   try {
-    outcome.statistics = from ? simulate(run, system, *from, observers) : simulate(run, system, observers);
+    outcome.statistics = from            ? simulate(run, system, *from, observers)
+                         : times.empty() ? simulate(run, system, observers)
+                                         : simulate(run, system, times, observers);
     if (!outcome.statistics->completed) {
       fail(outcome, Ending::interrupted, "interrupted");
       outcome.statistics->energy.reset();  // whose final one is not known

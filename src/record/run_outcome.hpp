@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "viscobar/case/case.hpp"
@@ -15,9 +16,9 @@ namespace viscobar {
 void fail(Outcome& outcome, Ending ending, const std::string& error);
 
 /// Runs a sound case, from a checkpoint if there is one. What ends it early, an exception of any kind, is in the
-/// outcome.
+/// outcome. `times`: of snapshots of a run from the start, in place of its output times.
 void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, const std::optional<Checkpoint>& from,
-                   const Observers& observers);
+                   const Observers& observers, std::span<const double> times = {});
 
 /// What a run with an energy account tells against itself: each warning goes to `warn`, a ruinous alarm fails the
 /// outcome. The result is kept either way.

@@ -9,6 +9,7 @@
 #include "dynamics/natural_scales.hpp"
 #include "report/scene_ends.hpp"
 #include "results/json.hpp"
+#include "results/summary.hpp"
 #include "studies/accuracy/quick_estimate.hpp"
 
 namespace viscobar {
@@ -163,12 +164,13 @@ Json to_json(const ContactRegime& regime) {
 }  // namespace
 
 SceneCheck check_scene(const Case& run) {
-  SceneCheck check{make_system(run), foresee(run), {}, memory_need(run), {}, {}, {}};
+  SceneCheck check{make_system(run), foresee(run), {}, memory_need(run), {}, 0, {}, {}};
   check.regimes = contact_regimes(run, check.system);
   for (ContactRegime& regime : check.regimes) predict(regime, check.foreseen, run, check.system);
   constexpr double patience = 0.5;  // seconds
   accuracy::QuickEstimate forecast = accuracy::forecast(run, patience);
   check.error = std::move(forecast.estimate);
+  check.error_elements = forecast.elements;
   check.no_error = std::move(forecast.why_not);
   check.warnings = warnings_of(run, check.system, check.regimes, check.foreseen);
   if (check.foreseen && check.foreseen->chatters == false)
@@ -211,6 +213,8 @@ std::string check_json(const SceneFile& scene, const SceneCheck& check) {
   if (const auto& error = check.error)
     json["error"] = {
         {"total", error->total}, {"space", error->space}, {"penalty", error->penalty}, {"time", error->time}};
+  json["error_estimate"] = check.error ? to_json(*check.error) : Json(nullptr);
+  if (check.error) json["error_estimate"]["elements"] = check.error_elements;
   json["warnings"] = check.warnings;
   json["scene"] = Json::parse(scene.complete());
   json["chosen"] = Json::parse(scene.chosen);

@@ -19,8 +19,9 @@ struct SceneCheck {
   std::optional<Foresight> foreseen;   ///< absent where the scene is large
   std::vector<ContactRegime> regimes;  ///< of the contacts of a penalised method
   MemoryNeed memory;                   ///< of the run
-  std::optional<ErrorEstimate> error;  ///< forecast; absent for exact methods and large scenes
-  std::string no_error;                ///< why it is absent, in half a sentence; empty for exact methods
+  std::optional<ErrorEstimate> error;  ///< that the run will tell; absent for large scenes
+  std::size_t error_elements = 0;      ///< of the mesh that it is of: fewer where the scene's takes long
+  std::string no_error;                ///< why it is absent, in half a sentence
   std::vector<std::string> warnings;   ///< what to change, in sentences
 };
 

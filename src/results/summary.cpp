@@ -56,6 +56,18 @@ Json sensitivity_json(const Case& run, const Outcome& outcome) {
   return json;
 }
 
+std::string_view name(Ending ending) {
+  switch (ending) {
+    case Ending::completed: return "completed";
+    case Ending::failed: return "failed";
+    case Ending::refused: return "refused";
+    case Ending::interrupted: return "interrupted";
+  }
+  return {};
+}
+
+}  // namespace
+
 Json to_json(const ErrorEstimate& estimate) {
   Json json = {{"of", name(estimate.of)},
                {"total", estimate.total},
@@ -80,18 +92,6 @@ Json to_json(const ErrorEstimate& estimate) {
                             {"search", run.search}});
   return json;
 }
-
-std::string_view name(Ending ending) {
-  switch (ending) {
-    case Ending::completed: return "completed";
-    case Ending::failed: return "failed";
-    case Ending::refused: return "refused";
-    case Ending::interrupted: return "interrupted";
-  }
-  return {};
-}
-
-}  // namespace
 
 Json to_json(const EnergyAccount& energy) {
   Json json = {{"initial", energy.initial},

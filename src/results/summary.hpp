@@ -21,6 +21,7 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
                          const FileChecksums& files);
 
 /// As summaries tell them.
+nlohmann::ordered_json to_json(const ErrorEstimate& estimate);
 nlohmann::ordered_json to_json(const EnergyAccount& energy);
 nlohmann::ordered_json to_json(const Allowance& absolute);
 

@@ -60,9 +60,10 @@ struct Derivatives {
 
 void add_sentence(std::string& text, const std::string& sentence) { text += (text.empty() ? "" : "; ") + sentence; }
 
-// Whether nothing interrupted it.
+// Whether nothing interrupted it. A probe is told the motion at `times`.
 bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& interrupted,
-                   accuracy::Probe* probe = nullptr, Statistics* statistics = nullptr) {
+                   accuracy::Probe* probe = nullptr, std::span<const double> times = {},
+                   Statistics* statistics = nullptr) {
   const BarSystem system = make_system(run);
   std::size_t steps = 0, events = 0;
   double reached = 0.0;
@@ -82,7 +83,7 @@ bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
     return interrupted && interrupted() ? RunControl::stop : RunControl::go_on;
   };
   try {
-    const Statistics done = simulate(run, system, observers);
+    const Statistics done = probe ? simulate(run, system, times, observers) : simulate(run, system, observers);
     if (!done.completed) return false;
     if (statistics) *statistics = done;
     tell(row, run.scene, done);
@@ -126,10 +127,10 @@ bool solve_into(SweepRow& row, const SceneFile& scene, const std::optional<Neigh
     while (true) {
       const Case run = plan.next();
       tell_chosen(row, run, neighbour);
-      accuracy::Probe probe(run);
+      accuracy::Probe probe(run, plan.times().size());
       Statistics done;
       row.error.clear();
-      if (!simulate_into(row, run, interrupted, &probe, &done)) return false;
+      if (!simulate_into(row, run, interrupted, &probe, plan.times(), &done)) return false;
       if (!row.completed) return true;
       const ErrorEstimate estimate = plan.judge(probe.take(done));
       if (plan.again()) continue;

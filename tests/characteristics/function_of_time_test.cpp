@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <vector>
 
 namespace viscobar::characteristics {
@@ -62,6 +63,49 @@ TEST(FunctionOfTime, OfSamplesIsACubicSpline) {
   EXPECT_NEAR(std::log2(off(40, false) / off(80, false)), 4.0, 0.5);
   EXPECT_NEAR(std::log2(off(40, true) / off(80, true)), 2.0, 0.5);
   EXPECT_FALSE(same.motion.breaks);
+}
+
+// Between two samples it keeps between their values, and where they stay it stays, whatever jumps beside them.
+TEST(FunctionOfTime, OfSamplesDoesNotSwingBesideAJump) {
+  struct Samples {
+    std::vector<double> t, y;
+  };
+  for (const Samples& samples :
+       {Samples{{0, .5, 1, 1.001, 2, 2.5, 3}, {0, 0, 0, 1, 1, 1, 1}}, Samples{{0, .001, 1, 2, 3}, {0, 5, 5, 5, 5}},
+        Samples{{0, 1, 2, 2.999, 3}, {2, 2, 2, 2, -1}}, Samples{{0, 1, 2, 3, 4, 5, 6}, {0, 0, 1, 1, 0, 0, 0}},
+        Samples{{0, 1, 1.01, 2, 2.01, 3}, {0, 1, 11, 12, 2, 3}},
+        Samples{{0, 1, 1.0001, 1.0002, 2, 3}, {0, 0, 1e6, 0, 0, 0}}}) {
+    const FunctionOfTime f = spline_through(samples.t, samples.y);
+    // Of the polynomial pieces, whose coefficients are as large as the samples.
+    const double rounding = 1e-14 * (1.0 + *std::ranges::max_element(samples.y));
+    for (std::size_t i = 0; i + 1 < samples.t.size(); ++i)
+      for (double s = 0.0; s <= 1.0; s += 1.0 / 64.0) {
+        const auto [low, high] = std::minmax(samples.y[i], samples.y[i + 1]);
+        const double value = f.start + f.motion.displacement(samples.t[i] + s * (samples.t[i + 1] - samples.t[i]));
+        EXPECT_GE(value, low - rounding) << samples.y[1] << " " << i << " " << s;
+        EXPECT_LE(value, high + rounding) << samples.y[1] << " " << i << " " << s;
+      }
+  }
+}
+
+// Steps of any height at any time, once among samples that are near, between others that are far: none leaves the range
+// of its samples.
+TEST(FunctionOfTime, OfRandomStepsKeepsToTheirRange) {
+  std::mt19937_64 engine(1);
+  const auto draw = [&] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
+  for (int k = 0; k < 300; ++k) {
+    std::vector<double> t{0.0}, y{0.0};
+    while (t.size() < 12) {
+      t.push_back(t.back() + std::pow(10.0, -4.0 * draw()));
+      y.push_back(draw() < 0.6 ? y.back() : y.back() + std::pow(10.0, 3.0 * draw()) * (draw() < 0.5 ? -1.0 : 1.0));
+    }
+    const FunctionOfTime f = spline_through(t, y);
+    const auto [low, high] = std::ranges::minmax(y);
+    for (double at = 0.0; at <= t.back(); at += t.back() / 997.0) {
+      EXPECT_GE(f.start + f.motion.displacement(at), low - 1e-13 * (high - low)) << k << " " << at;
+      EXPECT_LE(f.start + f.motion.displacement(at), high + 1e-13 * (high - low)) << k << " " << at;
+    }
+  }
 }
 
 }  // namespace

@@ -76,6 +76,21 @@ class EndsTest(Test):
             self.assertLess(errors[1], 1e-4)
         self.assertEqual(bar({"kind": "free", "force": [t(15), t(15)]}).summary["scene"]["left"]["force"], "16 samples")
 
+    def test_samples_beside_a_jump_do_not_swing(self):
+        # A free bar of mass 1: its mean is int int F, a ramp of 0.001 and then 1, so 0.5 (2 - 0.0005)^2 and a little.
+        jump = ([0, 0.5, 1, 1.001, 2, 2.5, 3], [0, 0, 0, 1, 1, 1, 1])
+        far = bar({"kind": "free", "force": jump}, right__kind="free", initial__velocity=0.0)
+        self.assertLess(abs(np.mean(0.5 * (far.u[-1][1:] + far.u[-1][:-1])) - 1.999), 1e-3)
+
+    def test_what_a_mask_hides_is_left_out_and_complex_numbers_are_refused(self):
+        t, hidden = np.linspace(0.0, 3.0, 16), np.arange(16) == 7
+        values = np.ma.array(np.where(hidden, 1e9, np.sin(t)), mask=hidden)
+        masked, short = (bar({"kind": "free", "force": force}) for force in ((t, values), (t[~hidden], np.sin(t)[~hidden])))
+        self.assertTrue(np.array_equal(masked.u, short.u))
+        with self.assertRaises(viscobar.SceneError) as caught:
+            viscobar.Scene({**thrown(), "left": {"kind": "free", "force": (t, np.exp(1j * t))}})
+        self.assertIn("left.force: has samples that are complex numbers", str(caught.exception))
+
     def test_what_is_wrong_is_said_with_the_key(self):
         good = np.linspace(0.0, 3.0, 7)
         for left, words in (

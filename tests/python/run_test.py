@@ -271,6 +271,10 @@ class StopsTest(Test):
     def test_by_control_c_end_comparisons_and_sweeps(self):
         late, _ = self.interrupted(0.3, lambda: viscobar.compare(long_scene(), ["cvode", "arkode"]))
         self.assertLess(late, 1.0)
+        t = np.linspace(0.0, 400.0, 50)
+        fitted = thrown(time__end=400.0, mesh__elements=4000)
+        late, _ = self.interrupted(0.5, lambda: viscobar.fit(fitted, ["bar.viscosity"], data={"t": t, "u_left": -np.cos(t)}))
+        self.assertLess(late, 2.0)
         late, stopped = self.interrupted(0.6, lambda: viscobar.sweep(long_scene(), {"time.end": [2000.0, 1e6, 2e6]}))
         self.assertLess(late, 1.0)
         self.assertLess(len(stopped.rows), 3)

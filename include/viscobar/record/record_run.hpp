@@ -26,6 +26,9 @@ struct RecordOptions {
   std::function<void(const Event& event)> event;
   /// At each output time.
   std::function<void(const Snapshot& snapshot)> snapshot;
+  /// At these times, which may be others than the output times, and in no file. A resumed run has none.
+  std::vector<double> watch_times;
+  std::function<void(const Snapshot& snapshot)> watch;  ///< gets the motion there
   /// When a run is over, before its summary and report are written: may add an estimate of its error, and warnings.
   std::function<void(Outcome& outcome)> estimate;
   /// What a run to an accuracy does before its solution.

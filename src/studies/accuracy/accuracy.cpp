@@ -13,7 +13,7 @@ AccuracyResult solve(const AccuracyStudy& study) {
   do {
     result.run = plan.next();
     result.recording = record(result.run);
-    result.estimate = plan.judge(accuracy::sample_of(result.run, result.recording));
+    result.estimate = plan.judge();
   } while (plan.again());
   return result;
 }

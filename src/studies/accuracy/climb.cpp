@@ -44,7 +44,7 @@ std::vector<Setting> Plan::rungs(std::size_t finest, std::size_t least) const {
     }
     if (!below) {
       const std::size_t half = (all.back().elements + 1) / 2;
-      if (all.size() >= least || half < 4 || half >= all.back().elements) break;
+      if (all.size() >= least || half < (as_it_is_ ? 3U : 4U) || half >= all.back().elements) break;
       below = at(half);
       if (!stepping_ && !exact_time_ && all.size() == 3) below = time_pair(half)[1];
     }
@@ -55,8 +55,14 @@ std::vector<Setting> Plan::rungs(std::size_t finest, std::size_t least) const {
 }
 
 // `same`: whether the last two agree on the contact changes. Their alignment is the one that counts.
-std::vector<MeshStep> Plan::ladder(const std::vector<Setting>& steps, bool* same) const {
+std::vector<MeshStep> Plan::ladder(const std::vector<Setting>& steps, bool* same) {
   *same = true;
+  closing_speed_ = end_speed_ = 0.0;
+  for (const Event& event : runs_.of(steps.back()).events) {
+    if (event.change != Change::closing) continue;
+    closing_speed_ = std::max(closing_speed_, std::abs(event.velocity));
+    if (event.where != Where::span) end_speed_ = std::max(end_speed_, std::abs(event.velocity));
+  }
   std::vector<MeshStep> result;
   const std::size_t count = steps.size();
   for (std::size_t k = 0; k + 1 < count; ++k)
@@ -82,11 +88,19 @@ std::vector<MeshStep> Plan::made_ladder(std::size_t finest, std::size_t least, b
 // which errors of both signs may cancel, not at all.
 SpaceError Plan::seen_error(const std::vector<MeshStep>& steps) const {
   constexpr std::size_t seen_twice = 3;
-  if (steps.size() >= seen_twice) return data_error_.of(space_error(steps, theory_), steps);
-  SpaceError result = space_error(steps, study_.request.of == Goal::displacement ? theory_ : 1.0);
-  result.error *= 2.0;
-  result.effectivity *= 2.0;
-  return data_error_.of(result, steps);
+  constexpr double safety = 1.4, power_of_layers = 2.0;
+  const bool once = steps.size() < seen_twice, inside = study_.request.of == Goal::displacement;
+  SpaceError result = space_error(steps, once && !inside ? 1.0 : theory_);
+  if (once) result.error *= 2.0, result.effectivity *= 2.0;
+  result = data_error_.of(result, steps);
+  if (steps.empty() || !inside) return result;
+  const double layer = safety * layer_error(with(at(steps.back().fine)), end_speed_);
+  if (layer <= result.error) return result;
+  if (result.error > 0.0) result.effectivity *= layer / result.error;
+  result.error = layer;
+  result.order = std::min(result.order, power_of_layers);
+  if (result.trusted) result.trusted = std::min(*result.trusted, power_of_layers);
+  return result;
 }
 
 // Coarse meshes and two settings in time and penalty, side by side: what tolerance, epsilon and mesh are needed.

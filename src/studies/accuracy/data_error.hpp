@@ -55,4 +55,13 @@ class DataError {
   std::vector<Wave> waves_;
 };
 
+/// The end of a viscous bar that stops dead with the speed v, at an obstacle, sends out a layer that no mesh resolves
+/// at first. Soon after, 0.1 to 1.6 h^2 rho / eta, which may be between any two times at which errors are looked at,
+/// the displacement beside it is wrong by
+///
+///     a v h min(h rho / eta, 1 / c),    a = max |u_i(s) - int_0^s erf(i / (2 sqrt r)) dr|.
+///
+/// In that a, x is counted in h and t in h^2 rho / eta, so that it is a number of the mass alone.
+double layer_error(const Case& run, double speed);
+
 }  // namespace viscobar::accuracy

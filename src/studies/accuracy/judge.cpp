@@ -51,16 +51,16 @@ double Plan::magnification() {
 }
 
 // The waves tell what they change the motion by; contact changes may magnify it.
-ErrorEstimate Plan::judge_exact(const Sample& solution) {
+ErrorEstimate Plan::judge_exact() {
+  const Sample& solution = runs_.of(chosen_);
   ErrorEstimate estimate;
   estimate.of = study_.request.of;
   estimate.largest = largest_ = largest(solution, study_.request.of);
   if (!requested_) requested_ = study_.request.error * largest_;
-  estimate.requested = requested_;
+  if (!as_it_is_) estimate.requested = requested_;
   estimate.reasons.push_back(
       "characteristics: the bar has no viscosity, and its waves are followed without a mesh; the "
       "elements are places of output only");
-  runs_.make(wanted_by_judge());
   const Sample& other = runs_.of(nudged(chosen_));
   const double moved = difference(solution, other, study_.request.of, grain());
   const SameChanges changes = compare_changes(solution, other, grain());
@@ -79,7 +79,7 @@ ErrorEstimate Plan::judge_exact(const Sample& solution) {
     estimate.doubt =
         "initial data and load are no polynomial pieces to the digits that were asked for, and no setting "
         "brings them closer: write them without roots of zero or endless wiggles";
-  estimate.kept = estimate.total <= *requested_ && estimate.doubt.empty();
+  estimate.kept = !as_it_is_ && estimate.total <= *requested_ && estimate.doubt.empty();
   tell_runs(estimate);
   return estimate;
 }
@@ -89,6 +89,7 @@ void Plan::tell_runs(ErrorEstimate& estimate) const {
   estimate.seconds = runs_.seconds();
   const std::vector<Setting> needed = wanted_by_judge();
   for (const auto& [setting, statistics] : runs_.made()) {
+    if (setting == chosen_) continue;
     ErrorEstimate::Run made;
     made.elements = setting.elements;
     if (!exact_time_ && !waves_) made.setting = setting.fineness;
@@ -159,19 +160,21 @@ std::string Plan::kept_by_scene(const ErrorEstimate& estimate, double order, dou
   return {};
 }
 
-ErrorEstimate Plan::judge(Sample solution) {
+ErrorEstimate Plan::judge(std::optional<Sample> solution) {
   again_ = false;
-  if (waves_) return judge_exact(solution);
+  runs_.finish();
+  if (solution) runs_.add(chosen_, std::move(*solution));
+  std::vector<Setting> wanted = wanted_by_judge();
+  wanted.push_back(chosen_);
+  runs_.make(std::move(wanted));
+  if (waves_) return judge_exact();
   ErrorEstimate estimate;
   estimate.of = study_.request.of;
-  estimate.largest = largest_ = largest(solution, study_.request.of);
+  estimate.largest = largest_ = largest(runs_.of(chosen_), study_.request.of);
   if (study_.request.relative) requested_ = study_.request.error * estimate.largest;
-  estimate.requested = requested_;
-  runs_.finish();
-  runs_.add(chosen_, std::move(solution));
+  if (!as_it_is_) estimate.requested = requested_;
   const Case judged = with(chosen_);
   const std::size_t elements = chosen_.elements;
-  runs_.make(wanted_by_judge());
   bool same = true;
   const std::vector<MeshStep> steps = ladder(rungs_, &same);
   const SpaceError space = seen_error(steps);
@@ -182,6 +185,11 @@ ErrorEstimate Plan::judge(Sample solution) {
   estimate.time = time.error;
   estimate.penalty = penalty.error;
   estimate.total = estimate.space + estimate.time + estimate.penalty;
+  if (as_it_is_) {
+    tell_runs(estimate);
+    if (penalised_) estimate.reasons.push_back(contact_law(judged));
+    return estimate;
+  }
 
   const bool enough = estimate.total <= *requested_;
   std::string doubt = doubt_;

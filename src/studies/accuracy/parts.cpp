@@ -79,24 +79,44 @@ Plan::Part Plan::time_error(std::size_t elements) {
   const std::vector<Setting> pair = time_pair(elements);
   if (pair.empty()) return {};
   runs_.make(pair);
-  if (stepping_) return time_part(pair[0]);
+  if (stepping_) {
+    // A node stops within a step, in which a line lies beside the kink: between any two times.
+    Part part = time_part(pair[0]);
+    const Goal of = study_.request.of;
+    if (of == Goal::displacement || of == Goal::end_traces)
+      part.error = std::max(part.error, 0.25 * closing_speed_ * chosen_.fineness);
+    return part;
+  }
   Part part{apart(pair[0], pair[1]) / (1.0 - std::pow(ratio_, -time_order_)), time_order_};
   if (pair[1].fineness > pair[0].fineness) part = time_part(pair[0]);
   part.error = std::max(part.error, usual_error * chosen_.fineness * largest_);
   return part;
 }
 
+// A penalty that was chosen is beside a softer one. One that the scene gives may be soft already, and a softer one then
+// wrong by no more: a harder one tells. Springs of a span obstacle are one a node, and harder together on a finer mesh.
 std::vector<Setting> Plan::penalty_pair(std::size_t elements) const {
   if (!penalised_) return {};
-  Setting softer = at(elements);
-  softer.epsilon *= penalty_ratio;
-  return {at(elements), softer};
+  const bool given = study_.request.given.epsilon;
+  const Setting own = at(given && base_.scene.span ? chosen_.elements : elements);
+  Setting other = own;
+  other.epsilon *= given ? 1.0 / penalty_ratio : penalty_ratio;
+  return {own, other};
 }
 
 Plan::Part Plan::penalty_error(std::size_t elements) {
-  if (!penalised_) return {};
-  runs_.make(penalty_pair(elements));
-  return penalty_part(at(elements));
+  const std::vector<Setting> pair = penalty_pair(elements);
+  if (pair.empty()) return {};
+  runs_.make(pair);
+  const bool softer = pair[1].epsilon > pair[0].epsilon;
+  Part part = penalty_part(pair[softer ? 0 : 1]);
+  if (!softer) part.error *= std::pow(penalty_ratio, part.order);
+  // How deep a node is in an obstacle is an error of it, soon after an impact and between any two times.
+  const Goal of = study_.request.of;
+  const Setting& own = runs_.knows(chosen_) ? chosen_ : pair[0];
+  if (of == Goal::displacement || of == Goal::end_traces)
+    part.error = std::max(part.error, runs_.of(own).statistics.max_penetration);
+  return part;
 }
 
 // A finer one whose error is its share of the request; whether it is another one.

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "dynamics/natural_scales.hpp"
 
@@ -27,12 +29,29 @@ std::function<double(double)> nudged(const Scene& scene, double by) {
 
 }  // namespace
 
+Plan::Plan(Case as_it_is, double most_seconds, std::function<bool()> stop)
+    : Plan([&] {
+        // What depends on the mesh is that of this one.
+        if (is_penalised(as_it_is.method)) as_it_is.epsilon = effective_epsilon(as_it_is);
+        as_it_is.mass = effective_mass(as_it_is);
+        if (is_scheme(as_it_is.method)) as_it_is.step = scheme_step(as_it_is);
+        AccuracyStudy study;
+        study.scene = std::move(as_it_is);
+        study.request.error = std::numeric_limits<double>::infinity();
+        study.request.given = {true, true, true, true, true, true, true};
+        study.stop = std::move(stop);
+        return study;
+      }()) {
+  as_it_is_ = true;
+  runs_.most_seconds = most_seconds;
+}
+
 Plan::Plan(const AccuracyStudy& study)
     : study_(study),
       base_(study.scene),
       data_error_(study.scene, study.request.of == Goal::displacement || study.request.of == Goal::end_traces),
-      runs_([this](const Setting& setting) { return with(setting); }, study.request.of == Goal::peak_reaction,
-            study.threads, study.stop) {
+      runs_([this](const Setting& setting) { return with(setting); }, times_of_errors(study.scene.end),
+            study.request.of == Goal::peak_reaction, study.threads, study.stop) {
   const AccuracyRequest::Given& given = study_.request.given;
   const Scene& scene = base_.scene;
   waves_ = base_.method == MethodName::characteristics;
@@ -129,13 +148,14 @@ double Plan::aligned(const Setting& first, const Setting& second, const Setting&
 
 Case Plan::next() {
   again_ = false;
-  if (!waves_ && !piloted_) {
+  if (!waves_ && !piloted_ && !as_it_is_) {
     tell("the error on coarse meshes");
     pilot();
     if (!study_.request.given.elements) climb();
   }
   const Case run = with(chosen_);
   if (!waves_) rungs_ = rungs(chosen_.elements, most_rungs);
+  if (as_it_is_) return run;
   runs_.begin(wanted_by_judge());
   if (waves_) return run;
   tell(fmt::format("{} on {} elements{}", name(run.method), run.elements,

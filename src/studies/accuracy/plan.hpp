@@ -16,19 +16,26 @@
 
 namespace viscobar::accuracy {
 
-/// Chooses settings, makes the runs for the estimate, and judges the solution, which somebody else runs:
+/// Chooses settings, makes the runs for the estimate, and judges the solution:
 ///
 ///     Plan plan(study);
-///     do sample = run(plan.next()), estimate = plan.judge(sample); while (plan.again());
+///     do run(plan.next()), estimate = plan.judge(); while (plan.again());
+///
+/// All runs are looked at at the same times, which are not the output times: see times_of_errors().
 class Plan {
  public:
   /// @throws std::invalid_argument where the goal has no limit
   explicit Plan(const AccuracyStudy& study);
+  /// Of a case as it is: nothing is chosen, and nothing asked for. The runs may take so many seconds together.
+  Plan(Case as_it_is, double most_seconds, std::function<bool()> stop);
 
   /// The case to run now, its settings chosen by runs on coarser meshes. @throws Stopped, IntegrationError
   Case next();
-  /// The estimate for the case of next(). @throws Stopped, IntegrationError
-  ErrorEstimate judge(Sample solution);
+  /// At which a solution is to be looked at by who runs it anyway.
+  const std::vector<double>& times() const { return runs_.times(); }
+  /// The estimate for the case of next(), which is run, in memory, where nobody has a sample of it.
+  /// @throws Stopped, TooLong, IntegrationError
+  ErrorEstimate judge(std::optional<Sample> solution = {});
   /// Whether next() has a better one.
   bool again() const { return again_; }
 
@@ -74,7 +81,7 @@ class Plan {
   // The mesh: climb.cpp.
   std::optional<Setting> known_rung(std::size_t elements, std::size_t steps) const;
   std::vector<Setting> rungs(std::size_t finest, std::size_t least) const;
-  std::vector<MeshStep> ladder(const std::vector<Setting>& steps, bool* same) const;
+  std::vector<MeshStep> ladder(const std::vector<Setting>& steps, bool* same);
   std::vector<MeshStep> made_ladder(std::size_t finest, std::size_t least, bool* same);
   SpaceError seen_error(const std::vector<MeshStep>& steps) const;
   std::size_t multiple(std::size_t elements) const;
@@ -88,12 +95,14 @@ class Plan {
   // The mesh on which settings in time and penalty are compared, and how much coarser it may be.
   std::size_t coarser() const { return penalised_ || stepping_ ? 4 : 8; }
   std::size_t coarse() const {
-    return std::max<std::size_t>(chosen_.elements / coarser(), study_.request.given.elements ? 3 : timed_elements_);
+    constexpr std::size_t few = 8;  // on which contacts are still like those of finer meshes
+    return std::max(chosen_.elements / coarser(),
+                    study_.request.given.elements ? std::min(chosen_.elements, few) : timed_elements_);
   }
   std::vector<Setting> wanted_by_judge() const;
   double moved_by_nudge() const;
   double magnification();
-  ErrorEstimate judge_exact(const Sample& solution);
+  ErrorEstimate judge_exact();
   void explain(ErrorEstimate& estimate, const Case& run) const;
   std::string kept_by_scene(const ErrorEstimate& estimate, double order, double penalty_order) const;
   void tell_runs(ErrorEstimate& estimate) const;
@@ -107,7 +116,7 @@ class Plan {
   std::size_t pilot_elements_ = least_elements;  // of the finest mesh that the search begins with
   std::size_t timed_elements_ = least_elements;  // of that on which it compares settings in time and penalty
   bool begun_ = false;                           // with settings of a neighbour
-  bool stepping_ = false, exact_time_ = false, waves_ = false, penalised_ = false;
+  bool as_it_is_ = false, stepping_ = false, exact_time_ = false, waves_ = false, penalised_ = false;
   Shares shares_;
   double ratio_ = 10.0, time_order_ = 0.0;  // of two settings in time; least order
   double nudge_ = 0.0;                      // of the initial velocity
@@ -116,7 +125,7 @@ class Plan {
   std::optional<double> requested_;
   mutable std::map<std::array<Setting, 2>, double> differences_;
   double reachable_ = 0.0;  // the request, or more where settings that the scene fixes do not let it be kept
-  double largest_ = 0.0;
+  double largest_ = 0.0, closing_speed_ = 0.0, end_speed_ = 0.0;  // of the finest run of a ladder: of any node, of ends
   double looser_ = 1.0, pilot_error_ = 0.0;  // of the pilots, beside the chosen tolerance, and what that costs
   std::string doubt_;
   bool piloted_ = false, again_ = false;

@@ -8,24 +8,19 @@
 
 namespace viscobar::accuracy {
 
-/// The estimate for a run as it is, nothing chosen:
-///
-///     space     runs on half and a quarter as many elements, see space_error()
-///     penalty   the largest penetration
-///     time      twice what the tolerances promise of the displacement; of a scheme, the difference that twice the step
-///               makes on the mesh of a quarter as many elements
-///
-/// and of `characteristics` what it tells of itself, without a run. There is none where the mesh is too coarse to be
-/// halved twice, where the coarser runs fail or would take longer than `seconds`, or `stop` says so.
+/// The estimate for a run as it is, nothing chosen: that of a request whose scene has all settings, see Plan. There is
+/// none where the mesh is too coarse to be halved twice, where its runs fail or would take longer than `seconds`, or
+/// `stop` says so.
 struct QuickEstimate {
   std::optional<ErrorEstimate> estimate;
-  std::string why_not;  ///< in half a sentence, where there is none
+  std::string why_not;       ///< in half a sentence, where there is none
+  std::size_t elements = 0;  ///< of the mesh that it is of
 };
-QuickEstimate quick_estimate(const Case& run, const Sample& solution, double seconds,
+/// `solution`: what is known of the run, at times_of_errors(); absent: it is made, too.
+QuickEstimate quick_estimate(const Case& run, std::optional<Sample> solution, double seconds,
                              const std::function<bool()>& stop = {});
 
-/// The same before the run, from coarser meshes alone, half, a quarter and an eighth of it: their order is taken to go
-/// on, but not above that of theory, and as 1 where they show none.
+/// The same before the run. Where that takes longer, the estimate of a mesh of a quarter as many elements, and so on.
 QuickEstimate forecast(const Case& run, double seconds);
 
 }  // namespace viscobar::accuracy

@@ -9,8 +9,13 @@
 
 namespace viscobar::accuracy {
 
-Runs::Runs(std::function<Case(const Setting&)> make, bool peaks, std::size_t threads, std::function<bool()> stop)
-    : make_(std::move(make)), peaks_(peaks), threads_(threads > 0 ? threads : cores()), stop_(std::move(stop)) {}
+Runs::Runs(std::function<Case(const Setting&)> make, std::vector<double> times, bool peaks, std::size_t threads,
+           std::function<bool()> stop)
+    : make_(std::move(make)),
+      times_(std::move(times)),
+      peaks_(peaks),
+      threads_(threads > 0 ? threads : cores()),
+      stop_(std::move(stop)) {}
 
 Runs::~Runs() {
   abandoned_ = true;
@@ -46,8 +51,8 @@ Runs::Batch Runs::work(std::vector<Setting> settings, std::size_t threads, std::
   const auto passed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
   const auto stop = [&] { return abandoned_ || (stop_ && stop_()) || (most && passed() > *most); };
   parallel_for(
-      batch.settings.size(), [&](std::size_t i) { batch.found[i] = sample_of(make_(batch.settings[i]), stop, peaks_); },
-      threads);
+      batch.settings.size(),
+      [&](std::size_t i) { batch.found[i] = sample_of(make_(batch.settings[i]), times_, stop, peaks_); }, threads);
   batch.seconds = passed();
   return batch;
 }

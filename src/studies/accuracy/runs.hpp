@@ -31,9 +31,10 @@ struct Setting {
 /// Runs in memory of one case with several settings, each made once and kept as a sample.
 class Runs {
  public:
-  /// `make` is the case of a setting; `peaks` of reactions are wanted or not; `threads` as in parallel_for(); `stop`
-  /// may be empty.
-  Runs(std::function<Case(const Setting&)> make, bool peaks, std::size_t threads, std::function<bool()> stop);
+  /// `make` is the case of a setting; it is looked at at `times`; `peaks` of reactions are wanted or not; `threads` as
+  /// in parallel_for(); `stop` may be empty.
+  Runs(std::function<Case(const Setting&)> make, std::vector<double> times, bool peaks, std::size_t threads,
+       std::function<bool()> stop);
   /// Ends what is begun.
   ~Runs();
   Runs(const Runs&) = delete;
@@ -49,6 +50,7 @@ class Runs {
 
   bool knows(const Setting& setting) const { return samples_.contains(setting); }
   const Sample& of(const Setting& setting) const { return samples_.at(setting); }
+  const std::vector<double>& times() const { return times_; }
   /// Those of the case itself, not nudged, in the order of their settings.
   std::vector<Setting> known() const;
   /// The solution, which somebody else ran.
@@ -73,6 +75,7 @@ class Runs {
   void keep(Batch batch);
 
   std::function<Case(const Setting&)> make_;
+  std::vector<double> times_;
   bool peaks_;
   std::size_t threads_;
   std::function<bool()> stop_;

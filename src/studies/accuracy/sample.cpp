@@ -14,9 +14,17 @@ using Values = Eigen::Map<const Eigen::ArrayXd>;
 
 }  // namespace
 
-Probe::Probe(const Case& run) {
+std::vector<double> times_of_errors(double end) {
+  constexpr int parts = 250;
+  std::vector<double> times;
+  for (int k = 0; k < parts; ++k) times.push_back(end / parts * k);
+  times.push_back(end);
+  return times;
+}
+
+Probe::Probe(const Case& run, std::optional<std::size_t> times) {
   constexpr double most_times = 20'000.0, most_values = 1e6;
-  const double outputs = std::ceil(run.end / run.output_every) + 1.0;
+  const double outputs = times ? static_cast<double>(*times) : std::ceil(run.end / run.output_every) + 1.0;
   time_stride_ = static_cast<std::size_t>(std::ceil(outputs / most_times));
   const double rows = outputs / static_cast<double>(time_stride_);
   constexpr std::size_t enough = 32;
@@ -53,11 +61,16 @@ Sample Probe::take(const Statistics& statistics) {
   return std::move(sample_);
 }
 
-std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& stop, bool peaks) {
+std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& stop) {
+  return sample_of(run, run.output_times(), stop);
+}
+
+std::optional<Sample> sample_of(const Case& run, std::span<const double> times, const std::function<bool()>& stop,
+                                bool peaks) {
   Case plain = run;
   plain.directions.clear();
   const BarSystem system = make_system(plain);
-  Probe probe(plain);
+  Probe probe(plain, times.size());
   Observers observers;
   observers.account = true;
   observers.off_the_clock = observers.reactions = false;
@@ -65,7 +78,7 @@ std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& st
   observers.snapshot = [&](const Snapshot& snapshot) { probe.add(snapshot); };
   observers.event = [&](const Event& event) { probe.add(event); };
   if (stop) observers.progress = [&stop](double) { return stop() ? RunControl::stop : RunControl::go_on; };
-  const Statistics done = simulate(plain, system, observers);
+  const Statistics done = simulate(plain, system, times, observers);
   if (!done.completed) return std::nullopt;
   return probe.take(done);
 }

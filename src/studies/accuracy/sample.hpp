@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "viscobar/case/accuracy.hpp"
@@ -28,11 +29,16 @@ struct Sample {
   const double* row(std::size_t k) const { return u.data() + k * x.size(); }
 };
 
-/// Collects a sample while a run goes on. Of a run with many nodes and outputs it keeps some: each 2^k-th node, so that
+/// The times at which errors are looked at, whatever the output times of a run are: the ends of 250 equal parts of
+/// it.
+std::vector<double> times_of_errors(double end);
+
+/// Collects a sample while a run goes on. Of a run with many nodes and times it keeps some: each 2^k-th node, so that
 /// those of a mesh with half as many elements are among those of the finer one, and each n-th time.
 class Probe {
  public:
-  explicit Probe(const Case& run);
+  /// `times`: how many there will be; absent: the output times.
+  explicit Probe(const Case& run, std::optional<std::size_t> times = {});
 
   void add(const Snapshot& snapshot);
   void add(const Event& event) { sample_.events.push_back(event); }
@@ -46,7 +52,10 @@ class Probe {
 
 /// Runs a case in memory; peaks of reactions are 0 unless they are asked for. Absent when `stop` said so.
 /// @throws IntegrationError
-std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& stop, bool peaks = false);
+std::optional<Sample> sample_of(const Case& run, std::span<const double> times, const std::function<bool()>& stop,
+                                bool peaks = false);
+/// At its output times.
+std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& stop);
 
 /// What a recording with its account says, as a probe would have told it.
 Sample sample_of(const Case& run, const Recording& recording);

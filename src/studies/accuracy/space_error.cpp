@@ -53,7 +53,8 @@ SpaceError space_error(std::span<const MeshStep> ladder, double theory) {
   if (late) result.order = *late;
   // Of order 4, trusted wrongly, the estimate is 15 times too small; of order 2 three times.
   const double least_alignment = theory > 2.0 ? 0.9 : 0.5;
-  const bool steady = late && last.alignment >= least_alignment && (!early || *late >= *early - agreement);
+  const bool steady =
+      late && last.alignment >= least_alignment && (!early || *late >= std::min(*early, theory) - agreement);
   // An order above that of theory falls to it as meshes get finer: it is relied on where it does not fall yet.
   const double believed = early && late && *late >= *early ? *early : theory;
   const double order = steady ? std::min({*late, early.value_or(*late), believed}) : 0.0;
@@ -63,7 +64,14 @@ SpaceError space_error(std::span<const MeshStep> ladder, double theory) {
     const MeshStep& before = ladder[ladder.size() - 2];
     apart = std::max(apart, before.distance / fall(before, last, theory));
   }
-  result.error = apart / (std::pow(ratio(last), std::min(seen, 1.0)) - 1.0);
+  const double q = std::pow(ratio(last), -std::min(seen, 1.0)), c = std::max(last.alignment, 0.0);
+  result.error = apart * std::min(q / (1.0 - q), safety * q * std::sqrt((1.0 + c * q) / (1.0 - c * q) / (1.0 - q * q)));
+  // Where changes point elsewhere, but not back, half of what is seen above order 1 is believed.
+  if (late && last.alignment >= 0.0) {
+    const double half = 0.5 * (least_believable + std::min({*late, early.value_or(*late), theory}));
+    if (half > least_believable)
+      result.error = std::min(result.error, safety * apart / (std::pow(ratio(last), half) - 1.0));
+  }
   if (order >= least_believable) {
     const bool explained = *late <= theory + much_faster;
     result.trusted = order;

@@ -27,12 +27,19 @@ struct MeshStep {
 /// show an order, by d_1 / d_2 = (r_1^p - 1) / (1 - r_2^-p). The least of the last two such orders and that of theory
 /// P, of which the latter counts unless the orders are above it and do not fall yet, is believed where
 ///
-///     it is 1 or more,   the orders do not fall from step to step by more than 3/4,
+///     it is 1 or more,   the orders do not fall from step to step by more than 3/4, or to no less than P - 3/4,
 ///     the last two changes of the solution point the same way: cosine >= 9/10, and 1/2 for P = 2,
 ///
 /// and the error is then taken two fifths larger, 7/5 d / (r^p - 1); where the last order is above P + 3/2, twice
-/// that, with d no less than d_1 shows with P, for a difference that falls so fast may have met a zero. Elsewhere the
-/// error is that of order 1, d / (r - 1), and more where the last order is below 1.
+/// that, with d no less than d_1 shows with P, for a difference that falls so fast may have met a zero.
+///
+/// Elsewhere order 1 is counted on, and less where the last order p is below 1. With q = r^-p, changes that go on by q
+/// add up to d q / (1 - q). Where each has the cosine c >= 0 to the one before, it is a walk, whose length is
+///
+///     d q ((1 + c q) / ((1 - c q) (1 - q^2)))^(1/2),
+///
+/// and two fifths more are taken of that. Where c >= 0 half of what the orders are above 1 is believed:
+/// 7/5 d / (r^(1/2 + p/2) - 1). The least of these is the error.
 struct SpaceError {
   double error = 0.0;             ///< of the finest mesh
   double order = 1.0;             ///< that was observed; of theory where none could be

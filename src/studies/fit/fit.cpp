@@ -164,8 +164,13 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
       }
   };
   observers.event = [&](const Event& event) { misfit.changes.push_back(event); };
-  observers.progress = [&](double) { return ++misfit.steps > most_steps ? RunControl::stop : RunControl::go_on; };
+  bool stopped = false;
+  observers.progress = [&](double) {
+    stopped = stopped || (study.stop && study.stop());
+    return stopped || ++misfit.steps > most_steps ? RunControl::stop : RunControl::go_on;
+  };
   const Statistics done = simulate(run, system, times, observers);
+  if (stopped) throw FitStopped();
   if (!done.completed) throw std::runtime_error(fmt::format("the run takes more than {} steps", most_steps));
   if (done.sensitivity) misfit.lost = done.sensitivity->lost;
 
@@ -211,6 +216,8 @@ constexpr double small_step = 1e-3, rounding_step = 1e-9;
 // A residual, in deviations: so small that no other minimum is of interest, and so large that the model is not the
 // data's.
 constexpr double small_residual = 0.01, large_residual = 3.0;
+// So large where it follows a curve.
+constexpr double curved_residual = 1.2;
 
 struct Minimum {
   Eigen::VectorXd at;
@@ -360,12 +367,19 @@ class Search {
   std::size_t most_steps_ = unlimited;
 };
 
-// Whether what is left follows a curve: its successive values are alike, as those of noise are not. Of few numbers
-// nobody can tell.
+// Whether what is left follows a curve: its successive values are alike, as those of noise are not, whose squared
+// differences are twice its squares, to 2 / m^(1/2). Or whether it stands out at few places: the median of noise is two
+// thirds of its root mean square. Of few numbers nobody can tell.
 bool is_systematic(const Eigen::VectorXd& residual, Eigen::Index parameters) {
   const Eigen::Index m = residual.size();
-  return m < parameters + 8 ||
-         (residual.tail(m - 1) - residual.head(m - 1)).squaredNorm() < 1.2 * residual.squaredNorm();
+  if (m < parameters + 8) return true;
+  const double sum = residual.squaredNorm(), size = static_cast<double>(m);
+  std::vector<double> sizes(residual.begin(), residual.end());
+  for (double& one : sizes) one = std::abs(one);
+  std::ranges::nth_element(sizes, sizes.begin() + m / 2);
+  return (residual.tail(m - 1) - residual.head(m - 1)).squaredNorm() <
+             std::max(1.2, 2.0 - 6.0 / std::sqrt(size)) * sum ||
+         sizes[static_cast<std::size_t>(m / 2)] < 0.3 * std::sqrt(sum / size);
 }
 
 double residual_of(const Misfit& misfit, Eigen::Index parameters) {
@@ -374,9 +388,11 @@ double residual_of(const Misfit& misfit, Eigen::Index parameters) {
 
 bool is_large(const FitStudy& study, const Misfit& misfit) {
   const Eigen::Index n = std::ssize(study.parameters);
-  if (residual_of(misfit, n) <= large_residual) return false;
+  const double residual = residual_of(misfit, n);
+  if (residual <= curved_residual) return false;
   const bool assumed = std::ranges::all_of(study.traces, &MeasuredTrace::assumed) && study.changes.empty();
-  return !assumed || is_systematic(misfit.residual, n);
+  if (residual > large_residual && !assumed) return true;
+  return misfit.residual.size() >= n + 8 || residual > large_residual ? is_systematic(misfit.residual, n) : false;
 }
 
 bool is_explained(const FitStudy& study, const Misfit& misfit) {
@@ -578,9 +594,20 @@ void doubt(const FitStudy& study, const std::vector<Minimum>& found, const Minim
   result.converged = false;
 }
 
+constexpr std::size_t primes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
+
+// The i-th of values within a third of some.
+Eigen::VectorXd near_to(Eigen::VectorXd values, const FitStudy& study, std::size_t i) {
+  for (std::size_t k = 0; k < study.parameters.size(); ++k) {
+    const FittedParameter& parameter = study.parameters[k];
+    const double size = values(k) != 0.0 ? values(k) : 0.1 * parameter.start;
+    values(k) = std::clamp(values(k) + size * (2.0 * halton(i, primes[k]) - 1.0) / 3.0, parameter.low, parameter.high);
+  }
+  return values;
+}
+
 // The i-th of values to begin with, besides those given.
 Eigen::VectorXd start_of(const FitStudy& study, std::size_t i, bool spread) {
-  constexpr std::size_t primes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
   Eigen::VectorXd start(study.parameters.size());
   for (std::size_t k = 0; k < study.parameters.size(); ++k) {
     const auto& [key, given, low, high] = study.parameters[k];
@@ -620,14 +647,25 @@ FitResult fit(const FitStudy& study) {
   // Many runs without derivatives say where to begin again, while much is left to explain.
   const std::size_t tries = 24 * std::min<std::size_t>(study.parameters.size(), 4), most_runs = 8 * study.most_runs;
   for (std::size_t round = 0; round < 3 && !explained; ++round) {
-    std::vector<std::pair<double, Eigen::VectorXd>> tried;
+    using Tried = std::vector<std::pair<double, Eigen::VectorXd>>;
+    Tried far, near;
     for (std::size_t i = 1; i <= tries && search.runs < most_runs; ++i) {
       const Eigen::VectorXd start = start_of(study, round * tries + i, false);
-      tried.emplace_back(search.at(start, Compared::integrals, false).sum(), start);
+      far.emplace_back(search.at(start, Compared::integrals, false).sum(), start);
     }
-    std::ranges::sort(tried, {}, &std::pair<double, Eigen::VectorXd>::first);
-    for (std::size_t i = 0; i < std::min<std::size_t>(4, tried.size()) && !explained && search.runs < most_runs; ++i)
-      if (std::isfinite(tried[i].first)) explained = begin_at(tried[i].second);
+    const auto begin_at_best_of = [&](Tried& tried) {
+      std::ranges::sort(tried, {}, &Tried::value_type::first);
+      for (std::size_t i = 0; i < std::min<std::size_t>(4, tried.size()) && !explained && search.runs < most_runs; ++i)
+        if (std::isfinite(tried[i].first)) explained = begin_at(tried[i].second);
+    };
+    begin_at_best_of(far);
+    // Jumps of velocities and reactions leave narrow valleys beside each other: from one of them to the next.
+    const Eigen::VectorXd centre = found[best].at;
+    for (std::size_t i = 1; i <= tries / 2 && !explained && search.runs < most_runs; ++i) {
+      const Eigen::VectorXd start = near_to(centre, study, round * tries / 2 + i);
+      near.emplace_back(search.at(start, Compared::samples, false).sum(), start);
+    }
+    begin_at_best_of(near);
   }
   const Minimum& minimum = found[best];
   if (!minimum.misfit.sound) throw std::invalid_argument("fit: no start gives a run: " + found.front().reason);

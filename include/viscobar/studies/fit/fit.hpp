@@ -59,6 +59,7 @@ struct FitStudy {
   std::size_t most_runs = 100;  ///< for each of them
   /// Differences of 1 + p runs instead of sensitivities, for methods without these.
   bool differences = false;
+  std::function<bool()> stop;           ///< asked after each step of each run; may be empty
   std::vector<std::string> understood;  ///< how files of data were read, a line each, told with the result
   std::vector<std::string> doubts;      ///< what is strange in the data, in sentences, told among its warnings
 };
@@ -100,7 +101,11 @@ struct FitResult {
   std::optional<double> lost;               ///< from when on the best run has no derivatives
 };
 
+/// `stop` said so.
+struct FitStopped {};
+
 /// Fits a model. @throws std::invalid_argument for a study that makes no sense, and where no run of it succeeds
+/// @throws FitStopped
 FitResult fit(const FitStudy& study);
 
 }  // namespace viscobar

@@ -1,0 +1,98 @@
+// One error of a scene, whoever asks.
+#include "campaign/estimates.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "report/scene_check.hpp"
+#include "studies/accuracy/data_error.hpp"
+#include "studies/accuracy/quick_estimate.hpp"
+#include "support/scratch.hpp"
+#include "viscobar/input/scene_file.hpp"
+#include "viscobar/record/record_run.hpp"
+
+namespace viscobar::campaign {
+namespace {
+
+// The campaign is measure_estimates. An error that is not ten times larger than that of its truth is not told.
+TEST(Estimates, OfRandomThrowsAreNoThirdOfTheErrorAndBelowThreeTimesItInTheMedian) {
+  std::vector<double> ratios;
+  for (std::size_t index = 0; index < 30; ++index) {
+    const Case run = parse_scene(thrown_scene(3, index), "scene").run;
+    if (run.scene.span || run.method == MethodName::characteristics) continue;
+    const auto truth = true_error(run);
+    const auto told = accuracy::quick_estimate(run, std::nullopt, 10.0);
+    if (!truth || !truth->sharp()) continue;
+    ASSERT_TRUE(told.estimate) << told.why_not << thrown_scene(3, index);
+    ratios.push_back(told.estimate->total / truth->error);
+    EXPECT_GT(ratios.back(), 1.0 / 3.0) << thrown_scene(3, index);
+  }
+  ASSERT_GT(ratios.size(), 20U);
+  std::ranges::nth_element(ratios, ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2));
+  EXPECT_LT(ratios[ratios.size() / 2], 3.0);
+}
+
+constexpr const char* thrown =
+    "[bar]\nlength = 1.0\nviscosity = {}\n[left]\nkind = \"obstacle\"\ngap = 0.1\n[right]\nkind = \"obstacle\"\n"
+    "gap = 0.1\n[initial]\ndisplacement = \"x*(1-x)\"\nvelocity = \"-x*(1-x)\"\n[time]\nend = 6.0\n"
+    "[mesh]\nelements = 27\n[method]\nname = \"{}\"\n[output]\nevery = {}\n{}";
+
+TEST(Estimates, OfCheckRunAndARequestAreOneNumberAtAnyOutputInterval) {
+  const Scratch scratch;
+  const struct {
+    double viscosity;
+    const char *method, *more;
+  } scenes[] = {{0.01, "rigid", ""},
+                {0.003, "cvode", "[contact]\nepsilon = 1e-4\n"},
+                {0.1, "fully_discrete", ""},
+                {0.0, "characteristics", ""}};
+  for (const auto& [viscosity, method, more] : scenes) {
+    std::vector<double> told;
+    for (const double every : {0.06, 1.7, 0.0123}) {
+      const SceneFile scene = parse_scene(fmt::format(fmt::runtime(thrown), viscosity, method, every, more), "scene");
+      const auto check = check_scene(scene.run).error;
+      ASSERT_TRUE(check);
+      told.push_back(check->total);
+      const RunRecord record = record_with_estimate(scene, scratch.path() / "run");
+      ASSERT_TRUE(record.outcome.error_estimate) << record.outcome.no_estimate;
+      told.push_back(record.outcome.error_estimate->total);
+    }
+    // Waves are told to rounding, by differences of roundings.
+    for (const double one : told) EXPECT_NEAR(one, told.front(), viscosity > 0.0 ? 0.0 : 1e-3 * told.front()) << method;
+  }
+}
+
+// At rest on the wall, beside 16 times as many elements, from the impact to four h^2 rho / eta behind it. What the
+// elasticity adds in that time is a tenth of it. On masses of second order the error goes on to grow, and is seen.
+TEST(LayerError, IsThatOfABarThatStopsDead) {
+  for (const char* mass : {"fourth_order", "consistent", "lumped"}) {
+    Case run = parse_scene(fmt::format("[bar]\nlength = 1.0\nviscosity = 2.0\n[left]\nkind = \"obstacle\"\ngap = 0.1\n"
+                                       "[initial]\nvelocity = -1.0\n[time]\nend = 0.2\n[mesh]\nelements = 20\n"
+                                       "mass = \"{}\"\n[contact]\nrestitution = 0.0\n[method]\nname = \"rigid\"\n"
+                                       "relative_tolerance = 1e-10\n",
+                                       mass),
+                           "scene")
+                   .run;
+    std::vector<double> times{0.0};
+    for (int k = 1; k <= 200; ++k) times.push_back(0.1 + 0.01 * 2.0 * 0.00125 * k);
+    times.push_back(run.end);
+    const accuracy::Sample coarse = *accuracy::sample_of(run, times, {});
+    const double layer = accuracy::layer_error(run, 1.0);
+    const bool fourth = run.mass == Mass::fourth_order;
+    run.elements *= 16;
+    run.mass = Mass::fourth_order;
+    const double error = accuracy::difference(coarse, *accuracy::sample_of(run, times, {}), Goal::displacement);
+    EXPECT_GE(error / layer, 0.9) << mass;
+    if (fourth) {
+      EXPECT_LE(error / layer, 1.1);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace viscobar::campaign
