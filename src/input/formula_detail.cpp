@@ -58,7 +58,7 @@ void FormulaDetail::find() {
 }
 
 // A bound of |f| that is at most twice a value of it: where bounds are greatest they are halved. Where that does not
-// come to an end, the greatest value that was met.
+// come to an end, the greatest value that was met. Beside a pole nothing counts: 0.
 double FormulaDetail::largest() {
   constexpr int parts = 64, most = 4000;
   const auto size = [](Interval of) { return std::max(of.high, -of.low); };
@@ -77,7 +77,8 @@ double FormulaDetail::largest() {
     add(begin, middle);
     add(middle, end);
   }
-  return std::min(std::get<0>(bounds.top()), 2.0 * met);
+  const double most_of_all = std::get<0>(bounds.top());
+  return std::isfinite(most_of_all) ? std::min(most_of_all, 2.0 * met) : 0.0;
 }
 
 void FormulaDetail::search(double share) {

@@ -64,7 +64,12 @@ class StudiesTest(Test):
         self.assertEqual([row["error"] for row in ours], [row["error"] for row in theirs["rows"]])
 
     def test_check_is_that_of_the_program(self):
-        self.assertEqual(viscobar.check(thrown()), self.program("check"))
+        def timeless(value):
+            if isinstance(value, dict):
+                return {key: timeless(one) for key, one in value.items() if key != "seconds"}
+            return [timeless(one) for one in value] if isinstance(value, list) else value
+
+        self.assertEqual(timeless(viscobar.check(thrown())), timeless(self.program("check")))
 
     def test_sweep_has_the_rows_of_the_program(self):
         with tempfile.TemporaryDirectory() as directory:
