@@ -42,7 +42,7 @@ constexpr const char* thrown =
     "gap = 0.1\n[initial]\ndisplacement = \"x*(1-x)\"\nvelocity = \"-x*(1-x)\"\n[time]\nend = 6.0\n"
     "[mesh]\nelements = 27\n[method]\nname = \"{}\"\n[output]\nevery = {}\n{}";
 
-TEST(Estimates, OfCheckRunAndARequestAreOneNumberAtAnyOutputInterval) {
+TEST(Estimates, OfCheckAndRunAreOneNumberAtAnyOutputInterval) {
   const Scratch scratch;
   const struct {
     double viscosity;
