@@ -195,7 +195,7 @@ std::optional<bool> compared(Operation operation, Interval d) {
 
 bool rests(const Jet& a) { return a.slope.is(0.0); }
 
-// What does not move does not jump, though it may be true for some values of the other variable alone.
+// A condition that s does not move does not jump, though it may be true for some values of the other variable alone.
 Jet of_truth(std::optional<bool> value, bool rests) {
   if (!value) return {{0.0, 1.0}, rests ? Interval{} : any_number};
   return *value ? Jet{{1.0, 1.0}, {}} : Jet{};

@@ -26,7 +26,7 @@ inline Interval hull(std::initializer_list<double> values) {
 }
 inline Interval hull(Interval a, Interval b) { return {std::min(a.low, b.low), std::max(a.high, b.high)}; }
 
-/// What two bounds of one number leave; the first one where roundings keep them apart.
+/// The part that two bounds of one number share; the first one where roundings keep them apart.
 inline Interval common(Interval a, Interval b) {
   const Interval result{std::max(a.low, b.low), std::min(a.high, b.high)};
   return result.low <= result.high ? result : a;

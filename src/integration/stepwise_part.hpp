@@ -480,7 +480,7 @@ class StepwisePart {
     search_.distrust(watchdog_.last_contact(), toggles > 0 ? share : 0.0);
   }
 
-  // Of the frame at a contact, which is that of its obstacle.
+  // The velocity of the frame at a contact is that of its obstacle.
   double frame_velocity(double t, std::size_t i) const {
     const BarSystem& bar = system_.bar();
     return bar.moving() ? bar.lift(t, 1).at(bar.share(system_.contact(i).unknown)) : 0.0;

@@ -518,8 +518,7 @@ class Run {
   std::size_t steps_ = 1, n_ = 1, written_ = 0;
   std::span<const unsigned char> active_;  // of the step
   std::vector<unsigned char> was_active_;
-  double largest_ = 0.0;                      // force on a contact at changes
-  double rounding_ = 0.0;                     // of displacements
+  double largest_ = 0.0;                      // force on a contact that a change has met
   double taken_ = 0.0, taken_at_rest_ = 0.0;  // by impacts: up to now, and the most when nothing touched
   bool touching_ = false;
   JumpFilter filter_;

@@ -33,9 +33,9 @@ class DataError {
   /// The least number of elements whose nodes all breaks of u_0, u_1 and f are at: multiples of it keep the order that
   /// a mesh has without them. 1 where there are none, where they move, or where no number up to 128 does.
   std::size_t unit() const;
-  /// Whether a mesh sees all waves. One that does not may be further from the next than from one that is coarser.
+  /// True of a mesh that sees all waves. One that does not may be further from the next than from one that is coarser.
   bool sees(std::size_t elements) const;
-  /// Whether the data have breaks or waves. The motion then has kinks or waves, over which no mesh can be interpolated
+  /// True of data with breaks or waves. The motion then has kinks or waves, over which no mesh can be interpolated
   /// to another's nodes.
   bool rough() const { return fronts_ || !breaks_.empty() || !waves_.empty(); }
 
