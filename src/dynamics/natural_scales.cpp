@@ -19,15 +19,24 @@ double largest(std::span<const double> values) {
   return most;
 }
 
-// The mean over [0, end] of f at so many times, which no formula names: a value at one instant is nothing. Where it is
-// not finite it counts for nothing: a run that comes there says so.
-double mean(double end, int looks, const auto& f) {
+// The mean over [0, end] of f at so many times or more, which no formula names: a value at one instant is nothing.
+// Each stretch between breaks, or from the begin of a pulse to its end, has one of its own at least. Where f is not
+// finite it counts for nothing: a run that comes there says so.
+double mean(double end, int looks, const auto& f, const NextBreak& breaks) {
+  constexpr int most_stretches = 256;
   double sum = 0.0;
-  for (int k = 0; k < looks; ++k) try {
-      if (const double value = f(end * (k + between_instants) / looks); std::isfinite(value)) sum += value;
-    } catch (const std::exception&) {
-    }
-  return sum / looks;
+  int stretches = 0;
+  for (double from = 0.0, to = end; from < end; from = to) {
+    to = breaks && ++stretches < most_stretches ? breaks(from, end).value_or(end) : end;
+    const double share = (to - from) / end;
+    const auto here = std::max(1, static_cast<int>(std::ceil(looks * share)));
+    for (int k = 0; k < here; ++k) try {
+        const double value = f(from + (to - from) * (k + between_instants) / here);
+        if (std::isfinite(value)) sum += share / here * value;
+      } catch (const std::exception&) {
+      }
+  }
+  return sum;
 }
 
 // max over x of |f|, its mean over time: M f by the weight of a node inside. A load that is a blow moves the bar by its
@@ -38,16 +47,22 @@ double mean_load(const BarSystem& system, double end) {
   // A force on an end is none along the bar.
   const auto& [left, right] = system.inputs();
   const bool ends = left.force || right.force || system.moving();
-  return mean(end, load.steady() ? 1 : looks_at_varying,
-              [&](double t) {
-                const std::span<const double> all = load.at(t);
-                return largest(ends && all.size() > 2 ? all.subspan(1, all.size() - 2) : all);
-              }) /
+  return mean(
+             end, load.steady() ? 1 : looks_at_varying,
+             [&](double t) {
+               const std::span<const double> all = load.at(t);
+               return largest(ends && all.size() > 2 ? all.subspan(1, all.size() - 2) : all);
+             },
+             [&](double after, double until) -> std::optional<double> {
+               const double next = load.enter(after, until);
+               return next < until ? std::optional(next) : std::nullopt;
+             }) /
          system.mesh().spacing();
 }
 
-double mean_size(const TimeFunction& f, double end) {
-  return mean(end, looks_at_varying, [&](double t) { return std::abs(f(t)); });
+double mean_size(const TimeFunction& f, const NextBreak& breaks, double end) {
+  return mean(
+      end, looks_at_varying, [&](double t) { return std::abs(f(t)); }, breaks);
 }
 
 // The displacement that forces on the ends and the motion of fixed ones make, by their means over time: F / (rho c) is
@@ -58,8 +73,10 @@ double moved_by_ends(const BarSystem& system, double tau, double end) {
   for (const bool right : {false, true}) {
     const EndInput& input = system.inputs()[right];
     if (input.force)
-      most = std::max(most, tau * mean_size(input.force->value, end) / std::sqrt(bar.density * bar.modulus));
-    if (input.motion && system.wall(right)) most = std::max(most, mean_size(input.motion->displacement, end));
+      most = std::max(
+          most, tau * mean_size(input.force->value, input.force->breaks, end) / std::sqrt(bar.density * bar.modulus));
+    if (input.motion && system.wall(right))
+      most = std::max(most, mean_size(input.motion->displacement, input.motion->breaks, end));
   }
   return most;
 }
@@ -69,7 +86,7 @@ double moved_by_obstacles(const BarSystem& system, double end) {
   double most = 0.0;
   for (const bool right : {false, true})
     if (const EndInput& input = system.inputs()[right]; input.motion && !system.wall(right))
-      most = std::max(most, mean_size(input.motion->displacement, end));
+      most = std::max(most, mean_size(input.motion->displacement, input.motion->breaks, end));
   return most;
 }
 

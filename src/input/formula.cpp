@@ -312,6 +312,17 @@ NextBreakAt Formula::breaks_in_x_at() const {
   return [switches](double t, double after, double until) mutable { return switches.first(t, after, until); };
 }
 
+NextBreakAt Formula::detail_in_x_at(double length) const {
+  if (!uses('x')) return {};
+  std::optional<FormulaDetail> at_time;
+  return [=, *this, known = 0.0](double t, double after, double until) mutable {
+    if (!at_time || t != known) at_time.emplace(parse_formula(text_, parameters_), true, Interval{t, t});
+    known = t;
+    (*at_time)(0.0, length);
+    return (*at_time)(after, until);
+  };
+}
+
 Places Formula::places(double length) const {
   if (!uses('x')) return {};
   // The same few formulas in thousands of scenes of a sweep.

@@ -51,7 +51,9 @@ class Formula {
   NextBreakAt breaks_at() const;
   /// Where it is not a smooth function of x, at a time; an empty function where there is nothing of the kind.
   NextBreakAt breaks_in_x_at() const;
-  /// The same of a formula in x alone, and its detail in [0, length]; empty functions where it does not use x.
+  /// Its detail in x in [0, length] at a time, see FormulaDetail; an empty function where it does not use x.
+  NextBreakAt detail_in_x_at(double length) const;
+  /// The breaks in x of a formula in x alone, and its detail in [0, length]; empty functions where it does not use x.
   Places places(double length) const;
 
   /// Its derivative with respect to "x" or to a parameter; an empty function where it does not depend on that.

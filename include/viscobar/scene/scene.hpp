@@ -101,6 +101,7 @@ struct GeneralLoad {
   NextBreak breaks = {};         ///< of the density, the same for all x; empty: none
   NextBreakAt breaks_at = {};    ///< those that are at another time for another x, such as a front that moves
   NextBreakAt breaks_in_x = {};  ///< of the density, at a time
+  NextBreakAt detail_in_x = {};  ///< likewise, as of Places; nothing but an estimate of the error asks for it
 };
 
 /// The density f of a load, in the narrowest kind that holds it.

@@ -2,31 +2,39 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 #include <variant>
 
 namespace viscobar::accuracy {
 
-// A wave cos(k x) has places 0.14/k to 0.28/k apart, see FormulaDetail.
 template <class Function, class Moves>
 void DataError::add(const Function& f, const Places& places, Moves&& moves) {
-  constexpr double in_a_wave = 0.2, rounding = 1e-13;
+  constexpr double rounding = 1e-13;
   constexpr std::size_t most = 10000;
   if (!places.breaks) return;
   std::size_t count = 0;
   for (auto at = places.breaks(0.0, length_); at && ++count < most;
        at = places.breaks(*at + rounding * length_, length_))
     breaks_.push_back(*at);
+  add_waves(f, places.detail, moves, waves_);
+}
+
+// A wave cos(k x) has places 0.14/k to 0.28/k apart, see FormulaDetail.
+template <class Function, class Detail, class Moves>
+void DataError::add_waves(const Function& f, const Detail& detail, Moves&& moves, std::vector<Wave>& waves) {
+  constexpr double in_a_wave = 0.2;
   // Places of about one distance are a wave each: its amplitude is that of all of them.
   constexpr double alike = 4.0;
-  std::optional<double> last = places.detail(0.0, length_);
+  std::optional<double> last = detail(0.0, length_);
   double shortest = length_, stretch = 0.0, low = 0.0, high = 0.0;
   const auto end = [&] {
-    if (stretch > 0.0) waves_.push_back({shortest, stretch, moves((high - low) / 2.0, in_a_wave / shortest)});
+    if (stretch > 0.0) waves.push_back({shortest, stretch, moves((high - low) / 2.0, in_a_wave / shortest)});
     shortest = length_;
     stretch = 0.0;
   };
   for (auto next = last; last; last = next) {
-    next = places.detail(*last, length_);
+    next = detail(*last, length_);
     const double gap = next ? *next - *last : length_, value = f(*last);
     if (gap > alike * shortest || gap * alike < shortest) {
       end();
@@ -62,7 +70,34 @@ DataError::DataError(const Case& run, bool displacements)
     for (int i = 0; i <= samples; ++i) largest = std::max(largest, std::abs(separable->history(run.end * i / samples)));
     add(separable->profile, separable->places, of_load(largest));
   }
-  if (const auto* general = std::get_if<GeneralLoad>(&*scene.load)) fronts_ = static_cast<bool>(general->breaks_in_x);
+  const auto* general = std::get_if<GeneralLoad>(&*scene.load);
+  if (!general) return;
+  fronts_ = static_cast<bool>(general->breaks_in_x);
+  if (general->detail_in_x) add_general(*general, run);
+}
+
+// A mesh that has not the waves of nodal values has others in their place, whose mean pushes the whole bar.
+void DataError::add_general(const GeneralLoad& load, const Case& run) {
+  const Bar& bar = run.scene.bar;
+  const bool held = std::holds_alternative<Fixed>(run.scene.left) || std::holds_alternative<Fixed>(run.scene.right);
+  const double pushed = run.end * run.end / (2.0 * bar.density), bent = bar.length * bar.length / bar.modulus;
+  const double moved = held ? std::min(pushed, bent) : pushed;
+  constexpr std::size_t most = 11;
+  std::vector<double> times = {0.21 * run.end, 0.52 * run.end, 0.83 * run.end};
+  if (load.breaks) {
+    double last = 0.0;
+    for (auto at = load.breaks(0.0, run.end); at && times.size() < most; at = load.breaks(*at, run.end)) {
+      times.push_back(last + (*at - last) / 2.0);
+      last = *at;
+    }
+  }
+  for (const double t : times) {
+    std::vector<Wave> waves;
+    add_waves([&](double x) { return load.density(x, t); },
+              [&](double after, double until) { return load.detail_in_x(t, after, until); },
+              [&](double amplitude, double) { return moved * amplitude; }, waves);
+    if (!waves.empty()) at_times_.push_back(std::move(waves));
+  }
 }
 
 bool DataError::at_nodes(std::size_t elements) const {
@@ -76,7 +111,17 @@ bool DataError::at_nodes(std::size_t elements) const {
 bool DataError::unseen(const Wave& wave, double elements) const { return wave.detail < length_ / elements / 4.0; }
 
 bool DataError::sees(std::size_t elements) const {
-  return std::ranges::none_of(waves_, [&](const Wave& wave) { return unseen(wave, static_cast<double>(elements)); });
+  const auto hidden = [&](const Wave& wave) { return unseen(wave, static_cast<double>(elements)); };
+  return std::ranges::none_of(waves_, hidden) && std::ranges::none_of(at_times_, [&](const std::vector<Wave>& waves) {
+           return std::ranges::any_of(waves, hidden);
+         });
+}
+
+std::size_t DataError::least() const {
+  double detail = length_;
+  for (const std::vector<Wave>& waves : at_times_)
+    for (const Wave& wave : waves) detail = std::min(detail, wave.detail);
+  return static_cast<std::size_t>(std::ceil(length_ / (4.0 * detail)));
 }
 
 std::size_t DataError::unit() const {
@@ -111,6 +156,14 @@ SpaceError DataError::of(SpaceError found, std::span<const MeshStep> ladder) con
   }
   for (const Wave& wave : waves_)
     if (displacements_ && unseen(wave, fine)) found.error += wave.error * std::min(1.0, wave.stretch / length_ * fine);
+  double most = 0.0;
+  for (const std::vector<Wave>& waves : at_times_) {
+    double error = 0.0;
+    for (const Wave& wave : waves)
+      if (unseen(wave, fine)) error += wave.error * std::min(1.0, std::max(wave.stretch / length_, 1.0 / fine));
+    most = std::max(most, error);
+  }
+  found.error += displacements_ || most == 0.0 ? most : std::numeric_limits<double>::infinity();
   if (before > 0.0) found.effectivity *= found.error / before;
   return found;
 }

@@ -19,6 +19,11 @@ namespace viscobar::accuracy {
 ///
 /// and by that share of it which their stretch is of an element, where it is shorter.
 ///
+/// A load f(x,t) of no known structure enters a mesh by its values at nodes. Waves of it that an element holds an
+/// eighth of, or more, are other waves there, and nothing bounds their mean: they move a bar by F t^2 / (2 rho), and
+/// one with a fixed end by F L^2 / E, at most. They are looked for at three times and between its first breaks and
+/// pulses.
+///
 /// A jump or a kink between nodes costs a part that is as large as its place in the element says: an order does not
 /// show by it, and the error is no less than that of order 1, d / (r - 1), nor than what the difference before promises
 /// with the power 2.
@@ -33,11 +38,13 @@ class DataError {
   /// The least number of elements whose nodes all breaks of u_0, u_1 and f are at: multiples of it keep the order that
   /// a mesh has without them. 1 where there are none, where they move, or where no number up to 128 does.
   std::size_t unit() const;
+  /// The least number of elements that sees the waves of a load of no known structure.
+  std::size_t least() const;
   /// True of a mesh that sees all waves. One that does not may be further from the next than from one that is coarser.
   bool sees(std::size_t elements) const;
   /// True of data with breaks or waves. The motion then has kinks or waves, over which no mesh can be interpolated
   /// to another's nodes.
-  bool rough() const { return fronts_ || !breaks_.empty() || !waves_.empty(); }
+  bool rough() const { return fronts_ || !breaks_.empty() || !waves_.empty() || !at_times_.empty(); }
 
  private:
   bool at_nodes(std::size_t elements) const;
@@ -47,12 +54,16 @@ class DataError {
   bool unseen(const Wave& wave, double elements) const;
   template <class Function, class Moves>
   void add(const Function& f, const Places& places, Moves&& moves);
+  template <class Function, class Detail, class Moves>
+  void add_waves(const Function& f, const Detail& detail, Moves&& moves, std::vector<Wave>& waves);
+  void add_general(const GeneralLoad& load, const Case& run);
 
   double length_;
   bool displacements_;
   bool fronts_ = false;         // that move
   std::vector<double> breaks_;  // places
   std::vector<Wave> waves_;
+  std::vector<std::vector<Wave>> at_times_;  // those of a general load
 };
 
 /// The end of a viscous bar that stops dead with the speed v, at an obstacle, sends out a layer that no mesh resolves
