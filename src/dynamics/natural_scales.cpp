@@ -24,10 +24,11 @@ double largest(std::span<const double> values) {
 // finite it counts for nothing: a run that comes there says so.
 double mean(double end, int looks, const auto& f, const NextBreak& breaks) {
   constexpr int most_stretches = 256;
+  constexpr double rounding = 1e-13;  // a break is told again within one of it
   double sum = 0.0;
   int stretches = 0;
   for (double from = 0.0, to = end; from < end; from = to) {
-    to = breaks && ++stretches < most_stretches ? breaks(from, end).value_or(end) : end;
+    to = breaks && ++stretches < most_stretches ? breaks(from + rounding * end, end).value_or(end) : end;
     const double share = (to - from) / end;
     const auto here = std::max(1, static_cast<int>(std::ceil(looks * share)));
     for (int k = 0; k < here; ++k) try {

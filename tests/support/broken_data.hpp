@@ -31,6 +31,7 @@ class BrokenData {
     if (chance(0.6) || displacement_.empty()) add_velocity();
     if (chance(0.5)) add_load();
     error = std::pow(10.0, uniform(-4.5, -2.0));
+    whole_ = chance(0.5);
   }
 
   double error;  ///< asked for
@@ -39,7 +40,9 @@ class BrokenData {
     std::string all = fmt::format("[bar]\nlength = 1.0\nviscosity = {}\n[initial]\n", viscosity_);
     if (!displacement_.empty()) all += "displacement = \"" + displacement_ + "\"\n";
     all += "velocity = \"" + (velocity_.empty() ? "0" : velocity_) + "\"\n";
-    if (!load_.empty()) all += "[load]\nprofile = \"" + load_ + "\"\nhistory = \"" + history_ + "\"\n";
+    if (!load_.empty())
+      all += whole_ ? fmt::format("[load]\ndensity = \"({})*({})\"\n", load_, history_)
+                    : fmt::format("[load]\nprofile = \"{}\"\nhistory = \"{}\"\n", load_, history_);
     return all + fmt::format("[time]\nend = {}\n[accuracy]\nerror = {}\n", end_, error);
   }
 
@@ -199,6 +202,7 @@ class BrokenData {
   double grid_ = 0.0;  // of places
   double viscosity_ = 1.0, end_ = 1.0, tent_middle_ = 0.0, tent_half_ = 0.0, tent_slope_ = 0.0;
   std::string displacement_, velocity_, load_, history_;
+  bool whole_ = false;  // whether the load is written as one function of x and t
   struct Event {
     double time, size;
   };

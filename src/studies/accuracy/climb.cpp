@@ -31,19 +31,21 @@ std::optional<Setting> Plan::known_rung(std::size_t elements, std::size_t steps)
 }
 
 // The settings of a ladder of up to four meshes, the finest last. Below each is the finest that was run and is coarser
-// by 5/4 to 2, else, down to `least` meshes, one of half as many elements, four of them or more.
+// by 5/4 to 2, else, down to `least` meshes, one of half as many elements, four of them or more. Of a load by nodal
+// values one of an odd number: on meshes with nodes in common, what is short is the same wrong wave.
 std::vector<Setting> Plan::rungs(std::size_t finest, std::size_t least) const {
   std::vector<Setting> all{at(finest)};
   while (all.size() < most_rungs) {
     const auto above = static_cast<double>(all.back().elements);
     std::optional<Setting> below;
     for (const Setting& known : runs_.known()) {
+      if (apart_) break;
       const double ratio = above / static_cast<double>(known.elements);
       if (ratio >= least_ratio && ratio <= most_ratio && (!below || known.elements > below->elements))
         if (const auto rung = known_rung(known.elements, all.size())) below = rung;
     }
     if (!below) {
-      const std::size_t half = (all.back().elements + 1) / 2;
+      const std::size_t half = (all.back().elements + 1) / 2 | (apart_ ? 1 : 0);
       if (all.size() >= least || half < (as_it_is_ ? 3U : 4U) || half >= all.back().elements) break;
       below = at(half);
       if (!stepping_ && !exact_time_ && all.size() == 3) below = time_pair(half)[1];
@@ -203,7 +205,10 @@ void Plan::climb_from(std::size_t& known) {
     }
     next = std::max(next, 2 * known);
     const double apart = steps.empty() ? 0.0 : steps.back().distance;
-    stuck = before > 0.0 && apart > 0.9 * before && data_error_.sees(known) ? stuck + 1 : 0;
+    // Meshes that are too coarse for the waves of a load do not come nearer to each other.
+    const std::size_t telling = apart_ ? 2048 : 512;  // elements that show how a scene converges
+    const bool sees = data_error_.sees(known) && (!apart_ || known >= telling);
+    stuck = before > 0.0 && apart > 0.9 * before && sees ? stuck + 1 : 0;
     before = apart;
     if (stuck >= 3) {
       doubt_ = fmt::format(
@@ -215,7 +220,6 @@ void Plan::climb_from(std::size_t& known) {
     }
     const double order = std::clamp(now.order, 0.5, theory_);
     const double wanted = static_cast<double>(known) * std::pow(now.error / (share * reachable_), 1.0 / order);
-    constexpr std::size_t telling = 512;  // elements that show how a scene converges
     if (!affordable(next) || (known >= telling && wanted > 20.0 * static_cast<double>(study_.most_elements))) {
       doubt_ = fmt::format(
           "about {:.2g} elements would keep the error that was asked for, and {} are the most that "

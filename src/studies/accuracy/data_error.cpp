@@ -8,9 +8,15 @@
 
 namespace viscobar::accuracy {
 
+namespace {
+
+constexpr double in_two_elements = 10.0;  // places of detail that a wave has in at most that, see FormulaDetail
+constexpr double rounding = 1e-13;        // of a length or a time: a break is told again within one of it
+
+}  // namespace
+
 template <class Function, class Moves>
 void DataError::add(const Function& f, const Places& places, Moves&& moves) {
-  constexpr double rounding = 1e-13;
   constexpr std::size_t most = 10000;
   if (!places.breaks) return;
   std::size_t count = 0;
@@ -73,6 +79,7 @@ DataError::DataError(const Case& run, bool displacements)
   const auto* general = std::get_if<GeneralLoad>(&*scene.load);
   if (!general) return;
   fronts_ = static_cast<bool>(general->breaks_in_x);
+  nodal_ = !fronts_;
   if (general->detail_in_x) add_general(*general, run);
 }
 
@@ -86,7 +93,8 @@ void DataError::add_general(const GeneralLoad& load, const Case& run) {
   std::vector<double> times = {0.21 * run.end, 0.52 * run.end, 0.83 * run.end};
   if (load.breaks) {
     double last = 0.0;
-    for (auto at = load.breaks(0.0, run.end); at && times.size() < most; at = load.breaks(*at, run.end)) {
+    for (auto at = load.breaks(0.0, run.end); at && times.size() < most;
+         at = load.breaks(*at + rounding * run.end, run.end)) {
       times.push_back(last + (*at - last) / 2.0);
       last = *at;
     }
@@ -110,18 +118,20 @@ bool DataError::at_nodes(std::size_t elements) const {
 
 bool DataError::unseen(const Wave& wave, double elements) const { return wave.detail < length_ / elements / 4.0; }
 
+bool DataError::aliased(const Wave& wave, double elements) const {
+  return wave.detail < length_ / elements / in_two_elements;
+}
+
 bool DataError::sees(std::size_t elements) const {
-  const auto hidden = [&](const Wave& wave) { return unseen(wave, static_cast<double>(elements)); };
-  return std::ranges::none_of(waves_, hidden) && std::ranges::none_of(at_times_, [&](const std::vector<Wave>& waves) {
-           return std::ranges::any_of(waves, hidden);
-         });
+  return elements >= least() &&
+         std::ranges::none_of(waves_, [&](const Wave& wave) { return unseen(wave, static_cast<double>(elements)); });
 }
 
 std::size_t DataError::least() const {
   double detail = length_;
   for (const std::vector<Wave>& waves : at_times_)
     for (const Wave& wave : waves) detail = std::min(detail, wave.detail);
-  return static_cast<std::size_t>(std::ceil(length_ / (4.0 * detail)));
+  return static_cast<std::size_t>(std::ceil(length_ / (in_two_elements * detail)));
 }
 
 std::size_t DataError::unit() const {
@@ -160,7 +170,7 @@ SpaceError DataError::of(SpaceError found, std::span<const MeshStep> ladder) con
   for (const std::vector<Wave>& waves : at_times_) {
     double error = 0.0;
     for (const Wave& wave : waves)
-      if (unseen(wave, fine)) error += wave.error * std::min(1.0, std::max(wave.stretch / length_, 1.0 / fine));
+      if (aliased(wave, fine)) error += wave.error * std::min(1.0, std::max(wave.stretch / length_, 1.0 / fine));
     most = std::max(most, error);
   }
   found.error += displacements_ || most == 0.0 ? most : std::numeric_limits<double>::infinity();

@@ -19,10 +19,9 @@ namespace viscobar::accuracy {
 ///
 /// and by that share of it which their stretch is of an element, where it is shorter.
 ///
-/// A load f(x,t) of no known structure enters a mesh by its values at nodes. Waves of it that an element holds an
-/// eighth of, or more, are other waves there, and nothing bounds their mean: they move a bar by F t^2 / (2 rho), and
-/// one with a fixed end by F L^2 / E, at most. They are looked for at three times and between its first breaks and
-/// pulses.
+/// A load f(x,t) of no known structure enters a mesh by its values at nodes. Waves of it that are shorter than two
+/// elements are other waves there, and nothing bounds their mean: they move a bar by F t^2 / (2 rho), and one with a
+/// fixed end by F L^2 / E, at most. They are looked for at three times and between its first breaks and pulses.
 ///
 /// A jump or a kink between nodes costs a part that is as large as its place in the element says: an order does not
 /// show by it, and the error is no less than that of order 1, d / (r - 1), nor than what the difference before promises
@@ -44,7 +43,9 @@ class DataError {
   bool sees(std::size_t elements) const;
   /// True of data with breaks or waves. The motion then has kinks or waves, over which no mesh can be interpolated
   /// to another's nodes.
-  bool rough() const { return fronts_ || !breaks_.empty() || !waves_.empty() || !at_times_.empty(); }
+  bool rough() const { return fronts_ || !breaks_.empty() || !waves_.empty(); }
+  /// True of a load that enters by its values at nodes.
+  bool nodal() const { return nodal_; }
 
  private:
   bool at_nodes(std::size_t elements) const;
@@ -52,6 +53,7 @@ class DataError {
     double detail, stretch, error;  // the shortest of its places' distances; of all; of the displacement
   };
   bool unseen(const Wave& wave, double elements) const;
+  bool aliased(const Wave& wave, double elements) const;
   template <class Function, class Moves>
   void add(const Function& f, const Places& places, Moves&& moves);
   template <class Function, class Detail, class Moves>
@@ -60,7 +62,8 @@ class DataError {
 
   double length_;
   bool displacements_;
-  bool fronts_ = false;         // that move
+  bool fronts_ = false;  // that move
+  bool nodal_ = false;
   std::vector<double> breaks_;  // places
   std::vector<Wave> waves_;
   std::vector<std::vector<Wave>> at_times_;  // those of a general load

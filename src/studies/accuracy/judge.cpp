@@ -147,8 +147,8 @@ std::string Plan::kept_by_scene(const ErrorEstimate& estimate, double order, dou
   };
   if (given.elements && estimate.space > space) {
     const auto elements = static_cast<double>(chosen_.elements);
-    return needs("mesh.elements", elements,
-                 elements * std::pow(estimate.space / space, 1.0 / std::clamp(order, 0.5, theory_)));
+    const double would = elements * std::pow(estimate.space / space, 1.0 / std::clamp(order, 0.5, theory_));
+    return needs("mesh.elements", elements, std::isfinite(would) ? would : static_cast<double>(data_error_.least()));
   }
   if (given.tolerance && !stepping_ && estimate.time > excess * time)
     return needs("method.relative_tolerance", chosen_.fineness, chosen_.fineness * time / estimate.time);
@@ -188,6 +188,9 @@ ErrorEstimate Plan::judge(std::optional<Sample> solution) {
   if (as_it_is_) {
     tell_runs(estimate);
     if (penalised_) estimate.reasons.push_back(contact_law(judged));
+    if (const std::size_t least = data_error_.least(); least > elements)
+      estimate.reasons.push_back(
+          fmt::format("the load has waves that {} elements do not have, and {} would", elements, least));
     return estimate;
   }
 

@@ -97,6 +97,7 @@ Plan::Plan(const AccuracyStudy& study)
     chosen_.epsilon = given.epsilon ? *base_.epsilon : std::clamp(share * 1e-1, 1e-8, 1e-3) * natural_epsilon(scene);
   unit_ = data_error_.unit();
   doubled_ = study_.request.of == Goal::displacement && data_error_.rough();
+  apart_ = data_error_.nodal() && unit_ == 1 && !doubled_;
   pilot_elements_ = doubled_unit(std::max(pilot_elements_, std::min(data_error_.least(), study_.most_elements)));
   timed_elements_ = pilot_elements_;
   guess_ = chosen_;

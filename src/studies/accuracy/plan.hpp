@@ -112,6 +112,7 @@ class Plan {
   DataError data_error_;
   std::size_t unit_ = 1;                         // meshes have multiples of it, so that data break at nodes
   bool doubled_ = false;                         // each mesh has the nodes of the coarser ones
+  bool apart_ = false;                           // it has few of them
   double theory_ = 4.0;                          // order in h
   std::size_t pilot_elements_ = least_elements;  // of the finest mesh that the search begins with
   std::size_t timed_elements_ = least_elements;  // of that on which it compares settings in time and penalty
