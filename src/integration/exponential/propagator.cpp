@@ -57,7 +57,11 @@ void Propagator::advance(int level, VectorXd& y, const LoadPolynomial& load) {
   }
   build_increments(level);
   const MatrixXd& increment = levels_[level].increment;
-  VectorXd change = increment.leftCols(m) * y + increment.col(m);
+  // A rigid displacement changes nothing; the roundings of the entries would make it a force.
+  const Index n = leg_.displacements();
+  const double rigid = free_ ? y.head(n).mean() : 0.0;
+  VectorXd change = increment.middleCols(n, m - n) * y.tail(m - n) + increment.col(m);
+  change.noalias() += increment.leftCols(n) * (y.head(n).array() - rigid).matrix();
   if (load.size() > 0) change += response(level) * load.reshaped();
   y += change;
 }
