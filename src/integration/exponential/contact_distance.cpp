@@ -122,13 +122,15 @@ double ContactDistance::band(std::size_t c, const Largest& largest) const {
   return penalised_.clearance_rounding(c, largest.displacement);
 }
 
-// A massless node's velocity is a difference of forces over its viscosity: what the rounding of a strain makes of a
-// displacement extrapolated by it over a step. A maximum good to more digits would take steps as short as the node's
+// A massless node's velocity is a difference of forces over its viscosity: what the roundings of a strain and of the
+// spring make of a displacement extrapolated by it over a step. A maximum good to more digits would take steps as short as the node's
 // relaxation.
 double ContactDistance::slope_noise(std::size_t c, double tau, const Largest& largest) const {
   if (!system_.damped() || !massless(c)) return 0.0;
   const Bar& bar = system_.bar();
-  return 8.0 * rounding * largest.displacement * bar.modulus / bar.viscosity * tau;
+  const double spring =
+      penalised_.law(c).stiffness * system_.spacing_at(penalised_.contact(c).unknown) * largest.penetration;
+  return 8.0 * rounding * (largest.displacement * bar.modulus + spring) / bar.viscosity * tau;
 }
 
 ContactDistance::Samples ContactDistance::samples(std::size_t c, const std::vector<Series>& motion,

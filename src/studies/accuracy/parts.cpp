@@ -96,8 +96,9 @@ Plan::Part Plan::time_error(std::size_t elements) {
 // A penalty that was chosen is beside a softer one. One that the scene gives may be soft already, and a softer one then
 // wrong by no more: a harder one tells. Springs of a span obstacle are one a node, and harder together on a finer mesh.
 std::vector<Setting> Plan::penalty_pair(std::size_t elements) const {
-  if (!penalised_) return {};
   const bool given = study_.request.given.epsilon;
+  // The peak of a stop that gives way is that of its spring.
+  if (!penalised_ || (given && study_.request.of == Goal::peak_reaction)) return {};
   const Setting own = at(given && base_.scene.span ? chosen_.elements : elements);
   Setting other = own;
   other.epsilon *= given ? 1.0 / penalty_ratio : penalty_ratio;

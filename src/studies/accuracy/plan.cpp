@@ -65,7 +65,7 @@ Plan::Plan(const AccuracyStudy& study)
   if (!given.mass && (penalised_ ? !given.restitution : stepping_ && scene.span)) {
     Case better = base_;
     better.mass = scene.span ? Mass::lumped : Mass::fourth_order;
-    if (penalised_) better.restitution = 0.0;
+    if (penalised_ && study_.request.of != Goal::peak_reaction) better.restitution = 0.0;
     if ((scene.span || base_.grading == 1.0) && validate(better).empty()) base_ = better;
   }
   theory_ = order_in_theory(base_);
