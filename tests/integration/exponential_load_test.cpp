@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 
 #include "support/exponential_runs.hpp"
@@ -47,6 +48,27 @@ TEST(Exponential, CrossesKinksOfTheLoadAndIsNotHeldUpByItsRounding) {
   const auto run = record(BarSystem(scene, Mesh{1.0, 6}, Mass::consistent), {0.0, end});
   for (const double found : run.u.back()) EXPECT_NEAR(found, u, u * accuracy);
   EXPECT_LT(run.statistics.steps, 20 * 2 * 64u);  // a step a halving, down to rounding and up again at each kink
+}
+
+// A force of triangles with the impulse 1: t is known to a rounding, 4e-16 of it, and the force to that times its
+// slope.
+TEST(Exponential, FollowsAFrontAsSteepAsTimeHasDigits) {
+  for (const double width : {1e-3, 1e-6, 1e-8}) {
+    Scene scene = falling_bar(1.0, 0.0, 0.4);
+    scene.left = Free{};
+    EndForce force{[=](double t) { return std::max(0.0, 1.0 - std::abs(t - 3.1415) / width) / width; }};
+    force.breaks = [=](double after, double until) -> std::optional<double> {
+      for (const double at : {3.1415 - width, 3.1415, 3.1415 + width})
+        if (at > after && at < until) return at;
+      return std::nullopt;
+    };
+    scene.right_input.force = force;
+    const auto run = record(BarSystem(scene, Mesh{1.0, 6}, Mass::consistent), {0.0, 3.0, 20.0});
+    const double rounding = 4e-16 / width;                  // of the force in the largest, 1 / width
+    const double vibration = std::exp(-0.2 * 9.87 * 16.8);  // that is left, of the slowest mode
+    for (const double u : run.u.back())
+      EXPECT_NEAR(u, 20.0 - 3.1415, 17.0 * (8.0 * rounding + accuracy) + vibration) << width;
+  }
 }
 
 TEST(Exponential, FollowsALoadOverAllDecadesThatNumbersHave) {

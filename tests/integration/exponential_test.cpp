@@ -155,6 +155,17 @@ TEST(Exponential, AMasslessNodeRelaxesWithTheRateOfTheMaterial) {
   }
 }
 
+// The node relaxes at h / (epsilon eta), 2e10, beside a motion of 1e-4 of a second: the maximum of its penetration has
+// no more digits than the rounding of the spring's force leaves to its velocity.
+TEST(Exponential, AMasslessNodeOnAStiffSpringIsNotFollowedAtTheRateOfItsDashpot) {
+  Scene scene = falling_bar(0.0, 0.0, 4e-5);
+  scene.left_input.force = EndForce{[](double) { return -1e-4; }, {}, true};
+  const BarSystem system(scene, Mesh{1.0, 10}, Mass::redistributed);
+  const auto run = record(system, grid(1.0, 5), Penalty{1e-7});
+  EXPECT_LT(run.statistics.steps, 10'000u);
+  for (const auto& u : run.u) EXPECT_NEAR(u.front(), 0.0, 1e-10);
+}
+
 TEST(Exponential, AMasslessNodeWithoutViscosityFollowsTheLoadAndItsRate) {
   // Open: E/h (u_1 - u_0) + p_0(t) = 0, and its derivative.
   Scene scene = smooth_scene(0.0);

@@ -160,6 +160,19 @@ TEST(AccuracyOnRequest, APeakThatHasNoLimitIsRefused) {
   EXPECT_NEAR(undamped.estimate.largest, 1.0, 1e-9);
 }
 
+// At a spring the reaction of an elastic bar rises as 1 - exp(-t / epsilon), until the wave from the free end is there.
+TEST(AccuracyOnRequest, APeakAtASoftStopIsThatOfItsSpring) {
+  for (const char* method : {"cvode", "ida", "odeint"})
+    for (const double epsilon : {0.3, 0.1}) {
+      const AccuracyResult result = solve(study_of(
+          "[bar]\nlength = 1.0\n[left]\nkind = \"obstacle\"\ngap = 0.1\n[initial]\nvelocity = -1.0\n[time]\nend = 3.0\n",
+          {"accuracy.error=1e-2", "accuracy.of=peak_reaction", fmt::format("contact.epsilon={}", epsilon),
+           fmt::format("method.name={}", method)}));
+      EXPECT_TRUE(result.estimate.kept) << method << result.estimate.doubt;
+      EXPECT_NEAR(result.estimate.largest, 1.0 - std::exp(-2.0 / epsilon), 1e-2) << method << epsilon;
+    }
+}
+
 // An undamped bar pressed back to two obstacles: each change of contact magnifies what is wrong.
 TEST(AccuracyOnRequest, ASceneThatNoMeshFollowsIsReportedAsSuchAndItsBestSolutionKept) {
   AccuracyStudy study = study_of(
