@@ -41,9 +41,6 @@ std::optional<Finding> fault(const AccuracyRequest& request, const Case& run) {
   if (request.of == Goal::peak_reaction)
     if (const auto why = peak_remark(run, make_system(run)))
       return Finding{"accuracy.of", fmt::format("is \"peak_reaction\": {}; use \"impulse\" or \"displacement\"", *why)};
-  if (run.method == MethodName::odeint && run.stepper == Stepper::symplectic)
-    return Finding{"method.stepper",
-                   "symplectic has a fixed step and no tolerance to choose for accuracy.error; leave it out"};
   return std::nullopt;
 }
 

@@ -15,11 +15,6 @@ namespace {
 // Sound openings stay at 0.4, the delay of a critically damped spring, and below 5 where an impact is passed over.
 constexpr double late_opening_limit = 10.0;
 
-// Symplectic steps have a fixed size.
-bool keeps_a_tolerance(const Case& run) {
-  return is_adaptive(run.method) && !(run.method == MethodName::odeint && run.stepper == Stepper::symplectic);
-}
-
 bool is_exact(const Case& run) { return method_row(run.method).accuracy == Accuracy::rounding; }
 
 double promised_balance(const Case& run, const BarSystem& system, double energy, double steps) {
@@ -43,7 +38,7 @@ std::vector<Alarm> alarms(const Case& run, const BarSystem& system, const Statis
   std::vector<Alarm> all;
   if (!statistics.completed) return all;
   const bool scheme = is_scheme(run.method);
-  if (statistics.energy && (scheme || is_exact(run) || keeps_a_tolerance(run))) {
+  if (statistics.energy && (scheme || is_exact(run) || is_adaptive(run.method))) {
     const EnergyAccount& energy = *statistics.energy;
     double largest =
         std::max({energy.initial, energy.final, std::abs(energy.dissipated), std::abs(energy.work), energy.largest});

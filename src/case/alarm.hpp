@@ -23,7 +23,7 @@ struct Alarm {
 ///   E the largest energy on the way (EnergyAccount::largest), a_u and a_v the allowance(). Of `exponential` and the
 ///   schemes, which close their balance to rounding, beyond 1e-9 E and what roundings r U of the displacement add up
 ///   to in N steps, sqrt(N) r U 2 J sqrt(2 E modulus / L), U = max(|u_0|, t sqrt(2 E / (rho L))). Ruinous beyond a
-///   hundredth of E. Steps of fixed size promise nothing.
+///   hundredth of E.
 /// - A dissipated energy that is negative by more than that: energy grew without a cause.
 /// - A penetration deeper than all the energy there was could press its spring, d^2 k / 2 > E, where no load works.
 ///   Ruinous.

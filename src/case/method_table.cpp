@@ -45,42 +45,23 @@ void refuse_odeint(const Case& run, Findings& findings) {
                        "right.dashpot",        "right.motion",        "span.gap",
                        "initial.displacement", "initial.velocity",    "time.end",
                        "mesh.elements",        "mesh.grading",        "mesh.mass",
-                       "contact.epsilon",      "contact.restitution", "method.stepper",
-                       "method.step"}))
+                       "contact.epsilon",      "contact.restitution", "method.stepper"}))
     return;
   const BarSystem system = make_system(run);
   const OdeintPlan what = plan(system, run.end, odeint(run));
   if (!what.refusal) return;
   switch (*what.refusal) {
-    case Refusal::viscosity:
-      return findings.report("method.stepper",
-                             run.scene.bar.viscosity > 0.0
-                                 ? fmt::format("symplectic conserves what bar.viscosity = {} dissipates; use dopri5 "
-                                               "or rosenbrock4",
-                                               run.scene.bar.viscosity)
-                                 : "symplectic conserves what the dashpot of an end dissipates; use dopri5 or "
-                                   "rosenbrock4");
-    case Refusal::restitution:
-      return findings.report("method.stepper",
-                             "symplectic conserves what contact.restitution = {} dissipates; use dopri5 or "
-                             "rosenbrock4",
-                             *run.restitution);
-    case Refusal::no_step:
-      return findings.report("method.step", "is missing: the symplectic stepper of odeint has a fixed time step");
-    case Refusal::unstable_step:
-      return findings.report("method.step", "is {}: the symplectic stepper is unstable here above {:.3g}", *run.step,
-                             what.longest_step);
     case Refusal::many_unknowns:
       return findings.report("method.stepper",
                              "rosenbrock4 works with dense matrices, up to {} unknown nodes, here are {}; "
                              "use arkode, or dopri5",
                              Odeint::most_dense_unknowns, system.size());
-    case Refusal::many_steps: {
-      const bool fixed = what.stepper == Stepper::symplectic;
-      return findings.report(fixed ? "method.step" : "method.name", "{} would make at least {:.1e} steps{}",
-                             name(what.stepper), what.least_steps,
-                             fixed ? "" : ": it is explicit, and the scene is stiff; use cvode or arkode");
-    }
+    case Refusal::many_steps:
+      return findings.report(
+          "method.name",
+          "{} would make at least {:.1e} steps: it is explicit, and the scene is stiff; use cvode or "
+          "arkode",
+          name(what.stepper), what.least_steps);
     default: return;  // algebraic rows are reported of every method that does not take them
   }
 }

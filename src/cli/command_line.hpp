@@ -15,7 +15,7 @@ struct OptionText {
 
   bool is_argument() const { return names.empty(); }
   bool takes_list() const { return type.find(',') != type.npos; }
-  /// The words that may stand here, blanks between them, where they are known: masses, methods, "csv|npy".
+  /// The words that may stand here, blanks between them, where they are known: masses, methods, "csv|xdmf".
   std::string words() const;
 };
 

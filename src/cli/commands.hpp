@@ -45,7 +45,7 @@ Action completion_command(CLI::App& command);
 Action man_command(CLI::App& command);
 Action help_command(CLI::App& command);
 
-/// An option, or an argument where the name has no dash, with a value of that type: "DIR", "csv|npy".
+/// An option, or an argument where the name has no dash, with a value of that type: "DIR", "csv|xdmf".
 template <class Value>
 CLI::Option* add(CLI::App& command, const std::string& name, const char* type, Value& value, const std::string& what) {
   return command.add_option(name, value, what)->type_name(type);

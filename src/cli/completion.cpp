@@ -46,30 +46,6 @@ std::string bash_case(const CLI::App& command) {
       command.get_name(), lines, options.substr(1), argument);
 }
 
-/// What a description may hold in an argument of zsh's _arguments, within single quotes.
-std::string zsh_text(const std::string& text) {
-  const std::string marked = std::regex_replace(text, std::regex(R"([\[\]:\\])"), R"(\$&)");
-  return std::regex_replace(marked, std::regex("'"), R"('\'')");
-}
-
-std::string zsh_action(const OptionText& option) {
-  constexpr Completions zsh{"_viscobar_keys", "_files -g \"*.toml\"", "_files -/", "_files", " "};
-  const std::string words = option.words();
-  if (words.empty()) return std::string(zsh.of(option));
-  return option.takes_list() ? "_sequence compadd - " + words : "(" + words + ")";
-}
-
-std::string zsh_spec(const OptionText& option) {
-  const std::string value = option.type.empty() ? "" : fmt::format(":{}:{}", zsh_text(option.type), zsh_action(option));
-  // An optional argument has two colons.
-  if (option.is_argument()) return fmt::format("'1{}{}'", option.required ? "" : ":", value);
-  const std::string description = fmt::format("[{}]", zsh_text(option.description));
-  if (option.repeatable) return fmt::format("'*{}{}{}'", option.names.front(), description, value);
-  if (option.names.size() == 1) return fmt::format("'{}{}{}'", option.names.front(), description, value);
-  return fmt::format("'({})'{{{}}}'{}{}'", fmt::join(option.names, " "), fmt::join(option.names, ","), description,
-                     value);
-}
-
 std::string bash_completion(const CLI::App& app) {
   std::string names, cases, keys, values;
   for (const CLI::App* command : app.get_subcommands({})) {
@@ -131,49 +107,6 @@ complete -F _viscobar viscobar
                      fmt::arg("cases", cases));
 }
 
-std::string zsh_completion(const CLI::App& app) {
-  std::string commands, cases, keys, values;
-  for (const CLI::App* command : app.get_subcommands({})) {
-    commands += fmt::format("    '{}:{}'\n", command->get_name(), zsh_text(command->get_description()));
-    cases += fmt::format("    {})\n      _arguments", command->get_name());
-    for (const OptionText& option : options_of(*command)) cases += fmt::format(" \\\n        {}", zsh_spec(option));
-    cases += " ;;\n";
-  }
-  for (const SceneKey& key : scene_keys()) {
-    keys += fmt::format(" {}", key.name);
-    if (!key.choices.empty())
-      values += fmt::format("    {}) compadd - {} ;;\n", key.name, fmt::join(key.choice_names(), " "));
-  }
-  return fmt::format(R"(#compdef viscobar
-# zsh completion of viscobar; made by: viscobar completion zsh
-_viscobar_keys() {{
-  if compset -P '*='; then
-    case ${{IPREFIX%=}} in
-{values}    esac
-  else
-    compadd -S = -{keys}
-  fi
-}}
-_viscobar() {{
-  local -a commands
-  commands=(
-{commands}  )
-  if ((CURRENT == 2)); then
-    _describe -t commands command commands
-    _arguments '--help[Print this help and exit]' '(-V --version)'{{-V,--version}}'[Print the versions and exit]'
-    return
-  fi
-  shift words
-  ((CURRENT--))
-  case $words[1] in
-{cases}  esac
-}}
-if [[ $zsh_eval_context[-1] == loadautofunc ]]; then _viscobar "$@"; else compdef _viscobar viscobar; fi
-)",
-                     fmt::arg("keys", keys), fmt::arg("values", values), fmt::arg("commands", commands),
-                     fmt::arg("cases", cases));
-}
-
 // Of fish: a quoted word, in which a backslash and a quote stand for themselves.
 std::string fish_quoted(const std::string& text) {
   return "'" + std::regex_replace(text, std::regex(R"(['\\])"), R"(\$&)") + "'";
@@ -214,11 +147,11 @@ std::string fish_completion(const CLI::App& app) {
 
 Action completion_command(CLI::App& command) {
   const auto shell = std::make_shared<std::string>();
-  add(command, "shell", "bash|zsh|fish", *shell, "The shell")->required();
+  add(command, "shell", "bash|fish", *shell, "The shell")->required();
   return [shell, &app = *command.get_parent()] {
-    if (*shell != "bash" && *shell != "zsh" && *shell != "fish")
-      refuse("completion: there is none for {}, only for bash, zsh and fish", *shell);
-    print(*shell == "bash" ? bash_completion(app) : *shell == "zsh" ? zsh_completion(app) : fish_completion(app));
+    if (*shell != "bash" && *shell != "fish")
+      refuse("completion: there is none for {}, only for bash and fish", *shell);
+    print(*shell == "bash" ? bash_completion(app) : fish_completion(app));
     return success;
   };
 }

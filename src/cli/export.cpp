@@ -15,8 +15,8 @@ struct ExportOptions {
 };
 
 int export_files(const ExportOptions& asked) {
-  constexpr std::array known = {"csv", "npy", "xdmf"};
-  constexpr ExportFormat formats[] = {ExportFormat::csv, ExportFormat::npy, ExportFormat::xdmf};
+  constexpr std::array known = {"csv", "xdmf"};
+  constexpr ExportFormat formats[] = {ExportFormat::csv, ExportFormat::xdmf};
   const auto* format = std::ranges::find(known, asked.format);
   if (format == known.end())
     refuse("--format: there is no format \"{}\"{}", asked.format, instead_of(asked.format, known));
@@ -32,9 +32,9 @@ int export_files(const ExportOptions& asked) {
 Action export_command(CLI::App& command) {
   const auto asked = std::make_shared<ExportOptions>();
   add(command, "directory", "DIR", asked->directory, "The directory of results of `viscobar run`")->required();
-  add(command, "--format", "csv|npy|xdmf", asked->format, "Of the files")->capture_default_str();
+  add(command, "--format", "csv|xdmf", asked->format, "Of the files")->capture_default_str();
   add(command, "-o,--output", "DIR", asked->where,
-      "Directory of the files; an earlier export there is replaced (default: DIR/csv, DIR/npy or DIR/xdmf)");
+      "Directory of the files; an earlier export there is replaced (default: DIR/csv or DIR/xdmf)");
   add_quiet(command, asked->quiet);
   return [asked] { return export_files(*asked); };
 }

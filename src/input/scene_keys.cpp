@@ -31,7 +31,6 @@ constexpr Choice steppers[] = {
     {"automatic", "rosenbrock4 or dopri5, by what their steps cost"},
     {"rosenbrock4", "linearly implicit, order 4, dense matrices: few nodes"},
     {"dopri5", "explicit, order 5"},
-    {"symplectic", "explicit, order 4, steps of method.step; no viscosity"},
 };
 constexpr Choice starts[] = {
     {"first_order", "u_0 + dt u_1"},
@@ -103,7 +102,7 @@ constexpr SceneKey rows[] = {
     {"method.error_control", choice, optional, "\"global\"", "", "", "whether the tolerances bound the error of the solution or of each step", {}, controls},
     {"method.formulas", choice, optional, "\"automatic\"", "", "", "multistep formulas of cvode", {}, formulas},
     {"method.stepper", choice, optional, "\"automatic\"", "", "", "formulas of odeint", {}, steppers},
-    {"method.step", number, optional, "", "1e-3", "time", "time step of fully_discrete and finite_difference, absent: h / (100 c), and of odeint's symplectic stepper, which needs it", positive},
+    {"method.step", number, optional, "", "1e-3", "time", "time step of fully_discrete and finite_difference, absent: h / (100 c)", positive},
     {"method.start", choice, optional, "\"first_order\"", "", "", "first step of the two schemes: u_0 + dt u_1, or with the term dt^2/2 u'' too", {}, starts},
     {"method.impact", choice, optional, "\"paoli_schatzman\"", "", "", "law of restitution of the two schemes: a bound on the mean of displacements, or on the velocity, which never gives energy", {}, impacts},
 

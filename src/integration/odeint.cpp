@@ -29,7 +29,7 @@ class OdeintStepper final : public PolynomialStepper {
         end_(parts.times.back()),
         longest_(longest_step(system_, end_ - parts.times.front())),
         stable_(stable_step),
-        size_(adaptive ? 1e-3 * (end_ - parts.times.front()) : *method.step),
+        size_(1e-3 * (end_ - parts.times.front())),
         scales_(motion_.size) {}
 
   void restart(double t, double stop, std::span<const double> y) override {
@@ -42,27 +42,21 @@ class OdeintStepper final : public PolynomialStepper {
     step_.restart();
     // The error estimate of L-stable formulas does not see what a step passes over: an impact on a stiff spring would
     // end in rest. Begun with a step that resolves it, they grow as the error lets them.
-    if constexpr (adaptive)
-      for (std::size_t i = 0; i < system_.contact_count(); ++i)
-        if (system_.closed(i) && system_.contact_rate(i) > 0.0) size_ = std::min(size_, 1.0 / system_.contact_rate(i));
+    for (std::size_t i = 0; i < system_.contact_count(); ++i)
+      if (system_.closed(i) && system_.contact_rate(i) > 0.0) size_ = std::min(size_, 1.0 / system_.contact_rate(i));
   }
 
   double advance() override {
     step_.advance();
     const StepPolynomial::End& from = step_.begin();
     weights_.fill(motion(from.y), scales_);
-    if constexpr (adaptive)
-      make_controlled_step(from.t);
-    else
-      make_step(from.t);
+    make_controlled_step(from.t);
     step_.tolerate(weights_.displacement_tolerance());
     step_.finish();
     return step_.end().t;
   }
 
  private:
-  static constexpr bool adaptive = requires { Formulas::error_order; };
-
   std::span<const double> motion(const std::vector<double>& y) const { return std::span(y).first(motion_.size); }
 
   double rounding(double t) const {
@@ -71,14 +65,6 @@ class OdeintStepper final : public PolynomialStepper {
   // The time that a step of the present size leads to: the end of the leg, where it would leave a rounding to go.
   double target(double t) const {
     return t + size_ * (1.0 + 1e-9) >= stop_ || stop_ - t <= rounding(t) ? stop_ : t + size_;
-  }
-
-  void make_step(double t) {
-    StepPolynomial::End& reached = step_.end();
-    reached.t = target(t);
-    formulas_.step(t, reached.t - t, motion(step_.begin().y), reached);
-    const auto all = motion(reached.y);
-    if (!std::isfinite(std::reduce(all.begin(), all.end()))) throw not_finite();
   }
 
   // Whether neighbours differ in their accelerations by more than a thousandth of a tolerance of the mesh's fastest
@@ -129,8 +115,6 @@ Statistics integrate(const BarSystem& system, const StartingPoint& start, std::s
                         switch (what.stepper) {
                           case Stepper::rosenbrock4:
                             return std::make_unique<OdeintStepper<Rosenbrock4>>(parts, method, 0.0);
-                          case Stepper::symplectic:
-                            return std::make_unique<OdeintStepper<Symplectic>>(parts, method, 0.0);
                           default: return std::make_unique<OdeintStepper<Dopri5>>(parts, method, what.longest_step);
                         }
                       });

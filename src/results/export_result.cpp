@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <charconv>
 #include <fstream>
 #include <functional>
 #include <optional>
@@ -36,42 +34,6 @@ void for_each_block(const FieldReader& field, Quantity quantity, Take&& take) {
     field.read(quantity, row, block);
     take(row, std::span<const double>(block));
   }
-}
-
-/// Writes an array of doubles in NumPy's format 1.0, row by row: 8 bytes "\x93NUMPY\1\0", the length of the header in
-/// two bytes, the header, a Python dictionary padded with blanks to a multiple of 64, then the numbers, little-endian.
-/// `fill` appends them; one extent makes a vector. @throws IoError
-template <class Fill>
-void write_npy(const fs::path& path, const std::vector<std::size_t>& shape, Fill&& fill) {
-  // A tuple of one number ends with a comma.
-  std::string head =
-      fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}", fmt::join(shape, ", "));
-  constexpr std::size_t before = 10, alignment = 64;
-  head.resize((before + head.size() + 1 + alignment - 1) / alignment * alignment - before - 1, ' ');
-  head += '\n';
-  std::string start("\x93NUMPY\x01\x00", 8);
-  start += static_cast<char>(head.size() & 0xff);
-  start += static_cast<char>(head.size() >> 8);
-  start += head;
-  OutputFile file(path);
-  file.write_at(0, start);
-  std::size_t written = start.size();
-  fill([&](std::span<const double> values) {
-    static_assert(std::endian::native == std::endian::little, "the numbers are written as they lie in memory");
-    file.write_at(written, {reinterpret_cast<const char*>(values.data()), values.size_bytes()});
-    written += values.size_bytes();
-  });
-  file.close();
-}
-
-void write_npy(const fs::path& path, std::span<const double> values, const std::vector<std::size_t>& shape) {
-  write_npy(path, shape, [&](auto&& append) { append(values); });
-}
-
-void write_npy(const fs::path& path, const FieldReader& field, Quantity quantity) {
-  write_npy(path, {field.rows(), field.width(quantity)}, [&](auto&& append) {
-    for_each_block(field, quantity, [&](std::size_t, std::span<const double> block) { append(block); });
-  });
 }
 
 void write_csv(const fs::path& path, const FieldReader& field, Quantity quantity) {
@@ -116,36 +78,6 @@ void export_xdmf(const FieldReader& field, const fs::path& target) {
   }
   hdf5_checked(path, "cannot be closed", [&] { return H5Fclose(file.release()); });
   write_atomically(target / "field.xdmf", text.append(xdmf::closing_tags));
-}
-
-/// The numbers of a table such as ends.csv. A last line that a killed run left half written is not one of them.
-struct Columns {
-  std::size_t count = 0;
-  std::vector<double> values;
-};
-
-Columns read_table(const fs::path& path) {
-  std::ifstream stream(path);
-  if (!stream) throw IoError(path, "cannot be read");
-  Columns columns;
-  std::string line;
-  std::getline(stream, line);
-  columns.count = 1 + static_cast<std::size_t>(std::count(line.begin(), line.end(), ','));
-  while (std::getline(stream, line)) {
-    std::vector<double> row;
-    const char *at = line.data(), *end = at + line.size();
-    for (double value = 0.0; at <= end; ++at) {
-      const auto [next, error] = std::from_chars(at, end, value);
-      if (error != std::errc()) break;
-      row.push_back(value);
-      at = next;
-    }
-    if (row.size() == columns.count && !stream.eof())
-      columns.values.insert(columns.values.end(), row.begin(), row.end());
-    else if (!stream.eof())
-      throw IoError(path, fmt::format("has a line that is not {} numbers: {}", columns.count, line));
-  }
-  return columns;
 }
 
 /// What is there is replaced where it begins as an earlier export does. @throws std::invalid_argument
@@ -200,33 +132,21 @@ std::vector<fs::path> export_result(const fs::path& result, ExportFormat format,
     files.take_places();
     return {target / "field.h5", target / "field.xdmf"};
   }
-  const bool npy = format == ExportFormat::npy;
   std::vector<fs::path> files;
   std::vector<std::function<void(const fs::path& file)>> writers;
   const auto add = [&](const std::string& name, auto&& write) {
-    files.push_back(target / (name + (npy ? ".npy" : ".csv")));
+    files.push_back(target / (name + ".csv"));
     writers.push_back(write);
   };
-  if (field && npy) {
-    add("x", [&](const fs::path& file) { write_npy(file, field->x(), {field->nodes()}); });
-    add("t", [&](const fs::path& file) { write_npy(file, field->times(), {field->rows()}); });
-  }
   for (const Quantity quantity : FieldReader::quantities)
     if (field && field->has(quantity))
-      add(FieldReader::name(quantity), [&, quantity](const fs::path& file) {
-        npy ? write_npy(file, *field, quantity) : write_csv(file, *field, quantity);
-      });
+      add(FieldReader::name(quantity), [&, quantity](const fs::path& file) { write_csv(file, *field, quantity); });
   for (const std::string table : {"ends", "energy"})
     if (is_there(table))
       add(table, [&, from = result / (table + ".csv")](const fs::path& file) {
-        if (npy) {
-          const Columns columns = read_table(from);
-          write_npy(file, columns.values, {columns.values.size() / columns.count, columns.count});
-        } else if (!in_place) {
-          copy_table(from, file);
-        }
+        if (!in_place) copy_table(from, file);
       });
-  for (const fs::path& file : files) check_target(file, npy ? "\x93NUMPY" : "t,");
+  for (const fs::path& file : files) check_target(file, "t,");
   make_directories(target);
   FileSet set(target, "export");
   for (std::size_t k = 0; k < files.size(); ++k) writers[k](set.folder() / files[k].filename());

@@ -47,9 +47,8 @@ std::string verification_json(const std::filesystem::path& directory, const std:
 std::string verification_text(const std::filesystem::path& directory, const std::vector<VerifiedFile>& files);
 
 enum class ExportFormat {
-  csv,   ///< u.csv, v.csv, stress.csv: first line t and each column's x, then a line per output time; the tables
-  xdmf,  ///< field.h5 with a dataset for each time and field.xdmf, for readers such as meshio
-  npy    ///< x.npy, t.npy, u.npy, v.npy (times x nodes), stress.npy (times x elements), a table as times x columns
+  csv,  ///< u.csv, v.csv, stress.csv: first line t and each column's x, then a line per output time; the tables
+  xdmf  ///< field.h5 with a dataset for each time and field.xdmf, for readers such as meshio
 };
 
 /// Writes field.h5, ends.csv and energy.csv of a run, as far as they are there, as files that need no HDF5, block by

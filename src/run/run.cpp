@@ -8,15 +8,12 @@ const char* words(Refusal why) {
   switch (why) {
     case Refusal::algebraic_rows: return "the equations of massless contact nodes without viscosity are algebraic";
     case Refusal::viscosity: return "it conserves what viscosity dissipates";
-    case Refusal::restitution: return "it conserves what a restitution below 1 dissipates";
     case Refusal::span: return "it takes contacts at the ends only";
     case Refusal::end_springs: return "it takes ends without a spring";
     case Refusal::rigid_contacts: return "it needs a positive epsilon";
     case Refusal::many_unknowns: return "its matrices are dense, and the unknown nodes are too many";
     case Refusal::many_steps: return "it would make too many steps";
     case Refusal::directions: return "it has no derivatives; cvode, ida, arkode and rigid have";
-    case Refusal::no_step: return "the size of its steps is not given";
-    case Refusal::unstable_step: return "its steps are too long to be stable";
   }
   return "";
 }

@@ -51,20 +51,10 @@ TEST_F(Shell, BashCompletesKeysChoicesAndFiles) {
   EXPECT_EQ(completed("limit scene.toml --mass red"), Words{"redistributed"});
   EXPECT_EQ(completed("compare scene.toml --methods rigid,fu"), Words{"rigid,fully_discrete"});
   EXPECT_EQ(completed("list me"), Words{"methods"});
-  EXPECT_EQ(completed("export out --format n"), Words{"npy"});
+  EXPECT_EQ(completed("export out --format x"), Words{"xdmf"});
   EXPECT_EQ(completed("check s"), Words{"scene.toml"});
   EXPECT_EQ(completed("check n"), Words{});  // notes.txt is no scene
   EXPECT_EQ(completed("info f"), Words{"folder"});
-}
-
-TEST_F(Shell, ZshTakesItsCompletion) {
-  if (run("zsh -fc true 2>/dev/null") != 0) GTEST_SKIP() << "zsh is not installed";
-  std::ofstream(directory_ / "_viscobar") << viscobar("completion zsh").out;
-  EXPECT_EQ(run("zsh -n _viscobar"), 0);
-  EXPECT_EQ(
-      run("zsh -fc 'fpath=($PWD $fpath); autoload -Uz compinit; compinit -u -D; print $_comps[viscobar]' >name.txt"),
-      0);
-  EXPECT_EQ(read_text(directory_ / "name.txt"), "_viscobar\n");
 }
 
 TEST_F(Shell, ManPageNamesEveryCommandOptionAndKey) {

@@ -55,10 +55,6 @@ TEST(EndKeys, ThatDoNotGoWithTheRestAreRefusedWithWhatToUse) {
   expect_mistake(scene(mounted, "[method]\nname = \"characteristics\"\n"), "left.stiffness", "use rigid");
   expect_mistake(scene("[left]\nkind = \"obstacle\"\ngap = \"0.1+t\"\n[span]\ngap = 1"), "left.gap",
                  "leave [span] out");
-  expect_mistake(scene(mounted + "dashpot = 1",
-                       "[contact]\nepsilon = 1e-3\n[method]\nname = \"odeint\"\nstepper = "
-                       "\"symplectic\"\nstep = 1e-4\n"),
-                 "method.stepper", "dashpot");
   // Left to choose, the program takes what fits.
   const Case chosen = parse_scene(scene(mounted), "").run;
   EXPECT_EQ(chosen.method, MethodName::rigid);

@@ -39,7 +39,7 @@ template <class Method>
 struct Adaptive : testing::Test {};
 template <Stepper chosen>
 struct OdeintBy : Odeint {
-  OdeintBy(const Penalty& given = {}, const Tolerance& wanted = {}) : Odeint{given, wanted, chosen, {}} {}
+  OdeintBy(const Penalty& given = {}, const Tolerance& wanted = {}) : Odeint{given, wanted, chosen} {}
 };
 using Methods = testing::Types<Cvode, Ida, Arkode, OdeintBy<Stepper::dopri5>, OdeintBy<Stepper::rosenbrock4>>;
 TYPED_TEST_SUITE(Adaptive, Methods);

@@ -49,7 +49,7 @@ endif()
 
 run(content dpkg-deb -c ${package})
 foreach(file usr/bin/viscobar usr/share/man/man1/viscobar.1 usr/share/bash-completion/completions/viscobar
-             usr/share/zsh/vendor-completions/_viscobar usr/share/doc/viscobar/copyright
+             usr/share/doc/viscobar/copyright
              usr/share/doc/viscobar/examples/scenes/chatter.toml)
   if(NOT content MATCHES " \\./${file}")
     message(FATAL_ERROR "the package lacks ${file}\n${content}")

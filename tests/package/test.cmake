@@ -11,7 +11,7 @@ endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/prefix)
 run(${WORK_DIR}/prefix/bin/viscobar --version)
-foreach(file man/man1/viscobar.1 bash-completion/completions/viscobar zsh/site-functions/_viscobar)
+foreach(file man/man1/viscobar.1 bash-completion/completions/viscobar)
   if(NOT EXISTS ${WORK_DIR}/prefix/share/${file})
     message(FATAL_ERROR "share/${file} is not installed")
   endif()

@@ -55,7 +55,7 @@ struct Case {
   Tolerance tolerance;                      ///< of adaptive methods
   Formulas formulas = Formulas::automatic;  ///< of cvode
   Stepper stepper = Stepper::automatic;     ///< of odeint
-  std::optional<double> step;               ///< dt of schemes, absent: scheme_step(); odeint's symplectic needs it
+  std::optional<double> step;               ///< dt of schemes, absent: scheme_step()
   Start start = Start::first_order;         ///< of the schemes
   Impact impact = Impact::paoli_schatzman;  ///< of the schemes
 

@@ -104,8 +104,7 @@ struct Arkode {
 enum class Stepper {
   automatic,
   rosenbrock4,  ///< linearly implicit, order 4, dense matrices: few nodes
-  dopri5,       ///< explicit, order 5
-  symplectic    ///< explicit, order 4, fixed step; no viscosity, no dashpot
+  dopri5        ///< explicit, order 5
 };
 std::string_view name(Stepper stepper);  ///< in a scene file
 
@@ -117,13 +116,12 @@ struct Odeint {
   Penalty penalty;                       ///< of the contacts
   Tolerance tolerance;                   ///< of the solution
   Stepper stepper = Stepper::automatic;  ///< which
-  std::optional<double> step;            ///< of symplectic, which needs it and has no use for the tolerance
 };
 
 /// The stepper and the number of steps that Odeint would take for a system and a given time.
 struct OdeintPlan {
   Stepper stepper = Stepper::dopri5;  ///< never automatic
-  double least_steps = 0.0;           ///< that stability, or the fixed step, requires
+  double least_steps = 0.0;           ///< that stability requires
   double longest_step = 0.0;          ///< at which no mode of the mesh grows; 0: of no matter
   std::optional<Refusal> refusal;     ///< why the method does not fit
 };

@@ -256,15 +256,12 @@ struct Observers {
 enum class Refusal {
   algebraic_rows,  ///< massless contact nodes without viscosity have algebraic equations
   viscosity,       ///< the method conserves energy
-  restitution,     ///< likewise, and a dashpot takes some
   span,            ///< it takes contacts at the ends only
   end_springs,     ///< it takes ends without springs
   rigid_contacts,  ///< it penalises, and epsilon is not positive
   many_unknowns,   ///< for its dense matrices
   many_steps,      ///< that it would make
-  directions,      ///< it has no derivatives
-  no_step,         ///< its steps are of a fixed size, which is not given
-  unstable_step    ///< that size is too large
+  directions       ///< it has no derivatives
 };
 
 /// A method that does not take a system.

@@ -4,7 +4,7 @@
 namespace viscobar {
 
 std::string_view name(Stepper stepper) {
-  constexpr std::string_view names[] = {"automatic", "rosenbrock4", "dopri5", "symplectic"};
+  constexpr std::string_view names[] = {"automatic", "rosenbrock4", "dopri5"};
   return names[static_cast<std::size_t>(stepper)];
 }
 
@@ -62,35 +62,6 @@ Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
           decay + contact_decay};
 }
 
-// The largest h omega at which the symplectic formulas keep an oscillation bounded: their matrix on (q, p), of
-// determinant 1, has its eigenvalues on the unit circle as long as |trace| <= 2.
-double symplectic_stability() {
-  const Symplectic::Formulas formulas;
-  const auto bounded = [&](double x) {
-    double trace = 0.0;
-    for (const bool first : {true, false}) {
-      double q = first ? 1.0 : 0.0, p = first ? 0.0 : 1.0;
-      for (std::size_t l = 0; l < formulas.coef_a().size(); ++l) {
-        q += formulas.coef_a()[l] * x * p;
-        p -= formulas.coef_b()[l] * x * q;
-      }
-      trace += first ? q : p;
-    }
-    return std::abs(trace) <= 2.0;
-  };
-  double x = 0.01;
-  while (bounded(x + 0.01)) x += 0.01;
-  return x;
-}
-
-std::optional<Refusal> symplectic_refusal(const BarSystem& system, const Odeint& method, double longest_step) {
-  if (system.damped() || system.has_dashpots()) return Refusal::viscosity;
-  if (!system.contacts().empty() && method.penalty.restitution < 1.0) return Refusal::restitution;
-  if (!method.step) return Refusal::no_step;
-  if (*method.step > longest_step) return Refusal::unstable_step;
-  return std::nullopt;
-}
-
 }  // namespace
 
 OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method) {
@@ -105,10 +76,6 @@ OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method) 
   }
   if (system.has_massless() && !system.damped()) {
     plan.refusal = Refusal::algebraic_rows;
-  } else if (plan.stepper == Stepper::symplectic) {
-    plan.longest_step = symplectic_stability() / bound.frequency;
-    plan.refusal = symplectic_refusal(system, method, plan.longest_step);
-    if (method.step) plan.least_steps = duration / *method.step;
   } else if (plan.stepper == Stepper::dopri5) {
     plan.least_steps = explicit_steps;
     if (bound.open * system.bar().viscosity < 2.0 * damped * system.bar().modulus)
