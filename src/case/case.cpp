@@ -106,7 +106,7 @@ double scheme_step(const Case& run) {
 }
 
 Odeint odeint(const Case& run) {
-  return {{effective_epsilon(run), run.restitution.value_or(1.0)}, run.tolerance, run.stepper, run.step};
+  return {{effective_epsilon(run), run.restitution.value_or(1.0)}, run.tolerance, run.stepper};
 }
 
 AutomaticMethod automatic_method(const Case& run) {
