@@ -38,6 +38,12 @@ class Findings {
       return std::find(wrong_.begin(), wrong_.end(), key) != wrong_.end();
     });
   }
+  /// Of all keys of tables, those of `initial` such as `initial.velocity`.
+  bool sound_tables(std::initializer_list<std::string_view> tables) const {
+    return std::none_of(wrong_.begin(), wrong_.end(), [&](std::string_view key) {
+      return std::find(tables.begin(), tables.end(), key.substr(0, key.find('.'))) != tables.end();
+    });
+  }
 
   std::vector<Finding> take() { return std::move(found_); }
 

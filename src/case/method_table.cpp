@@ -38,14 +38,8 @@ double rigid_vectors(const Case& run, double) {
 
 // What its steppers cannot take follows from the whole system.
 void refuse_odeint(const Case& run, Findings& findings) {
-  if (!findings.sound({"bar.length",           "bar.density",         "bar.modulus",
-                       "bar.viscosity",        "left.kind",           "left.gap",
-                       "right.kind",           "right.gap",           "left.stiffness",
-                       "left.dashpot",         "left.motion",         "right.stiffness",
-                       "right.dashpot",        "right.motion",        "span.gap",
-                       "initial.displacement", "initial.velocity",    "time.end",
-                       "mesh.elements",        "mesh.grading",        "mesh.mass",
-                       "contact.epsilon",      "contact.restitution", "method.stepper"}))
+  if (!findings.sound_tables({"bar", "left", "right", "span", "initial", "time", "mesh", "contact"}) ||
+      !findings.sound({"method.stepper"}))
     return;
   const BarSystem system = make_system(run);
   const OdeintPlan what = plan(system, run.end, odeint(run));

@@ -67,7 +67,7 @@ TEST(SoftSpring, HasTheImpulseOfItsForceWhateverTheMeshMakesOfErrors) {
   };
   const double exact = impulse(Exponential{Penalty{epsilon}});
   const Tolerance asked{tolerance};
-  EXPECT_NEAR(impulse(Odeint{Penalty{epsilon}, asked, Stepper::dopri5, {}}), exact, 10 * tolerance * exact);
+  EXPECT_NEAR(impulse(Odeint{Penalty{epsilon}, asked, Stepper::dopri5}), exact, 10 * tolerance * exact);
   EXPECT_NEAR(impulse(Cvode{Penalty{epsilon}, asked}), exact, 10 * tolerance * exact);
   EXPECT_NEAR(impulse(Ida{Penalty{epsilon}, asked}), exact, 10 * tolerance * exact);
   EXPECT_NEAR(impulse(Arkode{Penalty{epsilon}, asked}), exact, 10 * tolerance * exact);
@@ -85,7 +85,7 @@ TEST(Odeint, DigitsOfRosenbrock4DoNotDependOnTheUnitOfDisplacement) {
       scene.velocity = [unit](double x) { return -0.3 * unit * (1.0 + 0.1 * x); };
       scene.load = SteadyLoad{[unit](double x) { return -0.7 * unit * x; }};
       return viscobar::record(BarSystem(scene, {1.3, 9}, mass), uniform_times(0.1, 15),
-                              Odeint{{1e-4}, {1e-7}, Stepper::rosenbrock4, {}});
+                              Odeint{{1e-4}, {1e-7}, Stepper::rosenbrock4});
     };
     const RunTrace one = run(1.0);
     EXPECT_GT(one.events.size(), 0u);
