@@ -130,9 +130,7 @@ py::tuple precision_study(const PythonCase& self, const std::vector<std::string>
   study.repeat = repeat;
   study.seconds = seconds;
   study.threads = threads;
-  study.progress = [&](const std::string&) {
-    if (stop) throw Interrupted();
-  };
+  study.stop = [&] { return stop.load(); };
   std::string json, page;
   hearing_signals(*self.faults, stop, [&] {
     const PrecisionResult result = precision_of(study);
@@ -348,7 +346,13 @@ void bind_studies(py::module_& m) {
   m.def("natural_penalties", [](const PythonCase& self) { return natural_penalties(self.scene.run.scene); });
   m.def("decades", &decades);
   m.def("precision", &precision_study);
-  m.def("check", [](const PythonCase& self) { return check_json(self.scene, check_scene(self.scene.run)); });
+  m.def("check", [](const PythonCase& self) {
+    std::atomic<bool> stop{false};
+    std::string json;
+    hearing_signals(*self.faults, stop,
+                    [&] { json = check_json(check_scene(self.scene, [&] { return stop.load(); })); });
+    return json;
+  });
   m.def("refined", &refined);
   m.def("record", &record_case);
   m.def("orders", &observed_orders);

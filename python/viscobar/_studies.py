@@ -228,7 +228,7 @@ def limit(
     threads      runs at a time; 0: one a core
 
     Rows have epsilon, elements, mass, events, max_penetration, difference_to_scheme, difference_to_rigid. `.verdict` is
-    converges, plateau or undecided, `.summary` has reason and orders. Ctrl-C ends it after the runs at hand.
+    converges, plateau or undecided, `.summary` has reason and orders. Ctrl-C ends it within the step at hand.
     """
     changes = {**(set or {})}
     if mass is not None:
@@ -274,8 +274,7 @@ def precision(
     set         values in place of the scene's, as in viscobar.run()
     threads     references at a time; 0: one a core. Timed runs run alone.
 
-    Rows have method, label, error, seconds, steps; `.summary` has the reference and how good it is. Ctrl-C ends it after the
-    runs at hand.
+    Rows have method, label, error, seconds, steps; `.summary` has the reference and how good it is. Ctrl-C ends it within the step at hand.
     """
     methods = _listed(methods)
     _check_methods(methods)
@@ -372,7 +371,7 @@ def fit(
     runs        of the model at most, for each start
     set         values in place of the scene's, as in viscobar.run()
 
-    The scene must have formulas, not Python functions. Ctrl-C ends it after the run at hand.
+    The scene must have formulas, not Python functions. Ctrl-C ends it within the step at hand.
     """
     text = Scene.toml(as_scene(scene, None, set))
     parameters = _listed(parameters)

@@ -102,7 +102,7 @@ std::vector<ContactRegime> contact_regimes(const Case& run, const BarSystem& sys
 namespace {
 
 /// What that run meets; absent where it fails, or takes more steps.
-std::optional<Foresight> foreseen_by(const Case& trial, double most_steps) {
+std::optional<Foresight> foreseen_by(const Case& trial, double most_steps, const std::function<bool()>& stop) {
   const Scene& scene = trial.scene;
   const std::size_t places = end_obstacles(scene) + std::size_t{scene.span.has_value()};
   Foresight found;
@@ -135,7 +135,7 @@ std::optional<Foresight> foreseen_by(const Case& trial, double most_steps) {
   observers.progress = [&](double time) {
     const bool met = impacts.size() == places;
     const bool heard = found.chatters.value_or(true) || (met && time > impacts.back().time + way_and_back);
-    return (met && heard) || ++steps > most_steps ? RunControl::stop : RunControl::go_on;
+    return (met && heard) || ++steps > most_steps || (stop && stop()) ? RunControl::stop : RunControl::go_on;
   };
   if (impacts.size() == places && !found.chatters) return found;
   try {
@@ -148,7 +148,7 @@ std::optional<Foresight> foreseen_by(const Case& trial, double most_steps) {
 
 }  // namespace
 
-std::optional<Foresight> foresee(const Case& run) {
+std::optional<Foresight> foresee(const Case& run, const std::function<bool()>& stop) {
   if (!meets_obstacle(run.scene)) return Foresight{};
   Case trial = run;
   trial.output_every = run.end;
@@ -157,13 +157,13 @@ std::optional<Foresight> foresee(const Case& run) {
   // Waves tell it exactly, where they are what is asked for.
   const bool exact = run.method == MethodName::characteristics;
   if (exact || !is_scheme(run.method))
-    if (auto found = foreseen_by(trial, exact ? 1e300 : 3e6 / elements)) return found;
+    if (auto found = foreseen_by(trial, exact ? 1e300 : 3e6 / elements, stop)) return found;
   trial.method = MethodName::fully_discrete;
   trial.step =
       std::min(run.mesh().spacing() / std::sqrt(run.scene.bar.modulus / run.scene.bar.density), run.end / 500.0);
   constexpr double most_nodal_steps = 1e8;
   if (run.end / *trial.step * elements > most_nodal_steps) return std::nullopt;
-  return foreseen_by(trial, 1e300);
+  return foreseen_by(trial, 1e300, stop);
 }
 
 std::string contact_law(const Case& run) {

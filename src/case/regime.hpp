@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -83,8 +84,8 @@ struct Foresight {
 
 /// By the run's own method, as long as that takes no more than 3 10^6 nodal steps; else by the fully discrete scheme
 /// with a step in which a wave crosses an element (or the end / 500), which says nothing of chatter. Absent when that
-/// were more than 10^8 nodal steps.
-std::optional<Foresight> foresee(const Case& run);
+/// were more than 10^8 nodal steps. `stop`, which may be empty, ends it early.
+std::optional<Foresight> foresee(const Case& run, const std::function<bool()>& stop = {});
 
 /// The law of contact that a penalised run has, in words: whether its nodes are thrown back. Two laws are two motions,
 /// and an estimate of the error is of one.

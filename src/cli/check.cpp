@@ -59,7 +59,8 @@ std::string model_text(const Case& run, const BarSystem& system) {
              system.has_massless() ? ", massless contact nodes" : "");
 }
 
-std::string check_text(const Case& run, const SceneCheck& check) {
+std::string check_text(const SceneCheck& check) {
+  const Case& run = check.scene.run;
   const BarSystem& system = check.system;
   const Scene& scene = run.scene;
   const Mesh& mesh = system.mesh();
@@ -84,6 +85,7 @@ std::string check_text(const Case& run, const SceneCheck& check) {
                                            ? ""
                                            : fmt::format(" on {} elements; runs on {} take longer than a check",
                                                          check.error_elements, run.elements)));
+    for (std::size_t i = 1; check.scene.accuracy && i < rows.size(); ++i) text += row(rows[i].first, rows[i].second);
   }
   if (!check.no_error.empty()) text += row("error, estimated", "there is no estimate: " + check.no_error);
   for (const ContactRegime& regime : check.regimes)
@@ -96,13 +98,12 @@ std::string check_text(const Case& run, const SceneCheck& check) {
 Action check_command(CLI::App& command) {
   return [scene_options = std::make_shared<SceneOptions>(command)] {
     const SceneFile scene = scene_options->read();
-    const SceneCheck check = check_scene(scene.run);
+    const SceneCheck check = check_scene(scene);
     if (scene_options->json) {
-      print(check_json(scene, check));
+      print(check_json(check));
       return success;
     }
-    print(fmt::format("{}: sound\n{}", heading(scene.run.scene.title, scene_options->file),
-                      check_text(scene.run, check)));
+    print(fmt::format("{}: sound\n{}", heading(scene.run.scene.title, scene_options->file), check_text(check)));
     for (const std::string& caution : check.warnings) warn(caution);
     return success;
   };

@@ -7,6 +7,7 @@
 
 #include "case/chatter.hpp"
 #include "dynamics/natural_scales.hpp"
+#include "input/described_scene.hpp"
 #include "report/scene_ends.hpp"
 #include "results/json.hpp"
 #include "results/summary.hpp"
@@ -163,23 +164,29 @@ Json to_json(const ContactRegime& regime) {
 
 }  // namespace
 
-SceneCheck check_scene(const Case& run) {
-  SceneCheck check{make_system(run), foresee(run), {}, memory_need(run), {}, 0, {}, {}};
+SceneCheck check_scene(const SceneFile& scene, const std::function<bool()>& stop) {
+  constexpr double patience = 0.5;  // seconds
+  Case settled = scene.run;
+  accuracy::QuickEstimate forecast = scene.accuracy ? accuracy::forecast(settled, *scene.accuracy, patience, stop)
+                                                    : accuracy::forecast(scene.run, patience, stop);
+  const bool chosen = scene.accuracy && forecast.estimate;
+  const SceneFile as_run = chosen ? with_settings(scene, settled) : scene;
+  const Case& run = as_run.run;
+  SceneCheck check{as_run, make_system(run), foresee(run, stop), {}, memory_need(run), {}, 0, {}, {}};
   check.regimes = contact_regimes(run, check.system);
   for (ContactRegime& regime : check.regimes) predict(regime, check.foreseen, run, check.system);
-  constexpr double patience = 0.5;  // seconds
-  accuracy::QuickEstimate forecast = accuracy::forecast(run, patience);
   check.error = std::move(forecast.estimate);
   check.error_elements = forecast.elements;
   check.no_error = std::move(forecast.why_not);
   check.warnings = warnings_of(run, check.system, check.regimes, check.foreseen);
+  if (check.error && !check.error->doubt.empty()) check.warnings.push_back("error: " + check.error->doubt);
   if (check.foreseen && check.foreseen->chatters == false)
     for (ContactRegime& regime : check.regimes) regime.chatters = false;
   return check;
 }
 
-std::string check_json(const SceneFile& scene, const SceneCheck& check) {
-  const Case& run = scene.run;
+std::string check_json(const SceneCheck& check) {
+  const Case& run = check.scene.run;
   const BarSystem& system = check.system;
   Json json;
   json["title"] = run.scene.title;
@@ -216,8 +223,8 @@ std::string check_json(const SceneFile& scene, const SceneCheck& check) {
   json["error_estimate"] = check.error ? to_json(*check.error) : Json(nullptr);
   if (check.error) json["error_estimate"]["elements"] = check.error_elements;
   json["warnings"] = check.warnings;
-  json["scene"] = Json::parse(scene.complete());
-  json["chosen"] = Json::parse(scene.chosen);
+  json["scene"] = Json::parse(check.scene.complete());
+  json["chosen"] = Json::parse(check.scene.chosen);
   return json_text(json);
 }
 

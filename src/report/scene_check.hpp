@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,6 +16,7 @@ namespace viscobar {
 
 /// What `viscobar check` knows of a sound scene before it runs.
 struct SceneCheck {
+  SceneFile scene;                     ///< with the settings that [accuracy] leads to
   BarSystem system;                    ///< with the terms that the scene has
   std::optional<Foresight> foreseen;   ///< absent where the scene is large
   std::vector<ContactRegime> regimes;  ///< of the contacts of a penalised method
@@ -25,10 +27,11 @@ struct SceneCheck {
   std::vector<std::string> warnings;   ///< what to change, in sentences
 };
 
-SceneCheck check_scene(const Case& run);
+/// `stop` ends runs that are made for the check; may be empty.
+SceneCheck check_scene(const SceneFile& scene, const std::function<bool()>& stop = {});
 
 /// The output of `viscobar check` as JSON.
-std::string check_json(const SceneFile& scene, const SceneCheck& check);
+std::string check_json(const SceneCheck& check);
 
 /// In words.
 std::string_view name(ImpactPrediction::Layer layer);

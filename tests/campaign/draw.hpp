@@ -18,6 +18,11 @@ class Draw {
     return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
   }
   double decades(double low, double high) { return std::pow(10.0, between(std::log10(low), std::log10(high))); }
+  double normal() {  // of the sum of twelve
+    double sum = -6.0;
+    for (int k = 0; k < 12; ++k) sum += between(0.0, 1.0);
+    return sum;
+  }
   bool chance(double p) { return between(0.0, 1.0) < p; }
   template <class T>
   T one_of(std::initializer_list<T> values) {

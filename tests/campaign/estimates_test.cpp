@@ -55,7 +55,7 @@ TEST(Estimates, OfCheckAndRunAreOneNumberAtAnyOutputInterval) {
     std::vector<double> told;
     for (const double every : {0.06, 1.7, 0.0123}) {
       const SceneFile scene = parse_scene(fmt::format(fmt::runtime(thrown), viscosity, method, every, more), "scene");
-      const auto check = check_scene(scene.run).error;
+      const auto check = check_scene(scene).error;
       ASSERT_TRUE(check);
       told.push_back(check->total);
       const RunRecord record = record_with_estimate(scene, scratch.path() / "run");
@@ -65,6 +65,31 @@ TEST(Estimates, OfCheckAndRunAreOneNumberAtAnyOutputInterval) {
     // Waves are told to rounding, by differences of roundings.
     for (const double one : told) EXPECT_NEAR(one, told.front(), viscosity > 0.0 ? 0.0 : 1e-3 * told.front()) << method;
   }
+}
+
+TEST(Estimates, OfCheckAreThoseOfTheSettingsThatARequestLeadsTo) {
+  const Scratch scratch;
+  for (const char* error : {"1e-3", "1e-5", "\"0.01 %\""}) {
+    const SceneFile scene = parse_scene(
+        fmt::format("[bar]\nlength = 1.0\nviscosity = 0.2\n[left]\nkind = \"obstacle\"\ngap = 0.1\n[initial]\n"
+                    "velocity = -1.0\n[time]\nend = 2.0\n[accuracy]\nerror = {}\n",
+                    error),
+        "scene");
+    const SceneCheck check = check_scene(scene);
+    const RunRecord record = record_to_accuracy(scene, scratch.path() / "run", {});
+    ASSERT_TRUE(check.error && record.outcome.error_estimate && record.run) << check.no_error;
+    EXPECT_EQ(check.error->total, record.outcome.error_estimate->total);
+    EXPECT_EQ(check.scene.run.elements, record.run->elements);
+    EXPECT_EQ(check.error_elements, record.run->elements);
+  }
+  // A search that takes minutes is not made, and no number of other settings stands for it.
+  const SceneCheck check = check_scene(
+      parse_scene("[bar]\nlength = 1.0\nviscosity = 1e-3\n[left]\nkind = \"obstacle\"\ngap = 0.1\n[right]\nkind = "
+                  "\"obstacle\"\ngap = 0.1\n[initial]\nvelocity = -1.0\n[time]\nend = 200.0\n[accuracy]\nerror = 1e-8\n"
+                  "[method]\nname = \"cvode\"\n",
+                  "scene"));
+  EXPECT_FALSE(check.error);
+  EXPECT_NE(check.no_error.find("takes longer"), std::string::npos) << check.no_error;
 }
 
 // At rest on the wall, beside 16 times as many elements, from the impact to four h^2 rho / eta behind it. What the

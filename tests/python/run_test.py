@@ -275,6 +275,13 @@ class StopsTest(Test):
         fitted = thrown(time__end=400.0, mesh__elements=4000)
         late, _ = self.interrupted(0.5, lambda: viscobar.fit(fitted, ["bar.viscosity"], data={"t": t, "u_left": -np.cos(t)}))
         self.assertLess(late, 2.0)
+        # In its timed runs, and in a reference, which may take twenty times as long.
+        for after, end, seconds in ((0.5, 1e6, 60.0), (3.0, 400.0, 5.0)):
+            study = lambda: viscobar.precision(
+                long_scene(), methods=["rigid"], tolerances=[1e-2], set={"time.end": end}, seconds=seconds
+            )
+            late, _ = self.interrupted(after, study)
+            self.assertLess(late, 1.0)
         late, stopped = self.interrupted(0.6, lambda: viscobar.sweep(long_scene(), {"time.end": [2000.0, 1e6, 2e6]}))
         self.assertLess(late, 1.0)
         self.assertLess(len(stopped.rows), 3)

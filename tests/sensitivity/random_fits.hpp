@@ -21,11 +21,14 @@ struct RandomFit {
 RandomFit random_fit(std::uint64_t seed, std::size_t index);
 
 struct Judged {
-  bool found = false;      ///< S is no larger than where a fit from the truth ends
+  bool found = false;      ///< S is no larger than the least of plain searches from other starts
   bool converged = false;  ///< it says that it is to be relied on
   double excess = 0.0;     ///< S over that, in variances of the noise or of 1 % of the deviations
   std::size_t runs = 0;
 };
-Judged judge(const RandomFit& fit);
+
+/// Compares fit() with MINPACK's Levenberg-Marquardt from the truth and from so many starts within a factor of ten of
+/// it.
+Judged judge(const RandomFit& fit, std::size_t starts = 20);
 
 }  // namespace viscobar::random_fits

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "studies/accuracy/plan.hpp"
@@ -37,14 +38,39 @@ QuickEstimate quick_estimate(const Case& run, std::optional<Sample> solution, do
   return {std::nullopt, fmt::format("a run for it failed: {}", error.what()), run.elements};
 }
 
-QuickEstimate forecast(const Case& run, double seconds) {
-  QuickEstimate found = quick_estimate(run, std::nullopt, seconds);
+QuickEstimate forecast(const Case& run, double seconds, const std::function<bool()>& stop) {
+  QuickEstimate found = quick_estimate(run, std::nullopt, seconds, stop);
   if (found.estimate || run.elements < 4 * fewest) return found;
   Case coarser = run;
   coarser.elements = (run.elements + 3) / 4;
   if (!validate(coarser).empty()) return found;
-  QuickEstimate other = forecast(coarser, seconds);
+  QuickEstimate other = forecast(coarser, seconds, stop);
   return other.estimate ? other : found;
+}
+
+QuickEstimate forecast(Case& run, const AccuracyRequest& request, double seconds,
+                       const std::function<bool()>& stop) try {
+  using Clock = std::chrono::steady_clock;
+  AccuracyStudy study;
+  study.scene = run;
+  study.request = request;
+  study.stop = [end = Clock::now() + std::chrono::duration<double>(seconds), &stop] {
+    return Clock::now() > end || (stop && stop());
+  };
+  Plan plan(study);
+  QuickEstimate result;
+  do {
+    run = plan.next();
+    result.estimate = plan.judge();
+  } while (plan.again());
+  result.elements = run.elements;
+  return result;
+} catch (const Stopped&) {
+  return {std::nullopt, fmt::format("the search for the settings of [accuracy] takes longer than {:.2g} s", seconds),
+          run.elements};
+} catch (const std::exception& error) {
+  return {std::nullopt, fmt::format("the search for the settings of [accuracy] failed: {}", error.what()),
+          run.elements};
 }
 
 }  // namespace viscobar::accuracy

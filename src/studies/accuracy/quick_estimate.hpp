@@ -21,6 +21,10 @@ QuickEstimate quick_estimate(const Case& run, std::optional<Sample> solution, do
                              const std::function<bool()>& stop = {});
 
 /// The same before the run. Where that takes longer, the estimate of a mesh of a quarter as many elements, and so on.
-QuickEstimate forecast(const Case& run, double seconds);
+QuickEstimate forecast(const Case& run, double seconds, const std::function<bool()>& stop = {});
+
+/// The estimate of what a request leads to, whose settings `run` gets. There is none where the search takes longer.
+QuickEstimate forecast(Case& run, const AccuracyRequest& request, double seconds,
+                       const std::function<bool()>& stop = {});
 
 }  // namespace viscobar::accuracy

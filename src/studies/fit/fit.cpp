@@ -66,18 +66,38 @@ bool is_left(TraceColumn column) { return column <= TraceColumn::reaction_left; 
 // A number and, behind it, its derivatives by the parameters.
 using Traced = Eigen::VectorXd;
 double number(const Traced& traced) { return traced(0); }
+Traced product(const Traced& a, const Traced& b) {
+  Traced both = number(a) * b + number(b) * a;
+  both(0) = number(a) * number(b);
+  return both;
+}
+
+// How close a contact change is to t_k, from 0 at the samples beside it to 1.
+Traced closeness(const std::vector<double>& t, std::size_t k, std::span<const Event> changes, Eigen::Index size) {
+  Traced close = Traced::Zero(size);
+  for (const Event& at : changes) {
+    const bool earlier = at.time < t[k];
+    const double side = earlier ? t[k] - t[k > 0 ? k - 1 : 0] : t[std::min(k + 1, t.size() - 1)] - t[k];
+    const double away = std::abs(at.time - t[k]);
+    if (away >= side || 1.0 - away / side <= number(close)) continue;
+    close(0) = 1.0 - away / side;
+    for (Eigen::Index j = 1; j < size; ++j) close(j) = (earlier ? 1.0 : -1.0) * at.sensitivities[j - 1].time / side;
+  }
+  return close;
+}
 
 // A sample beside a contact change tells its time no better than the sampling does: it is compared with the nearest
-// value of the model from the sample before to the one behind.
+// value of the model from the sample before to the one behind, of less than that the farther off the change is, for S
+// is to be continuous.
 void compare_samples(const MeasuredTrace& trace, const std::vector<double>& t, const std::vector<Traced>& model,
                      std::span<const Event> changes, std::vector<Traced>& rows) {
   for (std::size_t k = 0; k < t.size(); ++k) {
     const double datum = trace.values[k];
     if (std::isnan(datum)) continue;
-    const std::size_t before = k > 0 ? k - 1 : 0, behind = std::min(k + 1, t.size() - 1);
     Traced row = model[k];
-    if (std::ranges::any_of(changes, [&](const Event& at) { return t[before] <= at.time && at.time <= t[behind]; })) {
-      const auto about = std::span(model).subspan(before, behind - before + 1);
+    if (const Traced close = closeness(t, k, changes, row.size()); number(close) > 0.0) {
+      const auto towards = [&](std::size_t other) { return Traced(row + product(close, model[other] - row)); };
+      const Traced about[] = {row, towards(k > 0 ? k - 1 : 0), towards(std::min(k + 1, t.size() - 1))};
       const auto [low, high] = std::ranges::minmax_element(about, {}, number);
       row = datum < number(*low) ? *low : datum > number(*high) ? *high : Traced::Unit(row.size(), 0) * datum;
     }
@@ -124,9 +144,7 @@ std::vector<Traced> impulses(Where where, const std::vector<double>& t, const st
       for (Eigen::Index j = 1; j < n; ++j) length(j) -= (closes ? 1.0 : -1.0) * change.sensitivities[j - 1].time;
     }
     length(0) = std::max(length(0), 0.0);
-    const Traced sum = share * (reaction[k - 1] + reaction[k]);
-    sums.push_back(sums.back() + sum * length(0) + number(sum) * length);
-    sums.back()(0) -= number(sum) * length(0);  // counted twice
+    sums.push_back(sums.back() + product(share * (reaction[k - 1] + reaction[k]), length));
   }
   return sums;
 }
@@ -216,6 +234,8 @@ constexpr double small_step = 1e-3, rounding_step = 1e-9;
 // A residual, in deviations: so small that no other minimum is of interest, and so large that the model is not the
 // data's.
 constexpr double small_residual = 0.01, large_residual = 3.0;
+// So many times as large or small as where it begins a parameter is looked for.
+constexpr double far_off = 10.0;
 // So large where it follows a curve.
 constexpr double curved_residual = 1.2;
 
@@ -254,11 +274,15 @@ class Search {
     }
   }
 
+  bool jumps() const {
+    return std::ranges::any_of(study_.traces, [](const MeasuredTrace& one) { return !is_displacement(one.column); });
+  }
+
   // Integrals of what jumps lead to the neighbourhood of a minimum, samples to the minimum.
-  Minimum minimum_from(Eigen::VectorXd start) {
-    if (std::ranges::any_of(study_.traces, [](const MeasuredTrace& trace) { return !is_displacement(trace.column); }))
-      if (const Minimum near = descend(start, Compared::integrals); near.misfit.sound) start = near.at;
-    return descend(start, Compared::samples);
+  Minimum minimum_from(Eigen::VectorXd start, Compared first, std::size_t most_runs) {
+    if (first == Compared::integrals && jumps())
+      if (const Minimum near = descend(start, Compared::integrals, most_runs); near.misfit.sound) start = near.at;
+    return descend(start, Compared::samples, most_runs);
   }
 
  private:
@@ -293,7 +317,7 @@ class Search {
     return std::clamp(to, parameter.low, parameter.high);
   }
 
-  Minimum descend(const Eigen::VectorXd& start, Compared compared) {
+  Minimum descend(const Eigen::VectorXd& start, Compared compared, std::size_t most_runs) {
     Minimum now{start, at(start, compared), 0, false, ""};
     const auto ended = [&now](std::string reason) {
       now.reason = std::move(reason);
@@ -307,7 +331,7 @@ class Search {
     double damping = 1e-3;
     bool differenced = study_.differences;
     const std::size_t first_run = runs;
-    while (runs - first_run < study_.most_runs) {
+    while (runs - first_run < most_runs) {
       const Eigen::MatrixXd& jacobian = now.misfit.jacobian;
       const Eigen::VectorXd gradient = jacobian.transpose() * now.misfit.residual;
       std::vector<Eigen::Index> free;
@@ -359,7 +383,7 @@ class Search {
       differenced = true;
       damping = 1e-3;
     }
-    return ended(fmt::format("{} runs were not enough", study_.most_runs));
+    return ended(fmt::format("{} runs were not enough", most_runs));
   }
 
   const FitStudy& study_;
@@ -399,6 +423,17 @@ bool is_explained(const FitStudy& study, const Misfit& misfit) {
   const Eigen::Index n = std::ssize(study.parameters);
   if (!misfit.sound) return false;
   return residual_of(misfit, n) <= small_residual || (!is_systematic(misfit.residual, n) && !is_large(study, misfit));
+}
+
+// A parameter that the data hardly know, far from where it begins, seldom is that of the best minimum.
+bool runs_away(const FitStudy& study, const Eigen::VectorXd& values, const Misfit& misfit) {
+  const Eigen::MatrixXd inverse = (misfit.jacobian.transpose() * misfit.jacobian).inverse();
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    const double start = study.parameters[k].start, ratio = std::abs(values(k) / start);
+    const bool known = misfit.variance(values.size()) * inverse(k, k) < values(k) * values(k);
+    if (start != 0.0 && !known && (ratio > far_off || ratio < 1.0 / far_off)) return true;
+  }
+  return false;
 }
 
 // Halton's points, which fill the bounds evenly.
@@ -596,12 +631,13 @@ void doubt(const FitStudy& study, const std::vector<Minimum>& found, const Minim
 
 constexpr std::size_t primes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
 
-// The i-th of values within a third of some.
-Eigen::VectorXd near_to(Eigen::VectorXd values, const FitStudy& study, std::size_t i) {
+// The i-th of values near some: within that part of them.
+Eigen::VectorXd near_to(Eigen::VectorXd values, double distance, const FitStudy& study, std::size_t i) {
   for (std::size_t k = 0; k < study.parameters.size(); ++k) {
     const FittedParameter& parameter = study.parameters[k];
     const double size = values(k) != 0.0 ? values(k) : 0.1 * parameter.start;
-    values(k) = std::clamp(values(k) + size * (2.0 * halton(i, primes[k]) - 1.0) / 3.0, parameter.low, parameter.high);
+    values(k) =
+        std::clamp(values(k) + size * (2.0 * halton(i, primes[k]) - 1.0) * distance, parameter.low, parameter.high);
   }
   return values;
 }
@@ -611,15 +647,16 @@ Eigen::VectorXd start_of(const FitStudy& study, std::size_t i, bool spread) {
   Eigen::VectorXd start(study.parameters.size());
   for (std::size_t k = 0; k < study.parameters.size(); ++k) {
     const auto& [key, given, low, high] = study.parameters[k];
-    // Up to twenty times as large or as small, and every other one between bounds that are near.
+    // Up to twice as far off as is looked for, and every other one between bounds that are near.
     const double size = given != 0.0 ? std::abs(given) : 1.0;
     const bool linear = spread || (i % 2 == 0 && high - low <= 1e3 * size);
     const double part = halton(spread ? i : (i + 1) / 2, primes[k]);
     const double sign = low < 0.0 && i % 4 < 2 ? -1.0 : 1.0;
     const double logarithmic = high - low <= 1e3 * size ? part : halton(i, primes[k]);
-    start(k) = linear ? low + (high - low) * part
-                      : std::clamp(std::copysign(1.0, given) * sign * size * std::pow(20.0, 2.0 * logarithmic - 1.0),
-                                   low, high);
+    start(k) =
+        linear ? low + (high - low) * part
+               : std::clamp(std::copysign(1.0, given) * sign * size * std::pow(2.0 * far_off, 2.0 * logarithmic - 1.0),
+                            low, high);
   }
   return start;
 }
@@ -633,40 +670,53 @@ FitResult fit(const FitStudy& study) {
   Search search(study);
   std::vector<Minimum> found;
   std::size_t best = 0;
-  const auto begin_at = [&](const Eigen::VectorXd& start) {
-    found.push_back(search.minimum_from(start));
+  const auto begin_at = [&](const Eigen::VectorXd& start, Compared first, std::size_t most) {
+    found.push_back(search.minimum_from(start, first, most));
     result.sums.push_back(found.back().misfit.sound ? found.back().misfit.sum()
                                                     : std::numeric_limits<double>::quiet_NaN());
     if (found.back().misfit.sum() < found[best].misfit.sum()) best = found.size() - 1;
-    return is_explained(study, found[best].misfit);
+    return is_explained(study, found[best].misfit) && !runs_away(study, found[best].at, found[best].misfit);
   };
   Eigen::VectorXd given(study.parameters.size());
   for (std::size_t k = 0; k < study.parameters.size(); ++k) given(k) = study.parameters[k].start;
-  bool explained = begin_at(given);
-  for (std::size_t i = 1; i < study.starts; ++i) explained = begin_at(start_of(study, i, true));
-  // Many runs without derivatives say where to begin again, while much is left to explain.
+  bool explained = begin_at(given, Compared::integrals, study.most_runs);
+  for (std::size_t i = 1; i < study.starts; ++i)
+    explained = begin_at(start_of(study, i, true), Compared::integrals, study.most_runs);
+  // Many runs without derivatives say where to begin again.
   const std::size_t tries = 24 * std::min<std::size_t>(study.parameters.size(), 4), most_runs = 8 * study.most_runs;
-  for (std::size_t round = 0; round < 3 && !explained; ++round) {
-    using Tried = std::vector<std::pair<double, Eigen::VectorXd>>;
-    Tried far, near;
-    for (std::size_t i = 1; i <= tries && search.runs < most_runs; ++i) {
-      const Eigen::VectorXd start = start_of(study, round * tries + i, false);
-      far.emplace_back(search.at(start, Compared::integrals, false).sum(), start);
+  // The best of them shows soon; it goes on below.
+  const std::size_t few_runs = (study.most_runs + 3) / 4;
+  std::size_t far = 0, near = 0;
+  const auto begin_among = [&](std::size_t count, std::size_t most, Compared compared, const auto& next) {
+    std::vector<std::pair<double, Eigen::VectorXd>> tried;
+    for (std::size_t i = 0; i < count && search.runs < most_runs; ++i) {
+      const Eigen::VectorXd start = next();
+      tried.emplace_back(search.at(start, compared, false).sum(), start);
     }
-    const auto begin_at_best_of = [&](Tried& tried) {
-      std::ranges::sort(tried, {}, &Tried::value_type::first);
-      for (std::size_t i = 0; i < std::min<std::size_t>(4, tried.size()) && !explained && search.runs < most_runs; ++i)
-        if (std::isfinite(tried[i].first)) explained = begin_at(tried[i].second);
-    };
-    begin_at_best_of(far);
-    // Jumps of velocities and reactions leave narrow valleys beside each other: from one of them to the next.
-    const Eigen::VectorXd centre = found[best].at;
-    for (std::size_t i = 1; i <= tries / 2 && !explained && search.runs < most_runs; ++i) {
-      const Eigen::VectorXd start = near_to(centre, study, round * tries / 2 + i);
-      near.emplace_back(search.at(start, Compared::samples, false).sum(), start);
+    std::ranges::sort(tried, {}, [](const auto& one) { return one.first; });
+    for (std::size_t i = 0; i < std::min(most, tried.size()) && search.runs < most_runs; ++i)
+      if (std::isfinite(tried[i].first)) explained = begin_at(tried[i].second, compared, few_runs);
+  };
+  // Jumps of velocities and reactions leave narrow valleys beside each other: from one of them to the next, as long as
+  // that leads down.
+  const auto begin_near = [&](std::size_t count) {
+    for (double least = INFINITY; found[best].misfit.sum() < least && search.runs < most_runs;) {
+      // A third of a standard deviation.
+      least = found[best].misfit.sum() - 0.1 * found[best].misfit.variance(given.size());
+      for (const double distance : {1.0 / 3.0, 0.1, 1.0 / 30.0, 0.01, 1.0 / 300.0}) {
+        const Eigen::VectorXd centre = found[best].at;
+        begin_among(count, 1, Compared::samples, [&] { return near_to(centre, distance, study, ++near); });
+      }
     }
-    begin_at_best_of(near);
+  };
+  for (std::size_t round = 0; round < 6 && !explained && search.runs < most_runs; ++round) {
+    begin_among(tries, 4, Compared::integrals, [&] { return start_of(study, ++far, false); });
+    if (search.jumps()) begin_near(tries / 8);
   }
+  if (explained && search.jumps() && residual_of(found[best].misfit, given.size()) > small_residual)
+    begin_near(tries / 12);
+  if (!found[best].converged && found.size() > study.starts)
+    explained = begin_at(found[best].at, Compared::samples, study.most_runs);
   const Minimum& minimum = found[best];
   if (!minimum.misfit.sound) throw std::invalid_argument("fit: no start gives a run: " + found.front().reason);
   result.runs = search.runs;

@@ -51,7 +51,7 @@ Continuous known(const std::string& what, double error, std::vector<Field> field
 
 }  // namespace
 
-Continuous refine(const Case& scene, std::span<const Mesh> meshes, double seconds) {
+Continuous refine(const Case& scene, std::span<const Mesh> meshes, const Patience& patience) {
   Continuous result;
   PrecisionReference reference;
   std::size_t elements = 0;
@@ -61,7 +61,7 @@ Continuous refine(const Case& scene, std::span<const Mesh> meshes, double second
   for (std::size_t doublings = 0; doublings <= least_doublings || !enough(); ++doublings, elements *= 2) {
     const Case run = on_mesh(scene, elements);
     try {
-      std::vector<Field> fields = fields_of(run, meshes, seconds);
+      std::vector<Field> fields = fields_of(run, meshes, patience);
       if (!result.fields.empty()) {
         difference = 0.0;
         for (std::size_t m = 0; m < meshes.size(); ++m)
@@ -102,7 +102,7 @@ Continuous closed_form(const KnownSolution& solution, const Case& scene, std::sp
   return known(solution.name, 0.0, std::move(fields));
 }
 
-Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, double seconds) {
+Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, const Patience& patience) {
   std::vector<Field> fields;
   double error = 0.0;
   for (const Mesh& mesh : meshes) {
@@ -110,7 +110,7 @@ Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, d
     run.method = MethodName::characteristics;
     run.elements = mesh.elements;
     Statistics done;
-    fields.push_back(field_of(run, mesh, seconds, &done));
+    fields.push_back(field_of(run, mesh, patience, &done));
     if (done.representation) error = std::max(error, done.representation->error);
   }
   return known(fmt::format("characteristics, which know the bar itself to {:.1e}", error), error, std::move(fields));

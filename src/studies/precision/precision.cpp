@@ -59,7 +59,7 @@ std::vector<Timed> timed_rows(const PrecisionStudy& study, const Case& scene, co
   throw std::invalid_argument(text);
 }
 
-void measure_errors(Timed& timed, const References& references) {
+void measure_errors(const PrecisionStudy& study, Timed& timed, const References& references) {
   PrecisionRow& row = timed.row;
   if (!row.failure.empty()) return;
   const Field* exact = references.exact(row.elements);
@@ -74,7 +74,7 @@ void measure_errors(Timed& timed, const References& references) {
     ++k;
   };
   try {
-    simulate(timed.run, make_system(timed.run), observers);
+    simulate_within({.stop = study.stop}, timed.run, make_system(timed.run), observers);
   } catch (const std::exception& failure) {
     row.failure = failure.what();
     row.error = row.time_error = std::nullopt;
@@ -107,7 +107,7 @@ PrecisionResult precision_of(const PrecisionStudy& study) {
   const References references(study, scene, meshes, rows);
   if (study.progress) study.progress("errors");
   parallel_for(
-      rows.size(), [&](std::size_t i) { measure_errors(rows[i], references); }, study.threads);
+      rows.size(), [&](std::size_t i) { measure_errors(study, rows[i], references); }, study.threads);
 
   for (Timed& timed : rows) {
     const bool same = !result.rows.empty() && result.rows.back().method == timed.row.method &&

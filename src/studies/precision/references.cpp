@@ -15,7 +15,7 @@ namespace viscobar::precision {
 namespace {
 
 // References may take this many times as long as a timed run: they are made once.
-constexpr double patience = 20.0;
+constexpr double longer = 20.0;
 
 /// The penalised problem a decade closer to its limit, and the limit: epsilon = 0 where the contact nodes are massless,
 /// epsilon / 100 where they have mass and epsilon = 0 is no system.
@@ -80,15 +80,15 @@ std::map<System, Fineness> problems_of(std::span<const Timed> rows, double secon
 
 References::References(const PrecisionStudy& study, const Case& scene, std::span<const Mesh> meshes,
                        std::span<const Timed> rows) {
-  const double seconds = patience * study.seconds;
-  const auto problems = problems_of(rows, seconds);
+  const Patience patience{longer * study.seconds, study.stop};
+  const auto problems = problems_of(rows, patience.seconds);
   const std::vector<std::pair<System, Fineness>> jobs(problems.begin(), problems.end());
   std::vector<SemiDiscrete> found(jobs.size());
   parallel_for(
       jobs.size() + 1,
       [&](std::size_t i) {
         if (i > 0) {
-          found[i - 1] = solve_in_time(scene, jobs[i - 1].first, jobs[i - 1].second, seconds);
+          found[i - 1] = solve_in_time(scene, jobs[i - 1].first, jobs[i - 1].second, patience);
           return;
         }
         Case exact = scene;
@@ -96,9 +96,9 @@ References::References(const PrecisionStudy& study, const Case& scene, std::span
         if (study.exact)
           continuous_ = closed_form(*study.exact, scene, meshes);
         else if (validate(exact).empty())
-          continuous_ = by_characteristics(scene, meshes, seconds);
+          continuous_ = by_characteristics(scene, meshes, patience);
         else
-          continuous_ = refine(scene, meshes, seconds);
+          continuous_ = refine(scene, meshes, patience);
       },
       study.threads);
   for (std::size_t i = 0; i < jobs.size(); ++i) solved_.emplace(jobs[i].first, std::move(found[i]));

@@ -9,13 +9,21 @@
 
 namespace viscobar::precision {
 
-Statistics simulate_within(double seconds, const Case& run, const BarSystem& system, Observers observers) {
+Statistics simulate_within(const Patience& patience, const Case& run, const BarSystem& system, Observers observers) {
   using Clock = std::chrono::steady_clock;
-  observers.progress = [started = Clock::now(), seconds](double) {
-    const double passed = std::chrono::duration<double>(Clock::now() - started).count();
-    return passed > seconds ? RunControl::stop : RunControl::go_on;
-  };
+  const auto started = Clock::now();
+  const bool bounded = std::isfinite(patience.seconds);
+  bool stopped = false;
+  observers.off_the_clock = bounded;  // nothing else here takes time
+  if (bounded || patience.stop)
+    observers.progress = [&](double) {
+      stopped = patience.stop && patience.stop();
+      return stopped || (bounded && std::chrono::duration<double>(Clock::now() - started).count() > patience.seconds)
+                 ? RunControl::stop
+                 : RunControl::go_on;
+    };
   const Statistics statistics = simulate(run, system, observers);
+  if (stopped) throw PrecisionStopped();
   if (!statistics.completed) throw TooLong();
   return statistics;
 }
@@ -32,7 +40,8 @@ void interpolate(const Mesh& from, std::span<const double> u, const Mesh& to, st
   }
 }
 
-std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, double seconds, Statistics* done) {
+std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, const Patience& patience,
+                             Statistics* done) {
   std::vector<Field> fields;
   for (const Mesh& mesh : meshes) fields.push_back({mesh, {}});
   Observers observers;
@@ -43,7 +52,7 @@ std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, doub
       interpolate(run.mesh(), now.u, field.mesh, std::span(field.u).subspan(begin));
     }
   };
-  const Statistics statistics = simulate_within(seconds, run, make_system(run), observers);
+  const Statistics statistics = simulate_within(patience, run, make_system(run), observers);
   if (done) *done = statistics;
   return fields;
 }
@@ -116,9 +125,9 @@ std::vector<Case> routes(const Case& scene, const System& system, const Fineness
 }
 
 /// The limit of a scheme from three steps, by the order that they show; its error by what the smallest step changed.
-SemiDiscrete limit_of_steps(const std::vector<Case>& runs, const Mesh& mesh, double seconds) {
+SemiDiscrete limit_of_steps(const std::vector<Case>& runs, const Mesh& mesh, const Patience& patience) {
   std::vector<Field> fields;
-  for (const Case& run : runs) fields.push_back(field_of(run, mesh, seconds));
+  for (const Case& run : runs) fields.push_back(field_of(run, mesh, patience));
   const double here = distance(fields[0], fields[1]), before = distance(fields[1], fields[2]);
   const double order = here > 0.0 ? std::clamp(std::log2(before / here), 1.0, 2.0) : 2.0;
   SemiDiscrete result;
@@ -142,7 +151,8 @@ System system_of(const Case& run) {
   return {run.elements, system.mass(), law, penalised ? effective_epsilon(run) : 0.0};
 }
 
-SemiDiscrete solve_in_time(const Case& scene, const System& system, const Fineness& fineness, double seconds) {
+SemiDiscrete solve_in_time(const Case& scene, const System& system, const Fineness& fineness,
+                           const Patience& patience) {
   SemiDiscrete result;
   if (system.law == System::Law::continuous) {
     result.problem = "the method has no mesh";
@@ -156,7 +166,7 @@ SemiDiscrete solve_in_time(const Case& scene, const System& system, const Finene
   };
   if (system.law == System::Law::impact) {
     try {
-      return limit_of_steps(runs, mesh, seconds);
+      return limit_of_steps(runs, mesh, patience);
     } catch (const std::exception& error) {
       fail(runs.front(), error);
       return result;
@@ -164,7 +174,7 @@ SemiDiscrete solve_in_time(const Case& scene, const System& system, const Finene
   }
   for (const Case& run : runs) {
     try {
-      Field field = field_of(run, mesh, seconds);
+      Field field = field_of(run, mesh, patience);
       if (result.field) {
         result.error = distance(*result.field, field);
         result.what += fmt::format(", checked by {}", described(run));

@@ -2,6 +2,8 @@
 
 #include <compare>
 #include <cstddef>
+#include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -27,19 +29,27 @@ class TooLong : public std::runtime_error {
   TooLong() : std::runtime_error("takes too long") {}
 };
 
-/// Runs the case as long as the clock allows. @throws TooLong, IntegrationError, std::invalid_argument
-Statistics simulate_within(double seconds, const Case& run, const BarSystem& system, Observers observers);
+/// How long a run may take, and who may stop it.
+struct Patience {
+  double seconds = std::numeric_limits<double>::infinity();
+  std::function<bool()> stop;  ///< asked after each step; may be empty
+};
+
+/// Runs the case as long as the clock allows. @throws TooLong, PrecisionStopped, IntegrationError,
+/// std::invalid_argument
+Statistics simulate_within(const Patience& patience, const Case& run, const BarSystem& system, Observers observers);
 
 /// P1 interpolation between meshes of one grading; exact at nodes that they share.
 void interpolate(const Mesh& from, std::span<const double> u, const Mesh& to, std::span<double> out);
 
 /// Runs the case and keeps its displacement on each of the meshes; `done`: what the run tells at its end. @throws
 /// TooLong, IntegrationError, std::invalid_argument
-std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, double seconds, Statistics* done = nullptr);
+std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, const Patience& patience,
+                             Statistics* done = nullptr);
 
 /// Of one mesh.
-inline Field field_of(const Case& run, const Mesh& mesh, double seconds, Statistics* done = nullptr) {
-  return std::move(fields_of(run, std::span(&mesh, 1), seconds, done).front());
+inline Field field_of(const Case& run, const Mesh& mesh, const Patience& patience, Statistics* done = nullptr) {
+  return std::move(fields_of(run, std::span(&mesh, 1), patience, done).front());
 }
 
 Field field_of(const SpaceTimeFunction& u, const Mesh& mesh, std::span<const double> times);
@@ -83,7 +93,7 @@ struct SemiDiscrete {
 struct Fineness {
   double tolerance = 1e-11, step = 0.0;
 };
-SemiDiscrete solve_in_time(const Case& scene, const System& system, const Fineness& fineness, double seconds);
+SemiDiscrete solve_in_time(const Case& scene, const System& system, const Fineness& fineness, const Patience& patience);
 
 /// The continuous problem, on each mesh.
 struct Continuous {
@@ -94,9 +104,9 @@ struct Continuous {
 
 /// By refinement of the mesh from the finest of `meshes` on: `rigid`, on the fourth-order mass where the mesh is
 /// uniform, else, under a span obstacle, the scheme, whose step is refined with the mesh.
-Continuous refine(const Case& scene, std::span<const Mesh> meshes, double seconds);
+Continuous refine(const Case& scene, std::span<const Mesh> meshes, const Patience& patience);
 Continuous closed_form(const KnownSolution& solution, const Case& scene, std::span<const Mesh> meshes);
 /// By characteristics, of a scene that they fit. @throws what the run does
-Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, double seconds);
+Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, const Patience& patience);
 
 }  // namespace viscobar::precision

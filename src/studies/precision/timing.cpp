@@ -30,14 +30,15 @@ void time_row(const PrecisionStudy& study, Timed& timed, Spent& spent) {
   Case run = timed.run;
   run.output_every = run.end;  // output times do not change the trajectory
   const BarSystem system = make_system(run);
-  const Statistics first = simulate_within(1.5 * study.seconds, run, system, {});
+  const Statistics first = simulate_within({1.5 * study.seconds, study.stop}, run, system, {});
   if (first.integration_seconds > study.seconds) throw TooLong();
   timed.row.steps = first.steps;
   timed.row.runs = runs_for(study, first.integration_seconds);
   std::vector<double> seconds;
   const auto begun = std::chrono::steady_clock::now();
   const std::clock_t used = std::clock();
-  for (std::size_t k = 0; k < timed.row.runs; ++k) seconds.push_back(simulate(run, system, {}).integration_seconds);
+  for (std::size_t k = 0; k < timed.row.runs; ++k)
+    seconds.push_back(simulate_within({.stop = study.stop}, run, system, {}).integration_seconds);
   spent.processor += static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC;
   spent.wall += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   timed.row.seconds = median(std::move(seconds));

@@ -39,7 +39,11 @@ struct PrecisionStudy {
   std::optional<KnownSolution> exact;  ///< absent: characteristics where they fit, else finer meshes
   std::size_t threads = 0;             ///< of references and errors; timed runs have the machine alone
   std::function<void(const std::string& what)> progress;  ///< what is being run; may be empty
+  std::function<bool()> stop;                             ///< asked after each step of each run; may be empty
 };
+
+/// `stop` said so.
+struct PrecisionStopped {};
 
 /// One method at one tolerance or step on one mesh.
 struct PrecisionRow {
@@ -108,7 +112,8 @@ struct PrecisionResult {
 };
 
 /// Runs the study: timed runs one by one, then references and errors on all cores. A run that fails is a row that says
-/// so. @throws std::invalid_argument when no method fits the scene, or one that was asked for does not
+/// so. @throws std::invalid_argument when no method fits the scene, or one that was asked for does not @throws
+/// PrecisionStopped
 PrecisionResult precision_of(const PrecisionStudy& study);
 
 }  // namespace viscobar
