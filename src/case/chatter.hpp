@@ -15,7 +15,7 @@ namespace viscobar {
 /// A bar that bounces stays in contact until a wave has been to its other end and back, for 2 L sqrt(rho / E). A
 /// contact that closes `closings` times within that time does not bounce with the bar: its node rebounds by itself, on
 /// the penalty spring or by the restitution of a scheme. A front that passes under a span obstacle closes each node
-/// once.
+/// once. A node that goes from one obstacle to another on its other side does not rebound by itself.
 class ChatterWatch {
  public:
   /// Closings within the time of a wave to the other end and back that make it chatter.
@@ -47,7 +47,9 @@ class ChatterWatch {
   };
 
   double window_;
-  std::vector<Burst> ends_, span_;  // by mesh node; of the ends and of the span obstacle, where there are any
+  bool between_ = false;            // two obstacles that hold a node from both sides
+  std::vector<Burst> ends_, span_;  // of the ends and of the span obstacle, where there are any: two for each mesh
+                                    // node, the second of closings upwards where there are obstacles on both sides
   bool told_ = false;
 };
 

@@ -51,6 +51,23 @@ TEST(ChatterWatch, HearsAContactThatClosesFasterThanAWaveCrossesTheBarAndBack) {
   EXPECT_FALSE(after(1000, 2.02 / 15)) << "a bar that bounces often, with time between";
 }
 
+// One lumped element without stiffness, whose right end is held: the left one is a mass of 1/2, and goes from stop to
+// stop some 20 times while no wave comes back.
+TEST(ChatterWatch, HearsNoneOfAMassBetweenTwoStops) {
+  for (const char* stops : {"[left]\nkind = \"obstacle\"\ngap = 0.1\n[span]\ngap = 0.1\nside = \"above\"\n",
+                            "[left]\nkind = \"obstacle\"\ngap = 0.1\nside = \"above\"\n[span]\ngap = 0.05\n",
+                            "[span]\ngap = 0.1\nside = \"both\"\n"}) {
+    const Heard heard = listen(
+        parse_scene(std::string(stops) + "[bar]\nlength = 1.0\nmodulus = 1e-12\n[right]\nkind = \"fixed\"\n[initial]\n"
+                                         "velocity = \"x-1\"\n[time]\nend = 8.0\n[mesh]\nelements = 1\nmass = "
+                                         "\"lumped\"\n[contact]\nepsilon = 1e-6\n[method]\nname = \"cvode\"\n",
+                    "scene")
+            .run);
+    EXPECT_GT(heard.changes, 64u) << stops;
+    EXPECT_TRUE(heard.warnings.empty()) << stops;
+  }
+}
+
 TEST(ChatterWatch, TellsARunOnce) {
   const BarSystem system = make_system(paper_throw(0.0));
   ChatterWatch watch(system);
