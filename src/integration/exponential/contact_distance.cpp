@@ -123,8 +123,8 @@ double ContactDistance::band(std::size_t c, const Largest& largest) const {
 }
 
 // A massless node's velocity is a difference of forces over its viscosity: what the roundings of a strain and of the
-// spring make of a displacement extrapolated by it over a step. A maximum good to more digits would take steps as short as the node's
-// relaxation.
+// spring make of a displacement extrapolated by it over a step. A maximum good to more digits would take steps as short
+// as the node's relaxation.
 double ContactDistance::slope_noise(std::size_t c, double tau, const Largest& largest) const {
   if (!system_.damped() || !massless(c)) return 0.0;
   const Bar& bar = system_.bar();
