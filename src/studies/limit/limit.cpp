@@ -229,7 +229,11 @@ std::optional<Judgement> by_beginning(MeshRuns& mesh, const LimitStudy& study, P
   if (!mesh.own_limit() || !mesh.scheme_limit() || mesh.scheme.empty()) return std::nullopt;
   double until = mesh.penalised.front().run.end;
   for (int k = 0; k < halvings; ++k) {
-    const Judgement found = judge_mesh(mesh, study, purse, until *= 0.5);
+    until *= 0.5;
+    Judgement found = judge_mesh(mesh, study, purse, until);
+    while (found.evidence.lack == Lack::smaller_step && mesh.scheme.back().seconds < mesh.own_limit()->run.seconds &&
+           smaller_step(mesh, study, scheme_refinement, purse))
+      found = judge_mesh(mesh, study, purse, until);
     const LimitEvidence& evidence = found.evidence;
     if (found.verdict == Verdict::plateau ? evidence.apart_error <= part_known * *evidence.apart
                                           : found.verdict == Verdict::converges && mesh.one_limit) {
@@ -252,6 +256,7 @@ void decide(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
     if (lack == Lack::nothing || lack == Lack::contact || lack == Lack::runs) break;
     const Run* next = lack == Lack::smaller_step && !mesh.scheme.empty() ? &mesh.scheme.back()
                       : lack == Lack::smaller_epsilon                    ? &mesh.penalised.back()
+                      : lack == Lack::tighter_tolerance                  ? &mesh.own_limit()->run
                                                                          : nullptr;
     const bool costly = (next && next->seconds > dear * study.budget) || mesh.penalised.size() >= asked + enough;
     if (early && (costly || !mesh.of_scheme)) {
