@@ -251,8 +251,8 @@ py::tuple observed_orders(const std::vector<PythonCase>& cases, const std::vecto
     rows.append(one);
   }
   py::dict orders;
-  const auto add = [&](const char* key, const std::optional<ObservedOrder>& order) {
-    if (order) orders[key] = py::make_tuple(order->order, order->standard_error);
+  const auto add = [&](const char* key, const std::optional<SequenceOrder>& order) {
+    orders[key] = order ? py::object(py::make_tuple(order->order, order->standard_error, order->bound)) : py::none();
   };
   add("displacement_l2", study.displacement_l2);
   add("end_trace", study.end_trace);

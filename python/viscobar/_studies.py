@@ -61,11 +61,13 @@ class Study(Table):
 class Orders(Table):
     """What viscobar.orders() returns: errors from the coarsest to the finest level.
 
-    order  mapping of columns to the observed power of h or dt, by least squares
+    order  mapping of columns to the observed power of h or dt; None where it is not settled
+    bound  how far it may be from the power for h or dt -> 0, likewise
     """
 
-    order: dict[str, float]
-    standard_error: dict[str, float]
+    order: dict[str, float | None]
+    standard_error: dict[str, float | None]
+    bound: dict[str, float | None]
 
 
 def _listed(names: Any) -> list[Any]:
@@ -98,7 +100,8 @@ def compare(
              scene. The first method that is built in is the reference.
     schemes  further schemes by the names that they get
     set      values in place of the scene's, as in viscobar.run()
-    levels   2 or more: also the observed order of each, by viscobar.orders() with `refine` and `exact`, as columns order_...
+    levels   3 or more: also the observed order of each, by viscobar.orders() with `refine` and `exact`, as columns order_...;
+             None where it is not settled
     refine, exact  see viscobar.orders()
     threads  runs at a time; 0: one a core
 
@@ -185,7 +188,8 @@ def orders(
             refine="step", each run is compared with the next finer one.
 
     Rows: elements, step, displacement_l2 and velocity_l2 (largest over time of the norm over the bar), end_trace (largest over
-    time and ends), reaction_l1 (over time). `.order` has the power of each column.
+    time and ends), reaction_l1 (over time). `.order` has the power of each column, None where three levels
+    or more do not settle to one, and `.bound` its bound.
     """
     if refine not in ("mesh", "step", "both"):
         raise ValueError(f'refine: "{refine}" is not mesh, step or both')
@@ -199,8 +203,9 @@ def orders(
         kept = [recorded(one, label_of(scheme), scheme) for one in cases]
     rows, observed = _core.orders(cases, kept, refine, dict(exact or {}))
     table = Orders(rows)
-    table.order = {key: order for key, (order, _) in observed.items()}
-    table.standard_error = {key: error for key, (_, error) in observed.items()}
+    table.order, table.standard_error, table.bound = (
+        {key: told[part] if told else None for key, told in observed.items()} for part in range(3)
+    )
     return table
 
 

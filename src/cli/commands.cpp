@@ -55,9 +55,13 @@ SceneOptions::SceneOptions(CLI::App& command) {
 SceneFile SceneOptions::parse(const std::vector<std::string>& settings, const Adaptation& adapt) const {
   std::vector<std::string> all = overrides;
   all.insert(all.end(), settings.begin(), settings.end());
-  if (file != "-") return read_scene(file, all, adapt);
+  return parse_scene(text(), file == "-" ? "standard input" : file, all, adapt);
+}
+
+std::string SceneOptions::text() const {
+  if (file != "-") return input_text(std::filesystem::path(file));
   static const std::string text = input_text(std::cin, "standard input");  // can be read once
-  return parse_scene(text, "standard input", all, adapt);
+  return text;
 }
 
 SceneFile SceneOptions::read(const std::vector<std::string>& settings, const Adaptation& adapt) const {

@@ -86,6 +86,8 @@ struct SceneOptions {
   /// The scene with the user's own values, then those of `settings` ("table.key=value"); `adapt` is applied before it
   /// is validated. Tells what was read.
   SceneFile read(const std::vector<std::string>& settings = {}, const Adaptation& adapt = {}) const;
+  /// Of the scene file, or of standard input.
+  std::string text() const;
   /// The same without a word, for a scene that is read again.
   SceneFile parse(const std::vector<std::string>& settings, const Adaptation& adapt = {}) const;
 };

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <limits>
 #include <optional>
 
@@ -15,6 +16,7 @@ struct LimitOptions : StudyOptions {
   using StudyOptions::StudyOptions;
   LimitStudy study;
   std::string epsilon, mass, elements, error;
+  CLI::Option* budget = nullptr;
   std::size_t per_decade = 1;
 };
 
@@ -38,6 +40,19 @@ std::vector<std::size_t> meshes_named(const std::string& text) {
 int study_limit(const LimitOptions& asked) {
   LimitStudy study = asked.study;
   study.elements = meshes_named(asked.elements);
+  std::optional<double> tolerance;
+  if (const auto before = limit_asked(asked.scene.text())) {
+    const auto open = [&](const char* key) {
+      return std::ranges::none_of(asked.scene.overrides, [&](const auto& set) { return set.starts_with(key); });
+    };
+    const bool same_meshes = study.elements.empty() && asked.error.empty() && open("mesh.elements");
+    study.epsilons = before->epsilons;
+    if (same_meshes) study.elements = before->elements;
+    if (same_meshes && study.steps.empty() && open("method.step")) study.steps = before->steps;
+    if (asked.budget->empty()) study.budget = before->budget;
+    if (open("method.relative_tolerance")) tolerance = before->scene.tolerance.relative;
+    study.derivatives |= before->derivatives;
+  }
   if (!asked.epsilon.empty()) study.epsilons = epsilons(asked.epsilon, asked.per_decade);
   std::vector<std::string> settings = finest_mesh(study.elements);
   if (!asked.mass.empty()) settings.push_back("mesh.mass=" + asked.mass);
@@ -46,6 +61,7 @@ int study_limit(const LimitOptions& asked) {
   SceneFile scene = asked.scene.read(settings, [&](Case& run) {
     if (study.epsilons.empty()) study.epsilons = natural_penalties(run.scene, asked.per_decade);
     run.epsilon = study.epsilons.front();
+    if (tolerance) run.tolerance = run.tolerance.with_relative(*tolerance);
     run.method = penalised_method(run);
   });
   study.scene = scene.run;
@@ -105,10 +121,10 @@ Action limit_command(CLI::App& command) {
   add_list(command, "--steps", "DT,DT...", study.steps,
            "Time steps of the scheme to start with, one for each mesh (default: the scene's, or h / (100 c))")
       ->check(positive_number);
-  add(command, "--budget", "SECONDS", study.budget,
-      "Processor seconds of all runs; the study goes on by itself until the verdict is known")
-      ->check(CLI::Range(0.0, 1e6))
-      ->capture_default_str();
+  asked->budget = add(command, "--budget", "SECONDS", study.budget,
+                      "Processor seconds of all runs; the study goes on by itself until the verdict is known")
+                      ->check(CLI::Range(0.0, 1e6))
+                      ->capture_default_str();
   asked->scene.takes_accuracy = true;
   add_error(command, asked->error, "Choose the elements so that the limit epsilon = 0 keeps this error of the mesh");
   command.add_flag("--derivatives", study.derivatives,

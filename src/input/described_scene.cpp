@@ -4,6 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "input/toml_text.hpp"
+#include "text/printable_text.hpp"
+
 namespace viscobar {
 
 namespace {
@@ -31,6 +34,19 @@ std::string scene_text(const std::string& description) {
     for (const auto& [key, entry] : value.items()) tables += line(key, entry);
   }
   return top + tables;
+}
+
+std::string told_scene(const std::string& text) {
+  if (const auto first = text.find_first_not_of(" \t\r\n"); first == std::string::npos || text[first] != '{')
+    return text;
+  try {
+    const Json summary = Json::parse(text);
+    if (summary.contains("scene") && summary["scene"].is_object()) return scene_text(summary["scene"].dump());
+  } catch (const Json::parse_error& error) {
+    throw TextError(position_in(text, error.byte),
+                    fmt::format("this is no TOML, and no JSON either: {}", error.what()));
+  }
+  throw TextError({}, "this is JSON without a scene: viscobar reads TOML, and the scene of its own summaries");
 }
 
 SceneFile described_scene(const std::string& description, const std::string& source) {

@@ -14,6 +14,10 @@ SceneFile parse_case(const std::string& text, const std::string& source, std::sp
 /// A scene file that says what SceneFile::description does.
 std::string scene_text(const std::string& description);
 
+/// The scene that a summary of viscobar tells (summary.json, limit.json, ...), as a scene file; other text as it is.
+/// TOML never begins with a brace. @throws TextError where the text begins with one and is no such summary
+std::string told_scene(const std::string& text);
+
 /// The scene whose SceneFile::description this is; `source` names it in diagnostics. @throws SceneError
 SceneFile described_scene(const std::string& description, const std::string& source);
 

@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "input/described_scene.hpp"
 #include "input/input_text.hpp"
 #include "input/scene_keys.hpp"
 #include "input/scene_values.hpp"
@@ -73,9 +74,11 @@ SceneEntries::SceneEntries(const std::string& text, const std::string& source, s
   if (readable_) fill_in();
 }
 
-void SceneEntries::add_text(const std::string& text) {
+void SceneEntries::add_text(const std::string& given) {
   TomlNode read;
+  std::string text = given;
   try {
+    text = told_scene(given);
     read = parse_toml(text);
   } catch (const TextError& error) {
     readable_ = false;

@@ -72,7 +72,7 @@ class SceneEntries {
 
   SceneEntries(const std::string& text, const std::string& source);
   static const SceneEntries& of_text(const std::string& text, const std::string& source);
-  void add_text(const std::string& text);
+  void add_text(const std::string& given);
   void add_override(const std::string& text);
   /// Of a table, which the text may have written otherwise.
   void add(const TomlNode& entry, const std::string& written, std::string_view table, const std::string& source);

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include <cmath>
+#include <array>
 
 #include "report/compare/compare_tables.hpp"
 #include "viscobar/report/reports.hpp"
@@ -19,26 +19,27 @@ std::string trial_text(const TrialResult& result) {
 std::string order_text(const OrderStudy& study) {
   Table table{
       {"elements", "step", "u, L2", "order", "end trace", "order", "v, L2", "order", "reaction, L1", "order"}, 0, {}};
-  const OrderStudy::Row* before = nullptr;
-  for (const OrderStudy::Row& row : study.rows) {
+  const std::array quantities = {&exact::Error::displacement_l2, &exact::Error::end_trace, &exact::Error::velocity_l2,
+                                 &exact::Error::reaction_l1};
+  for (std::size_t i = 0; i < study.rows.size(); ++i) {
+    const OrderStudy::Row& row = study.rows[i];
     std::vector<std::string> cells = {fmt::format("{}", row.elements), row.step ? plain_number(*row.step) : "-"};
-    for (const auto quantity : {&exact::Error::displacement_l2, &exact::Error::end_trace, &exact::Error::velocity_l2,
-                                &exact::Error::reaction_l1}) {
-      const double value = row.error.*quantity;
-      cells.push_back(plain_number(value));
-      cells.push_back(before && value > 0.0 ? fmt::format("{:.2f}", std::log2(before->error.*quantity / value)) : "-");
+    for (const auto quantity : quantities) {
+      const auto power = i > 0 ? study.errors(quantity).power(i - 1) : std::nullopt;
+      cells.push_back(plain_number(row.error.*quantity));
+      cells.push_back(power ? fmt::format("{:.2f}", *power) : "-");
     }
     table.rows.push_back(std::move(cells));
-    before = &row;
   }
   std::string out = text(table);
-  const auto fit = [&](const char* quantity, const std::optional<ObservedOrder>& order) {
-    if (order) out += fmt::format("  order of {}: {:.2f} +- {:.2f}\n", quantity, order->order, order->standard_error);
+  const auto tell = [&](const char* quantity, const std::optional<SequenceOrder>& order) {
+    out += fmt::format("  order of {}: {}\n", quantity,
+                       order ? fmt::format("{:.2f} +- {:.2f}", order->order, order->bound) : "not settled");
   };
-  fit("u in L2", study.displacement_l2);
-  fit("the end traces", study.end_trace);
-  fit("v in L2", study.velocity_l2);
-  fit("the reactions in L1", study.reaction_l1);
+  tell("u in L2", study.displacement_l2);
+  tell("the end traces", study.end_trace);
+  if (study.errors(&exact::Error::velocity_l2).last_told()) tell("v in L2", study.velocity_l2);
+  if (study.errors(&exact::Error::reaction_l1).last_told()) tell("the reactions in L1", study.reaction_l1);
   return out;
 }
 

@@ -83,6 +83,17 @@ TEST_F(Precision, TheTableNamesThePartsTheNormAndTheReference) {
   EXPECT_EQ(methods.size(), 7u);
 }
 
+TEST_F(Precision, AnOrderThatIsNotSettledIsNullAndToldSo) {
+  // Chatter: from mesh to mesh bounces come and go, and the undamped penalty has bounces that the limit has not.
+  const std::string study = "precision " + scene("chatter") + " --methods cvode --tolerance 1e-4:1e-5";
+  const Json result = viscobar(study + " --json").json();
+  EXPECT_TRUE(result["reference"]["order"].is_null()) << result["reference"];
+  EXPECT_TRUE(result["parts"][0]["penalty_order"].is_null()) << result["parts"];
+  EXPECT_GT(result["parts"][0]["penalty"].get<double>(), 0.0);
+  const std::string text = viscobar(study).out;
+  EXPECT_NE(text.find("its order in h is not settled"), std::string::npos) << text;
+}
+
 TEST_F(Precision, QuietPrintsNothing) {
   const Ended ended = viscobar("precision " + scene("unit-both-ends") + few_ + " --methods rigid --seconds 60 --quiet");
   EXPECT_EQ(ended.code, 0) << ended.error;

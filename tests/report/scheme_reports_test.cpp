@@ -43,10 +43,12 @@ TEST(ContactTable, AMissedContactDoesNotShiftTheRowsOfTheLaterOnes) {
 TEST(OrderText, GivesTheOrderBetweenTwoLevelsAndOfAll) {
   OrderStudy study;
   study.rows = {{10, std::nullopt, {4e-2, 0.0, 1e-2, 0.0}}, {20, std::nullopt, {1e-2, 0.0, 5e-3, 0.0}}};
-  study.displacement_l2 = ObservedOrder{2.0, 0.0};
+  study.displacement_l2 = SequenceOrder{{2.0, 0.0}, 0.01, 0, 1};
   const std::string text = order_text(study);
   EXPECT_NE(text.find("      20     -   0.01   2.00      0.005   1.00"), std::string::npos) << text;
-  EXPECT_NE(text.find("order of u in L2: 2.00 +- 0.00"), std::string::npos) << text;
+  EXPECT_NE(text.find("order of u in L2: 2.00 +- 0.01"), std::string::npos) << text;
+  EXPECT_NE(text.find("order of the end traces: not settled"), std::string::npos) << text;
+  EXPECT_EQ(text.find("v in L2:"), std::string::npos) << "no errors of it are there: " << text;
 }
 
 }  // namespace

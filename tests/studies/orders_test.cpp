@@ -114,7 +114,7 @@ TEST_P(OrderInDt, OfContactIsTwoWithTheSecondOrderStart) {
     Case run = coarse(solution_with(ends).scene, MethodName::fully_discrete, GetParam());
     run.step = 1.0 / 800;
     run.start = Start::second_order;
-    const OrderStudy study = self_study(record, refinements(run, Refine::step, 5));
+    const OrderStudy study = self_study(record, refinements(run, Refine::step, 6));
     EXPECT_TRUE(has_order(study.displacement_l2, 2.0, within)) << ends << "\n" << order_text(study);
     EXPECT_TRUE(has_order(study.end_trace, 2.0, within)) << ends << "\n" << order_text(study);
   }

@@ -87,5 +87,32 @@ TEST(Sequence, FindsWhereADistanceIsReachedByThePowerBetweenItsNeighbours) {
   EXPECT_FALSE(sequence_of([](double x) { return x; }, 0.0).where(2.0));
 }
 
+TEST(Sequence, OfFewMeshesTellsAnOrderToAFifthOrNone) {
+  // Errors h^2 (1 + h) have powers 2.07 to 2.01 on five meshes, and h^(1/2) (1 + 30 h) 1.18 to 0.71: not settled.
+  const auto order_of = [](double (*error)(double)) {
+    Sequence sequence;
+    sequence.within = Sequence::by_few;
+    for (const double n : {10.0, 20.0, 40.0, 80.0, 160.0}) sequence.add(1.0 / n, error(1.0 / n), 0.0);
+    return sequence.order();
+  };
+  const auto settles = order_of([](double h) { return h * h * (1.0 + h); });
+  ASSERT_TRUE(settles);
+  EXPECT_LE(std::abs(settles->order - 2.0), settles->bound);
+  EXPECT_FALSE(order_of([](double h) { return std::sqrt(h) * (1.0 + 30.0 * h); }));
+}
+
+TEST(PowerOfChanges, IsThatOfTheErrorsOnMeshesOfAnyRatios) {
+  for (const double p : {0.5, 1.0, 2.0, 4.0})
+    for (const double last : {0.5, 0.3, 0.8}) {
+      const double x[] = {1.0, 0.6, 0.6 * last};
+      const auto error = [&](double at) { return 3.0 * std::pow(at, p); };
+      const auto found =
+          power_of_changes(x[0] / x[1], x[1] / x[2], error(x[0]) - error(x[1]), error(x[1]) - error(x[2]));
+      ASSERT_TRUE(found);
+      EXPECT_NEAR(*found, p, 1e-6);  // it is enclosed that closely
+    }
+  EXPECT_FALSE(power_of_changes(2.0, 2.0, 0.0, 1.0));
+}
+
 }  // namespace
 }  // namespace viscobar

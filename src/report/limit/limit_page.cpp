@@ -11,6 +11,8 @@ namespace viscobar {
 
 namespace {
 
+constexpr std::size_t asked_steps = 3;  // of the scheme, down to the one asked for
+
 Json order_or_null(const std::optional<SequenceOrder>& order) { return order ? Json(order->order) : Json(nullptr); }
 
 Json to_json(const LimitEvidence& evidence) {
@@ -80,12 +82,14 @@ Json to_json(const LimitRow& row, bool derivatives) {
   return json;
 }
 
-Json to_json(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
+Json to_json(const LimitStudy& study, const LimitResult& result, std::size_t mesh) {
+  const LimitOrders& orders = result.orders[mesh];
+  const auto rows = rows_of(result, mesh);
   const LimitTheory powers = theory(study);
   const auto epsilon = [&](std::size_t i) { return rows[i].epsilon; };
   Json json = {{"elements", orders.elements},
                {"verdict", name(orders.verdict)},
-               {"reason", verdict_reason(study, orders, rows)},
+               {"reason", verdict_reason(study, result, mesh)},
                {"sentence", limit_sentence(orders)},
                {"boundary", orders.boundary},
                {"small_epsilon",
@@ -154,7 +158,7 @@ std::string head(const LimitStudy& study, const LimitResult& result) {
     const LimitOrders& orders = result.orders[m];
     const std::string mesh = result.orders.size() > 1 ? fmt::format(" on {} elements", orders.elements) : "";
     out += fmt::format("<p class=\"verdict {0}\"><b>{0}{1}</b>: {2}.</p>\n", name(orders.verdict), mesh,
-                       escaped(verdict_reason(study, orders, rows_of(result, m))));
+                       escaped(verdict_reason(study, result, m)));
   }
   return out;
 }
@@ -203,7 +207,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   Json json;
   json["title"] = study.scene.scene.title;
   json["verdict"] = name(orders.verdict);
-  json["reason"] = verdict_reason(study, orders, rows_of(result, best));
+  json["reason"] = verdict_reason(study, result, best);
   json["order_penetration"] = order_or_null(orders.penetration);
   json["order_to_rigid"] = order_or_null(orders.to_rigid);
   json["order_to_scheme"] = order_or_null(orders.to_scheme);
@@ -219,8 +223,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   json["left_out"] = result.left_out;
   json["own_motion"] = to_json(result.own_motion);
   json["meshes"] = Json::array();
-  for (std::size_t m = 0; m < result.orders.size(); ++m)
-    json["meshes"].push_back(to_json(study, result.orders[m], rows_of(result, m)));
+  for (std::size_t m = 0; m < result.orders.size(); ++m) json["meshes"].push_back(to_json(study, result, m));
   json["coupling"] = to_json(coupling);
   json["coupling_reason"] = coupling.coupling ? Json(nullptr) : Json(coupling.reason);
   if (study.estimate)
@@ -229,6 +232,14 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
                               {"time", study.estimate->time},
                               {"requested", study.estimate->requested},
                               {"kept", study.estimate->kept}};
+  // With this the same study can be run again.
+  Json& asked = json["asked"] = {{"epsilon", study.epsilons}, {"elements", study.elements}, {"steps", Json::array()}};
+  for (const LimitOrders& of_mesh : result.orders)
+    if (of_mesh.scheme.size() >= asked_steps) asked["steps"].push_back(of_mesh.scheme[asked_steps - 1].step);
+  if (asked["steps"].size() != result.orders.size()) asked["steps"] = Json::array();
+  asked["relative_tolerance"] = study.scene.tolerance.relative;
+  asked["budget"] = study.budget;
+  asked["derivatives"] = study.derivatives;
   json["scene"] = Json::parse(scene.complete());
   json["chosen"] = Json::parse(scene.chosen);
   // What ran, not what was asked: the scene of limit.json, as it stands, is that of the finest mesh.
@@ -241,6 +252,20 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
     json["chosen"]["mesh"]["elements"] = orders.elements;
   json["version"] = versions().viscobar;
   return json_text(json);
+}
+
+std::optional<LimitStudy> limit_asked(const std::string& json) {
+  const Json summary = Json::parse(json, nullptr, false);
+  if (!summary.is_object() || !summary.contains("asked")) return std::nullopt;
+  LimitStudy study;
+  const Json& asked = summary["asked"];
+  asked.at("epsilon").get_to(study.epsilons);
+  asked.at("elements").get_to(study.elements);
+  asked.at("steps").get_to(study.steps);
+  asked.at("relative_tolerance").get_to(study.scene.tolerance.relative);
+  asked.at("budget").get_to(study.budget);
+  asked.at("derivatives").get_to(study.derivatives);
+  return study;
 }
 
 std::string limit_csv(const LimitResult& result) {
@@ -275,7 +300,7 @@ std::string limit_text(const LimitStudy& study, const LimitResult& result, const
   for (std::size_t m = 0; m < result.orders.size(); ++m) {
     const LimitOrders& orders = result.orders[m];
     if (result.orders.size() > 1) out += fmt::format("{} elements, ", orders.elements);
-    out += fmt::format("{}: {}.\n", name(orders.verdict), verdict_reason(study, orders, rows_of(result, m)));
+    out += fmt::format("{}: {}.\n", name(orders.verdict), verdict_reason(study, result, m));
   }
   if (study.estimate)
     out +=
@@ -301,10 +326,11 @@ PicturedPage limit_page(const LimitStudy& study, const LimitResult& result, cons
     page.add(events_picture(result));
     page.add(cost_picture(result));
   }
-  page.add_section("Observed powers of ε",
-                   html(order_table(study, result)) +
-                       "<p class=\"note\">Least squares on logarithms with the standard error of the slope; values "
-                       "at a floor are left out.</p>\n");
+  page.add_section(
+      "Observed powers of ε",
+      html(order_table(study, result)) +
+          "<p class=\"note\">Slopes over the settled range of the smallest ε, and how far they may be from "
+          "the power for ε → 0.</p>\n");
   if (study.derivatives) page.add(local_powers(result));
   if (result.own_motion)
     page.add_section("The bar's own motion",

@@ -67,8 +67,12 @@ std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders,
   const std::string limits =
       evidence.apart ? fmt::format(". The limits differ by {:.2g} +- {:.1g}", *evidence.apart, evidence.apart_error)
                      : "";
-  const std::string known = found + limits + "; " + within("the limit of the penalised bar", evidence.penalty_error) +
-                            ", " + within("that of the scheme", evidence.scheme_error);
+  const std::string known =
+      found + limits + "; " + within("the limit of the penalised bar", evidence.penalty_error) + ", " +
+      within("that of the scheme", evidence.scheme_error) +
+      (evidence.stake ? fmt::format("; {} changes {:.2g}, beside which all of this must be small",
+                                    evidence.by_law ? "another law of impact" : "contact itself", *evidence.stake)
+                      : std::string());
   switch (evidence.lack) {
     case Lack::obstacle:
       return fmt::format(
@@ -134,7 +138,9 @@ std::string limit_sentence(const LimitOrders& orders) {
   return fmt::format("{} the limits differ by {:.2g} or more ({})", mesh, *lower, share(*lower));
 }
 
-std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
+std::string verdict_reason(const LimitStudy& study, const LimitResult& result, std::size_t mesh) {
+  const LimitOrders& orders = result.orders[mesh];
+  const auto rows = rows_of(result, mesh);
   const LimitEvidence& evidence = orders.evidence;
   if (orders.verdict == Verdict::undecided) return undecided_reason(study, orders, rows);
   std::string reason = limit_sentence(orders);
@@ -162,7 +168,11 @@ std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, s
       reason += fmt::format("; {} puts {:.2g} at stake", evidence.by_law ? "another law of impact" : "contact itself",
                             *evidence.stake);
   }
-  return orders.verdict == Verdict::plateau ? reason + remedy_of_plateau(study) : reason;
+  const auto finer = [&](const LimitOrders& other) {
+    return other.verdict == Verdict::plateau && other.elements > orders.elements;
+  };
+  const bool tells = orders.verdict == Verdict::plateau && std::ranges::none_of(result.orders, finer);
+  return tells ? reason + remedy_of_plateau(study) : reason;
 }
 
 Table limit_table(const LimitResult& result, NumberText number) {

@@ -28,8 +28,9 @@ struct LimitTheory {
 };
 LimitTheory theory(const LimitStudy& study);
 
-/// Why the verdict on a mesh is what it is, with the numbers that it rests on.
-std::string verdict_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows);
+/// Why the verdict on the m-th mesh is what it is, with the numbers that it rests on. What helps against a plateau is
+/// told once, on the finest mesh that has one.
+std::string verdict_reason(const LimitStudy& study, const LimitResult& result, std::size_t mesh);
 
 /// What a mathematician wants to quote of a mesh: how far the limits are apart. Empty where that is not known.
 std::string limit_sentence(const LimitOrders& orders);

@@ -101,8 +101,9 @@ std::string reference_sentence(const PrecisionResult& result, NumberText number)
   if (!result.reference) return "No total error is given, for the reference failed: " + result.no_reference + ".";
   const PrecisionReference& r = *result.reference;
   if (r.closed_form) return fmt::format("Errors are against the closed form: {}.", r.what);
-  return fmt::format("Errors are against a finer run: {}, itself good to about {} by its last two meshes{}.", r.what,
-                     number(r.error), r.order ? fmt::format(" (observed order in h {:.2f})", *r.order) : "");
+  return fmt::format(
+      "Errors are against a finer run: {}, itself good to about {} by its last two meshes{}.", r.what, number(r.error),
+      r.order ? fmt::format(" (observed order in h {:.2f})", *r.order) : " (its order in h is not settled)");
 }
 
 Table time_reference_table(const PrecisionResult& result, NumberText number) {
@@ -112,18 +113,20 @@ Table time_reference_table(const PrecisionResult& result, NumberText number) {
         {std::string(name(parts.method)), fmt::format("{}", parts.elements), std::string(name(parts.mass)),
          parts.time_reference.empty() ? fmt::format("nothing: {}", parts.problem) : parts.time_reference,
          parts.time_reference.empty() ? "-" : number(parts.time_reference_error),
-         parts.penalty_order ? fmt::format("{:.2f}", *parts.penalty_order) : "-"});
+         parts.penalty_order ? fmt::format("{:.2f}", *parts.penalty_order)
+         : parts.penalty     ? "not settled"
+                             : "-"});
   return table;
 }
 
 Table mesh_table(const PrecisionReference& reference, NumberText number) {
   Table table{{"elements", "difference to the next", "order"}, 0, {}};
-  for (std::size_t i = 0; i < reference.levels.size(); ++i) {
-    const auto difference = reference.levels[i].difference;
-    const auto before = i > 0 ? reference.levels[i - 1].difference : std::nullopt;
-    const bool order = difference && before && *difference > 0.0 && *before > 0.0;
-    table.rows.push_back({fmt::format("{}", reference.levels[i].elements), difference ? number(*difference) : "-",
-                          order ? fmt::format("{:.2f}", std::log2(*before / *difference)) : "-"});
+  Sequence changes;
+  for (const auto& [elements, difference] : reference.levels) {
+    changes.add(1.0 / static_cast<double>(elements), difference.value_or(0.0), 0.0);
+    const auto power = changes.x.size() > 1 ? changes.power(changes.x.size() - 2) : std::nullopt;
+    table.rows.push_back({fmt::format("{}", elements), difference ? number(*difference) : "-",
+                          power ? fmt::format("{:.2f}", *power) : "-"});
   }
   return table;
 }
@@ -239,7 +242,7 @@ std::string advice(const PrecisionResult& result, const ErrorParts& parts, Numbe
   if (penalty > space) {
     const auto balanced = epsilon_for(parts, space);
     text += balanced ? fmt::format("; below epsilon = {} the mesh is the larger part", number(*balanced))
-                     : "; it does not fall with epsilon here, see viscobar check";
+                     : "; at which power of epsilon it falls is not settled, see viscobar check";
   }
   return text;
 }

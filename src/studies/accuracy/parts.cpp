@@ -5,6 +5,7 @@
 
 #include "dynamics/natural_scales.hpp"
 #include "studies/accuracy/plan.hpp"
+#include "viscobar/studies/orders/observed_order.hpp"
 
 namespace viscobar::accuracy {
 
@@ -23,26 +24,26 @@ double error_of(double apart, double ratio, double order) {
 
 }  // namespace
 
-// From the two finest settings in time on one mesh.
+// By the two finest of settings in one number, `values`; three of them may show a power above `least`.
+Plan::Part Plan::part_of(const std::vector<double>& values, const std::function<Setting(double)>& at, double least,
+                         double most) const {
+  Part part{0.0, least};
+  if (values.size() < 2) return part;
+  const double found = apart(at(values[0]), at(values[1])), ratio = values[1] / values[0];
+  if (values.size() >= 3 && least < most)
+    if (const auto order = power_of_changes(values[2] / values[1], ratio, apart(at(values[1]), at(values[2])), found))
+      part.order = std::clamp(*order, least, most);
+  part.error = error_of(found, ratio, part.order);
+  return part;
+}
+
 Plan::Part Plan::time_part(const Setting& finest) const {
   std::vector<double> settings;
   for (const Setting& known : runs_.known())
     if (known.elements == finest.elements && known.epsilon == finest.epsilon && known.fineness >= finest.fineness)
       settings.push_back(known.fineness);
-  Part part{0.0, time_order_};
-  if (settings.size() < 2) return part;
-  const Setting fine{finest.elements, settings[0], finest.epsilon}, loose{finest.elements, settings[1], finest.epsilon};
-  const double found = apart(fine, loose);
-  if (settings.size() >= 3 && stepping_) {
-    const Setting looser{finest.elements, settings[2], finest.epsilon};
-    const double before = apart(loose, looser);
-    if (before > 0.0 && found > 0.0) {
-      const double order = std::log(before / found) / std::log(settings[2] / settings[1]);
-      if (order > 1.0) part.order = std::min(order, 2.0);
-    }
-  }
-  part.error = error_of(found, settings[1] / settings[0], part.order);
-  return part;
+  const auto at = [&](double fineness) { return Setting{finest.elements, fineness, finest.epsilon}; };
+  return part_of(settings, at, time_order_, stepping_ ? 2.0 : time_order_);
 }
 
 Plan::Part Plan::penalty_part(const Setting& finest) const {
@@ -50,20 +51,8 @@ Plan::Part Plan::penalty_part(const Setting& finest) const {
   for (const Setting& known : runs_.known())
     if (known.elements == finest.elements && known.fineness == finest.fineness && known.epsilon >= finest.epsilon)
       settings.push_back(known.epsilon);
-  Part part{0.0, least_order_of_penalty};
-  if (settings.size() < 2) return part;
-  const Setting fine{finest.elements, finest.fineness, settings[0]},
-      soft{finest.elements, finest.fineness, settings[1]};
-  const double found = apart(fine, soft);
-  if (settings.size() >= 3) {
-    const double before = apart(soft, {finest.elements, finest.fineness, settings[2]});
-    if (before > 0.0 && found > 0.0) {
-      const double order = std::log(before / found) / std::log(settings[2] / settings[1]);
-      if (order > least_order_of_penalty) part.order = std::min(order, 1.0);
-    }
-  }
-  part.error = error_of(found, settings[1] / settings[0], part.order);
-  return part;
+  const auto at = [&](double epsilon) { return Setting{finest.elements, finest.fineness, epsilon}; };
+  return part_of(settings, at, least_order_of_penalty, 1.0);
 }
 
 // Two that tell the error of the chosen tolerance, or step, on a mesh.

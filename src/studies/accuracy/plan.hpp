@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -68,6 +69,8 @@ class Plan {
   void leave_fine_settings();
 
   // The settings in time and penalty: parts.cpp.
+  Part part_of(const std::vector<double>& values, const std::function<Setting(double)>& at, double least,
+               double most) const;
   Part time_part(const Setting& finest) const;
   Part penalty_part(const Setting& finest) const;
   std::vector<Setting> time_pair(std::size_t elements) const;

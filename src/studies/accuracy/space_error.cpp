@@ -4,33 +4,20 @@
 #include <cmath>
 #include <vector>
 
+#include "viscobar/studies/orders/observed_order.hpp"
+
 namespace viscobar::accuracy {
 
 namespace {
 
 constexpr double agreement = 0.75;  // of orders
 constexpr double safety = 1.4;      // of an error that relies on an order
-constexpr double least_order = 0.3, least_believable = 1.0, much_faster = 1.5, most_order = 50.0;
+constexpr double least_order = 0.3, least_believable = 1.0, much_faster = 1.5;
 
 double ratio(const MeshStep& step) { return static_cast<double>(step.fine) / static_cast<double>(step.coarse); }
 
-// d_1 / d_2 of two neighbouring steps where errors are C h^p: (r_1^p - 1) / (1 - r_2^-p). It grows with p.
-double fall(const MeshStep& first, const MeshStep& second, double p) {
-  if (p == 0.0) return std::log(ratio(first)) / std::log(ratio(second));
-  return std::expm1(p * std::log(ratio(first))) / -std::expm1(-p * std::log(ratio(second)));
-}
-
-// The p of d_1 / d_2.
 std::optional<double> observed(const MeshStep& first, const MeshStep& second) {
-  if (!(first.distance > 0.0) || !(second.distance > 0.0) || !std::isfinite(first.distance)) return std::nullopt;
-  const double found = first.distance / second.distance;
-  if (ratio(first) == ratio(second)) return std::log(found) / std::log(ratio(first));
-  double low = -most_order, high = most_order;
-  while (high - low > 1e-6) {
-    const double middle = 0.5 * (low + high);
-    (fall(first, second, middle) < found ? low : high) = middle;
-  }
-  return low;
+  return power_of_changes(ratio(first), ratio(second), first.distance, second.distance);
 }
 
 }  // namespace
@@ -62,7 +49,7 @@ SpaceError space_error(std::span<const MeshStep> ladder, double theory) {
   double apart = last.distance;
   if (late) {
     const MeshStep& before = ladder[ladder.size() - 2];
-    apart = std::max(apart, before.distance / fall(before, last, theory));
+    apart = std::max(apart, before.distance / fall_of_changes(ratio(before), ratio(last), theory));
   }
   const double q = std::pow(ratio(last), -std::min(seen, 1.0)), c = std::max(last.alignment, 0.0);
   result.error = apart * std::min(q / (1.0 - q), safety * q * std::sqrt((1.0 + c * q) / (1.0 - c * q) / (1.0 - q * q)));
@@ -89,7 +76,7 @@ double expected_order(std::span<const MeshStep> ladder, double theory) {
 std::vector<MeshStep> prolonged(std::vector<MeshStep> ladder, std::size_t elements, double order) {
   if (ladder.empty()) return ladder;
   MeshStep next{ladder.back().fine, elements};
-  next.distance = ladder.back().distance / fall(ladder.back(), next, order);
+  next.distance = ladder.back().distance / fall_of_changes(ratio(ladder.back()), ratio(next), order);
   ladder.push_back(next);
   return ladder;
 }

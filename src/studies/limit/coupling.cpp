@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <span>
 
@@ -39,49 +38,17 @@ double largest_end_difference(const Recording& a, const Recording& b) {
   return largest;
 }
 
-/// Where the difference, falling with epsilon, equals `level`: epsilon and the local power.
-struct Crossing {
-  double epsilon, order;
-};
-std::optional<Crossing> crossing(std::span<const LimitRow> rows, bool rigid, double level, double floor) {
-  const auto value = [&](const LimitRow& row) { return rigid ? *row.difference_to_rigid : row.difference_to_scheme; };
-  for (std::size_t k = 0; k + 1 < rows.size(); ++k) {
-    const double above = value(rows[k]), below = value(rows[k + 1]);
-    if (!(above >= level && level >= below && above > below && below > floor)) continue;
-    const double order = std::log(above / below) / std::log(rows[k].epsilon / rows[k + 1].epsilon);
-    return Crossing{rows[k].epsilon * std::pow(level / above, 1.0 / order), order};
-  }
-  return std::nullopt;
-}
-
 CouplingResult no(std::string reason) { return {std::nullopt, std::move(reason)}; }
 
 }  // namespace
 
 std::optional<MeshError> mesh_error(const std::vector<double>& spacings, const std::vector<double>& differences) {
-  if (differences.size() < 2) return std::nullopt;
-  const auto n = static_cast<double>(differences.size());
-  std::optional<MeshError> best;
-  double least = std::numeric_limits<double>::infinity();
-  constexpr int candidates = 3900;
-  int best_index = 0;
-  for (int i = 0; i <= candidates; ++i) {
-    const double q = lowest_order + (highest_order - lowest_order) * i / candidates;
-    double sum = 0.0, squares = 0.0;
-    for (std::size_t k = 0; k < differences.size(); ++k) {
-      const double ratio = std::log(differences[k] / (std::pow(spacings[k], q) - std::pow(spacings[k + 1], q)));
-      sum += ratio;
-      squares += ratio * ratio;
-    }
-    const double scatter = squares / n - sum * sum / (n * n);
-    if (!(scatter < least)) continue;
-    least = scatter;
-    best = MeshError{q, std::exp(sum / n)};
-    best_index = i;
-  }
-  // At a border of the range the data have no power in it.
-  if (best_index == 0 || best_index == candidates) return std::nullopt;
-  return best;
+  const std::size_t n = differences.size();
+  if (n < 2) return std::nullopt;
+  const auto order = power_of_changes(spacings[n - 2] / spacings[n - 1], spacings[n - 1] / spacings[n],
+                                      differences[n - 2], differences[n - 1]);
+  if (!order || *order < lowest_order || *order > highest_order) return std::nullopt;
+  return MeshError{*order, differences[n - 1] / (std::pow(spacings[n - 1], *order) - std::pow(spacings[n], *order))};
 }
 
 CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result) {
@@ -133,13 +100,15 @@ CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result
     const LimitOrders& orders = result.orders[by_mesh[i]];
     Coupling::Mesh mesh{
         orders.elements, spacings[i], scale * error->constant * std::pow(sizes[i], error->order), {}, 0.0};
-    const auto rows = std::span(result.rows).subspan(orders.first_row, orders.row_count);
-    if (const auto found =
-            crossing(rows, rigid, mesh.mesh_error, rigid ? orders.tolerance_error : orders.scheme_error)) {
-      mesh.epsilon = found->epsilon;
-      mesh.local_order = found->order;
+    Sequence distances;
+    for (const LimitRow& row : std::span(result.rows).subspan(orders.first_row, orders.row_count))
+      distances.add(row.epsilon, rigid ? *row.difference_to_rigid : row.difference_to_scheme,
+                    rigid ? orders.tolerance_error : orders.scheme_error);
+    if (const auto row = distances.around(mesh.mesh_error)) {
+      mesh.epsilon = distances.where(mesh.mesh_error);
+      mesh.local_order = *distances.power(*row);
       h.push_back(mesh.spacing);
-      epsilon.push_back(found->epsilon);
+      epsilon.push_back(*mesh.epsilon);
     }
     coupling.meshes.push_back(mesh);
   }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <limits>
 #include <span>
 #include <stdexcept>
@@ -51,6 +50,13 @@ bool one_law(const Case& run) {
   return run.restitution.has_value() && apart;
 }
 
+// zeta ~ 1 of an end node on its spring 1 / epsilon; under a span the spring is h / epsilon.
+std::optional<double> boundary_of(const Case& run) {
+  const double h = run.mesh().smallest(), eta = run.scene.bar.viscosity;  // of the contact nodes
+  if (!(eta > 0.0)) return std::nullopt;
+  return run.scene.bar.density * h * h * h * (run.scene.span ? h : 1.0) / (eta * eta);
+}
+
 double tolerance_error(const MeshRuns& mesh) {
   for (const auto* runs : {&mesh.penalised, &mesh.scheme})
     for (const Run& run : *runs)
@@ -75,15 +81,12 @@ std::vector<const Run*> telling(const MeshRuns& mesh) {
 // By the whole run, or by its beginning.
 Judgement judge_mesh(MeshRuns& mesh, const LimitStudy& study, Purse& purse, std::optional<double> until = {}) {
   LimitTraces traces;
-  std::vector<const Case*> cases;
+  const std::vector<const Run*> told = telling(mesh);
   std::deque<EndTraces> beginnings;
   const auto seen = [&](const EndTraces& all) -> const EndTraces& {
     return until ? beginnings.emplace_back(beginning_of(all, mesh.times, *until)) : all;
   };
-  for (const Run* run : telling(mesh)) {
-    traces.penalised.add(*run->run.epsilon, seen(run->traces));
-    cases.push_back(&run->run);
-  }
+  for (const Run* run : told) traces.penalised.add(*run->run.epsilon, seen(run->traces));
   for (const Run& run : mesh.scheme) traces.scheme.add(*run.run.step, seen(run.traces));
   const auto limit_trace = [&](const KnownLimit* limit) {
     if (!limit) return std::optional<LimitTrace>();
@@ -94,20 +97,13 @@ Judgement judge_mesh(MeshRuns& mesh, const LimitStudy& study, Purse& purse, std:
   traces.own_limit = limit_trace(mesh.own_limit());
   traces.one_limit = mesh.one_limit;
   traces.one_law = one_law(study.scene);
+  traces.boundary = boundary_of(mesh.penalised.front().run);
   traces.floor = tolerance_error(mesh);
-  const auto run_now = [&](Run& run) {
-    purse.expect(1);
-    const bool complete = run.trace(mesh.times, purse);
-    purse.done();
-    return complete;
-  };
   traces.other_law = [&] {
-    if (mesh.other_law.empty()) {
-      const std::size_t count = std::min<std::size_t>(4, cases.size());
-      for (auto run = cases.end() - static_cast<std::ptrdiff_t>(count); run != cases.end(); ++run)
-        mesh.other_law.push_back({with_other_law(**run)});
-      for (Run& run : mesh.other_law) run_now(run);
-    }
+    // At the smallest penalties that there are by now.
+    for (const Run* run : std::span(told).last(std::min<std::size_t>(4, told.size())))
+      if (mesh.other_law.empty() || *run->run.epsilon < *mesh.other_law.back().run.epsilon)
+        mesh.other_law.emplace_back(Run{with_other_law(run->run)}).trace_one_more(mesh.times, purse);
     TraceSequence sequence;
     for (const Run& run : mesh.other_law)
       if (run.complete) sequence.add(*run.run.epsilon, seen(run.traces));
@@ -115,9 +111,10 @@ Judgement judge_mesh(MeshRuns& mesh, const LimitStudy& study, Purse& purse, std:
   };
   traces.without_obstacles = [&]() -> const EndTraces& {
     if (!mesh.without_obstacles) {
-      mesh.without_obstacles = Run{without_obstacles(*cases.back())};
+      mesh.without_obstacles = Run{without_obstacles(told.back()->run)};
       // What the bar does in time can stand for it where it is not there in time.
-      if (!run_now(*mesh.without_obstacles)) mesh.without_obstacles->traces = mesh.penalised.back().traces;
+      if (!mesh.without_obstacles->trace_one_more(mesh.times, purse))
+        mesh.without_obstacles->traces = mesh.penalised.back().traces;
     }
     return seen(mesh.without_obstacles->traces);
   };
@@ -134,10 +131,7 @@ bool go_on(std::deque<Run>& runs, Case next, double expected, MeshRuns& mesh, Pu
     return false;
   }
   Run run{std::move(next)};
-  purse.expect(1);
-  const bool complete = run.trace(mesh.times, purse);
-  purse.done();
-  if (!complete) {
+  if (!run.trace_one_more(mesh.times, purse)) {
     if (!run.error) mesh.lacking_seconds = std::max(expected, run.seconds);
     return false;
   }
@@ -202,8 +196,7 @@ std::optional<Judgement> early_plateau(const MeshRuns& mesh, const LimitStudy& s
     early.epsilons = decades(100.0 * smallest, smallest);
     early.steps = {std::min(mesh.step(), *until / 1000.0)};
   } else {
-    const Bar& bar = run.scene.bar;
-    const double h = run.mesh().smallest(), boundary = bar.density * h * h * h * h / (bar.viscosity * bar.viscosity);
+    const double boundary = *boundary_of(run);
     early.epsilons = decades(boundary, 1e-4 * boundary);
     early.steps = {*until / 3000.0};
   }
@@ -290,7 +283,8 @@ void refine_scheme(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const Run& run : mesh.penalised)
     if (run.complete) nearest = std::min(nearest, largest_difference(run.traces, mesh.scheme_limit()->run.traces));
-  const double seconds = std::max(mesh.scheme.back().seconds, 1e-4),
+  const Case& last = mesh.scheme.back().run;
+  const double seconds = last.end / *last.step * step_seconds(last),
                wanted = s / (part_of_distance * std::max(nearest, 10.0 * tolerance_error(mesh)));
   double refinement = wanted;
   if (refinement * seconds > part_of_budget * study.budget) refinement = little * study.budget / seconds;
@@ -299,18 +293,10 @@ void refine_scheme(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
   mesh.lacking_seconds = lacking;
 }
 
-std::string text_of(const std::exception_ptr& error) {
-  try {
-    std::rethrow_exception(error);
-  } catch (const std::exception& known) {
-    return known.what();
-  }
-}
-
 void tabulate(const MeshRuns& mesh, LimitResult& result) {
   for (const Run& penalised : mesh.penalised) {
     if (penalised.error) {
-      result.failed.push_back({*penalised.run.epsilon, penalised.run.elements, text_of(penalised.error)});
+      result.failed.push_back({*penalised.run.epsilon, penalised.run.elements, penalised.error->what()});
     } else if (!penalised.complete) {
       result.left_out.push_back(*penalised.run.epsilon);
     } else {
@@ -322,32 +308,23 @@ void tabulate(const MeshRuns& mesh, LimitResult& result) {
   }
 }
 
-// What the penalised runs tend to, or the last of them.
-const Run& limit_of_penalty(const MeshRuns& mesh) {
-  if (const KnownLimit* limit = mesh.own_limit()) return limit->run;
-  return *std::find_if(mesh.penalised.rbegin(), mesh.penalised.rend(), [](const Run& run) { return run.complete; });
-}
-
 // A range that settles above theory's boundary of the regimes, and is not the one of small penalties.
 std::optional<SequenceOrder> of_layer(const Sequence& sequence, const std::optional<double>& boundary) {
-  const std::vector<SequenceOrder> ranges = boundary ? sequence.settled() : std::vector<SequenceOrder>();
-  const auto above = [&](const SequenceOrder& range) {
-    return sequence.x[range.first] * sequence.x[range.last] > *boundary * *boundary && range.order < 0.85;
-  };
-  const auto found = std::ranges::find_if(ranges, above);
-  return found == ranges.end() ? std::nullopt : std::optional(*found);
+  if (!boundary) return std::nullopt;
+  for (const SequenceOrder& range : sequence.settled())
+    if (sequence.x[range.first] * sequence.x[range.last] > *boundary * *boundary && range.order < 0.85) return range;
+  return std::nullopt;
 }
 
 // The order of small penalties: it has come well below the boundary.
 std::optional<SequenceOrder> of_node(const Sequence& sequence, const std::optional<double>& boundary) {
   const auto found = sequence.order();
-  return found && boundary && sequence.x[found->last] > 0.01 * *boundary ? std::nullopt : found;
+  return found && boundary && sequence.x[found->last] > part_of_boundary * *boundary ? std::nullopt : found;
 }
 
 LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
   LimitOrders orders;
   const Case& any = mesh.penalised.front().run;
-  const Bar& bar = any.scene.bar;
   orders.elements = any.elements;
   orders.tolerance = any.tolerance.relative;
   orders.tolerance_error = tolerance_error(mesh);
@@ -375,11 +352,7 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
     orders.scheme_step = mesh.step();
     orders.scheme_events = mesh.scheme.back().traces.events.size();
   }
-  const double h = any.mesh().smallest();  // of the contact nodes
-  const bool span = any.scene.span.has_value();
-  // zeta ~ 1 of an end node on its spring 1 / epsilon; under a span the spring is h / epsilon.
-  if (bar.viscosity > 0.0)
-    orders.boundary = bar.density * h * h * h * (span ? h : 1.0) / (bar.viscosity * bar.viscosity);
+  orders.boundary = boundary_of(any);
   Sequence penetration, to_rigid, to_scheme, to_own;
   const double s = orders.evidence.scheme_error.value_or(orders.scheme_error);
   for (const LimitRow& row : rows) {
@@ -397,7 +370,7 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
   }
   if (mesh.magnifies) orders.to_own_limit = orders.to_rigid = orders.to_scheme = orders.of_step = std::nullopt;
   orders.to_scheme_limit = orders.to_rigid;
-  if (!span) {
+  if (!any.scene.span) {
     orders.penetration_layer = of_layer(penetration, orders.boundary);
     orders.to_rigid_layer = of_layer(to_rigid, orders.boundary);
   }
@@ -431,7 +404,8 @@ LimitResult limit_of(const LimitStudy& study) {
     orders.interrupted = purse.interrupted();
     orders.seconds = purse.spent();
     if (study.derivatives && orders.row_count > 0) {
-      const Run& limit = limit_of_penalty(mesh);
+      // What the penalised runs tend to, or the last of them.
+      const Run& limit = mesh.own_limit() ? mesh.own_limit()->run : *telling(mesh).back();
       orders.local_to_rigid = limit.run.method == MethodName::rigid;
       add_local_powers(mesh, limit.traces, orders.tolerance_error, std::span(result.rows).subspan(first));
     }

@@ -39,9 +39,7 @@ double thread_seconds() {
 // all penalties take as many steps as the longest scout, of fourth or fifth order. Steps are counted, not timed, so
 // that the same study has the same rows.
 double tolerance_of(const LimitStudy& study, const Case& row, std::size_t steps, double at) {
-  const StepSeconds cost = method_row(row.method).seconds;
-  const double seconds = static_cast<double>((study.epsilons.size() + 1) * steps) *
-                         (cost.step + cost.node * static_cast<double>(row.mesh().nodes()));
+  const double seconds = static_cast<double>((study.epsilons.size() + 1) * steps) * step_seconds(row);
   const double own = study.scene.tolerance.relative;
   for (const double relative : {1e-10, 1e-8, 1e-7})
     if (relative <= own &&
@@ -83,6 +81,11 @@ void each(std::span<Run* const> runs, const LimitStudy& study, Purse& purse, con
 
 const double scheme_refinement = std::cbrt(10.0);
 
+double step_seconds(const Case& run) {
+  const StepSeconds cost = method_row(run.method).seconds;
+  return cost.step + cost.node * static_cast<double>(run.mesh().nodes());
+}
+
 bool Run::trace(std::span<const double> times, Purse& purse) {
   const double begin = thread_seconds();
   double told = begin;
@@ -100,8 +103,8 @@ bool Run::trace(std::span<const double> times, Purse& purse) {
       return purse.empty() ? RunControl::stop : RunControl::go_on;
     });
     complete = traces.statistics.completed;
-  } catch (const IntegrationError&) {
-    error = std::current_exception();
+  } catch (const IntegrationError& failed) {
+    error = failed;
   }
   spend();
   seconds = told - begin;
@@ -211,7 +214,7 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Pur
       study.threads);
   if (mesh.of_scheme && massless)
     for (const Run* run : {&mesh.of_scheme->rough, &mesh.of_scheme->run})
-      if (run->error) std::rethrow_exception(run->error);
+      if (run->error) throw *run->error;
 
   // The largest steps and penalties first: what they took tells what the next ones take.
   std::vector<Run*> runs;
@@ -243,9 +246,9 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Pur
   });
   purse.keep(0.0);
   for (const Run& run : mesh.scheme)
-    if (run.error) std::rethrow_exception(run.error);
-  if (std::ranges::all_of(mesh.penalised, [](const Run& run) { return run.error != nullptr; }))
-    std::rethrow_exception(mesh.penalised.front().error);
+    if (run.error) throw *run.error;
+  if (std::ranges::all_of(mesh.penalised, [](const Run& run) { return run.error.has_value(); }))
+    throw *mesh.penalised.front().error;
   std::erase_if(mesh.scheme, [](const Run& run) { return !run.complete; });
   return mesh;
 }
@@ -264,13 +267,11 @@ bool tighten(MeshRuns& mesh, Purse& purse) {
     next.run.complete = false;
     next.run.run.tolerance =
         next.run.run.tolerance.with_relative(std::max(1e-13, next.run.run.tolerance.relative / of_limits));
-    purse.expect(1);
-    if (next.run.trace(mesh.times, purse)) {
+    if (next.run.trace_one_more(mesh.times, purse)) {
       next.error = limit_error(next.run.traces, next.rough.traces);
       **limit = std::move(next);
       changed = true;
     }
-    purse.done();
   }
   return changed;
 }

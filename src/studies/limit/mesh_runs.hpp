@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cstddef>
 #include <deque>
-#include <exception>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -18,6 +17,10 @@ namespace viscobar::limit {
 /// From one step of the scheme to the next: a third of a decade. A half would put a contact that closes in the second
 /// half of a step at the same time again.
 extern const double scheme_refinement;
+
+/// What a step of the case takes on the machine that the table of methods was measured on: what runs a study makes does
+/// not depend on the clock, but at the end of its budget.
+double step_seconds(const Case& run);
 
 /// The processor seconds that a study may spend, over all its threads, and who watches it.
 class Purse {
@@ -61,12 +64,19 @@ class Purse {
 struct Run {
   Case run;
   EndTraces traces = {};
-  std::exception_ptr error = {};
+  std::optional<IntegrationError> error = {};
   double seconds = 0.0;
   bool complete = false;
 
   /// Stops where the purse is empty; whether it came to its end. Errors of the integration are kept.
   bool trace(std::span<const double> times, Purse& purse);
+  /// The same of one that nobody expected.
+  bool trace_one_more(std::span<const double> times, Purse& purse) {
+    purse.expect(1);
+    trace(times, purse);
+    purse.done();
+    return complete;
+  }
 };
 
 /// What a sequence tends to, by the method `rigid`, and how far that may be from the truth: what a hundredfold

@@ -7,6 +7,8 @@
 
 namespace viscobar {
 
+const double part_of_boundary = 0.01;
+
 std::string_view name(Verdict verdict) {
   switch (verdict) {
     case Verdict::converges: return "converges";
@@ -172,7 +174,8 @@ Judgement judge_massive(const LimitTraces& mesh, const TraceSequence& schemes) {
   }
   const Settling penalised = settling(mesh.penalised, by_penalty, mesh.floor);
   if (!penalised.settled) {
-    evidence.lack = penalised.grows ? Lack::larger_epsilon : Lack::smaller_epsilon;
+    const bool small = !mesh.boundary || mesh.penalised.x.back() < part_of_boundary * *mesh.boundary;
+    evidence.lack = penalised.grows && small ? Lack::larger_epsilon : Lack::smaller_epsilon;
     return found;
   }
   evidence.penalty_error = penalised.error;
@@ -185,8 +188,8 @@ Judgement judge_massive(const LimitTraces& mesh, const TraceSequence& schemes) {
     if (evidence.difference + scheme.error < penalised.error) evidence.lack = Lack::smaller_epsilon;
     return found;
   }
-  // A smaller step does not help where the penalty hides as much.
-  if (scheme.error < 0.25 * penalised.error) evidence.lack = Lack::smaller_epsilon;
+  // The larger error first: the other one does not help while it hides as much.
+  if (scheme.error < penalised.error) evidence.lack = Lack::smaller_epsilon;
   double part = part_of_contact;
   if (impact) {
     const TraceSequence other = mesh.other_law();

@@ -9,6 +9,9 @@
 
 namespace viscobar {
 
+/// Of the boundary of the regimes, from which on down a penalty is small.
+extern const double part_of_boundary;
+
 using TracesRef = std::reference_wrapper<const EndTraces>;
 
 /// End traces T(x) on common times, x a penalty or a step, decreasing.
@@ -58,6 +61,7 @@ struct LimitTraces {
   std::optional<LimitTrace> scheme_limit;    ///< S(0)
   bool one_limit = false;                    ///< by theory they are one motion
   bool one_law = false;                      ///< massive contact nodes have one law of impact in penalty and scheme
+  std::optional<double> boundary;            ///< of epsilon, above which P tells nothing of P(0)
   double floor = 0.0;                        ///< error of the time integration in a difference
   std::function<TraceSequence()> other_law;  ///< the last penalised traces, with another restitution
   std::function<const EndTraces&()> without_obstacles;  ///< the penalised traces of the bar that touches nothing

@@ -5,12 +5,14 @@
 #include <limits>
 
 #include "studies/precision/solved.hpp"
+#include "viscobar/studies/orders/observed_order.hpp"
 
 namespace viscobar::precision {
 
 namespace {
 
 constexpr double tolerance = 1e-9;
+constexpr double usual_error = 0.005;  // of it, what the methods leave (docs/accuracy-on-request.md)
 // A mesh is the last when it has so many elements, or differs from the one before by what its tolerance leaves, after
 // so many doublings: the last three of four meshes show an order.
 constexpr std::size_t fine = 1000, least_doublings = 3;
@@ -83,13 +85,18 @@ Continuous refine(const Case& scene, std::span<const Mesh> meshes, const Patienc
     result.fields.clear();
     return result;
   }
-  if (levels.size() > 2 && difference > 0.0)
-    if (const double before = *levels[levels.size() - 3].difference; before > 0.0)
-      reference.order = std::log2(before / difference);
   reference.largest_displacement = largest(result.fields);
-  // Neighbouring meshes differ by (2^q - 1) times the error of the finer one; without a q to believe in, that much.
-  const bool believable = reference.order && *reference.order < 4.5;
-  const double order = believable ? std::clamp(*reference.order, 0.3, 4.0) : 1.0;
+  Sequence changes;
+  changes.within = Sequence::by_few;
+  for (const auto& level : levels)
+    if (level.difference)
+      changes.add(1.0 / static_cast<double>(level.elements), *level.difference,
+                  usual_error * tolerance * reference.largest_displacement);
+  if (const auto order = changes.order()) reference.order = order->order;
+  // Neighbouring meshes differ by (2^q - 1) times the error of the finer one; what is not settled is not above 1.
+  const std::size_t count = changes.x.size();
+  const double last = count > 1 ? changes.power(count - 2).value_or(1.0) : 1.0;
+  const double order = std::clamp(reference.order.value_or(std::min(last, 1.0)), 0.3, 4.0);
   reference.error = difference / (std::exp2(order) - 1.0) + tolerance * reference.largest_displacement;
   result.reference = std::move(reference);
   return result;

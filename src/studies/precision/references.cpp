@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "studies/parallel.hpp"
+#include "viscobar/studies/orders/observed_order.hpp"
 
 namespace viscobar::precision {
 
@@ -18,15 +19,20 @@ namespace {
 constexpr double longer = 20.0;
 
 /// The penalised problem a decade closer to its limit, and the limit: epsilon = 0 where the contact nodes are massless,
-/// epsilon / 100 where they have mass and epsilon = 0 is no system.
-System softer(System system) {
+/// epsilon / 100 where they have mass and epsilon = 0 is no system. A decade farther from it tells whether there is a
+/// power.
+System stiffer(System system) {
   system.epsilon /= 10.0;
+  return system;
+}
+System softer(System system) {
+  system.epsilon *= 10.0;
   return system;
 }
 
 System limit_of(const System& system) {
   if (system.mass == Mass::redistributed) return {system.elements, system.mass, System::Law::rigid, 0.0};
-  return softer(softer(system));
+  return stiffer(stiffer(system));
 }
 
 bool penalised(const System& system) { return system.epsilon > 0.0; }
@@ -71,6 +77,7 @@ std::map<System, Fineness> problems_of(std::span<const Timed> rows, double secon
   for (const auto& [system, fineness] : std::map(problems))
     if (penalised(system)) {
       problems.try_emplace(softer(system), fineness);
+      problems.try_emplace(stiffer(system), fineness);
       problems.try_emplace(limit_of(system), fineness);
     }
   return problems;
@@ -144,25 +151,29 @@ ErrorParts References::parts(const Timed& timed) const {
 
 std::optional<Field> References::penalty_limit(const System& own, ErrorParts& parts) const {
   const System end = limit_of(own);
-  const Field *here = field(own), *next = field(softer(own)), *last = field(end);
+  const Field *soft = field(softer(own)), *here = field(own), *next = field(stiffer(own)), *last = field(end);
   if (!last && !next) {
     parts.problem = "what the penalty tends to was not found: " + solved_.at(end).problem;
     return std::nullopt;
   }
   if (!last) {
-    parts.penalty_against = fmt::format("epsilon / 10 by {}, for the limit failed: {}", solved_.at(softer(own)).what,
+    parts.penalty_against = fmt::format("epsilon / 10 by {}, for the limit failed: {}", solved_.at(stiffer(own)).what,
                                         solved_.at(end).problem);
     return *next;
   }
   const bool rigid = end.law == System::Law::rigid;
   parts.penalty_against = solved_.at(end).what;
   if (!rigid) parts.penalty_against = fmt::format("epsilon / 100 by {}", parts.penalty_against);
-  if (!next) return *last;
+  if (!next || !soft) return *last;
   // Differences to the limit itself fall with its power, and so do those between neighbours.
-  const double first = distance(*here, rigid ? *last : *next), second = distance(*next, *last);
-  const double least = 3.0 * parts.time_reference_error;
-  if (first < least || second < least) return *last;
-  parts.penalty_order = std::log10(first / second);
+  Sequence differences;
+  differences.within = Sequence::by_few;
+  differences.add(10.0, distance(*soft, rigid ? *last : *here), parts.time_reference_error);
+  differences.add(1.0, distance(*here, rigid ? *last : *next), parts.time_reference_error);
+  differences.add(0.1, distance(*next, *last), parts.time_reference_error);
+  const auto order = differences.order();
+  if (!order) return *last;
+  parts.penalty_order = order->order;
   // What a power law leaves from epsilon / 100 on to 0 would else be taken for space.
   constexpr double least_order = 0.4, greatest_order = 1.5;
   if (rigid || *parts.penalty_order < least_order || *parts.penalty_order > greatest_order) return *last;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "viscobar/studies/orders/observed_order.hpp"
+
 namespace viscobar::precision {
 
 Statistics simulate_within(const Patience& patience, const Case& run, const BarSystem& system, Observers observers) {
@@ -118,23 +120,32 @@ std::vector<Case> routes(const Case& scene, const System& system, const Fineness
       break;
     case System::Law::continuous: break;
     case System::Law::impact:
-      for (const double coarser : {1.0, 2.0, 4.0}) add(MethodName::fully_discrete, coarser);
+      for (const double coarser : {1.0, 2.0, 4.0, 8.0}) add(MethodName::fully_discrete, coarser);
       break;
   }
   return all;
 }
 
-/// The limit of a scheme from three steps, by the order that they show; its error by what the smallest step changed.
+/// The limit of a scheme from four steps. Where their changes settle to an order it is extrapolated, and its error is
+/// what the smallest step changed of that; elsewhere it is the run at that step, off by as much again, as of order 1.
 SemiDiscrete limit_of_steps(const std::vector<Case>& runs, const Mesh& mesh, const Patience& patience) {
   std::vector<Field> fields;
   for (const Case& run : runs) fields.push_back(field_of(run, mesh, patience));
-  const double here = distance(fields[0], fields[1]), before = distance(fields[1], fields[2]);
-  const double order = here > 0.0 ? std::clamp(std::log2(before / here), 1.0, 2.0) : 2.0;
+  Sequence changes;
+  changes.within = Sequence::by_few;
+  for (std::size_t i = fields.size(); i-- > 1;) changes.add(*runs[i].step, distance(fields[i - 1], fields[i]), 0.0);
   SemiDiscrete result;
-  result.field = extrapolated(fields[0], fields[1], std::exp2(order));
-  result.error = distance(*result.field, extrapolated(fields[1], fields[2], std::exp2(order)));
-  result.what =
-      fmt::format("{0} extrapolated from steps {1:.3g}, 2 and 4 times that", name(runs[0].method), *runs[0].step);
+  if (const auto order = changes.order()) {
+    const double ratio = std::exp2(std::clamp(order->order, 1.0, 2.0));
+    result.field = extrapolated(fields[0], fields[1], ratio);
+    result.error = distance(*result.field, extrapolated(fields[1], fields[2], ratio));
+    result.what =
+        fmt::format("{0} extrapolated from steps {1:.3g}, 2 and 4 times that", name(runs[0].method), *runs[0].step);
+  } else {
+    result.field = fields[0];
+    result.error = changes.distance.back();
+    result.what = fmt::format("{0} at step {1:.3g}, for its order is not settled", name(runs[0].method), *runs[0].step);
+  }
   return result;
 }
 

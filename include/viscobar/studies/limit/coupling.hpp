@@ -12,7 +12,7 @@ namespace viscobar {
 /// epsilon(h) at which the penalty's difference to its limit is as large as the error of the mesh: a smaller epsilon
 /// gains nothing, a larger one spoils the mesh.
 ///
-/// The mesh error K h^q of the end traces is read off the limits on three or more meshes: neighbours differ by
+/// The mesh error K h^q of the end traces is read off the limits on the three finest meshes: neighbours differ by
 /// K |h_i^q - h_{i+1}^q|. The difference of the penalised solution is interpolated between the rows of a study, on
 /// logarithmic axes.
 struct Coupling {
@@ -39,8 +39,8 @@ struct CouplingResult {
 /// Runs the limit of each mesh once more and balances. `result` is that of the study.
 CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result);
 
-/// q and K with difference[i] ~ K (h[i]^q - h[i+1]^q) for decreasing h, by least squares on logarithms; absent for
-/// fewer than two differences or when none of 0.1 <= q <= 4 stands out.
+/// q and K with difference[i] = K (h[i]^q - h[i+1]^q) for the last two of them and decreasing h; absent for fewer than
+/// two differences or when q is not in 0.1 ... 4.
 struct MeshError {
   double order = 0.0;     ///< q
   double constant = 0.0;  ///< K

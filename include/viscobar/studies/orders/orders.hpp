@@ -28,11 +28,16 @@ struct OrderStudy {
     exact::Error error;          ///< to the exact solution
   };
   std::vector<Row> rows;  ///< from coarse to fine
-  /// By least squares over the rows; absent where an error is zero throughout.
-  std::optional<ObservedOrder> displacement_l2;
-  std::optional<ObservedOrder> velocity_l2;  ///< likewise
-  std::optional<ObservedOrder> end_trace;    ///< likewise
-  std::optional<ObservedOrder> reaction_l1;  ///< likewise
+  /// Over the largest range that ends with the finest level and settles to Sequence::by_few: three levels at least.
+  /// Absent: not settled, or an error is 0.
+  std::optional<SequenceOrder> displacement_l2;
+  std::optional<SequenceOrder> velocity_l2;  ///< likewise
+  std::optional<SequenceOrder> end_trace;    ///< likewise
+  std::optional<SequenceOrder> reaction_l1;  ///< likewise
+  Refine what = Refine::mesh;                ///< else dt is what errors are powers of
+
+  /// Those of a quantity over the levels.
+  Sequence errors(double exact::Error::*quantity) const;
 };
 
 /// Runs the solver on each case, on all cores (or on `threads`), against the exact solution of their scene.

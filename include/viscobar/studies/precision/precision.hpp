@@ -68,7 +68,7 @@ struct ErrorParts {
   std::optional<double> epsilon;          ///< that it ran with; absent where nothing is penalised
   std::optional<double> space;            ///< of the mesh, the semi-discrete solution to u_*
   std::optional<double> penalty;          ///< absent where nothing is penalised
-  std::optional<double> penalty_order;    ///< observed power of epsilon, over one decade
+  std::optional<double> penalty_order;    ///< power of epsilon over two decades; absent: not settled
   std::string penalty_against;            ///< what stands for epsilon = 0
   std::string time_reference;             ///< what the time errors are against; empty where there is nothing,
   double time_reference_error = 0.0;      ///< how good that is: its difference to another route or to a coarser run
@@ -82,10 +82,11 @@ struct PrecisionReference {
     std::size_t elements = 0;          ///< J
     std::optional<double> difference;  ///< to the next finer mesh; absent for the finest
   };
-  std::string what;                   ///< in words
-  bool closed_form = false;           ///< a formula, of error 0, or characteristics, with the error that they tell
-  double error = 0.0;                 ///< else of the finest, d / (2^order - 1) from its difference d to the one before
-  std::optional<double> order;        ///< observed power of h, over the last three meshes
+  std::string what;          ///< in words
+  bool closed_form = false;  ///< a formula, of error 0, or characteristics, with the error that they tell
+  double error =
+      0.0;  ///< else of the finest, d / (2^p - 1) from its difference d to the one before, p the order, or 1 at most
+  std::optional<double> order;        ///< power of h; absent: not settled (see Sequence)
   std::vector<Level> levels;          ///< the meshes that it was refined over
   double largest_displacement = 0.0;  ///< max |u_*|
 };
