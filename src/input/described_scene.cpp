@@ -43,10 +43,12 @@ std::string told_scene(const std::string& text) {
     const Json summary = Json::parse(text);
     if (summary.contains("scene") && summary["scene"].is_object()) return scene_text(summary["scene"].dump());
   } catch (const Json::parse_error& error) {
-    throw TextError(position_in(text, error.byte),
+    throw TextError(position_in(text, error.byte > 0 ? error.byte - 1 : 0),
                     fmt::format("this is no TOML, and no JSON either: {}", error.what()));
   }
-  throw TextError({}, "this is JSON without a scene: viscobar reads TOML, and the scene of its own summaries");
+  throw TextError(
+      {},
+      "this is JSON without a scene; a file consists of [tables] and lines key = value, or is a summary of viscobar");
 }
 
 SceneFile described_scene(const std::string& description, const std::string& source) {

@@ -361,11 +361,16 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
     if (other) to_rigid.add(row.epsilon, *row.difference_to_rigid, other->error + 0.1 * orders.tolerance_error);
     if (own) to_own.add(row.epsilon, *row.difference_to_own_limit, own->error + 0.1 * orders.tolerance_error);
   }
+  // Chatter that is out of step with the limit has powers of its own, and two of them may agree by chance.
+  const auto in_step = [&](const std::optional<SequenceOrder>& order) {
+    const bool few = order && order->last - order->first == 2;
+    return few && rows[order->first].events != rows[order->last].events ? std::nullopt : order;
+  };
   orders.penetration = of_node(penetration, orders.boundary);
-  orders.to_own_limit = of_node(to_own, orders.boundary);
+  orders.to_own_limit = in_step(of_node(to_own, orders.boundary));
   // What stops at a plateau is no order of anything.
   if (orders.verdict != Verdict::plateau) {
-    orders.to_rigid = of_node(to_rigid, orders.boundary);
+    orders.to_rigid = in_step(of_node(to_rigid, orders.boundary));
     orders.to_scheme = own ? to_scheme.order_within(orders.to_own_limit) : of_node(to_scheme, orders.boundary);
   }
   if (mesh.magnifies) orders.to_own_limit = orders.to_rigid = orders.to_scheme = orders.of_step = std::nullopt;
