@@ -34,6 +34,12 @@ std::string fitted(const std::optional<ObservedOrder>& order) {
   return order ? fmt::format("{:.2f}", order->order) : "-";
 }
 
+// The slope over all levels, settled or not: the tables say which levels these are.
+std::string fitted(const OrderStudy& study, double exact::Error::*quantity) {
+  const Sequence errors = study.errors(quantity);
+  return fitted(observed_order(errors.x, errors.distance));
+}
+
 void print_head(const char* title, const char* first) {
   fmt::print(
       "\n### {}\n\n| {} | u, L2 | order | end traces | order | v, L2 | order | reactions, L1 | order |\n"
@@ -46,9 +52,10 @@ void print_row(const std::string& label, const OrderStudy& study) {
     return fmt::format("{:.2e} ... {:.2e}", study.rows.front().error.*quantity, study.rows.back().error.*quantity);
   };
   fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", label, range(&exact::Error::displacement_l2),
-             fitted(study.displacement_l2), range(&exact::Error::end_trace), fitted(study.end_trace),
-             range(&exact::Error::velocity_l2), fitted(study.velocity_l2), range(&exact::Error::reaction_l1),
-             fitted(study.reaction_l1));
+             fitted(study, &exact::Error::displacement_l2), range(&exact::Error::end_trace),
+             fitted(study, &exact::Error::end_trace), range(&exact::Error::velocity_l2),
+             fitted(study, &exact::Error::velocity_l2), range(&exact::Error::reaction_l1),
+             fitted(study, &exact::Error::reaction_l1));
 }
 
 constexpr Mass masses[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::redistributed};
@@ -103,8 +110,8 @@ void print_steps_head(const char* title) {
 void print_steps(Mass mass, Start start, const OrderStudy& study) {
   const OrderStudy::Row &first = study.rows.front(), &last = study.rows.back();
   fmt::print("| {} | {} | {:.2e} ... {:.2e} | {} | {:.2e} ... {:.2e} | {} |\n", name(mass), name(start),
-             first.error.displacement_l2, last.error.displacement_l2, fitted(study.displacement_l2),
-             first.error.end_trace, last.error.end_trace, fitted(study.end_trace));
+             first.error.displacement_l2, last.error.displacement_l2, fitted(study, &exact::Error::displacement_l2),
+             first.error.end_trace, last.error.end_trace, fitted(study, &exact::Error::end_trace));
 }
 
 constexpr Start starts[] = {Start::first_order, Start::second_order};
