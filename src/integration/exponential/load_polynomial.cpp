@@ -124,10 +124,8 @@ bool LoadInterpolation::fit(double t, double tau, double negligible, LoadPolynom
   if (tail <= std::max({1e-14 * largest_, negligible, smallest})) return true;
   const double slope = 2.0 * coefficients.col(1).stableNorm() / tau;  // of the load, on average over the step
   const double of_time = 4.0 * std::numeric_limits<double>::epsilon() * (t + tau) * slope;
-  const double largest = std::max(largest_, expected_);
-  // Roundings have no decay; what a pole leaves has, and is far larger where they hide it.
-  return (tail <= 1e-11 * largest && (tail <= of_time || tail >= 0.05 * before)) ||
-         (tail <= 1e-6 * largest && tail <= of_time && tail >= 0.5 * before);
+  if (tail <= 1e-11 * std::max(largest_, expected_) && (tail <= of_time || tail >= 0.05 * before)) return true;
+  return coefficients.rightCols(points - 2).stableNorm() <= of_time;  // a straight front
 }
 
 }  // namespace viscobar::exponential

@@ -233,10 +233,11 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
                               {"requested", study.estimate->requested},
                               {"kept", study.estimate->kept}};
   // With this the same study can be run again.
-  Json& asked = json["asked"] = {{"epsilon", study.epsilons}, {"elements", study.elements}, {"steps", Json::array()}};
+  Json& asked =
+      json["asked"] = {{"epsilon", study.epsilons}, {"elements", study.elements}, {"scheme_steps", Json::array()}};
   for (const LimitOrders& of_mesh : result.orders)
-    if (of_mesh.scheme.size() >= asked_steps) asked["steps"].push_back(of_mesh.scheme[asked_steps - 1].step);
-  if (asked["steps"].size() != result.orders.size()) asked["steps"] = Json::array();
+    if (of_mesh.scheme.size() >= asked_steps) asked["scheme_steps"].push_back(of_mesh.scheme[asked_steps - 1].step);
+  if (asked["scheme_steps"].size() != result.orders.size()) asked["scheme_steps"] = Json::array();
   asked["relative_tolerance"] = study.scene.tolerance.relative;
   asked["budget"] = study.budget;
   asked["derivatives"] = study.derivatives;
@@ -261,7 +262,7 @@ std::optional<LimitStudy> limit_asked(const std::string& json) {
   const Json& asked = summary["asked"];
   asked.at("epsilon").get_to(study.epsilons);
   asked.at("elements").get_to(study.elements);
-  asked.at("steps").get_to(study.steps);
+  asked.at("scheme_steps").get_to(study.steps);
   asked.at("relative_tolerance").get_to(study.scene.tolerance.relative);
   asked.at("budget").get_to(study.budget);
   asked.at("derivatives").get_to(study.derivatives);
