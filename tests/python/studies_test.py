@@ -193,12 +193,16 @@ class SchemesTest(Test):
         with self.assertRaisesRegex(ValueError, "no exact solution"):
             viscobar.orders("fully_discrete", thrown(), refine="mesh")
 
-    def test_levels_of_compare_add_orders(self):
-        scene = viscobar.load(SCENES / "period-3.toml")
-        scheme, of_nitsche = viscobar.compare(scene, ["fully_discrete", nitsche], levels=3,
-                                              set={"mesh.elements": 10, "method.step": 0.02, "time.end": 3.0})  # fmt: skip
-        self.assertGreater(of_nitsche["order_displacement_l2"], 0.3)
-        self.assertIsNone(scheme["order_displacement_l2"])  # its powers do not agree
+    def test_levels_of_compare_add_orders_where_they_settle(self):
+        def rows(levels):
+            scene = viscobar.load(SCENES / "period-3.toml")
+            return viscobar.compare(scene, ["fully_discrete", nitsche], levels=levels,
+                                    set={"mesh.elements": 10, "method.step": 0.02, "time.end": 3.0})  # fmt: skip
+
+        # Waves with corners: less than order 1. Two levels show none, and contacts on the grid of (2.8) hide it on four.
+        self.assertGreater(rows(4)[1]["order_displacement_l2"], 0.3)
+        for row in rows(2):
+            self.assertIsNone(row["order_displacement_l2"])
 
     def test_that_give_their_ends_only_are_compared_by_end_traces(self):
         def ends_only(case):
