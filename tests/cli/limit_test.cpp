@@ -285,6 +285,8 @@ TEST_F(Limit, ItsJsonIsASceneThatRunsAgainAndAStudyThatHasTheSameRows) {
   EXPECT_EQ(first["verdict"], again["verdict"]);
   EXPECT_LT(limit("first/limit.json --epsilon 1e-3:1e-4 --budget 0 -o other")["rows"].size(), first["rows"].size());
   EXPECT_EQ(viscobar("run first/limit.json -q -o run").code, 0);
+  std::ofstream(directory_ / "spoiled.json") << "{\"asked\": {\"epsilon\": \"x\"}}";
+  EXPECT_EQ(viscobar("limit spoiled.json").code, 2);
   std::ofstream(directory_ / "other.json") << "{\"rows\": []}";
   const Ended refused = viscobar("run other.json");
   EXPECT_EQ(refused.code, 2);

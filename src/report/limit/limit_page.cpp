@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <stdexcept>
+
 #include "report/limit/limit_tables.hpp"
 #include "results/json.hpp"
 #include "text/number.hpp"
@@ -255,7 +257,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   return json_text(json);
 }
 
-std::optional<LimitStudy> limit_asked(const std::string& json) {
+std::optional<LimitStudy> limit_asked(const std::string& json) try {
   const Json summary = Json::parse(json, nullptr, false);
   if (!summary.is_object() || !summary.contains("asked")) return std::nullopt;
   LimitStudy study;
@@ -267,6 +269,8 @@ std::optional<LimitStudy> limit_asked(const std::string& json) {
   asked.at("budget").get_to(study.budget);
   asked.at("derivatives").get_to(study.derivatives);
   return study;
+} catch (const Json::exception&) {
+  throw std::invalid_argument("what it says under `asked` is not what `viscobar limit` writes there");
 }
 
 std::string limit_csv(const LimitResult& result) {
