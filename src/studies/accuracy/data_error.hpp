@@ -21,7 +21,8 @@ namespace viscobar::accuracy {
 ///
 /// A load f(x,t) of no known structure enters a mesh by its values at nodes. Waves of it that are shorter than two
 /// elements are other waves there, and nothing bounds their mean: they move a bar by F t^2 / (2 rho), and one with a
-/// fixed end by F L^2 / E, at most. They are looked for at three times and between its first breaks and pulses.
+/// fixed end by F L^2 / E without resonance. They are looked for at three times and between its first breaks and
+/// pulses.
 ///
 /// A jump or a kink between nodes costs a part that is as large as its place in the element says: an order does not
 /// show by it, and the error is no less than that of order 1, d / (r - 1), nor than what the difference before promises
