@@ -232,7 +232,8 @@ bool exists(const std::string& name, const std::string& tests) {
   namespace fs = testing_cli::fs;
   const fs::path root = VISCOBAR_SOURCE_DIR;
   if (name.starts_with("viscobar ") || fs::exists(root / name)) return true;
-  if (name.starts_with("measure_")) return fs::exists(root / "tests/measurements" / (name.substr(8) + ".cpp"));
+  if (name.starts_with("measure_"))  // arguments may follow
+    return fs::exists(root / "tests/measurements" / (name.substr(8, name.find(' ') - 8) + ".cpp"));
   const std::size_t last = name.rfind('/') + 1, dot = name.find('.');
   if (name.starts_with("build/release/tests/"))
     return fs::exists(root / "tests" / name.substr(last, name.size() - last - 5));
