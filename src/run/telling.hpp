@@ -1,27 +1,33 @@
 #pragma once
 
-#include <chrono>
+#include <ctime>
 
 #include "run/parts.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
 
-/// Wall time since construction, without what ran outside().
+/// Processor time of this thread since construction, without what ran outside(): other work on the machine does not
+/// count.
 class Stopwatch {
  public:
-  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+  double seconds() const { return now() - start_; }
 
   /// Calls `call` off the clock.
   void outside(auto&& call) {
-    const auto paused = Clock::now();
+    const double paused = now();
     call();
-    start_ += Clock::now() - paused;
+    start_ += now() - paused;
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
+  static double now() {
+    timespec used{};
+    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
+    return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+  }
+
+  double start_ = now();
 };
 
 /// What a part of a run tells its observers, its clock stopped meanwhile if they ask for it, and what it counts on the

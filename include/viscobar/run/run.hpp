@@ -191,7 +191,7 @@ struct Statistics {
   std::size_t event_evaluations = 0;              ///< steps searched for contact changes; 0 without an obstacle
   std::size_t load_evaluations = 0;               ///< 0 without a load
   std::size_t events = 0;                         ///< contact changes
-  double integration_seconds = 0.0;               ///< the method alone, observers' time not counted
+  double integration_seconds = 0.0;               ///< processor time of the method alone, without its observers
   double reached_time = 0.0;                      ///< how far it came
   bool completed = false;                         ///< whether to the last output time
   double max_penetration = 0.0;                   ///< max over time and contacts, >= 0

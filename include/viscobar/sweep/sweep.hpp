@@ -120,7 +120,7 @@ struct SweepRow {
   std::vector<double> chosen{};  ///< likewise, in the order of chosen_columns(); empty where no error is to be kept
   std::vector<double> derivatives{};  ///< likewise, as SweepPlan::derivatives() names them; empty: all NaN
   double seconds = 0.0;               ///< wall clock of the whole case
-  double integration_seconds = 0.0;   ///< of the method alone
+  double integration_seconds = 0.0;   ///< processor time of the method alone
 
   /// The value of a quantity.
   double& operator[](Quantity quantity) { return values[static_cast<std::size_t>(quantity)]; }
