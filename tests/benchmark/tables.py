@@ -1,6 +1,7 @@
 """Markdown tables of docs/speed.md, docs/internals/scheme-speed.md and docs/internals/design.md from the results of scripts/benchmark.
 
-Usage: tables.py DIRECTORY, which holds benchmark.json, process.json and, where SciPy is installed, scipy.json.
+Usage: tables.py DIRECTORY, which holds benchmark.json, process.json and, where SciPy is installed, scipy.json; or
+tables.py DIRECTORY own-sundials, which holds release.json and own-sundials.json.
 """
 import json
 import math
@@ -135,8 +136,33 @@ def process(path):
            "scene, files and report", "the program's own clock, waits included"], rows)
 
 
-def main(directory):
+def own_sundials(directory):
+    """Stock CVODE (the better of its two forms) and cvode, with Debian's SUNDIALS and with one compiled with -O3."""
+    builds = [medians(directory / name) for name in ("release.json", "own-sundials.json")]
+    rows = []
+    for key in builds[0]:
+        parts = key.split("/")
+        if parts[:2] == ["integrators", "cvode_local"]:
+            names = [f"integrators/{name}/{parts[2]}/{parts[3]}" for name in ("stock_restart", "stock_plain")]
+            label, both = f"J = {parts[2]}, 1e-{parts[3]}", key.replace("local", "global")
+        elif parts[:2] == ["policy", "cvode"]:
+            names = [f"policy/{name}/{parts[2]}" for name in ("restart", "across")]
+            label, both = f"{parts[2]}, T = 6, J = 27, 1e-8", None
+        else:
+            continue
+        stock = [min(build[name]["ms"] for name in names) for build in builds]
+        own = [build[key]["ms"] for build in builds]
+        rows.append([label, *stock, *own, *(a / b for a, b in zip(stock, own)),
+                     *(a / build[both]["ms"] if both else "" for a, build in zip(stock, builds))])
+    table("Stock CVODE beside cvode, SUNDIALS as Debian compiles it and with -O3: ms",
+          ["scene", "stock, Debian's", "stock, -O3", "cvode (local), Debian's", "cvode (local), -O3", "stock / cvode local, Debian's",
+           "stock / cvode local, -O3", "stock / cvode global, Debian's", "stock / cvode global, -O3"], rows)
+
+
+def main(directory, what=None):
     directory = pathlib.Path(directory)
+    if what == "own-sundials":
+        return own_sundials(directory)
     results = medians(directory / "benchmark.json")
     for section in (schemes, integrators, own_methods, policy):
         section(results)

@@ -175,6 +175,8 @@ constexpr struct {
     {"scripts/demo", "tests/package/newcomer.bash"},
     {"scripts/test", "is what runs the tests"},
     {"scripts/benchmark", "takes minutes"},
+    {"scripts/sundials", "loads a source package"},
+    {"cmake --preset release -DSUNDIALS_ROOT", "scripts/benchmark --sundials"},
     {"scripts/coverage", "takes minutes"},
     {"scripts/gallery", "takes minutes"},
     {"scripts/fuzz", "takes minutes"},
