@@ -1,6 +1,6 @@
 # cpack -G DEB: the program as the Debian package viscobar, with the libraries it is linked to as its only dependencies, and the
 # static library with its headers and what find_package and pkg-config need as libviscobar-dev. For other
-# machines than this one configure with the preset "package", which does not tune the code for the machine it is built on.
+# machines than this one configure with the preset "package": it holds the program for each level of x86-64.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME viscobar)
 # Who builds a package maintains it, as with Debian's own tools: DEBFULLNAME and DEBEMAIL say who that is.
@@ -18,8 +18,8 @@ set(CPACK_PACKAGE_CONTACT "${VISCOBAR_PACKAGE_CONTACT}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "motion of a viscoelastic bar against rigid obstacles")
 set(CPACK_PACKAGE_DESCRIPTION "Integrates the penalised semi-discrete bar by SUNDIALS' CVODE and IDA with located
 contact changes, or the contact problem by fully discrete schemes, and compares them.")
-if(VISCOBAR_NATIVE)
-  string(APPEND CPACK_PACKAGE_DESCRIPTION "\n.\nThis package runs on machines like the one that built it only (VISCOBAR_NATIVE).")
+if(NOT level STREQUAL "x86-64")
+  string(APPEND CPACK_PACKAGE_DESCRIPTION "\n.\nThis package runs on processors of the level ${level_name} only (VISCOBAR_LEVEL).")
 endif()
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)

@@ -16,6 +16,10 @@
 docs/python.md has a tutorial.
 """
 
+from ._level import folder
+
+__path__.insert(0, folder(__path__[0]))  # _core for this processor
+
 from ._core import Case
 from ._core import methods as _methods
 from ._core import version as __version__

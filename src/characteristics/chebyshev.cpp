@@ -59,7 +59,7 @@ double zero(const Chebyshev& p, double from, double to) {
       from = z, low = value;
     else
       to = z, high = value;
-    // What lies a rounding beside a zero shows that it is one.
+    // A value of the other sign a rounding beside it shows that it is a zero.
     const double beside = value > 0.0 ? std::min(to, from + 2.0 * rounding) : std::max(from, to - 2.0 * rounding);
     if (beside <= from || beside >= to) continue;
     const double other = p(beside);

@@ -30,7 +30,7 @@ void DrivenEnd::enter(std::size_t passage) {
 void DrivenEnd::fit(const TimeFunction& f, const NextBreak& breaks, const char* what, Piecewise& fitted) {
   const double begin = start_ + passage_ * static_cast<double>(now_), end = begin + passage_;
   breaks_.clear();
-  // What breaks twice within so little breaks once.
+  // Two breaks within so little are one.
   const double apart = 64.0 * rounding * std::abs(end);
   if (breaks)
     for (auto at = breaks(begin, end); at && *at < end; at = breaks(*at + apart, end)) {

@@ -8,7 +8,7 @@
 
 namespace viscobar::characteristics {
 
-/// What an end is given, a spring apart: a force F, a dashpot c, and the velocity V of what holds or bounds it. With Z
+/// Input of an end, a spring apart: a force F, a dashpot c, and the velocity V of what holds or bounds it. With Z
 /// = rho c the impedance of the bar and w what arrives, an end that is free to move has Z (v - w) = F - c v,
 ///
 ///     v = (Z w + F) / (Z + c),     and, in contact or fixed,     v = V,   R = (Z + c) (V - (Z w + F) / (Z + c)).
@@ -20,13 +20,13 @@ class DrivenEnd {
   /// `impedance` is rho c, `passage` is L / c, `start` the time of passage 0. Refers to `input`.
   DrivenEnd(const EndInput& input, double impedance, double passage, double start);
 
-  /// Whether it is given anything.
+  /// True if the end has an input.
   bool active() const { return active_; }
   /// To be called for each passage. @throws LoadError
   void enter(std::size_t passage);
   /// w_r of `arriving`; valid until the next call.
   const Piecewise& relative(const Piecewise& arriving);
-  /// What it sends while `arriving` arrives, if w_r is answered by `moved`.
+  /// Sets `sent` to the wave it sends while `arriving` arrives, if w_r is answered by `moved`.
   void send(const Piecewise& moved, const Piecewise& arriving, Piecewise& sent);
 
   double force_factor() const { return factor_; }  ///< (Z + c) / Z
@@ -35,13 +35,13 @@ class DrivenEnd {
   bool moves() const { return input_.motion.has_value(); }
   double error() const { return error_; }  ///< of F and V over the passages, as velocities
 
-  /// What it does from the beginning of the passage to `until`.
+  /// Its energies from the beginning of the passage to `until`.
   struct Flow {
     double work = 0.0, dissipated = 0.0;
   };
   Flow flow(const End& end, const Piecewise& moved, double until) const;
 
-  /// What it has done since the start.
+  /// Its energies and range since the start.
   struct Account : Flow {
     double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;  // u, where it moves
     static void members(auto& account, auto&& each) {

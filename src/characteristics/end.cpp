@@ -95,7 +95,7 @@ void End::meet(const Piecewise& arriving, std::size_t i, double end, const Scale
   const Piecewise::Piece& piece = arriving[i];
   const Chebyshev whole = sign_ * arriving.polynomial(i);
   const double band = roundings * scale.velocity, touch = roundings * scale.place;
-  // What is sent lags behind by less than the shortest piece, where it begins with one that is shorter.
+  // The sent wave lags behind by less than the shortest piece, where it begins with one that is shorter.
   double begin = sent.end();
   while (begin < end) {
     const double half = 0.5 * (end - begin);
@@ -110,7 +110,8 @@ void End::meet(const Piecewise& arriving, std::size_t i, double end, const Scale
       z = first_descent(-p, band);
     } else {
       const Chebyshev path = (half * passage_) * p.antiderivative() + clearance;
-      // What touches and is pressed closes where the pressure begins: the path tells no more than that it falls.
+      // A contact that touches and is pressed closes where the pressure begins: the path tells no more than that it
+      // falls.
       if (clearance <= touch)
         if (const auto pressed = first_descent(p, band); pressed && path(*pressed) <= touch) z = pressed;
       if (!z) z = first_descent(path, touch);

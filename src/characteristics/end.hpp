@@ -10,7 +10,7 @@
 
 namespace viscobar::characteristics {
 
-/// What a contact change is in a passage: s is its part of it.
+/// Contact change at the part s of a passage.
 struct Turn {
   double s;
   Change change;
@@ -37,7 +37,7 @@ class End {
   struct Scale {
     double place, velocity;
   };
-  /// What it sends while `arriving` arrives, up to s = until.
+  /// Sets `sent` to the wave it sends while `arriving` arrives, up to s = until.
   void answer(const Piecewise& arriving, double until, const Scale& scale, Piecewise& sent);
 
   /// Displacement, of an obstacle's end its clearance s u + gap, as between two passages.
@@ -65,7 +65,7 @@ class End {
  private:
   enum class Kind { free, fixed, obstacle };
 
-  // What it has borne, away from an obstacle, and the range of its places.
+  // Impulse and largest reaction, away from an obstacle, and the range of its places.
   struct Borne {
     double impulse = 0.0, max_reaction = 0.0;
     double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;

@@ -38,7 +38,7 @@ class GeneralGain final : public LoadGain {
  public:
   GeneralGain(const GeneralLoad& load, const Frame& frame, double passages)
       : density_(load.density), frame_(frame), breaks_of_density_(load.breaks, frame) {
-    // What is nothing beside the load at other times need not be known to its own rounding.
+    // A load that is small beside its values at other times need not be known to its own rounding.
     constexpr int samples = 300;
     double largest = 0.0;
     for (int k = 0; k < samples; ++k) {
@@ -73,7 +73,7 @@ class GeneralGain final : public LoadGain {
     largest_ = std::max(largest_, std::abs(value));
     return value;
   }
-  // What roundings of the time do to it counts like its own.
+  // Errors by roundings of the time count like its own.
   double argument() const { return static_cast<double>(passage_) + 1.0 + std::abs(frame_.start) / frame_.passage; }
   double size() const override { return sums * frame_.factor * std::max(small_, largest_ + argument() * steepest_); }
 

@@ -24,38 +24,38 @@ class RoughLoad : public LoadError {
   using LoadError::LoadError;
 };
 
-/// What waves gain from a load on their way through the bar: a wave that has come the way l, in lengths of the bar, to
+/// Gain of waves from a load on their way through the bar: a wave that has come the way l, in lengths of the bar, to
 /// the place x at the time tau, in passages, has gained
 ///
 ///     L / (rho c) int_0^l f(x -+ r, tau - r) dr.
 class LoadGain {
  public:
-  /// Of one wave on its way.
+  /// Path of one wave.
   struct Way {
     double place, time, length;
     bool rightward;
   };
 
-  /// Of waves that began at passage 0, at `start`, or before it without a load, in a run up to `end`.
+  /// Gain of waves that began at passage 0, at `start`, or before it without a load, in a run up to `end`.
   static std::unique_ptr<LoadGain> of(const Load& load, const Bar& bar, double passage, double start, double end);
   virtual ~LoadGain() = default;
   LoadGain(const LoadGain&) = delete;
   LoadGain& operator=(const LoadGain&) = delete;
 
-  /// Whether gains are the same at all times, once waves have come from the other end: waves are then told without
+  /// True if gains are the same at all times, once waves have come from the other end: waves are then told without
   /// them, and gain at once when they arrive what they gain on the whole way.
   virtual bool steady() const { return false; }
   /// To be called for passage after passage, or passage k - 1 before passage k.
   void enter(std::size_t passage);
-  /// Of what arrives in the present passage at the right end, and at the left.
+  /// Gains of the waves that arrive in the present passage at the right end, and at the left.
   const Piecewise& arriving_right() const { return arriving_right_; }
   const Piecewise& arriving_left() const { return arriving_left_; }
-  /// Of what is on its way at s of the present passage, by place. Valid until the next call.
+  /// Computes the gains of waves under way at s of the present passage, by place. Valid until the next call.
   virtual void look(double s);
   const Piecewise& rightward() const { return rightward_; }
   const Piecewise& leftward() const { return leftward_; }
 
-  /// Of the representations, as velocities: the sum over the passages entered, and the largest that was looked at.
+  /// Approximation errors, as velocities: the sum over the passages entered, and the largest that was looked at.
   struct Errors {
     double arrivals = 0.0, looked_at = 0.0;
     static void members(auto& errors, auto&& each) { each(errors.arrivals, errors.looked_at); }
@@ -126,7 +126,7 @@ class Breaks {
   std::vector<double> times_;
 };
 
-// What waves gain from a load of which nothing is known but its values, in a run of so many passages.
+// Gain from a load known by its values alone, in a run of so many passages.
 std::unique_ptr<LoadGain> general_gain(const GeneralLoad& load, const Frame& frame, double passages);
 
 }  // namespace viscobar::characteristics

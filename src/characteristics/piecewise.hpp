@@ -34,7 +34,7 @@ class Piecewise {
   void clear();
   /// The next piece, from end() on: `p` is written on [from, to]. A piece that is too short is left to its neighbours.
   void append(double end, double from, double to, const Chebyshev& p);
-  /// Of which `p` is written on the interval of a piece.
+  /// The same with `p` written on the interval of a piece.
   void append(double end, const Piece& on, const Chebyshev& p) { append(end, on.from(), on.to(), p); }
 
   bool empty() const { return pieces_.empty(); }

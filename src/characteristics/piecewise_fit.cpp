@@ -97,7 +97,7 @@ bool PiecewiseFit::fits(double begin, double end, double tolerance) {
       fit_error_ = std::max(fit_error_, std::abs(fit_((sample.s - middle) / (0.5 * width)) - sample.value));
     };
     for (const double part : {0.0214, 0.3141, 0.7071, 0.9732}) check(sample(begin + part * width));
-    // What breaks beyond the last of the points shows at the ends.
+    // A break beyond the last of the points shows at the ends.
     const double inside = std::min(apart_, 0.01 * width);
     check(sample(begin + inside));
     check(sample(end - inside));

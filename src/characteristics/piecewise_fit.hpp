@@ -31,9 +31,9 @@ class PiecewiseFit {
     std::span<const double> guards = {};
     /// f is evaluated at least so far away from them, from 0 and 1, but in pieces of a hundred times that or less.
     double apart = 64.0 * std::numeric_limits<double>::epsilon();
-    /// Of what is smooth by its making, no place is looked at for features that the halving may have missed.
+    /// f is smooth by its making: no place is looked at for features that the halving may have missed.
     bool smooth = false;
-    /// What f is a sum of: its roundings are those of that.
+    /// Size of the terms that f is a sum of: its roundings are theirs.
     double size = 0.0;
     /// How large its argument is where it is evaluated, in units of s: its roundings are those of that.
     double argument = 1.0;
@@ -42,7 +42,7 @@ class PiecewiseFit {
   const Piecewise& of(const std::function<double(double)>& f, const Options& options);
   const Piecewise& of(const std::function<double(double)>& f) { return of(f, Options()); }
 
-  /// Of the last: the largest difference seen, and an integral around breaks.
+  /// Error of the last result: the largest difference seen, and an integral around breaks.
   double error() const { return error_ + lost_; }
   std::size_t evaluations() const { return evaluations_; }  ///< of all
 

@@ -248,7 +248,7 @@ namespace viscobar {
 
 namespace {
 
-// Of a look ahead: a few tenths of a second.
+// Work of a look ahead: a few tenths of a second.
 constexpr std::size_t pieces_awaited = 10'000;
 constexpr double work_awaited = 1e6;  // in pieces that are carried through a passage
 

@@ -31,7 +31,7 @@ InitialData initial_data(const Scene& scene);
 /// The bar at one time, by place in lengths of it: the waves on their way through it, and what they have gained.
 class Field {
  public:
-  /// What the two ends sent in this passage, up to s, and in the one before; what a load has added since then.
+  /// Waves that the two ends sent in this passage, up to s, and in the one before; the load's gain since then.
   struct Sent {
     const Piecewise &left_now, &left_before, &right_now, &right_before;
     const Piecewise *rightward_gain, *leftward_gain;  ///< null without a load
@@ -60,7 +60,7 @@ class Field {
   }
 
  private:
-  // What an end has sent, by the way l that it has come: sent at s - l of this passage, or of the one before.
+  // The wave that an end has sent, by the way l that it has come: sent at s - l of this passage, or of the one before.
   class Train {
    public:
     Train(const Piecewise& now, const Piecewise& before, double s)
@@ -93,7 +93,7 @@ class Run {
 
   PartEnd operator()();
 
-  /// What a checkpoint holds: the state at the beginning of its passage, and how much of the passage has been told.
+  /// Content of a checkpoint: the state at the beginning of its passage, and how much of the passage has been told.
   static void members(auto& run, auto&& each) {
     each(run.nodes_, run.k_, run.left_, run.right_, run.begin_, run.gain_errors_begin_, run.initial_moment_, run.told_,
          run.largest_);
@@ -117,7 +117,7 @@ class Run {
 
     static void members(auto& end, auto&& each) { each(end.sent_before, end.begin, end.simplified); }
 
-    // What it sends against what holds or bounds it, by which it moves.
+    // The wave it sends relative to its wall or obstacle, by which it moves.
     const Piecewise& moved() const { return driven.active() ? moved_if_driven : sent; }
     double displacement_at(double s, double t) const {
       Cursor along(moved());
@@ -134,13 +134,13 @@ class Run {
   };
 
   double time_at(double s) const { return times_.front() + passage_ * (static_cast<double>(k_) + s); }
-  // Of a time in the present passage.
+  // Part of the present passage that has passed at t.
   double part_at(double t) const { return std::fma(-static_cast<double>(k_), passage_, t - times_.front()) / passage_; }
   bool last() const { return k_ == last_passage_; }
 
   Statistics reached();
 
-  // Of R = impedance * (what arrives), over the passages so far.
+  // Account of R = impedance * (arriving wave), over the passages so far.
   void account(EndAccount& account, const BarEnd& end) const;
   ContactPeak peak_of(const BarEnd& end, const ContactPeak& latest) const {
     return {impedance_ * end.driven.force_factor() * latest.reaction,
@@ -158,7 +158,7 @@ class Run {
     return carried_ + (load_ ? work_of_evaluation * static_cast<double>(load_->evaluations()) : 0.0);
   }
 
-  // What both ends send in passage k.
+  // Computes the waves that both ends send in passage k.
   void enter();
   void answer(BarEnd& end, const Piecewise& sent, const Piecewise* gain, double until);
 

@@ -10,7 +10,7 @@ namespace viscobar::cli {
 
 namespace {
 
-/// What completes the values of an option in a shell, by their kind.
+/// Completions of the values of an option in a shell, by their kind.
 struct Completions {
   std::string_view keys, scene, directory, file, other;
 
@@ -107,7 +107,7 @@ complete -F _viscobar viscobar
                      fmt::arg("cases", cases));
 }
 
-// Of fish: a quoted word, in which a backslash and a quote stand for themselves.
+// A word quoted for fish, in which a backslash and a quote stand for themselves.
 std::string fish_quoted(const std::string& text) {
   return "'" + std::regex_replace(text, std::regex(R"(['\\])"), R"(\$&)") + "'";
 }

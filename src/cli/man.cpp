@@ -63,6 +63,10 @@ that are not of a result are never touched.
 .TP
 .B NO_COLOR
 Where set and not empty, messages have no colours on a terminal either.
+.TP
+.B VISCOBAR_LEVEL
+The level of x86\-64 (x86\-64, x86\-64\-v2, x86\-64\-v3, x86\-64\-v4) that the program may use; else the highest that
+the processor has and the program was built for.
 .SH EXIT STATUS
 .TP
 .B 0

@@ -140,7 +140,7 @@ void MessageOptions::add_to(CLI::App& command) {
 void MessageOptions::begin(int argc, char** argv) const {
   the_log.verbose = verbose;
   if (log.empty()) return;
-  // Of a pipe that nobody reads this is an error at once.
+  // A pipe that nobody reads gives an error at once.
   const int descriptor = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_NONBLOCK | O_CLOEXEC, 0666);
   if (descriptor < 0) throw IoError(log, "cannot be opened: " + std::generic_category().message(errno));
   check_log(descriptor, log);

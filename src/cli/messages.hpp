@@ -7,7 +7,7 @@
 
 namespace viscobar::cli {
 
-/// What every command understands: --log FILE and -v.
+/// Options of every command: --log FILE and -v.
 struct MessageOptions {
   std::string log;
   bool verbose = false;
@@ -50,7 +50,7 @@ class StatusLine {
 /// How far the work is, on the terminal, a few times a second once it has taken one.
 class Progress {
  public:
-  /// Whether it is time for another line.
+  /// True if it is time for another line.
   bool due();
   /// The line, and the time left, which follows from the share that is done.
   void show(const std::string& what, double share);

@@ -141,13 +141,13 @@ double Derivative::displacement(std::size_t end, std::span<const double> u) cons
   return u[end] + system_.origin_at(end) + lift_[0].of(system_.bar().is_right(end));
 }
 
-// Of the lift, as stretch() is of u, over the length of the element.
+// The stretch of the lift, as stretch() is of u, over the length of the element.
 double Derivative::lift_stretch(std::size_t end, const Lift& lift) const {
   const double strain = (lift.right - lift.left) / system_.bar().mesh().length;
   return system_.bar().is_right(end) ? strain : -strain;
 }
 
-// Of what the matrices change by.
+// Stress of the lift by the derivatives of the coefficients.
 double Derivative::lift_stress(const Lift& lift, const Lift& rate) const {
   return (modulus_ * (lift.right - lift.left) + viscosity_ * (rate.right - rate.left)) / system_.bar().mesh().length;
 }
@@ -193,7 +193,7 @@ void Derivative::drive(const Moment& at) {
   motion_.add_force(added_, rates);
 }
 
-// What the lift is to the strain of the bar and to its inertia; K lift is zero but in the rows of ends.
+// Adds the lift's strain and inertia; K lift is zero but in the rows of ends.
 void Derivative::add_frame() {
   const std::size_t n = added_.size();
   const BarSystem& bar = system_.bar();
@@ -239,7 +239,7 @@ double Derivative::drive_row(std::size_t end, double t, double u, double u_next,
 
 double Derivative::reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate) {
   if (!system_.closed(i)) return 0.0;
-  // What its row lacks; the inertia of the neighbours, of the bar itself, is in the added force.
+  // The remainder of its row; the inertia of the neighbours, of the bar itself, is in the added force.
   if (system_.holds(i)) return motion_.holding_force(i, at.t, s, rate);
   const std::size_t node = system_.contact(i).unknown;
   const PenaltyLaw& law = system_.law(i);
@@ -306,7 +306,7 @@ double Derivative::momentum_loss(std::size_t end, const Moment& at, std::span<co
 double Derivative::energy(const Moment& at, std::span<const double> s, std::span<const double> rate) const {
   const BarSystem& bar = system_.bar();
   const Mesh& mesh = bar.mesh();
-  // Of the bar itself, over all nodes.
+  // Fields of the bar itself, over all nodes.
   std::vector<double> u(mesh.nodes()), w(u), of_u(u), of_w(u);
   bar.expand_displacement(at.u, u);
   const std::span<const double> origin = system_.origin();

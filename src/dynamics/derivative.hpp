@@ -37,7 +37,7 @@ class UnitStiffness {
     out[n - 1] = before + ground_[1] * here;
   }
 
-  /// What is to be added for displacements `left` and `right` of the fixed ends.
+  /// Terms of the displacements `left` and `right` of the fixed ends.
   template <class Out>
   void add_walls(double left, double right, Out&& out) const {
     out[0] -= ground_[0] * left;
@@ -100,22 +100,22 @@ class Derivative {
   const BarSystem& data() const { return data_; }  ///< its gaps, walls and initial state
   PenalisedSystem& motion() { return motion_; }    ///< of s
 
-  /// What s is large or small beside in a run up to `end`, over the natural displacement of the bar: what its own data
-  /// and gaps make, and how much of itself changes that the bar and its contacts are made of.
+  /// Reference scale of s in a run up to `end`, over the natural displacement of the bar: from its own data
+  /// and gaps, and the relative change of the coefficients of the bar and its contacts.
   double relative_scale(double end) const;
 
   /// To be called where a leg begins.
   void begin_leg(double t, double end) { motion_.begin_leg(t, end); }
   /// Closes the contacts of the bar, and no others.
   void take_contacts();
-  /// What the matrices of the bar change by, its contacts apart.
+  /// Derivatives of the matrices of the bar, its contacts apart.
   struct MatrixRates {
     double inertia;                 ///< of rho M, relative to it
     double viscosity, modulus;      ///< of eta K and of E K: so many times K
     std::span<const Mount> mounts;  ///< of springs and dashpots
   };
   MatrixRates matrix_rates() const { return {inertia_, viscosity_, modulus_, mounts_}; }
-  /// Whether s has a load, or the frame an added force, that depends on time.
+  /// True if s has a load, or the frame an added force, that depends on time.
   bool load_varies() const { return motion_.load_varies() || (driven_ && system_.bar().moving()); }
   /// Sets the added force for the state of the bar. O(n)
   void drive(const Moment& at);
@@ -126,26 +126,28 @@ class Derivative {
   /// The added force in the row of a massless end alone, for values of the bar there and at the neighbour.
   double drive_row(std::size_t end, double t, double u, double u_next, double w, double w_next) const;
 
-  /// Of the reaction of contact i in the direction of u, the bar being at the moment driven by last.
+  /// Derivative of the reaction of contact i in the direction of u, the bar being at the moment driven by last.
   double reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate);
-  /// Of the reaction whose zero opens closed contact i: the same where it holds(), else that of row_reaction().
+  /// Derivative of the reaction whose zero opens closed contact i: the same where it holds(), else that of
+  /// row_reaction().
   double opening_reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate);
   /// Displacements, velocities and accelerations at all nodes.
   struct Nodal {
     std::span<const double> u, v, a;
   };
-  /// Of the force that holds a fixed end (see BarSystem), from the values of the bar itself and of s. O(1)
+  /// Derivative of the force that holds a fixed end (see BarSystem), from the values of the bar itself and of s. O(1)
   double holding_force(bool right, double t, const Nodal& bar, const Nodal& s) const;
-  /// Of (rho M v + eta K u) in the row of an end, and of what that changes by beside the impulse, (E K u - M f): the
+  /// Derivatives of (rho M v + eta K u) in the row of an end, and of its rate without the reaction, (E K u - M f): the
   /// impulse of the obstacles on that end is the one plus the integral of the other.
   double momentum(std::size_t end, const Moment& at, std::span<const double> s, std::span<const double> rate) const;
   double momentum_loss(std::size_t end, const Moment& at, std::span<const double> s);
-  /// What of the latter is linear in (u, s): for their values in the row and what they are more than beside it.
+  /// The part of the latter that is linear in (u, s), by their values in the row and their differences to the row
+  /// beside.
   double elastic_row(std::size_t end, double u, double u_stretch, double s, double s_stretch) const;
-  /// Of the displacements and velocities of the bar itself, at all nodes.
+  /// Displacements and velocities of the bar itself, at all nodes.
   void expand(double t, std::span<const double> s, std::span<const double> rate, std::span<double> u,
               std::span<double> v) const;
-  /// Of kinetic, elastic and contact energy.
+  /// Derivative of the kinetic, elastic and contact energy.
   double energy(const Moment& at, std::span<const double> s, std::span<const double> rate) const;
 
  private:
@@ -153,7 +155,7 @@ class Derivative {
     double stiffness, damping;
   };
   void add_frame();
-  // Of the frame, by the end's entry among the unknowns.
+  // Terms of the frame, by the end's entry among the unknowns.
   double lift_inertia(std::size_t unknown, const Lift& lift) const;
   double lift_stretch(std::size_t end, const Lift& lift) const;
   double lift_stress(const Lift& lift, const Lift& rate) const;

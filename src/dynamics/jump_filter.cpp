@@ -17,7 +17,7 @@ double share_of(double mu) {
   return x * x * x * x * (35.0 + x * (-84.0 + x * (70.0 - 20.0 * x)));
 }
 
-// Of G on [0, top], by interpolation at Chebyshev's points.
+// Coefficients of G on [0, top], by interpolation at Chebyshev's points.
 std::vector<double> chebyshev(double top) {
   // Points lie as densely at mu = 1 whatever the top.
   const auto count = static_cast<std::size_t>(25.0 * std::sqrt(top / 8.2));
@@ -107,7 +107,7 @@ void JumpFilter::damping(std::span<const double> x, std::span<double> out) const
   for (const Mount& mount : bar_.mounts()) out[mount.unknown] += mount.dashpot * x[mount.unknown];
 }
 
-// Whether what a force would be answered with is negligible. Fourth differences of the acceleration, 16 sin^4 of half
+// True if what a force would be answered with is negligible. Fourth differences of the acceleration, 16 sin^4 of half
 // the phase, are large for high modes alone, and what they leave of G is 1/2 at most.
 bool JumpFilter::is_smooth(std::span<const double> force, double negligible) {
   std::ranges::copy(force, next_.begin());

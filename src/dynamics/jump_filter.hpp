@@ -33,7 +33,7 @@ class JumpFilter {
   struct Taken {
     double energy = 0.0, work = 0.0;
   };
-  /// What differs by less than these need not be put right.
+  /// Differences below these need no correction.
   struct Negligible {
     double displacement, velocity;
   };
@@ -81,7 +81,7 @@ class JumpFilter {
   std::optional<std::array<bool, 2>> held_;
   std::vector<double> first_, second_, next_, start_, force_, rate_;  // scratch
   std::array<double, 2> added_stiffness_{};                           // to springs of the ends
-  // Of the last put(): its jumps, C v in them, its shifts, and what dashpots answered.
+  // Results of the last put(): its jumps, C v in them, its shifts, and the answers of dashpots.
   std::vector<double> jump_force_, jump_rate_, shift_u_, shift_w_, impulse_;
   double part_ = 1.0;  // of the former, short of an obstacle
   bool shifted_ = false;

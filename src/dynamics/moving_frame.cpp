@@ -11,7 +11,7 @@
 #include "dynamics/finite_load.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 
-// What a BarSystem does in a frame that moves with what holds its ends, or has come to bound them.
+// BarSystem in a frame that moves with the walls of its ends, or with the obstacles that they have met.
 
 namespace viscobar {
 
@@ -86,7 +86,7 @@ std::optional<Lift> BarSystem::kink(double t, double end) const {
   if (!moving()) return std::nullopt;
   const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end));
   const double before = t > 0.0 ? std::max(t - rounding, 0.0) : 0.0, after = t + rounding;
-  // What a smooth motion does between the two sides is less.
+  // A smooth motion changes less between the two sides.
   const auto jumps = [&](double Lift::*side, int derivative) {
     const double early = lift(before, derivative).*side, late = lift(after, derivative).*side;
     const double rate = std::abs(lift(before, derivative + 1).*side) + std::abs(lift(after, derivative + 1).*side);

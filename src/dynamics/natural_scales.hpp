@@ -4,14 +4,14 @@
 
 namespace viscobar {
 
-/// What the numbers of a scene are large or small beside.
+/// Reference scales of a scene.
 struct NaturalScales {
   double time = 0.0;          ///< L / c, c = sqrt(E / rho)
   double displacement = 0.0;  ///< U
   double velocity() const { return displacement / time; }
 };
 
-/// Of the initial data and the load, with tau = min(L / c, end):
+/// Scales of the initial data and the load, with tau = min(L / c, end):
 ///
 ///     U = max( max |u_0 - its mean|, tau max |u_1|, tau^2 max_x |f| / rho, tau |F| / (rho c), |d| ),
 ///

@@ -318,7 +318,7 @@ double PenalisedSystem::row_reaction(std::size_t i, double t, std::span<const do
   return -stress / bar_.spacing_at(node) - sign * load(node, t);
 }
 
-// Of all contacts that hold nodes with mass, whatever their number, by one solve.
+// One solve serves all contacts that hold nodes with mass.
 void PenalisedSystem::accelerate_held(double t, std::span<const double> u, std::span<const double> w) {
   acceleration_.resize(size());
   force(t, u, w, acceleration_);

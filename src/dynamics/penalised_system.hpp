@@ -39,7 +39,7 @@ class PenalisedSystem {
   const Contact& contact(std::size_t i) const { return bar_.contacts()[i]; }  ///< 0 <= i < N
   const PenaltyLaw& law(std::size_t i) const { return laws_[i]; }             ///< of contact i
   bool closed(std::size_t i) const { return closed_[i] != 0; }                ///< whether contact i acts
-  /// Whether the obstacle of contact i moves in the frame: it does not act then, and is looked for by gap(t) alone.
+  /// True if the obstacle of contact i moves in the frame: it does not act then, and is looked for by gap(t) alone.
   bool moves(std::size_t i) const { return bar_.moves(contact(i)); }
   void set_closed(std::size_t i, bool closed);  ///< from here on
   /// Changes whenever a contact does: a factor of the dynamic stiffness is valid for one revision.
@@ -49,9 +49,9 @@ class PenalisedSystem {
   /// together, so that the penetration keeps all its digits. `u` is changed to match, unless it is empty; whatever
   /// takes a u below expects it so. A node is measured from one obstacle only, the first.
   void measure_from_obstacle(std::size_t i, std::span<double> u);
-  /// Whether that of contact i is.
+  /// True if that of contact i is.
   bool measured_from_obstacle(std::size_t i) const { return measured_[i] != 0; }
-  /// What is to be added to u to have displacements: -s gap at nodes measured from their obstacle, 0 at others; empty
+  /// Added to u it gives displacements: -s gap at nodes measured from their obstacle, 0 at others; empty
   /// where there are none.
   std::span<const double> origin() const { return origin_; }
   double origin_at(std::size_t unknown) const { return origin_.empty() ? 0.0 : origin_[unknown]; }  ///< of one node
@@ -66,7 +66,7 @@ class PenalisedSystem {
   double clearance(std::size_t i, std::span<const double> u) const {
     return contact(i).sign * u[contact(i).unknown] + offsets_[i];
   }
-  /// What decides whether contact i is closed: the sign of p = linear part of some entries of (u, w) + offset(t),
+  /// Indicator of contact i. It is closed by the sign of p = linear part of some entries of (u, w) + offset(t),
   /// negative where it should be closed. p is a displacement:
   ///
   ///     a node with inertia or viscosity    its clearance
@@ -76,7 +76,7 @@ class PenalisedSystem {
   ///     an undamped massless node           the same in either state, its clearance while it is open: its own
   ///                                         displacement shrinks by 1 + k h/E as it closes, this one passes smoothly
   std::vector<std::size_t> indicator_entries(std::size_t i) const;
-  /// Of those entries, in their order: what p takes of their values, and where it needs_rates() of the rates of the
+  /// Weights in p of the values of those entries, in their order, and where it needs_rates() of the rates of the
   /// last two.
   struct IndicatorWeights {
     std::array<double, 3> values{};
@@ -92,25 +92,25 @@ class PenalisedSystem {
     }
   };
   IndicatorWeights indicator_weights(std::size_t i);
-  /// Whether p has accelerations: of a rigid contact with mass, while it is closed.
+  /// True if p has accelerations: of a rigid contact with mass, while it is closed.
   bool indicator_needs_rates(std::size_t i) const { return collides(i) && closed(i); }
   double indicator_offset(std::size_t i, double t);  ///< the rest: gap, and load where the row asks for it
   /// Penetration of a closed contact per -p.
   double penetration_share(std::size_t i) const;
   /// omega = sqrt(k / m) of the node on its spring alone, m = rho M_ii; 0 without mass, where nothing oscillates.
   double contact_rate(std::size_t i) const { return rates_[i]; }
-  /// Whether a step of that length passes over the spring of contact i, omega times it > 10: formulas of order five
+  /// True if a step of that length passes over the spring of contact i, omega times it > 10: formulas of order five
   /// accept one only where the oscillation is below their tolerance.
   bool is_passed_over(std::size_t i, double length) const { return rates_[i] * length > 10.0; }
-  /// Whether the node of closed contact i rests on a stiff spring, kappa > 1e4, after so long without a contact change:
+  /// True if the node of closed contact i rests on a stiff spring, kappa > 1e4, after so long without a contact change:
   /// the dashpot has left of the oscillation less than exp(-40), which is below rounding, zeta omega = b / (2 m).
   bool has_come_to_rest(std::size_t i, double time) const;
   bool rigid() const { return rigid_; }  ///< epsilon = 0
-  /// Whether contact i is rigid on a node with mass.
+  /// True if contact i is rigid on a node with mass.
   bool collides(std::size_t i) const { return rigid_ && !massless(contact(i).unknown); }
   bool collides() const { return collides_; }  ///< whether any does
 
-  /// What an impact did.
+  /// Result of an impact.
   struct Collision {
     bool rests;          ///< the contact stays closed
     double dissipated;   ///< of the energy
@@ -118,7 +118,7 @@ class PenalisedSystem {
     double impulse;      ///< P, on the bar
     double height;       ///< H of a rebound onto which the bar is pressed, else 0
   };
-  /// What may be neglected of a displacement, and of (h/E) times a reaction.
+  /// Negligible sizes of a displacement, and of (h/E) times a reaction.
   struct Negligible {
     double displacement;  ///< of the node, the height of a bounce
     double reaction;      ///< times h/E, a displacement
@@ -136,11 +136,11 @@ class PenalisedSystem {
   /// integral over time is m H at most, the bar has the same impulse.
   Collision collide(std::size_t i, double t, std::span<const double> u, std::span<double> w,
                     const Negligible& negligible);
-  /// Whether contact i, while closed, holds its node at -s gap: a rigid one does, and a spring on a massless node that
+  /// True if contact i, while closed, holds its node at -s gap: a rigid one does, and a spring on a massless node that
   /// gives way by less than the rounding of the strain, kappa = k h / E > (1 + eta / (h sqrt(E rho))) / rounding.
   bool holds(std::size_t i) const { return holds_[i] != 0; }
   bool held(std::size_t unknown) const;  ///< by a closed contact that holds()
-  /// Whether contact i is closed on a node without mass and a stiff spring, kappa > 1e4, whose penetration is at once
+  /// True if contact i is closed on a node without mass and a stiff spring, kappa > 1e4, whose penetration is at once
   /// what the strain beside it makes of it.
   bool relaxes(std::size_t i) const;
   /// On a damped node without mass the row of contact i has the sign of its reaction, too: on the surface the node
@@ -149,10 +149,10 @@ class PenalisedSystem {
   bool changes_by_row(std::size_t i) const { return massless(contact(i).unknown) && bar_.damped(); }
   /// k h / E
   double relative_stiffness(std::size_t i) const;
-  /// What a clearance may be wrong by through rounding alone, for displacements up to `largest`.
+  /// Rounding error of a clearance, for displacements up to `largest`.
   double clearance_rounding(std::size_t i, double largest) const;
-  /// What p may be wrong by through rounding alone: the same; of the clearance of a closed contact measured from its
-  /// obstacle, that of the strain beside it, which gives way by 1 / (1 + kappa) of it.
+  /// Rounding error of the indicator p: as clearance_rounding(); of a closed contact measured from its
+  /// obstacle, smaller by 1 / (1 + kappa).
   double indicator_rounding(std::size_t i, double largest) const;
 
   /// force <- (rho M)^{-1} force, zero at massless nodes and where a rigid contact holds a node with mass.
@@ -178,7 +178,7 @@ class PenalisedSystem {
   ///
   ///     u_i' + rate u_i = sum_n (u_share u_n + w_share u_n' - a_share u_n'') + load_share (M f)_i + constant.
   struct RelaxingRow {
-    /// What n contributes.
+    /// Contribution of the neighbour n.
     struct Neighbour {
       std::size_t unknown;  ///< n
       double u_share;       ///< of its displacement, per time
@@ -195,8 +195,8 @@ class PenalisedSystem {
   };
   /// Those of the massless unknowns that are not held, as long as no contact changes; none for eta = 0.
   std::vector<RelaxingRow> relaxing_rows() const;
-  /// That of the node of contact i, with mass, closed on a spring that a step passes over. Without damping it follows
-  /// its neighbours at 1000 omega.
+  /// The row of the node of contact i, with mass, closed on a spring that a step passes over. Without damping it
+  /// follows its neighbours at 1000 omega.
   RelaxingRow resting_row(std::size_t i) const;
   /// (M f)_i at t, 0 without a load.
   double load(std::size_t unknown, double t) {
@@ -211,7 +211,7 @@ class PenalisedSystem {
   void expand_acceleration(double t, std::span<const double> u, std::span<const double> w, std::span<double> nodal);
   /// The same, evaluated at that node alone.
   double load_alone(std::size_t unknown, double t) const { return load_ ? load_->at(t, unknown) : 0.0; }
-  /// Of the frame (see BarSystem::lift), on the same side of a break as the load.
+  /// Displacement of the frame (see BarSystem::lift), on the same side of a break as the load.
   Lift lift(double t, int derivative) const { return bar_.moving() ? bar_.lift(load_->inside(t), derivative) : Lift{}; }
   /// Two times of the leg, 1e-4 element transit times or less to either side of t: the difference of the loads there
   /// gives the load's rate at t. The same time twice in a leg that is too short to have a rate.
@@ -229,7 +229,7 @@ class PenalisedSystem {
   /// the sum of s_i R_i.
   std::array<double, 3> reactions(double t, std::span<const double> u, std::span<const double> w);
 
-  /// That of a closed contact that holds(), as its row gives it, of either sign.
+  /// Reaction of a closed contact that holds(), as its row gives it, of either sign.
   double holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
   /// The remainder of the row of contact i, whose node has no mass, on its obstacle: it holds the node there, R >= 0
   /// where it pushes. R = -(E (u_1 + s gap) + eta w_1) s / h - s (M f)_i, less k gap of a spring at that end.
@@ -239,14 +239,14 @@ class PenalisedSystem {
   double contact_energy(std::span<const double> u) const;
   /// Kinetic, elastic and contact energy, in the frame of the system.
   double energy(std::span<const double> u, std::span<const double> w) const;
-  /// What a frame that moves adds to it, 0 otherwise. The work of what moves it is the increase of that, the power of
+  /// Contribution of a frame that moves, 0 otherwise. The work of what moves it is the increase of that, the power of
   /// the load, and frame_loss(): the balance of energy is then the frame's.
   double frame_energy(double t, std::span<const double> u, std::span<const double> w) const;
   /// Makes the state that of another frame, by BarSystem::change_frame(); returns the increase of frame_energy().
   double change_frame(const BarSystem& to, double t, std::span<double> u, std::span<double> w) const;
   /// eta w.K w + sum c_e w_e^2 + sum b_i w_i^2
   double dissipated_power(std::span<const double> w) const;
-  /// What a frame that moves adds to it (see BarSystem::lift_loss).
+  /// Contribution of a frame that moves (see BarSystem::lift_loss).
   double frame_loss(double t, std::span<const double> w) const {
     return bar_.moving() ? bar_.lift_loss(bar_.lift(t, 1), w) : 0.0;
   }
@@ -266,7 +266,7 @@ class PenalisedSystem {
   bool loaded() const { return load_.has_value(); }               ///< f is not zero
   bool load_varies() const { return load_ && !load_->steady(); }  ///< f depends on time
 
-  /// Of the load's functions of time so far.
+  /// Evaluations of the load's functions of time so far.
   std::size_t load_evaluations() const { return load_ ? load_->evaluations() : 0; }
 
  private:
@@ -279,12 +279,12 @@ class PenalisedSystem {
   double held_force(std::size_t i) const;
   void complete_velocity_of(std::size_t end, double t, std::span<const double> u, std::span<double> w);
   void complete_displacement_of(std::size_t end, double t, std::span<double> u);
-  // Whether the node of contact i follows its neighbour at once.
+  // True if the node of contact i follows its neighbour at once.
   bool follows(std::size_t i) const { return massless(contact(i).unknown) && !bar_.damped(); }
   void find_offsets();
   std::vector<double> displacement(std::span<const double> u) const;
   double frame_energy(const BarSystem& bar, double t, std::span<const double> u, std::span<const double> w) const;
-  // Whether contact i is a closed one of that node.
+  // True if contact i is a closed one of that node.
   bool closed_at(std::size_t i, std::size_t unknown) const { return closed(i) && contact(i).unknown == unknown; }
 
   const BarSystem& bar_;

@@ -11,7 +11,7 @@ namespace viscobar {
 /// An amount is a number, or a percentage as a text.
 enum class KeyType { text, choice, number, count, formula, list, amount };
 
-/// Whether a key has to be there: in every scene, where its table is, or nowhere.
+/// True if a key has to be there: in every scene, where its table is, or nowhere.
 enum class Presence { required, required_in_table, optional };
 
 /// Closed interval of the values that a number may have.
@@ -49,7 +49,7 @@ std::span<const SceneKey> scene_keys();
 const SceneKey* find_scene_key(std::string_view name);
 const SceneKey* find_scene_key(std::string_view table, std::string_view leaf);
 
-/// Whether that is the name of a parameter, "parameters.NAME" with any NAME.
+/// True if that is the name of a parameter, "parameters.NAME" with any NAME.
 bool is_parameter(std::string_view name);
 /// That NAME.
 std::string_view parameter_name(std::string_view name);

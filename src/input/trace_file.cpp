@@ -123,7 +123,7 @@ std::pair<std::string, std::string> name_and_unit(const std::string& cell) {
   return {name, std::string(trimmed(unit))};
 }
 
-/// Whether instruments write such a number for none: 999.., 999.25, 32767 and other ends of a range, 10^k from 10^4 on.
+/// True if instruments write such a number for none: 999.., 999.25, 32767 and other ends of a range, 10^k from 10^4 on.
 bool is_code(double value) {
   const double size = std::abs(value), tens = std::log10(size);
   for (const double end : {32767.0, 32768.0, 65535.0, 2147483647.0, 2147483648.0, 4294967295.0, 999.25})

@@ -14,7 +14,7 @@ inline const NextBreak& breaks_of_gap(const BarSystem& system, const Contact& co
   return system.inputs()[contact.where == Where::right].motion->breaks;
 }
 
-/// Whether a positive f may come down to `floor` in [a, b]. A parabola through three of five values bounds it, with
+/// True if a positive f may come down to `floor` in [a, b]. A parabola through three of five values bounds it, with
 /// four times what the other two are off as the margin; where that decides nothing, halves do.
 template <class Function>
 bool may_reach(Function&& f, double floor, double a, double b, int halvings = 12) {

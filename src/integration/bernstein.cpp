@@ -127,7 +127,7 @@ struct Interval {
   }
 };
 
-// Of a polynomial that falls throughout, from the threshold or above to below it: the last place, to `finest`, where it
+// The last place, to `finest`, where a polynomial that falls throughout, from the threshold or above to below it,
 // is not below. Newton's method between two places on either side; each step goes a little too far, so that both close
 // in.
 double crossing(const Interval& on, std::size_t degree, double threshold, double finest) {

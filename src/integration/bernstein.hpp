@@ -29,7 +29,7 @@ class Bernstein {
   static double excess(std::size_t degree);
   /// max(known, p) over [0, 1], to rounding: nothing is searched where the hull stays below what is known.
   double largest(double known) const;
-  /// Likewise min(known, p).
+  /// min(known, p) over [0, 1], to rounding.
   double smallest(double known) const;
 
   /// The first s at which p passes below `threshold`: p(s) = threshold, and p is below behind it. 0 when p starts

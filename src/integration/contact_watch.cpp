@@ -357,7 +357,7 @@ inline double ContactWatch::reaction(const End& end, double t, std::span<const d
   return sum;
 }
 
-// Of the impulse, beside what is stored.
+// Rate of the impulse, beside what is stored.
 inline double ContactWatch::rate(const End& end, double t, std::span<const double> y) const {
   if (end.direct) return reaction(end, t, y);
   return end.modulus * end.stretch(y) + end.stiffness * (y[0] + end.origin) - system_.load_alone(end.unknown, t);
@@ -371,7 +371,7 @@ inline void ContactWatch::look_at(End& end, std::size_t j, double t, std::span<c
   if (!(apart_ && springs_)) end.rate[j] = rate(end, t, y);
 }
 
-// What the polynomial cannot pass, above and below.
+// Bounds of the polynomial, above and below.
 inline std::pair<double, double> ContactWatch::beyond(const Samples& values) const {
   const auto [least, most] = std::ranges::minmax(used(values));
   const double excess = Bernstein::excess(order_) * (most - least);

@@ -26,7 +26,7 @@ class SpanForce {
 
   /// Appends the entries of (u, w) that it samples.
   void ask_for(std::vector<std::size_t>& entries);
-  /// What is to be added to u to have displacements from here on; empty: nothing.
+  /// `origin` is added to u to have displacements from here on; empty: nothing.
   void measure_from(std::span<const double> origin) { origin_ = origin; }
   /// Appends the positions of the entries of closed contacts among all.
   void select(std::vector<std::size_t>& positions) const;
@@ -76,12 +76,12 @@ class ContactWatch {
   /// Appends the positions among all of those that it needs as long as the contacts are as they are.
   void select(std::vector<std::size_t>& positions) const;
 
-  /// What a checkpoint holds of it, beside the account.
+  /// Content of a checkpoint, beside the account.
   static void members(auto& watch, auto&& each) {
     for (auto& end : watch.ends_) each(end.stored);
   }
 
-  /// What is to be added to u to have displacements from here on (see PenalisedSystem); empty: nothing.
+  /// `origin` is added to u to have displacements from here on (see PenalisedSystem); empty: nothing.
   void measure_from(std::span<const double> origin) {
     span_.measure_from(origin);
     if (origin.empty()) return;
@@ -94,16 +94,16 @@ class ContactWatch {
   /// The run is at t in the state (u, w): at its beginning, and wherever contacts change.
   void begin(double t, std::span<const double> u, std::span<const double> w);
 
-  /// Whether the motion does not matter as long as the contacts are as they are.
+  /// True if the motion does not matter as long as the contacts are as they are.
   bool idle() const;
-  /// Whether the ends and what is closed there are springs or nothing, so that bounds of entries bound them.
+  /// True if the ends and what is closed there are springs or nothing, so that bounds of entries bound them.
   bool springs() const { return springs_; }
-  /// Whether such ends stay in the ranges that they have been in but for the end of a step, and their reactions below
+  /// True if such ends stay in the ranges that they have been in but for the end of a step, and their reactions below
   /// their peaks, by bounds of all entries over the step (see LegStepper::hull).
   bool within(std::span<const double> lowest, std::span<const double> highest, std::span<const double> last) const;
   /// Adds such a step up to `to`.
   void pass(double to, std::span<const double> last);
-  /// Whether the step up to `to` counts, velocities being below `fastest` in it: not where an end is open and cannot
+  /// True if the step up to `to` counts, velocities being below `fastest` in it: not where an end is open and cannot
   /// have got beyond the range that it has been in.
   bool concerned(double to, double fastest) const;
 
@@ -134,7 +134,7 @@ class ContactWatch {
       if (end.shut) end.account->impulse += end.stored_now - end.stored, end.stored = end.stored_now;
   }
 
-  /// Whether the samples are those of polynomials, to about 1e-10: the last difference is far below the values.
+  /// True if the samples are those of polynomials, to about 1e-10: the last difference is far below the values.
   bool resolved() const;
 
   /// The state is (u, w) in another frame now: no force has done it.
@@ -184,10 +184,10 @@ class ContactWatch {
   };
 
   void watch(EndAccount& account, bool right);
-  // Of its entries.
+  // Values of its entries.
   static std::array<double, 5> values_of(const End& end, std::span<const double> u, std::span<const double> w);
   void add_extremes(End& end);
-  // What is to be added to displacements of the frame.
+  // Added to displacements in the frame it gives those of the bar.
   double lift(const End& end, double t) const { return bar_.moving() ? bar_.lift(t, 0).of(end.right) : 0.0; }
   bool closed(const End& end) const;
   // Its first entries: of an open end the displacement alone.

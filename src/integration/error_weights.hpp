@@ -10,7 +10,7 @@
 
 namespace viscobar {
 
-/// What the errors that a method makes within its bound for a step add up to in a run, in multiples of that bound:
+/// Error accumulation: the error of a run by steps that keep their bound, in multiples of that bound:
 /// local errors add up, an undamped bar forgets none of them, and a bounce multiplies what was there before it.
 /// Measured in docs/methods.md.
 struct Accumulation {
@@ -65,7 +65,7 @@ class ErrorWeights {
   double largest_displacement() const { return largest_u_; }
   double largest_velocity() const { return largest_w_; }
   double displacement_tolerance() const;
-  /// Of the node of contact i that collides, beside its own motion: a bar may fly far whose end bounces low.
+  /// Tolerance of the node of contact i that collides, beside its own motion: a bar may fly far whose end bounces low.
   double tolerance_at(std::size_t i) const;
   /// Open contact i, which collides, has been so far from its obstacle.
   void widen(std::size_t i, double clearance) { clearances_[i] = std::max(clearances_[i], clearance); }
@@ -73,21 +73,21 @@ class ErrorWeights {
   /// it is a hundredth of the highest so far, or among what roundings of the clearance stir. A rest is one error,
   /// however many changes there were.
   double negligible_bounce(std::size_t i) const;
-  /// That contact's node has left for such a height.
+  /// The node of contact i has left for such a height.
   void bounce(std::size_t i, double height) { heights_[i] = std::max(heights_[i], height); }
   double velocity_tolerance() const;
-  /// Of (h/E) times a reaction, u + gap + (eta/E) w + ...
+  /// Tolerance of (h/E) times a reaction, u + gap + (eta/E) w + ...
   double reaction_tolerance() const;
-  /// Of the same, what has no effect: a force R displaces the bar by R L/E, so that (h/E) R of h/L tolerances of u is
-  /// within the tolerance. Nor can be told what is rounding, which is one of u and of (eta/E) w.
+  /// Size of the same without an effect: a force R displaces the bar by R L/E, so that (h/E) R of h/L tolerances of u
+  /// is within the tolerance. Rounding errors of u and of (eta/E) w have none either.
   double negligible_reaction(double h) const;
   /// An error of (u, w) that the stress of an element shows once has in (rho M a)_i, a = -(rho M)^{-1} (E K u + eta K
   /// w), the largest h^2 omega^2 of the mass, 12, times what its row has beside the diagonal, 1/4 at most.
   static constexpr double inertial_share = 1.0 + 12.0 / 4.0;
-  /// What is promised of u and w.
+  /// Promised errors of u and w.
   double promised_displacement() const { return promised_multiple * displacement_tolerance() * tightening_; }
   double promised_velocity() const { return promised_multiple * velocity_tolerance() * tightening_; }
-  /// What the promised error of the velocities makes of the kinetic energy of the bar.
+  /// Error of the kinetic energy by the promised error of the velocities.
   double promised_energy() const;
 
   static void members(auto& weights, auto&& each) {

@@ -123,7 +123,7 @@ bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) {
   const std::span<const double> entries = std::span(values).first(first_[i + 1] - first_[i]);
   const double p =
       system_.indicator_needs_rates(i) ? present_[i] : oriented(i, t, system_.indicator_weights(i), entries);
-  // Of mirror images one may be ahead by rounding; one that has just opened does not close by it.
+  // One of two mirror images may be ahead by rounding; one that has just opened does not close by it.
   const ErrorWeights& weights = stepper_.weights();
   const double rounding = system_.changes_by_row(i)
                               ? system_.clearance_rounding(i, weights.largest_displacement())
@@ -274,7 +274,7 @@ inline double EventSearch::oriented(std::size_t i, double t, const PenalisedSyst
   return sign(i) * (weights(values, rates) + (weights.offset ? *weights.offset : system_.indicator_offset(i, t)));
 }
 
-// Of the oriented indicator. Where that has accelerations their rate is a difference over a part of the step.
+// Rate of the oriented indicator. Where that has accelerations their rate is a difference over a part of the step.
 double EventSearch::rate(std::size_t i, double begin, double t) {
   if (!system_.indicator_needs_rates(i)) {
     const std::span<const double> rates = stepper_.sample(t, 1);

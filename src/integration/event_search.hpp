@@ -42,20 +42,20 @@ class EventSearch {
   void select(std::vector<std::size_t>& positions);
   /// The stepper samples so many entries, those of the search the first of them.
   void share(std::size_t sampled);
-  /// Whether the search selects what the stepper samples.
+  /// True if the search selects what the stepper samples.
   bool selects() const { return count_ > few; }
 
   /// Time of the first change in [begin, end], the step that the stepper has made last. Absent: no contact changes.
   /// Unless the search selects, `ends` looks at the samples, too.
   std::optional<double> first_change(double begin, double end, std::optional<ContactWatch>& ends);
 
-  /// Whether the bar may come to an obstacle that moves in that step, of a run of length `whole`.
+  /// True if the bar may come to an obstacle that moves in that step, of a run of length `whole`.
   bool may_reach_moving(double begin, double end, double whole);
 
-  /// Whether the step's bounds have shown that no contact changes in it, nor an end leaves its range but at the end
+  /// True if the step's bounds have shown that no contact changes in it, nor an end leaves its range but at the end
   /// of the step: `ends` has not looked at it.
   bool quiet() const { return quiet_; }
-  /// Of a quiet step, the sampled entries at its end.
+  /// Sampled entries at the end of a quiet step.
   std::span<const double> last() const { return last_; }
 
   /// The contact that changes first.
@@ -68,7 +68,7 @@ class EventSearch {
   /// To be called before changes(): the rates of all contacts at the event, within the step made last.
   void look_at(double begin, double t);
 
-  /// Whether contact i changes at the event too: its oriented indicator is used up and falls.
+  /// True if contact i changes at the event too: its oriented indicator is used up and falls.
   bool changes(std::size_t i, double t, std::span<const double> y);
 
   /// From here on the clearance of contact i counts as uncertain by a share of the tolerance, too.
@@ -81,7 +81,7 @@ class EventSearch {
   // i has the one entry i, its displacement.
   static constexpr std::size_t few = 4;
 
-  // Of all sampled entries: their values, and their rates where an indicator asks for them.
+  // Values of all sampled entries, and their rates where an indicator asks for them.
   struct Sample {
     std::span<const double> values, rates;
   };
@@ -100,7 +100,7 @@ class EventSearch {
   }
   // against() on the way from `from` to `end`, at equidistant points.
   std::span<const double> against_between(std::size_t i, double from, double end);
-  // Of a closed contact that opens by its row: since when it pulls, up to where that is known, and what the bar and its
+  // Pull of a closed contact that opens by its row: its beginning, how far it is known, and what the bar and its
   // node have missed.
   struct Pull {
     double since = std::numeric_limits<double>::infinity(), until = since, velocity = 0.0, distance = 0.0;

@@ -67,7 +67,7 @@ class OdeintStepper final : public PolynomialStepper {
     return t + size_ * (1.0 + 1e-9) >= stop_ || stop_ - t <= rounding(t) ? stop_ : t + size_;
   }
 
-  // Whether neighbours differ in their accelerations by more than a thousandth of a tolerance of the mesh's fastest
+  // True if neighbours differ in their accelerations by more than a thousandth of a tolerance of the mesh's fastest
   // mode has: a bar that flies without strain may take long steps.
   bool strained() const {
     const std::vector<double>& a = step_.begin().a;

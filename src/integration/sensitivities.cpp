@@ -109,7 +109,7 @@ void Sensitivities::differentiate_by_time(const Moment& at) {
   time_.take_contacts();
 }
 
-// Of the velocity of a node; that of a massless one follows from its row. Without viscosity that asks for a second
+// Acceleration of a node; that of a massless one follows from its row. Without viscosity this needs a second
 // derivative of the load, which nobody knows.
 double Sensitivities::acceleration_of(const Moment& at, std::size_t node) {
   const BarSystem& bar = system_.bar();
@@ -121,7 +121,7 @@ double Sensitivities::acceleration_of(const Moment& at, std::size_t node) {
   return rates[node];
 }
 
-// Of s u + gap, or of the reaction where that decides.
+// Rate of s u + gap, or of the reaction where that decides.
 double Sensitivities::indicator_rate(const Moment& at, std::size_t i) {
   if (!opens_by_reaction(i)) return system_.contact(i).sign * at.w[system_.contact(i).unknown];
   differentiate_by_time(at);
@@ -148,7 +148,7 @@ bool Sensitivities::opens_by_reaction(std::size_t i) const {
   return system_.closed(i) && (system_.holds(i) || (system_.relaxes(i) && system_.changes_by_row(i)));
 }
 
-// Whether the rate of the state jumps where contact i changes: without a dashpot a spring begins and ends with none.
+// True if the rate of the state jumps where contact i changes: without a dashpot a spring begins and ends with none.
 bool Sensitivities::jumps(std::size_t i) const { return system_.holds(i) || system_.law(i).damping > 0.0; }
 
 std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std::size_t i, std::span<double> y) {
@@ -314,7 +314,7 @@ void Sensitivities::pass_kink(double t, double end, bool bar_has_one, std::span<
 void Sensitivities::lose(double t, std::string why, std::span<double> y) {
   account_->lost = t;
   account_->why = std::move(why);
-  // What goes on to be advanced is not told.
+  // The derivatives that are advanced from here on are not told.
   for (std::size_t k = 0; k < pointers_.size(); ++k) std::ranges::fill(layout_->derivative(y, k), 0.0);
 }
 

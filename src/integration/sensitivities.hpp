@@ -79,7 +79,7 @@ class Sensitivities {
     account(t, -1.0, y);
   }
 
-  /// Of a snapshot, valid until the next call.
+  /// Derivatives of a snapshot, valid until the next call.
   std::span<const FieldSensitivity> fields(double t, std::span<double> y, const Snapshot& snapshot);
   /// Brings the account up to date.
   void sum_up(double t, std::span<double> y);
@@ -121,7 +121,7 @@ class Sensitivities {
   const ErrorWeights* weights_ = nullptr;
   SensitivityAccount* account_ = nullptr;
   std::vector<double> w_, acceleration_, inertial_force_, load_rate_;
-  // Of the change that is under way.
+  // Data of the change that is under way.
   std::vector<double> old_velocity_, old_acceleration_, shifts_;
   bool shifted_ = false;
   std::pair<double, std::size_t> last_change_{-1.0, 0};

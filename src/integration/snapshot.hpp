@@ -46,7 +46,7 @@ class SnapshotBuilder {
     return snapshot;
   }
 
-  /// Of a snapshot of the unknowns u; what came and went the method knows.
+  /// Energy of a snapshot of the unknowns u; work and dissipation are those that the method knows.
   EnergyState energy(const Snapshot& of, std::span<const double> u, EnergyState known = {}) const {
     const BarEnergy bar = system_.bar().nodal_energy(of.u, of.v);
     known.kinetic = bar.kinetic, known.elastic = bar.elastic, known.contact = system_.contact_energy(u);

@@ -69,10 +69,10 @@ class StepPolynomial {
 
   void begin_run(std::vector<std::size_t> sampled_entries);
 
-  /// What a step may be wrong by in u.
+  /// Sets the tolerated error of a step in u.
   void tolerate(double displacement) { tolerance_ = displacement; }
 
-  /// Whether viscosity makes of an error of w one of a = f(t, u, w) that spoils a step of that length: 12 eta / (rho
+  /// True if viscosity makes of an error of w one of a = f(t, u, w) that spoils a step of that length: 12 eta / (rho
   /// h^2) of it, the fastest decay, and a enters u with 1/48 of its square.
   static bool spoils_acceleration(const PenalisedSystem& system, double length);
 
@@ -100,7 +100,7 @@ class StepPolynomial {
   void hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) const;
 
  private:
-  // Of h w_0, h w_1, h^2 a_0, h^2 a_1 and D, in a derivative of u - u_0 by s.
+  // Weights of h w_0, h w_1, h^2 a_0, h^2 a_1 and D in a derivative of u - u_0 by s.
   struct Weights {
     double w0, w1, a0, a1, defect;
   };

@@ -51,19 +51,19 @@ class LegStepper {
   virtual bool hull(std::span<double> /*lowest*/, std::span<double> /*highest*/, std::span<double> /*last*/) {
     return false;
   }
-  /// What the corrector of the last step changed the energy account by; 0 where the account is a quadrature.
+  /// Change of the energy account by the corrector of the last step; 0 where the account is a quadrature.
   virtual double account_correction() const { return 0.0; }
-  /// Of its error test, with the maxima so far: they are in a checkpoint.
+  /// Weights of its error test, with the maxima so far: they are in a checkpoint.
   virtual ErrorWeights& weights() = 0;
 };
 
 /// How long a step may be: a load that varies, and vanishes wherever a long step looks, could hide a pulse in between.
-/// What lasts for a 64th of the run or longer is seen.
+/// A load that lasts for a 64th of the run or longer is seen.
 inline double longest_step(const PenalisedSystem& system, double duration) {
   return system.load_varies() ? duration / 64.0 : std::numeric_limits<double>::infinity();
 }
 
-/// What a stepper works on and counts in; all outlive it.
+/// Objects that a stepper works on and counts in; all outlive it.
 struct StepperParts {
   PenalisedSystem& system;
   const Layout& layout;

@@ -98,7 +98,7 @@ class StepwisePart {
         reach(t);
         stepper_.changes_at(y_);
         switch_contacts(t, step_begin, reached);
-        // What is left after a change at the very end is no leg.
+        // The rest after a change at the very end is no leg.
         if (end - t <= 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end))) break;
       } else if (t >= leg_end_) {
         reach(t);
@@ -115,7 +115,7 @@ class StepwisePart {
     return std::nullopt;
   }
 
-  /// What a checkpoint holds of it.
+  /// Content of a checkpoint.
   static void members(auto& run, auto&& each) {
     each(std::span(run.y_), ContactStates{run.system_}, run.stepper_.weights(), run.watchdog_);
   }
@@ -202,7 +202,7 @@ class StepwisePart {
     restart(t, Leg::first);
   }
 
-  // Of a contact that is closed from the start on: the bar comes to it with the velocities that it is given.
+  // The contact is closed from the start on: the bar comes to it with the velocities that it is given.
   void differentiate_closing(double t, std::size_t i, const State& start, const std::vector<double>& approach) {
     if (!sensitivities_) return;
     const bool closed = system_.closed(i);
@@ -263,7 +263,7 @@ class StepwisePart {
                                0.5 * bar.density * bar.length * rate.right * rate.right});
   }
 
-  // Whether the step may spoil the account by more than its share of what the motion's own error does. The correction
+  // True if the step may spoil the account by more than its share of what the motion's own error does. The correction
   // is several times the error, which is a fraction of it that falls with the order.
   bool account_doubtful(double from, double to) {
     const double share = (to - from) / (times_.back() - times_.front());
@@ -339,7 +339,7 @@ class StepwisePart {
     stepper_.select(selected_);
   }
 
-  // What holds or bounds an end changes its velocity at once. A rigid contact that is closed then has an impact, or
+  // A wall or an obstacle changes its velocity at once. A rigid contact that is closed then has an impact, or
   // opens.
   void pass_kink(double t) {
     const auto jump = system_.bar().kink(t, times_.back());
@@ -361,7 +361,7 @@ class StepwisePart {
     }
   }
 
-  // What the high modes of the mesh have lost at a jump.
+  // Books the loss of the high modes of the mesh at a jump.
   void take(const JumpFilter::Taken& taken) {
     if (!statistics_.energy) return;
     statistics_.energy->end_inertia += taken.energy;

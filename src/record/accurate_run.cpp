@@ -49,7 +49,7 @@ ErrorEstimate no_estimate(const AccuracyRequest& request, const std::string& why
   return estimate;
 }
 
-/// What `judge` says of a run, or why it says nothing.
+/// Judgement of a run, or why there is none.
 template <class Judge>
 void estimate_into(Outcome& outcome, const AccuracyRequest& request, Judge&& judge) {
   try {
@@ -123,7 +123,7 @@ RunRecord resume_to_accuracy(const SceneFile& scene, const std::filesystem::path
   if (!scene.accuracy) return resume_run(scene, directory, options, complain);
   RecordOptions own = options;
   own.estimate = [&](Outcome& outcome) {
-    // What was chosen stands in the checkpoint as if it had been given. What came before it is in files only.
+    // The checkpoint holds chosen settings as if they had been given. Earlier parts are in files only.
     estimate_into(outcome, *scene.accuracy, [&] {
       accuracy::Plan plan(study_of(scene, options));
       plan.next();

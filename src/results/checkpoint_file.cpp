@@ -130,7 +130,7 @@ bool has_checkpoint(const fs::path& directory) {
 
 void remove_newest_checkpoint(const fs::path& directory) {
   std::error_code error;
-  // What is no file, and so nobody's checkpoint, is kept out of the way.
+  // A name that is no file is nobody's checkpoint and left alone.
   if (fs::is_regular_file(fs::symlink_status(directory / newest)))
     fs::remove(directory / newest, error);
   else

@@ -60,7 +60,7 @@ struct FoundCheckpoint {
 /// @throws IoError when none of those there can be read
 FoundCheckpoint read_checkpoint(const std::filesystem::path& directory, CheckFiles check = CheckFiles::no);
 
-/// Whether there is one, sound or not.
+/// True if there is one, sound or not.
 bool has_checkpoint(const std::filesystem::path& directory);
 /// A damaged one must not take the place of the sound one before it.
 void remove_newest_checkpoint(const std::filesystem::path& directory);

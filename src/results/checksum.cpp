@@ -30,7 +30,7 @@ constexpr Polynomial product(Polynomial a, Polynomial b) {
   return sum;
 }
 
-// What a register becomes by so many zero bytes: its product with x^(8 count).
+// The register after so many zero bytes: its product with x^(8 count).
 constexpr Polynomial behind_zeros(Polynomial state, std::uint64_t count) {
   for (Polynomial power = one >> 8; count != 0; count >>= 1, power = product(power, power))
     if (count & 1) state = product(state, power);

@@ -25,7 +25,8 @@ struct Checksum {
   static void members(auto& self, auto&& each) { each(self.bytes, self.crc64); }
 };
 
-/// Of `length` bytes of a file from `begin` on, or of as many as there are. @throws IoError when it cannot be read
+/// Checksum of `length` bytes of a file from `begin` on, or of as many as there are. @throws IoError when it cannot be
+/// read
 Checksum checksum_of_file(const std::filesystem::path& file, std::uint64_t begin = 0, std::uint64_t length = ~0ull);
 
 }  // namespace viscobar

@@ -8,7 +8,7 @@ namespace viscobar {
 
 namespace {
 
-// Of an instant or of its derivatives, in the order of ends.csv.
+// Columns of an instant or of its derivatives, in the order of ends.csv.
 std::array<double, 6> at_ends(const auto& of) {
   return {of.u.front(), of.v.front(), of.reaction_left, of.u.back(), of.v.back(), of.reaction_right};
 }

@@ -20,7 +20,7 @@ namespace viscobar {
 
 namespace {
 
-/// What the launchers of MPI call the job that this process belongs to; empty in no job.
+/// Name of the MPI job that this process belongs to; empty in no job.
 std::string job() {
   for (const char* name : {"PMIX_NAMESPACE", "PMI_JOBID"})
     if (const char* value = std::getenv(name)) return fmt::format(", of job {}", value);

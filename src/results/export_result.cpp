@@ -80,7 +80,7 @@ void export_xdmf(const FieldReader& field, const fs::path& target) {
   write_atomically(target / "field.xdmf", text.append(xdmf::closing_tags));
 }
 
-/// What is there is replaced where it begins as an earlier export does. @throws std::invalid_argument
+/// A file is replaced where it begins as an earlier export does. @throws std::invalid_argument
 void check_target(const fs::path& target, std::string_view beginning) {
   if (!fs::is_regular_file(target)) return;  // OutputFile refuses what is none
   std::string begin(beginning.size(), '\0');

@@ -32,7 +32,7 @@ class FileSet {
 
   /// Moves what a kill has left on its way; does nothing where there is none.
   static void settle(const std::filesystem::path& directory, const std::string& name);
-  /// Whether a name in a directory is of the folder of a set.
+  /// True if a name in a directory is of the folder of a set.
   static bool is_folder(std::string_view name) { return name.starts_with(".viscobar.") && name != ".viscobar.lock"; }
 
  private:

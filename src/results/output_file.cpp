@@ -55,7 +55,7 @@ OutputFile::OutputFile(std::filesystem::path path, Content content) : path_(std:
     descriptor_ = ::open(new_->part().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ < 0) throw IoError(path_, "cannot be created: " + last_error());
   } else {
-    // Of a pipe that nobody reads this is an error at once.
+    // A pipe that nobody reads gives an error at once.
     descriptor_ = ::open(path_.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     if (descriptor_ < 0) throw IoError(path_, "cannot be opened: " + last_error());
   }
@@ -87,7 +87,7 @@ void OutputFile::cut_at(std::size_t length) {
 }
 
 void OutputFile::sync() {
-  // What cannot be synced, as a pipe or a device, cannot lose anything either.
+  // A pipe or a device cannot be synced, and loses nothing.
   if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS)
     throw IoError(path_, "cannot be brought to the disk: " + last_error());
 }

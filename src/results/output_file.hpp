@@ -115,7 +115,7 @@ class LineFile {
     return written_;
   }
   void close();
-  /// Of what has been written.
+  /// Checksum of the bytes written.
   const Checksum& checksum() const { return written_; }
 
  private:
@@ -126,7 +126,7 @@ class LineFile {
   FlushClock clock_;
 };
 
-/// Whether a call of HDF5 has failed: at the end of the program the library tries once more to write what it could not,
+/// True if a call of HDF5 has failed: at the end of the program the library tries once more to write what it could not,
 /// and crashes. Such a program ends by std::_Exit().
 bool hdf5_failed();
 

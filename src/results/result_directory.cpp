@@ -74,7 +74,7 @@ bool holds_whole_run(const fs::path& directory) {
   return has_result(directory, files_of_kind(ResultKind::run)) && completed(directory / "summary.json");
 }
 
-/// What a command leaves that was killed before it had a summary.
+/// Remains of a command that was killed before it had a summary.
 bool begun(const fs::directory_entry& entry) {
   const std::string name = entry.path().filename();
   if (name == DirectoryLock::file_name || FileSet::is_folder(name)) return true;
@@ -152,7 +152,7 @@ const fs::path& created(const fs::path& directory, ResultKind kind) {
   return directory;
 }
 
-// What was moved when a kill came is not there any more: doing it again does the rest.
+// A file that was moved before a kill is not there any more: doing it again does the rest.
 void take_places(const fs::path& directory) {
   const fs::path from = directory / finished;
   if (type(from) != fs::file_type::directory) return;
@@ -212,7 +212,7 @@ ResultDirectory::ResultDirectory(const fs::path& directory)
   for (const fs::path& place : {directory_, unfinished_}) remove_parts(place, files_of_kind(ResultKind::run));
 }
 
-// Of a run that could not begin nothing is left.
+// A run that could not begin leaves nothing.
 ResultDirectory::~ResultDirectory() { ::rmdir(unfinished_.c_str()); }
 
 fs::path ResultDirectory::place_of_new_run() const {
@@ -229,7 +229,7 @@ void check_run_files(const fs::path& place, const FileChecksums& written) {
 }
 
 void ResultDirectory::replace_by_finished() const {
-  // What is missing later has been moved already; what is missing now has been removed by somebody.
+  // A file that is missing later has been moved already; one that is missing now has been removed by somebody.
   check_run_files(unfinished_, files_of(content(unfinished_ / final_summary)));
   move_file(unfinished_, directory_ / finished);
   try {

@@ -17,7 +17,7 @@ inline constexpr std::array json_summaries = {"summary.json",   "compare.json", 
 
 /// A directory of results, of which this object is the only user until it ends.
 ///
-/// What a run may find in it, and what that means:
+/// A run may find in it:
 ///
 ///     summary.json, not completed       a run that goes on or has stopped; with checkpoint.bin it can be resumed
 ///     summary.json, completed           a whole result
@@ -31,7 +31,7 @@ class ResultDirectory {
  public:
   /// Creates it where needed.
   ResultDirectory(const std::filesystem::path& directory, ResultKind kind);
-  /// Of a run that is to go on from a checkpoint, which says what the files must be.
+  /// For a run that goes on from a checkpoint, which has the checksums of the files.
   explicit ResultDirectory(const std::filesystem::path& directory);
   ~ResultDirectory();
 

@@ -159,7 +159,7 @@ Json facts(const Kind& kind, const fs::path& file) {
   return result;
 }
 
-// Of a file, or of all files below a directory.
+// Bytes of a file, or of all files below a directory.
 std::uintmax_t bytes(const fs::directory_entry& entry) {
   if (!entry.is_directory()) return entry.file_size();
   std::uintmax_t sum = 0;
@@ -206,7 +206,7 @@ std::string words(const Json& value) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-// What is counted or spans a range, line by line below the facts.
+// Counts and ranges, line by line below the facts.
 std::string sweep_text(const Json& result) {
   std::string text;
   for (const Json& error : result["errors"])

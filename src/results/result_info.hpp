@@ -7,7 +7,7 @@
 
 namespace viscobar {
 
-/// What is in a directory of results: for each summary there (of a run, a comparison, a limit or precision study, or
+/// Content of a directory of results: for each summary there (of a run, a comparison, a limit or precision study, or
 /// the table of a sweep) what was computed, whether it is complete and its key numbers; and every file with its size.
 /// Given one of the summaries, of that one alone. As one JSON document and for the terminal.
 /// @throws std::invalid_argument when there is no result
@@ -15,7 +15,7 @@ namespace viscobar {
 std::string result_json(const std::filesystem::path& place);
 std::string result_text(const std::filesystem::path& place);
 
-/// Whether files of a result are what was written.
+/// True if files of a result are what was written.
 enum class FileState {
   sound,
   damaged,
@@ -24,7 +24,7 @@ enum class FileState {
   foreign     ///< not one of the result
 };
 
-/// What was found out about a file of a result.
+/// State of a file of a result.
 struct VerifiedFile {
   std::string name;  ///< within the directory
   std::uintmax_t bytes = 0;

@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What is known of the files of a directory. A file that several summaries tell of, as a picture that a later study
-/// replaced, is sound when it is what one of them says.
+/// Checksums that are known of the files of a directory. A file that several summaries tell of, as a picture that a
+/// later study replaced, is sound when it is what one of them says.
 class Verification {
  public:
   explicit Verification(const fs::path& directory) : directory_(directory) {
@@ -177,7 +177,7 @@ std::vector<VerifiedFile> verify_result(const fs::path& directory) {
     throw std::invalid_argument(fmt::format("{} is no directory of results", directory.string()));
   settle_result_directory(directory);
   std::vector<VerifiedFile> files = Verification(directory).files();
-  // Of a later run, beside a whole result.
+  // A later run is unfinished beside a whole result.
   if (fs::exists(directory / "unfinished/summary.json"))
     for (VerifiedFile& file : Verification(directory / "unfinished").files()) {
       file.name.insert(0, "unfinished/");

@@ -55,7 +55,8 @@ Versions versions() {
           SUNDIALS_VERSION,
           fmt::format("{}.{}.{}", H5_VERS_MAJOR, H5_VERS_MINOR, H5_VERS_RELEASE),
           fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION),
-          fmt::format("{} {} {}, compiler {}", system.sysname, system.release, system.machine, __VERSION__)};
+          fmt::format("{} {} {}, compiler {}, compiled for {}", system.sysname, system.release, system.machine,
+                      __VERSION__, VISCOBAR_LEVEL)};
 }
 
 }  // namespace viscobar

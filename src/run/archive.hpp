@@ -150,7 +150,7 @@ class ArchiveReader {
   template <std::ranges::contiguous_range Values>
   void read(Values& values) {
     using Value = std::ranges::range_value_t<Values>;
-    // Of things of so many bytes each at least: more than could follow is wrong, before memory is asked for.
+    // Each value has so many bytes at least: a count beyond the rest is wrong, before memory is asked for.
     constexpr std::size_t bytes = Plain<Value> ? sizeof(Value) : 1;
     std::size_t count = 0;
     read(count);

@@ -70,7 +70,7 @@ Statistics run_in_parts(const BarSystem& system, StartingPoint start, std::span<
   });
 }
 
-/// Of the checkpoints of a run in that system.
+/// Frame of the checkpoints of a run in that system.
 inline Checkpoint::Frame frame_of(const BarSystem& system) {
   return system.follows() ? Checkpoint::Frame::following : Checkpoint::Frame::resting;
 }

@@ -13,7 +13,7 @@ struct StepFailure : std::runtime_error {
   Failure why;
 };
 
-/// Of a step whose new state is not finite.
+/// The failure of a step whose new state is not finite.
 inline StepFailure not_finite() { return {Failure::overflow, "the solution is no longer finite"}; }
 
 }  // namespace viscobar

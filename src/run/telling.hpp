@@ -30,8 +30,7 @@ class Stopwatch {
   double start_ = now();
 };
 
-/// What a part of a run tells its observers, its clock stopped meanwhile if they ask for it, and what it counts on the
-/// way.
+/// Tells the observers of a part of a run, its clock stopped meanwhile if they ask for it, and counts on the way.
 class Telling {
  public:
   /// `statistics` are those of the parts before; both outlive it.
@@ -61,7 +60,7 @@ class Telling {
     return verdict == RunControl::go_on;
   }
 
-  /// Of all parts.
+  /// Seconds of all parts.
   void count_seconds() { statistics_.integration_seconds = seconds_before_ + watch_.seconds(); }
 
  private:

@@ -9,8 +9,8 @@ namespace viscobar {
 /// rounding of the numbers decides.
 class Watchdog {
  public:
-  /// Of a run from `begin` to `end`. Every `look` steps, the time they advanced tells how many the rest would take, and
-  /// more than `most` are refused unless they become fewer fast, as when a stiff contact settles. A pause of that
+  /// The run is from `begin` to `end`. Every `look` steps, the time they advanced tells how many the rest would take,
+  /// and more than `most` are refused unless they become fewer fast, as when a stiff contact settles. A pause of that
   /// length within a run that then goes on is far beyond any storm that a bar makes: bounces that die out do so in
   /// tens.
   explicit Watchdog(double begin, double end, std::size_t look = 1'000'000, double most = 1e10)
@@ -34,7 +34,7 @@ class Watchdog {
   /// When, the beginning of the run where there was none.
   double last_change() const { return last_change_; }
 
-  /// What a checkpoint holds of it.
+  /// Content of a checkpoint.
   static void members(auto& dog, auto&& each) { each(dog.last_contact_, dog.toggles_, dog.last_change_); }
 
  private:

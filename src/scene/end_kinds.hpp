@@ -11,7 +11,7 @@
 
 namespace viscobar {
 
-/// What an end condition makes of the end's node. A condition that is neither of these also has a place in BarSystem.
+/// The node of an end under its condition. A condition that is neither of these also has a place in BarSystem.
 struct EndNode {
   std::optional<double> held{};        ///< displacement of a node that does not move and is no unknown
   std::optional<Obstacle> obstacle{};  ///< a contact
@@ -75,7 +75,7 @@ inline const EndKind& end_kind(const EndCondition& end) {
   return *std::ranges::find(end_kinds, end.index(), [](const EndKind& kind) { return kind.harmless.index(); });
 }
 
-/// Whether an end of that kind has that key.
+/// True if an end of that kind has that key.
 inline bool belongs_to_end(std::string_view kind, std::string_view key) {
   const auto* known = std::ranges::find(end_kinds, kind, &EndKind::name);
   if (known == std::end(end_kinds)) return false;

@@ -20,7 +20,7 @@ constexpr std::pair<std::string_view, std::string Units::*> kinds[] = {{"length"
 /// Powers of these.
 using Powers = std::array<int, std::size(kinds)>;
 
-/// Of a stress, in units that are named.
+/// Powers of a stress, in units that are named.
 std::optional<Powers> stress_powers(const Units& units) {
   const bool length = !units.length.empty();
   if (!units.stress.empty()) return Powers{0, 0, 0, 0, 1};

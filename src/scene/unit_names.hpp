@@ -9,15 +9,15 @@
 
 namespace viscobar {
 
-/// What the numbers of a run measure. A force is one on the bar's cross-section, and an energy one of its length: a
+/// Dimensions of the numbers of a run. A force is one on the bar's cross-section, and an energy one of its length: a
 /// stress, and a stress times a length.
 enum class Dimension { length, time, velocity, stress, impulse, energy };
 
 /// A unit by its powers of length, time and stress.
 using UnitPowers = std::array<int, 3>;
 UnitPowers unit_powers(Dimension quantity);
-/// Of a unit in words, such as "stress x time / length", each "/" before what it divides by, or "density"; absent: of
-/// none.
+/// Powers of a unit in words, such as "stress x time / length", each "/" before what it divides by, or "density";
+/// absent: of none.
 std::optional<UnitPowers> unit_powers(std::string_view words);
 
 /// The name of its unit, such as "m/s" or "kg/(m s^2)"; empty where the scene names too few units for it, and where all

@@ -80,7 +80,7 @@ class Run {
     return statistics_;
   }
 
-  /// What a checkpoint holds of it, u^{n+1} being known and the outputs told up to t_n.
+  /// Content of a checkpoint, u^{n+1} being known and the outputs told up to t_n.
   static void members(auto& run, auto&& each) {
     each(run.n_, *run.step_, std::span(run.was_active_), run.largest_, run.taken_, run.taken_at_rest_, run.touching_);
   }
@@ -167,7 +167,7 @@ class Run {
     statistics_.energy->take_by_rows(before + work - step_->energy());
   }
 
-  // Whether it comes there.
+  // True if it comes there.
   bool advance_to_end() {
     TimeStep& step = *step_;
     CheckpointSchedule schedule(observers_, times_, statistics_.reached_time);
@@ -236,7 +236,7 @@ class Run {
     return sum;
   }
 
-  // Of an end that is not fixed, one from either side.
+  // Contacts of an end that is not fixed, one from either side.
   template <class Use>
   void each_contact_at(bool right, Use&& use) const {
     const auto [first, last] = at_end_[right];
@@ -442,7 +442,7 @@ class Run {
     if (!contacts.empty()) watch_growth(taken);
   }
 
-  // Of the three nodes at either end.
+  // Accelerations of the three nodes at either end.
   std::array<double, 6> accelerations_at_ends() {
     const LaneOrder& order = step_->order();
     const std::span<const double> a = step_->acceleration();

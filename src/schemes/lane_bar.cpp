@@ -6,7 +6,7 @@ namespace viscobar {
 
 namespace {
 
-// What rows of lanes pass through is inlined: else they go through memory, four registers at a time.
+// Functions that rows of lanes pass through are inlined: else they go through memory, four registers at a time.
 
 // Stress per E / h: u_j - u_i + (eta / E) (w_j - w_i) of the nodes, or rows, stored at i and j.
 struct ViscousStress {
@@ -33,7 +33,8 @@ struct ElasticStress {
   return load_lanes(values.data());
 }
 
-// Of the elements in front of the stretches and of those behind: a stretch follows the separator of the one before.
+// Stresses of the elements in front of the stretches, and below of those behind: a stretch follows the separator of the
+// one before.
 template <class Stress>
 [[gnu::always_inline]] inline Lanes in_front(const LaneOrder& order, const Stress& stress) {
   const double first = stress.nodes(order.first - 1, order.first);

@@ -8,7 +8,7 @@
 
 namespace viscobar {
 
-/// What a uniform bar does to its nodes when they are in a LaneOrder: every element's stress is the same function of
+/// Forces of a uniform bar on its nodes in a LaneOrder: every element's stress is the same function of
 /// the differences between its two nodes, of a row and the next one, or of two nodes at the border of the stretches.
 /// On a graded mesh, where no two elements are alike, the order has no rows and the force is BarSystem's.
 class LaneBar {

@@ -99,7 +99,7 @@ std::size_t SpanConstraint::mark_wrong(std::span<const double> b, std::span<cons
   const std::size_t n = matrix_.size();
   std::size_t count = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    // What the row's terms can hide by rounding.
+    // Rounding of the row's terms.
     double scale = matrix_.diagonal[i] * std::abs(x[i]) + std::abs(b[i]);
     if (i > 0) scale += std::abs(matrix_.off_diagonal[i - 1] * x[i - 1]);
     if (i + 1 < n) scale += std::abs(matrix_.off_diagonal[i] * x[i + 1]);

@@ -31,7 +31,7 @@ class SpanConstraint {
   /// Where the last solution is held by a bound.
   std::span<const unsigned char> active() const { return active_; }
 
-  /// What the next solution depends on.
+  /// State that the next solution depends on.
   static void members(auto& constraint, auto&& each) {
     each(std::span(constraint.active_), constraint.solves_, constraint.factorisations_);
   }

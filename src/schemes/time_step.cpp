@@ -353,7 +353,7 @@ double TimeStep::dashpot_power() const {
   return power;
 }
 
-// Of the nodes in their order: u^n, u^{n-1}, p^{n-1/2}.
+// u^n, u^{n-1}, p^{n-1/2} of the nodes in their order.
 std::array<std::vector<double>, 3> TimeStep::nodal() const {
   return {to_nodes([this](std::size_t i) { return u_[i]; }),
           to_nodes([this](std::size_t i) { return u_[i] - dt_ * p_[i]; }),

@@ -92,14 +92,14 @@ class TimeStep {
   /// first and last, make it.
   double end_power() const;
 
-  /// Whether a^n is; what is not spreads over the nodes that are solved for together.
+  /// True if a^n is finite; one value that is not spreads over the nodes that are solved for together.
   bool finite() const;
 
   /// E^{n-1/2} = 1/2 p.rho M p + 1/4 E (a(u^n, u^n) + a(u^{n-1}, u^{n-1})), in the frame of the system
   double energy() const;
   /// Its two parts, of the bar itself, t being t_n.
   EnergyState energies(double t) const;
-  /// What a frame that moves adds to it; 0 otherwise.
+  /// Contribution of a frame that moves; 0 otherwise.
   double frame_energy(double t) const;
 
   std::size_t linear_solves() const;

@@ -9,7 +9,7 @@ namespace viscobar {
 
 namespace {
 
-// Whether cases with different values of it need meshes that tell nothing of each other: a method, a mass, a formula,
+// True if cases with different values of it need meshes that tell nothing of each other: a method, a mass, a formula,
 // an error.
 bool divides(const VariedKey& key) {
   return std::holds_alternative<std::vector<std::string>>(key.values) || key.key.starts_with("accuracy.");

@@ -33,13 +33,13 @@ class Ranks {
   int size() const { return size_; }
   bool is_manager() const { return rank_ == 0; }
 
-  /// Of the manager, before run(): like plan_cases(), each rank a share.
+  /// Called by the manager, before run(): like plan_cases(), each rank a share.
   std::vector<double> plan(const SweepFile& sweep);
 
-  /// Of the manager; like run_on_threads().
+  /// Called by the manager; like run_on_threads().
   bool run(const SweepWork& work);
 
-  /// Of a worker: until the manager has no more cases.
+  /// Called by a worker: runs until the manager has no more cases.
   void serve();
 
  private:

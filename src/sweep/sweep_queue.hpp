@@ -23,7 +23,7 @@ class SweepQueue {
 
   /// Cases that have not been handed out.
   std::size_t size() const { return left_.size(); }
-  /// Of these what they are estimated to cost.
+  /// Estimated seconds of these cases.
   double seconds() const;
 
  private:

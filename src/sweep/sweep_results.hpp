@@ -23,7 +23,7 @@ class SweepTable;
 class SweepResults {
  public:
   /// Goes on with the rows that the directory has of the same sweep, or begins.
-  /// What is wrong with what is there, but not in the way, goes to `complain`.
+  /// Faults of files there that are not in the way go to `complain`.
   /// @throws std::invalid_argument when the directory has other files, or another sweep
   /// @throws IoError
   SweepResults(const std::filesystem::path& directory, const SweepFile& sweep,
@@ -43,7 +43,7 @@ class SweepResults {
   /// Brings all rows to the disk, and writes the CSV files into a folder.
   void close(const std::filesystem::path& folder);
 
-  /// Of the CSV files.
+  /// Checksums of the CSV files.
   const FileChecksums& checksums() const { return checksums_; }
 
  private:

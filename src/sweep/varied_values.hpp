@@ -17,7 +17,7 @@ using Report = std::function<void(TextPosition at, const std::string& message)>;
 /// An entry of a table, or null.
 const TomlNode* entry_of(const TomlNode& table, std::string_view key);
 
-/// Of a word that is none of `known`: the one that was probably meant, or all.
+/// The one of `known` that a word was probably meant to be, or all.
 std::string instead_of(std::string_view word, std::span<const std::string_view> known);
 
 /// The values of a key that a sweep varies: a list, or a range

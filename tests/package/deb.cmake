@@ -56,7 +56,7 @@ foreach(file usr/bin/viscobar usr/share/man/man1/viscobar.1 usr/share/bash-compl
   endif()
 endforeach()
 if(EXISTS ${BUILD_DIR}/python/viscobar)
-  if(NOT content MATCHES "usr/lib/python3/dist-packages/viscobar/_core\\.cpython" OR NOT control MATCHES "Recommends: python3")
+  if(NOT content MATCHES "usr/lib/python3/dist-packages/viscobar/[a-z0-9-]+/_core\\.cpython" OR NOT control MATCHES "Recommends: python3")
     message(FATAL_ERROR "the package lacks the Python package, or does not recommend Python\n${content}")
   endif()
 endif()

@@ -10,7 +10,7 @@
 
 namespace viscobar {
 
-/// What an error is of.
+/// Quantity of interest: the quantity whose error is meant.
 enum class Goal {
   displacement,   ///< u, maximum over nodes and output times
   end_traces,     ///< u(0,t) and u(L,t), maximum over output times
@@ -31,7 +31,7 @@ struct AccuracyRequest {
   bool relative = false;         ///< whether it is a share
   Goal of = Goal::displacement;  ///< what it is an error of
 
-  /// What the scene itself says; it is kept.
+  /// Settings that the scene itself gives; they are kept.
   struct Given {
     bool elements = false;     ///< mesh.elements
     bool mass = false;         ///< mesh.mass

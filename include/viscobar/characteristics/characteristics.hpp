@@ -34,7 +34,7 @@ std::optional<double> roughens(const Scene& scene, double end);
 
 /// Follows the waves from the scene's own data, or a checkpoint, at times.front() to times.back(), telling the
 /// observers. Snapshots are of the nodes of `mesh`, which has no other part in it; `times` are as of the other methods.
-/// Of the statistics, `steps` are the passages, `unknowns` the most coefficients that the waves had at a time.
+/// `steps` of the statistics are the passages, `unknowns` the most coefficients that the waves had at a time.
 /// Observers are told of progress at output times, too.
 /// @throws IntegrationError, with what was reached
 /// @throws Unfit when the method does not take the scene, std::invalid_argument when data are no data of a bar

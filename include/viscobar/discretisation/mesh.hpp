@@ -25,7 +25,7 @@ struct Mesh {
   std::size_t elements = 1;  ///< J
   Grading grading{};         ///< none: all elements alike
 
-  /// Whether all elements have the same size.
+  /// True if all elements have the same size.
   bool uniform() const { return grading.ratio == 1.0 || !(grading.left || grading.right); }
   /// h = L / J, the mean; the size of all elements of a uniform mesh.
   double spacing() const { return length / static_cast<double>(elements); }
@@ -47,7 +47,7 @@ struct Mesh {
   double graded_element(std::size_t j) const;
 };
 
-/// Whether nodes lie in the same places, in parts of the length.
+/// True if nodes lie in the same places, in parts of the length.
 inline bool same_nodes(const Mesh& a, const Mesh& b) {
   return a.elements == b.elements && (a.grading == b.grading || (a.uniform() && b.uniform()));
 }

@@ -9,7 +9,7 @@
 
 namespace viscobar {
 
-/// What the end rows of a matrix have beside their symmetric part.
+/// Entries of the end rows of a matrix beside their symmetric part.
 struct EndRows {
   std::array<double, 3> first{};  ///< row 0, columns 0, 1, 2
   std::array<double, 3> last{};   ///< row n-1, columns n-1, n-2, n-3
@@ -22,7 +22,7 @@ struct EndRows {
     return last[0] * x[n - 1] + last[1] * x[n - 2] + last[2] * x[n - 3];
   }
 
-  /// That of unknown `end`, 0 or the last, from the end inwards.
+  /// Entries of the row of unknown `end`, 0 or the last, from the end inwards.
   const std::array<double, 3>& row(std::size_t end) const { return end == 0 ? first : last; }
   /// The same times x, which has n entries.
   double row_times(std::size_t end, std::span<const double> x) const {
@@ -65,7 +65,7 @@ struct SymmetricTridiagonal {
 
   /// A(i,i)
   double diagonal_entry(std::size_t i) const;
-  /// Whether its off_diagonal is missing.
+  /// True if its off_diagonal is missing.
   bool is_diagonal() const { return off_diagonal.empty(); }
   SymmetricTridiagonal& operator*=(double factor);  ///< of all entries
 

@@ -105,7 +105,7 @@ class BarSystem {
   Mass mass() const { return mass_; }                   ///< how inertia is integrated
   const Bar& bar() const { return bar_; }               ///< its material
   bool damped() const { return bar_.viscosity > 0.0; }  ///< eta > 0
-  /// Whether there is a load: f, a force on an end, or a frame that moves.
+  /// True if there is a load: f, a force on an end, or a frame that moves.
   bool loaded() const { return load_ || inputs_[0].force || inputs_[1].force || moving(); }
   bool left_fixed() const { return walls_[0].has_value(); }   ///< node 0 is no unknown
   bool right_fixed() const { return walls_[1].has_value(); }  ///< node J is no unknown
@@ -119,15 +119,15 @@ class BarSystem {
   double dashpot_power(std::span<const double> w) const;
   bool has_dashpots() const;  ///< whether a mount has one
 
-  /// What the left and the right end are given.
+  /// Force, spring, dashpot and motion of the left and the right end.
   const std::array<EndInput, 2>& inputs() const { return inputs_; }
 
-  /// Whether the frame moves.
+  /// True if the frame moves.
   bool moving() const { return moves_frame(false) || moves_frame(true); }
   /// The same in a frame that moves with the obstacles that move, too.
   BarSystem following() const;
   bool follows() const { return following_; }  ///< whether it is that
-  /// Whether the obstacle of a contact moves in the frame.
+  /// True if the obstacle of a contact moves in the frame.
   bool moves(const Contact& contact) const {
     return contact.where != Where::span && !following_ && inputs_[contact.where == Where::right].motion;
   }
@@ -135,7 +135,7 @@ class BarSystem {
   double gap(const Contact& contact, double t, int derivative = 0) const;
   /// Makes the state (u, w) at t of this system that of the same motion in another frame.
   void change_frame(const BarSystem& to, double t, std::span<double> u, std::span<double> w) const;
-  /// Of the frame, or its first or second derivative in time. @throws LoadError where it is not finite
+  /// Displacement of the frame, or its first or second derivative in time. @throws LoadError where it is not finite
   Lift lift(double t, int derivative) const;
   /// The same as lift(), from displacements a time `step` before and after t alone, as scheme (2.8) takes them: their
   /// mean, and the quotients of differences.
@@ -143,28 +143,28 @@ class BarSystem {
   /// The jump of its velocity at t, where a motion has a kink; absent: none. Sides of t are as those of
   /// LoadVector::enter(). @throws LoadError where a motion jumps itself
   std::optional<Lift> kink(double t, double end) const;
-  /// What a jump of the frame's velocity does to velocities in it, w -= (rho M)^{-1} rho M jump: without fixed ends
+  /// Applies a jump of the frame's velocity to velocities in it, w -= (rho M)^{-1} rho M jump: without fixed ends
   /// nothing to those of the bar. Returns the gain of energy().
   double pass_kink(const Lift& jump, std::span<double> w) const;
   /// x / L of an unknown, for Lift::at().
   double share(std::size_t unknown) const { return mesh_.node(unknown + first_node()) / mesh_.length; }
-  /// What u and u' are to be added to a field over all mesh nodes.
+  /// Adds the lift to a field over all mesh nodes.
   void add_lift(const Lift& lift, std::span<double> nodal) const;
-  /// That of displacements and velocities over all mesh nodes, not in the frame: the inertia of ends that are moved
+  /// Energy of displacements and velocities over all mesh nodes, not in the frame: the inertia of ends that are moved
   /// included.
   BarEnergy nodal_energy(std::span<const double> u, std::span<const double> v) const;
-  /// That of u + lift and w + its rate.
+  /// Energy of u + lift and w + its rate.
   BarEnergy lifted_energy(const Lift& lift, const Lift& rate, std::span<const double> u,
                           std::span<const double> w) const;
-  /// What the frame's velocity adds to the power that viscosity and mounts take at the velocities `left` and `right` of
-  /// the ends in it, 0 of a fixed one.
+  /// Contribution of the frame's velocity to the power that viscosity and mounts take at the velocities `left` and
+  /// `right` of the ends in it, 0 of a fixed one.
   double lift_loss(const Lift& rate, double left, double right) const;
   /// The same of a field.
   double lift_loss(const Lift& rate, std::span<const double> w) const {
     return lift_loss(rate, left_fixed() ? 0.0 : w.front(), right_fixed() ? 0.0 : w.back());
   }
 
-  /// What the frame adds to end_power(), of whole_inertia(): of the same velocities, and of accelerations in it.
+  /// Contribution of the frame to end_power(), of whole_inertia(): of the same velocities, and of accelerations in it.
   double lift_end_power(const Lift& rate, const Lift& acceleration, double left, double right,
                         std::span<const double> a) const;
 
@@ -182,9 +182,9 @@ class BarSystem {
   std::size_t massive_begin() const { return massless_[0] ? 1 : 0; }
   /// One past the last unknown with inertia.
   std::size_t massive_end() const { return size() - (massless_[1] ? 1 : 0); }
-  /// Whether it has no inertia.
+  /// True if it has no inertia.
   bool massless(std::size_t unknown) const { return unknown < massive_begin() || unknown >= massive_end(); }
-  /// Whether any unknown has none.
+  /// True if any unknown has none.
   bool has_massless() const { return massless_[0] || massless_[1]; }
   /// rho M over all nodes, where something moves an end.
   const SymmetricTridiagonal& whole_inertia() const { return whole_inertia_; }
@@ -216,7 +216,7 @@ class BarSystem {
   /// Energy 1/2 w.rho Q w + 1/2 E int u_x^2 + 1/2 sum k_e u_e^2, the contacts' apart.
   double energy(std::span<const double> u, std::span<const double> w) const;
 
-  /// Whether M is not symmetric in the row of an end that may move, so that forces do not do all that changes the
+  /// True if M is not symmetric in the row of an end that may move, so that forces do not do all that changes the
   /// energy.
   bool has_end_rows() const { return inertia_.end_rows.has_value() || (moving() && whole_inertia_.end_rows); }
   /// w . rho (M - Q) a, the power that the end rows of the mass take at velocity w and acceleration a; of either only
@@ -302,7 +302,7 @@ class BarSystem {
 /// needs: one per integration, so that a BarSystem can be shared. Exists only where the system is loaded().
 class LoadVector {
  public:
-  /// Of a loaded system, which outlives it. With a step the frame's part is by BarSystem::lift(t, derivative, step).
+  /// The system is loaded and outlives it. With a step the frame's part is by BarSystem::lift(t, derivative, step).
   explicit LoadVector(const BarSystem& system, double step = 0.0);
 
   /// M f(t) over the unknowns (n entries), valid until the next call.

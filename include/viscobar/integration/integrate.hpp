@@ -38,7 +38,7 @@ inline constexpr MethodName all_methods[] = {MethodName::cvode,
                                              MethodName::fully_discrete,
                                              MethodName::finite_difference};
 
-/// What the tolerances bound.
+/// The error that the tolerances bound.
 enum class ErrorControl {
   global,  ///< the error of the solution: the bound on each step's error is tightened in proportion
   local    ///< the error of each step, as in SUNDIALS
@@ -152,19 +152,19 @@ struct Rigid {
 /// @throws Unfit when the method does not take the system, std::invalid_argument when the arguments make no run
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Cvode& method, const Observers& observers);
-/// Likewise.
+/// As above.
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Ida& method, const Observers& observers);
-/// Likewise.
+/// As above.
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Arkode& method, const Observers& observers);
-/// Likewise.
+/// As above.
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Odeint& method, const Observers& observers);
-/// Likewise.
+/// As above.
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Exponential& method, const Observers& observers);
-/// Likewise.
+/// As above.
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Rigid& method, const Observers& observers);
 

@@ -31,7 +31,7 @@ struct RecordOptions {
   std::function<void(const Snapshot& snapshot)> watch;  ///< gets the motion there
   /// When a run is over, before its summary and report are written: may add an estimate of its error, and warnings.
   std::function<void(Outcome& outcome)> estimate;
-  /// What a run to an accuracy does before its solution.
+  /// Called with the stages of a run to an accuracy before its solution.
   std::function<void(const std::string& what)> message;
   /// For each warning, once, as soon as it arises.
   std::function<void(const std::string& warning)> warning;

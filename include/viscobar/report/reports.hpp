@@ -38,7 +38,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
                        const CouplingResult& coupling);
 /// Its rows as CSV, those that a row lacks empty.
 std::string limit_csv(const LimitResult& result);
-/// What the study was asked for whose limit.json this is: penalties, meshes, steps, tolerance, budget, derivatives.
+/// Options of the study whose limit.json this is: penalties, meshes, steps, tolerance, budget, derivatives.
 /// Absent: it is another text. @throws std::invalid_argument where that is spoiled
 std::optional<LimitStudy> limit_asked(const std::string& json);
 /// A row as it is made, in a sentence.

@@ -36,7 +36,7 @@ struct Outcome {
 
 /// How often a recorded run makes a checkpoint.
 struct CheckpointEvery {
-  /// What the interval counts.
+  /// The clock that the interval is measured by.
   enum class Clock {
     simulated,  ///< `interval` in simulated time: a resumed run gives the same bits as one never stopped
     wall        ///< `interval` in seconds: bounds the time lost

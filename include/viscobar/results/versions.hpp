@@ -14,7 +14,7 @@ struct Versions {
   std::string platform;  ///< operating system, machine, compiler
 };
 
-/// Of this build.
+/// Versions of this build.
 Versions versions();
 
 }  // namespace viscobar

@@ -23,7 +23,7 @@ namespace viscobar {
 ///
 ///     kinetic + elastic + contact + dissipated = initial + work + balance error
 ///
-/// Of a scheme it is that of the step in which the time lies, E^{n-1/2}, whose balance is exact.
+/// A scheme's energy is that of the step in which the time lies, E^{n-1/2}, whose balance is exact.
 struct EnergyState {
   double kinetic = 0.0;      ///< 1/2 w.rho Q w
   double elastic = 0.0;      ///< 1/2 E int u_x^2
@@ -31,7 +31,7 @@ struct EnergyState {
   double dissipated = 0.0;   ///< since the start, as in EnergyAccount
   double work = 0.0;         ///< likewise
   double end_inertia = 0.0;  ///< of the dissipated, as in EnergyAccount
-  /// What the bar and its contacts hold.
+  /// Energy of the bar and its contacts.
   double total() const { return kinetic + elastic + contact; }
 };
 
@@ -51,7 +51,7 @@ struct Snapshot {
   std::optional<EnergyState> energy = std::nullopt;  ///< where Observers asked for the account
 };
 
-/// What a contact does: closing, the node reaches the obstacle; opening, it leaves.
+/// Contact change: at a closing the node reaches the obstacle, at an opening it leaves.
 enum class Change { closing, opening };
 
 /// The largest reaction of a contact from its closing on.
@@ -77,8 +77,8 @@ struct Event {
   /// the account of the run.
   std::optional<double> impulse = std::nullopt;
   std::vector<ChangeSensitivity> sensitivities = {};  ///< an entry for each direction that was asked for
-  /// Of an opening that ends the contact of its end, or that of all nodes under a span obstacle; absent where nobody
-  /// asked for the account of the run.
+  /// Peak of the contact, at an opening that ends the contact of its end, or that of all nodes under a span obstacle;
+  /// absent where nobody asked for the account of the run.
   std::optional<ContactPeak> peak = std::nullopt;
 };
 
@@ -88,14 +88,14 @@ struct EnergyAccount {
   double final = 0.0;       ///< the same at the end
   double dissipated = 0.0;  ///< by viscosity, the dashpots of contacts and ends, impacts, and end_inertia
   double work = 0.0;        ///< of the load, of forces on the ends, and of what moves ends and obstacles
-  /// Of it, taken by the end rows of the mass `fourth_order`, whose inertia has no energy of its own: int v.(M - Q) v'
-  /// dt, Q the symmetric part that the kinetic energy is made of, O(h^2); and what is lost where its high modes are put
-  /// at their equilibrium, at jumps, O(h). 0 for other masses.
+  /// Part of `dissipated` taken by the end rows of the mass `fourth_order`, whose inertia has no energy of its own: int
+  /// v.(M - Q) v' dt, Q the symmetric part that the kinetic energy is made of, O(h^2); and what is lost where its high
+  /// modes are put at their equilibrium, at jumps, O(h). 0 for other masses.
   double end_inertia = 0.0;
   /// The most that dissipated, work, and what they left to the bar came to on the way: the scale of what the balance
   /// may be off by.
   double largest = 0.0;
-  /// Of a scheme: the most that its impacts have given the bar, which an obstacle that stands still cannot. With A(t)
+  /// Schemes: the most that impacts have given the bar, which an obstacle that stands still cannot. With A(t)
   /// what impacts took up to t, max A(s) - A(t) over s <= t, nothing touching at s, and 0 at the start.
   double growth = 0.0;
   double growth_time = 0.0;  ///< that t
@@ -105,7 +105,7 @@ struct EnergyAccount {
   void notice(double gone, double came) {
     largest = std::max({largest, std::abs(gone), std::abs(came), std::abs(initial + came - gone)});
   }
-  /// What the integration lost or gained.
+  /// Energy that the integration has gained.
   double balance_error() const { return final + dissipated - initial - work; }
 };
 
@@ -116,7 +116,7 @@ struct TimeInContact {
 
   /// It begins or ends at t; a contact that lasts does not begin again.
   void close(double t) { closed_since = closed_since.value_or(t); }
-  /// Likewise of its end.
+  /// The contact ends at t.
   void open(double t) {
     until_opening = total(t);
     closed_since.reset();
@@ -155,7 +155,7 @@ struct SpanAccount {
   std::size_t closed() const { return closings - openings; }
 };
 
-/// What happened at the ends of the bar and at its obstacles. Nothing in it depends on the output times.
+/// Accounts of the ends of the bar and of its obstacles. Nothing in it depends on the output times.
 struct RunAccount {
   EndAccount left;   ///< at x = 0
   EndAccount right;  ///< at x = L
@@ -173,7 +173,7 @@ struct LateOpening {
   double time = 0.0;   ///< of that opening
 };
 
-/// What a method that takes the data as polynomial pieces changes the motion by, as a displacement at the end of the
+/// Error of the motion of a method that takes the data as polynomial pieces, as a displacement at the end of the
 /// run if it all added up, contact changes apart.
 struct Representation {
   double error = 0.0;     ///< of the pieces, and of putting them together
@@ -181,7 +181,7 @@ struct Representation {
   double velocity = 0.0;  ///< that no wave exceeded
 };
 
-/// What a run did.
+/// Counts and accounts of a run.
 struct Statistics {
   std::size_t unknowns = 0;         ///< scalars that the method advances
   std::size_t steps = 0;            ///< in time
@@ -217,7 +217,7 @@ struct Checkpoint {
 /// Where a run begins: with initial data, or where another run was.
 using StartingPoint = std::variant<State, Checkpoint>;
 
-/// What an observer says of a run: whether it goes on. One that is stopped returns what it reached, not completed.
+/// Verdict of an observer on a run. One that is stopped returns what it reached, not completed.
 enum class RunControl { go_on, stop };
 
 /// When a run makes checkpoints, and who takes them.
@@ -238,16 +238,16 @@ struct Observers {
   std::function<RunControl(double time)> progress;  ///< after each step
   bool energy = false;                              ///< keep the energy account
   bool account = false;                             ///< keep the account of ends and contacts
-  /// Whether anyone reads the extremes of that account, the ranges of the ends and the peaks of reactions. Else a
+  /// True if anyone reads the extremes of that account, the ranges of the ends and the peaks of reactions. Else a
   /// method need not look for them.
   bool extremes = true;
-  /// Whether anyone reads the reactions of snapshots. Else a method may leave them 0: that of a held node with mass
+  /// True if anyone reads the reactions of snapshots. Else a method may leave them 0: that of a held node with mass
   /// takes a solve.
   bool reactions = true;
   /// Parameters with respect to which derivatives are told, too: by cvode, ida, arkode and rigid. They outlive the run.
   std::span<const Direction> directions{};
   std::optional<Checkpoints> checkpoints;  ///< to go on from
-  /// What the observers take is not counted in integration_seconds, but for `progress`, which each step calls. That
+  /// Time of observers is not counted in integration_seconds, but for `progress`, which each step calls. That
   /// reads the clock twice a call, which is more than observers take that only keep a few numbers.
   bool off_the_clock = true;
 };

@@ -38,7 +38,7 @@ struct Obstacle {
   double gap = 0.0;         ///< >= 0, at the start where EndInput moves it
   Side side = Side::below;  ///< s
 
-  /// Whether it bounds u from that side, `below` or `above`.
+  /// True if it bounds u from that side, `below` or `above`.
   bool bounds(Side from) const { return side == from || side == Side::both; }
   /// How deep a displacement lies in it; not positive outside.
   double depth(double u) const {
@@ -49,17 +49,17 @@ struct Obstacle {
 /// The condition at an end of the bar; src/scene/end_kinds.hpp has a row for each alternative.
 using EndCondition = std::variant<Free, Fixed, Obstacle>;
 
-/// Of 0 <= x <= L.
+/// f(x), 0 <= x <= L.
 using SpaceFunction = std::function<double(double x)>;
-/// Of t >= 0.
+/// f(t), t >= 0.
 using TimeFunction = std::function<double(double t)>;
-/// Of both.
+/// f(x, t).
 using SpaceTimeFunction = std::function<double(double x, double t)>;
 
 /// The first time in (after, until) at which a function of time jumps or has a kink; absent: none there. `after` may be
 /// a rounding before the start.
 using NextBreak = std::function<std::optional<double>(double after, double until)>;
-/// Likewise of a function of x and t, at x.
+/// The same for a function of x and t, at x.
 using NextBreakAt = std::function<std::optional<double>(double x, double after, double until)>;
 
 /// The first of both.
@@ -70,8 +70,8 @@ inline NextBreak either_of(const NextBreak& a, const NextBreak& b) {
   };
 }
 
-/// What is known of a function of x from its formula; empty functions: nothing. Such data enter a mesh by moments
-/// between those places, int phi_i f dx, where they are not smooth or the mesh is too coarse for them, and on
+/// Properties of a function of x, known from its formula; empty functions: nothing is known. Such data enter a mesh by
+/// moments between those places, int phi_i f dx, where they are not smooth or the mesh is too coarse for them, and on
 /// `fourth_order` always; else, and where nothing is known, by their values at the nodes.
 struct Places {
   NextBreak breaks = {};  ///< of x: where it jumps or has a kink
@@ -122,7 +122,8 @@ struct EndMotion {
   NextBreak breaks = {};      ///< of any of the three; empty: it is smooth
 };
 
-/// What an end is given beside its condition. With the outward stress s at the end, -s at x = 0, and the reaction R,
+/// Force, spring, dashpot and motion that an end is given beside its condition. With the outward stress s at the end,
+/// -s at x = 0, and the reaction R,
 ///
 ///     s = F(t) - k u - c u_t + R    at a free end, R = 0, or one with an obstacle.
 struct EndInput {
@@ -168,15 +169,15 @@ struct Finding {
 /// obstacle at an end. Empty when the scene is sound.
 std::vector<Finding> validate(const Scene& scene);
 
-/// Whether the end meets an obstacle.
+/// True if the end meets an obstacle.
 inline bool is_obstacle(const EndCondition& end) { return std::holds_alternative<Obstacle>(end); }
-/// Whether the end stands still.
+/// True if the end stands still.
 inline bool is_fixed(const EndCondition& end) { return std::holds_alternative<Fixed>(end); }
 /// How many ends meet an obstacle.
 inline std::size_t end_obstacles(const Scene& scene) {
   return std::size_t{is_obstacle(scene.left)} + std::size_t{is_obstacle(scene.right)};
 }
-/// Whether the bar can touch anything, at an end or along the span.
+/// True if the bar can touch anything, at an end or along the span.
 inline bool meets_obstacle(const Scene& scene) { return end_obstacles(scene) > 0 || scene.span; }
 
 }  // namespace viscobar

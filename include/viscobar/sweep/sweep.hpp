@@ -53,7 +53,7 @@ struct SweepPlan {
   std::vector<std::string> overrides(std::size_t index) const;
 };
 
-/// What a sweep tells of each case, apart from its timings: a column of its table each.
+/// Columns of a sweep's table, one number of each case; timings are apart.
 enum class Quantity : std::size_t {
   unknowns,
   steps,
@@ -97,17 +97,18 @@ struct QuantityColumn {
 /// Name, unit and meaning of each quantity, in their order.
 std::span<const QuantityColumn, quantities> quantity_columns();
 
-/// Of a row that is to keep an error: elements, tolerance, step and epsilon of the solution, and the neighbour with
-/// whose settings the search for them began.
+/// Columns of a row that is to keep an error: elements, tolerance, step and epsilon of the solution, and the neighbour
+/// with whose settings the search for them began.
 std::span<const QuantityColumn> chosen_columns();
 
-/// What a row has derivatives of: impulses, the final energy, and the times at which a contact closes and opens first.
+/// Numbers of a row that have derivatives: impulses, the final energy, and the times at which a contact closes and
+/// opens first.
 inline constexpr std::array<std::string_view, 5> differentiated = {"impulse_left", "impulse_right", "energy_final",
                                                                    "first_closing", "first_opening"};
 
 inline constexpr std::size_t longest_error = 512;  ///< bytes of an error in a row
 
-/// What became of a case.
+/// Result of a case.
 struct SweepRow {
   std::size_t index = 0;   ///< of the case in its plan
   bool completed = false;  ///< whether it reached the end of its time
@@ -126,9 +127,9 @@ struct SweepRow {
   double& operator[](Quantity quantity) { return values[static_cast<std::size_t>(quantity)]; }
   /// The value of a quantity.
   double operator[](Quantity quantity) const { return values[static_cast<std::size_t>(quantity)]; }
-  /// That of column k of the quantities and of the further columns behind them.
+  /// Value in column k of the quantities and of the further columns behind them.
   double column(std::size_t k) const;
-  /// What its neighbours begin with; nothing where it did not keep its error.
+  /// Settings that its neighbours begin with; absent where it did not keep its error.
   std::optional<AccuracyStart> start() const;
 };
 
@@ -183,7 +184,7 @@ struct SweepCase {
 /// 0 <= index < sweep.plan.size()
 SweepCase case_of(const SweepFile& sweep, std::size_t index);
 
-/// What a case of the scene in `scene_text` is estimated to cost; 0 when it is refused.
+/// Estimated seconds of a case of the scene in `scene_text`; 0 when it is refused.
 double planned_seconds(const std::string& scene_text, const SweepCase& one);
 
 /// Reads every case (on `threads`, or all cores) and estimates what it costs; 0 for one that is refused.

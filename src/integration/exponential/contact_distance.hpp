@@ -41,7 +41,7 @@ class ContactDistance {
  public:
   using Series = LinearLeg<double>::Series;
 
-  /// What the roundings are relative to.
+  /// Sizes that the roundings are relative to.
   struct Largest {
     double displacement = 0.0, penetration = 0.0;
   };
@@ -52,7 +52,7 @@ class ContactDistance {
       : system_(system), penalised_(penalised), propagators_(propagators), load_(load) {}
 
   Index node(std::size_t c) const { return static_cast<Index>(penalised_.contact(c).unknown); }
-  /// Whether the node of contact c has no displacement of its own.
+  /// True if the node of contact c has no displacement of its own.
   bool follows(std::size_t c) const { return !system_.damped() && massless(c); }
 
   /// d's Taylor coefficients over a step.
@@ -65,13 +65,13 @@ class ContactDistance {
   /// has penetrations of that size, and would hold the bar back until its pull exceeds them.
   double band(std::size_t c, const Largest& largest) const;
 
-  /// Whether contact c surely stays as it is during a step of length tau and the maximum of its penetration is known
+  /// True if contact c surely stays as it is during a step of length tau and the maximum of its penetration is known
   /// to the rounding of a displacement, from the motion and the load expanded at equal parts of the step, a multiple
   /// of four. `penetration` rises to its maximum.
   bool keeps_state(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p, double tau,
                    const Largest& largest, double& penetration) const;
 
-  /// Whether the node of open contact c surely does not come to its obstacle, which moves, during the same step from t
+  /// True if the node of open contact c surely does not come to its obstacle, which moves, during the same step from t
   /// on, in a run of length `whole`.
   bool stays_away(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p, double t,
                   double tau, double whole, const Largest& largest) const;

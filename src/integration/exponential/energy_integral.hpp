@@ -21,8 +21,8 @@ struct EnergyFlow {
   }
 };
 
-/// What a frame that moves adds to power and loss at a part of a step and a velocity (see BarSystem::lift_loss); empty
-/// where it stands still.
+/// Contribution of a frame that moves to power and loss at a part of a step and a velocity (see BarSystem::lift_loss);
+/// empty where it stands still.
 using FrameFlow = std::function<EnergyFlow(double sigma, const Eigen::VectorXd& v, const Eigen::VectorXd& a)>;
 
 /// The flow over the part [0, sigma] of a step that one Taylor series covers, by Gauss' rule with eight points.

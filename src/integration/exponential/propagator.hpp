@@ -67,7 +67,7 @@ class PropagatorCache {
   /// For the present contact states of the system. Valid until the next call.
   Propagator& present();
 
-  /// What the displacements of the unknowns are measured from, and from where in future that of contact c's node.
+  /// Origin of the displacements of the unknowns; measure_from_obstacle() moves that of contact c's node.
   const Eigen::VectorXd& origin() const { return origin_; }
   void measure_from_obstacle(std::size_t c);
   /// Norm of (rho M)^{-1} on the massive nodes.

@@ -95,7 +95,7 @@ void Run::settle_high_modes(bool starting) {
   const std::vector<double> before = u;
   JumpFilter::Taken taken;
   if (starting) {
-    // Of what is known to rounding.
+    // The state is known to rounding.
     const NaturalScales scales = natural_scales(system_, times_.back());
     taken = filter_.begin(penalised_, t_, {1e-12 * scales.displacement, 1e-12 * scales.velocity()}, u, w);
   } else {
@@ -141,7 +141,7 @@ void Run::begin(const State& start) {
     statistics_.energy = {.initial = energy_scale_ + of_frame, .work = -of_frame};
   }
   if (filter_.acts()) {
-    // What is told of the start are the data.
+    // The start is told with the data.
     load_.fit(t_, propagator_->step(0), negligible_load(), p_);
     output_until(t_, propagator_->step(0), [](double) { return EnergyFlow{}; });
   }
@@ -266,7 +266,7 @@ void Run::take_short_step(double tau) {
   double sigma = 1.0;
   std::optional<std::size_t> changing;
   std::vector<VectorXd> distances;
-  // Of a bar that has stood at the origin, with the motion of this step: the load's polynomial has roundings, too.
+  // A bar that has stood at the origin has the size of this step's motion: the load's polynomial has roundings, too.
   ContactDistance::Largest known = largest();
   if (contacts() > 0) {
     ++statistics_.event_evaluations;
@@ -301,7 +301,7 @@ void Run::take_short_step(double tau) {
           std::max(statistics_.max_penetration, distance_.penetration_share(c) * largest_value(distances[c], sigma));
   if (energy_flows()) add(gauss_flow(leg(), series, load_.total(p_), tau, sigma, frame_flow(tau)));
   if (ends_) {
-    // Of that degree the series is the motion to rounding, since (rate bound) * step <= 1.
+    // A series of that degree is the motion to rounding, since (rate bound) * step <= 1.
     ends_->look_at(t_, t, Bernstein::max_degree,
                    [&](std::size_t, double at) { return end_sample(series, (at - t_) / tau, tau); });
     ends_->add();

@@ -54,7 +54,7 @@ class Run {
 
   PartEnd operator()(const StartingPoint& start);
 
-  /// What a checkpoint holds of it.
+  /// Content of a checkpoint.
   static void members(auto& run, auto&& each) {
     each(std::span(run.y_.data(), static_cast<std::size_t>(run.y_.size())), ContactStates{run.penalised_},
          std::span(run.measured_), run.watchdog_, run.load_, run.load_jumps_, run.largest_displacement_,
@@ -96,7 +96,7 @@ class Run {
   void measure_from_obstacle(std::size_t closing);
   void begin_leg();
 
-  // Whether it made a step; else the next one is to be shorter.
+  // True if it made a step; else the next one is to be shorter.
   bool advance();
 
   // A force that displaces the bar by less than the rounding of its displacement: over the run by T^2 / mass, and a
@@ -115,7 +115,7 @@ class Run {
                                            double tau, double penetration) const;
   FrameFlow frame_flow(double tau) const;
 
-  // What rounding makes of the power of the end rows: the row (rho h / 24) (3, 4, 1) times accelerations, by forces
+  // Rounding error of the power of the end rows: the row (rho h / 24) (3, 4, 1) times accelerations, by forces
   // that are differences of rounded displacements and velocities, times what the step has changed velocities by.
   double end_power_rounding(const std::vector<VectorXd>& velocities) const;
 
@@ -136,7 +136,7 @@ class Run {
   void tell_snapshot(double t, const VectorXd& u, const VectorXd& v, const Series& series, const LoadPolynomial& p,
                      double sigma, const std::optional<EnergyState>& energy);
 
-  // Whether energy flows that somebody wants to know.
+  // True if energy flows that somebody wants to know.
   bool energy_flows() const;
   void add(const EnergyFlow& flow);
 

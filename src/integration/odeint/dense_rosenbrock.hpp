@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-// Of C++17: the matrices that rosenbrock4 of Boost 1.74 is made of do not compile as C++20.
+// Compiled as C++17: the matrices that rosenbrock4 of Boost 1.74 is made of do not compile as C++20.
 
 namespace viscobar {
 

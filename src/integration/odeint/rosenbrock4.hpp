@@ -127,7 +127,7 @@ class Rosenbrock4 {
     for (std::size_t i = 0; i < n; ++i) load_rate_[i] = (load_rate_[i] + system.load(i, after)) / (after - before);
     const std::span<double> a = out.subspan(n, n);
     std::ranges::copy(load_rate_, a.begin());
-    // What the load does to the velocity of a massless node, that node does to its neighbour.
+    // A massless node passes the load's effect on its velocity on to its neighbour.
     for (const auto& row : system.relaxing_rows()) {
       out[row.unknown] = row.load_share * load_rate_[row.unknown];
       a[row.neighbours[0].unknown] += bar.viscosity / system.bar().spacing_at(row.unknown) * out[row.unknown];

@@ -43,7 +43,7 @@ void set(Complex& numbers, std::size_t lane, Number z) {
   numbers.im[static_cast<Eigen::Index>(lane)] = static_cast<double>(z.imag());
 }
 
-// What the parts of X contribute to 2 Re(c X).
+// Contribution of the parts of X to 2 Re(c X).
 void set(Parts& weights, std::size_t lane, Number c) {
   weights[lane] = static_cast<double>(2 * c.real());
   weights[lanes + lane] = static_cast<double>(-2 * c.imag());

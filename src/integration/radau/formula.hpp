@@ -70,11 +70,11 @@ class Formula {
   /// adds to the right-hand side, in multiples of h.
   std::array<Complex, stages> of_load;
 
-  /// What g(node m) - g(0) adds to the coefficients of T_5 to T_8, Chebyshev's polynomials in 2 theta - 1, in the
-  /// interpolant of g. Of a smooth g they fall geometrically; a kink within the step has all of them.
+  /// Contribution of g(node m) - g(0) to the coefficients of T_5 to T_8, Chebyshev's polynomials in 2 theta - 1, in the
+  /// interpolant of g. They fall geometrically where g is smooth; a kink within the step has all of them.
   std::array<std::array<double, 4>, stages> tail;
 
-  /// What the parts of a X_k contribute to y(theta) (derivative 0) or its derivative by theta (1).
+  /// Contribution of the parts of a X_k to y(theta) (derivative 0) or its derivative by theta (1).
   Parts weights(double theta, int derivative) const;
   /// The same, of X_k / zeta_k.
   Parts weights_over_pole(const Parts& weights) const;

@@ -10,12 +10,12 @@
 
 namespace viscobar::radau {
 
-/// What a step may be wrong by through the load between its stages. The error of the motion itself cannot see a kink of
+/// Error of a step by the load between its stages. The error of the motion itself cannot see a kink of
 /// the load, at which the stages are no worse than elsewhere.
 class LoadTail {
  public:
   void resize(std::size_t nodes) { tail_.resize(nodes); }
-  /// What the load of node i has changed by at a stage; stages in order.
+  /// Change of the load of node i at a stage; stages in order.
   void add(std::size_t stage, std::size_t i, double change) {
     const Eigen::Array4d share = change * Eigen::Map<const Eigen::Array4d>(Formula::get().tail[stage].data());
     tail_[i] = stage == 0 ? share : tail_[i] + share;

@@ -27,7 +27,7 @@ class ShiftedSystems {
   void multiply_stiffness(std::span<const double> x, std::span<double> out) const;
   /// Solves; `force` is r, `stiff_rate` is K w. Where `loaded`, x holds the load's part of the right-hand side.
   void solve(std::span<const double> force, std::span<const double> stiff_rate, bool loaded, std::span<Complex> x);
-  /// Whether solve() is to correct x by its residual, by a second solve: rounding of the pivots is one of the inertia
+  /// True if solve() is to correct x by its residual, by a second solve: rounding of the pivots is one of the inertia
   /// by their ratio, and the weights of the formula multiply that by some hundreds.
   void refine(bool wanted) { refines_ = wanted; }
   /// What a step is wrong by without that, relative to the motion; some fifteen times what was measured.

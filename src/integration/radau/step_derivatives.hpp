@@ -26,7 +26,7 @@ class StepDerivatives {
   /// All outlive it.
   StepDerivatives(PenalisedSystem& system, const Layout& layout, std::span<Derivative* const> derivatives);
 
-  /// Of the state y at t, from which the next step begins; completes the velocities of massless nodes.
+  /// Evaluates the state y at t, from which the next step begins; completes the velocities of massless nodes.
   void evaluate(ShiftedSystems& systems, double t, std::span<double> y);
 
   struct Step {

@@ -176,7 +176,7 @@ class Stepper final : public LegStepper {
     return closed;
   }
 
-  // Of the state where the run is.
+  // Evaluates the state where the run is.
   void evaluate() {
     const std::span<const double> y(end_y_);
     system_.force(end_t_, y.first(layout_.nodes), y.subspan(layout_.nodes, layout_.nodes), force_);
@@ -235,7 +235,7 @@ class Stepper final : public LegStepper {
 
   double end_of_step() const { return h_ == stop_ - begin_t_ ? stop_ : begin_t_ + h_; }
 
-  // What the load changes by over the step, by its values at the stages.
+  // Changes of the load over the step, by its values at the stages.
   void gather_load(double h) {
     const Formula& formula = Formula::get();
     const std::size_t n = layout_.nodes;

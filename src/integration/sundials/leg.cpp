@@ -30,7 +30,7 @@ void Leg::solve(double m, double c, double k, std::span<double> x) {
   if (!std::isfinite(x.front()) || !std::isfinite(x.back())) throw not_finite();
 }
 
-// Of (u, w) or of a derivative of it, whose forces are those.
+// Solves for (u, w) or for a derivative of it, whose forces are those.
 void Leg::solve_momentum(PenalisedSystem& forces, double t, double gamma, std::span<const double> y, double factor,
                          std::span<const double> z, std::span<double> x) {
   const std::size_t n = layout.nodes;

@@ -14,7 +14,7 @@
 
 namespace viscobar::sundials {
 
-/// What CVODE and IDA have alike.
+/// Functions that CVODE and IDA both have.
 struct MultistepLibrary {
   std::string prefix;  ///< of the names of its functions
   int (*get_dky)(void*, sunrealtype, int, N_Vector);

@@ -11,7 +11,7 @@ namespace viscobar::sundials {
 
 enum class Library : std::size_t { cvode, ida, arkode };
 
-/// What a return flag means.
+/// Meaning of a return flag.
 struct ReturnFlag {
   std::array<int, 3> values;  ///< in each Library, negative; 0 where there is none
   std::string_view meaning;

@@ -80,7 +80,7 @@ bool HistorySums::put_off(double* x, const double* y, std::size_t n) {
 }
 
 std::size_t HistorySums::cascade() const {
-  // Of different vectors: one that comes back would have to be read again.
+  // The vectors must differ: one that comes back would have to be read again.
   const auto seen = [&](const double* x, std::size_t count) {
     return std::ranges::any_of(std::span(sums_).first(count), [x](const Sum& sum) { return sum.x == x || sum.y == x; });
   };

@@ -44,7 +44,8 @@ class HistorySums {
 /// Norms look at its first `weighed` entries, all by default: the others have no weight anyway.
 Vector make_vector(std::size_t size, const Context& context, std::size_t weighed = static_cast<std::size_t>(-1));
 
-/// What a probe looks at: entry i of it is entries[i] of a vector, where i is among the `selected`; others are left.
+/// Entries that a probe looks at: entry i of it is entries[i] of a vector, where i is among the `selected`; others are
+/// left.
 struct Probed {
   explicit Probed(std::vector<std::size_t> of) : entries(std::move(of)), selected(entries.size()) {
     std::iota(selected.begin(), selected.end(), std::size_t{0});

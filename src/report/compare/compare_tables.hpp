@@ -9,7 +9,7 @@
 
 namespace viscobar {
 
-/// What each method ran on, what it cost and where it ended.
+/// Mesh, cost and end of each method.
 Table method_table(const Comparison& check, NumberText number);
 /// Each method against the reference; or each run, called `what`, by another `difference`, null where there is none.
 Table difference_table(const Comparison& check, NumberText number);
@@ -20,7 +20,7 @@ Table contact_table(const Comparison& check, NumberText number);
 /// The same for the terminal, with its heading; empty without contact.
 std::string contact_text(const Comparison& check);
 
-/// What a reader must know to judge the differences: methods left out, steps chosen, masses that are not the same.
+/// Remarks by which to judge the differences: methods left out, steps chosen, masses that are not the same.
 std::vector<std::string> remarks(const MethodChoice& choice, const Comparison& check);
 
 /// left, right or span:<mesh node>

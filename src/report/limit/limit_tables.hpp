@@ -32,7 +32,7 @@ LimitTheory theory(const LimitStudy& study);
 /// told once, on the finest mesh that has one.
 std::string verdict_reason(const LimitStudy& study, const LimitResult& result, std::size_t mesh);
 
-/// What a mathematician wants to quote of a mesh: how far the limits are apart. Empty where that is not known.
+/// Distance of the limits on a mesh, in a sentence to quote. Empty where it is not known.
 std::string limit_sentence(const LimitOrders& orders);
 
 Table limit_table(const LimitResult& result, NumberText number);

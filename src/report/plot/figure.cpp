@@ -70,7 +70,7 @@ std::string marker_path(std::size_t shape, double x, double y, double r) {
   }
 }
 
-// Of the labels of an axis, behind its name.
+// Factor of the labels of an axis, behind its name.
 std::string factor(const Ticks& marks) { return marks.exponent ? " / " + power_of_ten(marks.exponent) : ""; }
 
 // The gradients of all figures of a page share one name space; svg() puts the picture's title into their names.

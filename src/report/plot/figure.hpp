@@ -24,7 +24,7 @@ struct Style {
 double height_of_bars(std::size_t rows);
 
 /// A picture with two axes, as SVG and as the data from which the script of a page draws it anew (src/report/web/).
-/// What is added first lies below. The legend stands right of the frame, whose place is the same in every figure of one
+/// Curves added first lie below. The legend stands right of the frame, whose place is the same in every figure of one
 /// width, so that figures below each other share their axis.
 class Figure {
  public:

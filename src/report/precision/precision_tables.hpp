@@ -14,7 +14,7 @@ namespace viscobar {
 /// The rows that belong to a method on a mesh.
 std::span<const PrecisionRow> rows_of(const PrecisionResult& result, const ErrorParts& parts);
 
-/// Whether a reference can tell an error from its own.
+/// True if a reference can tell an error from its own.
 bool resolved(double error, double reference_error);
 
 /// tolerance or step
@@ -31,15 +31,15 @@ Table precision_table(const PrecisionResult& result, NumberText number);
 /// In the order of the rows.
 std::vector<std::size_t> meshes_in(const PrecisionResult& result);
 
-/// What the errors are measured against, and how good that is.
+/// The reference of the errors, and its own error.
 std::string reference_sentence(const PrecisionResult& result, NumberText number);
 Table time_reference_table(const PrecisionResult& result, NumberText number);
 Table mesh_table(const PrecisionReference& reference, NumberText number);
 
-/// What failed, what was left out, and what is not what it seems.
+/// Failed runs, omissions and warnings.
 std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionResult& result);
 
-/// What to pay for: which part dominates, and from which tolerance (or step) and epsilon on nothing is gained.
+/// Advice on cost: which part dominates, and from which tolerance (or step) and epsilon on nothing is gained.
 std::string advice(const PrecisionResult& result, const ErrorParts& parts, NumberText number);
 
 /// Advice for the methods on a mesh, those named together that get the same.

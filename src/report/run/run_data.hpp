@@ -16,7 +16,7 @@ namespace viscobar {
 /// last output time is kept, too.
 class ThinnedField {
  public:
-  /// Of values at the nodes of a mesh, or at the middles of its elements.
+  /// Places of values: the nodes of a mesh, or the middles of its elements.
   enum class At { nodes, elements };
   explicit ThinnedField(const Mesh& mesh, At at = At::nodes);
 
@@ -61,7 +61,7 @@ class ThinnedField {
   Row last_;
 };
 
-/// What the report shows of a run, collected while it runs in memory that does not grow with it.
+/// Data of the report of a run, collected while it runs in memory that does not grow with it.
 class ReportData {
  public:
   ReportData(const Case& run, const BarSystem& system);

@@ -1,4 +1,4 @@
-// What the stress shows: its map, the tractions of the ends, and the bar as it lies, coloured by it.
+// Pictures of the stress: its map, the tractions of the ends, and the bar as it lies, coloured by it.
 #include <fmt/format.h>
 
 #include <algorithm>

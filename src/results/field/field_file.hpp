@@ -37,7 +37,7 @@ struct FieldMark {
 
   static void members(auto& mark, auto&& each) { each(mark.rows, mark.length, mark.regions, mark.others); }
 
-  /// Of the whole file.
+  /// Checksum of the whole file.
   Checksum checksum() const;
   /// @throws IoError when values in the file are no longer those of the mark
   void check_values(const std::filesystem::path& file) const;
@@ -49,7 +49,7 @@ FieldMark marked(const std::filesystem::path& file, std::size_t rows, std::vecto
 /// @throws IoError
 void put_back(const std::filesystem::path& file, const FieldMark& mark);
 
-/// What a field is of: the material that makes stresses of it, and what its attributes say.
+/// Origin of a field: the material that makes stresses of it, and the texts of its attributes.
 struct FieldOrigin {
   Bar bar;
   Units units;

@@ -23,7 +23,7 @@ class FieldReader {
   std::size_t rows() const { return times_.size(); }
   std::size_t nodes() const { return x_.size(); }
 
-  /// Whether the file has it: one of an earlier version has no stress.
+  /// True if the file has it: one of an earlier version has no stress.
   bool has(Quantity quantity) const { return dataset(quantity).get() >= 0; }
   /// Values of a row: one a node, of the stress one an element.
   std::size_t width(Quantity quantity) const { return nodes() - (quantity == Quantity::stress ? 1 : 0); }

@@ -39,7 +39,7 @@ void begin_hdf5() {
   void* const room = mmap(nullptr, needed, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (room == MAP_FAILED) throw std::bad_alloc();
   munmap(room, needed);
-  // Of a process that goes on after a failure, as one of Python.
+  // A process may go on after a failure, as one of Python does.
   [[maybe_unused]] static const herr_t once = H5dont_atexit();
 }
 

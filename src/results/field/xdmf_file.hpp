@@ -42,7 +42,7 @@ class XdmfFile {
   /// Adds the next times; their rows must be in the field file by now.
   void append(std::span<const double> times);
   void close();
-  /// Of the file as it is.
+  /// Checksum of the file as it is.
   Checksum checksum() const;
 
  private:

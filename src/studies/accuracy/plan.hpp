@@ -37,7 +37,7 @@ class Plan {
   /// The estimate for the case of next(), which is run, in memory, where nobody has a sample of it.
   /// @throws Stopped, TooLong, IntegrationError
   ErrorEstimate judge(std::optional<Sample> solution = {});
-  /// Whether next() has a better one.
+  /// True if next() has a better one.
   bool again() const { return again_; }
 
  private:

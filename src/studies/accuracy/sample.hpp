@@ -79,10 +79,10 @@ struct Changes {
 };
 Changes changes_that_matter(const Sample& sample, Where end, const Grain& grain);
 
-/// Whether the goal is a field over time; else it is a few numbers of the run.
+/// True if the goal is a field over time; else it is a few numbers of the run.
 bool is_field(Goal of);
 
-/// Whether the same contacts change in the same order at each end, among the changes that matter.
+/// True if the same contacts change in the same order at each end, among the changes that matter.
 struct SameChanges {
   bool same = true;
   std::size_t coarse = 0, fine = 0;  ///< changes of the two

@@ -37,7 +37,7 @@ struct Difference {
     for (const double value : change) largest = std::max(largest, std::abs(value));
     return largest;
   }
-  /// Whether the derivative is known to the end of the run.
+  /// True if the derivative is known to the end of the run.
   bool known() const {
     return !change.empty() && std::ranges::all_of(change, [](double value) { return std::isfinite(value); });
   }

@@ -31,11 +31,11 @@ class Purse {
   double spent() const { return spent_; }
   double left() const { return study_.budget - spent_; }
   bool interrupted() const { return study_.interrupted && study_.interrupted(); }
-  /// Whether runs are to stop. A budget of 0 lets the runs that were asked for go on.
+  /// True if runs are to stop. A budget of 0 lets the runs that were asked for go on.
   bool empty() const { return interrupted() || (study_.budget > 0.0 && spent_ + kept_ > study_.budget); }
   /// From here on runs are to stop that much earlier.
   void keep(double seconds) { kept_ = seconds; }
-  /// Whether a run may begin that takes so long; of those that were asked for with a budget of 0, too.
+  /// True if a run may begin that takes so long; of those that were asked for with a budget of 0, too.
   bool allows(double seconds, bool asked) const {
     return !interrupted() && (study_.budget > 0.0 ? spent_ + kept_ + seconds <= study_.budget : asked);
   }

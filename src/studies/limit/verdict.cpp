@@ -70,7 +70,7 @@ double hardest_impact(const EndTraces& traces) {
   return speed;
 }
 
-// Whether bodies meet at a speed that stays as epsilon goes to 0. A node that is pressed on its obstacle oscillates at
+// True if bodies meet at a speed that stays as epsilon goes to 0. A node that is pressed on its obstacle oscillates at
 // speeds of O(sqrt(epsilon)): half that order tells the two apart.
 bool impacts(const TraceSequence& penalised) {
   const std::size_t count = penalised.x.size(), first = count - std::min<std::size_t>(3, count);

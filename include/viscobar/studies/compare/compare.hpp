@@ -70,7 +70,7 @@ struct Comparison {
 /// the same time). A run that fails, or a recording that does not fit its case, is reported and leaves the others
 /// standing.
 Comparison compare(std::span<const Contender> contenders, std::size_t threads = 0);
-/// Likewise of built-in methods.
+/// The same for built-in methods.
 Comparison compare(std::span<const Case> cases, std::size_t threads = 0);
 
 }  // namespace viscobar

@@ -64,7 +64,7 @@ struct FitStudy {
   std::vector<std::string> doubts;      ///< what is strange in the data, in sentences, told among its warnings
 };
 
-/// What was found for one parameter.
+/// Result for one parameter.
 struct Estimate {
   std::string key;                  ///< of the parameter
   double estimate = 0.0;            ///< its value

@@ -65,10 +65,10 @@ struct Sequence {
   /// The largest settled range that ends with the smallest distance above its floor: that of the limit x -> 0. Absent:
   /// not settled.
   std::optional<SequenceOrder> order() const;
-  /// Of distances to a run near the limit, where those to the limit itself have the order `nearer`: the slope over the
-  /// part of its range that is above the floor. They know no more of x -> 0 than that.
+  /// Order of distances to a run near the limit, where those to the limit itself have the order `nearer`: the slope
+  /// over the part of its range that is above the floor. They know no more of x -> 0 than that.
   std::optional<SequenceOrder> order_within(const std::optional<SequenceOrder>& nearer) const;
-  /// Whether the distances are seen to fall to 0: the last is within ten floors, or the last three, over half a decade
+  /// True if the distances are seen to fall to 0: the last is within ten floors, or the last three, over half a decade
   /// of x or more, fall with a quarter of the power `theory` or more, each below the one before it.
   bool falls(double theory) const;
   /// p_i, settled or not; absent: there is no value i + 1, or a distance is 0.

@@ -12,7 +12,7 @@
 
 namespace viscobar {
 
-/// What is refined: h, the step dt of a scheme, or both in proportion.
+/// The quantity that is refined: h, the step dt of a scheme, or both in proportion.
 enum class Refine { mesh, step, both };
 
 /// The case and `levels` - 1 refinements of it by factors of two. Output times stay, so that errors are taken at the

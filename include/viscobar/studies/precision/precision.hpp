@@ -60,7 +60,7 @@ struct PrecisionRow {
   std::string failure;                    ///< empty for a run that did what it should
 };
 
-/// What the errors of a method on a mesh consist of besides time.
+/// Parts of the error of a method on a mesh besides that of time.
 struct ErrorParts {
   MethodName method = MethodName::cvode;  ///< which
   std::size_t elements = 0;               ///< J
@@ -91,7 +91,7 @@ struct PrecisionReference {
   double largest_displacement = 0.0;  ///< max |u_*|
 };
 
-/// What a study measured.
+/// Measurements of a study.
 struct PrecisionResult {
   /// A run that was not made.
   struct LeftOut {
