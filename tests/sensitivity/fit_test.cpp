@@ -262,6 +262,17 @@ TEST(RandomFits, FindTheTruthOrSayThatTheyDidNot) {
   EXPECT_GE(found, 18u);
 }
 
+// Where noise is all that is left: a valley beside, a third of a deviation lower, and one at fifty times the viscosity,
+// as low as that of the truth, of which three deviations reach below zero.
+TEST(RandomFits, FindTheOtherValleysOfNoise) {
+  for (const std::size_t index : {291, 3}) {
+    const random_fits::RandomFit one = random_fits::random_fit(3, index);
+    const random_fits::Judged judged = judge(one);
+    EXPECT_TRUE(judged.found) << index << ": " << judged.excess;
+    EXPECT_EQ(judged.converged, index == 291) << index;
+  }
+}
+
 TEST(Fit, RefusesStudiesThatMakeNoSense) {
   const FitStudy sound = study_of({"left.gap"}, {0.1}, {0.2}, 0.0);
   FitStudy study = sound;

@@ -1,0 +1,346 @@
+#include "studies/fit/search.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <new>
+#include <span>
+#include <stdexcept>
+#include <tuple>
+#include <utility>
+
+namespace viscobar::fitting {
+
+namespace {
+
+template <class Fields>
+double value_of(TraceColumn column, const Fields& at) {
+  switch (column) {
+    case TraceColumn::u_left: return at.u.front();
+    case TraceColumn::v_left: return at.v.front();
+    case TraceColumn::reaction_left: return at.reaction_left;
+    case TraceColumn::u_right: return at.u.back();
+    case TraceColumn::v_right: return at.v.back();
+    case TraceColumn::reaction_right: return at.reaction_right;
+  }
+  return 0.0;
+}
+
+using Kind = std::tuple<Where, std::size_t, Change>;
+Kind kind(const Event& event) { return {event.where, event.where == Where::span ? event.node : 0, event.change}; }
+
+bool is_velocity(TraceColumn column) { return column == TraceColumn::v_left || column == TraceColumn::v_right; }
+bool is_left(TraceColumn column) { return column <= TraceColumn::reaction_left; }
+
+// A number and, behind it, its derivatives by the parameters.
+using Traced = Eigen::VectorXd;
+double number(const Traced& traced) { return traced(0); }
+Traced product(const Traced& a, const Traced& b) {
+  Traced both = number(a) * b + number(b) * a;
+  both(0) = number(a) * number(b);
+  return both;
+}
+
+// How close a contact change is to t_k, from 0 at the samples beside it to 1.
+Traced closeness(const std::vector<double>& t, std::size_t k, std::span<const Event> changes, Eigen::Index size) {
+  Traced close = Traced::Zero(size);
+  for (const Event& at : changes) {
+    const bool earlier = at.time < t[k];
+    const double side = earlier ? t[k] - t[k > 0 ? k - 1 : 0] : t[std::min(k + 1, t.size() - 1)] - t[k];
+    const double away = std::abs(at.time - t[k]);
+    if (away >= side || 1.0 - away / side <= number(close)) continue;
+    close(0) = 1.0 - away / side;
+    for (Eigen::Index j = 1; j < size; ++j) close(j) = (earlier ? 1.0 : -1.0) * at.sensitivities[j - 1].time / side;
+  }
+  return close;
+}
+
+// A sample beside a contact change tells its time no better than the sampling does: it is compared with the nearest
+// value of the model from the sample before to the one behind, of less than that the farther off the change is, for S
+// is to be continuous.
+void compare_samples(const MeasuredTrace& trace, const std::vector<double>& t, const std::vector<Traced>& model,
+                     std::span<const Event> changes, std::vector<Traced>& rows) {
+  for (std::size_t k = 0; k < t.size(); ++k) {
+    const double datum = trace.values[k];
+    if (std::isnan(datum)) continue;
+    Traced row = model[k];
+    if (const Traced close = closeness(t, k, changes, row.size()); number(close) > 0.0) {
+      const auto towards = [&](std::size_t other) { return Traced(row + product(close, model[other] - row)); };
+      const Traced about[] = {row, towards(k > 0 ? k - 1 : 0), towards(std::min(k + 1, t.size() - 1))};
+      const auto [low, high] = std::ranges::minmax_element(about, {}, number);
+      row = datum < number(*low) ? *low : datum > number(*high) ? *high : Traced::Unit(row.size(), 0) * datum;
+    }
+    row(0) -= datum;
+    rows.push_back(row / trace.deviation);
+  }
+}
+
+// `model` has the integrals of the model, from any time on; those of the data are by the trapezoidal rule.
+void compare_integrals(const MeasuredTrace& trace, const std::vector<double>& t, const std::vector<Traced>& model,
+                       std::vector<Traced>& rows) {
+  const std::size_t begin = rows.size();
+  std::optional<std::size_t> first, last;
+  double integral = 0.0, most = 0.0, most_integral = 0.0;
+  for (std::size_t k = 0; k < t.size(); ++k) {
+    if (std::isnan(trace.values[k])) continue;
+    if (last) integral += 0.5 * (trace.values[k] + trace.values[*last]) * (t[k] - t[*last]);
+    if (!first) first = k;
+    last = k;
+    rows.push_back(model[k] - model[*first]);
+    rows.back()(0) -= integral;
+    most = std::max(most, std::abs(trace.values[k]));
+    most_integral = std::max(most_integral, std::abs(integral));
+  }
+  const double deviation = trace.deviation * (most_integral > 0.0 ? most_integral / most : 1.0);
+  for (std::size_t k = begin; k < rows.size(); ++k) rows[k] /= deviation;
+}
+
+// Integrals of a reaction: where its contact closes or opens between two samples, over that part of the interval.
+std::vector<Traced> impulses(Where where, const std::vector<double>& t, const std::vector<Traced>& reaction,
+                             const std::vector<Event>& changes) {
+  const Eigen::Index n = reaction.front().size();
+  std::vector<Traced> sums = {Traced::Zero(n)};
+  std::size_t next = 0;
+  for (std::size_t k = 1; k < t.size(); ++k) {
+    double share = 0.5;
+    Traced length = Traced::Unit(n, 0) * (t[k] - t[k - 1]);
+    for (; next < changes.size() && changes[next].time <= t[k]; ++next) {
+      const Event& change = changes[next];
+      if (change.where != where || change.time < t[k - 1]) continue;
+      const bool closes = change.change == Change::closing;
+      share = 1.0;
+      length(0) -= closes ? change.time - t[k - 1] : t[k] - change.time;
+      for (Eigen::Index j = 1; j < n; ++j) length(j) -= (closes ? 1.0 : -1.0) * change.sensitivities[j - 1].time;
+    }
+    length(0) = std::max(length(0), 0.0);
+    sums.push_back(sums.back() + product(share * (reaction[k - 1] + reaction[k]), length));
+  }
+  return sums;
+}
+
+}  // namespace
+
+Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivatives, std::size_t most_steps) {
+  Misfit misfit;
+  double end = study.times.empty() ? 0.0 : study.times.back();
+  for (const Event& change : study.changes) end = std::max(end, change.time);
+  // A change that the model has later than the data counts, too.
+  if (!study.changes.empty()) end *= 1.5;
+  run.end = end;
+  std::vector<double> times = study.times;
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  if (times.empty() || times.front() > 0.0) times.insert(times.begin(), 0.0);
+  if (times.back() < end) times.push_back(end);
+  if (times.size() < 2) throw std::invalid_argument("fit: the data have no time after 0");
+
+  const BarSystem system = make_system(run);
+  const Eigen::Index parameters = derivatives ? std::ssize(study.parameters) : 0;
+  std::vector<std::vector<Traced>> model(study.traces.size());
+  Observers observers;
+  observers.off_the_clock = false;
+  if (derivatives) observers.directions = run.directions;
+  observers.snapshot = [&, told = std::size_t{0}](const Snapshot& at) mutable {
+    for (; told < study.times.size() && study.times[told] == at.time; ++told)
+      for (std::size_t i = 0; i < model.size(); ++i) {
+        TraceColumn column = study.traces[i].column;
+        if (compared == Compared::integrals && is_velocity(column))
+          column = is_left(column) ? TraceColumn::u_left : TraceColumn::u_right;
+        model[i].emplace_back(1 + parameters);
+        model[i].back()(0) = value_of(column, at);
+        for (Eigen::Index j = 0; j < parameters; ++j) model[i].back()(1 + j) = value_of(column, at.sensitivities[j]);
+      }
+  };
+  observers.event = [&](const Event& event) { misfit.changes.push_back(event); };
+  bool stopped = false;
+  observers.progress = [&](double) {
+    stopped = stopped || (study.stop && study.stop());
+    return stopped || ++misfit.steps > most_steps ? RunControl::stop : RunControl::go_on;
+  };
+  const Statistics done = simulate(run, system, times, observers);
+  if (stopped) throw FitStopped();
+  if (!done.completed) throw std::runtime_error(fmt::format("the run takes more than {} steps", most_steps));
+  if (done.sensitivity) misfit.lost = done.sensitivity->lost;
+
+  std::vector<Traced> rows;
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    const MeasuredTrace& trace = study.traces[i];
+    const bool smooth = is_displacement(trace.column);
+    misfit.traces.emplace_back();
+    std::ranges::transform(model[i], std::back_inserter(misfit.traces.back()), number);
+    if (smooth || compared == Compared::samples)
+      compare_samples(trace, study.times, model[i], smooth ? std::span<const Event>() : misfit.changes, rows);
+    else if (is_velocity(trace.column))
+      compare_integrals(trace, study.times, model[i], rows);
+    else
+      compare_integrals(
+          trace, study.times,
+          impulses(is_left(trace.column) ? Where::left : Where::right, study.times, model[i], misfit.changes), rows);
+  }
+  std::map<Kind, std::size_t> seen;
+  for (const Event& measured : study.changes) {
+    std::size_t skip = seen[kind(measured)]++;
+    const auto same = std::ranges::find_if(
+        misfit.changes, [&](const Event& event) { return kind(event) == kind(measured) && skip-- == 0; });
+    Traced row = Traced::Zero(1 + parameters);
+    row(0) = (same == misfit.changes.end() ? 2.0 * end : same->time) - measured.time;
+    if (same != misfit.changes.end())
+      for (Eigen::Index j = 0; j < parameters; ++j) row(1 + j) = same->sensitivities[j].time;
+    rows.push_back(row / study.change_deviation);
+  }
+  misfit.residual.resize(std::ssize(rows));
+  misfit.jacobian = Eigen::MatrixXd::Zero(std::ssize(rows), parameters);
+  for (Eigen::Index i = 0; i < std::ssize(rows); ++i) {
+    misfit.residual(i) = number(rows[i]);
+    if (rows[i].allFinite()) misfit.jacobian.row(i) = rows[i].tail(parameters);
+  }
+  misfit.sound = misfit.residual.allFinite();
+  if (!misfit.sound) misfit.error = "the run is not finite";
+  return misfit;
+}
+
+bool leaves(const FittedParameter& parameter, double value, double step) {
+  return (value <= parameter.low && step < 0.0) || (value >= parameter.high && step > 0.0);
+}
+
+Misfit Search::at(const Eigen::VectorXd& values, Compared compared, bool derivatives) {
+  try {
+    Misfit misfit = run(values, compared, derivatives && !study_.differences);
+    if (most_steps_ == unlimited) most_steps_ = 1000 + 50 * misfit.steps;
+    // Where derivatives end, differences go on.
+    if (derivatives && misfit.sound && (study_.differences || misfit.lost)) difference(values, compared, misfit);
+    return misfit;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    Misfit failed;
+    failed.error = error.what();
+    return failed;
+  }
+}
+
+bool Search::jumps() const {
+  return std::ranges::any_of(study_.traces, [](const MeasuredTrace& one) { return !is_displacement(one.column); });
+}
+
+// Integrals of what jumps, for no sample of a jump tells by how much it changes.
+Eigen::MatrixXd Search::axes_of_deviations(const Eigen::VectorXd& values) {
+  const Misfit misfit = at(values, Compared::integrals);
+  if (!misfit.sound) return Eigen::MatrixXd::Zero(n_, n_);
+  const Eigen::VectorXd size = values.cwiseAbs();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> factors(misfit.jacobian * size.asDiagonal(), Eigen::ComputeFullV);
+  Eigen::VectorXd lengths = Eigen::VectorXd::Ones(n_);
+  for (Eigen::Index k = 0; k < factors.singularValues().size(); ++k)
+    lengths(k) /= std::max(1.0, factors.singularValues()(k));
+  return size.asDiagonal() * factors.matrixV() * lengths.asDiagonal();
+}
+
+Minimum Search::minimum_from(Eigen::VectorXd start, Compared first, std::size_t most_runs) {
+  if (first == Compared::integrals && jumps())
+    if (const Minimum near = descend(start, Compared::integrals, most_runs); near.misfit.sound) start = near.at;
+  return descend(start, Compared::samples, most_runs);
+}
+
+Misfit Search::run(const Eigen::VectorXd& values, Compared compared, bool derivatives) {
+  ++runs;
+  return measure(study_, study_.model({values.data(), static_cast<std::size_t>(values.size())}), compared, derivatives,
+                 most_steps_);
+}
+
+void Search::difference(const Eigen::VectorXd& values, Compared compared, Misfit& misfit) {
+  misfit.jacobian.resize(misfit.residual.size(), n_);
+  for (Eigen::Index k = 0; k < n_; ++k) {
+    const FittedParameter& parameter = study_.parameters[k];
+    const double step = 1e-4 * std::max({std::abs(values(k)), 1e-2 * std::abs(parameter.start), 1e-6});
+    const double forth = values(k) + step <= parameter.high ? step : -step;
+    Eigen::VectorXd beside = values;
+    beside(k) += forth;
+    const Misfit other = run(beside, compared, false);
+    misfit.jacobian.col(k) = (other.residual - misfit.residual) / (beside(k) - values(k));
+  }
+}
+
+double Search::limited(Eigen::Index k, double from, double to) const {
+  const FittedParameter& parameter = study_.parameters[k];
+  const double given = std::abs(parameter.start), size = std::max(std::abs(from), 0.1 * given), far = 1e4;
+  // Nor does any lead to where no run ends, or nothing moves.
+  if (given > 0.0) to = std::clamp(to, parameter.low >= 0.0 ? given / far : -given * far, given * far);
+  if (size > 0.0) to = std::clamp(to, parameter.low >= 0.0 ? 0.25 * from : from - 3.0 * size, from + 3.0 * size);
+  return std::clamp(to, parameter.low, parameter.high);
+}
+
+// From here on a step changes nothing that the data tell: of a standard deviation, and of a parameter.
+constexpr double small_step = 1e-3, rounding_step = 1e-9;
+
+Minimum Search::descend(const Eigen::VectorXd& start, Compared compared, std::size_t most_runs) {
+  Minimum now{start, at(start, compared), 0, false, ""};
+  const auto ended = [&now](std::string reason) {
+    now.reason = std::move(reason);
+    return now;
+  };
+  const auto converged = [&](const char* reason) {
+    now.converged = true;
+    return ended(reason);
+  };
+  if (!now.misfit.sound) return ended(now.misfit.error);
+  double damping = 1e-3;
+  bool differenced = study_.differences;
+  const std::size_t first_run = runs;
+  while (runs - first_run < most_runs) {
+    const Eigen::MatrixXd& jacobian = now.misfit.jacobian;
+    const Eigen::VectorXd gradient = jacobian.transpose() * now.misfit.residual;
+    std::vector<Eigen::Index> free;
+    for (Eigen::Index k = 0; k < n_; ++k)
+      if (!leaves(study_.parameters[k], now.at(k), -gradient(k))) free.push_back(k);
+    if (free.empty()) return converged("all parameters are at their bounds");
+    const Eigen::MatrixXd part = jacobian(Eigen::all, free);
+    const Eigen::MatrixXd normal = part.transpose() * part;
+    const Eigen::VectorXd slope = gradient(free);
+    Eigen::VectorXd scale = normal.diagonal();
+    const double least = 1e-30 * std::max(scale.maxCoeff(), 1e-300);
+    scale = scale.cwiseMax(least);
+    Eigen::MatrixXd damped = normal;
+    damped.diagonal() += damping * scale;
+    const Eigen::VectorXd step = damped.ldlt().solve(-slope);
+    Eigen::VectorXd next = now.at;
+    for (std::size_t j = 0; j < free.size(); ++j)
+      next(free[j]) = limited(free[j], now.at(free[j]), now.at(free[j]) + step(j));
+    const Eigen::VectorXd moved = next - now.at;
+    const double variance = now.misfit.variance(n_);
+    // Of the quadratic model: |J step|^2 in units of the variance is the step in standard deviations, squared.
+    const double deviations = std::sqrt((jacobian * moved).squaredNorm() / std::max(variance, 1e-300));
+    const bool still = ((moved.array().abs() <= rounding_step * now.at.array().abs().max(1e-300)).all());
+    if ((damping <= 1.0 && deviations < small_step) || still)
+      return converged("a step would change less than the data tell");
+    Misfit trial = at(next, compared);
+    ++now.iterations;
+    const double predicted = now.misfit.sum() - (now.misfit.residual + jacobian * moved).squaredNorm();
+    const double gained = trial.sound ? now.misfit.sum() - trial.sum() : -1.0;
+    if (gained > 0.0) {
+      const double ratio = gained / std::max(predicted, 1e-300);
+      damping *= ratio > 0.75 ? 0.1 : ratio > 0.25 ? 0.5 : 2.0;
+      damping = std::max(damping, 1e-12);
+      now.at = next;
+      now.misfit = std::move(trial);
+      continue;
+    }
+    // What rounding makes of a sum is no gain to look for.
+    if (trial.sound && std::abs(gained) <= 1e-12 * now.misfit.sum() && predicted <= 1e-9 * now.misfit.sum())
+      return converged("the sum of squares does not fall any more");
+    damping = std::max(10.0 * damping, 1e-3);
+    if (damping < 1e8) continue;
+    if (differenced) return ended("no step makes the sum of squares smaller, though its derivatives say so");
+    try {  // the sum of squares has a kink, which its derivatives on one side do not tell
+      difference(now.at, compared, now.misfit);
+    } catch (const std::runtime_error& error) {
+      return ended(error.what());
+    }
+    differenced = true;
+    damping = 1e-3;
+  }
+  return ended(fmt::format("{} runs were not enough", most_runs));
+}
+
+}  // namespace viscobar::fitting

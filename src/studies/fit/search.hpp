@@ -1,0 +1,90 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "viscobar/studies/fit/fit.hpp"
+
+namespace viscobar::fitting {
+
+/// A run of the model beside the data.
+struct Misfit {
+  bool sound = false;                       ///< the run succeeded
+  std::string error;                        ///< why it did not
+  Eigen::VectorXd residual;                 ///< (model - data) / deviation of all numbers measured
+  Eigen::MatrixXd jacobian;                 ///< of it by the parameters; a row is zero where there is no derivative
+  std::vector<std::vector<double>> traces;  ///< of the model
+  std::vector<Event> changes;               ///< likewise
+  std::optional<double> lost;               ///< from when on there are no derivatives
+  std::size_t steps = 0;                    ///< of the run
+
+  double sum() const { return sound ? residual.squaredNorm() : std::numeric_limits<double>::infinity(); }  ///< S
+  /// S / (m - n); of deviations that are as given, 1, where there are no more numbers than parameters.
+  double variance(Eigen::Index parameters) const {
+    const Eigen::Index freedom = residual.size() - parameters;
+    return freedom > 0 ? sum() / static_cast<double>(freedom) : 1.0;
+  }
+};
+
+/// Samples of velocities and reactions, which jump, make many valleys; their integrals from the first sample on change
+/// smoothly with the parameters.
+enum class Compared { samples, integrals };
+
+inline bool is_displacement(TraceColumn column) {
+  return column == TraceColumn::u_left || column == TraceColumn::u_right;
+}
+
+/// Runs a model beside the data, with so many steps at most. A measured contact change that the model does not have, in
+/// the order of those of its kind, counts as one at twice the end of the run. @throws std::runtime_error @throws
+/// FitStopped
+Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivatives, std::size_t most_steps);
+
+/// Where a search ended.
+struct Minimum {
+  Eigen::VectorXd at;
+  Misfit misfit;
+  std::size_t iterations = 0;
+  bool converged = false;
+  std::string reason;
+};
+
+/// Whether a step leaves the bounds.
+bool leaves(const FittedParameter& parameter, double value, double step);
+
+/// Levenberg's and Marquardt's descents of a study.
+class Search {
+ public:
+  explicit Search(const FitStudy& study) : study_(study), n_(std::ssize(study.parameters)) {}
+
+  std::size_t runs = 0;
+
+  /// A run at these values; of one that fails, why. A trial run takes no more than so many times the steps of the
+  /// first.
+  Misfit at(const Eigen::VectorXd& values, Compared compared, bool derivatives = true);
+  /// Whether velocities or reactions are among the data.
+  bool jumps() const;
+  /// Axes of an ellipsoid, its columns, in which values change what is smooth in them by a deviation, and no longer
+  /// than the values.
+  Eigen::MatrixXd axes_of_deviations(const Eigen::VectorXd& values);
+  /// Integrals of what jumps lead to the neighbourhood of a minimum, samples to the minimum.
+  Minimum minimum_from(Eigen::VectorXd start, Compared first, std::size_t most_runs);
+  /// No step is longer than the parameter is large, three times, or takes more than three quarters of a positive one.
+  double limited(Eigen::Index k, double from, double to) const;
+
+ private:
+  static constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
+
+  Misfit run(const Eigen::VectorXd& values, Compared compared, bool derivatives);
+  void difference(const Eigen::VectorXd& values, Compared compared, Misfit& misfit);
+  Minimum descend(const Eigen::VectorXd& start, Compared compared, std::size_t most_runs);
+
+  const FitStudy& study_;
+  Eigen::Index n_;
+  std::size_t most_steps_ = unlimited;
+};
+
+}  // namespace viscobar::fitting
