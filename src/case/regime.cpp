@@ -101,11 +101,17 @@ std::vector<ContactRegime> contact_regimes(const Case& run, const BarSystem& sys
 
 namespace {
 
-/// What that run meets; absent where it fails, or takes more steps.
-std::optional<Foresight> foreseen_by(const Case& trial, double most_steps, const std::function<bool()>& stop) {
+struct Sight {
+  Foresight found;
+  bool complete = false;  ///< all first impacts are among it
+};
+
+/// What that run meets in so many steps.
+Sight foreseen_by(const Case& trial, double most_steps, const std::function<bool()>& stop) {
   const Scene& scene = trial.scene;
   const std::size_t places = end_obstacles(scene) + std::size_t{scene.span.has_value()};
-  Foresight found;
+  Sight sight;
+  Foresight& found = sight.found;
   auto& impacts = found.impacts;
   const auto known = [&](Where where) { return std::ranges::find(impacts, where, &FirstImpact::where); };
   const BarSystem system = make_system(trial);
@@ -137,13 +143,14 @@ std::optional<Foresight> foreseen_by(const Case& trial, double most_steps, const
     const bool heard = found.chatters.value_or(true) || (met && time > impacts.back().time + way_and_back);
     return (met && heard) || ++steps > most_steps || (stop && stop()) ? RunControl::stop : RunControl::go_on;
   };
-  if (impacts.size() == places && !found.chatters) return found;
   try {
-    simulate(trial, system, observers);
+    if (impacts.size() < places || found.chatters) simulate(trial, system, observers);
   } catch (const IntegrationError&) {
-    return std::nullopt;
+    steps = INFINITY;
   }
-  return steps > most_steps ? std::nullopt : std::optional(found);
+  sight.complete = impacts.size() == places || steps <= most_steps;
+  if (steps > most_steps && found.chatters == false) found.chatters.reset();
+  return sight;
 }
 
 }  // namespace
@@ -156,14 +163,32 @@ std::optional<Foresight> foresee(const Case& run, const std::function<bool()>& s
   const auto elements = static_cast<double>(run.elements);
   // Waves tell it exactly, where they are what is asked for.
   const bool exact = run.method == MethodName::characteristics;
-  if (exact || !is_scheme(run.method))
-    if (auto found = foreseen_by(trial, exact ? 1e300 : 3e6 / elements, stop)) return found;
+  Sight own = foreseen_by(trial, exact ? 1e300 : 3e6 / elements, stop);
+  if (own.complete) return own.found;
   trial.method = MethodName::fully_discrete;
   trial.step =
       std::min(run.mesh().spacing() / std::sqrt(run.scene.bar.modulus / run.scene.bar.density), run.end / 500.0);
   constexpr double most_nodal_steps = 1e8;
-  if (run.end / *trial.step * elements > most_nodal_steps) return std::nullopt;
-  return foreseen_by(trial, 1e300, stop);
+  if (1.5 * run.end / *trial.step * elements > most_nodal_steps) return std::nullopt;
+  const double step = *trial.step;
+  const Sight fine = foreseen_by(trial, 1e300, stop);
+  trial.step = 2.0 * step;
+  const Sight coarse = foreseen_by(trial, 1e300, stop);
+  if (!fine.complete) return std::nullopt;
+  const auto of = [](const Sight& sight, Where where) {
+    return std::ranges::find(sight.found.impacts, where, &FirstImpact::where);
+  };
+  for (FirstImpact impact : fine.found.impacts) {
+    if (of(own, impact.where) != own.found.impacts.end()) continue;
+    const auto other = of(coarse, impact.where);
+    const bool both = other != coarse.found.impacts.end();
+    // A scheme has contact changes at its steps.
+    impact.time_error = both ? std::max(step, std::abs(other->time - impact.time)) : impact.time;
+    impact.speed_error = both ? std::abs(other->speed - impact.speed) : impact.speed;
+    own.found.impacts.push_back(impact);
+  }
+  std::ranges::stable_sort(own.found.impacts, {}, &FirstImpact::time);
+  return own.found;
 }
 
 std::string contact_law(const Case& run) {

@@ -74,6 +74,8 @@ struct FirstImpact {
   Where where = Where::left;  ///< of the obstacle
   double time = 0.0;          ///< of the closing
   double speed = 0.0;         ///< towards the obstacle
+  double time_error = 0.0;    ///< 0 where the run's own method tells: the run has the same; else what may be wrong
+  double speed_error = 0.0;   ///< likewise
 };
 
 /// What a run will meet.
@@ -82,9 +84,10 @@ struct Foresight {
   std::optional<bool> chatters{};    ///< whether a contact does so within a wave's way and back after them
 };
 
-/// By the run's own method, as long as that takes no more than 3 10^6 nodal steps; else by the fully discrete scheme
-/// with a step in which a wave crosses an element (or the end / 500), which says nothing of chatter. Absent when that
-/// were more than 10^8 nodal steps. `stop`, which may be empty, ends it early.
+/// By the run's own method, as long as that takes no more than 3 10^6 nodal steps; what it has not met by then, by the
+/// fully discrete scheme with steps in which a wave crosses an element (or the end / 500) and with half as many, whose
+/// difference is the error. That says nothing of chatter. Absent when it were more than 10^8 nodal steps. `stop`, which
+/// may be empty, ends it early.
 std::optional<Foresight> foresee(const Case& run, const std::function<bool()>& stop = {});
 
 /// The law of contact that a penalised run has, in words: whether its nodes are thrown back. Two laws are two motions,

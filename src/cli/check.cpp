@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "cli/commands.hpp"
@@ -22,13 +23,22 @@ std::string events(const Case& run, const BarSystem& system) {
   return fmt::format("{}, one for each contact node", system.contacts().size());
 }
 
+/// So many digits as its error leaves, and `most` at most.
+std::string with_digits(double value, double error, int most) {
+  if (!(error > 0.0) || value == 0.0) return fmt::format("{:.{}g}", value, most);
+  const double digits = std::floor(std::log10(std::abs(value))) + 1.0 - std::ceil(std::log10(error));
+  if (digits >= most) return fmt::format("{:.{}g}", value, most);
+  return fmt::format("about {:.{}g}", value, std::max(1, static_cast<int>(digits)));
+}
+
 std::string impact_text(const Case& run, const std::optional<Foresight>& foreseen) {
   if (!foreseen) return "not predicted, the scene is large";
   if (foreseen->impacts.empty()) return fmt::format("none to t = {}", run.end);
   std::string text;
   for (const FirstImpact& impact : foreseen->impacts)
-    text += fmt::format("{}{} at t = {:.4g}, speed {:.3g}", text.empty() ? "" : "; ", name(impact.where), impact.time,
-                        impact.speed);
+    text +=
+        fmt::format("{}{} at t = {}, speed {}", text.empty() ? "" : "; ", name(impact.where),
+                    with_digits(impact.time, impact.time_error, 4), with_digits(impact.speed, impact.speed_error, 3));
   return text;
 }
 

@@ -56,7 +56,10 @@ std::string contact_kind(const Case& run) {
                        effective_epsilon(run) / natural_epsilon(run.scene), natural_epsilon_words(run.scene),
                        run.epsilon ? "" : ", chosen for the mesh");
   if (run.method == MethodName::characteristics) return "exact: an end answers what arrives";
-  return run.method == MethodName::rigid ? "rigid: closed nodes are held" : "exact constraint in every step";
+  if (run.method == MethodName::rigid) return "rigid: closed nodes are held";
+  return run.restitution.value_or(0.0) > 0.0 || run.impact == Impact::moreau
+             ? "impacts between steps: a node is as deep as it moves within a step, at most"
+             : "exact constraint in every step";
 }
 
 namespace {
@@ -146,7 +149,11 @@ void predict(ContactRegime& regime, const std::optional<Foresight>& foreseen, co
 }
 
 Json to_json(const FirstImpact& impact) {
-  return {{"where", name(impact.where)}, {"time", impact.time}, {"speed", impact.speed}};
+  return {{"where", name(impact.where)},
+          {"time", impact.time},
+          {"speed", impact.speed},
+          {"time_error", impact.time_error},
+          {"speed_error", impact.speed_error}};
 }
 
 Json to_json(const ContactRegime& regime) {

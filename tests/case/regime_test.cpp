@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace viscobar {
 namespace {
@@ -124,6 +126,60 @@ TEST(ContactRegime, AFlatFallOnASpanPenetratesByTheNodesOscillator) {
   // Lumped nodes fall as one, an undamped oscillator exactly: what differs is the integration, 1e-6 relative a step.
   EXPECT_NEAR(ratio(run), 1.0, 1e-4);
   EXPECT_TRUE(regime(run).chatters);
+}
+
+// A bar that falls from rest under its weight: u = -t^2/2 meets the gap at t = V = (2 gap)^(1/2).
+Case dropped(MethodName method, double gap) {
+  Case run = falling(0.1, 1e-4, Mass::lumped);
+  run.scene.left = Obstacle{gap};
+  run.scene.right = Obstacle{1.5 * gap};
+  run.scene.velocity = [](double) { return 0.0; };
+  run.scene.load = SteadyLoad{[](double) { return -1.0; }};
+  run.method = method;
+  if (!is_penalised(method)) run.mass.reset(), run.epsilon.reset();
+  return run;
+}
+
+TEST(FirstImpact, IsThatOfTheRunByEachMethod) {
+  for (const MethodName method : {MethodName::rigid, MethodName::cvode, MethodName::ida, MethodName::arkode,
+                                  MethodName::fully_discrete, MethodName::finite_difference}) {
+    Case run = dropped(method, 0.2);
+    if (is_scheme(method)) run.step = 1e-3;
+    std::vector<Event> closings;
+    Observers observers;
+    observers.event = [&](const Event& event) {
+      if (event.change == Change::closing) closings.push_back(event);
+    };
+    simulate(run, make_system(run), observers);
+    const auto foreseen = foresee(run);
+    ASSERT_TRUE(foreseen) << name(method);
+    ASSERT_EQ(foreseen->impacts.size(), 2u) << name(method);
+    for (const FirstImpact& impact : foreseen->impacts) {
+      const auto same = std::ranges::find(closings, impact.where, &Event::where);
+      ASSERT_NE(same, closings.end()) << name(method);
+      // The same steps of the same run: to roundings.
+      EXPECT_NEAR(impact.time, same->time, 1e-12) << name(method);
+      EXPECT_NEAR(impact.speed, -same->velocity, 1e-12) << name(method);
+      EXPECT_EQ(impact.time_error, 0.0) << name(method);
+    }
+  }
+}
+
+// 3 10^6 nodal steps are 30,000 steps of 100 elements.
+TEST(FirstImpact, TellsItsErrorWhereTheRunWouldTakeLong) {
+  for (const double gap : {0.07, 0.15, 0.22, 0.31}) {
+    Case run = dropped(MethodName::fully_discrete, gap);
+    run.scene.right = EndCondition{};
+    run.step = 1e-5;
+    const auto foreseen = foresee(run);
+    ASSERT_TRUE(foreseen);
+    ASSERT_EQ(foreseen->impacts.size(), 1u);
+    const FirstImpact& impact = foreseen->impacts.front();
+    EXPECT_NEAR(impact.time, std::sqrt(2.0 * gap), impact.time_error) << gap;
+    // Two steps in which a wave crosses an element, the coarser one's.
+    EXPECT_GT(impact.time_error, 0.0);
+    EXPECT_LE(impact.time_error, 2.0 * h) << gap;
+  }
 }
 
 }  // namespace
