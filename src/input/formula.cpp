@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "input/input_text.hpp"
+#include "input/of_thread.hpp"
 #include "input/toml_text.hpp"
 #include "scene/message_text.hpp"
 #include "text/nearest_name.hpp"
@@ -61,25 +62,18 @@ struct Machine {
 class IdleMachines {
  public:
   static std::unique_ptr<Machine> take(const std::string& text, const Parameters& parameters) {
-    if (IdleMachines* own = of_thread())
-      for (auto& idle : own->idle_)
-        if (idle && idle->text == text && idle->parameters == parameters) return std::move(idle);
+    for (auto& idle : (*of_thread()).idle_)
+      if (idle && idle->text == text && idle->parameters == parameters) return std::move(idle);
     return std::make_unique<Machine>(text, parameters);
   }
-  static void give(std::unique_ptr<Machine> machine) {
-    if (IdleMachines* own = of_thread()) std::swap(own->idle_[own->next_++ % own->idle_.size()], machine);
+  static void give(std::unique_ptr<Machine> machine) noexcept {
+    if (IdleMachines* own = of_thread().if_any()) std::swap(own->idle_[own->next_++ % own->idle_.size()], machine);
   }
 
  private:
-  // None where the thread is about to end: functions that live longer than it own their parsers.
-  static IdleMachines* of_thread() {
-    thread_local bool ended = false;
-    struct Own : IdleMachines {
-      ~Own() { ended = true; }
-    };
-    if (ended) return nullptr;
-    thread_local Own own;
-    return &own;
+  static const OfThread<IdleMachines>& of_thread() {
+    static const OfThread<IdleMachines> machines;
+    return machines;
   }
 
   std::array<std::unique_ptr<Machine>, 8> idle_;
@@ -238,7 +232,8 @@ std::string parameter_name_problem(std::string_view name) {
 Formula::Formula(std::string text, std::string_view variables, const Parameters& parameters)
     : parameters_(parameters), text_(std::move(text)) {
   // A scene asks for each of its formulas several times, and a sweep for those of thousands of scenes.
-  thread_local std::map<std::tuple<std::string, std::string, Parameters>, std::pair<std::string, double>> all_known;
+  static const OfThread<std::map<std::tuple<std::string, std::string, Parameters>, std::pair<std::string, double>>> own;
+  auto& all_known = *own;
   const auto key = std::tuple(text_, std::string(variables), parameters_);
   if (const auto known = all_known.find(key); known != all_known.end()) {
     std::tie(used_, constant_) = known->second;
@@ -326,7 +321,8 @@ NextBreakAt Formula::detail_in_x_at(double length) const {
 Places Formula::places(double length) const {
   if (!uses('x')) return {};
   // The same few formulas in thousands of scenes of a sweep.
-  thread_local std::map<std::tuple<std::string, Parameters, double>, Places> all_known;
+  static const OfThread<std::map<std::tuple<std::string, Parameters, double>, Places>> own;
+  auto& all_known = *own;
   const auto key = std::tuple(text_, parameters_, length);
   if (const auto known = all_known.find(key); known != all_known.end()) return known->second;
   const FormulaTree tree = parse_formula(text_, parameters_);

@@ -8,6 +8,7 @@
 
 #include "input/described_scene.hpp"
 #include "input/input_text.hpp"
+#include "input/of_thread.hpp"
 #include "input/scene_keys.hpp"
 #include "input/scene_values.hpp"
 #include "scene/end_kinds.hpp"
@@ -61,7 +62,8 @@ SceneEntries::SceneEntries(const std::string& text, const std::string& source) :
 
 // The text of a sweep's scene is read again and again.
 const SceneEntries& SceneEntries::of_text(const std::string& text, const std::string& source) {
-  thread_local std::optional<std::pair<std::string, SceneEntries>> last;
+  static const OfThread<std::optional<std::pair<std::string, SceneEntries>>> own;
+  auto& last = *own;
   if (!last || last->first != text || last->second.end_.source != source) last = {text, SceneEntries(text, source)};
   return last->second;
 }
