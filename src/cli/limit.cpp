@@ -100,7 +100,10 @@ int study_limit(const LimitOptions& asked) {
   for (const FailedRun& run : result.failed)
     complain(fmt::format("epsilon = {} on {} elements: {}", run.epsilon, run.elements, run.what));
   if (missed) complain(fmt::format("the error that was asked for is not kept at epsilon = 0: {}", missed->doubt));
-  if (interrupt_asked()) return stopped;
+  if (interrupt_asked()) {
+    complain("interrupted; what the study came to is written");
+    return stopped;
+  }
   return result.failed.empty() && !missed ? success : run_failed;
 }
 

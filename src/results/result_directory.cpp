@@ -130,6 +130,8 @@ void check_place(const fs::path& directory, ResultKind kind) {
   std::error_code error;
   const fs::file_type there = fs::status(directory, error).type();
   if (there == fs::file_type::not_found) return;
+  if (there == fs::file_type::none)
+    throw std::invalid_argument(directory.string() + ": " + error.message() + "; choose another place for the results");
   if (there != fs::file_type::directory)
     throw std::invalid_argument(directory.string() + " is not a directory; choose another place for the results");
   const auto files = [&] { return fs::directory_iterator(directory, error); };

@@ -198,6 +198,14 @@ TEST_F(Resume, AnInterruptWithoutAScheduleLeavesACheckpointWhereItIs) {
   EXPECT_LE(difference, 2 * 100 * 1e-6 * largest);  // each of the two keeps 100 times its tolerance
 }
 
+TEST_F(Resume, AQuietStudyThatIsInterruptedSaysSoAndKeepsWhatItFound) {
+  Process process(scratch.path(), {"limit", "thrown.toml", "--quiet", "--set", "mesh.elements=200", "-o", "study"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  process.signal(SIGINT);
+  ASSERT_EQ(process.wait(), 130) << err();
+  EXPECT_NE(err().find("interrupted"), std::string::npos) << err();
+}
+
 TEST_F(Resume, OnTheClockCheckpointsAreMadeAndRecorded) {
   ASSERT_EQ(run({"run", "thrown.toml", "--quiet", "--no-estimate", "--checkpoint", "0.01s", "-o", "out"}), 0) << err();
   EXPECT_GE(summary("out")["checkpoints"].size(), 1u);

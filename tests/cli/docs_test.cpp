@@ -154,7 +154,7 @@ TEST_P(Docs, CommandsRunAsTheyStandThere) {
 constexpr Page pages[] = {{"README.md", "readme", 6, 6},
                           {"docs/tutorial.md", "tutorial", 12, 15},
                           {"docs/commands.md", "commands", 20},
-                          {"docs/model.md", "model", 1},
+                          {"docs/model.md", "model", 1, 3},
                           {"docs/report.md", "report", 2},
                           {"docs/scene-file.md", "scene_file", 1},
                           {"docs/penalty-limit.md", "limit", 1, 18},
