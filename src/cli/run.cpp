@@ -101,7 +101,8 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
       };
       motion("left end", run.scene.left, account->left);
       motion("right end", run.scene.right, account->right);
-      const auto remark = peak_remark(run, make_system(run));
+      const Setup setup = resolve(run);
+      const auto remark = peak_remark(setup, setup.system());
       if (remark && account->left.closings + account->right.closings > 0) text += row("peak reaction", *remark);
     }
     if (outcome.error_estimate)

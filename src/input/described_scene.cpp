@@ -63,8 +63,9 @@ SceneFile with_settings(const SceneFile& scene, const Case& chosen) {
     if (!before.contains(table) || !before[table].contains(key) || before[table][key] != value)
       new_keys[table][key] = value;
   };
+  const Setup setup = resolve(chosen);
   set("mesh", "elements", chosen.elements);
-  if (chosen.method != MethodName::characteristics) set("mesh", "mass", name(effective_mass(chosen)));
+  if (chosen.method != MethodName::characteristics) set("mesh", "mass", name(setup.mass));
   if (is_penalised(chosen.method) && chosen.epsilon) set("contact", "epsilon", *chosen.epsilon);
   if (chosen.restitution) set("contact", "restitution", *chosen.restitution);
   set("method", "name", name(chosen.method));
@@ -72,7 +73,7 @@ SceneFile with_settings(const SceneFile& scene, const Case& chosen) {
     set("method", "relative_tolerance", chosen.tolerance.relative);
     if (chosen.tolerance.absolute) set("method", "absolute_tolerance", *chosen.tolerance.absolute);
   }
-  if (is_scheme(chosen.method)) set("method", "step", scheme_step(chosen));
+  if (is_scheme(chosen.method)) set("method", "step", setup.step);
   SceneFile result = described_scene(after.dump(), "the chosen settings");
   Json all = Json::parse(result.chosen);
   all.merge_patch(new_keys);

@@ -184,7 +184,7 @@ void check_load_keys(SceneEntries& entries) {
     entries.report(profile ? "load.history" : "load.profile", "is missing: profile and history come together");
 }
 
-// validate() asks this of the initial data; a load is not looked at before a run.
+// faults() asks this of the initial data; a load is not looked at before a run.
 void check_load_values(SceneEntries& entries, const Mesh& mesh) {
   if (entries.faulty("bar.length")) return;
   for (const char* key : {"load.density", "load.profile", "load.history", "left.force", "right.force", "left.gap",
@@ -221,10 +221,11 @@ void check_motion(SceneEntries& entries) {
 std::string choose(const SceneEntries& entries, Case& run) {
   Json json = Json::object();
   if (!entries.present("mesh.elements")) json["mesh"]["elements"] = run.elements;
-  if (!run.mass && run.method != MethodName::characteristics) json["mesh"]["mass"] = name(effective_mass(run));
+  const Setup setup = resolve(run);
+  if (!run.mass && run.method != MethodName::characteristics) json["mesh"]["mass"] = name(setup.mass);
   if (is_penalised(run.method) && meets_obstacle(run.scene) && !run.epsilon)
-    json["contact"]["epsilon"] = effective_epsilon(run);
-  if (is_scheme(run.method) && !run.step) json["method"]["step"] = scheme_step(run);
+    json["contact"]["epsilon"] = setup.epsilon;
+  if (is_scheme(run.method) && !run.step) json["method"]["step"] = setup.step;
   return json.dump(2);
 }
 
@@ -255,7 +256,7 @@ Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
     if (!run.automatic) run.reservation.clear();
   }
   check_sensitivity(entries, run);
-  for (const Finding& finding : validate(run, entries.faulty_keys())) entries.report(finding.key, finding.problem);
+  for (const Finding& finding : faults(resolve(run), entries.faulty_keys())) entries.report(finding.key, finding.problem);
   check_load_values(entries, run.mesh());
   return run;
 }
@@ -275,7 +276,7 @@ std::optional<AccuracyRequest> accuracy_of(SceneEntries& entries, const Case& ru
                    entries.given("method.relative_tolerance"),
                    entries.given("method.step")};
   if (entries.diagnostics().empty())
-    if (const auto found = fault(request, run)) entries.report(found->key, found->problem);
+    if (const auto found = fault(request, resolve(run))) entries.report(found->key, found->problem);
   return request;
 }
 

@@ -192,7 +192,7 @@ double cost_of(const std::string& scene_text, const std::string& source, const S
                read.elements = std::min(read.elements, coarse);
              }).run;
   run.elements = elements;
-  return estimated_seconds(run);
+  return estimated_seconds(resolve(std::move(run)));
 }
 
 }  // namespace

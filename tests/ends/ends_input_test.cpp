@@ -60,7 +60,7 @@ TEST(EndKeys, ThatDoNotGoWithTheRestAreRefusedWithWhatToUse) {
   EXPECT_EQ(chosen.method, MethodName::rigid);
   EXPECT_NE(chosen.reservation.find("without a spring"), std::string::npos) << chosen.reservation;
   EXPECT_EQ(
-      effective_mass(parse_scene(scene(mounted, "[contact]\nepsilon = 1e-3\n[method]\nname = \"arkode\"\n"), "").run),
+      resolve(parse_scene(scene(mounted, "[contact]\nepsilon = 1e-3\n[method]\nname = \"arkode\"\n"), "").run).mass,
       Mass::consistent);
 }
 
@@ -86,7 +86,7 @@ TEST(EndKeys, OfAScenesOwnFunctionsAreHeldLikeFormulas) {
 }
 
 TEST(EndKeys, ThatAreAbsentLeaveNothingInTheSystem) {
-  const BarSystem system = make_system(parse_scene(scene("[left]\nkind = \"free\"\nforce = 0\nstiffness = 0"), "").run);
+  const BarSystem system = resolve(parse_scene(scene("[left]\nkind = \"free\"\nforce = 0\nstiffness = 0"), "").run).system();
   EXPECT_FALSE(system.loaded());
   EXPECT_FALSE(system.moving());
   EXPECT_TRUE(system.mounts().empty());

@@ -117,7 +117,7 @@ TEST(Account, TheImpulseIsWhatTheBarsMomentumGainsByEveryMethod) {
     SCOPED_TRACE(method);
     const SceneFile scene = parse_scene(thrown, "scene", Overrides{std::string("method.name=\"") + method + '"'});
     const Recording recording = record(scene.run);
-    const BarSystem system = make_system(scene.run);
+    const BarSystem system = resolve(scene.run).system();
     std::vector<double> weighted(system.size());
     const auto momentum = [&](std::span<const double> v) {
       system.inertia().multiply(v, weighted);
@@ -166,7 +166,7 @@ step = 1e-3
       if (method == std::string("finite_difference") && overrides.size() > 2) continue;  // lumped, restitution 0
       const Case run = parse_scene(text, "scene", overrides).run;
       const Recording recording = record(run);
-      const BarSystem system = make_system(run);
+      const BarSystem system = resolve(run).system();
       std::vector<double> weighted(system.size());
       const auto momentum = [&](std::span<const double> v) {
         system.inertia().multiply(v, weighted);

@@ -77,19 +77,19 @@ TEST(CostEstimate, OfASchemeIsProportionalToStepsAndToNodes) {
   coarse.elements = fine.elements = 20000;
   large.elements = 40000;
   fine.step = 5e-4;
-  const double one = estimated_seconds(coarse);
+  const double one = estimated_seconds(resolve(coarse));
   // What does not double, the start and the cost of a step without nodes, is below 1 % here.
-  EXPECT_NEAR(estimated_seconds(fine) / one, 2.0, 0.02);
-  EXPECT_NEAR(estimated_seconds(large) / one, 2.0, 0.02);
+  EXPECT_NEAR(estimated_seconds(resolve(fine)) / one, 2.0, 0.02);
+  EXPECT_NEAR(estimated_seconds(resolve(large)) / one, 2.0, 0.02);
 }
 
 TEST(CostEstimate, GrowsWithTheMeshTheTimeTheToleranceAndTheChatter) {
   for (const MethodName method : {MethodName::cvode, MethodName::ida, MethodName::rigid}) {
-    const double one = estimated_seconds(bar(method));
+    const double one = estimated_seconds(resolve(bar(method)));
     const auto changed = [&](const auto& change) {
       Case other = bar(method);
       change(other);
-      return estimated_seconds(other);
+      return estimated_seconds(resolve(other));
     };
     EXPECT_GT(changed([](Case& run) { run.elements = 1080; }), one) << name(method);
     EXPECT_GT(changed([](Case& run) { run.end = 60.0; }), one) << name(method);

@@ -164,7 +164,7 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
   if (times.back() < end) times.push_back(end);
   if (times.size() < 2) throw std::invalid_argument("fit: the data have no time after 0");
 
-  const BarSystem system = make_system(run);
+  const Setup setup = resolve(run);
   const Eigen::Index parameters = derivatives ? std::ssize(study.parameters) : 0;
   std::vector<std::vector<Traced>> model(study.traces.size());
   Observers observers;
@@ -187,7 +187,7 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
     stopped = stopped || (study.stop && study.stop());
     return stopped || ++misfit.steps > most_steps ? RunControl::stop : RunControl::go_on;
   };
-  const Statistics done = simulate(run, system, times, observers);
+  const Statistics done = simulate(setup, times, observers);
   if (stopped) throw FitStopped();
   if (!done.completed) throw std::runtime_error(fmt::format("the run takes more than {} steps", most_steps));
   if (done.sensitivity) misfit.lost = done.sensitivity->lost;
@@ -507,7 +507,7 @@ Eigen::VectorXd model_error(const FitStudy& study, const Minimum& best, const Ei
                             const Eigen::MatrixXd& inverse, FitResult& result) {
   try {
     const Case run = finer(study.model({best.at.data(), static_cast<std::size_t>(best.at.size())}));
-    if (const auto faults = validate(run); !faults.empty()) throw std::runtime_error(faults.front().problem);
+    if (const auto found = faults(resolve(run)); !found.empty()) throw std::runtime_error(found.front().problem);
     ++result.runs;
     const Misfit fine = measure(study, run, Compared::samples, false, 1000 + 200 * best.misfit.steps);
     return 2.0 * (inverse * (scaled.transpose() * (fine.residual - best.misfit.residual))).cwiseAbs();

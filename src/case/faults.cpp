@@ -1,0 +1,298 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "case/method_table.hpp"
+#include "case/run_cost.hpp"
+#include "scene/message_text.hpp"
+#include "viscobar/case/case.hpp"
+
+namespace viscobar {
+
+namespace {
+
+/// What is wrong with a case so far. A key with a finding has no value to judge others by.
+class Findings {
+ public:
+  /// `faulty` are keys known to be wrong already, of which nothing more is said.
+  explicit Findings(const std::vector<std::string>& faulty) : wrong_(faulty) {}
+
+  /// Several findings of one check may have the same key.
+  void add(std::vector<Finding> found) {
+    std::erase_if(found, [&](const Finding& one) { return !sound({one.key}); });
+    for (Finding& one : found) {
+      wrong_.push_back(one.key);
+      found_.push_back(std::move(one));
+    }
+  }
+  void report(std::string_view key, std::string problem) { add({{std::string(key), std::move(problem)}}); }
+  template <class... Args>
+  void report(std::string_view key, fmt::format_string<Args...> problem, Args&&... args) {
+    if (sound({key})) report(key, fmt::format(problem, std::forward<Args>(args)...));
+  }
+
+  bool sound(std::initializer_list<std::string_view> keys) const {
+    return std::none_of(keys.begin(), keys.end(), [&](std::string_view key) {
+      return std::find(wrong_.begin(), wrong_.end(), key) != wrong_.end();
+    });
+  }
+  /// Of all keys of tables, those of `initial` such as `initial.velocity`.
+  bool sound_tables(std::initializer_list<std::string_view> tables) const {
+    return std::none_of(wrong_.begin(), wrong_.end(), [&](std::string_view key) {
+      return std::find(tables.begin(), tables.end(), key.substr(0, key.find('.'))) != tables.end();
+    });
+  }
+
+  std::vector<Finding> take() { return std::move(found_); }
+
+ private:
+  std::vector<std::string> wrong_;
+  std::vector<Finding> found_;
+};
+
+// Beyond it the first element is less than the rounding of the nodes of a large mesh; it gained nothing long before.
+constexpr double largest_grading = 1e6;
+
+void check_values(const Case& run, Findings& findings) {
+  const auto positive = [&](const char* key, double value) {
+    if (!(std::isfinite(value) && value > 0.0)) findings.report(key, "must be positive and finite, is {}", value);
+  };
+  positive("time.end", run.end);
+  positive("output.every", run.output_every);
+  if (run.step) positive("method.step", *run.step);
+  if (run.epsilon) positive("contact.epsilon", *run.epsilon);
+  if (run.restitution && !(*run.restitution >= 0.0 && *run.restitution <= 1.0))
+    findings.report("contact.restitution", "must lie in [0, 1], is {}", *run.restitution);
+  const auto tolerance = [&](const char* key, double value, double largest) {
+    if (!(value > 0.0 && value <= largest))
+      findings.report(key, "must be positive and at most {}, is {}", largest, value);
+  };
+  tolerance("method.relative_tolerance", run.tolerance.relative, 0.1);
+  if (run.tolerance.absolute) tolerance("method.absolute_tolerance", *run.tolerance.absolute, 1e300);
+  if (run.elements < 1) findings.report("mesh.elements", "must be at least 1");
+  if (!(run.grading >= 1.0 && run.grading <= largest_grading))
+    findings.report("mesh.grading", "must lie in [1, {}], is {}", largest_grading, run.grading);
+}
+
+void check_times(const Setup& setup, Findings& findings) {
+  const Case& run = setup.run;
+  const bool timed = findings.sound({"time.end"});
+  if (timed && findings.sound({"output.every"}) && run.end / run.output_every > 1e8)
+    findings.report("output.every", "gives more than 1e8 output times up to end = {}", run.end);
+  if (!is_scheme(run.method) || !findings.sound({"method.name"})) return;
+  if (timed && findings.sound({"method.step", "mesh.elements", "bar.length", "bar.modulus", "bar.density"}) &&
+      run.end / setup.step > 1e12)
+    findings.report("method.step", "gives more than 1e12 steps up to end = {}", run.end);
+}
+
+void check_massless(const Case& run, Findings& findings) {
+  const Scene& scene = run.scene;
+  const std::size_t needed = 1 + end_obstacles(scene);
+  if (scene.span && run.mass == Mass::redistributed)
+    findings.report("mesh.mass",
+                    "\"redistributed\" does not fit a span obstacle: every node is a contact node "
+                    "and must keep its mass; use \"consistent\" or \"lumped\"");
+  else if (!scene.span && run.elements < needed)
+    findings.report("mesh.elements", "mass \"redistributed\" needs at least {} elements here", needed);
+}
+
+void check_input(const std::string& table, const EndCondition& end, const EndInput& input, const Setup& setup,
+                 Findings& findings) {
+  if (input.motion && setup.run.scene.span)
+    findings.report(table + (is_obstacle(end) ? ".gap" : ".motion"),
+                    "moves, and an obstacle under the whole span stands still: the two do not go together yet; "
+                    "take the number that it begins with, or leave [span] out");
+  if (is_obstacle(end) && (input.stiffness > 0.0 || input.dashpot > 0.0) &&
+      setup.mass == Mass::redistributed && findings.sound({"mesh.mass", "method.name"}))
+    findings.report("mesh.mass",
+                    "\"redistributed\" takes the mass that the spring and the dashpot of [{}] "
+                    "want from the node; use \"fourth_order\", \"consistent\" or \"lumped\"",
+                    table);
+}
+
+void check_end_rows(const Case& run, Findings& findings) {
+  if (run.elements < 3)
+    findings.report("mesh.elements", "mass \"fourth_order\" needs at least 3 elements: its end rows reach three nodes");
+  if (run.grading != 1.0)
+    findings.report(
+        "mesh.grading",
+        "does not fit the mass \"fourth_order\", whose weights are those of elements of equal length; leave "
+        "it out, or use the mass \"consistent\" or \"lumped\"");
+}
+
+void check_grading(const Setup& setup, Findings& findings) {
+  const Case& run = setup.run;
+  if (run.grading == 1.0 || !findings.sound({"left.kind", "right.kind"})) return;
+  if (end_obstacles(run.scene) == 0)
+    findings.report("mesh.grading", "has no end with an obstacle to shrink the elements towards; leave it out");
+  else if (setup.mass == Mass::paper && findings.sound({"mesh.mass", "method.name"}))
+    findings.report("mesh.grading",
+                    "does not fit the mass \"paper\", which has one weight h for all nodes; leave it out, or use "
+                    "\"lumped\"");
+}
+
+void check_memory(const Case& run, Findings& findings) {
+  if (!findings.sound({"mesh.elements", "method.name", "time.end", "output.every"})) return;
+  const double need = memory_need(run).bytes, limit = memory_limit();
+  if (need > limit)
+    findings.report("mesh.elements",
+                    "{} on {} elements would need {:.3g} GB of memory, but only {:.3g} are available; take fewer{}",
+                    name(run.method), run.elements, need / 1e9, limit / 1e9,
+                    run.method == MethodName::exponential ? ", or another method: its matrices are dense" : "");
+}
+
+void check_initial_nodes(const Case& run, Findings& findings) {
+  if (!findings.sound({"bar.length"})) return;
+  Mesh mesh = run.mesh();
+  if (!findings.sound({"mesh.elements"})) mesh.elements = 1;  // the nodes 0 and L are those of any mesh
+  if (!findings.sound({"mesh.grading"})) mesh.grading = {};
+  const auto& span = run.scene.span;
+  for (std::size_t j = 0; j < mesh.nodes(); ++j) {
+    const double x = mesh.node(j), u = run.scene.displacement(x), v = run.scene.velocity(x);
+    if (!std::isfinite(u))
+      findings.report("initial.displacement", "is {} at x = {}", printable(u), x);
+    else if (span && span->depth(u) > 0.0)
+      findings.report("initial.displacement", "penetrates the obstacle of [span]: u_0({}) = {} {}", x, u,
+                      bound_text(*span, u));
+    if (!std::isfinite(v)) findings.report("initial.velocity", "is {} at x = {}", printable(v), x);
+  }
+}
+
+// What its steppers cannot take follows from the whole system.
+void check_odeint(const Setup& setup, Findings& findings) {
+  if (!findings.sound_tables({"bar", "left", "right", "span", "initial", "time", "mesh", "contact"}) ||
+      !findings.sound({"method.stepper"}))
+    return;
+  const BarSystem system = setup.system();
+  const OdeintPlan what = plan(system, setup.run.end, std::get<Odeint>(setup.method));
+  if (!what.refusal) return;
+  switch (*what.refusal) {
+    case Refusal::many_unknowns:
+      return findings.report("method.stepper",
+                             "rosenbrock4 works with dense matrices, up to {} unknown nodes, here are {}; "
+                             "use arkode, or dopri5",
+                             Odeint::most_dense_unknowns, system.size());
+    case Refusal::many_steps:
+      return findings.report(
+          "method.name",
+          "{} would make at least {:.1e} steps: it is explicit, and the scene is stiff; use cvode or "
+          "arkode",
+          name(what.stepper), what.least_steps);
+    default: return;  // algebraic rows are reported of every method that does not take them
+  }
+}
+
+std::size_t fixed_ends(const Scene& scene) {
+  return std::size_t{is_fixed(scene.left)} + std::size_t{is_fixed(scene.right)};
+}
+
+void check_exponential(const Case& run, Findings& findings) {
+  if (run.elements + 1 > Exponential::most_unknowns + fixed_ends(run.scene))
+    findings.report("mesh.elements",
+                    "exponential works with dense matrices and takes up to {} unknown "
+                    "nodes; take fewer elements, or another method",
+                    Exponential::most_unknowns);
+}
+
+void check_characteristics(const Case& run, Findings& findings) {
+  if (!findings.sound({"bar.length", "bar.density", "bar.modulus", "bar.viscosity", "time.end"})) return;
+  const Bar& bar = run.scene.bar;
+  const auto why = refusal(run.scene, run.end, Characteristics{});
+  if (why == Refusal::viscosity)
+    findings.report("method.name",
+                    "characteristics carries waves unchanged, and bar.viscosity = {} changes them; use "
+                    "rigid, or one of the penalised methods",
+                    bar.viscosity);
+  if (why == Refusal::span)
+    findings.report("method.name",
+                    "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; "
+                    "use fully_discrete, or one of the penalised methods");
+  if (why == Refusal::end_springs)
+    findings.report(run.scene.left_input.stiffness != 0.0 ? "left.stiffness" : "right.stiffness",
+                    "is not for characteristics: a spring remembers what has arrived, and waves return as no "
+                    "polynomials; use rigid, or fully_discrete");
+  if (why == Refusal::many_steps)
+    findings.report("time.end",
+                    "characteristics follows a wave from passage to passage through the bar, here {:.2g} of "
+                    "them, at most {:.0g}; choose an earlier end",
+                    run.end * std::sqrt(bar.modulus / bar.density) / bar.length, Characteristics::most_passages);
+}
+
+void check_rigid(const Case& run, Findings& findings) {
+  if (run.scene.span)
+    findings.report("method.name", "rigid stops one node at a time, and under a span obstacle several meet it at once");
+  if (end_obstacles(run.scene) > 0 && run.elements < 1 + fixed_ends(run.scene))
+    findings.report("mesh.elements", "rigid needs an unknown node beside that of a contact: one more element");
+}
+
+void check_finite_difference(const Case& run, Findings& findings) {
+  if (run.mass == Mass::redistributed || run.mass == Mass::fourth_order)
+    findings.report("mesh.mass",
+                    "\"{}\" does not fit finite_difference, whose mass is diagonal; use \"lumped\" or "
+                    "\"paper\", or fully_discrete",
+                    name(*run.mass));
+  if (run.grading != 1.0)
+    findings.report("mesh.grading",
+                    "does not fit finite_difference, whose elements are of equal length; leave it out, or use "
+                    "fully_discrete with the mass \"lumped\"");
+}
+
+// All that a method alone cannot take.
+void check_method(const Setup& setup, Findings& findings) {
+  const Case& run = setup.run;
+  const MethodRow& method = method_row(run.method);
+  if (!method.takes_algebraic_rows && has_algebraic_rows(run) && findings.sound({"mesh.mass", "bar.viscosity"}))
+    return findings.report("method.name",
+                           "{} cannot take massless contact nodes without viscosity: their equations are "
+                           "algebraic; use arkode or ida, or a positive bar.viscosity",
+                           method.name);
+  switch (run.method) {
+    case MethodName::odeint: return check_odeint(setup, findings);
+    case MethodName::rigid: return check_rigid(run, findings);
+    case MethodName::exponential: return check_exponential(run, findings);
+    case MethodName::characteristics: return check_characteristics(run, findings);
+    case MethodName::finite_difference: return check_finite_difference(run, findings);
+    default: return;
+  }
+}
+
+}  // namespace
+
+std::vector<Finding> faults(const Setup& setup, const std::vector<std::string>& faulty) {
+  const Case& run = setup.run;
+  Findings findings(faulty);
+  findings.add(validate(run.scene));
+  check_values(run, findings);
+
+  const Scene& scene = run.scene;
+  check_times(setup, findings);
+  if (is_penalised(run.method) && end_obstacles(scene) > 0 && scene.span && !run.epsilon &&
+      findings.sound({"method.name"}))
+    findings.report("contact.epsilon",
+                    "is missing: {} penalises the obstacles, and for ends and span together there is no "
+                    "natural one, for it is a penetration per stress at an end and per force on a volume "
+                    "under the span",
+                    name(run.method));
+  if (is_fixed(scene.left) && is_fixed(scene.right) && run.elements < 2)
+    findings.report("mesh.elements", "both ends are fixed: 2 elements are needed for one unknown node");
+  if (findings.sound({"mesh.mass", "method.name"})) {
+    if (setup.mass == Mass::redistributed) check_massless(run, findings);
+    if (setup.mass == Mass::fourth_order) check_end_rows(run, findings);
+  }
+  check_input("left", scene.left, scene.left_input, setup, findings);
+  check_input("right", scene.right, scene.right_input, setup, findings);
+  check_grading(setup, findings);
+  check_memory(run, findings);
+  check_initial_nodes(run, findings);
+  if (!findings.sound({"method.name"})) return findings.take();
+  check_method(setup, findings);
+  return findings.take();
+}
+
+}  // namespace viscobar
