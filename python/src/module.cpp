@@ -290,7 +290,7 @@ J is the number of elements, K that of the output times. Units are those of the 
                              "Whether there is a load.")
       .def("load", &load_at, py::arg("t"), "f(x_j, t) at the nodes, J+1, force per volume; zeros without a load.")
       .def_property_readonly(
-          "description", [](const PythonCase& self) { return self.scene.description; },
+          "description", [](const PythonCase& self) { return self.scene.description(); },
           "The scene as understood, as JSON text.");
 }
 

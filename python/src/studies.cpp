@@ -149,7 +149,7 @@ std::vector<PythonCase> refined(const PythonCase& self, const std::string& what,
   run.step = resolve(run).step;
   std::vector<PythonCase> all;
   for (Case& one : refinements(run, refine_of(what), levels))
-    all.push_back({{std::move(one), self.scene.description, "{}", std::nullopt}, self.faults});
+    all.push_back({{std::move(one), self.scene.values, {}, std::nullopt}, self.faults});
   return all;
 }
 
@@ -266,7 +266,7 @@ py::tuple fit_scene(const std::string& text, FitRequest request) {
   std::string json, page;
   hearing_signals(faults, stop, [&] {
     auto [scene, study] = prepared_fit(
-        request, [&](const std::vector<std::string>& settings) { return parse_scene(text, "scene", settings); });
+        request, [&](const std::vector<Setting>& settings) { return parse_scene_with(text, "scene", settings); });
     study.stop = [&] { return stop.load(); };
     const FitResult result = fit(study);
     json = fit_json(scene, study, result);

@@ -238,9 +238,8 @@ int run_scene(const RunOptions& asked) {
   if (!asked.checkpoint.empty()) options.checkpoint = checkpoint_every(asked.checkpoint);
   options.figures = asked.figures;
   const auto wall_time = wall_time_of(asked.wall_time);
-  std::vector<std::string> settings;
-  if (!asked.sensitivity.empty())
-    settings.push_back(fmt::format("sensitivity.of=['{}']", fmt::join(asked.sensitivity, "', '")));
+  std::vector<Setting> settings;
+  if (!asked.sensitivity.empty()) settings.emplace_back(std::pair("sensitivity.of", asked.sensitivity));
   if (!asked.error.empty()) settings.push_back("accuracy.error=" + asked.error);
   const SceneFile scene = asked.scene.read(settings);
   // Each checkpoint holds the times of all before it: these write 8 n^2 / 2 bytes for that, 40 GB.

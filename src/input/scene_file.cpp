@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "case/method_table.hpp"
@@ -18,8 +17,6 @@
 namespace viscobar {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr Stepper all_steppers[] = {Stepper::automatic, Stepper::rosenbrock4, Stepper::dopri5};
 
@@ -218,15 +215,16 @@ void check_motion(SceneEntries& entries) {
 }
 
 // The values of keys that the scene leaves out and the program chooses.
-std::string choose(const SceneEntries& entries, Case& run) {
-  Json json = Json::object();
-  if (!entries.present("mesh.elements")) json["mesh"]["elements"] = run.elements;
+SceneValues choose(const SceneEntries& entries, const Case& run) {
+  SceneValues values;
+  if (!entries.present("mesh.elements")) values.emplace_back("mesh.elements", static_cast<std::int64_t>(run.elements));
   const Setup setup = resolve(run);
-  if (!run.mass && run.method != MethodName::characteristics) json["mesh"]["mass"] = name(setup.mass);
+  if (!run.mass && run.method != MethodName::characteristics)
+    values.emplace_back("mesh.mass", std::string(name(setup.mass)));
   if (is_penalised(run.method) && meets_obstacle(run.scene) && !run.epsilon)
-    json["contact"]["epsilon"] = setup.epsilon;
-  if (is_scheme(run.method) && !run.step) json["method"]["step"] = setup.step;
-  return json.dump(2);
+    values.emplace_back("contact.epsilon", setup.epsilon);
+  if (is_scheme(run.method) && !run.step) values.emplace_back("method.step", setup.step);
+  return values;
 }
 
 void check_sensitivity(SceneEntries& entries, const Case& run) {
@@ -256,7 +254,8 @@ Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
     if (!run.automatic) run.reservation.clear();
   }
   check_sensitivity(entries, run);
-  for (const Finding& finding : faults(resolve(run), entries.faulty_keys())) entries.report(finding.key, finding.problem);
+  for (const Finding& finding : faults(resolve(run), entries.faulty_keys()))
+    entries.report(finding.key, finding.problem);
   check_load_values(entries, run.mesh());
   return run;
 }
@@ -280,29 +279,27 @@ std::optional<AccuracyRequest> accuracy_of(SceneEntries& entries, const Case& ru
   return request;
 }
 
-std::string describe(const SceneEntries& entries, const Case& run) {
-  // Made as objects: where memory ends while null becomes one, the library would destroy what is not there.
-  Json json = Json::object();
-  const auto table = [&](std::string_view name) -> Json& {
-    return json.emplace(std::string(name), Json::object()).first.value();
-  };
-  for (const auto& [name, value] : entries.parameters()) table("parameters")[name] = value;
+SceneValues describe(const SceneEntries& entries, const Case& run) {
+  SceneValues values;
+  for (const auto& [name, value] : entries.parameters()) values.emplace_back("parameters." + name, value);
   for (const SceneKey& key : scene_keys()) {
-    if (!entries.present(key.name) || is_parameter(key.name)) continue;
-    auto& parent = key.table().empty() ? json : table(key.table());
-    auto& value = parent[std::string(key.leaf())];
-    if (key.type == KeyType::count)
-      value = run.elements;
-    else if (const auto text = std::get_if<std::string>(&entries.value(key.name)))
-      value = *text;
+    const std::string name(key.name);
+    if (name == "method.name")
+      values.emplace_back(name, std::string(run.automatic ? automatic : viscobar::name(run.method)));
+    else if (name == "output.every")
+      values.emplace_back(name, run.output_every);
+    else if (!entries.present(name) || is_parameter(name))
+      continue;
+    else if (key.type == KeyType::count)
+      values.emplace_back(name, static_cast<std::int64_t>(run.elements));
+    else if (const auto* text = std::get_if<std::string>(&entries.value(name)))
+      values.emplace_back(name, *text);
     else if (key.type == KeyType::list)
-      value = entries.list(key.name);
+      values.emplace_back(name, entries.list(name));
     else
-      value = *entries.number(key.name);
+      values.emplace_back(name, *entries.number(name));
   }
-  table("method")["name"] = run.automatic ? automatic : name(run.method);
-  table("output")["every"] = run.output_every;
-  return json.dump(2);
+  return values;
 }
 
 std::string all_texts(const std::vector<Diagnostic>& found) {
@@ -334,25 +331,24 @@ std::string Diagnostic::text() const {
 SceneError::SceneError(std::vector<Diagnostic> found)
     : std::runtime_error(all_texts(found)), diagnostics(std::move(found)) {}
 
-std::string SceneFile::complete() const {
-  Json json = Json::parse(description);
-  json.merge_patch(Json::parse(chosen));
-  return json.dump(2);
+SceneFile parse_case(const std::string& text, const std::string& source, std::span<const Setting> settings,
+                     const Adaptation& adapt) {
+  SceneEntries entries(text, source, settings);
+  return checked_scene(entries, adapt);
 }
 
-SceneFile parse_case(const std::string& text, const std::string& source, std::span<const std::string> overrides,
-                     const Adaptation& adapt) {
-  SceneEntries entries(text, source, overrides);
-  return checked_scene(entries, adapt);
+SceneFile parse_scene_with(const std::string& text, const std::string& source, std::span<const Setting> settings,
+                           const Adaptation& adapt) {
+  SceneEntries entries(text, source, settings);
+  SceneFile scene = checked_scene(entries, adapt);
+  scene.values = describe(entries, scene.run);
+  scene.chosen = choose(entries, scene.run);
+  return scene;
 }
 
 SceneFile parse_scene(const std::string& text, const std::string& source, std::span<const std::string> overrides,
                       const Adaptation& adapt) {
-  SceneEntries entries(text, source, overrides);
-  SceneFile scene = checked_scene(entries, adapt);
-  scene.description = describe(entries, scene.run);
-  scene.chosen = choose(entries, scene.run);
-  return scene;
+  return parse_scene_with(text, source, std::vector<Setting>(overrides.begin(), overrides.end()), adapt);
 }
 
 SceneFile read_scene(const std::filesystem::path& file, std::span<const std::string> overrides,

@@ -204,8 +204,8 @@ class RecordedRun {
       times.push_back(motion.time);
       ArchiveWriter archive;
       archive(data_, chatter_, pace_, outcome().warnings, outcome().changes);
-      write_checkpoint(
-          place_, {scene_.description, last_.schedule, motion, files_->mark(), archive.take(), times, wall_seconds()});
+      write_checkpoint(place_, {scene_.description(), last_.schedule, motion, files_->mark(), archive.take(), times,
+                                wall_seconds()});
       outcome().checkpoints = std::move(times);
     };
     clock_ ? clock_->make(write) : write();
@@ -275,7 +275,7 @@ RunRecord record_run(const SceneFile& scene, const fs::path& directory, const Re
   const ResultDirectory results(directory, ResultKind::run);
   tell_if_unlocked(results, options);
   RunCheckpoint beginning;
-  beginning.description = scene.description;
+  beginning.description = scene.description();
   beginning.schedule = options.checkpoint;
   return RecordedRun(scene, results, results.place_of_new_run(), options, std::move(beginning))();
 }
@@ -284,7 +284,7 @@ SceneFile scene_of_checkpoint(const fs::path& directory) {
   settle_result_directory(directory);
   const std::string description = read_checkpoint(place_of_stopped_run(directory)).checkpoint.description;
   SceneFile scene = described_scene(description, directory.string());
-  if (scene.description != description)
+  if (scene.description() != description)
     throw IoError(directory, "the scene in the checkpoint is not understood as it was");
   return scene;
 }
@@ -296,7 +296,7 @@ RunRecord resume_run(const SceneFile& scene, const fs::path& directory, const Re
   tell_if_unlocked(results, options);
   const fs::path place = place_of_stopped_run(directory);
   FoundCheckpoint found = read_checkpoint(place, CheckFiles::yes);
-  if (found.checkpoint.description != scene.description)
+  if (found.checkpoint.description != scene.description())
     throw std::invalid_argument(directory.string() + " holds the checkpoint of another scene; nothing was changed");
   if (!found.complaint.empty() && complain) complain(found.complaint);
   if (!found.complaint.empty()) remove_newest_checkpoint(place);

@@ -55,7 +55,8 @@ std::string contact_kind(const Setup& setup) {
   const Case& run = setup.run;
   if (is_penalised(run.method))
     return fmt::format("penalty, epsilon = {:.6g} = {:.3g} {}{}", setup.epsilon,
-                       setup.epsilon / natural_epsilon(run.scene), natural_epsilon_words(run.scene), run.epsilon ? "" : ", chosen for the mesh");
+                       setup.epsilon / natural_epsilon(run.scene), natural_epsilon_words(run.scene),
+                       run.epsilon ? "" : ", chosen for the mesh");
   if (run.method == MethodName::characteristics) return "exact: an end answers what arrives";
   return run.method == MethodName::rigid ? "rigid: closed nodes are held" : "exact constraint in every step";
 }
@@ -139,8 +140,7 @@ std::vector<std::string> warnings_of(const Setup& setup, const BarSystem& system
 }
 
 /// The speed that a first impact will have tells more than the initial velocity.
-void predict(ContactRegime& regime, const std::optional<Foresight>& foreseen, double epsilon,
-             const BarSystem& system) {
+void predict(ContactRegime& regime, const std::optional<Foresight>& foreseen, double epsilon, const BarSystem& system) {
   if (!foreseen || regime.where == Where::span) return;
   const auto first = std::ranges::find(foreseen->impacts, regime.where, &FirstImpact::where);
   if (first == foreseen->impacts.end() || first->speed == 0.0) return;
@@ -175,7 +175,8 @@ SceneCheck check_scene(const SceneFile& scene, const std::function<bool()>& stop
   const bool chosen = scene.accuracy && forecast.estimate;
   SceneFile as_run = chosen ? with_settings(scene, settled) : scene;
   const Setup setup = resolve(as_run.run);
-  SceneCheck check{std::move(as_run), setup, setup.system(), foresee(setup, stop), {}, memory_need(setup.run), {}, 0, {}, {}};
+  SceneCheck check{
+      std::move(as_run), setup, setup.system(), foresee(setup, stop), {}, memory_need(setup.run), {}, 0, {}, {}};
   check.regimes = contact_regimes(setup, check.system);
   for (ContactRegime& regime : check.regimes) predict(regime, check.foreseen, setup.epsilon, check.system);
   check.error = std::move(forecast.estimate);
@@ -197,7 +198,8 @@ std::string check_json(const SceneCheck& check) {
   json["method_requested"] = run.automatic ? automatic : name(run.method);
   if (run.method == MethodName::characteristics)
     json["passages"] = run.end / (run.scene.bar.length * std::sqrt(run.scene.bar.density / run.scene.bar.modulus));
-  if (run.method == MethodName::odeint) json["stepper"] = name(plan(system, run.end, std::get<Odeint>(check.setup.method)).stepper);
+  if (run.method == MethodName::odeint)
+    json["stepper"] = name(plan(system, run.end, std::get<Odeint>(check.setup.method)).stepper);
   json["nodes"] = system.mesh().nodes();
   json["unknown_nodes"] = system.size();
   json["spacing"] = system.mesh().spacing();
@@ -226,8 +228,7 @@ std::string check_json(const SceneCheck& check) {
   json["error_estimate"] = check.error ? to_json(*check.error) : Json(nullptr);
   if (check.error) json["error_estimate"]["elements"] = check.error_elements;
   json["warnings"] = check.warnings;
-  json["scene"] = Json::parse(check.scene.complete());
-  json["chosen"] = Json::parse(check.scene.chosen);
+  tell(json, check.scene);
   return json_text(json);
 }
 

@@ -11,8 +11,8 @@ TEST(DescribedScene, IsTheSceneAgainForEveryExample) {
   std::size_t scenes = 0;
   for (const auto& entry : std::filesystem::directory_iterator(VISCOBAR_SOURCE_DIR "/examples/scenes")) {
     if (entry.path().extension() != ".toml") continue;
-    const std::string description = read_scene(entry.path()).description;
-    EXPECT_EQ(described_scene(description, "again").description, description) << entry;
+    const std::string description = read_scene(entry.path()).description();
+    EXPECT_EQ(described_scene(description, "again").description(), description) << entry;
     ++scenes;
   }
   EXPECT_GE(scenes, 5u);
@@ -37,8 +37,8 @@ name = "fully_discrete"
 step = 1e-3
 )toml";
   const SceneFile scene = parse_scene(text, "scene");
-  const SceneFile again = described_scene(scene.description, "again");
-  EXPECT_EQ(again.description, scene.description);
+  const SceneFile again = described_scene(scene.description(), "again");
+  EXPECT_EQ(again.description(), scene.description());
   EXPECT_EQ(again.run.scene.title, scene.run.scene.title);
   EXPECT_EQ(again.run.scene.velocity(0.0), 0.30000000000000004);
   EXPECT_EQ(again.run.scene.displacement(0.07), scene.run.scene.displacement(0.07));

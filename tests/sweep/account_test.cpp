@@ -58,7 +58,7 @@ Told told(const std::string& text, const Overrides& overrides) {
   const Scratch scratch;
   const SceneFile scene = parse_scene(text, "scene", overrides);
   const Json summary = Json::parse(record_run(scene, scratch / "out").summary);
-  const SweepRow row = run_case(text, {.index = 0, .overrides = overrides}).value();
+  const SweepRow row = run_case(text, {.index = 0, .settings = {overrides.begin(), overrides.end()}}).value();
   const Case cases[] = {scene.run};
   const Comparison comparison = compare(cases, 1);
   double sum = 0.0;

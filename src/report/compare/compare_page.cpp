@@ -246,8 +246,7 @@ std::string compare_json(const SceneFile& scene, const MethodChoice& choice, con
   for (const auto& [skipped, reason] : choice.skipped)
     json["skipped"].push_back({{"method", name(skipped)}, {"reason", reason}});
   json["remarks"] = remarks(choice, check);
-  json["scene"] = Json::parse(scene.complete());
-  json["chosen"] = Json::parse(scene.chosen);
+  tell(json, scene);
   json["version"] = versions().viscobar;
   return json_text(json);
 }

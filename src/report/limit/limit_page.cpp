@@ -243,8 +243,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   asked["relative_tolerance"] = study.scene.tolerance.relative;
   asked["budget"] = study.budget;
   asked["derivatives"] = study.derivatives;
-  json["scene"] = Json::parse(scene.complete());
-  json["chosen"] = Json::parse(scene.chosen);
+  tell(json, scene);
   // What ran, not what was asked: the scene of limit.json, as it stands, is that of the finest mesh.
   Json& ran = json["scene"];
   ran["mesh"]["elements"] = orders.elements;

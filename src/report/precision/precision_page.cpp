@@ -111,8 +111,7 @@ std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, 
   json["remarks"] = remarks(study, result);
   json["errors_every"] = result.every;
   json["core_share"] = result.core_share;
-  json["scene"] = Json::parse(scene.complete());
-  json["chosen"] = Json::parse(scene.chosen);
+  tell(json, scene);
   json["version"] = versions().viscobar;
   json["platform"] = versions().platform;
   return json_text(json);
