@@ -26,7 +26,7 @@ struct MethodRow {
   bool penalised;
   Accuracy accuracy;
   StepSeconds seconds;
-  Method (*options)(const Setup&);                          ///< from all but its own method
+  Method (*options)(const Setup&);                         ///< from all but its own method
   double (*vectors)(const Case&, double nodes) = nullptr;  ///< own memory, in vectors with an entry a node
   Mass (*mass)(const Case&) = nullptr;                     ///< that it runs on, where not the case's
   bool differentiates = false;                             ///< tells sensitivities

@@ -44,8 +44,7 @@ struct Chosen {
 constexpr std::string_view asked = "asked for";
 
 Chosen<Mass> mass_of(const Case& run) {
-  if (const auto own = method_row(run.method).mass)
-    return {own(run), "the method has no other"};
+  if (const auto own = method_row(run.method).mass) return {own(run), "the method has no other"};
   if (run.mass) return {*run.mass, asked};
   if (impacts_stay(run)) return {Mass::lumped, "impacts under a span obstacle stay with their nodes"};
   const bool penalised = is_penalised(run.method) && meets_obstacle(run.scene);
@@ -85,7 +84,8 @@ Setup resolve(Case run) {
   const auto mass = mass_of(run);
   const auto epsilon = epsilon_of(run, mesh), step = step_of(run, mesh);
   const std::string_view method = run.automatic ? "chosen for the scene" : asked;
-  Setup setup{std::move(run), mesh, mass.value, epsilon.value, step.value, {}, {method, mass.why, epsilon.why, step.why}};
+  Setup setup{
+      std::move(run), mesh, mass.value, epsilon.value, step.value, {}, {method, mass.why, epsilon.why, step.why}};
   setup.method = method_row(setup.run.method).options(setup);
   return setup;
 }

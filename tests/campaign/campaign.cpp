@@ -169,7 +169,8 @@ Judged judge(const SceneFile& scene) {
     const double scale = std::max({energy.initial, energy.final, energy.dissipated, std::abs(energy.work)});
     if (scale > 0.0) judged.balance = std::abs(energy.balance_error()) / (100.0 * run.tolerance.relative * scale);
     judged.late = mine.statistics.late_opening.ratio;
-    for (const Alarm& alarm : alarms(resolve(run), resolve(run).system(), mine.statistics)) judged.said += alarm.what + "; ";
+    for (const Alarm& alarm : alarms(resolve(run), resolve(run).system(), mine.statistics))
+      judged.said += alarm.what + "; ";
     for (const Alarm& alarm : alarms(resolve(by_exponentials(run)), resolve(run).system(), exact.statistics))
       judged.said += "exponential: " + alarm.what + "; ";
     if (!(judged.error <= 1.0)) {

@@ -143,7 +143,8 @@ TEST(Alarm, CountsTheRoundingsOfFarDisplacements) {
                         method + "\"\n",
                     "scene")
             .run;
-    for (const Alarm& alarm : alarms(resolve(run), resolve(run).system(), run_of(run))) ADD_FAILURE() << method << ": " << alarm.what;
+    for (const Alarm& alarm : alarms(resolve(run), resolve(run).system(), run_of(run)))
+      ADD_FAILURE() << method << ": " << alarm.what;
   }
 }
 

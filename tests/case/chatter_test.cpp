@@ -22,7 +22,8 @@ Heard listen(const Case& run) {
   Observers observers;
   observers.event = [&](const Event& event) {
     ++heard.changes;
-    if (const auto chatter = watch.heard(event)) heard.warnings.push_back(chatter_warning(resolve(run), system, *chatter));
+    if (const auto chatter = watch.heard(event))
+      heard.warnings.push_back(chatter_warning(resolve(run), system, *chatter));
   };
   simulate(resolve(run), system, observers);
   return heard;

@@ -29,9 +29,7 @@ Case falling(double viscosity, double epsilon, Mass mass) {
 ContactRegime regime(const Case& run) { return contact_regimes(resolve(run), resolve(run).system()).front(); }
 
 // Penetration that a run reaches over the predicted one.
-double ratio(const Case& run) {
-  return simulate(resolve(run), {}).max_penetration / regime(run).impact->penetration;
-}
+double ratio(const Case& run) { return simulate(resolve(run), {}).max_penetration / regime(run).impact->penetration; }
 
 TEST(ImpactPrediction, FollowsTheTwoThirdsLawWhereTheMeshResolvesTheLayer) {
   // epsilon > h^3/alpha^2 = 1e-6 by far; what the law leaves out is of relative order (epsilon sqrt(alpha))^(1/3).

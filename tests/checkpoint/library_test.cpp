@@ -213,7 +213,8 @@ TEST_P(EveryMethod, RefusesACheckpointOfAnotherRun) {
   Case ended = run;
   ended.end = 0.4;
   EXPECT_THROW(resumed(ended, taken[0].checkpoint, {}), std::invalid_argument);
-  EXPECT_THROW(simulate(resolve(run), resolve(run).system(), taken[0].checkpoint, {}), std::invalid_argument);  // no energy account
+  EXPECT_THROW(simulate(resolve(run), resolve(run).system(), taken[0].checkpoint, {}),
+               std::invalid_argument);  // no energy account
   Checkpoint short_one = taken[0].checkpoint;
   short_one.state.pop_back();
   EXPECT_THROW(resumed(run, short_one, {}), std::invalid_argument);

@@ -86,7 +86,8 @@ TEST(EndKeys, OfAScenesOwnFunctionsAreHeldLikeFormulas) {
 }
 
 TEST(EndKeys, ThatAreAbsentLeaveNothingInTheSystem) {
-  const BarSystem system = resolve(parse_scene(scene("[left]\nkind = \"free\"\nforce = 0\nstiffness = 0"), "").run).system();
+  const BarSystem system =
+      resolve(parse_scene(scene("[left]\nkind = \"free\"\nforce = 0\nstiffness = 0"), "").run).system();
   EXPECT_FALSE(system.loaded());
   EXPECT_FALSE(system.moving());
   EXPECT_TRUE(system.mounts().empty());

@@ -56,8 +56,8 @@ TEST(Defaults, NoMethodRefusesThemAndNoneChattersAtAnEnd) {
       const Recording recording = record(run);
       // Without viscosity cvode and odeint do not take massless nodes, and finite_difference never does. What odeint is
       // wrong by as the bar leaves closes the contact again for an instant.
-      const bool massless = resolve(run).mass != Mass::consistent && resolve(run).mass != Mass::lumped &&
-                            method != MethodName::odeint;
+      const bool massless =
+          resolve(run).mass != Mass::consistent && resolve(run).mass != Mass::lumped && method != MethodName::odeint;
       const std::size_t least = massless ? 2 : recording.events.size();
       EXPECT_EQ(recording.events.size(), least) << name(method) << ", viscosity " << viscosity;
     }

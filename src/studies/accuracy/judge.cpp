@@ -123,8 +123,8 @@ void Plan::explain(ErrorEstimate& estimate, const Case& run) const {
   if (penalised_)
     estimate.reasons.push_back(
         contact_law(setup) + (run.restitution && !given.restitution
-                                ? "; without this request they are thrown back: give contact.restitution to say which"
-                                : ""));
+                                  ? "; without this request they are thrown back: give contact.restitution to say which"
+                                  : ""));
   if (penalised_)
     because(given.epsilon, fmt::format("epsilon {:.3g}", *run.epsilon),
             fmt::format("epsilon {:.3g}: from two penalties, its part of the error", *run.epsilon));

@@ -398,7 +398,8 @@ LimitResult limit_of(const LimitStudy& study) {
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     Case probe = study.scene;
     probe.elements = meshes[m];
-    MeshRuns mesh = runs_of(study, meshes[m], study.steps.empty() ? resolve(std::move(probe)).step : study.steps[m], purse);
+    MeshRuns mesh =
+        runs_of(study, meshes[m], study.steps.empty() ? resolve(std::move(probe)).step : study.steps[m], purse);
     decide(mesh, study, purse);
     refine_scheme(mesh, study, purse);
     const std::size_t first = result.rows.size();
