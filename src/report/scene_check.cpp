@@ -205,6 +205,9 @@ std::string check_json(const SceneCheck& check) {
   json["spacing"] = system.mesh().spacing();
   if (!system.mesh().uniform()) json["smallest_element"] = system.mesh().smallest();
   json["mass"] = name(system.mass());
+  json["why"] = {{"method", check.setup.why.method}, {"mass", check.setup.why.mass}};
+  if (is_penalised(run.method)) json["why"]["epsilon"] = check.setup.why.epsilon;
+  if (is_scheme(run.method)) json["why"]["step"] = check.setup.why.step;
   json["terms"] = {{"inertia", system.has_massless() ? "massless contact nodes" : "every node"},
                    {"elasticity", true},
                    {"damping", system.damped()},
