@@ -11,11 +11,6 @@
 
 namespace viscobar {
 
-/// parse_scene() with typed settings, and without the values, which nobody reads of the thousands of a sweep.
-/// @throws SceneError
-SceneFile parse_case(const std::string& text, const std::string& source, std::span<const Setting> settings,
-                     const Adaptation& adapt = {});
-
 /// parse_scene() with typed settings. @throws SceneError
 SceneFile parse_scene_with(const std::string& text, const std::string& source, std::span<const Setting> settings,
                            const Adaptation& adapt = {});

@@ -36,6 +36,7 @@ class SceneEntries {
   /// Present, and not as a fallback.
   bool given(std::string_view key) const { return entries_.contains(key); }
   bool faulty(std::string_view key) const { return faulty_.contains(key); }
+  bool sound() const { return found_.empty(); }
   bool sound(std::string_view key) const { return present(key) && !faulty(key); }
   std::vector<std::string> faulty_keys() const { return {faulty_.begin(), faulty_.end()}; }
 

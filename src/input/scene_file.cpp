@@ -215,10 +215,10 @@ void check_motion(SceneEntries& entries) {
 }
 
 // The values of keys that the scene leaves out and the program chooses.
-SceneValues choose(const SceneEntries& entries, const Case& run) {
+SceneValues choose(const SceneEntries& entries, const Setup& setup) {
+  const Case& run = setup.run;
   SceneValues values;
   if (!entries.present("mesh.elements")) values.emplace_back("mesh.elements", static_cast<std::int64_t>(run.elements));
-  const Setup setup = resolve(run);
   if (!run.mass && run.method != MethodName::characteristics)
     values.emplace_back("mesh.mass", std::string(name(setup.mass)));
   if (is_penalised(run.method) && meets_obstacle(run.scene) && !run.epsilon)
@@ -245,7 +245,7 @@ void check_sensitivity(SceneEntries& entries, const Case& run) {
   }
 }
 
-Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
+Setup validated_setup(SceneEntries& entries, const Adaptation& adapt) {
   Case run = case_of(entries);
   if (adapt) {
     const MethodName before = run.method;
@@ -254,13 +254,13 @@ Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
     if (!run.automatic) run.reservation.clear();
   }
   check_sensitivity(entries, run);
-  for (const Finding& finding : faults(resolve(run), entries.faulty_keys()))
-    entries.report(finding.key, finding.problem);
-  check_load_values(entries, run.mesh());
-  return run;
+  Setup setup = resolve(std::move(run));
+  for (const Finding& finding : faults(setup, entries.faulty_keys())) entries.report(finding.key, finding.problem);
+  check_load_values(entries, setup.mesh);
+  return setup;
 }
 
-std::optional<AccuracyRequest> accuracy_of(SceneEntries& entries, const Case& run) {
+std::optional<AccuracyRequest> accuracy_of(SceneEntries& entries, const Setup& setup) {
   if (!entries.sound("accuracy.error")) return std::nullopt;
   AccuracyRequest request;
   const auto* share = std::get_if<std::string>(&entries.value("accuracy.error"));
@@ -269,13 +269,13 @@ std::optional<AccuracyRequest> accuracy_of(SceneEntries& entries, const Case& ru
   request.of = chosen(entries, "accuracy.of", all_goals, request.of);
   request.given = {entries.given("mesh.elements"),
                    entries.given("mesh.mass"),
-                   entries.given("method.name") && !run.automatic,
+                   entries.given("method.name") && !setup.run.automatic,
                    entries.given("contact.epsilon"),
                    entries.given("contact.restitution"),
                    entries.given("method.relative_tolerance"),
                    entries.given("method.step")};
-  if (entries.diagnostics().empty())
-    if (const auto found = fault(request, resolve(run))) entries.report(found->key, found->problem);
+  if (entries.sound())
+    if (const auto found = fault(request, setup)) entries.report(found->key, found->problem);
   return request;
 }
 
@@ -315,8 +315,13 @@ SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt) {
     check_end(entries, "right");
     check_load_keys(entries);
     check_motion(entries);
-    scene.run = validated_case(entries, adapt);
-    scene.accuracy = accuracy_of(entries, scene.run);
+    Setup setup = validated_setup(entries, adapt);
+    scene.accuracy = accuracy_of(entries, setup);
+    if (entries.sound()) {
+      scene.values = describe(entries, setup.run);
+      scene.chosen = choose(entries, setup);
+    }
+    scene.run = std::move(setup.run);
   }
   if (auto found = entries.diagnostics(); !found.empty()) throw SceneError(std::move(found));
   return scene;
@@ -331,19 +336,10 @@ std::string Diagnostic::text() const {
 SceneError::SceneError(std::vector<Diagnostic> found)
     : std::runtime_error(all_texts(found)), diagnostics(std::move(found)) {}
 
-SceneFile parse_case(const std::string& text, const std::string& source, std::span<const Setting> settings,
-                     const Adaptation& adapt) {
-  SceneEntries entries(text, source, settings);
-  return checked_scene(entries, adapt);
-}
-
 SceneFile parse_scene_with(const std::string& text, const std::string& source, std::span<const Setting> settings,
                            const Adaptation& adapt) {
   SceneEntries entries(text, source, settings);
-  SceneFile scene = checked_scene(entries, adapt);
-  scene.values = describe(entries, scene.run);
-  scene.chosen = choose(entries, scene.run);
-  return scene;
+  return checked_scene(entries, adapt);
 }
 
 SceneFile parse_scene(const std::string& text, const std::string& source, std::span<const std::string> overrides,
