@@ -10,6 +10,7 @@
 
 #include "case/method_table.hpp"
 #include "case/run_cost.hpp"
+#include "run/parts.hpp"
 #include "scene/message_text.hpp"
 #include "viscobar/case/case.hpp"
 
@@ -169,23 +170,7 @@ void check_odeint(const Setup& setup, Findings& findings) {
   if (!findings.sound_tables({"bar", "left", "right", "span", "initial", "time", "mesh", "contact"}) ||
       !findings.sound({"method.stepper"}))
     return;
-  const BarSystem system = setup.system();
-  const OdeintPlan what = plan(system, setup.run.end, std::get<Odeint>(setup.method));
-  if (!what.refusal) return;
-  switch (*what.refusal) {
-    case Refusal::many_unknowns:
-      return findings.report("method.stepper",
-                             "rosenbrock4 works with dense matrices, up to {} unknown nodes, here are {}; "
-                             "use arkode, or dopri5",
-                             Odeint::most_dense_unknowns, system.size());
-    case Refusal::many_steps:
-      return findings.report(
-          "method.name",
-          "{} would make at least {:.1e} steps: it is explicit, and the scene is stiff; use cvode or "
-          "arkode",
-          name(what.stepper), what.least_steps);
-    default: return;  // algebraic rows are reported of every method that does not take them
-  }
+  if (const auto why = plan(setup.system(), setup.run.end, std::get<Odeint>(setup.method)).refusal) findings.add({*why});
 }
 
 std::size_t fixed_ends(const Scene& scene) {
@@ -202,26 +187,7 @@ void check_exponential(const Case& run, Findings& findings) {
 
 void check_characteristics(const Case& run, Findings& findings) {
   if (!findings.sound({"bar.length", "bar.density", "bar.modulus", "bar.viscosity", "time.end"})) return;
-  const Bar& bar = run.scene.bar;
-  const auto why = refusal(run.scene, run.end, Characteristics{});
-  if (why == Refusal::viscosity)
-    findings.report("method.name",
-                    "characteristics carries waves unchanged, and bar.viscosity = {} changes them; use "
-                    "rigid, or one of the penalised methods",
-                    bar.viscosity);
-  if (why == Refusal::span)
-    findings.report("method.name",
-                    "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; "
-                    "use fully_discrete, or one of the penalised methods");
-  if (why == Refusal::end_springs)
-    findings.report(run.scene.left_input.stiffness != 0.0 ? "left.stiffness" : "right.stiffness",
-                    "is not for characteristics: a spring remembers what has arrived, and waves return as no "
-                    "polynomials; use rigid, or fully_discrete");
-  if (why == Refusal::many_steps)
-    findings.report("time.end",
-                    "characteristics follows a wave from passage to passage through the bar, here {:.2g} of "
-                    "them, at most {:.0g}; choose an earlier end",
-                    run.end * std::sqrt(bar.modulus / bar.density) / bar.length, Characteristics::most_passages);
+  if (const auto why = refusal(run.scene, run.end, Characteristics{})) findings.add({*why});
 }
 
 void check_rigid(const Case& run, Findings& findings) {
@@ -248,10 +214,7 @@ void check_method(const Setup& setup, Findings& findings) {
   const Case& run = setup.run;
   const MethodRow& method = method_row(run.method);
   if (!method.takes_algebraic_rows && has_algebraic_rows(run) && findings.sound({"mesh.mass", "bar.viscosity"}))
-    return findings.report("method.name",
-                           "{} cannot take massless contact nodes without viscosity: their equations are "
-                           "algebraic; use arkode or ida, or a positive bar.viscosity",
-                           method.name);
+    return findings.add({algebraic_rows(method.name)});
   switch (run.method) {
     case MethodName::odeint: return check_odeint(setup, findings);
     case MethodName::rigid: return check_rigid(run, findings);

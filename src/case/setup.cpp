@@ -129,6 +129,8 @@ AutomaticMethod automatic_method(const Case& run) {
           "contact changes break the waves without end, into more than 10,000 pieces at t = {:.4g}; no mesh "
           "follows such a motion for long: a positive bar.viscosity has a smooth one",
           *time));
+  } catch (const Unfit& unfit) {
+    return rigid_because(unfit.finding.key + " " + unfit.finding.problem);
   } catch (const std::invalid_argument& misfit) {
     return rigid_because(misfit.what());
   } catch (const IntegrationError& error) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "input/described_scene.hpp"
 #include "report/page.hpp"
 #include "results/json.hpp"
 #include "text/number.hpp"
