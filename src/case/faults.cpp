@@ -170,7 +170,8 @@ void check_odeint(const Setup& setup, Findings& findings) {
   if (!findings.sound_tables({"bar", "left", "right", "span", "initial", "time", "mesh", "contact"}) ||
       !findings.sound({"method.stepper"}))
     return;
-  if (const auto why = plan(setup.system(), setup.run.end, std::get<Odeint>(setup.method)).refusal) findings.add({*why});
+  if (const auto why = plan(setup.system(), setup.run.end, std::get<Odeint>(setup.method)).refusal)
+    findings.add({*why});
 }
 
 std::size_t fixed_ends(const Scene& scene) {

@@ -13,9 +13,10 @@ std::optional<Finding> refusal(const Scene& scene, double end, const Characteris
                                               "them; use rigid, or one of the penalised methods",
                                               bar.viscosity)};
   if (scene.span)
-    return Finding{"method.name",
-                   "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; use "
-                   "fully_discrete, or one of the penalised methods"};
+    return Finding{
+        "method.name",
+        "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; use "
+        "fully_discrete, or one of the penalised methods"};
   if (scene.left_input.stiffness != 0.0 || scene.right_input.stiffness != 0.0)
     return Finding{scene.left_input.stiffness != 0.0 ? "left.stiffness" : "right.stiffness",
                    "is not for characteristics: a spring remembers what has arrived, and waves return as no "

@@ -58,7 +58,8 @@ TEST(EndKeys, ThatDoNotGoWithTheRestAreRefusedWithWhatToUse) {
   // Left to choose, the program takes what fits.
   const Case chosen = parse_scene(scene(mounted), "").run;
   EXPECT_EQ(chosen.method, MethodName::rigid);
-  EXPECT_NE(chosen.reservation.find("without a spring"), std::string::npos) << chosen.reservation;
+  EXPECT_NE(chosen.reservation.find("left.stiffness is not for characteristics"), std::string::npos)
+      << chosen.reservation;
   EXPECT_EQ(
       resolve(parse_scene(scene(mounted, "[contact]\nepsilon = 1e-3\n[method]\nname = \"arkode\"\n"), "").run).mass,
       Mass::consistent);
