@@ -6,6 +6,7 @@
 
 #include "integration/stepwise_run.hpp"
 #include "integration/sundials/multistep.hpp"
+#include "run/parts.hpp"
 #include "viscobar/integration/integrate.hpp"
 
 namespace viscobar {
