@@ -61,6 +61,7 @@ class Run : public Kept {
   void warn(const std::string& warning) { outcome_.warnings.push_back(warning); }
 
   PythonCase case_;
+  Setup setup_;
   BarSystem system_;
   Outcome outcome_;
   std::vector<double> span_;  // reactions of a span obstacle at the output times

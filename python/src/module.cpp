@@ -244,7 +244,7 @@ J is the number of elements, K that of the output times. Units are those of the 
       .def_property_readonly("h", value([](const Case& run) { return run.mesh().spacing(); }),
                              "Size of an element, the mean on a graded mesh.")
       .def_property_readonly("end", value([](const Case& run) { return run.end; }), "The last time.")
-      .def_property_readonly("step", value([](const Case& run) { return run.step ? *run.step : scheme_step(run); }),
+      .def_property_readonly("step", value([](const Case& run) { return resolve(run).step; }),
                              "Time step: the scene's, else h / (100 c).")
       .def_property_readonly("length", value([](const Case& run) { return run.scene.bar.length; }), "L.")
       .def_property_readonly("density", value([](const Case& run) { return run.scene.bar.density; }), "rho.")
@@ -277,7 +277,7 @@ J is the number of elements, K that of the output times. Units are those of the 
                              "Of adaptive methods.")
       .def_property_readonly("absolute_tolerance", value([](const Case& run) { return run.tolerance.absolute; }),
                              "Likewise.")
-      .def_property_readonly("mass", value([](const Case& run) { return std::string(name(effective_mass(run))); }),
+      .def_property_readonly("mass", value([](const Case& run) { return std::string(name(resolve(run).mass)); }),
                              "Name of the mass matrix that the scene's method would take.")
       .def_property_readonly("title", value([](const Case& run) { return run.scene.title; }), "Free text.")
       .def_property_readonly(
@@ -290,7 +290,7 @@ J is the number of elements, K that of the output times. Units are those of the 
                              "Whether there is a load.")
       .def("load", &load_at, py::arg("t"), "f(x_j, t) at the nodes, J+1, force per volume; zeros without a load.")
       .def_property_readonly(
-          "description", [](const PythonCase& self) { return self.scene.description; },
+          "description", [](const PythonCase& self) { return self.scene.description(); },
           "The scene as understood, as JSON text.");
 }
 

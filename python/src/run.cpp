@@ -95,12 +95,12 @@ Recording record_until(const Case& run, const std::function<bool()>& stop) {
   Recording recording;
   Observers observers = filling(recording, run);
   observers.progress = [&](double) { return stop() ? RunControl::stop : RunControl::go_on; };
-  recording.statistics = simulate(run, make_system(run), observers);
+  recording.statistics = simulate(resolve(run), observers);
   if (!recording.statistics.completed) throw Interrupted();
   return recording;
 }
 
-Run::Run(PythonCase run) : case_(std::move(run)), system_(make_system(case_.scene.run)) {}
+Run::Run(PythonCase run) : case_(std::move(run)), setup_(resolve(case_.scene.run)), system_(setup_.system()) {}
 
 // How a run is stopped: a flag is set, the next step makes a checkpoint, and the run ends there. All that this module
 // knows of stopping is here and in record_until().
@@ -160,8 +160,8 @@ Observers Run::observers(py::object& self, py::object& observer, py::object& on_
 void Run::solve(py::object& self, py::object& observer, py::object& on_event) {
   const Observers all = observers(self, observer, on_event);
   const py::gil_scoped_release released;
-  simulate_into(outcome_, case_.scene.run, system_, std::nullopt, all);
-  judge(outcome_, case_.scene.run, system_, [this](const std::string& warning) { warn(warning); });
+  simulate_into(outcome_, setup_, system_, std::nullopt, all);
+  judge(outcome_, setup_, system_, [this](const std::string& warning) { warn(warning); });
 }
 
 void Run::solve_to_accuracy(py::object& self, py::object& observer, py::object& on_event) {
@@ -179,7 +179,8 @@ void Run::solve_to_accuracy(py::object& self, py::object& observer, py::object& 
       if (!plan) plan.emplace(study);
       const Case chosen = plan->next();
       case_.scene = with_settings(asked, chosen);
-      system_ = make_system(chosen);
+      setup_ = resolve(chosen);
+      system_ = setup_.system();
     } catch (const accuracy::Stopped&) {
       return fail(outcome_, Ending::interrupted, "interrupted");
     } catch (const IntegrationError& error) {
@@ -227,7 +228,7 @@ std::string Run::page() const {
     data.add(at);
   }
   for (; event != recording.events.end(); ++event) data.add(*event);
-  Page page = report_page(case_.scene.run, system_, outcome_, data);
+  Page page = report_page(setup_, system_, outcome_, data);
   tell_whole_run(page, outcome_.wall_seconds);
   return page.html();
 }

@@ -76,10 +76,8 @@ py::tuple compare_methods(const PythonCase& self, const std::optional<std::vecto
     contenders.push_back({kept->recording.label, run, [kept](const Case&) { return kept->recording; }});
   Comparison check;
   hearing_signals(*self.faults, stop, [&] { check = compare(contenders, threads); });
-  for (std::size_t i = 0; i < choice.cases.size(); ++i) {  // their solver is the case's own method, but can be stopped
-    check.runs[i].built_in = true;
-    check.runs[i].mass = effective_mass(choice.cases[i]);
-  }
+  // Their solver is the case's own method, but can be stopped.
+  for (std::size_t i = 0; i < choice.cases.size(); ++i) check.runs[i].built_in = true;
   const std::string json = compare_json(self.scene, choice, check), page = compare_page(run.scene, choice, check).html;
   py::list differences, kept;
   for (std::size_t i = 0; i < check.runs.size(); ++i) {
@@ -148,10 +146,10 @@ Refine refine_of(const std::string& what) {
 
 std::vector<PythonCase> refined(const PythonCase& self, const std::string& what, std::size_t levels) {
   Case run = self.scene.run;
-  if (!run.step) run.step = scheme_step(run);
+  run.step = resolve(run).step;
   std::vector<PythonCase> all;
   for (Case& one : refinements(run, refine_of(what), levels))
-    all.push_back({{std::move(one), self.scene.description, "{}", std::nullopt}, self.faults});
+    all.push_back({{std::move(one), self.scene.values, {}, std::nullopt}, self.faults});
   return all;
 }
 
@@ -201,7 +199,7 @@ std::optional<exact::Solution> solution_of(const std::vector<PythonCase>& cases,
   }
   PythonCase exact = self;
   exact.scene.run.method = MethodName::characteristics;
-  if (!validate(exact.scene.run).empty()) return std::nullopt;
+  if (!sound(exact.scene.run)) return std::nullopt;
   const std::shared_ptr<const Recording> waves = std::make_shared<Recording>(std::move(record_case(exact)->recording));
   solution.u = Sampled(waves, &Recording::u);
   solution.v = Sampled(waves, &Recording::v);
@@ -268,7 +266,7 @@ py::tuple fit_scene(const std::string& text, FitRequest request) {
   std::string json, page;
   hearing_signals(faults, stop, [&] {
     auto [scene, study] = prepared_fit(
-        request, [&](const std::vector<std::string>& settings) { return parse_scene(text, "scene", settings); });
+        request, [&](const std::vector<Setting>& settings) { return parse_scene_with(text, "scene", settings); });
     study.stop = [&] { return stop.load(); };
     const FitResult result = fit(study);
     json = fit_json(scene, study, result);

@@ -30,7 +30,8 @@ std::string_view meaning(Goal goal) {
   return {};
 }
 
-std::optional<Finding> fault(const AccuracyRequest& request, const Case& run) {
+std::optional<Finding> fault(const AccuracyRequest& request, const Setup& setup) {
+  const Case& run = setup.run;
   const bool obstacle = is_obstacle(run.scene.left) || is_obstacle(run.scene.right);
   const bool of_field =
       request.of == Goal::displacement || request.of == Goal::end_traces || request.of == Goal::end_velocity;
@@ -39,7 +40,7 @@ std::optional<Finding> fault(const AccuracyRequest& request, const Case& run) {
                                               "\"end_traces\" or \"end_velocity\"",
                                               name(request.of))};
   if (request.of == Goal::peak_reaction)
-    if (const auto why = peak_remark(run, make_system(run)))
+    if (const auto why = peak_remark(setup, setup.system()))
       return Finding{"accuracy.of", fmt::format("is \"peak_reaction\": {}; use \"impulse\" or \"displacement\"", *why)};
   return std::nullopt;
 }

@@ -34,7 +34,8 @@ double promised_balance(const Case& run, const BarSystem& system, double energy,
 
 }  // namespace
 
-std::vector<Alarm> alarms(const Case& run, const BarSystem& system, const Statistics& statistics) {
+std::vector<Alarm> alarms(const Setup& setup, const BarSystem& system, const Statistics& statistics) {
+  const Case& run = setup.run;
   std::vector<Alarm> all;
   if (!statistics.completed) return all;
   const bool scheme = is_scheme(run.method);
@@ -56,7 +57,7 @@ std::vector<Alarm> alarms(const Case& run, const BarSystem& system, const Statis
       all.push_back({fmt::format("energy grew without a cause: the dissipated energy is {:.2g}", taken),
                      taken < -0.01 * largest});
     if (energy.work == 0.0 && is_penalised(run.method) && !system.contacts().empty()) {
-      const double softest = std::ranges::min(system.contacts(), {}, &Contact::weight).weight / effective_epsilon(run);
+      const double softest = std::ranges::min(system.contacts(), {}, &Contact::weight).weight / setup.epsilon;
       const double deepest = std::sqrt(2.0 * (energy.initial + std::abs(energy.end_inertia) + sound) / softest);
       if (statistics.max_penetration > deepest)
         all.push_back(

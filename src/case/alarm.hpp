@@ -28,6 +28,6 @@ struct Alarm {
 /// - A penetration deeper than all the energy there was could press its spring, d^2 k / 2 > E, where no load works.
 ///   Ruinous.
 /// - An opening with a pull left, LateOpening::ratio > 10, ruinous above 100.
-std::vector<Alarm> alarms(const Case& run, const BarSystem& system, const Statistics& statistics);
+std::vector<Alarm> alarms(const Setup& setup, const BarSystem& system, const Statistics& statistics);
 
 }  // namespace viscobar

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace viscobar {
 
@@ -31,7 +32,8 @@ std::optional<ChatterWatch::Chatter> ChatterWatch::heard(const Event& event) {
   return Chatter{event.where, event.node, burst.since, event.time};
 }
 
-std::string chatter_remedies(const Case& run, const std::optional<ContactRegime>& regime, Where where) {
+std::string chatter_remedies(const Setup& setup, const std::optional<ContactRegime>& regime, Where where) {
+  const Case& run = setup.run;
   const bool elastic =
       is_penalised(run.method) ? !(run.restitution && *run.restitution == 0.0) : run.restitution.value_or(0.0) > 0.0;
   std::string remedies;
@@ -40,9 +42,9 @@ std::string chatter_remedies(const Case& run, const std::optional<ContactRegime>
   const auto offer = [&](const std::string& remedy, auto&& change) {
     Case changed = run;
     change(changed);
-    if (validate(changed).empty()) add(remedy);
+    if (sound(std::move(changed))) add(remedy);
   };
-  if (where != Where::span && effective_mass(run) != Mass::redistributed) {
+  if (where != Where::span && setup.mass != Mass::redistributed) {
     offer("mesh.mass = \"redistributed\"", [](Case& changed) { changed.mass = Mass::redistributed; });
     if (!run.mass && is_penalised(run.method) && remedies.empty())
       offer("method.name = \"arkode\"", [](Case& changed) { changed.method = MethodName::arkode; });
@@ -55,8 +57,8 @@ std::string chatter_remedies(const Case& run, const std::optional<ContactRegime>
   return remedies;
 }
 
-std::string chatter_warning(const Case& run, const BarSystem& system, const ChatterWatch::Chatter& chatter) {
-  const std::vector<ContactRegime> regimes = contact_regimes(run, system);
+std::string chatter_warning(const Setup& setup, const BarSystem& system, const ChatterWatch::Chatter& chatter) {
+  const std::vector<ContactRegime> regimes = contact_regimes(setup, system);
   const auto found = std::ranges::find(regimes, chatter.where, &ContactRegime::where);
   const std::optional<ContactRegime> regime = found == regimes.end() ? std::nullopt : std::optional(*found);
   const std::string place = chatter.where == Where::left    ? "the left end"
@@ -64,7 +66,7 @@ std::string chatter_warning(const Case& run, const BarSystem& system, const Chat
                                                             : fmt::format("node {} of the span", chatter.node);
   const std::string ratio =
       regime && regime->damping_ratio ? fmt::format(", damping ratio zeta = {:.3g}", *regime->damping_ratio) : "";
-  const std::string remedies = chatter_remedies(run, regime, chatter.where);
+  const std::string remedies = chatter_remedies(setup, regime, chatter.where);
   return fmt::format(
       "chatter: {} closed {} times from t = {:.6g} to {:.6g}, faster than a wave crosses the bar and returns: its node "
       "rebounds by itself{}; every bounce is computed, which costs steps{}{}",

@@ -54,9 +54,9 @@ class ChatterWatch {
 };
 
 /// What takes the chatter of a contact away, in keys of the scene; empty where nothing is known.
-std::string chatter_remedies(const Case& run, const std::optional<ContactRegime>& regime, Where where);
+std::string chatter_remedies(const Setup& setup, const std::optional<ContactRegime>& regime, Where where);
 
 /// The warning of a run that chatters: where and how fast, what it means and costs, and what to change.
-std::string chatter_warning(const Case& run, const BarSystem& system, const ChatterWatch::Chatter& chatter);
+std::string chatter_warning(const Setup& setup, const BarSystem& system, const ChatterWatch::Chatter& chatter);
 
 }  // namespace viscobar

@@ -34,7 +34,8 @@ void keep(const Mesh& mesh, std::span<const double> u, EndTraces& traces) {
 
 EndTraces trace_ends(const Case& run, std::span<const double> times,
                      const std::function<RunControl(double time)>& progress) {
-  const BarSystem system = make_system(run);
+  const Setup setup = resolve(run);
+  const BarSystem system = setup.system();
   EndTraces traces = empty_traces(run, times.size());
   traces.sensitivities.assign(run.directions.size(), empty_traces(run, times.size()));
   Observers observers;
@@ -47,7 +48,7 @@ EndTraces trace_ends(const Case& run, std::span<const double> times,
   };
   observers.event = [&](const Event& event) { traces.events.push_back(event); };
   observers.progress = progress;
-  traces.statistics = simulate(run, system, times, observers);
+  traces.statistics = simulate(setup, system, times, observers);
   return traces;
 }
 

@@ -5,7 +5,6 @@
 #include <string_view>
 #include <vector>
 
-#include "case/findings.hpp"
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {
@@ -27,13 +26,11 @@ struct MethodRow {
   bool penalised;
   Accuracy accuracy;
   StepSeconds seconds;
-  Method (*options)(const Case&);
+  Method (*options)(const Setup&);                         ///< from all but its own method
   double (*vectors)(const Case&, double nodes) = nullptr;  ///< own memory, in vectors with an entry a node
   Mass (*mass)(const Case&) = nullptr;                     ///< that it runs on, where not the case's
   bool differentiates = false;                             ///< tells sensitivities
   bool takes_algebraic_rows = true;                        ///< massless contact nodes without viscosity
-  /// Adds what else the method, known to be meant, cannot take.
-  void (*refuse)(const Case&, Findings&) = nullptr;
 
   /// Whether that of massless contact nodes, whose rows are algebraic without viscosity.
   bool takes_massless(const Case& on) const { return takes_algebraic_rows || on.scene.bar.viscosity > 0.0; }

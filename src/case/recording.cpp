@@ -28,11 +28,11 @@ void Recording::keep(const Snapshot& s, std::span<const Direction> directions) {
   }
 }
 
-Recording record(const Case& run) {
-  const BarSystem system = make_system(run);
+Recording record(const Setup& setup) {
+  const Case& run = setup.run;
   Recording recording;
   recording.label = name(run.method);
-  recording.mesh = run.mesh();
+  recording.mesh = setup.mesh;
   const std::size_t outputs = run.output_times().size();
   for (std::vector<double>* field : {&recording.u, &recording.v}) field->reserve(outputs * recording.mesh.nodes());
   Observers observers;
@@ -40,7 +40,7 @@ Recording record(const Case& run) {
   observers.directions = run.directions;
   observers.snapshot = [&](const Snapshot& s) { recording.keep(s, run.directions); };
   observers.event = [&](const Event& event) { recording.events.push_back(event); };
-  recording.statistics = simulate(run, system, observers);
+  recording.statistics = simulate(setup, observers);
   return recording;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "case/chatter.hpp"
 #include "case/method_table.hpp"
@@ -27,14 +28,15 @@ double viscous_ratio(const Bar& bar, double spacing, double effective_mass, doub
 
 }  // namespace
 
-std::string stiffer_advice(const Case& run) {
-  Case chosen = run;
-  chosen.epsilon.reset();
+std::string stiffer_advice(const Setup& setup) {
+  const Scene& scene = setup.run.scene;
+  Case open = setup.run;
+  open.epsilon.reset();
   return fmt::format(
       "contact.epsilon = {:.3g} is a stop of stiffness {:.3g}, {:.2g} of {}, at which it gives way as the bar does: "
       "right if such a stop is meant; for a rigid obstacle take {:.2g}, or leave it out (--set contact.epsilon=)",
-      effective_epsilon(run), 1.0 / effective_epsilon(run), effective_epsilon(run) / natural_epsilon(run.scene),
-      natural_epsilon_words(run.scene), effective_epsilon(chosen));
+      setup.epsilon, 1.0 / setup.epsilon, setup.epsilon / natural_epsilon(scene), natural_epsilon_words(scene),
+      resolve(std::move(open)).epsilon);
 }
 
 ImpactPrediction predict_impact(const Bar& bar, double spacing, double effective_mass, double epsilon, double speed) {
@@ -60,10 +62,11 @@ ImpactPrediction predict_impact(const Bar& bar, double spacing, double effective
   return {speed, speed * std::sqrt(effective_mass * epsilon) * node_peak(zeta), Layer::node};
 }
 
-std::vector<ContactRegime> contact_regimes(const Case& run, const BarSystem& system) {
+std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& system) {
+  const Case& run = setup.run;
   std::vector<ContactRegime> regimes;
   if (!is_penalised(run.method)) return regimes;
-  const double epsilon = effective_epsilon(run);
+  const double epsilon = setup.epsilon;
   const std::vector<double> masses = system.effective_masses();
   const State start = system.initial_state();
   const Bar& bar = system.bar();
@@ -107,14 +110,15 @@ struct Sight {
 };
 
 /// What that run meets in so many steps.
-Sight foreseen_by(const Case& trial, double most_steps, const std::function<bool()>& stop) {
-  const Scene& scene = trial.scene;
+Sight foreseen_by(Case run, double most_steps, const std::function<bool()>& stop) {
+  const Setup trial = resolve(std::move(run));
+  const Scene& scene = trial.run.scene;
   const std::size_t places = end_obstacles(scene) + std::size_t{scene.span.has_value()};
   Sight sight;
   Foresight& found = sight.found;
   auto& impacts = found.impacts;
   const auto known = [&](Where where) { return std::ranges::find(impacts, where, &FirstImpact::where); };
-  const BarSystem system = make_system(trial);
+  const BarSystem system = trial.system();
   // What lies on its obstacle and moves into it hits at once.
   const State start = system.initial_state();
   for (const Contact& contact : system.contacts()) {
@@ -126,7 +130,7 @@ Sight foreseen_by(const Case& trial, double most_steps, const std::function<bool
       impacts.push_back({contact.where, 0.0, -v});
   }
   ChatterWatch watch(system);
-  if (is_penalised(trial.method)) found.chatters = false;
+  if (is_penalised(trial.run.method)) found.chatters = false;
   const double way_and_back = 2.0 * scene.bar.length * std::sqrt(scene.bar.density / scene.bar.modulus);
   double steps = 0.0;
   Observers observers;
@@ -155,7 +159,8 @@ Sight foreseen_by(const Case& trial, double most_steps, const std::function<bool
 
 }  // namespace
 
-std::optional<Foresight> foresee(const Case& run, const std::function<bool()>& stop) {
+std::optional<Foresight> foresee(const Setup& setup, const std::function<bool()>& stop) {
+  const Case& run = setup.run;
   if (!meets_obstacle(run.scene)) return Foresight{};
   Case trial = run;
   trial.output_every = run.end;
@@ -167,7 +172,7 @@ std::optional<Foresight> foresee(const Case& run, const std::function<bool()>& s
   if (own.complete) return own.found;
   trial.method = MethodName::fully_discrete;
   trial.step =
-      std::min(run.mesh().spacing() / std::sqrt(run.scene.bar.modulus / run.scene.bar.density), run.end / 500.0);
+      std::min(setup.mesh.spacing() / std::sqrt(run.scene.bar.modulus / run.scene.bar.density), run.end / 500.0);
   constexpr double most_nodal_steps = 1e8;
   if (1.5 * run.end / *trial.step * elements > most_nodal_steps) return std::nullopt;
   const double step = *trial.step;
@@ -191,13 +196,15 @@ std::optional<Foresight> foresee(const Case& run, const std::function<bool()>& s
   return own.found;
 }
 
-std::string contact_law(const Case& run) {
-  if (effective_mass(run) == Mass::redistributed) return "contact: nodes at an obstacle have no mass to be thrown back";
+std::string contact_law(const Setup& setup) {
+  if (setup.mass == Mass::redistributed) return "contact: nodes at an obstacle have no mass to be thrown back";
+  const Case& run = setup.run;
   if (!run.restitution) return "contact: springs without dashpot throw nodes back, as restitution 1 does";
   return fmt::format("contact: nodes leave an obstacle with restitution {}", *run.restitution);
 }
 
-std::optional<std::string> peak_remark(const Case& run, const BarSystem& system) {
+std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& system) {
+  const Case& run = setup.run;
   const Bar& bar = system.bar();
   double mass = 0.0;
   bool obstacle = false;
@@ -213,14 +220,14 @@ std::optional<std::string> peak_remark(const Case& run, const BarSystem& system)
   if (is_penalised(run.method) && mass > 0.0) {
     if (run.restitution && *run.restitution < 1.0)
       return "the peak of an impact has no limit: the dashpot begins with a force that grows as contact.epsilon^(-1/2)";
-    if (mass > effective_epsilon(run) * bar.density * bar.modulus)
+    if (mass > setup.epsilon * bar.density * bar.modulus)
       return "the peak of an impact has no limit: the spring stops the mass of a node, with a force that grows as "
              "contact.epsilon^(-1/2)";
   }
   if (bar.viscosity > 0.0)
     return "the peak of an impact has no limit: a viscous bar answers with a force that falls as t^(-1/2) from the "
            "touch on, and a finer mesh or a stiffer spring shows more of it";
-  const double softest = bar.density * bar.modulus * (is_penalised(run.method) ? effective_epsilon(run) : 0.0);
+  const double softest = bar.density * bar.modulus * (is_penalised(run.method) ? setup.epsilon : 0.0);
   if (run.method != MethodName::characteristics && bar.density * system.mesh().spacing() > softest)
     return "the peak of an impact has a wrong limit on a mesh: behind the front of an elastic bar it overshoots, by a "
            "share that no finer mesh takes away; characteristics has the peak itself";

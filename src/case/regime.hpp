@@ -22,7 +22,7 @@ inline const char* natural_epsilon_words(const Scene& scene) {
 }
 
 /// What to do about an epsilon at which the obstacle is none, in keys of the scene.
-std::string stiffer_advice(const Case& run);
+std::string stiffer_advice(const Setup& setup);
 
 /// Largest penetration of the first impact at a given speed, within a factor of two.
 struct ImpactPrediction {
@@ -67,7 +67,7 @@ ImpactPrediction predict_impact(const Bar& bar, double spacing, double effective
 
 /// One for each end with an obstacle and one, its worst, for a span obstacle, of a penalised method with epsilon > 0;
 /// empty otherwise.
-std::vector<ContactRegime> contact_regimes(const Case& run, const BarSystem& system);
+std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& system);
 
 /// The first contact at a place of the bar, before which no penalty has acted there.
 struct FirstImpact {
@@ -88,11 +88,11 @@ struct Foresight {
 /// fully discrete scheme with steps in which a wave crosses an element (or the end / 500) and with half as many, whose
 /// difference is the error. That says nothing of chatter. Absent when it were more than 10^8 nodal steps. `stop`, which
 /// may be empty, ends it early.
-std::optional<Foresight> foresee(const Case& run, const std::function<bool()>& stop = {});
+std::optional<Foresight> foresee(const Setup& setup, const std::function<bool()>& stop = {});
 
 /// The law of contact that a penalised run has, in words: whether its nodes are thrown back. Two laws are two motions,
 /// and an estimate of the error is of one.
-std::string contact_law(const Case& run);
+std::string contact_law(const Setup& setup);
 
 /// Why the peak reaction of an impact at an end of this run has no limit as the discretisation is refined, in a
 /// sentence; absent where it has one. Reactions of an impact with speed V, m the effective mass of the contact node:
@@ -102,6 +102,6 @@ std::string contact_law(const Case& run);
 ///     a spring k = 1 / epsilon, m > 0  V sqrt(k m), where that is more than the bar's own V sqrt(rho E)
 ///     a viscous bar                    V sqrt(rho eta / (pi t))
 ///     an elastic bar on a mesh         V sqrt(rho E) and what the mesh disperses of the front, whatever the mesh
-std::optional<std::string> peak_remark(const Case& run, const BarSystem& system);
+std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& system);
 
 }  // namespace viscobar

@@ -4,9 +4,9 @@
 
 namespace viscobar {
 
-/// About how long a sound case takes, in seconds: start + steps (a + b nodes). Decides which of several cases to begin
+/// About how long a sound setup takes, in seconds: start + steps (a + b nodes). Decides which of several cases to begin
 /// with. docs/internals/sweep-balance.md has the formulas, their errors and the machine.
-double estimated_seconds(const Case& run);
+double estimated_seconds(const Setup& setup);
 
 /// What a run allocates that grows with its size, in vectors with an entry an unknown node, and with the list of its
 /// output times; to a third or so.

@@ -1,15 +1,32 @@
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "viscobar/characteristics/characteristics.hpp"
 
 namespace viscobar {
 
-std::optional<Refusal> refusal(const Scene& scene, double end, const Characteristics&) {
-  if (scene.bar.viscosity > 0.0) return Refusal::viscosity;
-  if (scene.span) return Refusal::span;
-  if (scene.left_input.stiffness != 0.0 || scene.right_input.stiffness != 0.0) return Refusal::end_springs;
-  const double passages = end * std::sqrt(scene.bar.modulus / scene.bar.density) / scene.bar.length;
-  if (!(passages <= Characteristics::most_passages)) return Refusal::many_steps;
+std::optional<Finding> refusal(const Scene& scene, double end, const Characteristics&) {
+  const Bar& bar = scene.bar;
+  if (bar.viscosity > 0.0)
+    return Finding{"method.name", fmt::format("characteristics carries waves unchanged, and bar.viscosity = {} changes "
+                                              "them; use rigid, or one of the penalised methods",
+                                              bar.viscosity)};
+  if (scene.span)
+    return Finding{
+        "method.name",
+        "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; use "
+        "fully_discrete, or one of the penalised methods"};
+  if (scene.left_input.stiffness != 0.0 || scene.right_input.stiffness != 0.0)
+    return Finding{scene.left_input.stiffness != 0.0 ? "left.stiffness" : "right.stiffness",
+                   "is not for characteristics: a spring remembers what has arrived, and waves return as no "
+                   "polynomials; use rigid, or fully_discrete"};
+  const double passages = end * std::sqrt(bar.modulus / bar.density) / bar.length;
+  if (!(passages <= Characteristics::most_passages))
+    return Finding{"time.end",
+                   fmt::format("characteristics follows a wave from passage to passage through the bar, here {:.2g} of "
+                               "them, at most {:.0g}; choose an earlier end",
+                               passages, Characteristics::most_passages)};
   return std::nullopt;
 }
 

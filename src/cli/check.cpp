@@ -10,9 +10,10 @@ namespace viscobar::cli {
 
 namespace {
 
-std::string method_text(const Case& run, const BarSystem& system) {
+std::string method_text(const Setup& setup, const BarSystem& system) {
+  const Case& run = setup.run;
   if (run.method != MethodName::odeint) return method_words(run);
-  const OdeintPlan what = plan(system, run.end, odeint(run));
+  const OdeintPlan what = plan(system, run.end, std::get<Odeint>(setup.method));
   return fmt::format("odeint, {}{}", viscobar::name(what.stepper),
                      what.least_steps > 1e4 ? fmt::format(", at least {:.1e} steps", what.least_steps) : "");
 }
@@ -70,11 +71,11 @@ std::string model_text(const Case& run, const BarSystem& system) {
 }
 
 std::string check_text(const SceneCheck& check) {
-  const Case& run = check.scene.run;
+  const Case& run = check.setup.run;
   const BarSystem& system = check.system;
   const Scene& scene = run.scene;
   const Mesh& mesh = system.mesh();
-  std::string text = row("method", method_text(run, system)) + model_text(run, system);
+  std::string text = row("method", method_text(check.setup, system)) + model_text(run, system);
   text += row("elasticity", "E = {}, h = {:.4g}{}", scene.bar.modulus, mesh.spacing(),
               mesh.uniform() ? "" : fmt::format(" on average, {:.4g} at the contacts", mesh.smallest()));
   text += row("damping", system.damped() ? fmt::format("eta = {}", scene.bar.viscosity) : "none");
@@ -83,7 +84,7 @@ std::string check_text(const SceneCheck& check) {
     text += row("left end", words);
   for (const std::string& words : inputs_text(system.bar(), scene.right, scene.right_input))
     text += row("right end", words);
-  text += row("contact", system.contacts().empty() ? "none" : contact_kind(run));
+  text += row("contact", system.contacts().empty() ? "none" : contact_kind(check.setup));
   text += row("event functions", events(run, system));
   text += row("memory", "about {} vectors of {} numbers, {}", check.memory.vectors, system.size(),
               byte_number(check.memory.bytes));

@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "input/described_scene.hpp"
 #include "input/input_text.hpp"
 #include "input/scene_keys.hpp"
 #include "report/page.hpp"
@@ -52,10 +53,10 @@ SceneOptions::SceneOptions(CLI::App& command) {
   add_json(command, json);
 }
 
-SceneFile SceneOptions::parse(const std::vector<std::string>& settings, const Adaptation& adapt) const {
-  std::vector<std::string> all = overrides;
+SceneFile SceneOptions::parse(const std::vector<Setting>& settings, const Adaptation& adapt) const {
+  std::vector<Setting> all(overrides.begin(), overrides.end());
   all.insert(all.end(), settings.begin(), settings.end());
-  return parse_scene(text(), file == "-" ? "standard input" : file, all, adapt);
+  return parse_scene_with(text(), file == "-" ? "standard input" : file, all, adapt);
 }
 
 std::string SceneOptions::text() const {
@@ -64,7 +65,7 @@ std::string SceneOptions::text() const {
   return text;
 }
 
-SceneFile SceneOptions::read(const std::vector<std::string>& settings, const Adaptation& adapt) const {
+SceneFile SceneOptions::read(const std::vector<Setting>& settings, const Adaptation& adapt) const {
   SceneFile scene = parse(settings, adapt);
   const Case& run = scene.run;
   if (scene.accuracy && !takes_accuracy)
@@ -112,7 +113,7 @@ void Study::finish(const std::string& json, PicturedPage page, const std::string
 
 void warn_of_other_scenes(const std::filesystem::path& directory, const SceneFile& scene, ResultKind own) {
   using Json = nlohmann::json;
-  const Json ours = Json::parse(scene.complete());
+  const Json ours = Json(complete(scene));
   for (const std::string_view name : json_summaries) {
     std::ifstream stream(directory / name);
     if (name == json_summaries[static_cast<std::size_t>(own)] || !stream) continue;
@@ -129,9 +130,9 @@ void warn_of_other_scenes(const std::filesystem::path& directory, const SceneFil
   }
 }
 
-std::vector<std::string> finest_mesh(const std::vector<std::size_t>& elements) {
+std::vector<Setting> finest_mesh(const std::vector<std::size_t>& elements) {
   if (elements.empty()) return {};
-  return {fmt::format("mesh.elements={}", *std::ranges::max_element(elements))};
+  return {std::pair("mesh.elements", static_cast<std::int64_t>(*std::ranges::max_element(elements)))};
 }
 
 std::string positive_number(const std::string& text) {

@@ -83,13 +83,13 @@ struct SceneOptions {
   bool takes_accuracy = false;  ///< the command keeps an error that the scene asks for; others warn that they do not
 
   explicit SceneOptions(CLI::App& command);
-  /// The scene with the user's own values, then those of `settings` ("table.key=value"); `adapt` is applied before it
+  /// The scene with the user's own values, then those of `settings`; `adapt` is applied before it
   /// is validated. Tells what was read.
-  SceneFile read(const std::vector<std::string>& settings = {}, const Adaptation& adapt = {}) const;
+  SceneFile read(const std::vector<Setting>& settings = {}, const Adaptation& adapt = {}) const;
   /// Of the scene file, or of standard input.
   std::string text() const;
   /// The same without a word, for a scene that is read again.
-  SceneFile parse(const std::vector<std::string>& settings, const Adaptation& adapt = {}) const;
+  SceneFile parse(const std::vector<Setting>& settings, const Adaptation& adapt = {}) const;
 };
 
 /// What every command that writes results understands: -o DIR and --quiet.
@@ -145,7 +145,7 @@ std::string instead_of(const std::string& word, const Names& known, std::string_
 }
 
 /// The setting that checks a scene on the finest of several meshes; none where there are none.
-std::vector<std::string> finest_mesh(const std::vector<std::size_t>& elements);
+std::vector<Setting> finest_mesh(const std::vector<std::size_t>& elements);
 
 /// The methods that an option --methods names. @throws std::invalid_argument for an unknown one, with the nearest
 std::vector<MethodName> methods_named(const std::vector<std::string>& words);

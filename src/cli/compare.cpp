@@ -43,7 +43,7 @@ int compare_methods(const CompareOptions& asked) {
   study.finish(compare_json(scene, choice, check), compare_page(scene.run.scene, choice, check),
                compare_text(choice, check));
   for (const MethodRun& run : check.runs)
-    if (!run.recording) complain(fmt::format("{}: {}", name(run.run.method), run.error));
+    if (!run.recording) complain(fmt::format("{}: {}", name(run.setup.run.method), run.error));
   return check.completed() ? success : run_failed;
 }
 

@@ -15,7 +15,7 @@ struct FitOptions : StudyOptions {
 
 int fit_scene(const FitOptions& asked) {
   bool first = true;
-  const auto [scene, problem] = prepared_fit(asked.request, [&](const std::vector<std::string>& settings) {
+  const auto [scene, problem] = prepared_fit(asked.request, [&](const std::vector<Setting>& settings) {
     return std::exchange(first, false) ? asked.scene.read(settings) : asked.scene.parse(settings);
   });
   const Study study(asked, scene, ResultKind::fit);

@@ -54,8 +54,8 @@ int study_limit(const LimitOptions& asked) {
     study.derivatives |= before->derivatives;
   }
   if (!asked.epsilon.empty()) study.epsilons = epsilons(asked.epsilon, asked.per_decade);
-  std::vector<std::string> settings = finest_mesh(study.elements);
-  if (!asked.mass.empty()) settings.push_back("mesh.mass=" + asked.mass);
+  std::vector<Setting> settings = finest_mesh(study.elements);
+  if (!asked.mass.empty()) settings.emplace_back(std::pair("mesh.mass", asked.mass));
   if (!asked.error.empty()) settings.push_back("accuracy.error=" + asked.error);
   // The scene's own epsilon, which it may lack, is not used.
   SceneFile scene = asked.scene.read(settings, [&](Case& run) {

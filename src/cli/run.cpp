@@ -101,7 +101,8 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
       };
       motion("left end", run.scene.left, account->left);
       motion("right end", run.scene.right, account->right);
-      const auto remark = peak_remark(run, make_system(run));
+      const Setup setup = resolve(run);
+      const auto remark = peak_remark(setup, setup.system());
       if (remark && account->left.closings + account->right.closings > 0) text += row("peak reaction", *remark);
     }
     if (outcome.error_estimate)
@@ -237,9 +238,8 @@ int run_scene(const RunOptions& asked) {
   if (!asked.checkpoint.empty()) options.checkpoint = checkpoint_every(asked.checkpoint);
   options.figures = asked.figures;
   const auto wall_time = wall_time_of(asked.wall_time);
-  std::vector<std::string> settings;
-  if (!asked.sensitivity.empty())
-    settings.push_back(fmt::format("sensitivity.of=['{}']", fmt::join(asked.sensitivity, "', '")));
+  std::vector<Setting> settings;
+  if (!asked.sensitivity.empty()) settings.emplace_back(std::pair("sensitivity.of", asked.sensitivity));
   if (!asked.error.empty()) settings.push_back("accuracy.error=" + asked.error);
   const SceneFile scene = asked.scene.read(settings);
   // Each checkpoint holds the times of all before it: these write 8 n^2 / 2 bytes for that, 40 GB.

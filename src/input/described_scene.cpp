@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
+#include <algorithm>
+#include <utility>
 
-#include "input/toml_text.hpp"
+#include "input/scene_entries.hpp"
+#include "input/scene_keys.hpp"
 #include "text/printable_text.hpp"
 
 namespace viscobar {
@@ -13,35 +15,98 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json json_of(const SceneValue& value) {
+  return std::visit([](const auto& one) { return Json(one); }, value);
+}
+
 // A string of JSON is one of TOML but for the one control character that JSON does not escape.
-std::string line(const std::string& key, const Json& value) {
+std::string toml_of(const Json& value) {
   std::string text = value.dump();
   for (std::size_t at = 0; (at = text.find('\x7f', at)) != text.npos;) text.replace(at, 1, "\\u007F");
-  return fmt::format("{} = {}\n", key, text);
+  return text;
 }
+
+// What toml++ makes of the same value.
+TomlNode tree_of(const Json& json, const std::string& key = "") {
+  TomlNode node;
+  node.key = key;
+  node.value = OtherValue{"null"};
+  if (json.is_string()) node.value = json.get<std::string>();
+  if (json.is_boolean()) node.value = json.get<bool>();
+  if (json.is_number_float()) node.value = json.get<double>();
+  if (json.is_number_integer()) node.value = json.get<std::int64_t>();
+  if (json.is_object()) {
+    node.kind = TomlNode::Kind::table;
+    node.value = OtherValue{"a table"};
+    for (const auto& [name, inside] : json.items()) node.inside.push_back(tree_of(inside, name));
+  }
+  if (json.is_array()) {
+    node.kind = TomlNode::Kind::array;
+    node.value = OtherValue{"an array"};
+    for (const Json& inside : json) node.inside.push_back(tree_of(inside));
+    if (std::ranges::all_of(json, [](const Json& one) { return one.is_string(); }))
+      node.value = json.get<std::vector<std::string>>();
+  }
+  return node;
+}
+
+// Where describe() tells a key.
+std::ptrdiff_t rank(std::string_view key) { return is_parameter(key) ? -1 : find_scene_key(key) - scene_keys().data(); }
 
 }  // namespace
 
-std::string scene_text(const std::string& description) {
+const SceneValue* value_of(const SceneValues& values, std::string_view key) {
+  const auto found = std::ranges::find(values, key, [](const auto& one) { return std::string_view(one.first); });
+  return found == values.end() ? nullptr : &found->second;
+}
+
+void put(Json& tables, const SceneValues& values) {
+  for (const auto& [key, value] : values) {
+    const std::size_t dot = key.find('.');
+    (dot == key.npos ? tables[key] : tables[key.substr(0, dot)][key.substr(dot + 1)]) = json_of(value);
+  }
+}
+
+Json complete(const SceneFile& scene) {
+  Json json = Json::object();
+  put(json, scene.values);
+  put(json, scene.chosen);
+  return json;
+}
+
+std::string SceneFile::description() const {
+  Json json = Json::object();
+  put(json, values);
+  return json.dump(2);
+}
+
+std::string text_of(const Setting& setting) {
+  if (const auto* text = std::get_if<std::string>(&setting)) return *text;
+  const auto& [key, value] = std::get<1>(setting);
+  return key + "=" + toml_of(json_of(value));
+}
+
+std::string scene_text(const SceneValues& values) {
+  Json scene = Json::object();
+  put(scene, values);
   std::string top, tables;
-  const Json scene = Json::parse(description);
   for (const auto& [name, value] : scene.items()) {
     if (!value.is_object()) {
-      top += line(name, value);
+      top += fmt::format("{} = {}\n", name, toml_of(value));
       continue;
     }
     tables += fmt::format("[{}]\n", name);
-    for (const auto& [key, entry] : value.items()) tables += line(key, entry);
+    for (const auto& [key, entry] : value.items()) tables += fmt::format("{} = {}\n", key, toml_of(entry));
   }
   return top + tables;
 }
 
-std::string told_scene(const std::string& text) {
+TomlNode scene_tree(const std::string& text) {
   if (const auto first = text.find_first_not_of(" \t\r\n"); first == std::string::npos || text[first] != '{')
-    return text;
+    return parse_toml(text);
   try {
     const Json summary = Json::parse(text);
-    if (summary.contains("scene") && summary["scene"].is_object()) return scene_text(summary["scene"].dump());
+    if (summary.contains("scene") && summary["scene"].is_object()) return tree_of(summary["scene"]);
   } catch (const Json::parse_error& error) {
     throw TextError(position_in(text, error.byte > 0 ? error.byte - 1 : 0),
                     fmt::format("this is no TOML, and no JSON either: {}", error.what()));
@@ -52,33 +117,34 @@ std::string told_scene(const std::string& text) {
 }
 
 SceneFile described_scene(const std::string& description, const std::string& source) {
-  return parse_scene(scene_text(description), source);
+  return parse_scene(fmt::format("{{\"scene\": {}}}", description), source);
 }
 
-SceneFile with_settings(const SceneFile& scene, const Case& chosen) {
-  const Json before = Json::parse(scene.description);
-  Json after = before, new_keys = Json::object();
-  const auto set = [&](const char* table, const char* key, const Json& value) {
-    after[table][key] = value;
-    if (!before.contains(table) || !before[table].contains(key) || before[table][key] != value)
-      new_keys[table][key] = value;
+SceneFile with_settings(SceneFile scene, const Case& chosen) {
+  const Setup setup = resolve(chosen);
+  SceneValues& values = scene.values;
+  scene.chosen.clear();
+  if (is_penalised(chosen.method) && meets_obstacle(chosen.scene) && !chosen.epsilon)
+    scene.chosen.emplace_back("contact.epsilon", setup.epsilon);
+  const auto set = [&](const char* key, SceneValue value) {
+    auto at = std::ranges::find(values, key, &SceneValues::value_type::first);
+    if (at != values.end() && at->second == value) return;
+    scene.chosen.emplace_back(key, value);
+    at == values.end() ? void(values.emplace_back(key, value)) : void(at->second = value);
   };
-  set("mesh", "elements", chosen.elements);
-  if (chosen.method != MethodName::characteristics) set("mesh", "mass", name(effective_mass(chosen)));
-  if (is_penalised(chosen.method) && chosen.epsilon) set("contact", "epsilon", *chosen.epsilon);
-  if (chosen.restitution) set("contact", "restitution", *chosen.restitution);
-  set("method", "name", name(chosen.method));
+  set("mesh.elements", static_cast<std::int64_t>(chosen.elements));
+  if (chosen.method != MethodName::characteristics) set("mesh.mass", std::string(name(setup.mass)));
+  if (is_penalised(chosen.method) && chosen.epsilon) set("contact.epsilon", *chosen.epsilon);
+  if (chosen.restitution) set("contact.restitution", *chosen.restitution);
+  set("method.name", std::string(name(chosen.method)));
   if (is_adaptive(chosen.method)) {
-    set("method", "relative_tolerance", chosen.tolerance.relative);
-    if (chosen.tolerance.absolute) set("method", "absolute_tolerance", *chosen.tolerance.absolute);
+    set("method.relative_tolerance", chosen.tolerance.relative);
+    if (chosen.tolerance.absolute) set("method.absolute_tolerance", *chosen.tolerance.absolute);
   }
-  if (is_scheme(chosen.method)) set("method", "step", scheme_step(chosen));
-  SceneFile result = described_scene(after.dump(), "the chosen settings");
-  Json all = Json::parse(result.chosen);
-  all.merge_patch(new_keys);
-  result.chosen = all.dump(2);
-  result.run = chosen;
-  return result;
+  if (is_scheme(chosen.method)) set("method.step", setup.step);
+  std::ranges::stable_sort(values, {}, [](const auto& one) { return rank(one.first); });
+  scene.run = chosen;
+  return scene;
 }
 
 }  // namespace viscobar

@@ -1,28 +1,43 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
+#include "input/toml_text.hpp"
 #include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {
 
-/// parse_scene() without the description, which nobody reads of the thousands of a sweep. @throws SceneError
-SceneFile parse_case(const std::string& text, const std::string& source, std::span<const std::string> overrides,
-                     const Adaptation& adapt = {});
+/// parse_scene() with typed settings. @throws SceneError
+SceneFile parse_scene_with(const std::string& text, const std::string& source, std::span<const Setting> settings,
+                           const Adaptation& adapt = {});
 
-/// A scene file that says what SceneFile::description does.
-std::string scene_text(const std::string& description);
+/// The value of a key; null where it has none.
+const SceneValue* value_of(const SceneValues& values, std::string_view key);
 
-/// The scene that a summary of viscobar tells (summary.json, limit.json, ...), as a scene file; other text as it is.
-/// TOML never begins with a brace. @throws TextError where the text begins with one and is no such summary
-std::string told_scene(const std::string& text);
+/// Lays values over those of an object with an object for each table.
+void put(nlohmann::ordered_json& tables, const SceneValues& values);
+/// What was run: the values of the scene, and those that were chosen.
+nlohmann::ordered_json complete(const SceneFile& scene);
 
-/// The scene whose SceneFile::description this is; `source` names it in diagnostics. @throws SceneError
+/// "table.key=value" as --set takes it; numbers read back to the last bit.
+std::string text_of(const Setting& setting);
+
+/// A scene file that says these values.
+std::string scene_text(const SceneValues& values);
+
+/// A scene file, or the scene that a summary of viscobar tells (summary.json, limit.json, ...). TOML never begins with
+/// a brace. @throws TextError where the text is neither
+TomlNode scene_tree(const std::string& text);
+
+/// The scene whose SceneFile::description() this is; `source` names it in diagnostics. @throws SceneError
 SceneFile described_scene(const std::string& description, const std::string& source);
 
 /// The same scene with the settings of another case of it: elements, mass, epsilon, restitution, method, tolerances and
 /// step. They count as chosen where the scene does not have them.
-SceneFile with_settings(const SceneFile& scene, const Case& chosen);
+SceneFile with_settings(SceneFile scene, const Case& chosen);
 
 }  // namespace viscobar

@@ -68,20 +68,23 @@ const SceneEntries& SceneEntries::of_text(const std::string& text, const std::st
   return last->second;
 }
 
-SceneEntries::SceneEntries(const std::string& text, const std::string& source, std::span<const std::string> overrides)
+SceneEntries::SceneEntries(const std::string& text, const std::string& source, std::span<const Setting> settings)
     : SceneEntries(of_text(text, source)) {
-  for (const std::string& override_text : overrides) add_override(override_text);
+  for (const Setting& setting : settings)
+    if (const auto* override_text = std::get_if<std::string>(&setting))
+      add_override(*override_text);
+    else
+      std::visit([&, &name = std::get<1>(setting).first](const auto& value) { lay_over(name, value, {}, {}); },
+                 std::get<1>(setting).second);
   drop_what_no_longer_belongs();
   check_values();
   if (readable_) fill_in();
 }
 
-void SceneEntries::add_text(const std::string& given) {
+void SceneEntries::add_text(const std::string& text) {
   TomlNode read;
-  std::string text = given;
   try {
-    text = told_scene(given);
-    read = parse_toml(text);
+    read = scene_tree(text);
   } catch (const TextError& error) {
     readable_ = false;
     report_at({end_.source, error.at}, "", error.what());
@@ -128,18 +131,23 @@ void SceneEntries::add_override(const std::string& text) {
   const auto position = [&](std::string_view part) {
     return position_in(text, static_cast<std::size_t>(part.data() - text.data()));
   };
+  lay_over(std::string(name), value_of(value), position(name), position(value));
+}
+
+void SceneEntries::lay_over(const std::string& name, TomlValue value, TextPosition key_at, TextPosition value_at) {
+  const std::string source(override_source);
   const std::size_t dot = name.find('.');
   const std::string table(dot == name.npos ? "" : name.substr(0, dot));
-  const Place place{source, position(name)};
+  const Place place{source, key_at};
   if (!table.empty()) {
-    if (!is_scene_table(table)) return report_at(place, std::string(name), unknown_table(table));
+    if (!is_scene_table(table)) return report_at(place, name, unknown_table(table));
     tables_.try_emplace(table, place);
   }
   TomlNode entry;
   entry.key = name.substr(dot + 1);
-  entry.value = value_of(value);
-  entry.key_at = place.at;
-  entry.value_at = position(value);
+  entry.value = std::move(value);
+  entry.key_at = key_at;
+  entry.value_at = value_at;
   add(entry, table, table, source);
 }
 

@@ -26,8 +26,8 @@ std::string unknown_key(std::string_view table, std::string_view leaf);
 /// needs one goes on with a harmless one, so that what else is wrong comes to light in the same run.
 class SceneEntries {
  public:
-  /// Reads the text, lays the overrides over it, checks every value against scene_keys(), fills in fallbacks.
-  SceneEntries(const std::string& text, const std::string& source, std::span<const std::string> overrides);
+  /// Reads the text, lays the settings over it, checks every value against scene_keys(), fills in fallbacks.
+  SceneEntries(const std::string& text, const std::string& source, std::span<const Setting> settings);
 
   /// False when the text is not TOML: what it holds is unknown then.
   bool readable() const { return readable_; }
@@ -36,6 +36,7 @@ class SceneEntries {
   /// Present, and not as a fallback.
   bool given(std::string_view key) const { return entries_.contains(key); }
   bool faulty(std::string_view key) const { return faulty_.contains(key); }
+  bool sound() const { return found_.empty(); }
   bool sound(std::string_view key) const { return present(key) && !faulty(key); }
   std::vector<std::string> faulty_keys() const { return {faulty_.begin(), faulty_.end()}; }
 
@@ -72,8 +73,9 @@ class SceneEntries {
 
   SceneEntries(const std::string& text, const std::string& source);
   static const SceneEntries& of_text(const std::string& text, const std::string& source);
-  void add_text(const std::string& given);
+  void add_text(const std::string& text);
   void add_override(const std::string& text);
+  void lay_over(const std::string& name, TomlValue value, TextPosition key_at, TextPosition value_at);
   /// Of a table, which the text may have written otherwise.
   void add(const TomlNode& entry, const std::string& written, std::string_view table, const std::string& source);
   void unset(std::string_view name);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "case/method_table.hpp"
@@ -18,8 +17,6 @@
 namespace viscobar {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr Stepper all_steppers[] = {Stepper::automatic, Stepper::rosenbrock4, Stepper::dopri5};
 
@@ -184,7 +181,7 @@ void check_load_keys(SceneEntries& entries) {
     entries.report(profile ? "load.history" : "load.profile", "is missing: profile and history come together");
 }
 
-// validate() asks this of the initial data; a load is not looked at before a run.
+// faults() asks this of the initial data; a load is not looked at before a run.
 void check_load_values(SceneEntries& entries, const Mesh& mesh) {
   if (entries.faulty("bar.length")) return;
   for (const char* key : {"load.density", "load.profile", "load.history", "left.force", "right.force", "left.gap",
@@ -218,14 +215,16 @@ void check_motion(SceneEntries& entries) {
 }
 
 // The values of keys that the scene leaves out and the program chooses.
-std::string choose(const SceneEntries& entries, Case& run) {
-  Json json = Json::object();
-  if (!entries.present("mesh.elements")) json["mesh"]["elements"] = run.elements;
-  if (!run.mass && run.method != MethodName::characteristics) json["mesh"]["mass"] = name(effective_mass(run));
+SceneValues choose(const SceneEntries& entries, const Setup& setup) {
+  const Case& run = setup.run;
+  SceneValues values;
+  if (!entries.present("mesh.elements")) values.emplace_back("mesh.elements", static_cast<std::int64_t>(run.elements));
+  if (!run.mass && run.method != MethodName::characteristics)
+    values.emplace_back("mesh.mass", std::string(name(setup.mass)));
   if (is_penalised(run.method) && meets_obstacle(run.scene) && !run.epsilon)
-    json["contact"]["epsilon"] = effective_epsilon(run);
-  if (is_scheme(run.method) && !run.step) json["method"]["step"] = scheme_step(run);
-  return json.dump(2);
+    values.emplace_back("contact.epsilon", setup.epsilon);
+  if (is_scheme(run.method) && !run.step) values.emplace_back("method.step", setup.step);
+  return values;
 }
 
 void check_sensitivity(SceneEntries& entries, const Case& run) {
@@ -246,7 +245,7 @@ void check_sensitivity(SceneEntries& entries, const Case& run) {
   }
 }
 
-Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
+Setup validated_setup(SceneEntries& entries, const Adaptation& adapt) {
   Case run = case_of(entries);
   if (adapt) {
     const MethodName before = run.method;
@@ -255,12 +254,13 @@ Case validated_case(SceneEntries& entries, const Adaptation& adapt) {
     if (!run.automatic) run.reservation.clear();
   }
   check_sensitivity(entries, run);
-  for (const Finding& finding : validate(run, entries.faulty_keys())) entries.report(finding.key, finding.problem);
-  check_load_values(entries, run.mesh());
-  return run;
+  Setup setup = resolve(std::move(run));
+  for (const Finding& finding : faults(setup, entries.faulty_keys())) entries.report(finding.key, finding.problem);
+  check_load_values(entries, setup.mesh);
+  return setup;
 }
 
-std::optional<AccuracyRequest> accuracy_of(SceneEntries& entries, const Case& run) {
+std::optional<AccuracyRequest> accuracy_of(SceneEntries& entries, const Setup& setup) {
   if (!entries.sound("accuracy.error")) return std::nullopt;
   AccuracyRequest request;
   const auto* share = std::get_if<std::string>(&entries.value("accuracy.error"));
@@ -269,39 +269,37 @@ std::optional<AccuracyRequest> accuracy_of(SceneEntries& entries, const Case& ru
   request.of = chosen(entries, "accuracy.of", all_goals, request.of);
   request.given = {entries.given("mesh.elements"),
                    entries.given("mesh.mass"),
-                   entries.given("method.name") && !run.automatic,
+                   entries.given("method.name") && !setup.run.automatic,
                    entries.given("contact.epsilon"),
                    entries.given("contact.restitution"),
                    entries.given("method.relative_tolerance"),
                    entries.given("method.step")};
-  if (entries.diagnostics().empty())
-    if (const auto found = fault(request, run)) entries.report(found->key, found->problem);
+  if (entries.sound())
+    if (const auto found = fault(request, setup)) entries.report(found->key, found->problem);
   return request;
 }
 
-std::string describe(const SceneEntries& entries, const Case& run) {
-  // Made as objects: where memory ends while null becomes one, the library would destroy what is not there.
-  Json json = Json::object();
-  const auto table = [&](std::string_view name) -> Json& {
-    return json.emplace(std::string(name), Json::object()).first.value();
-  };
-  for (const auto& [name, value] : entries.parameters()) table("parameters")[name] = value;
+SceneValues describe(const SceneEntries& entries, const Case& run) {
+  SceneValues values;
+  for (const auto& [name, value] : entries.parameters()) values.emplace_back("parameters." + name, value);
   for (const SceneKey& key : scene_keys()) {
-    if (!entries.present(key.name) || is_parameter(key.name)) continue;
-    auto& parent = key.table().empty() ? json : table(key.table());
-    auto& value = parent[std::string(key.leaf())];
-    if (key.type == KeyType::count)
-      value = run.elements;
-    else if (const auto text = std::get_if<std::string>(&entries.value(key.name)))
-      value = *text;
+    const std::string name(key.name);
+    if (name == "method.name")
+      values.emplace_back(name, std::string(run.automatic ? automatic : viscobar::name(run.method)));
+    else if (name == "output.every")
+      values.emplace_back(name, run.output_every);
+    else if (!entries.present(name) || is_parameter(name))
+      continue;
+    else if (key.type == KeyType::count)
+      values.emplace_back(name, static_cast<std::int64_t>(run.elements));
+    else if (const auto* text = std::get_if<std::string>(&entries.value(name)))
+      values.emplace_back(name, *text);
     else if (key.type == KeyType::list)
-      value = entries.list(key.name);
+      values.emplace_back(name, entries.list(name));
     else
-      value = *entries.number(key.name);
+      values.emplace_back(name, *entries.number(name));
   }
-  table("method")["name"] = run.automatic ? automatic : name(run.method);
-  table("output")["every"] = run.output_every;
-  return json.dump(2);
+  return values;
 }
 
 std::string all_texts(const std::vector<Diagnostic>& found) {
@@ -317,8 +315,13 @@ SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt) {
     check_end(entries, "right");
     check_load_keys(entries);
     check_motion(entries);
-    scene.run = validated_case(entries, adapt);
-    scene.accuracy = accuracy_of(entries, scene.run);
+    Setup setup = validated_setup(entries, adapt);
+    scene.accuracy = accuracy_of(entries, setup);
+    if (entries.sound()) {
+      scene.values = describe(entries, setup.run);
+      scene.chosen = choose(entries, setup);
+    }
+    scene.run = std::move(setup.run);
   }
   if (auto found = entries.diagnostics(); !found.empty()) throw SceneError(std::move(found));
   return scene;
@@ -333,25 +336,15 @@ std::string Diagnostic::text() const {
 SceneError::SceneError(std::vector<Diagnostic> found)
     : std::runtime_error(all_texts(found)), diagnostics(std::move(found)) {}
 
-std::string SceneFile::complete() const {
-  Json json = Json::parse(description);
-  json.merge_patch(Json::parse(chosen));
-  return json.dump(2);
-}
-
-SceneFile parse_case(const std::string& text, const std::string& source, std::span<const std::string> overrides,
-                     const Adaptation& adapt) {
-  SceneEntries entries(text, source, overrides);
+SceneFile parse_scene_with(const std::string& text, const std::string& source, std::span<const Setting> settings,
+                           const Adaptation& adapt) {
+  SceneEntries entries(text, source, settings);
   return checked_scene(entries, adapt);
 }
 
 SceneFile parse_scene(const std::string& text, const std::string& source, std::span<const std::string> overrides,
                       const Adaptation& adapt) {
-  SceneEntries entries(text, source, overrides);
-  SceneFile scene = checked_scene(entries, adapt);
-  scene.description = describe(entries, scene.run);
-  scene.chosen = choose(entries, scene.run);
-  return scene;
+  return parse_scene_with(text, source, std::vector<Setting>(overrides.begin(), overrides.end()), adapt);
 }
 
 SceneFile read_scene(const std::filesystem::path& file, std::span<const std::string> overrides,

@@ -6,6 +6,7 @@
 
 #include "integration/stepwise_run.hpp"
 #include "integration/sundials/multistep.hpp"
+#include "run/parts.hpp"
 #include "viscobar/integration/integrate.hpp"
 
 namespace viscobar {
@@ -106,7 +107,7 @@ class CvodeStepper final : public Multistep {
 
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Cvode& method, const Observers& observers) {
-  if (system.has_massless() && !system.damped()) throw Unfit("cvode", Refusal::algebraic_rows);
+  if (system.has_massless() && !system.damped()) throw Unfit("cvode", algebraic_rows("cvode"));
   return run_stepwise("cvode", system, method.penalty, start, times, observers,
                       [&](const StepperParts& parts) { return std::make_unique<CvodeStepper>(parts, method); });
 }

@@ -67,7 +67,8 @@ class RecordedRun {
         place_(std::move(place)),
         options_(options),
         last_(std::move(last)),
-        system_(make_system(scene.run)),
+        setup_(resolve(scene.run)),
+        system_(setup_.system()),
         data_(scene.run, system_),
         chatter_(system_),
         pace_(0.0, scene.run.end) {
@@ -80,8 +81,8 @@ class RecordedRun {
       outputs_ = scene_.run.output_times();
       std::ranges::set_union(outputs_, options_.watch_times, std::back_inserter(times_));
     }
-    simulate_into(outcome(), scene_.run, system_, last_.motion, observers(), times_);
-    judge(outcome(), scene_.run, system_, [this](const std::string& warning) { warn(warning); });
+    simulate_into(outcome(), setup_, system_, last_.motion, observers(), times_);
+    judge(outcome(), setup_, system_, [this](const std::string& warning) { warn(warning); });
     // Each for itself: what one cannot write, another may.
     for (std::size_t k = 0; k < files_->tables.size(); ++k) close(GrowingFiles::names[k], files_->tables[k]);
     close("field.h5", files_->field);
@@ -160,7 +161,7 @@ class RecordedRun {
       if (options_.event) options_.event(event);
       // Changes of the bar itself are no chatter of a mesh.
       if (scene_.run.method == MethodName::characteristics) return;
-      if (const auto first = chatter_.heard(event)) warn(chatter_warning(scene_.run, system_, *first));
+      if (const auto first = chatter_.heard(event)) warn(chatter_warning(setup_, system_, *first));
     };
     observers.progress = [this](double time) {
       outcome().reached_time = time;
@@ -203,8 +204,8 @@ class RecordedRun {
       times.push_back(motion.time);
       ArchiveWriter archive;
       archive(data_, chatter_, pace_, outcome().warnings, outcome().changes);
-      write_checkpoint(
-          place_, {scene_.description, last_.schedule, motion, files_->mark(), archive.take(), times, wall_seconds()});
+      write_checkpoint(place_, {scene_.description(), last_.schedule, motion, files_->mark(), archive.take(), times,
+                                wall_seconds()});
       outcome().checkpoints = std::move(times);
     };
     clock_ ? clock_->make(write) : write();
@@ -214,7 +215,7 @@ class RecordedRun {
     outcome().wall_seconds = wall_seconds();
     if (!scene_.run.files.report) return;
     attempt(outcome(), [&] {
-      Page page = report_page(scene_.run, system_, outcome(), data_);
+      Page page = report_page(setup_, system_, outcome(), data_);
       outcome().wall_seconds = wall_seconds();  // the page's and the summary's
       tell_whole_run(page, outcome().wall_seconds);
       written_.merge(
@@ -249,6 +250,7 @@ class RecordedRun {
   const fs::path place_;
   const RecordOptions& options_;
   const RunCheckpoint last_;  // from which it goes on
+  const Setup setup_;
   const BarSystem system_;
   ReportData data_;
   ChatterWatch chatter_;
@@ -273,7 +275,7 @@ RunRecord record_run(const SceneFile& scene, const fs::path& directory, const Re
   const ResultDirectory results(directory, ResultKind::run);
   tell_if_unlocked(results, options);
   RunCheckpoint beginning;
-  beginning.description = scene.description;
+  beginning.description = scene.description();
   beginning.schedule = options.checkpoint;
   return RecordedRun(scene, results, results.place_of_new_run(), options, std::move(beginning))();
 }
@@ -282,7 +284,7 @@ SceneFile scene_of_checkpoint(const fs::path& directory) {
   settle_result_directory(directory);
   const std::string description = read_checkpoint(place_of_stopped_run(directory)).checkpoint.description;
   SceneFile scene = described_scene(description, directory.string());
-  if (scene.description != description)
+  if (scene.description() != description)
     throw IoError(directory, "the scene in the checkpoint is not understood as it was");
   return scene;
 }
@@ -294,7 +296,7 @@ RunRecord resume_run(const SceneFile& scene, const fs::path& directory, const Re
   tell_if_unlocked(results, options);
   const fs::path place = place_of_stopped_run(directory);
   FoundCheckpoint found = read_checkpoint(place, CheckFiles::yes);
-  if (found.checkpoint.description != scene.description)
+  if (found.checkpoint.description != scene.description())
     throw std::invalid_argument(directory.string() + " holds the checkpoint of another scene; nothing was changed");
   if (!found.complaint.empty() && complain) complain(found.complaint);
   if (!found.complaint.empty()) remove_newest_checkpoint(place);

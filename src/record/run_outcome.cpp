@@ -38,7 +38,8 @@ std::optional<std::string> representation_warning(const Statistics& done) {
 }
 
 /// That the bar has gone through an obstacle: how deep, and the epsilon to take.
-std::optional<std::string> penetration_warning(const Case& run, const BarSystem& system, const Statistics& done) {
+std::optional<std::string> penetration_warning(const Setup& setup, const BarSystem& system, const Statistics& done) {
+  const Case& run = setup.run;
   if (!is_penalised(run.method) || !done.account) return std::nullopt;
   double largest = 0.0;
   for (const EndAccount* end : {&done.account->left, &done.account->right})
@@ -49,15 +50,15 @@ std::optional<std::string> penetration_warning(const Case& run, const BarSystem&
   return fmt::format(
       "penetration: the bar went {:.3g} deep into an obstacle, beside displacements of {:.3g}: that is a spring rather "
       "than an obstacle; {}",
-      done.max_penetration, largest, stiffer_advice(run));
+      done.max_penetration, largest, stiffer_advice(setup));
 }
 
 /// That the derivatives end somewhere: where, and why.
 // Of a viscous bar the text and the page tell it: there every impact has one.
-std::optional<std::string> peak_warning(const Case& run, const BarSystem& system, const Statistics& done) {
-  if (run.scene.bar.viscosity > 0.0 || !done.account) return std::nullopt;
+std::optional<std::string> peak_warning(const Setup& setup, const BarSystem& system, const Statistics& done) {
+  if (setup.run.scene.bar.viscosity > 0.0 || !done.account) return std::nullopt;
   if (done.account->left.closings + done.account->right.closings == 0) return std::nullopt;
-  const auto why = peak_remark(run, system);
+  const auto why = peak_remark(setup, system);
   return why ? std::optional("max_reaction: " + *why) : std::nullopt;
 }
 
@@ -86,12 +87,12 @@ void fail(Outcome& outcome, Ending ending, const std::string& error) {
   outcome.error = error;
 }
 
-void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, const std::optional<Checkpoint>& from,
+void simulate_into(Outcome& outcome, const Setup& setup, const BarSystem& system, const std::optional<Checkpoint>& from,
                    const Observers& observers, std::span<const double> times) {
   try {
-    outcome.statistics = from            ? simulate(run, system, *from, observers)
-                         : times.empty() ? simulate(run, system, observers)
-                                         : simulate(run, system, times, observers);
+    outcome.statistics = from            ? simulate(setup, system, *from, observers)
+                         : times.empty() ? simulate(setup, system, observers)
+                                         : simulate(setup, system, times, observers);
     if (!outcome.statistics->completed) {
       fail(outcome, Ending::interrupted, "interrupted");
       outcome.statistics->energy.reset();  // whose final one is not known
@@ -112,7 +113,7 @@ void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, c
   outcome.events = outcome.statistics->events;
 }
 
-void judge(Outcome& outcome, const Case& run, const BarSystem& system,
+void judge(Outcome& outcome, const Setup& setup, const BarSystem& system,
            const std::function<void(const std::string& warning)>& warn) {
   if (!outcome.statistics) return;
   const Statistics& done = *outcome.statistics;
@@ -127,11 +128,11 @@ void judge(Outcome& outcome, const Case& run, const BarSystem& system,
     fail(outcome, Ending::failed,
          "the energy of the bar is no longer a number: the data, or the motion, are too large for the squares of "
          "double precision; choose units in which displacements and stresses are nearer to 1");
-  pass_on(growth_warning(run, done));
+  pass_on(growth_warning(setup.run, done));
   pass_on(representation_warning(done));
-  pass_on(penetration_warning(run, system, done));
-  pass_on(peak_warning(run, system, done));
-  for (const Alarm& alarm : alarms(run, system, done)) {
+  pass_on(penetration_warning(setup, system, done));
+  pass_on(peak_warning(setup, system, done));
+  for (const Alarm& alarm : alarms(setup, system, done)) {
     const std::string what = fmt::format(
         "{}; the result is further from the solution than the tolerances promise: take another method.name or a "
         "smaller method.relative_tolerance, and report it as an error of viscobar, with the scene",

@@ -15,14 +15,14 @@ namespace viscobar {
 /// The first failure is what the user needs to know; those that follow from it are not.
 void fail(Outcome& outcome, Ending ending, const std::string& error);
 
-/// Runs a sound case, from a checkpoint if there is one. What ends it early, an exception of any kind, is in the
+/// Runs a sound setup, from a checkpoint if there is one. What ends it early, an exception of any kind, is in the
 /// outcome. `times`: of snapshots of a run from the start, in place of its output times.
-void simulate_into(Outcome& outcome, const Case& run, const BarSystem& system, const std::optional<Checkpoint>& from,
+void simulate_into(Outcome& outcome, const Setup& setup, const BarSystem& system, const std::optional<Checkpoint>& from,
                    const Observers& observers, std::span<const double> times = {});
 
 /// What a run with an energy account tells against itself: each warning goes to `warn`, a ruinous alarm fails the
 /// outcome. The result is kept either way.
-void judge(Outcome& outcome, const Case& run, const BarSystem& system,
+void judge(Outcome& outcome, const Setup& setup, const BarSystem& system,
            const std::function<void(const std::string& warning)>& warn);
 
 /// Notices a run that will take very long: every `look` steps, the time they advanced tells how many the rest would

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "case/chatter.hpp"
 #include "dynamics/natural_scales.hpp"
@@ -50,10 +51,11 @@ std::vector<std::string> inputs_text(const Bar& bar, const EndCondition& end, co
   return text;
 }
 
-std::string contact_kind(const Case& run) {
+std::string contact_kind(const Setup& setup) {
+  const Case& run = setup.run;
   if (is_penalised(run.method))
-    return fmt::format("penalty, epsilon = {:.6g} = {:.3g} {}{}", effective_epsilon(run),
-                       effective_epsilon(run) / natural_epsilon(run.scene), natural_epsilon_words(run.scene),
+    return fmt::format("penalty, epsilon = {:.6g} = {:.3g} {}{}", setup.epsilon,
+                       setup.epsilon / natural_epsilon(run.scene), natural_epsilon_words(run.scene),
                        run.epsilon ? "" : ", chosen for the mesh");
   if (run.method == MethodName::characteristics) return "exact: an end answers what arrives";
   if (run.method == MethodName::rigid) return "rigid: closed nodes are held";
@@ -65,7 +67,8 @@ std::string contact_kind(const Case& run) {
 namespace {
 
 /// What a contact that bounces means for the limit epsilon -> 0, and what to change.
-std::string advice(const Case& run, const ContactRegime& regime, bool here) {
+std::string advice(const Setup& setup, const ContactRegime& regime, bool here) {
+  const Case& run = setup.run;
   const bool span = regime.where == Where::span;
   const std::string bounce = fmt::format("{}: the {} (zeta = {:.3g} < 1)", name(regime.where),
                                          span ? "nodes rebound" : "end node rebounds", *regime.damping_ratio);
@@ -81,7 +84,7 @@ std::string advice(const Case& run, const ContactRegime& regime, bool here) {
   return fmt::format(
       "{}{}; as epsilon goes to 0 {}the difference to the fully discrete scheme has a plateau; remedies: {}", bounce,
       here ? ": it may chatter, and every bounce costs steps" : "", here ? "" : "it will chatter, and ",
-      chatter_remedies(run, regime, regime.where));
+      chatter_remedies(setup, regime, regime.where));
 }
 
 double gap_of(const Scene& scene, Where where) {
@@ -103,9 +106,10 @@ std::optional<std::string> inner_obstacle(const SceneEnd& end, const std::vector
       above ? "below" : "above");
 }
 
-std::vector<std::string> warnings_of(const Case& run, const BarSystem& system,
+std::vector<std::string> warnings_of(const Setup& setup, const BarSystem& system,
                                      const std::vector<ContactRegime>& regimes,
                                      const std::optional<Foresight>& foreseen) {
+  const Case& run = setup.run;
   std::vector<std::string> found;
   if (foreseen)
     for (const SceneEnd& end : ends_of(run.scene))
@@ -126,7 +130,7 @@ std::vector<std::string> warnings_of(const Case& run, const BarSystem& system,
                       end.name, begins, v));
   }
   for (const ContactRegime& regime : regimes)
-    if (regime.chatters) found.push_back(advice(run, regime, !foreseen || foreseen->chatters.value_or(true)));
+    if (regime.chatters) found.push_back(advice(setup, regime, !foreseen || foreseen->chatters.value_or(true)));
   const double displacement = natural_scales(system, run.end).displacement;
   for (const ContactRegime& regime : regimes)
     if (const double gap = gap_of(run.scene, regime.where);
@@ -134,18 +138,17 @@ std::vector<std::string> warnings_of(const Case& run, const BarSystem& system,
       found.push_back(fmt::format(
           "{}: a penetration of {:.2g} is predicted, beside a gap of {:.2g} and displacements of {:.2g}: that is a "
           "spring rather than an obstacle; {}",
-          name(regime.where), regime.impact->penetration, gap, displacement, stiffer_advice(run)));
+          name(regime.where), regime.impact->penetration, gap, displacement, stiffer_advice(setup)));
   return found;
 }
 
 /// The speed that a first impact will have tells more than the initial velocity.
-void predict(ContactRegime& regime, const std::optional<Foresight>& foreseen, const Case& run,
-             const BarSystem& system) {
+void predict(ContactRegime& regime, const std::optional<Foresight>& foreseen, double epsilon, const BarSystem& system) {
   if (!foreseen || regime.where == Where::span) return;
   const auto first = std::ranges::find(foreseen->impacts, regime.where, &FirstImpact::where);
   if (first == foreseen->impacts.end() || first->speed == 0.0) return;
   const double h = system.spacing_at(regime.where == Where::left ? 0 : system.size() - 1);
-  regime.impact = predict_impact(system.bar(), h, regime.effective_mass, effective_epsilon(run), first->speed);
+  regime.impact = predict_impact(system.bar(), h, regime.effective_mass, epsilon, first->speed);
 }
 
 Json to_json(const FirstImpact& impact) {
@@ -177,15 +180,16 @@ SceneCheck check_scene(const SceneFile& scene, const std::function<bool()>& stop
   accuracy::QuickEstimate forecast = scene.accuracy ? accuracy::forecast(settled, *scene.accuracy, patience, stop)
                                                     : accuracy::forecast(scene.run, patience, stop);
   const bool chosen = scene.accuracy && forecast.estimate;
-  const SceneFile as_run = chosen ? with_settings(scene, settled) : scene;
-  const Case& run = as_run.run;
-  SceneCheck check{as_run, make_system(run), foresee(run, stop), {}, memory_need(run), {}, 0, {}, {}};
-  check.regimes = contact_regimes(run, check.system);
-  for (ContactRegime& regime : check.regimes) predict(regime, check.foreseen, run, check.system);
+  SceneFile as_run = chosen ? with_settings(scene, settled) : scene;
+  const Setup setup = resolve(as_run.run);
+  SceneCheck check{
+      std::move(as_run), setup, setup.system(), foresee(setup, stop), {}, memory_need(setup.run), {}, 0, {}, {}};
+  check.regimes = contact_regimes(setup, check.system);
+  for (ContactRegime& regime : check.regimes) predict(regime, check.foreseen, setup.epsilon, check.system);
   check.error = std::move(forecast.estimate);
   check.error_elements = forecast.elements;
   check.no_error = std::move(forecast.why_not);
-  check.warnings = warnings_of(run, check.system, check.regimes, check.foreseen);
+  check.warnings = warnings_of(setup, check.system, check.regimes, check.foreseen);
   if (check.error && !check.error->doubt.empty()) check.warnings.push_back("error: " + check.error->doubt);
   if (check.foreseen && check.foreseen->chatters == false)
     for (ContactRegime& regime : check.regimes) regime.chatters = false;
@@ -193,7 +197,7 @@ SceneCheck check_scene(const SceneFile& scene, const std::function<bool()>& stop
 }
 
 std::string check_json(const SceneCheck& check) {
-  const Case& run = check.scene.run;
+  const Case& run = check.setup.run;
   const BarSystem& system = check.system;
   Json json;
   json["title"] = run.scene.title;
@@ -201,17 +205,21 @@ std::string check_json(const SceneCheck& check) {
   json["method_requested"] = run.automatic ? automatic : name(run.method);
   if (run.method == MethodName::characteristics)
     json["passages"] = run.end / (run.scene.bar.length * std::sqrt(run.scene.bar.density / run.scene.bar.modulus));
-  if (run.method == MethodName::odeint) json["stepper"] = name(plan(system, run.end, odeint(run)).stepper);
+  if (run.method == MethodName::odeint)
+    json["stepper"] = name(plan(system, run.end, std::get<Odeint>(check.setup.method)).stepper);
   json["nodes"] = system.mesh().nodes();
   json["unknown_nodes"] = system.size();
   json["spacing"] = system.mesh().spacing();
   if (!system.mesh().uniform()) json["smallest_element"] = system.mesh().smallest();
   json["mass"] = name(system.mass());
+  json["why"] = {{"method", check.setup.why.method}, {"mass", check.setup.why.mass}};
+  if (is_penalised(run.method)) json["why"]["epsilon"] = check.setup.why.epsilon;
+  if (is_scheme(run.method)) json["why"]["step"] = check.setup.why.step;
   json["terms"] = {{"inertia", system.has_massless() ? "massless contact nodes" : "every node"},
                    {"elasticity", true},
                    {"damping", system.damped()},
                    {"load", load_kind(run.scene)},
-                   {"contact", system.contacts().empty() ? Json(nullptr) : Json(contact_kind(run))}};
+                   {"contact", system.contacts().empty() ? Json(nullptr) : Json(contact_kind(check.setup))}};
   for (const SceneEnd& end : ends_of(run.scene))
     if (const auto words = inputs_text(system.bar(), end.condition, end.input); !words.empty())
       json["terms"][end.name] = words;
@@ -230,8 +238,7 @@ std::string check_json(const SceneCheck& check) {
   json["error_estimate"] = check.error ? to_json(*check.error) : Json(nullptr);
   if (check.error) json["error_estimate"]["elements"] = check.error_elements;
   json["warnings"] = check.warnings;
-  json["scene"] = Json::parse(check.scene.complete());
-  json["chosen"] = Json::parse(check.scene.chosen);
+  tell(json, check.scene);
   return json_text(json);
 }
 

@@ -17,6 +17,7 @@ namespace viscobar {
 /// What `viscobar check` knows of a sound scene before it runs.
 struct SceneCheck {
   SceneFile scene;                     ///< with the settings that [accuracy] leads to
+  Setup setup;                         ///< of its case
   BarSystem system;                    ///< with the terms that the scene has
   std::optional<Foresight> foreseen;   ///< absent where the scene is large
   std::vector<ContactRegime> regimes;  ///< of the contacts of a penalised method
@@ -38,6 +39,6 @@ std::string_view name(ImpactPrediction::Layer layer);
 std::string_view load_kind(const Scene& scene);
 /// What an end is given and what that adds to the model, a sentence for each.
 std::vector<std::string> inputs_text(const Bar& bar, const EndCondition& end, const EndInput& input);
-std::string contact_kind(const Case& run);
+std::string contact_kind(const Setup& setup);
 
 }  // namespace viscobar

@@ -74,7 +74,7 @@ GrowingFiles::GrowingFiles(const fs::path& directory, const SceneFile& scene, co
     field.emplace(
         directory, run.mesh(), static_cast<std::size_t>(run.end / run.output_every) + 2,
         mark && mark->field ? &*mark->field : nullptr,
-        FieldOrigin{run.scene.bar, run.scene.units, run.scene.title, mark ? "" : scene_text(scene.description), keys});
+        FieldOrigin{run.scene.bar, run.scene.units, run.scene.title, mark ? "" : scene_text(scene.values), keys});
 }
 
 void GrowingFiles::take_places() {

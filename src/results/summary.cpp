@@ -107,6 +107,11 @@ Json to_json(const Allowance& absolute) {
   return {{"displacement", absolute.displacement}, {"velocity", absolute.velocity}};
 }
 
+void tell(Json& json, const SceneFile& scene) {
+  json["scene"] = complete(scene);
+  put(json["chosen"] = Json::object(), scene.chosen);
+}
+
 std::string summary_json(const SceneFile& scene, const BarSystem& system, const Outcome& outcome,
                          const FileChecksums& files) {
   const auto known = [&](auto member) {
@@ -142,8 +147,7 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
   if (!outcome.no_estimate.empty()) json["no_estimate"] = outcome.no_estimate;
   if (!scene.run.directions.empty()) json["sensitivity"] = sensitivity_json(scene.run, outcome);
   json["contact"] = contact_json(scene.run.scene, outcome);
-  json["scene"] = Json::parse(scene.complete());
-  json["chosen"] = Json::parse(scene.chosen);
+  tell(json, scene);
   if (is_adaptive(scene.run.method))
     json["absolute_tolerance"] = to_json(allowance(scene.run.tolerance, system, scene.run.end));
   json["mass"] = name(system.mass());

@@ -20,6 +20,9 @@ using FileChecksums = std::map<std::string, Checksum>;
 std::string summary_json(const SceneFile& scene, const BarSystem& system, const Outcome& outcome,
                          const FileChecksums& files);
 
+/// Has it tell the scene that was run, and what of it was chosen.
+void tell(nlohmann::ordered_json& json, const SceneFile& scene);
+
 /// As summaries tell them.
 nlohmann::ordered_json to_json(const ErrorEstimate& estimate);
 nlohmann::ordered_json to_json(const EnergyAccount& energy);

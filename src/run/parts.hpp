@@ -75,9 +75,17 @@ inline Checkpoint::Frame frame_of(const BarSystem& system) {
   return system.follows() ? Checkpoint::Frame::following : Checkpoint::Frame::resting;
 }
 
+/// Why a method that integrates u' = v, v' = M^{-1} F does not take massless contact nodes without viscosity.
+inline Finding algebraic_rows(std::string_view method) {
+  return {"method.name", std::string(method) +
+                             " cannot take massless contact nodes without viscosity: their equations are algebraic; "
+                             "use arkode or ida, or a positive bar.viscosity"};
+}
+
 /// @throws Unfit where directions are asked for, by a method that has no derivatives
 inline void refuse_directions(const char* method, const Observers& observers) {
-  if (!observers.directions.empty()) throw Unfit(method, Refusal::directions);
+  if (!observers.directions.empty())
+    throw Unfit(method, {"sensitivity.of", "there are no derivatives; cvode, ida, arkode and rigid have them"});
 }
 
 inline Statistics statistics_before(const StartingPoint& start) {

@@ -2,26 +2,9 @@
 
 namespace viscobar {
 
-namespace {
-
-const char* words(Refusal why) {
-  switch (why) {
-    case Refusal::algebraic_rows: return "the equations of massless contact nodes without viscosity are algebraic";
-    case Refusal::viscosity: return "it conserves what viscosity dissipates";
-    case Refusal::span: return "it takes contacts at the ends only";
-    case Refusal::end_springs: return "it takes ends without a spring";
-    case Refusal::rigid_contacts: return "it needs a positive epsilon";
-    case Refusal::many_unknowns: return "its matrices are dense, and the unknown nodes are too many";
-    case Refusal::many_steps: return "it would make too many steps";
-    case Refusal::directions: return "it has no derivatives; cvode, ida, arkode and rigid have";
-  }
-  return "";
-}
-
-}  // namespace
-
-Unfit::Unfit(std::string_view method, Refusal why)
-    : std::invalid_argument(std::string(method) + " cannot take the system: " + words(why)), refusal(why) {}
+Unfit::Unfit(std::string_view method, Finding why)
+    : std::invalid_argument(std::string(method) + " cannot take the system: " + why.key + ": " + why.problem),
+      finding(std::move(why)) {}
 
 void RunAccount::count(const Event& event) {
   const bool closing = event.change == Change::closing;

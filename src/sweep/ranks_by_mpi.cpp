@@ -13,7 +13,9 @@
 #include <string_view>
 #include <thread>
 #include <utility>
+#include <vector>
 
+#include "input/described_scene.hpp"
 #include "run/parts.hpp"
 #include "viscobar/record/record_run.hpp"
 
@@ -25,7 +27,12 @@ void members(Like<SweepRow> auto& row, auto&& each) {
 }
 void members(Like<AccuracyStart> auto& start, auto&& each) { each(start.elements, start.tolerance, start.epsilon); }
 void members(Like<NeighbourStart> auto& neighbour, auto&& each) { each(neighbour.index, neighbour.start); }
-void members(Like<SweepCase> auto& one, auto&& each) { each(one.index, one.overrides, one.neighbour); }
+void members(Like<SweepCase> auto& one, auto&& each) {
+  std::vector<std::string> texts;
+  for (const Setting& setting : one.settings) texts.push_back(text_of(setting));
+  each(one.index, texts, one.neighbour);
+  if constexpr (requires { one.settings.clear(); }) one.settings.assign(texts.begin(), texts.end());
+}
 
 namespace {
 

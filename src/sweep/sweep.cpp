@@ -6,31 +6,11 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
+#include <utility>
 
 namespace viscobar {
 
 namespace {
-
-std::string toml(double value) {
-  const std::string text = fmt::format("{}", value);
-  return text.find_first_of(".e") == text.npos ? text + ".0" : text;
-}
-
-std::string toml(std::int64_t value) { return fmt::format("{}", value); }
-
-std::string toml(const std::string& value) {
-  std::string quoted = "\"";
-  for (const char c : value) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\')
-      quoted += {'\\', c};
-    else if (byte < 0x20 || byte == 0x7f)
-      quoted += fmt::format("\\u{:04x}", byte);
-    else
-      quoted += c;
-  }
-  return quoted + '"';
-}
 
 constexpr QuantityColumn columns[] = {
     {"unknowns", "1", "scalars that the method advances"},
@@ -108,13 +88,13 @@ std::vector<std::string> SweepPlan::further_columns() const {
   return names;
 }
 
-std::vector<std::string> SweepPlan::overrides(std::size_t index) const {
+std::vector<Setting> SweepPlan::settings(std::size_t index) const {
   const std::vector<std::size_t> chosen = choice(index);
-  std::vector<std::string> texts;
+  std::vector<Setting> all;
   for (std::size_t k = 0; k < keys.size(); ++k)
-    texts.push_back(keys[k].key + "=" +
-                    std::visit([&](const auto& list) { return toml(list[chosen[k]]); }, keys[k].values));
-  return texts;
+    all.emplace_back(std::pair(
+        keys[k].key, std::visit([&](const auto& list) { return SceneValue(list[chosen[k]]); }, keys[k].values)));
+  return all;
 }
 
 std::span<const QuantityColumn, quantities> quantity_columns() { return columns; }

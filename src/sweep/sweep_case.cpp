@@ -64,7 +64,8 @@ void add_sentence(std::string& text, const std::string& sentence) { text += (tex
 bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& interrupted,
                    accuracy::Probe* probe = nullptr, std::span<const double> times = {},
                    Statistics* statistics = nullptr) {
-  const BarSystem system = make_system(run);
+  const Setup setup = resolve(run);
+  const BarSystem system = setup.system();
   std::size_t steps = 0, events = 0;
   double reached = 0.0;
   Derivatives derivatives{run.directions.size()};
@@ -83,12 +84,12 @@ bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
     return interrupted && interrupted() ? RunControl::stop : RunControl::go_on;
   };
   try {
-    const Statistics done = probe ? simulate(run, system, times, observers) : simulate(run, system, observers);
+    const Statistics done = probe ? simulate(setup, system, times, observers) : simulate(setup, system, observers);
     if (!done.completed) return false;
     if (statistics) *statistics = done;
     tell(row, run.scene, done);
     row.derivatives = derivatives.row(done);
-    for (const Alarm& alarm : alarms(run, system, done))
+    for (const Alarm& alarm : alarms(setup, system, done))
       if (alarm.ruinous) add_sentence(row.error, alarm.what);
     row.completed = row.error.empty();
   } catch (const IntegrationError& error) {
@@ -160,7 +161,7 @@ std::optional<SweepRow> run_case(const std::string& scene_text, const SweepCase&
   row.index = one.index;
   row[Quantity::steps] = row[Quantity::events] = row[Quantity::reached_time] = 0.0;
   try {
-    const SceneFile scene = parse_case(scene_text, "scene", one.overrides);
+    const SceneFile scene = parse_scene_with(scene_text, "scene", one.settings);
     if (!(scene.accuracy ? solve_into(row, scene, one.neighbour, interrupted)
                          : simulate_into(row, scene.run, interrupted)))
       return std::nullopt;

@@ -139,7 +139,7 @@ class SweepReader {
     list.kind = TomlNode::Kind::array;
     list.inside = {node};
     const SweepPlan one{{varied_key(key, list, [](TextPosition, const std::string&) {})}, Combine::grid};
-    sweep_.settings.push_back(one.overrides(0).front());
+    sweep_.settings.push_back(one.settings(0).front());
   }
 
   // At the place of a key that is given.
@@ -187,19 +187,19 @@ class SweepReader {
 double cost_of(const std::string& scene_text, const std::string& source, const SweepCase& one) {
   constexpr std::size_t coarse = 32;
   std::size_t elements = 0;
-  Case run = parse_case(scene_text, source, one.overrides, [&](Case& read) {
+  Case run = parse_scene_with(scene_text, source, one.settings, [&](Case& read) {
                elements = read.elements;
                read.elements = std::min(read.elements, coarse);
              }).run;
   run.elements = elements;
-  return estimated_seconds(run);
+  return estimated_seconds(resolve(std::move(run)));
 }
 
 }  // namespace
 
 std::string SweepFile::identity() const {
   std::string text = fmt::format("viscobar {}\n", versions().viscobar);
-  for (const std::string& setting : settings) text += fmt::format("{}\n", setting);
+  for (const Setting& setting : settings) text += fmt::format("{}\n", text_of(setting));
   text += plan.combine == Combine::zip ? "zip\n" : "grid\n";
   if (plan.accuracy) text += "searches that begin at neighbours\n";
   for (const VariedKey& key : plan.keys) {
@@ -229,7 +229,7 @@ void heed_scene(SweepFile& sweep) {
 
 SweepCase case_of(const SweepFile& sweep, std::size_t index) {
   SweepCase one{index, sweep.settings};
-  std::ranges::move(sweep.plan.overrides(index), std::back_inserter(one.overrides));
+  std::ranges::move(sweep.plan.settings(index), std::back_inserter(one.settings));
   return one;
 }
 

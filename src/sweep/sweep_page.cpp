@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "input/described_scene.hpp"
 #include "report/page.hpp"
 #include "report/plot/axis.hpp"
 #include "report/plot/colours.hpp"
@@ -73,7 +74,7 @@ std::string data_json(const SweepFile& sweep, std::span<const SweepRow* const> r
                       const std::vector<std::size_t>& shown) {
   const auto& keys = sweep.plan.keys;
   std::string errors, command = fmt::format("viscobar run {}", sweep.scene_source);
-  for (const std::string& setting : sweep.settings) command += fmt::format(" --set '{}'", setting);
+  for (const Setting& setting : sweep.settings) command += fmt::format(" --set '{}'", text_of(setting));
   for (std::size_t row = 0; row < rows.size(); ++row)
     if (!rows[row]->completed)
       errors += fmt::format("{}\"{}\":{}", errors.empty() ? "" : ",", row, json_string(rows[row]->error));

@@ -37,7 +37,7 @@ Run run_of(const Case& run) {
   };
   observers.event = [&](const Event& event) { result.events.push_back(event); };
   observers.progress = [&](double) { return ++steps > longest ? RunControl::stop : RunControl::go_on; };
-  result.statistics = simulate(run, make_system(run), observers);
+  result.statistics = simulate(resolve(run), observers);
   if (!result.statistics.completed) throw TooLong();
   result.largest = largest(result.u);
   return result;
@@ -47,7 +47,7 @@ Run run_of(const Case& run) {
 // and a contact lasts. The velocity of a node that is passed over, on a spring that a step does not resolve, is known
 // to the promise. An undamped node without mass has no velocity of its own.
 std::string phantom_of(const Case& run, const Run& result) {
-  const BarSystem system = make_system(run);
+  const BarSystem system = resolve(run).system();
   const double unknown = 100.0 * (run.tolerance.relative * result.fastest + absolute_tolerance(run));
   std::string all;
   for (const Contact& contact : system.contacts()) {
@@ -169,8 +169,9 @@ Judged judge(const SceneFile& scene) {
     const double scale = std::max({energy.initial, energy.final, energy.dissipated, std::abs(energy.work)});
     if (scale > 0.0) judged.balance = std::abs(energy.balance_error()) / (100.0 * run.tolerance.relative * scale);
     judged.late = mine.statistics.late_opening.ratio;
-    for (const Alarm& alarm : alarms(run, make_system(run), mine.statistics)) judged.said += alarm.what + "; ";
-    for (const Alarm& alarm : alarms(by_exponentials(run), make_system(run), exact.statistics))
+    for (const Alarm& alarm : alarms(resolve(run), resolve(run).system(), mine.statistics))
+      judged.said += alarm.what + "; ";
+    for (const Alarm& alarm : alarms(resolve(by_exponentials(run)), resolve(run).system(), exact.statistics))
       judged.said += "exponential: " + alarm.what + "; ";
     if (!(judged.error <= 1.0)) {
       judged.magnification = magnification(by_exponentials(run), exact, tolerance);

@@ -109,7 +109,7 @@ std::optional<TrueError> true_error(const Case& run) try {
   const accuracy::Sample found = sample(own);
   const auto motion = [&](std::size_t finer, double looser) {
     Case truth = truth_of(own, finer, looser);
-    if (!validate(truth).empty()) throw NoTruth();
+    if (!faults(resolve(truth)).empty()) throw NoTruth();
     return sample(truth);
   };
   const std::size_t finer = run.scene.span ? 4 : run.elements < 30 ? 8 : 4;

@@ -36,7 +36,7 @@ struct Ran {
 
 void judge(Ran& ran) {
   ran.sounded = {};
-  for (const Alarm& alarm : alarms(*ran.run, make_system(*ran.run), ran.statistics)) {
+  for (const Alarm& alarm : alarms(resolve(*ran.run), resolve(*ran.run).system(), ran.statistics)) {
     ran.sounded.said += alarm.what + "; ";
     ran.sounded.end = std::max(ran.sounded.end, alarm.ruinous ? End::failed : End::warned);
   }
@@ -50,7 +50,7 @@ Ran run_of(const std::string& scene) {
     std::size_t steps = 0;
     observers.energy = observers.account = true;
     observers.progress = [&](double) { return ++steps > longest ? RunControl::stop : RunControl::go_on; };
-    ran.statistics = simulate(*ran.run, make_system(*ran.run), observers);
+    ran.statistics = simulate(resolve(*ran.run), observers);
     if (!ran.statistics.completed) {
       ran.sounded.end = End::too_long;
       return ran;

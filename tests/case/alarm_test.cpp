@@ -23,12 +23,12 @@ struct Sounded {
   Case run;
   BarSystem system;
   Statistics statistics;
-  explicit Sounded(MethodName method) : run(throw_by(method)), system(make_system(run)) {
+  explicit Sounded(MethodName method) : run(throw_by(method)), system(resolve(run).system()) {
     Observers observers;
     observers.energy = true;
-    statistics = simulate(run, system, observers);
+    statistics = simulate(resolve(run), system, observers);
   }
-  std::vector<Alarm> operator()() const { return alarms(run, system, statistics); }
+  std::vector<Alarm> operator()() const { return alarms(resolve(run), system, statistics); }
 };
 
 TEST(Alarm, IsSilentOnSoundRuns) {
@@ -50,7 +50,7 @@ constexpr const char* all_methods[] = {"cvode",
 Statistics run_of(const Case& run) {
   Observers observers;
   observers.energy = true;
-  return simulate(run, make_system(run), observers);
+  return simulate(resolve(run), observers);
 }
 
 // Squares of less than 1e-154 are 0, so energies, balances and error norms say nothing then; denormal data have no end.
@@ -90,7 +90,7 @@ TEST(Alarm, DataOfOtherSizesMoveTheBarInProportion) {
       Observers observers;
       observers.snapshot = [&](const Snapshot& now) { last = now.u.back() / scale; };
       const Case run = parse_scene(text, "scene").run;
-      simulate(run, make_system(run), observers);
+      simulate(resolve(run), observers);
       return last;
     };
     const double at_one = lowest(1.0);
@@ -112,7 +112,7 @@ TEST(Alarm, IsSilentWhereABarComesToRest) {
       if (method == std::string("characteristics") && scene.find("viscosity") != std::string::npos) continue;
       const SceneFile file = parse_scene(scene + "[method]\nname = \"" + method + "\"\n", "scene");
       const Statistics statistics = run_of(file.run);
-      for (const Alarm& alarm : alarms(file.run, make_system(file.run), statistics))
+      for (const Alarm& alarm : alarms(resolve(file.run), resolve(file.run).system(), statistics))
         ADD_FAILURE() << method << ": " << alarm.what << "\n" << scene;
     }
 }
@@ -143,7 +143,8 @@ TEST(Alarm, CountsTheRoundingsOfFarDisplacements) {
                         method + "\"\n",
                     "scene")
             .run;
-    for (const Alarm& alarm : alarms(run, make_system(run), run_of(run))) ADD_FAILURE() << method << ": " << alarm.what;
+    for (const Alarm& alarm : alarms(resolve(run), resolve(run).system(), run_of(run)))
+      ADD_FAILURE() << method << ": " << alarm.what;
   }
 }
 
@@ -154,11 +155,11 @@ TEST(Alarm, NamesABalanceOfASchemeThatIsOff) {
                        "scene")
                        .run;
   Statistics statistics = run_of(run);
-  const BarSystem system = make_system(run);
-  EXPECT_TRUE(alarms(run, system, statistics).empty());
+  const BarSystem system = resolve(run).system();
+  EXPECT_TRUE(alarms(resolve(run), system, statistics).empty());
   statistics.energy->dissipated *= 0.9;
-  ASSERT_EQ(alarms(run, system, statistics).size(), 1u);
-  EXPECT_TRUE(alarms(run, system, statistics)[0].ruinous);
+  ASSERT_EQ(alarms(resolve(run), system, statistics).size(), 1u);
+  EXPECT_TRUE(alarms(resolve(run), system, statistics)[0].ruinous);
 }
 
 TEST(Alarm, NamesABalanceThatIsOff) {

@@ -82,7 +82,7 @@ TEST(Automatic, RunsEveryCombinationOfKeysOrRefusesItByTheKeyThatIsWrong) {
 }
 
 TEST(Automatic, TakesTheFirstMassThatTheMethodTakes) {
-  const auto mass = [](Given given) { return effective_mass(given.run()); };
+  const auto mass = [](Given given) { return resolve(given.run()).mass; };
   EXPECT_EQ(mass({.viscosity = 0.1}), Mass::fourth_order);
   EXPECT_EQ(mass({.span = true}), Mass::lumped) << "nothing damps what impacts leave";
   EXPECT_EQ(mass({.span = true, .viscosity = 0.1}), Mass::fourth_order);
@@ -105,7 +105,7 @@ TEST(Automatic, TakesTheFirstMassThatTheMethodTakes) {
   Case run = graded.run();
   run.mass.reset();
   run.grading = 4.0;
-  EXPECT_EQ(effective_mass(run), Mass::redistributed);
+  EXPECT_EQ(resolve(run).mass, Mass::redistributed);
 }
 
 // Pressed between two obstacles: each flight of an end leaves two breaks, and these make further flights.
@@ -135,7 +135,7 @@ TEST(Automatic, TakesRigidAndSaysWhyWhereTheWavesBreakWithoutEnd) {
   EXPECT_EQ(smooth.reservation, "");
   const Case run = parse_scene(std::string(rough) + "[time]\nend = 120.0\n", "scene").run;
   EXPECT_EQ(run.method, MethodName::rigid);
-  EXPECT_EQ(effective_mass(run), Mass::fourth_order);
+  EXPECT_EQ(resolve(run).mass, Mass::fourth_order);
   EXPECT_NE(run.reservation.find("10,000 pieces"), std::string::npos) << run.reservation;
   EXPECT_TRUE(record(run).statistics.completed);
 }

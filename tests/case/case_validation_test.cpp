@@ -40,7 +40,7 @@ TEST(Validation, GoesOnPastValuesThatAreWrongToAllThatCanBeSaid) {
   run.output_every = 1e-12;
   run.method = MethodName::finite_difference;
   run.grading = 4.0;
-  EXPECT_EQ(keys_of(validate(run)),
+  EXPECT_EQ(keys_of(faults(resolve(run))),
             (Keys{"bar.density", "contact.restitution", "initial.displacement", "initial.velocity", "mesh.grading",
                   "method.relative_tolerance", "output.every"}));
 }
@@ -51,7 +51,7 @@ TEST(Validation, JudgesNothingByWhatIsWrong) {
   run.output_every = 1e-300;
   run.step = 1e-300;
   run.method = MethodName::fully_discrete;
-  EXPECT_EQ(keys_of(validate(run)), Keys{"time.end"});
+  EXPECT_EQ(keys_of(faults(resolve(run))), Keys{"time.end"});
 }
 
 TEST(Validation, SaysNothingAboutKeysKnownToBeFaultyNorByThem) {
@@ -60,16 +60,16 @@ TEST(Validation, SaysNothingAboutKeysKnownToBeFaultyNorByThem) {
   run.method = MethodName::cvode;
   run.scene.bar.viscosity = 0.0;
   run.mass = Mass::redistributed;  // cvode cannot take it without viscosity
-  EXPECT_EQ(keys_of(validate(run)), (Keys{"contact.restitution", "method.name"}));
-  EXPECT_EQ(keys_of(validate(run, {"bar.viscosity", "contact.restitution"})), Keys{});
-  EXPECT_EQ(keys_of(validate(run, {"method.name"})), Keys{"contact.restitution"});
+  EXPECT_EQ(keys_of(faults(resolve(run))), (Keys{"contact.restitution", "method.name"}));
+  EXPECT_EQ(keys_of(faults(resolve(run), {"bar.viscosity", "contact.restitution"})), Keys{});
+  EXPECT_EQ(keys_of(faults(resolve(run), {"method.name"})), Keys{"contact.restitution"});
 }
 
 TEST(Validation, RefusesWhatDoesNotFitIntoTheMemoryOfTheMachine) {
   Case run = sound_case();
   run.elements = 10'000'000;
   run.method = MethodName::exponential;  // dense: 1.28e16 bytes
-  const auto findings = validate(run);
+  const auto findings = faults(resolve(run));
   ASSERT_EQ(keys_of(findings), Keys{"mesh.elements"});
   EXPECT_NE(findings.front().problem.find("GB of memory"), std::string::npos) << findings.front().problem;
 }

@@ -16,21 +16,22 @@ struct Heard {
 };
 
 Heard listen(const Case& run) {
-  const BarSystem system = make_system(run);
+  const BarSystem system = resolve(run).system();
   ChatterWatch watch(system);
   Heard heard;
   Observers observers;
   observers.event = [&](const Event& event) {
     ++heard.changes;
-    if (const auto chatter = watch.heard(event)) heard.warnings.push_back(chatter_warning(run, system, *chatter));
+    if (const auto chatter = watch.heard(event))
+      heard.warnings.push_back(chatter_warning(resolve(run), system, *chatter));
   };
-  simulate(run, system, observers);
+  simulate(resolve(run), system, observers);
   return heard;
 }
 
 // A closing and an opening every `period` at the left end of a bar of length and wave speed 1.
 std::optional<ChatterWatch::Chatter> after(std::size_t closings, double period) {
-  const BarSystem system = make_system(paper_throw(0.0));
+  const BarSystem system = resolve(paper_throw(0.0)).system();
   ChatterWatch watch(system);
   std::optional<ChatterWatch::Chatter> found;
   for (std::size_t k = 0; k < closings; ++k) {
@@ -69,7 +70,7 @@ TEST(ChatterWatch, HearsNoneOfAMassBetweenTwoStops) {
 }
 
 TEST(ChatterWatch, TellsARunOnce) {
-  const BarSystem system = make_system(paper_throw(0.0));
+  const BarSystem system = resolve(paper_throw(0.0)).system();
   ChatterWatch watch(system);
   std::size_t told = 0;
   for (int k = 0; k < 100; ++k)
@@ -83,7 +84,7 @@ TEST(ChatterWatch, AFrontUnderASpanIsNoChatter) {
   run.scene.left = run.scene.right = Free{};
   run.scene.span = Obstacle{0.1};
   run.elements = 1000;
-  ChatterWatch watch(make_system(run));
+  ChatterWatch watch(resolve(run).system());
   for (std::size_t node = 0; node <= 1000; ++node)
     EXPECT_FALSE(watch.heard({1e-6 * static_cast<double>(node), Where::span, node, Change::closing, -1.0}));
 }
@@ -109,7 +110,7 @@ TEST(Chatter, IsNotWarnedOfOnceARemedyIsTaken) {
   Case massless = run, inelastic = run, soft = run;
   massless.mass = Mass::redistributed;
   inelastic.restitution = 0.0;
-  soft.epsilon = contact_regimes(run, make_system(run)).front().quiet_epsilon;
+  soft.epsilon = contact_regimes(resolve(run), resolve(run).system()).front().quiet_epsilon;
   for (const Case& cured : {massless, inelastic, soft}) EXPECT_TRUE(listen(cured).warnings.empty());
 }
 

@@ -28,12 +28,10 @@ Case falling(double viscosity, double epsilon, Mass mass) {
   return run;
 }
 
-ContactRegime regime(const Case& run) { return contact_regimes(run, make_system(run)).front(); }
+ContactRegime regime(const Case& run) { return contact_regimes(resolve(run), resolve(run).system()).front(); }
 
 // Penetration that a run reaches over the predicted one.
-double ratio(const Case& run) {
-  return simulate(run, make_system(run), {}).max_penetration / regime(run).impact->penetration;
-}
+double ratio(const Case& run) { return simulate(resolve(run), {}).max_penetration / regime(run).impact->penetration; }
 
 TEST(ImpactPrediction, FollowsTheTwoThirdsLawWhereTheMeshResolvesTheLayer) {
   // epsilon > h^3/alpha^2 = 1e-6 by far; what the law leaves out is of relative order (epsilon sqrt(alpha))^(1/3).
@@ -107,10 +105,10 @@ TEST(ContactRegime, AMasslessNodeHasNoDampingRatioAndNoChatter) {
 TEST(ContactRegime, ExistsForPenalisedContactsOnly) {
   Case run = falling(0.01, 1e-6, Mass::consistent);
   run.method = MethodName::fully_discrete;
-  EXPECT_TRUE(contact_regimes(run, make_system(run)).empty());
+  EXPECT_TRUE(contact_regimes(resolve(run), resolve(run).system()).empty());
   run.method = MethodName::ida;
   run.scene.left = Free{};
-  EXPECT_TRUE(contact_regimes(run, make_system(run)).empty());
+  EXPECT_TRUE(contact_regimes(resolve(run), resolve(run).system()).empty());
 }
 
 TEST(ContactRegime, ABarThatLeavesItsObstacleHasNoImpactToPredict) {

@@ -24,7 +24,7 @@ Case example(const char* name, const std::vector<std::string>& overrides = {}) {
 std::vector<std::string> faulty_keys(Case run) {
   run.method = MethodName::characteristics;
   std::vector<std::string> keys;
-  for (const Finding& finding : validate(run)) keys.push_back(finding.key);
+  for (const Finding& finding : faults(resolve(run))) keys.push_back(finding.key);
   return keys;
 }
 
@@ -77,7 +77,7 @@ TEST(CharacteristicsCase, IsTheReferenceOfPrecision) {
 }
 
 TEST(CharacteristicsCase, PredictsTheFirstImpactExactly) {
-  const auto foreseen = foresee(example("bouncing.toml"));
+  const auto foreseen = foresee(resolve(example("bouncing.toml")));
   ASSERT_TRUE(foreseen);
   ASSERT_EQ(foreseen->impacts.size(), 1u);
   EXPECT_NEAR(foreseen->impacts.front().time, 1.0, 1e-14);
@@ -88,7 +88,7 @@ TEST(CharacteristicsCase, PredictsTheFirstImpactExactly) {
 TEST(CharacteristicsCase, IsNoAlarmWhereAllEnergyIsGoneAgain) {
   const Case run = example("bouncing.toml");
   const Recording recording = record(run);
-  EXPECT_TRUE(alarms(run, make_system(run), recording.statistics).empty());
+  EXPECT_TRUE(alarms(resolve(run), resolve(run).system(), recording.statistics).empty());
 }
 
 TEST(CharacteristicsCase, WritesImpulsesThatDoNotDependOnTheOutputTimes) {

@@ -251,11 +251,11 @@ TEST(KnownBar, RefusesWhatItIsNotMadeFor) {
   }
   scene = at_rest(1.0);
   scene.bar.viscosity = 0.1;
-  EXPECT_EQ(refusal(scene, 1.0, Characteristics{}), Refusal::viscosity);
+  EXPECT_NE(refusal(scene, 1.0, Characteristics{}).value().problem.find("bar.viscosity"), std::string::npos);
   EXPECT_THROW(followed(scene, {0.0, 1.0}), std::invalid_argument);
   scene = at_rest(1.0);
   scene.span = Obstacle{1.0};
-  EXPECT_EQ(refusal(scene, 1.0, Characteristics{}), Refusal::span);
+  EXPECT_NE(refusal(scene, 1.0, Characteristics{}).value().problem.find("span"), std::string::npos);
 }
 
 // An end that is sqrt(x) near 0 has no polynomial pieces; the run says by how much.

@@ -50,7 +50,7 @@ Told run_with(const Case& run, Checkpoints checkpoints, std::vector<Taken>& take
     return RunControl::go_on;
   };
   observers.checkpoints = checkpoints;
-  told.statistics = simulate(run, make_system(run), observers);
+  told.statistics = simulate(resolve(run), observers);
   return told;
 }
 
@@ -59,7 +59,7 @@ Told resumed(const Case& run, const Checkpoint& from, const Checkpoints& schedul
   Observers observers = listening(told);
   observers.checkpoints = schedule;
   observers.checkpoints->take = [](const Checkpoint&) { return RunControl::go_on; };
-  told.statistics = simulate(run, make_system(run), from, observers);
+  told.statistics = simulate(resolve(run), resolve(run).system(), from, observers);
   return told;
 }
 
@@ -93,7 +93,7 @@ class EveryMethod : public testing::TestWithParam<MethodName> {
   static std::vector<NamedCase> scenes() {
     std::vector<NamedCase> all = kinds_of_scenes();
     for (NamedCase& scene : all) scene.run.method = GetParam();
-    std::erase_if(all, [](const NamedCase& scene) { return !validate(scene.run).empty(); });
+    std::erase_if(all, [](const NamedCase& scene) { return !faults(resolve(scene.run)).empty(); });
     EXPECT_GE(all.size(), 2u);
     return all;
   }
@@ -143,7 +143,7 @@ TEST_P(EveryMethod, CountsOutputsThatNobodyListensTo) {
     return RunControl::go_on;
   };
   observers.checkpoints = Checkpoints{.every = 0.5, .asked = {}, .take = keep};
-  simulate(run, make_system(run), observers);
+  simulate(resolve(run), observers);
   ASSERT_EQ(silent.size(), taken.size());
   const Told rest = resumed(run, silent[1], {.every = 0.5, .asked = {}, .take = {}});
   EXPECT_EQ(rest.snapshots, behind(whole.snapshots, taken[1].snapshots));
@@ -165,7 +165,7 @@ TEST_P(EveryMethod, StopsAfterTheStepThatItsObserverSaysAndReturnsWhatItReached)
       last = time;
       return time < 1.0 ? RunControl::go_on : RunControl::stop;
     };
-    told.statistics = simulate(run, make_system(run), observers);
+    told.statistics = simulate(resolve(run), observers);
     EXPECT_FALSE(told.statistics.completed);
     EXPECT_EQ(told.statistics.reached_time, last);
     EXPECT_GE(last, 1.0);
@@ -190,7 +190,7 @@ TEST_P(EveryMethod, StopsAtACheckpointAndGoesOnFromItAsIfItNeverHad) {
       made.push_back(one);
       return made.size() < 2 ? RunControl::go_on : RunControl::stop;
     };
-    told.statistics = simulate(run, make_system(run), observers);
+    told.statistics = simulate(resolve(run), observers);
     ASSERT_EQ(made.size(), 2u);
     EXPECT_FALSE(told.statistics.completed);
     EXPECT_EQ(told.statistics.reached_time, made.back().time);
@@ -213,7 +213,8 @@ TEST_P(EveryMethod, RefusesACheckpointOfAnotherRun) {
   Case ended = run;
   ended.end = 0.4;
   EXPECT_THROW(resumed(ended, taken[0].checkpoint, {}), std::invalid_argument);
-  EXPECT_THROW(simulate(run, make_system(run), taken[0].checkpoint, {}), std::invalid_argument);  // no energy account
+  EXPECT_THROW(simulate(resolve(run), resolve(run).system(), taken[0].checkpoint, {}),
+               std::invalid_argument);  // no energy account
   Checkpoint short_one = taken[0].checkpoint;
   short_one.state.pop_back();
   EXPECT_THROW(resumed(run, short_one, {}), std::invalid_argument);
@@ -238,7 +239,7 @@ TEST(Checkpoint, LeavesTheMotionByASchemeAsItWas) {
   std::size_t compared = 0;
   for (auto [name, run] : kinds_of_scenes()) {
     run.method = MethodName::fully_discrete;
-    if (!validate(run).empty()) continue;
+    if (!faults(resolve(run)).empty()) continue;
     ++compared;
     SCOPED_TRACE(name);
     std::vector<Taken> none, some;

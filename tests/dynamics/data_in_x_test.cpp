@@ -45,7 +45,7 @@ TEST(DataInX, VelocitiesWithJumpsAndKinksHaveTheirMomentumOnEveryMass) {
     for (const auto& [formula, integral] : known)
       for (const int elements : {7, 16, 40}) {
         const Case run = scene_with(fmt::format("initial.velocity = \"{}\"", formula), mass, elements);
-        EXPECT_NEAR(momentum(make_system(run)), 2.0 * integral, rounding) << name(mass) << formula << elements;
+        EXPECT_NEAR(momentum(resolve(run).system()), 2.0 * integral, rounding) << name(mass) << formula << elements;
       }
 }
 
@@ -60,7 +60,7 @@ TEST(DataInX, LoadsWithBreaksHaveTheirResultantWhateverTheirKind) {
   const double t = 0.7;
   for (const Mass mass : all_masses)
     for (const auto& [load, resultant] : known) {
-      const BarSystem system = make_system(scene_with(load, mass, 16));
+      const BarSystem system = resolve(scene_with(load, mass, 16)).system();
       LoadVector vector(system);
       const std::span<const double> whole = vector.at(t);
       // The paper's product counts an end twice, where the front is.
@@ -73,7 +73,7 @@ TEST(DataInX, LoadsWithBreaksHaveTheirResultantWhateverTheirKind) {
 
 TEST(DataInX, SmoothVelocitiesAreTheirNodalValuesOnThePapersMasses) {
   for (const Mass mass : {Mass::consistent, Mass::lumped, Mass::paper}) {
-    const BarSystem system = make_system(scene_with("initial.velocity = \"cos(3*x)\"", mass, 16));
+    const BarSystem system = resolve(scene_with("initial.velocity = \"cos(3*x)\"", mass, 16)).system();
     const State start = system.initial_state();
     for (std::size_t i = 0; i < start.v.size(); ++i)
       EXPECT_EQ(start.v[i], std::cos(3 * system.mesh().node(i))) << name(mass);
@@ -86,7 +86,7 @@ TEST(DataInX, WavesShorterThanElementsAreNotAliased) {
     for (const int elements : {4, 16, 32, 64}) {
       if (mass == Mass::paper) continue;  // its bar is h too heavy, and its momentum is
       const Case run = scene_with("initial.velocity = \"1 + cos(64*pi*x)\"", mass, elements);
-      EXPECT_NEAR(momentum(make_system(run)), 2.0, 1e-6) << name(mass) << elements;
+      EXPECT_NEAR(momentum(resolve(run).system()), 2.0, 1e-6) << name(mass) << elements;
     }
 }
 
@@ -101,7 +101,7 @@ TEST(DataInX, ShortPulsesHaveTheMomentumOfTheirFlanks) {
               std::pair(fmt::format("1/(1 + ((x - 0.2875)/{})^2)^4/{}", width, width),
                         5.0 * std::numbers::pi / 16.0)}) {
           const Case run = scene_with(fmt::format("initial.velocity = \"{}\"", formula), mass, elements);
-          EXPECT_NEAR(momentum(make_system(run)), 2.0 * integral, 1e-5) << name(mass) << elements << formula;
+          EXPECT_NEAR(momentum(resolve(run).system()), 2.0 * integral, 1e-5) << name(mass) << elements << formula;
         }
       }
 }

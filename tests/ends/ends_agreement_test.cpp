@@ -202,7 +202,7 @@ TEST(EndInputs, ARunFromACheckpointIsTheSameBitForBit) {
       const std::string text = random.by(method, 1e-3, "restitution = 0.5\n");
       SCOPED_TRACE(text);
       const Case run = parse_scene(text, "").run;
-      const BarSystem system = make_system(run);
+      const BarSystem system = resolve(run).system();
       std::vector<double> first, second;
       std::optional<Checkpoint> kept;
       const auto observers = [&](std::vector<double>& into) {
@@ -220,10 +220,10 @@ TEST(EndInputs, ARunFromACheckpointIsTheSameBitForBit) {
                                       }};
         return all;
       };
-      const Statistics whole = simulate(run, system, observers(first));
+      const Statistics whole = simulate(resolve(run), system, observers(first));
       ASSERT_TRUE(kept);
-      const BarSystem again = make_system(run);
-      const Statistics rest = simulate(run, again, *kept, observers(second));
+      const BarSystem again = resolve(run).system();
+      const Statistics rest = simulate(resolve(run), again, *kept, observers(second));
       EXPECT_EQ(first, second);
       EXPECT_EQ(whole.energy->work, rest.energy->work);
       EXPECT_EQ(whole.energy->final, rest.energy->final);

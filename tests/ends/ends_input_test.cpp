@@ -58,9 +58,10 @@ TEST(EndKeys, ThatDoNotGoWithTheRestAreRefusedWithWhatToUse) {
   // Left to choose, the program takes what fits.
   const Case chosen = parse_scene(scene(mounted), "").run;
   EXPECT_EQ(chosen.method, MethodName::rigid);
-  EXPECT_NE(chosen.reservation.find("without a spring"), std::string::npos) << chosen.reservation;
+  EXPECT_NE(chosen.reservation.find("left.stiffness is not for characteristics"), std::string::npos)
+      << chosen.reservation;
   EXPECT_EQ(
-      effective_mass(parse_scene(scene(mounted, "[contact]\nepsilon = 1e-3\n[method]\nname = \"arkode\"\n"), "").run),
+      resolve(parse_scene(scene(mounted, "[contact]\nepsilon = 1e-3\n[method]\nname = \"arkode\"\n"), "").run).mass,
       Mass::consistent);
 }
 
@@ -86,7 +87,8 @@ TEST(EndKeys, OfAScenesOwnFunctionsAreHeldLikeFormulas) {
 }
 
 TEST(EndKeys, ThatAreAbsentLeaveNothingInTheSystem) {
-  const BarSystem system = make_system(parse_scene(scene("[left]\nkind = \"free\"\nforce = 0\nstiffness = 0"), "").run);
+  const BarSystem system =
+      resolve(parse_scene(scene("[left]\nkind = \"free\"\nforce = 0\nstiffness = 0"), "").run).system();
   EXPECT_FALSE(system.loaded());
   EXPECT_FALSE(system.moving());
   EXPECT_TRUE(system.mounts().empty());

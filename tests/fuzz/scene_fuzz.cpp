@@ -23,8 +23,9 @@ SceneFile parse(const std::string& text, const std::vector<std::string>& overrid
 
 void read(const std::string& text, const std::vector<std::string>& overrides) {
   try {
-    const std::string description = parse(text, overrides).description;
-    fuzz::claim(parse("", overrides_of(description)).description == description, "a scene reads back: " + description);
+    const std::string description = parse(text, overrides).description();
+    fuzz::claim(parse("", overrides_of(description)).description() == description,
+                "a scene reads back: " + description);
   } catch (const SceneError& error) {
     fuzz::claim_sound(error);
     for (const Diagnostic& one : error.diagnostics)

@@ -33,7 +33,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const SweepFile sweep = parse_sweep(text, "sweep.toml");
     fuzz::claim(sweep.plan.size() > 0, "a sweep has cases");
     for (const std::size_t index : {std::size_t{0}, sweep.plan.size() - 1})
-      fuzz::claim(case_of(sweep, index).overrides.size() >= sweep.plan.keys.size(), "a case names every key");
+      fuzz::claim(case_of(sweep, index).settings.size() >= sweep.plan.keys.size(), "a case names every key");
   } catch (const SceneError& error) {
     fuzz::claim_sound(error);
   }

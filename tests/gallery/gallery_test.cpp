@@ -26,7 +26,7 @@ Told automatically(const std::string& name, const std::vector<std::string>& over
   Told told{record(run), {}};
   Observers observers;
   observers.account = true;
-  told.account = *simulate(run, make_system(run), observers).account;
+  told.account = *simulate(resolve(run), observers).account;
   return told;
 }
 

@@ -35,7 +35,7 @@ double out_of_turn(const Recording& result) {
 }
 
 double deepest(const Trial& trial) {
-  const BarSystem system = make_system(trial.run);
+  const BarSystem system = resolve(trial.run).system();
   double deepest = 0.0;
   for (std::size_t k = 0; k < trial.result.times.size(); ++k)
     for (const Contact& contact : system.contacts())
@@ -64,7 +64,7 @@ Judgement energy_balance(const Trial& trial) {
                   flow / std::max(v, 1e-300);
   double tolerance = 1e-10 * flow + of_strains;
   if (is_adaptive(trial.run.method)) {
-    const double absolute = allowance(trial.run.tolerance, make_system(trial.run), trial.run.end).velocity;
+    const double absolute = allowance(trial.run.tolerance, resolve(trial.run).system(), trial.run.end).velocity;
     tolerance = 200 * (trial.run.tolerance.relative * flow + absolute * bar.density * bar.length * v) + of_strains;
   }
   if (is_scheme(trial.run.method))

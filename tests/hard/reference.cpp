@@ -60,7 +60,7 @@ Reference of_scheme(const Trial& trial) {
 
 Reference of_rigid(const Trial& trial) {
   Case reference = by(trial.run, MethodName::arkode, 1e-9);
-  const bool massless = effective_mass(trial.run) == Mass::redistributed;
+  const bool massless = resolve(trial.run).mass == Mass::redistributed;
   if (!massless) reference.restitution = trial.run.restitution.value_or(0.0);
   double uncertain = 0.0;
   std::optional<Recording> softer;

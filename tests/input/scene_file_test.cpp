@@ -250,7 +250,7 @@ TEST(SceneFile, ReadsTheSameWithWindowsLineEndsAndByteOrderMark) {
     if (*c == '\n') text += '\r';
     text += *c;
   }
-  EXPECT_EQ(parse_scene(text, "scene.toml").description, small().description);
+  EXPECT_EQ(parse_scene(text, "scene.toml").description(), small().description());
 }
 
 TEST(SceneFile, ThatIsEmptyLacksEveryRequiredKeyAtItsBeginning) {
@@ -291,7 +291,7 @@ TEST(SceneFile, ErrorsReadAsFileLineColumnKeyMessage) {
 
 TEST(SceneFile, DescribesEveryKeyAsUnderstood) {
   const auto description =
-      nlohmann::json::parse(small({"load.density=sin(t)", "mesh.mass=lumped", "title=\"a \\\"b\\\"\""}).description);
+      nlohmann::json::parse(small({"load.density=sin(t)", "mesh.mass=lumped", "title=\"a \\\"b\\\"\""}).description());
   const auto expected = nlohmann::json::parse(R"json({
     "title": "a \"b\"",
     "bar": {"length": 2.0, "density": 1.0, "modulus": 1.0, "viscosity": 0.0},
@@ -309,8 +309,8 @@ TEST(SceneFile, DescribesEveryKeyAsUnderstood) {
 
 TEST(SceneFile, IsRestoredByItsDescription) {
   for (const fs::path& file : files_in(root / "examples/scenes")) {
-    const std::string description = read_scene(file).description;
-    EXPECT_EQ(parse_scene("", "empty.toml", overrides_of(description)).description, description);
+    const std::string description = read_scene(file).description();
+    EXPECT_EQ(parse_scene("", "empty.toml", overrides_of(description)).description(), description);
   }
 }
 

@@ -34,7 +34,7 @@ Failed fail(const Case& run, std::span<const double> times) {
   Observers observers;
   observers.snapshot = [&](const Snapshot& now) { failed.last_output = now.time; };
   try {
-    simulate(run, make_system(run), times, observers);
+    simulate(resolve(run), times, observers);
     ADD_FAILURE() << name(run.method) << " ran through";
   } catch (const IntegrationError& error) {
     failed.what = error.what();
@@ -139,7 +139,7 @@ TEST_P(Failure, ToAnEndWithinTheRoundingOfTheStartIsRefusedOrReached) {
   run.method = GetParam();
   const std::vector<double> times{1.0, std::nextafter(1.0, 2.0)};
   try {
-    EXPECT_TRUE(simulate(run, make_system(run), times, {}).completed);
+    EXPECT_TRUE(simulate(resolve(run), times, {}).completed);
   } catch (const IntegrationError& error) {
     EXPECT_NE(std::string(error.what()).find("rounding of the time"), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find("time.end"), std::string::npos) << error.what();

@@ -170,7 +170,7 @@ TEST(Jump, IsPassedOnceByARunThatIsResumedThere) {
         "[right]\nkind = \"free\"\nforce = \"t < 0.5 ? 0 : 1\"\n[left]\nkind = \"free\"\n[time]\nend = "
         "1.0\n[output]\nevery = 0.25\n",
         20, method);
-    const BarSystem system = make_system(run);
+    const BarSystem system = resolve(run).system();
     std::optional<Checkpoint> half;
     Checkpoints checkpoints;
     checkpoints.every = 0.5;
@@ -184,9 +184,9 @@ TEST(Jump, IsPassedOnceByARunThatIsResumedThere) {
       observers.checkpoints = checkpoints;
       observers.snapshot = [&](const Snapshot& now) { end.push_back(now.u.back()); };
       if (&end == &ends[0])
-        simulate(run, system, observers);
+        simulate(resolve(run), system, observers);
       else
-        simulate(run, system, *half, observers);
+        simulate(resolve(run), system, *half, observers);
     }
     ASSERT_FALSE(ends[1].empty()) << method;
     EXPECT_EQ(ends[0].back(), ends[1].back()) << method;

@@ -38,16 +38,19 @@ TEST(Odeint, SaysWhyItRefuses) {
     try {
       integrate(system, system.initial_state(), uniform_times(0.5, 2), method, {});
     } catch (const Unfit& error) {
-      return std::optional(error.refusal);
+      return error.finding.key + " " + error.finding.problem;
     }
-    return std::optional<Refusal>();
+    return std::string();
   };
+  constexpr auto npos = std::string::npos;
   const Penalty penalty{1e-3};
   const auto by = [&](Stepper stepper) { return Odeint{penalty, {}, stepper}; };
-  EXPECT_EQ(refused(thrown_bar(0.0), 9, Mass::redistributed, by(Stepper::automatic)), Refusal::algebraic_rows);
-  EXPECT_EQ(refused(thrown_bar(0.1), 120, Mass::lumped, by(Stepper::rosenbrock4)), Refusal::many_unknowns);
+  EXPECT_NE(refused(thrown_bar(0.0), 9, Mass::redistributed, by(Stepper::automatic)).find("algebraic"), npos);
+  EXPECT_NE(refused(thrown_bar(0.1), 120, Mass::lumped, by(Stepper::rosenbrock4)).find("method.stepper rosenbrock4"),
+            npos);
   // 12 eta / (rho h^2) = 1.2e11 a unit of time
-  EXPECT_EQ(refused(thrown_bar(1.0), 100000, Mass::consistent, by(Stepper::automatic)), Refusal::many_steps);
+  EXPECT_NE(refused(thrown_bar(1.0), 100000, Mass::consistent, by(Stepper::automatic)).find("method.name dopri5 would"),
+            npos);
 }
 
 // A spring far softer than the bar: the force of the element beside it is E/h times a difference of displacements,

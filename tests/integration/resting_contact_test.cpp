@@ -99,7 +99,7 @@ TEST(RestingContact, KeepsTheEnergyAccountOnMasslessNodesAtEveryEpsilon) {
         run.method = method;
         Observers observers;
         observers.energy = true;
-        const EnergyAccount energy = *simulate(run, make_system(run), observers).energy;
+        const EnergyAccount energy = *simulate(resolve(run), observers).energy;
         // Energy is quadratic: twice the promise of u and w.
         EXPECT_LT(std::abs(energy.balance_error()), 2 * 100 * 1e-8 * energy.initial) << name(method) << " " << epsilon;
       }

@@ -66,7 +66,7 @@ Case pressed(double epsilon, Mass mass, MethodName method) {
 TEST_P(StiffContact, AMassiveContactThatComesToRestIsFollowedOnlyWhileItsOscillationIsLargerThanTheTolerance) {
   for (const double epsilon : {1e-8, 1e-10, 1e-12}) {
     const Case run = pressed(epsilon, Mass::consistent, GetParam());
-    const double mass = make_system(run).inertia().diagonal[0];
+    const double mass = resolve(run).system().inertia().diagonal[0];
     const double periods = run.end / (2.0 * std::numbers::pi * std::sqrt(epsilon * mass));
     EXPECT_LT(static_cast<double>(record(run).statistics.steps), 12.0 * periods / 5.0) << epsilon;
   }
@@ -226,7 +226,7 @@ TEST(StiffMasslessContact, HasTheDigitsOfTheRigidReaction) {
 TEST(StiffMasslessContact, IsTheRigidOneBitForBitWhereItGivesWayByLessThanRounding) {
   Case run = paper_throw(0.01);
   run.mass = Mass::redistributed;
-  const BarSystem system = make_system(run);
+  const BarSystem system = resolve(run).system();
   const auto times = uniform_times(0.01, 600);
   const RunTrace rigid = record(system, times, Arkode{{0.0}, run.tolerance});
   const RunTrace spring = record(system, times, Arkode{{1e-20}, run.tolerance});

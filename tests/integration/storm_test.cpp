@@ -28,7 +28,7 @@ Trace trace(const Case& run) {
   Trace result;
   Observers observers;
   observers.event = [&](const Event& event) { result.events.push_back(event); };
-  result.statistics = simulate(run, make_system(run), observers);
+  result.statistics = simulate(resolve(run), observers);
   return result;
 }
 
@@ -78,7 +78,7 @@ TEST(Storm, KeepsTheEnergyAccount) {
     Case run = chatter(1e-6, method, 1e-8);
     Observers observers;
     observers.energy = true;
-    const Statistics statistics = simulate(run, make_system(run), observers);
+    const Statistics statistics = simulate(resolve(run), observers);
     // As in adaptive_test.cpp: energy is quadratic, and errors stay below 100 times the tolerance.
     EXPECT_LE(std::abs(statistics.energy->balance_error()), 2 * 100 * 1e-8 * statistics.energy->initial)
         << name(method);
@@ -94,13 +94,13 @@ TEST(Storm, AFastNodeLateInARunChangesItsContactOnce) {
   run.scene.velocity = [](double) { return -3.0; };
   for (const MethodName method : adaptive) {
     run.method = method;
-    const BarSystem system = make_system(run);
+    const BarSystem system = resolve(run).system();
     std::vector<std::size_t> changes;
     for (const double start : {0.0, 1e3, 1e6}) {
       std::size_t count = 0;
       Observers observers;
       observers.event = [&](const Event&) { ++count; };
-      simulate(run, system, std::vector{start, start + 2.0}, observers);
+      simulate(resolve(run), system, std::vector{start, start + 2.0}, observers);
       changes.push_back(count);
     }
     EXPECT_GE(changes[0], 2u);
@@ -121,13 +121,13 @@ TEST(Storm, ABarThatStartsOnItsObstacleMovingInMovesAlikeFromAnyTime) {
     run.epsilon = epsilon;
     for (const MethodName method : adaptive) {
       run.method = method;
-      const BarSystem system = make_system(run);
+      const BarSystem system = resolve(run).system();
       std::vector<double> reference;
       for (const double start : {0.0, 1.0, 131.0}) {
         std::vector<double> u;
         Observers observers;
         observers.snapshot = [&](const Snapshot& now) { u.insert(u.end(), now.u.begin(), now.u.end()); };
-        EXPECT_NO_THROW(simulate(run, system, std::vector{start, start + 1.0, start + 2.0}, observers))
+        EXPECT_NO_THROW(simulate(resolve(run), system, std::vector{start, start + 1.0, start + 2.0}, observers))
             << name(method) << " from " << start;
         if (start == 0.0) reference = u;
         ASSERT_EQ(u.size(), reference.size()) << name(method) << " from " << start;
@@ -145,7 +145,7 @@ TEST(Storm, BouncingForEverEndsAtTheEndForEveryMethod) {
     run.method = method;
     Observers observers;
     observers.energy = true;
-    const Statistics statistics = simulate(run, make_system(run), observers);
+    const Statistics statistics = simulate(resolve(run), observers);
     EXPECT_TRUE(statistics.completed) << name(method);
     EXPECT_GT(statistics.events, 400u) << name(method);
     EXPECT_NEAR(statistics.energy->balance_error(), 0.0, 2 * 100 * run.tolerance.relative * statistics.energy->initial)

@@ -51,7 +51,7 @@ void print_costs(MethodName method, std::size_t elements) {
     run.end = 3.0;
     run.directions.clear();
     for (std::size_t k = 0; k < count; ++k) run.directions.push_back(direction(run, all[k]));
-    const BarSystem system = make_system(run);
+    const BarSystem system = resolve(run).system();
     Observers observers;
     observers.energy = observers.account = true;
     observers.directions = run.directions;
@@ -59,7 +59,7 @@ void print_costs(MethodName method, std::size_t elements) {
     Statistics done;
     for (int k = 0; k < 25; ++k) {
       const auto started = std::clock();
-      done = simulate(run, system, observers);
+      done = simulate(resolve(run), system, observers);
       seconds.push_back(seconds_since(started));
     }
     std::ranges::sort(seconds);

@@ -99,7 +99,7 @@ void contact_table() {
 
 // Momentum of all rows: what a free bar keeps.
 double momentum_at_the_end(const Case& run, double& opening) {
-  const BarSystem system = make_system(run);
+  const BarSystem system = resolve(run).system();
   double momentum = 0.0;
   Observers observers;
   observers.event = [&](const Event& event) {
@@ -111,7 +111,7 @@ double momentum_at_the_end(const Case& run, double& opening) {
     momentum = 0.0;
     for (const double entry : product) momentum += entry;
   };
-  simulate(run, system, observers);
+  simulate(resolve(run), system, observers);
   return momentum;
 }
 

@@ -54,7 +54,7 @@ double seconds(const Recording& recording, const Case& run) {
 EndAccount account(const Case& run) {
   Observers observers;
   observers.account = true;
-  return simulate(run, make_system(run), observers).account->left;
+  return simulate(resolve(run), observers).account->left;
 }
 
 struct Road {

@@ -25,7 +25,7 @@ using Matrix = std::vector<Vector>;
 /// obstacles. Steps by exp(A tau) - I, a Taylor sum squared; a change is found by bisection of a Taylor step.
 class Simulation {
  public:
-  explicit Simulation(const Case& run) : bar_(make_system(run)), n_(bar_.size()), m_(2 * n_ + 1) {
+  explicit Simulation(const Case& run) : bar_(resolve(run).system()), n_(bar_.size()), m_(2 * n_ + 1) {
     const Penalty law{run.epsilon, run.restitution.value_or(1.0)};
     Matrix inertia(n_, Vector(n_, 0));
     inverse_ = inertia;

@@ -169,7 +169,7 @@ void impact() {
     run.epsilon = epsilon;
     run.tolerance = {1e-8, 1e-11};
     run.end = run.output_every = law.closing() + 4 * tau;
-    const double depth = simulate(run, make_system(run), {}).max_penetration;
+    const double depth = simulate(resolve(run), {}).max_penetration;
     fmt::print("| {:.0e} | {} | {:.4f} | {:.4f} | 0.8580 |\n", epsilon, run.elements, depth / (0.7 * tau),
                law.peak()->penetration / (0.7 * tau));
   }
@@ -193,7 +193,7 @@ struct CutOff {
 };
 
 EndTraces run_cut_off(const Case& run, const CutOff& law, double step, std::vector<double>& times) {
-  const BarSystem system = make_system(run);
+  const BarSystem system = resolve(run).system();
   const std::size_t n = system.size();
   const double mass = system.effective_masses().front(), stiffness = 1.0 / *run.epsilon;
   const double damping = 2.0 * law.ratio * std::sqrt(stiffness * mass), gap = 0.1;

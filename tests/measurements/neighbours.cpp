@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "input/described_scene.hpp"
 namespace {
 
 using namespace viscobar;
@@ -61,7 +62,7 @@ void compare(const char* method, double error) {
   const std::vector<std::optional<std::size_t>> of = neighbours(sweep.plan);
   Sum by_themselves, from_neighbours;
   for (std::size_t i = 0; i < of.size(); ++i) {
-    const auto file = [&](std::size_t k) { return parse_scene(scene, "scene", case_of(sweep, k).overrides); };
+    const auto file = [&](std::size_t k) { return parse_scene_with(scene, "scene", case_of(sweep, k).settings); };
     std::optional<AccuracyStart> start;
     if (of[i])
       if (const AccuracyResult neighbour = solved(file(*of[i]), {}); neighbour.estimate.kept)

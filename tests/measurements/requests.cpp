@@ -34,7 +34,7 @@ double seconds_of(auto&& work) {
 
 std::string setting(const Case& run) {
   if (run.method == MethodName::characteristics) return "characteristics";
-  std::string text = fmt::format("{}, {} {}", name(run.method), run.elements, name(effective_mass(run)));
+  std::string text = fmt::format("{}, {} {}", name(run.method), run.elements, name(resolve(run).mass));
   text +=
       is_scheme(run.method) ? fmt::format(", dt {:.1e}", *run.step) : fmt::format(", {:.1e}", run.tolerance.relative);
   return is_penalised(run.method) ? text + fmt::format(", eps {:.1e}", *run.epsilon) : text;

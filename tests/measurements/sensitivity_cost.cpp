@@ -44,14 +44,14 @@ Case rebound(MethodName method, std::size_t elements, std::size_t parameters) {
 /// What is counted: the run without the start of the program. A name that callgrind's --toggle-collect knows.
 extern "C" [[gnu::noinline]] void measured_run(const Case* run, const BarSystem* system, const Observers* observers,
                                                Statistics* done) {
-  *done = simulate(*run, *system, *observers);
+  *done = simulate(resolve(*run), *system, *observers);
 }
 
 int main(int argc, char** argv) try {
   if (argc != 4) throw std::invalid_argument("usage: measure_sensitivity_cost METHOD ELEMENTS PARAMETERS");
   const Case run = rebound(method_of(argv[1]), static_cast<std::size_t>(std::atoi(argv[2])),
                            static_cast<std::size_t>(std::atoi(argv[3])));
-  const BarSystem system = make_system(run);
+  const BarSystem system = resolve(run).system();
   Observers observers;
   observers.energy = observers.account = true;
   observers.directions = run.directions;

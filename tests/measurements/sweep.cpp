@@ -15,6 +15,7 @@
 #include <random>
 #include <vector>
 
+#include "input/described_scene.hpp"
 #include "sweep/sweep_table.hpp"
 
 namespace {
@@ -153,8 +154,7 @@ double time_to_dispatch(const SweepFile& sweep) {
   constexpr std::size_t repeat = 20000;
   std::size_t bytes = 0;
   const double start = processor_seconds();
-  for (std::size_t k = 0; k < repeat; ++k)
-    for (const std::string& text : case_of(sweep, k % sweep.plan.size()).overrides) bytes += text.size();
+  for (std::size_t k = 0; k < repeat; ++k) bytes += case_of(sweep, k % sweep.plan.size()).settings.size();
   return (processor_seconds() - start) / repeat + (bytes == 0 ? 1.0 : 0.0);
 }
 
@@ -170,7 +170,7 @@ int main(int argc, char** argv) {
   SweepRow last;
   for (std::size_t i = 0; i < sweep.plan.size(); ++i) {
     const SweepCase one = case_of(sweep, i);
-    const MethodName method = parse_scene(sweep.scene_text, "scene", one.overrides).run.method;
+    const MethodName method = parse_scene_with(sweep.scene_text, "scene", one.settings).run.method;
     const double before = processor_seconds();
     last = run_case(sweep.scene_text, one).value();
     measured.push_back(processor_seconds() - before);

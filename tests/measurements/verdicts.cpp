@@ -100,7 +100,7 @@ void print_orders(unsigned seed) {
     told += orders.to_own_limit.has_value();
     off += is_off;
     fmt::print("| {} | {} | {}, {} | {:.2g} | {} | {} | {} | {}{} |\n", scene.name, scene.run.elements,
-               name(effective_mass(scene.run)),
+               name(resolve(scene.run).mass),
                scene.run.restitution ? fmt::format("e = {}", *scene.run.restitution) : "none",
                scene.run.scene.bar.viscosity, scene.load, theory, own, scheme, is_off ? " (OFF)" : "");
   }
@@ -138,7 +138,7 @@ int main(int argc, char** argv) {
     for (const SchemeRun& run : orders.scheme) seconds += run.seconds;
     fmt::print(
         "| {} | {} | {}, {} | {:.2g} | {} | {} | {} | {} | {}{} | {} | {} | {:.1e} | {:.1f} |\n", scene.name,
-        scene.run.elements, name(effective_mass(scene.run)),
+        scene.run.elements, name(resolve(scene.run).mass),
         scene.run.restitution ? fmt::format("e = {}", *scene.run.restitution) : "none", scene.run.scene.bar.viscosity,
         ends(scene.run.scene), load(scene), known.touches ? std::string(name(known.verdict)) : "nothing touches",
         known.distance ? fmt::format("{:.1e} +- {:.0e}", *known.distance, known.error) : "-", name(orders.verdict),

@@ -15,7 +15,7 @@ Told told(const Case& run) {
   observers.energy = observers.account = true;
   observers.snapshot = [](const Snapshot&) {};
   observers.event = [&](const Event& event) { all.events.push_back(event); };
-  all.statistics = simulate(run, make_system(run), observers);
+  all.statistics = simulate(resolve(run), observers);
   return all;
 }
 

@@ -52,7 +52,7 @@ TEST(Energy, WithoutLoadNeverGrowsButByWhatASchemeSays) {
       RC_ASSERT(account.dissipated >= -allowed);
       return;
     }
-    const BarSystem system = make_system(run);
+    const BarSystem system = resolve(run).system();
     const double d = displacement_error(run, largest(recording.u));
     for (std::size_t k = 1; k < recording.times.size(); ++k) {
       const double before = energy(run, system, recording, k - 1), after = energy(run, system, recording, k);

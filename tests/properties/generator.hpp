@@ -44,7 +44,9 @@ inline std::vector<std::string> fitting_methods(RandomScene scene, const std::ve
     scene.method = name(method);
     try {
       const Case run = scene.read().run;
-      if (method == MethodName::odeint && plan(make_system(run), run.end, odeint(run)).least_steps > 1e5) continue;
+      if (method == MethodName::odeint &&
+          plan(resolve(run).system(), run.end, std::get<Odeint>(resolve(run).method)).least_steps > 1e5)
+        continue;
       fitting.push_back(scene.method);
     } catch (const SceneError&) {
     }

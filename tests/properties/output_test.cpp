@@ -31,8 +31,8 @@ TEST(Output, TheSceneAsUnderstoodIsTheSceneAgain) {
   expect_always([] {
     const RandomScene scene = *scenes();
     const SceneFile read = scene.read();
-    const SceneFile again = parse_scene("", "empty.toml", overrides_of(read.description));
-    RC_ASSERT(again.description == read.description);
+    const SceneFile again = parse_scene("", "empty.toml", overrides_of(read.description()));
+    RC_ASSERT(again.description() == read.description());
     const Recording one = record(read.run), two = record(again.run);
     RC_ASSERT(one.u == two.u);
     RC_ASSERT(one.v == two.v);

@@ -37,12 +37,12 @@ TEST(Symmetry, ALateStartUnderADelayedLoadIsTheSameMotionLater) {
     const Case run = scene.read().run;
     scene.delay = delay;
     const Case later = scene.read().run;
-    const BarSystem system = make_system(later);
+    const BarSystem system = resolve(later).system();
     std::vector<double> times = run.output_times(), u;
     for (double& t : times) t += delay;
     Observers observers;
     observers.snapshot = [&](const Snapshot& now) { u.insert(u.end(), now.u.begin(), now.u.end()); };
-    simulate(later, system, times, observers);
+    simulate(resolve(later), system, times, observers);
     const Recording reference = record(run);
     RC_CLASSIFY(!reference.events.empty(), "contact");
     const double bound = 2.0 * displacement_error(run, largest(reference.u));

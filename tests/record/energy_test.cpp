@@ -47,7 +47,7 @@ Told told(const Case& run) {
     all.times.push_back(now.time);
     all.states.push_back(now.energy.value());
   };
-  all.done = simulate(run, make_system(run), observers);
+  all.done = simulate(resolve(run), observers);
   return all;
 }
 
@@ -139,7 +139,7 @@ TEST(EnergyColumns, DissipatedIsTheIntegralOfTheViscousPower) {
   run.scene.load.reset();
   run.scene.left = run.scene.right = Free{};
   run.output_every = run.end / 400.0;
-  const BarSystem system = make_system(run);
+  const BarSystem system = resolve(run).system();
   std::vector<double> power, dissipated;
   Observers observers;
   observers.energy = true;
@@ -147,7 +147,7 @@ TEST(EnergyColumns, DissipatedIsTheIntegralOfTheViscousPower) {
     power.push_back(run.scene.bar.viscosity * system.squared_strain_rate(now.v));
     dissipated.push_back(now.energy->dissipated);
   };
-  simulate(run, system, observers);
+  simulate(resolve(run), system, observers);
   ASSERT_EQ(power.size(), 401u);
   // Not over the start, where the initial data do not satisfy the conditions at the ends.
   constexpr std::size_t first = 40;

@@ -124,7 +124,7 @@ TEST(RecordRun, TheRecordingDoesNotChangeTheMotion) {
   Observers last;
   double u = 0.0;
   last.snapshot = [&](const Snapshot& at) { u = at.u.front(); };
-  simulate(scene.run, make_system(scene.run), last);
+  simulate(resolve(scene.run), last);
   record_run(scene, scratch.path());
   const std::string row = read_lines(scratch / "ends.csv").back();
   // The energy account joins the state that the tolerances govern: ten times those.

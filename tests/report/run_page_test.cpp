@@ -69,7 +69,7 @@ TEST(Report, NeedsNothingFromOutside) {
 
 TEST(Report, CarriesTheDisplacementToAPartIn65535OfItsRange) {
   const SceneFile scene = bouncing_bar();
-  const BarSystem system = make_system(scene.run);
+  const BarSystem system = resolve(scene.run).system();
   ReportData data(scene.run, system);
   std::vector<double> u(system.mesh().nodes()), v(u.size());
   const auto displacement = [](int k, std::size_t j) { return std::sin(0.7 * k + 0.3 * static_cast<double>(j)); };
@@ -258,7 +258,7 @@ TEST(Report, OfAVeryLongRunStaysBelowTwoMegabytesAndSaysWhatItThinned) {
   SceneFile scene = bouncing_bar();
   scene.run.scene.right = Obstacle{0.1};
   scene.run.elements = 60;
-  const BarSystem system = make_system(scene.run);
+  const BarSystem system = resolve(scene.run).system();
   ReportData data(scene.run, system);
   Outcome outcome;
   std::vector<double> u(system.mesh().nodes()), v(u.size(), 1.0);
@@ -274,7 +274,7 @@ TEST(Report, OfAVeryLongRunStaysBelowTwoMegabytesAndSaysWhatItThinned) {
       ++outcome.events;
     }
   }
-  const Html report{report_page(scene.run, system, outcome, data).html()};
+  const Html report{report_page(resolve(scene.run), system, outcome, data).html()};
   EXPECT_LT(report.html.size(), 2'000'000u);
   const nlohmann::json events = data_of(report)["events"];
   EXPECT_EQ(events["happened"], count / 10);
@@ -289,38 +289,38 @@ TEST(Report, OfAVeryLongRunStaysBelowTwoMegabytesAndSaysWhatItThinned) {
 TEST(Report, OfAVeryFineMeshStaysBelowTwoMegabytesAndSaysWhatItThinned) {
   SceneFile scene = bouncing_bar();
   scene.run.elements = 100'000;
-  const BarSystem system = make_system(scene.run);
+  const BarSystem system = resolve(scene.run).system();
   ReportData data(scene.run, system);
   std::vector<double> u(system.mesh().nodes()), v(u.size(), 1.0);
   for (int k = 0; k < 500; ++k) {
     for (std::size_t j = 0; j < u.size(); ++j) u[j] = 1e-3 * k * static_cast<double>(j % 1000);
     data.add(Snapshot{.time = 1e-2 * k, .u = u, .v = v});
   }
-  const Html report{report_page(scene.run, system, {}, data).html()};
+  const Html report{report_page(resolve(scene.run), system, {}, data).html()};
   EXPECT_LT(report.html.size(), 2'000'000u);
   EXPECT_TRUE(report.has("every 2nd output time and every 250th node"));
 }
 
 TEST(Report, ListsTheFirstFiftyChangesAndCountsTheRest) {
   const SceneFile scene = bouncing_bar();
-  const BarSystem system = make_system(scene.run);
+  const BarSystem system = resolve(scene.run).system();
   ReportData data(scene.run, system);
   Outcome outcome;
   for (int i = 0; i < 1000; ++i) {
     data.add({0.001 * i, Where::left, 0, i % 2 ? Change::opening : Change::closing, 0.0});
     ++outcome.events;
   }
-  const std::string html = report_page(scene.run, system, outcome, data).html();
+  const std::string html = report_page(resolve(scene.run), system, outcome, data).html();
   EXPECT_NE(html.find("and 950 more"), std::string::npos);
 }
 
 TEST(Report, ARunThatNeverBeganHasAPageWithoutPictures) {
   const SceneFile scene = bouncing_bar();
-  const BarSystem system = make_system(scene.run);
+  const BarSystem system = resolve(scene.run).system();
   Outcome outcome;
   outcome.ending = Ending::failed;
   outcome.error = "no step";
-  const std::string html = report_page(scene.run, system, outcome, ReportData(scene.run, system)).html();
+  const std::string html = report_page(resolve(scene.run), system, outcome, ReportData(scene.run, system)).html();
   EXPECT_NE(html.find("no step"), std::string::npos);
   EXPECT_EQ(html.find("<svg"), std::string::npos);
   EXPECT_EQ(html.find("<script"), std::string::npos);

@@ -78,14 +78,14 @@ TEST(Summary, TheImpulseOfTheReactionIsTheGainOfMomentum) {
   const Scratch scratch;
   const SceneFile scene = bouncing_bar();
   double momentum = 0.0;
-  const BarSystem system = make_system(scene.run);
+  const BarSystem system = resolve(scene.run).system();
   Observers last;
   last.snapshot = [&](const Snapshot& at) {
     std::vector<double> weighted(system.size());
     system.inertia().multiply(at.v, weighted);
     momentum = std::accumulate(weighted.begin(), weighted.end(), 0.0);
   };
-  simulate(scene.run, system, last);
+  simulate(resolve(scene.run), system, last);
   const Json summary = Json::parse(record_run(scene, scratch.path()).summary);
   const double impulse = summary["contact"]["left"]["impulse"];
   // Both are within a hundred tolerances of the velocity, of size 0.3.

@@ -56,8 +56,8 @@ TEST(Defaults, NoMethodRefusesThemAndNoneChattersAtAnEnd) {
       const Recording recording = record(run);
       // Without viscosity cvode and odeint do not take massless nodes, and finite_difference never does. What odeint is
       // wrong by as the bar leaves closes the contact again for an instant.
-      const bool massless = effective_mass(run) != Mass::consistent && effective_mass(run) != Mass::lumped &&
-                            method != MethodName::odeint;
+      const bool massless =
+          resolve(run).mass != Mass::consistent && resolve(run).mass != Mass::lumped && method != MethodName::odeint;
       const std::size_t least = massless ? 2 : recording.events.size();
       EXPECT_EQ(recording.events.size(), least) << name(method) << ", viscosity " << viscosity;
     }
@@ -69,14 +69,14 @@ TEST(Defaults, OfTheLibraryAreThoseOfAFile) {
   run.scene.displacement = [](double) { return 0.0; };
   run.scene.velocity = [](double) { return -1.0; };
   run.method = automatic_method(run).method;
-  EXPECT_TRUE(validate(run).empty());
+  EXPECT_TRUE(faults(resolve(run)).empty());
   const Case file = parse_scene(plain("", at_left, "velocity = -1", 1), "plain.toml").run;
   EXPECT_EQ(run.method, file.method);
   EXPECT_EQ(run.elements, file.elements);
-  EXPECT_EQ(effective_mass(run), effective_mass(file));
+  EXPECT_EQ(resolve(run).mass, resolve(file).mass);
   run.method = MethodName::arkode;
-  EXPECT_TRUE(validate(run).empty());
-  EXPECT_EQ(effective_mass(run), Mass::redistributed);
+  EXPECT_TRUE(faults(resolve(run)).empty());
+  EXPECT_EQ(resolve(run).mass, Mass::redistributed);
 }
 
 TEST(Defaults, OfAnInitialDatumIsZeroAndNothingAtAllIsRefused) {

@@ -91,7 +91,7 @@ struct Residuals {
         return ++steps > 20'000 ? RunControl::stop : RunControl::go_on;
       };
       run.mesh = model.mesh();
-      if (!simulate(model, make_system(model), study.times, observers).completed) return true;
+      if (!simulate(resolve(model), study.times, observers).completed) return true;
     } catch (const std::exception&) {
       return true;
     }

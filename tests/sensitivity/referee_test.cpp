@@ -88,7 +88,7 @@ struct Verdict {
 Verdict judge(ComplexBar bar, const Parameter& parameter, MethodName method, double tolerance) {
   Case run = case_of(bar, method, tolerance);
   const Direction direction = along(run, bar, parameter.key);
-  const BarSystem system = make_system(run);
+  const BarSystem system = resolve(run).system();
   Observers observers;
   observers.account = observers.energy = true;
   observers.directions = std::span(&direction, 1);
@@ -102,7 +102,7 @@ Verdict judge(ComplexBar bar, const Parameter& parameter, MethodName method, dou
   };
   std::vector<Event> events;
   observers.event = [&](const Event& event) { events.push_back(event); };
-  const Statistics done = simulate(run, system, observers);
+  const Statistics done = simulate(resolve(run), system, observers);
 
   parameter.of(bar) += Number(0.0, tiny);
   std::vector<double> times = run.output_times();

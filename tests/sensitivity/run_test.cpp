@@ -286,7 +286,7 @@ TEST(Sensitivities, GoOnFromACheckpointBitForBit) {
   for (const MethodName method : with_sensitivities) {
     const Case run = thrown(method);
     const std::vector<Direction> along = directions(run, {"bar.viscosity", "left.gap"});
-    const BarSystem system = make_system(run);
+    const BarSystem system = resolve(run).system();
     const auto go = [&](const std::optional<Checkpoint>& from, std::vector<double>& told,
                         std::optional<Checkpoint>& at) {
       Observers observers;
@@ -301,7 +301,7 @@ TEST(Sensitivities, GoOnFromACheckpointBitForBit) {
         if (!at) at = taken;
         return RunControl::go_on;
       };
-      return from ? simulate(run, system, *from, observers) : simulate(run, system, observers);
+      return from ? simulate(resolve(run), system, *from, observers) : simulate(resolve(run), system, observers);
     };
     std::vector<double> whole, rest;
     std::optional<Checkpoint> first, other;
@@ -324,7 +324,7 @@ TEST(Sensitivities, AreRefusedByMethodsThatHaveNone) {
       record(run);
       ADD_FAILURE() << name(method);
     } catch (const Unfit& refused) {
-      EXPECT_EQ(refused.refusal, Refusal::directions) << name(method);
+      EXPECT_EQ(refused.finding.key, "sensitivity.of") << name(method);
     }
   }
 }

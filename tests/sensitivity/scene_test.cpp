@@ -73,8 +73,8 @@ TEST(SceneSensitivities, AreTheSlopesOfRunsForParametersOfFormulasAndForTheLengt
 
 TEST(SceneSensitivities, SurviveTheDescriptionOfTheScene) {
   const SceneFile scene = parse_scene(scene_text, "scene");
-  EXPECT_NE(scene.description.find("\"amplitude\": 0.4"), std::string::npos);
-  EXPECT_NE(scene.description.find("parameters.omega"), std::string::npos);
+  EXPECT_NE(scene.description().find("\"amplitude\": 0.4"), std::string::npos);
+  EXPECT_NE(scene.description().find("parameters.omega"), std::string::npos);
 }
 
 // Asking for them never changes the motion: the method is that of the plain run, or the scene is refused.

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "input/described_scene.hpp"
 #include "support/bar_above_an_obstacle.hpp"
 #include "support/scratch.hpp"
 #include "sweep/sweep_results.hpp"
@@ -38,7 +39,7 @@ TEST(SensitivitiesInSweeps, AreThoseOfEachRunAndSurviveTheFile) {
   for (std::size_t i = 0; i < sweep.plan.size(); ++i) {
     rows.push_back(run_case(sweep.scene_text, case_of(sweep, i)).value());
     ASSERT_TRUE(rows[i].completed) << rows[i].error;
-    const Recording run = record(parse_scene(scene_text, "scene", case_of(sweep, i).overrides).run);
+    const Recording run = record(parse_scene_with(scene_text, "scene", case_of(sweep, i).settings).run);
     const SensitivityAccount& told = *run.statistics.sensitivity;
     ASSERT_EQ(rows[i].derivatives.size(), 10u);
     for (const std::size_t k : {0, 1}) {

@@ -233,7 +233,7 @@ accuracy::Sample on_the_floor(const char* mass, std::size_t elements) {
 TEST(AccuracyOnRequest, ASchemeUnderASpanObstacleKeepsTheErrorOnTheLumpedMass) {
   const double error = 1e-3;
   const AccuracyResult result = solve(study_of(floor_below, {fmt::format("accuracy.error={}", error), "method.step="}));
-  EXPECT_EQ(effective_mass(result.run), Mass::lumped);
+  EXPECT_EQ(resolve(result.run).mass, Mass::lumped);
   EXPECT_TRUE(result.estimate.kept) << result.estimate.doubt;
   EXPECT_LE(accuracy::difference(accuracy::sample_of(result.run, result.recording), on_the_floor("lumped", 512),
                                  Goal::displacement),

@@ -116,7 +116,7 @@ TEST(FourthOrderMass, ReboundsWithTheContactTimeAndSpeedOfTheContinuousBar) {
     for (const std::size_t elements : {30u, 60u, 120u}) {
       Case run = resting(viscosity, 0.0, elements);
       run.end = run.output_every = 2.5;
-      const BarSystem system = make_system(run);
+      const BarSystem system = resolve(run).system();
       double opening = 0.0, momentum = 0.0;
       Observers observers;
       observers.event = [&](const Event& event) { opening = event.time; };
@@ -126,7 +126,7 @@ TEST(FourthOrderMass, ReboundsWithTheContactTimeAndSpeedOfTheContinuousBar) {
         momentum = 0.0;
         for (const double entry : product) momentum += entry;
       };
-      const Statistics done = simulate(run, system, observers);
+      const Statistics done = simulate(resolve(run), system, observers);
       EXPECT_EQ(done.events, 2u) << viscosity << " " << elements;
       const double error = std::max(std::abs(opening - exact_opening), std::abs(momentum - speed));
       // Order four: 16, of which the tolerance and the digits of the exact values leave eight at least.

@@ -6,7 +6,7 @@ namespace viscobar {
 
 /// The absolute part of a run's tolerance of displacements, chosen where it is not given.
 inline double absolute_tolerance(const Case& run) {
-  return allowance(run.tolerance, make_system(run), run.end).displacement;
+  return allowance(run.tolerance, resolve(run).system(), run.end).displacement;
 }
 
 }  // namespace viscobar

@@ -63,7 +63,7 @@ inline SceneFile bouncing_bar() {
   run.method = MethodName::cvode;
   run.end = 1.0;
   run.output_every = 0.01;
-  file.description = R"({"bar": {"viscosity": 0.5}})";
+  file.values = {{"bar.viscosity", 0.5}};
   return file;
 }
 

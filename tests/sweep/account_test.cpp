@@ -58,7 +58,7 @@ Told told(const std::string& text, const Overrides& overrides) {
   const Scratch scratch;
   const SceneFile scene = parse_scene(text, "scene", overrides);
   const Json summary = Json::parse(record_run(scene, scratch / "out").summary);
-  const SweepRow row = run_case(text, {.index = 0, .overrides = overrides}).value();
+  const SweepRow row = run_case(text, {.index = 0, .settings = {overrides.begin(), overrides.end()}}).value();
   const Case cases[] = {scene.run};
   const Comparison comparison = compare(cases, 1);
   double sum = 0.0;
@@ -117,7 +117,7 @@ TEST(Account, TheImpulseIsWhatTheBarsMomentumGainsByEveryMethod) {
     SCOPED_TRACE(method);
     const SceneFile scene = parse_scene(thrown, "scene", Overrides{std::string("method.name=\"") + method + '"'});
     const Recording recording = record(scene.run);
-    const BarSystem system = make_system(scene.run);
+    const BarSystem system = resolve(scene.run).system();
     std::vector<double> weighted(system.size());
     const auto momentum = [&](std::span<const double> v) {
       system.inertia().multiply(v, weighted);
@@ -166,7 +166,7 @@ step = 1e-3
       if (method == std::string("finite_difference") && overrides.size() > 2) continue;  // lumped, restitution 0
       const Case run = parse_scene(text, "scene", overrides).run;
       const Recording recording = record(run);
-      const BarSystem system = make_system(run);
+      const BarSystem system = resolve(run).system();
       std::vector<double> weighted(system.size());
       const auto momentum = [&](std::span<const double> v) {
         system.inertia().multiply(v, weighted);

@@ -70,7 +70,7 @@ constexpr const char* scene_text =
     "[bar]\nlength=1\n[left]\nkind=\"obstacle\"\n[initial]\nvelocity=-1\n[time]\nend=1.5\n[accuracy]\nerror=1e-6\n";
 
 SweepFile sweep_of(const std::vector<double>& viscosities, const std::vector<double>& gaps,
-                   std::vector<std::string> settings = {}) {
+                   std::vector<Setting> settings = {}) {
   SweepFile sweep;
   sweep.scene_text = scene_text;
   sweep.settings = std::move(settings);

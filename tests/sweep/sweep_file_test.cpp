@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "input/described_scene.hpp"
 #include "support/scene_text.hpp"
 #include "support/scratch.hpp"
 #include "sweep/sweep_results.hpp"
@@ -112,7 +113,9 @@ TEST_F(SweepFileTest, SettingsHoldForAllCasesThoseOfTheCommandLineLast) {
   const SweepFile sweep =
       read("scene = \"scene.toml\"\n[set]\ntime.end = 2\nmethod.name = \"ida\"\n[vary]\nbar.viscosity = [1]\n",
            {"time.end=3"});
-  EXPECT_EQ(case_of(sweep, 0).overrides,
+  std::vector<std::string> texts;
+  for (const Setting& setting : case_of(sweep, 0).settings) texts.push_back(text_of(setting));
+  EXPECT_EQ(texts,
             (std::vector<std::string>{"time.end=2.0", "method.name=\"ida\"", "time.end=3", "bar.viscosity=1.0"}));
 }
 

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "case/run_cost.hpp"
+#include "input/described_scene.hpp"
 
 namespace viscobar {
 namespace {
@@ -22,13 +23,19 @@ SweepPlan plan(Combine combine) {
           combine};
 }
 
+Strings texts(const std::vector<Setting>& settings) {
+  Strings all;
+  for (const Setting& setting : settings) all.push_back(text_of(setting));
+  return all;
+}
+
 TEST(SweepPlan, AGridTakesEveryCombinationOnceTheLastKeyFastest) {
   const SweepPlan grid = plan(Combine::grid);
   ASSERT_EQ(grid.size(), 8u);
-  EXPECT_EQ(grid.overrides(0), (Strings{"bar.viscosity=1.0", "mesh.elements=9", "mesh.mass=\"lumped\""}));
-  EXPECT_EQ(grid.overrides(1), (Strings{"bar.viscosity=1.0", "mesh.elements=9", "mesh.mass=\"paper\""}));
-  EXPECT_EQ(grid.overrides(2), (Strings{"bar.viscosity=1.0", "mesh.elements=18", "mesh.mass=\"lumped\""}));
-  EXPECT_EQ(grid.overrides(7), (Strings{"bar.viscosity=0.1", "mesh.elements=18", "mesh.mass=\"paper\""}));
+  EXPECT_EQ(texts(grid.settings(0)), (Strings{"bar.viscosity=1.0", "mesh.elements=9", "mesh.mass=\"lumped\""}));
+  EXPECT_EQ(texts(grid.settings(1)), (Strings{"bar.viscosity=1.0", "mesh.elements=9", "mesh.mass=\"paper\""}));
+  EXPECT_EQ(texts(grid.settings(2)), (Strings{"bar.viscosity=1.0", "mesh.elements=18", "mesh.mass=\"lumped\""}));
+  EXPECT_EQ(texts(grid.settings(7)), (Strings{"bar.viscosity=0.1", "mesh.elements=18", "mesh.mass=\"paper\""}));
   std::set<std::vector<std::size_t>> all;
   for (std::size_t i = 0; i < grid.size(); ++i) all.insert(grid.choice(i));
   EXPECT_EQ(all.size(), 8u);
@@ -37,7 +44,7 @@ TEST(SweepPlan, AGridTakesEveryCombinationOnceTheLastKeyFastest) {
 TEST(SweepPlan, AZipTakesTheKthValuesTogether) {
   const SweepPlan zip = plan(Combine::zip);
   ASSERT_EQ(zip.size(), 2u);
-  EXPECT_EQ(zip.overrides(1), (Strings{"bar.viscosity=0.1", "mesh.elements=18", "mesh.mass=\"paper\""}));
+  EXPECT_EQ(texts(zip.settings(1)), (Strings{"bar.viscosity=0.1", "mesh.elements=18", "mesh.mass=\"paper\""}));
 }
 
 TEST(SweepPlan, NumbersReachTheSceneToTheLastBit) {
@@ -47,7 +54,7 @@ TEST(SweepPlan, NumbersReachTheSceneToTheLastBit) {
   for (int k = 0; k < 1000; ++k) values.push_back(std::pow(10.0, exponent(random)));
   const SweepPlan one{{{"bar.length", values}}, Combine::grid};
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const std::string text = one.overrides(i).front();
+    const std::string text = text_of(one.settings(i).front());
     EXPECT_EQ(std::stod(text.substr(text.find('=') + 1)), values[i]) << text;
     EXPECT_NE(text.find_first_of(".e", text.find('=')), text.npos) << text << " would be a whole number";
   }
@@ -77,19 +84,19 @@ TEST(CostEstimate, OfASchemeIsProportionalToStepsAndToNodes) {
   coarse.elements = fine.elements = 20000;
   large.elements = 40000;
   fine.step = 5e-4;
-  const double one = estimated_seconds(coarse);
+  const double one = estimated_seconds(resolve(coarse));
   // What does not double, the start and the cost of a step without nodes, is below 1 % here.
-  EXPECT_NEAR(estimated_seconds(fine) / one, 2.0, 0.02);
-  EXPECT_NEAR(estimated_seconds(large) / one, 2.0, 0.02);
+  EXPECT_NEAR(estimated_seconds(resolve(fine)) / one, 2.0, 0.02);
+  EXPECT_NEAR(estimated_seconds(resolve(large)) / one, 2.0, 0.02);
 }
 
 TEST(CostEstimate, GrowsWithTheMeshTheTimeTheToleranceAndTheChatter) {
   for (const MethodName method : {MethodName::cvode, MethodName::ida, MethodName::rigid}) {
-    const double one = estimated_seconds(bar(method));
+    const double one = estimated_seconds(resolve(bar(method)));
     const auto changed = [&](const auto& change) {
       Case other = bar(method);
       change(other);
-      return estimated_seconds(other);
+      return estimated_seconds(resolve(other));
     };
     EXPECT_GT(changed([](Case& run) { run.elements = 1080; }), one) << name(method);
     EXPECT_GT(changed([](Case& run) { run.end = 60.0; }), one) << name(method);

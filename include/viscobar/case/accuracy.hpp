@@ -72,8 +72,8 @@ struct ErrorEstimate {
   double seconds = 0.0;              ///< that they took together, on the clock
 };
 
-/// Why nothing of the kind can be asked of a sound case, with the key accuracy.of: no obstacle at an end, or a peak
+/// Why nothing of the kind can be asked of a sound setup, with the key accuracy.of: no obstacle at an end, or a peak
 /// that has no limit. Absent where it can.
-std::optional<Finding> fault(const AccuracyRequest& request, const Case& run);
+std::optional<Finding> fault(const AccuracyRequest& request, const Setup& setup);
 
 }  // namespace viscobar

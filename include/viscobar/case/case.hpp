@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -44,9 +45,9 @@ struct Case {
 
   std::size_t elements = default_elements;  ///< J
   double grading = 1.0;                     ///< of the mesh towards the ends with an obstacle; 1: uniform
-  std::optional<Mass> mass;                 ///< asked for; see effective_mass()
+  std::optional<Mass> mass;                 ///< absent: see resolve()
 
-  std::optional<double> epsilon;      ///< reaction = penetration / epsilon; absent: effective_epsilon()
+  std::optional<double> epsilon;      ///< reaction = penetration / epsilon; absent: see resolve()
   std::optional<double> restitution;  ///< absent: an undamped spring in the penalty, the implicit constraint in (2.8)
 
   MethodName method = MethodName::cvode;    ///< how it is integrated
@@ -55,7 +56,7 @@ struct Case {
   Tolerance tolerance;                      ///< of adaptive methods
   Formulas formulas = Formulas::automatic;  ///< of cvode
   Stepper stepper = Stepper::automatic;     ///< of odeint
-  std::optional<double> step;               ///< dt of schemes, absent: scheme_step()
+  std::optional<double> step;               ///< dt of schemes, absent: see resolve()
   Start start = Start::first_order;         ///< of the schemes
   Impact impact = Impact::paoli_schatzman;  ///< of the schemes
 
@@ -74,13 +75,6 @@ struct Case {
   /// 0, every, 2 every, ..., and the end, which is always there. The last interval may be shorter.
   std::vector<double> output_times() const;
 };
-
-/// All faults of a case at once: those of the scene, and those of the mesh, the contact parameters, the method or the
-/// memory of the machine. Empty when simulate() can start.
-///
-/// `faulty` are keys already known to be wrong. Neither they nor faults that depend on them are reported. Their values
-/// are arbitrary, except that bar.length and mesh.elements must make a mesh.
-std::vector<Finding> validate(const Case& run, const std::vector<std::string>& faulty = {});
 
 /// The word of a scene file for it.
 inline constexpr std::string_view automatic = "automatic";
@@ -113,16 +107,6 @@ std::string method_words(const Case& run);
 /// else cvode; and arkode where that one cannot take the scene (massless contact nodes without viscosity).
 MethodName penalised_method(const Case& run);
 
-/// The mass of a run: the one asked for, else one whose contact nodes do not bounce by themselves where there is any,
-///
-///     a penalised method, an obstacle at an end   redistributed, where the method takes massless nodes
-///     no penalised contact                        fourth_order, on three equal elements or more
-///     else                                        redistributed for an obstacle at an end, or consistent
-///
-/// `finite_difference` takes the lumped one when the case says "consistent" or nothing: (3.22) is (2.8) with a diagonal
-/// product. So do schemes under a span obstacle with restitution or without viscosity. `characteristics` has none.
-Mass effective_mass(const Case& run);
-
 /// The mass that a study of several methods gives all that take it: that of its penalised_method().
 Mass common_mass(const Case& run);
 
@@ -130,39 +114,70 @@ Mass common_mass(const Case& run);
 /// whose reaction is that of a length.
 double natural_epsilon(const Scene& scene);
 
-/// The epsilon of a case: its own, else the first of natural_epsilon() 10^-k by which a bar that is thrown at the
-/// obstacle at speed V penetrates by less than (h / L)^2 / 8 of V L / c, about what the mesh is wrong by.
-double effective_epsilon(const Case& run);
+/// A case with the value of all that it leaves open: what a run goes by, and what is written of it.
+///
+/// mass      a penalised method, an obstacle at an end   redistributed, where the method takes massless nodes
+///           no penalised contact                        fourth_order, on three equal elements or more
+///           else                                        redistributed for an obstacle at an end, or consistent
+///           `finite_difference` takes the lumped one for "consistent" or nothing: (3.22) is (2.8) with a diagonal
+///           product. So do schemes under a span obstacle with restitution or without viscosity.
+/// epsilon   the first of natural_epsilon() 10^-k by which a bar that is thrown at the obstacle at speed V penetrates
+///           by less than (h / L)^2 / 8 of V L / c, about what the mesh is wrong by
+/// step      h / (100 c), a hundredth of the time of a wave through an element
+struct Setup {
+  Case run;        ///< as asked
+  Mesh mesh;       ///< of its elements
+  Mass mass;       ///< of the semi-discrete system; `characteristics` has none
+  double epsilon;  ///< of penalised methods
+  double step;     ///< of schemes
+  Method method;   ///< with its options; the penalty is a spring without dashpot where the case has no restitution
 
-/// The step of a scheme: that of the case, else h / (100 c), a hundredth of the time of a wave through an element.
-double scheme_step(const Case& run);
+  /// Why each of these is what it is, in half a sentence.
+  struct Reasons {
+    std::string_view method, mass, epsilon, step;
+  } why;
 
-/// The method of a sound case with the options that the case has for it. The penalty has the effective_epsilon(), and
-/// is a spring without dashpot where the case has no restitution.
-Method method_of(const Case& run);
+  /// The semi-discrete system of a sound setup.
+  BarSystem system() const { return BarSystem(run.scene, mesh, mass); }
+  /// The case that asks for these values, those that its method uses: it resolves to the same, and on its own.
+  Case settled() const;
+};
 
-/// The semi-discrete system of a sound case, on its effective mass.
-BarSystem make_system(const Case& run);
+/// Decides what the case leaves open. A faulty case has a setup, too, whose values say nothing.
+Setup resolve(Case run);
+
+/// All faults of a setup at once: those of the scene, and those of the mesh, the contact parameters, the method or the
+/// memory of the machine. Empty when simulate() can start.
+///
+/// `faulty` are keys already known to be wrong. Neither they nor faults that depend on them are reported. Their values
+/// are arbitrary, except that bar.length and mesh.elements must make a mesh.
+std::vector<Finding> faults(const Setup& setup, const std::vector<std::string>& faulty = {});
+/// Whether simulate() can start.
+inline bool sound(Case run) { return faults(resolve(std::move(run))).empty(); }
 
 /// The direction of a key of a scene file that has a number: bar.*, left.gap, right.gap, span.gap, contact.epsilon and
 /// contact.restitution. The functions of x are differenced for bar.length.
 /// @throws std::invalid_argument for another key, and for one that the case does not have
 Direction direction(const Case& run, std::string_view key);
 
-/// The options of `odeint` that a case asks for.
-Odeint odeint(const Case& run);
-
 /// What to change in the scene of a run that could not go on, in its keys.
 std::string remedy(const Case& run, Failure why);
 
-/// Runs a sound case by its method, on its own output times or on others.
+/// Runs a sound setup by its method, on its own output times or on others. `system` is that of the setup.
 /// @throws IntegrationError, whose message ends with the remedy
-Statistics simulate(const Case& run, const BarSystem& system, const Observers& observers);
+Statistics simulate(const Setup& setup, const BarSystem& system, const Observers& observers);
 /// Likewise.
-Statistics simulate(const Case& run, const BarSystem& system, std::span<const double> times,
+Statistics simulate(const Setup& setup, const BarSystem& system, std::span<const double> times,
                     const Observers& observers);
-/// The same from a checkpoint of a run of this case on its own output times.
+/// Both on a system of their own.
+inline Statistics simulate(const Setup& setup, const Observers& observers) {
+  return simulate(setup, setup.system(), observers);
+}
+inline Statistics simulate(const Setup& setup, std::span<const double> times, const Observers& observers) {
+  return simulate(setup, setup.system(), times, observers);
+}
+/// The same from a checkpoint of a run of this setup on its own output times.
 /// @throws std::invalid_argument when it is of another run
-Statistics simulate(const Case& run, const BarSystem& system, const Checkpoint& from, const Observers& observers);
+Statistics simulate(const Setup& setup, const BarSystem& system, const Checkpoint& from, const Observers& observers);
 
 }  // namespace viscobar

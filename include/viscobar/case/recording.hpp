@@ -46,8 +46,9 @@ struct Recording {
   std::span<const double> velocity(std::size_t k) const { return std::span(v).subspan(k * mesh.nodes(), mesh.nodes()); }
 };
 
-/// Runs a sound case and keeps it, on its own output times. @throws IntegrationError
-Recording record(const Case& run);
+/// Runs a sound setup and keeps it, on its own output times. @throws IntegrationError
+Recording record(const Setup& setup);
+inline Recording record(const Case& run) { return record(resolve(run)); }  ///< of a sound case
 
 /// Any scheme, also one of your own: it advances the case and gives the recording on run.output_times(), which Recorder
 /// makes out of its steps. Velocities, reactions, events and statistics may be missing.

@@ -24,7 +24,7 @@ struct Characteristics {
 };
 
 /// Why the method does not take the scene until `end`; absent where it does.
-std::optional<Refusal> refusal(const Scene& scene, double end, const Characteristics& method);
+std::optional<Finding> refusal(const Scene& scene, double end, const Characteristics& method);
 
 /// The time at which the waves break into more pieces than a choice of method should wait for, each contact change
 /// leaving a break that comes back for ever: 10,000 of a wave (docs/characteristics.md). Absent where they stay fewer

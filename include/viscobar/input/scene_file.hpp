@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "viscobar/case/accuracy.hpp"
@@ -33,16 +36,26 @@ class SceneError : public std::runtime_error {
   std::vector<Diagnostic> diagnostics;                 ///< in the order of the text, overrides last
 };
 
-/// A case as read, and the scene as understood: every key with its value, defaults included, as one JSON object.
+/// A value of a key: a text or formula, a whole number, a number, or a list of words.
+using SceneValue = std::variant<std::string, std::int64_t, double, std::vector<std::string>>;
+
+/// Keys "table.key" with their values, in the order in which a scene is told.
+using SceneValues = std::vector<std::pair<std::string, SceneValue>>;
+
+/// What is laid over a scene: a key with its value, or the text "table.key=value" of --set; "table.key=" takes the key
+/// away.
+using Setting = std::variant<std::string, std::pair<std::string, SceneValue>>;
+
+/// A case as read, and the scene as understood.
 struct SceneFile {
-  Case run;                   ///< sound
-  std::string description;    ///< the JSON object
-  std::string chosen = "{}";  ///< another one: keys that the scene leaves out, with the values that the program chose
+  Case run;            ///< sound
+  SceneValues values;  ///< of every key, defaults included
+  SceneValues chosen;  ///< of keys that the scene leaves out: those that the program chose
 
   std::optional<AccuracyRequest> accuracy;  ///< where the scene asks for an error
 
-  /// Both together: what was run.
-  std::string complete() const;
+  /// `values` as one JSON object; it reads back to the same.
+  std::string description() const;
 };
 
 /// A change that a study makes to a case before it is validated, such as another method.

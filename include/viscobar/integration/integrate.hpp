@@ -123,7 +123,7 @@ struct OdeintPlan {
   Stepper stepper = Stepper::dopri5;  ///< never automatic
   double least_steps = 0.0;           ///< that stability requires
   double longest_step = 0.0;          ///< at which no mode of the mesh grows; 0: of no matter
-  std::optional<Refusal> refusal;     ///< why the method does not fit
+  std::optional<Finding> refusal;     ///< why the method does not fit
 };
 /// Chooses the stepper and counts its steps. O(n).
 OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method);

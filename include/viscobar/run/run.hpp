@@ -252,23 +252,11 @@ struct Observers {
   bool off_the_clock = true;
 };
 
-/// Why a method does not take a system.
-enum class Refusal {
-  algebraic_rows,  ///< massless contact nodes without viscosity have algebraic equations
-  viscosity,       ///< the method conserves energy
-  span,            ///< it takes contacts at the ends only
-  end_springs,     ///< it takes ends without springs
-  rigid_contacts,  ///< it penalises, and epsilon is not positive
-  many_unknowns,   ///< for its dense matrices
-  many_steps,      ///< that it would make
-  directions       ///< it has no derivatives
-};
-
-/// A method that does not take a system.
+/// A method that does not take a system; the finding says why, and what to change in keys of a scene file.
 class Unfit : public std::invalid_argument {
  public:
-  Unfit(std::string_view method, Refusal why);  ///< with the reason in words
-  Refusal refusal;                              ///< what it is
+  Unfit(std::string_view method, Finding why);
+  Finding finding;  ///< what it is
 };
 
 /// Why a run could not go on. What to change follows from it, in keys of a scene file: see remedy() of case.hpp.

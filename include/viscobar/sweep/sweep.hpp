@@ -49,8 +49,7 @@ struct SweepPlan {
   /// Names of all columns behind the quantities: chosen_columns() where an error is to be kept, then derivatives().
   std::vector<std::string> further_columns() const;
   std::vector<std::size_t> choice(std::size_t index) const;  ///< an index into the values of each key
-  /// "table.key=value" for each key, as read_scene() takes them; numbers read back to the last bit.
-  std::vector<std::string> overrides(std::size_t index) const;
+  std::vector<Setting> settings(std::size_t index) const;    ///< the value of each key
 };
 
 /// Columns of a sweep's table, one number of each case; timings are apart.
@@ -143,11 +142,11 @@ std::vector<std::size_t> dispatch_order(std::span<const double> costs);
 
 /// A sweep as read: the scene, what holds for all cases, and what varies.
 struct SweepFile {
-  std::string title;                  ///< free text
-  std::string scene_source;           ///< path of the scene, for diagnostics
-  std::string scene_text;             ///< the scene itself, so that every worker runs the same
-  std::vector<std::string> settings;  ///< "table.key=value" for all cases: [set], then those of the command line
-  SweepPlan plan;                     ///< what varies
+  std::string title;              ///< free text
+  std::string scene_source;       ///< path of the scene, for diagnostics
+  std::string scene_text;         ///< the scene itself, so that every worker runs the same
+  std::vector<Setting> settings;  ///< for all cases: [set], then those of the command line
+  SweepPlan plan;                 ///< what varies
 
   /// Where a key of [set] or [vary] stands: a finding about its value in a case is one there.
   std::map<std::string, Diagnostic, std::less<>> places;
@@ -174,10 +173,10 @@ struct NeighbourStart {
   AccuracyStart start;    ///< its settings
 };
 
-/// A case as the workers run it: the scene's text and all overrides.
+/// A case as the workers run it: the scene's text and all that is laid over it.
 struct SweepCase {
   std::size_t index = 0;                      ///< in the plan
-  std::vector<std::string> overrides;         ///< "table.key=value", settings and varied keys
+  std::vector<Setting> settings;              ///< those for all cases, and the varied keys
   std::optional<NeighbourStart> neighbour{};  ///< absent: the case searches by itself
 };
 

@@ -1,4 +1,7 @@
+#include <fmt/format.h>
+
 #include "integration/odeint/explicit_formulas.hpp"
+#include "run/parts.hpp"
 #include "viscobar/integration/integrate.hpp"
 
 namespace viscobar {
@@ -75,15 +78,22 @@ OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method) 
     plan.stepper = few && explicit_steps > dense_worth * n * n ? Stepper::rosenbrock4 : Stepper::dopri5;
   }
   if (system.has_massless() && !system.damped()) {
-    plan.refusal = Refusal::algebraic_rows;
+    plan.refusal = algebraic_rows("odeint");
   } else if (plan.stepper == Stepper::dopri5) {
     plan.least_steps = explicit_steps;
     if (bound.open * system.bar().viscosity < 2.0 * damped * system.bar().modulus)
       plan.longest_step = imaginary_stability / bound.open;
   } else if (!few) {
-    plan.refusal = Refusal::many_unknowns;
+    plan.refusal = Finding{"method.stepper",
+                           fmt::format("rosenbrock4 works with dense matrices, up to {} unknown nodes, here are {}; "
+                                       "use arkode, or dopri5",
+                                       Odeint::most_dense_unknowns, system.size())};
   }
-  if (!plan.refusal && plan.least_steps > most_steps) plan.refusal = Refusal::many_steps;
+  if (!plan.refusal && plan.least_steps > most_steps)
+    plan.refusal = Finding{"method.name",
+                           fmt::format("{} would make at least {:.1e} steps: it is explicit, and the scene is stiff; "
+                                       "use cvode or arkode",
+                                       name(plan.stepper), plan.least_steps)};
   return plan;
 }
 

@@ -21,10 +21,10 @@ using plot::Range;
 
 /// A method has the same colour and dashes in every picture, whatever else is there. No two methods have both alike.
 std::string colour(const MethodRun& run) {
-  return run.built_in ? plot::series_colour(static_cast<std::size_t>(run.run.method)) : "var(--ink)";
+  return run.built_in ? plot::series_colour(static_cast<std::size_t>(run.setup.run.method)) : "var(--ink)";
 }
 plot::Style style(const MethodRun& run, double width) {
-  return {colour(run), false, width, run.built_in ? static_cast<std::size_t>(run.run.method) : 0};
+  return {colour(run), false, width, run.built_in ? static_cast<std::size_t>(run.setup.run.method) : 0};
 }
 
 const std::string& label(const MethodRun& run) { return run.label; }
@@ -186,14 +186,15 @@ Json to_json(const ContactPeriod& period) {
 }
 
 Json to_json(const MethodRun& run) {
-  Json json = {{"method", run.label}, {"mass", name(run.mass)}};
-  if (run.built_in && is_scheme(run.run.method)) json["step"] = scheme_step(run.run);
-  if (run.built_in && is_adaptive(run.run.method)) {
-    json["relative_tolerance"] = run.run.tolerance.relative;
-    json["absolute_tolerance"] = to_json(allowance(run.run.tolerance, make_system(run.run), run.run.end));
+  const Case& of = run.setup.run;
+  Json json = {{"method", run.label}, {"mass", name(run.setup.mass)}};
+  if (run.built_in && is_scheme(of.method)) json["step"] = run.setup.step;
+  if (run.built_in && is_adaptive(of.method)) {
+    json["relative_tolerance"] = of.tolerance.relative;
+    json["absolute_tolerance"] = to_json(allowance(of.tolerance, run.setup.system(), of.end));
   }
-  if (run.built_in && is_penalised(run.run.method)) json["epsilon"] = effective_epsilon(run.run);
-  if (run.run.restitution) json["restitution"] = *run.run.restitution;
+  if (run.built_in && is_penalised(of.method)) json["epsilon"] = run.setup.epsilon;
+  if (of.restitution) json["restitution"] = *of.restitution;
   json["completed"] = run.recording.has_value();
   json["error"] = run.recording ? Json(nullptr) : Json(run.error);
   if (!run.recording) return json;
@@ -245,8 +246,7 @@ std::string compare_json(const SceneFile& scene, const MethodChoice& choice, con
   for (const auto& [skipped, reason] : choice.skipped)
     json["skipped"].push_back({{"method", name(skipped)}, {"reason", reason}});
   json["remarks"] = remarks(choice, check);
-  json["scene"] = Json::parse(scene.complete());
-  json["chosen"] = Json::parse(scene.chosen);
+  tell(json, scene);
   json["version"] = versions().viscobar;
   return json_text(json);
 }

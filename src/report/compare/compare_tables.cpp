@@ -18,9 +18,9 @@ constexpr std::size_t most_contacts = 30;
 std::string count(std::size_t value) { return fmt::format("{}", value); }
 
 std::string settings(const MethodRun& method, NumberText number) {
-  const Case& run = method.run;
+  const Case& run = method.setup.run;
   if (!method.built_in) return "";
-  if (is_scheme(run.method)) return "step " + number(scheme_step(run));
+  if (is_scheme(run.method)) return "step " + number(method.setup.step);
   if (is_adaptive(run.method)) return "tolerance " + number(run.tolerance.relative);
   return "";
 }
@@ -35,7 +35,7 @@ Table method_table(const Comparison& check, NumberText number) {
       3,
       {}};
   for (const MethodRun& run : check.runs) {
-    std::vector<std::string> row = {run.label, std::string(name(run.mass)), settings(run, number), "failed"};
+    std::vector<std::string> row = {run.label, std::string(name(run.setup.mass)), settings(run, number), "failed"};
     if (run.recording) {
       const Statistics& s = run.recording->statistics;
       const auto energy = [&](double EnergyAccount::*member) { return s.energy ? number((*s.energy).*member, 5) : ""; };
@@ -63,7 +63,7 @@ Table difference_table(const Comparison& check, NumberText number, const std::st
     const Difference* d = difference(i);
     if (!d) continue;
     const auto known = [&](const std::optional<double>& value) { return value ? number(*value) : std::string(); };
-    table.rows.push_back({check.runs[i].label, std::string(name(check.runs[i].mass)), known(d->displacement_l2),
+    table.rows.push_back({check.runs[i].label, std::string(name(check.runs[i].setup.mass)), known(d->displacement_l2),
                           known(d->displacement_h1), known(d->velocity_l2), number(d->end_trace),
                           fmt::format("{} of {}, {}", d->events_matched, d->events, d->events_other),
                           known(d->largest_event_shift), known(d->energy_final)});
@@ -123,7 +123,7 @@ std::vector<std::string> remarks(const MethodChoice& choice, const Comparison& c
     found.push_back(fmt::format("{} was left out: {}", name(method), reason));
   std::map<Mass, std::string> masses;
   for (const MethodRun& run : check.runs)
-    if (run.built_in) masses[run.mass] += (masses[run.mass].empty() ? "" : ", ") + run.label;
+    if (run.built_in) masses[run.setup.mass] += (masses[run.setup.mass].empty() ? "" : ", ") + run.label;
   if (masses.size() > 1) {
     std::string each;
     for (const auto& [mass, methods] : masses)
@@ -134,13 +134,15 @@ std::vector<std::string> remarks(const MethodChoice& choice, const Comparison& c
         each);
   }
   const bool penalty = std::ranges::any_of(check.runs, [](const MethodRun& run) {
-    return run.built_in && is_penalised(run.run.method) && !make_system(run.run).contacts().empty();
+    return run.built_in && is_penalised(run.setup.run.method) && meets_obstacle(run.setup.run.scene);
   });
   const bool exact = std::ranges::any_of(check.runs, [](const MethodRun& run) {
-    return run.built_in &&
-           (is_scheme(run.run.method) || (run.run.method == MethodName::rigid && run.mass != Mass::redistributed));
+    const auto& [label, built_in, setup, recording, contacts, error] = run;
+    return built_in && (is_scheme(setup.run.method) ||
+                        (setup.run.method == MethodName::rigid && setup.mass != Mass::redistributed));
   });
-  if (penalty && exact && !check.runs.front().run.restitution && check.runs.front().run.mass != Mass::redistributed)
+  const Case& first = check.runs.front().setup.run;
+  if (penalty && exact && !first.restitution && first.mass != Mass::redistributed)
     found.push_back(
         "Contact nodes with mass rebound from an undamped penalty and do not from an exact constraint; "
         "contact.restitution gives both the same law, mesh.mass = \"redistributed\" takes the mass away");

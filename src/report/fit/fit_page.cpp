@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "input/described_scene.hpp"
 #include "report/page.hpp"
 #include "results/json.hpp"
 #include "text/number.hpp"
@@ -161,7 +162,7 @@ std::string fit_json(const SceneFile& scene, const FitStudy& study, const FitRes
     json["undetermined"].push_back({{"singular_value", lack.singular_value}, {"shares", shares}});
   }
   json["warnings"] = remarks(study, result);
-  json["scene"] = Json::parse(scene.complete());
+  json["scene"] = complete(scene);
   json["version"] = versions().viscobar;
   json["platform"] = versions().platform;
   return json_text(json);

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
 #include "case/method_table.hpp"
+#include "input/described_scene.hpp"
 #include "input/scene_keys.hpp"
 #include "input/trace_file.hpp"
 #include "scene/unit_names.hpp"
@@ -40,22 +40,16 @@ std::pair<std::string, std::string> assignment(const std::string& text, const st
   return {name, text.substr(equals + 1)};
 }
 
-std::string list_of(const std::vector<std::string>& keys) {
-  std::string list;
-  for (const std::string& key : keys) list += fmt::format("{}'{}'", list.empty() ? "" : ", ", key);
-  return fmt::format("sensitivity.of=[{}]", list);
-}
-
 /// Where the scene puts a parameter, and how far it may go.
 FittedParameter parameter_of(const SceneFile& scene, const std::string& key) {
-  const auto all = nlohmann::ordered_json::parse(scene.complete());
-  const std::size_t dot = key.find('.');
-  const std::string table = key.substr(0, dot), leaf = key.substr(dot + 1);
-  if (!all.contains(table) || !all[table].contains(leaf) || !all[table][leaf].is_number())
+  const SceneValue* value = value_of(scene.chosen, key);
+  if (!value) value = value_of(scene.values, key);
+  if (!value || !(std::holds_alternative<double>(*value) || std::holds_alternative<std::int64_t>(*value)))
     throw std::invalid_argument(fmt::format("--parameters: the scene gives no number for {}, to begin with", key));
   FittedParameter parameter;
   parameter.key = key;
-  parameter.start = all[table][leaf].get<double>();
+  parameter.start = std::holds_alternative<double>(*value) ? std::get<double>(*value)
+                                                           : static_cast<double>(std::get<std::int64_t>(*value));
   if (const SceneKey* known = find_scene_key(key); known && !is_parameter(key))
     parameter.low = known->range.low, parameter.high = known->range.high;
   return parameter;
@@ -151,7 +145,7 @@ void read_changes(FitStudy& study, const SceneFile& scene, const std::string& fi
 }  // namespace
 
 PreparedFit prepared_fit(const FitRequest& request,
-                         const std::function<SceneFile(const std::vector<std::string>& settings)>& read) {
+                         const std::function<SceneFile(const std::vector<Setting>& settings)>& read) {
   if (request.data.empty() && request.events.empty())
     throw std::invalid_argument("fit: there are no data; give --data FILE, --events FILE, or both");
   PreparedFit prepared{read({}), {}};
@@ -159,8 +153,8 @@ PreparedFit prepared_fit(const FitRequest& request,
   FitStudy& study = prepared.study;
   // A method without derivatives is kept, and its runs are differenced.
   study.differences = !method_row(scene.run.method).differentiates;
-  std::vector<std::string> kept;
-  if (!study.differences) kept.push_back(list_of(request.parameters));
+  std::vector<Setting> kept;
+  if (!study.differences) kept.emplace_back(std::pair("sensitivity.of", request.parameters));
   study.starts = request.starts;
   study.most_runs = request.most_runs;
   if (!request.data.empty()) read_data(study, scene, request.data);
@@ -199,13 +193,12 @@ PreparedFit prepared_fit(const FitRequest& request,
       if (column == name(trace.column)) trace.deviation = deviation, trace.assumed = false;
   }
   // What is chosen for the scene stays while its values move.
-  const auto chosen = nlohmann::ordered_json::parse(scene.chosen);
-  if (chosen.contains("contact"))
-    kept.push_back(fmt::format("contact.epsilon={}", chosen["contact"]["epsilon"].dump()));
-  kept.push_back(fmt::format("method.name={}", name(scene.run.method)));
+  if (const SceneValue* epsilon = value_of(scene.chosen, "contact.epsilon"))
+    kept.emplace_back(std::pair("contact.epsilon", *epsilon));
+  kept.emplace_back(std::pair("method.name", std::string(name(scene.run.method))));
   study.model = [read, kept, keys = request.parameters](std::span<const double> values) {
-    std::vector<std::string> settings = kept;
-    for (std::size_t k = 0; k < values.size(); ++k) settings.push_back(fmt::format("{}={}", keys[k], values[k]));
+    std::vector<Setting> settings = kept;
+    for (std::size_t k = 0; k < values.size(); ++k) settings.emplace_back(std::pair(keys[k], values[k]));
     return read(settings).run;
   };
   return prepared;

@@ -27,6 +27,6 @@ struct PreparedFit {
 /// `read` gives the scene with further settings, "table.key=value"; the study's model calls it for each run.
 /// @throws std::invalid_argument for a request that makes no sense, SceneError for files and scenes that do not
 PreparedFit prepared_fit(const FitRequest& request,
-                         const std::function<SceneFile(const std::vector<std::string>& settings)>& read);
+                         const std::function<SceneFile(const std::vector<Setting>& settings)>& read);
 
 }  // namespace viscobar

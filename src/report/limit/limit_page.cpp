@@ -178,7 +178,7 @@ std::string local_powers(const LimitResult& result) {
 std::string numbers(const LimitStudy& study, const LimitResult& result) {
   Numbers all;
   const LimitOrders& orders = result.orders[finest(result)];
-  all.add("Mass", std::string(name(effective_mass(study.scene))));
+  all.add("Mass", std::string(name(resolve(study.scene).mass)));
   all.add("Restitution", study.scene.restitution ? readable(*study.scene.restitution) : "not given",
           study.scene.restitution ? "in penalty and scheme" : "undamped penalty, implicit constraint in the scheme");
   all.add("Penalty ε", readable(study.epsilons.front()) + " to " + readable(study.epsilons.back()),
@@ -215,7 +215,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   json["order_to_scheme"] = order_or_null(orders.to_scheme);
   json["sentence"] = limit_sentence(orders);
   json["budget"] = study.budget;
-  json["mass"] = name(effective_mass(study.scene));
+  json["mass"] = name(resolve(study.scene).mass);
   json["restitution"] = study.scene.restitution;
   json["rows"] = Json::array();
   for (const LimitRow& row : result.rows) json["rows"].push_back(to_json(row, study.derivatives));
@@ -243,12 +243,11 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   asked["relative_tolerance"] = study.scene.tolerance.relative;
   asked["budget"] = study.budget;
   asked["derivatives"] = study.derivatives;
-  json["scene"] = Json::parse(scene.complete());
-  json["chosen"] = Json::parse(scene.chosen);
+  tell(json, scene);
   // What ran, not what was asked: the scene of limit.json, as it stands, is that of the finest mesh.
   Json& ran = json["scene"];
   ran["mesh"]["elements"] = orders.elements;
-  ran["mesh"]["mass"] = name(effective_mass(study.scene));
+  ran["mesh"]["mass"] = name(resolve(study.scene).mass);
   ran["method"]["relative_tolerance"] = orders.tolerance;
   if (orders.scheme_step > 0.0) ran["method"]["step"] = orders.scheme_step;
   if (json["chosen"].contains("mesh") && json["chosen"]["mesh"].contains("elements"))

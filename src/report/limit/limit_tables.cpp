@@ -36,7 +36,7 @@ LimitTheory theory(const LimitStudy& study) {
   const bool common = study.scene.restitution.has_value();
   if (!study.scene.scene.span) return {0.5, common ? std::optional(0.5) : std::nullopt};
   // Contacts of neighbours are one impact each only where the mass does not couple them.
-  const bool apart = effective_mass(study.scene) != Mass::consistent;
+  const bool apart = resolve(study.scene).mass != Mass::consistent;
   return {0.5, common && apart ? std::optional(0.5) : std::nullopt, std::nullopt, "ρh⁴/η²"};
 }
 
@@ -114,7 +114,7 @@ std::string remedy_of_plateau(const LimitStudy& study) {
                ". A contact node with mass rebounds from an undamped penalty and not from the scheme's constraint: "
                "contact.restitution gives both the same law") +
            (study.scene.scene.span ? "" : ", --mass redistributed takes the mass away");
-  if (study.scene.scene.span && effective_mass(study.scene) == Mass::consistent)
+  if (study.scene.scene.span && resolve(study.scene).mass == Mass::consistent)
     return ". Under a span obstacle the consistent mass ties the impacts of neighbours together, where penalty and "
            "scheme share no law; with --mass lumped they do";
   return "";

@@ -71,7 +71,7 @@ Json to_json(const PrecisionResult& result) {
 
 std::string numbers(const PrecisionStudy& study, const PrecisionResult& result) {
   Numbers all;
-  all.add("Mass", std::string(name(effective_mass(study.scene))), "finite_difference: diagonal");
+  all.add("Mass", std::string(name(resolve(study.scene).mass)), "finite_difference: diagonal");
   if (study.scene.epsilon) all.add("Penalty ε", readable(*study.scene.epsilon));
   if (result.reference) {
     all.add("Largest |u|", readable(result.reference->largest_displacement, 3));
@@ -111,8 +111,7 @@ std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, 
   json["remarks"] = remarks(study, result);
   json["errors_every"] = result.every;
   json["core_share"] = result.core_share;
-  json["scene"] = Json::parse(scene.complete());
-  json["chosen"] = Json::parse(scene.chosen);
+  tell(json, scene);
   json["version"] = versions().viscobar;
   json["platform"] = versions().platform;
   return json_text(json);

@@ -41,7 +41,8 @@ bool worked_on(const Scene& scene) {
   return scene.load || drives(scene.left_input) || drives(scene.right_input);
 }
 
-std::string numbers(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data) {
+std::string numbers(const Setup& setup, const BarSystem& system, const Outcome& outcome, const ReportData& data) {
+  const Case& run = setup.run;
   Numbers all;
   const InUnits with(run);
   all.add("Method", method_words(run));
@@ -51,8 +52,8 @@ std::string numbers(const Case& run, const BarSystem& system, const Outcome& out
             fmt::format("relative; absolute {} of u, {} of v", with(absolute.displacement, Dimension::length),
                         with(absolute.velocity, Dimension::velocity)));
   }
-  if (is_scheme(run.method)) all.add("Time step", with(scheme_step(run), Dimension::time));
-  if (data.has_springs()) all.add("Penalty ε", readable(effective_epsilon(run)));
+  if (is_scheme(run.method)) all.add("Time step", with(setup.step, Dimension::time));
+  if (data.has_springs()) all.add("Penalty ε", readable(setup.epsilon));
   if (run.restitution && !system.contacts().empty()) all.add("Restitution", readable(*run.restitution));
   all.add("Elements", fmt::format("{}", system.mesh().elements),
           fmt::format("h = {}{}, {} mass", with(system.mesh().spacing(), Dimension::length),
@@ -88,7 +89,8 @@ std::string numbers(const Case& run, const BarSystem& system, const Outcome& out
   return all.html("The run in numbers");
 }
 
-std::string contact_section(const Case& run, const BarSystem& system, const Outcome& outcome) {
+std::string contact_section(const Setup& setup, const BarSystem& system, const Outcome& outcome) {
+  const Case& run = setup.run;
   if (!outcome.statistics || !outcome.statistics->account) return {};
   const RunAccount& account = *outcome.statistics->account;
   const Units& units = run.scene.units;
@@ -108,7 +110,7 @@ std::string contact_section(const Case& run, const BarSystem& system, const Outc
   add("span, its nodes together", run.scene.span.has_value(), account.span);
   if (table.rows.empty()) return {};
   std::vector<std::string> notes;
-  const auto remark = peak_remark(run, system);
+  const auto remark = peak_remark(setup, system);
   if (remark && account.left.closings + account.right.closings + account.span.closings > 0)
     notes.push_back("Peak reaction: " + *remark);
   return section_html("Contact", html(table) + notes_html(notes));
@@ -186,7 +188,8 @@ std::vector<std::pair<std::string, std::string>> estimate_rows(const ErrorEstima
   return rows;
 }
 
-Page report_page(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data) {
+Page report_page(const Setup& setup, const BarSystem& system, const Outcome& outcome, const ReportData& data) {
+  const Case& run = setup.run;
   Page page(run.scene.title.empty() ? "A run of viscobar" : run.scene.title, run.scene);
   if (!outcome.error.empty())
     page.add_head(fmt::format("<p class=\"failed\"><b>The run did not complete.</b> It reached t = {}: {}</p>\n",
@@ -211,12 +214,12 @@ Page report_page(const Case& run, const BarSystem& system, const Outcome& outcom
     page.add_data("events", events_json(data, outcome.events));
     page.add_data("supports", supports_json(run.scene, outcome, data));
   }
-  page.add(numbers(run, system, outcome, data));
+  page.add(numbers(setup, system, outcome, data));
   if (outcome.error_estimate) page.add(estimate_section(run, *outcome.error_estimate));
   if (!outcome.no_estimate.empty())
     page.add(
         section_html(how_far, fmt::format("<p>There is no estimate: {}</p>\n", sentence_html(outcome.no_estimate))));
-  page.add(contact_section(run, system, outcome));
+  page.add(contact_section(setup, system, outcome));
   page.add(event_section(run.scene.units, outcome, data));
   return page;
 }

@@ -13,7 +13,7 @@
 namespace viscobar {
 
 /// The page report.html, with the pictures that the scene gives rise to.
-Page report_page(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data);
+Page report_page(const Setup& setup, const BarSystem& system, const Outcome& outcome, const ReportData& data);
 
 /// Puts the time of the whole run into it, which its making is a part of.
 void tell_whole_run(Page& page, double wall_seconds);

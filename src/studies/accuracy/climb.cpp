@@ -135,9 +135,9 @@ void Plan::pilot() {
 }
 
 bool Plan::affordable(std::size_t elements) const {
-  const Case run = with(at(elements));
-  return elements <= study_.most_elements && estimated_seconds(run) <= 10.0 * study_.most_seconds &&
-         validate(run).empty();
+  const Setup setup = resolve(with(at(elements)));
+  return elements <= study_.most_elements && estimated_seconds(setup) <= 10.0 * study_.most_seconds &&
+         faults(setup).empty();
 }
 
 // In eights, so that a half has quarters, and halves keep the unit.

@@ -144,7 +144,7 @@ std::size_t DataError::unit() const {
 
 double layer_error(const Case& run, double speed) {
   const Bar& bar = run.scene.bar;
-  const double h = run.mesh().spacing(), a = effective_mass(run) == Mass::fourth_order ? 0.0039 : 0.019;
+  const double h = run.mesh().spacing(), a = resolve(run).mass == Mass::fourth_order ? 0.0039 : 0.019;
   const double elastic = std::sqrt(bar.density / bar.modulus);
   return a * speed * h * (bar.viscosity > 0.0 ? std::min(h * bar.density / bar.viscosity, elastic) : elastic);
 }

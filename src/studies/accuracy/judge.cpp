@@ -35,7 +35,7 @@ std::vector<Setting> Plan::wanted_by_judge() const {
 
 // The change of the data as a displacement.
 double Plan::moved_by_nudge() const {
-  return nudge_ * std::min(base_.end, natural_scales(make_system(base_), base_.end).time);
+  return nudge_ * std::min(base_.end, natural_scales(resolve(base_).system(), base_.end).time);
 }
 
 // max |change of u| / change of the data, on the finest mesh that was run.
@@ -104,6 +104,7 @@ void Plan::tell_runs(ErrorEstimate& estimate) const {
 }
 
 void Plan::explain(ErrorEstimate& estimate, const Case& run) const {
+  const Setup setup = resolve(run);
   const AccuracyRequest::Given& given = study_.request.given;
   const auto because = [&](bool given_by_user, const std::string& key, const std::string& why) {
     estimate.reasons.push_back(given_by_user ? key + ": as the scene says" : why);
@@ -111,9 +112,9 @@ void Plan::explain(ErrorEstimate& estimate, const Case& run) const {
   because(given.method, fmt::format("{}", name(run.method)),
           run.method == MethodName::rigid ? "rigid: no penalty, so nothing but mesh and tolerance is to be paid for"
                                           : fmt::format("{}: what suits the scene", name(run.method)));
-  because(given.mass, fmt::format("{} mass", name(effective_mass(run))),
+  because(given.mass, fmt::format("{} mass", name(setup.mass)),
           fmt::format("{} mass: errors fall with the power {:g} of the mesh where the motion is smooth",
-                      name(effective_mass(run)), theory_));
+                      name(setup.mass), theory_));
   because(given.elements, fmt::format("{} elements", run.elements),
           fmt::format("{} elements: from {}", run.elements,
                       estimate.order ? fmt::format("the observed power {:.2g} of the mesh", *estimate.order)
@@ -121,9 +122,9 @@ void Plan::explain(ErrorEstimate& estimate, const Case& run) const {
               (unit_ > 1 ? "; the data break at nodes" : ""));
   if (penalised_)
     estimate.reasons.push_back(
-        contact_law(run) + (run.restitution && !given.restitution
-                                ? "; without this request they are thrown back: give contact.restitution to say which"
-                                : ""));
+        contact_law(setup) + (run.restitution && !given.restitution
+                                  ? "; without this request they are thrown back: give contact.restitution to say which"
+                                  : ""));
   if (penalised_)
     because(given.epsilon, fmt::format("epsilon {:.3g}", *run.epsilon),
             fmt::format("epsilon {:.3g}: from two penalties, its part of the error", *run.epsilon));
@@ -187,7 +188,7 @@ ErrorEstimate Plan::judge(std::optional<Sample> solution) {
   estimate.total = estimate.space + estimate.time + estimate.penalty;
   if (as_it_is_) {
     tell_runs(estimate);
-    if (penalised_) estimate.reasons.push_back(contact_law(judged));
+    if (penalised_) estimate.reasons.push_back(contact_law(resolve(judged)));
     if (const std::size_t least = data_error_.least(); least > elements)
       estimate.reasons.push_back(
           fmt::format("the load has waves that {} elements do not have, and {} would", elements, least));

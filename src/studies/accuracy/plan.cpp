@@ -31,12 +31,8 @@ std::function<double(double)> nudged(const Scene& scene, double by) {
 
 Plan::Plan(Case as_it_is, double most_seconds, std::function<bool()> stop)
     : Plan([&] {
-        // What depends on the mesh is that of this one.
-        if (is_penalised(as_it_is.method)) as_it_is.epsilon = effective_epsilon(as_it_is);
-        as_it_is.mass = effective_mass(as_it_is);
-        if (is_scheme(as_it_is.method)) as_it_is.step = scheme_step(as_it_is);
         AccuracyStudy study;
-        study.scene = std::move(as_it_is);
+        study.scene = resolve(std::move(as_it_is)).settled();  // coarser meshes take the settings of this one
         study.request.error = std::numeric_limits<double>::infinity();
         study.request.given = {true, true, true, true, true, true, true};
         study.stop = std::move(stop);
@@ -58,7 +54,7 @@ Plan::Plan(const AccuracyStudy& study)
   stepping_ = is_scheme(base_.method);
   exact_time_ = base_.method == MethodName::exponential;
   penalised_ = is_penalised(base_.method) && meets_obstacle(scene);
-  if (const auto found = fault(study_.request, base_))
+  if (const auto found = fault(study_.request, resolve(base_)))
     throw std::invalid_argument(fmt::format("{}: {}", found->key, found->problem));
   // A massive node that a dashpot stops does what it does in the limit. Under a span obstacle neighbours meet it at
   // once, and only a diagonal mass keeps their impacts apart; on fourth_order a free end that meets it has order 1.
@@ -66,7 +62,7 @@ Plan::Plan(const AccuracyStudy& study)
     Case better = base_;
     better.mass = scene.span ? Mass::lumped : Mass::fourth_order;
     if (penalised_ && study_.request.of != Goal::peak_reaction) better.restitution = 0.0;
-    if ((scene.span || base_.grading == 1.0) && validate(better).empty()) base_ = better;
+    if ((scene.span || base_.grading == 1.0) && sound(better)) base_ = better;
   }
   theory_ = order_in_theory(base_);
   ratio_ = stepping_ ? 2.0 : 10.0;
@@ -74,7 +70,7 @@ Plan::Plan(const AccuracyStudy& study)
   if (!study_.request.relative) requested_ = study_.request.error;
 
   chosen_.elements = base_.elements;
-  const NaturalScales scales = natural_scales(make_system(base_), base_.end);
+  const NaturalScales scales = natural_scales(resolve(base_).system(), base_.end);
   const double length = scales.displacement;
   nudge_ = nudge_share * scales.velocity();
   if (stepping_)

@@ -43,7 +43,7 @@ QuickEstimate forecast(const Case& run, double seconds, const std::function<bool
   if (found.estimate || run.elements < 4 * fewest) return found;
   Case coarser = run;
   coarser.elements = (run.elements + 3) / 4;
-  if (!validate(coarser).empty()) return found;
+  if (!sound(coarser)) return found;
   QuickEstimate other = forecast(coarser, seconds, stop);
   return other.estimate ? other : found;
 }

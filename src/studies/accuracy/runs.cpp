@@ -35,7 +35,7 @@ std::vector<Setting> Runs::unknown(std::vector<Setting> settings) const {
 std::size_t Runs::long_ones(const std::vector<Setting>& settings) const {
   constexpr double seconds = 1e-3, too_large = 5.0;
   const auto expected = [&](const Setting& one) {
-    if (made_.empty()) return estimated_seconds(make_(one)) / too_large;
+    if (made_.empty()) return estimated_seconds(resolve(make_(one))) / too_large;
     const auto& [known, statistics] = made_.back();
     const double finer = static_cast<double>(one.elements) / static_cast<double>(known.elements);
     return statistics.integration_seconds * std::max(1.0, finer);

@@ -69,8 +69,8 @@ std::optional<Sample> sample_of(const Case& run, std::span<const double> times, 
                                 bool peaks) {
   Case plain = run;
   plain.directions.clear();
-  const BarSystem system = make_system(plain);
-  Probe probe(plain, times.size());
+  const Setup setup = resolve(std::move(plain));
+  Probe probe(setup.run, times.size());
   Observers observers;
   observers.account = true;
   observers.off_the_clock = observers.reactions = false;
@@ -78,7 +78,7 @@ std::optional<Sample> sample_of(const Case& run, std::span<const double> times, 
   observers.snapshot = [&](const Snapshot& snapshot) { probe.add(snapshot); };
   observers.event = [&](const Event& event) { probe.add(event); };
   if (stop) observers.progress = [&stop](double) { return stop() ? RunControl::stop : RunControl::go_on; };
-  const Statistics done = simulate(plain, system, times, observers);
+  const Statistics done = simulate(setup, times, observers);
   if (!done.completed) return std::nullopt;
   return probe.take(done);
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "studies/parallel.hpp"
 #include "viscobar/case/recorder.hpp"
@@ -25,11 +26,11 @@ std::optional<std::string> try_method(MethodChoice& choice, const Case& scene, M
   run.method = method;
   if (!run.mass) run.mass = common_mass(scene);
   const bool needs_step = is_scheme(method) && !run.step;
-  if (needs_step) run.step = scheme_step(run);
-  std::vector<Finding> findings = validate(run);
+  if (needs_step) run.step = resolve(run).step;
+  std::vector<Finding> findings = faults(resolve(run));
   if (!findings.empty() && !scene.mass) {
     run.mass.reset();
-    findings = validate(run);
+    findings = faults(resolve(run));
   }
   if (!findings.empty()) return fmt::format("{}: {}", findings.front().key, findings.front().problem);
   if (needs_step) choice.default_step.push_back(method);
@@ -40,24 +41,21 @@ std::optional<std::string> try_method(MethodChoice& choice, const Case& scene, M
 std::optional<std::string> takes_long(const Case& scene, MethodName method) {
   Case run = scene;
   run.method = method;
-  if (method != MethodName::odeint || !validate(run).empty()) return std::nullopt;
-  const double steps = plan(make_system(run), run.end, odeint(run)).least_steps;
-  if (steps * static_cast<double>(run.elements) <= most_explicit_work) return std::nullopt;
+  if (method != MethodName::odeint) return std::nullopt;
+  const Setup setup = resolve(std::move(run));
+  if (!faults(setup).empty()) return std::nullopt;
+  const double steps = plan(setup.system(), scene.end, std::get<Odeint>(setup.method)).least_steps;
+  if (steps * static_cast<double>(scene.elements) <= most_explicit_work) return std::nullopt;
   return fmt::format("would make {:.1e} steps, for it is explicit; it runs when asked for by name", steps);
 }
 
 MethodRun attempt(const Contender& contender) {
   Case run = contender.run;
   run.directions.clear();  // what methods are compared by is told by all of them
-  MethodRun result;
-  result.label = contender.label;
-  result.built_in = !contender.solver;
-  result.run = run;
-  result.mass = effective_mass(run);
+  MethodRun result{contender.label, !contender.solver, resolve(std::move(run)), {}, {}, {}};
   try {
-    if (result.built_in) result.mass = make_system(run).mass();
-    Recording recording = result.built_in ? record(run) : contender.solver(run);
-    if (const auto problem = fault(recording, run)) throw std::invalid_argument(*problem);
+    Recording recording = result.built_in ? record(result.setup) : contender.solver(result.setup.run);
+    if (const auto problem = fault(recording, result.setup.run)) throw std::invalid_argument(*problem);
     const std::vector<double>& times = recording.times;
     result.contacts = contact_periods(recording, 0.01 * (times.back() - times.front()));
     result.recording = std::move(recording);

@@ -71,7 +71,7 @@ Eigen::VectorXd model_error(const FitStudy& study, const Minimum& best, const Ei
                             const Eigen::MatrixXd& inverse, FitResult& result) {
   try {
     const Case run = finer(study.model({best.at.data(), static_cast<std::size_t>(best.at.size())}));
-    if (const auto faults = validate(run); !faults.empty()) throw std::runtime_error(faults.front().problem);
+    if (const auto found = faults(resolve(run)); !found.empty()) throw std::runtime_error(found.front().problem);
     ++result.runs;
     const Misfit fine = measure(study, run, Compared::samples, false, 1000 + 200 * best.misfit.steps);
     return 2.0 * (inverse * (scaled.transpose() * (fine.residual - best.misfit.residual))).cwiseAbs();

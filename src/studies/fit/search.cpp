@@ -136,7 +136,7 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
   if (times.back() < end) times.push_back(end);
   if (times.size() < 2) throw std::invalid_argument("fit: the data have no time after 0");
 
-  const BarSystem system = make_system(run);
+  const Setup setup = resolve(run);
   const Eigen::Index parameters = derivatives ? std::ssize(study.parameters) : 0;
   std::vector<std::vector<Traced>> model(study.traces.size());
   Observers observers;
@@ -159,7 +159,7 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
     stopped = stopped || (study.stop && study.stop());
     return stopped || ++misfit.steps > most_steps ? RunControl::stop : RunControl::go_on;
   };
-  const Statistics done = simulate(run, system, times, observers);
+  const Statistics done = simulate(setup, times, observers);
   if (stopped) throw FitStopped();
   if (!done.completed) throw std::runtime_error(fmt::format("the run takes more than {} steps", most_steps));
   if (done.sensitivity) misfit.lost = done.sensitivity->lost;

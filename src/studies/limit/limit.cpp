@@ -398,7 +398,8 @@ LimitResult limit_of(const LimitStudy& study) {
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     Case probe = study.scene;
     probe.elements = meshes[m];
-    MeshRuns mesh = runs_of(study, meshes[m], study.steps.empty() ? scheme_step(probe) : study.steps[m], purse);
+    MeshRuns mesh =
+        runs_of(study, meshes[m], study.steps.empty() ? resolve(std::move(probe)).step : study.steps[m], purse);
     decide(mesh, study, purse);
     refine_scheme(mesh, study, purse);
     const std::size_t first = result.rows.size();
@@ -427,7 +428,7 @@ AccuracyResult limit_to_accuracy(const LimitStudy& study, const AccuracyRequest&
   inner.scene = study.scene;
   inner.scene.mass = common_mass(study.scene);
   inner.scene.method = MethodName::rigid;
-  if (!validate(inner.scene).empty()) inner.scene.method = MethodName::fully_discrete;
+  if (!sound(inner.scene)) inner.scene.method = MethodName::fully_discrete;
   inner.request = request;
   inner.request.given.method = inner.request.given.mass = inner.request.given.restitution = true;
   inner.request.given.tolerance = inner.request.given.step = false;

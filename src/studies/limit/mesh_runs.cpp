@@ -22,8 +22,8 @@ constexpr double of_limits = 100.0;  // between the two tolerances that tell a l
 // take a third of their time; the rest is for their contacts and traces.
 constexpr double part_of_scouts = 1.0 / 60.0, part_of_rows = 1.0 / 24.0;
 
-Case sound(Case run) {
-  const std::vector<Finding> findings = validate(run);
+Case checked(Case run) {
+  const std::vector<Finding> findings = faults(resolve(run));
   if (!findings.empty()) throw std::invalid_argument(fmt::format("{}: {}", findings[0].key, findings[0].problem));
   return run;
 }
@@ -57,7 +57,7 @@ std::size_t intervals(const Case& run) {
 std::optional<KnownLimit> limit_of(Case run, std::optional<double> restitution) {
   run.method = MethodName::rigid;
   run.restitution = restitution;
-  if (!validate(run).empty()) return std::nullopt;
+  if (!sound(run)) return std::nullopt;
   return KnownLimit{{run}, {run}};
 }
 
@@ -130,16 +130,16 @@ Case penalised_case(const LimitStudy& study, std::size_t elements, double epsilo
   run.elements = elements;
   run.epsilon = epsilon;
   run.method = penalised_method(run);
-  run.mass = effective_mass(run);  // of all partners
+  run.mass = resolve(run).mass;  // of all partners
   run.output_every = run.end;
-  return sound(std::move(run));
+  return checked(std::move(run));
 }
 
 Case scheme_case(const LimitStudy& study, std::size_t elements, double step) {
   Case run = penalised_case(study, elements, study.epsilons.front());
   run.method = MethodName::fully_discrete;
   run.step = step;
-  return sound(std::move(run));
+  return checked(std::move(run));
 }
 
 MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Purse& purse) {
@@ -282,7 +282,7 @@ LimitRow row_of(const MeshRuns& mesh, const Run& penalised) {
   LimitRow row;
   row.epsilon = *run.epsilon;
   row.elements = run.elements;
-  row.mass = effective_mass(run);
+  row.mass = *run.mass;
   row.tolerance = run.tolerance.relative;
   row.events = traces.events.size();
   row.max_penetration = traces.statistics.max_penetration;

@@ -13,7 +13,7 @@ Case own_motion_case(const LimitStudy& study, std::size_t elements) {
   run.tolerance = run.tolerance.with_relative(1e-10);
   run.mass.reset();
   run.method = MethodName::characteristics;
-  if (run.scene.bar.viscosity == 0.0 && validate(run).empty()) return run;
+  if (run.scene.bar.viscosity == 0.0 && sound(run)) return run;
   run.method = MethodName::rigid;
   run.mass = Mass::fourth_order;
   return run;
@@ -28,7 +28,7 @@ std::optional<OwnMotion> own_motion_of(const LimitStudy& study, const LimitResul
   for (const LimitOrders& orders : result.orders) finest = std::max(finest, orders.elements);
   OwnMotion motion;
   Run fine{own_motion_case(study, 2 * finest)}, half{own_motion_case(study, finest)};
-  if (!validate(fine.run).empty()) return std::nullopt;
+  if (!sound(fine.run)) return std::nullopt;
   motion.reference = fine.run.method == MethodName::characteristics
                          ? "characteristics"
                          : "the mass fourth_order on " + std::to_string(fine.run.elements) + " elements";

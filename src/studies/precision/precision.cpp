@@ -40,7 +40,7 @@ std::vector<Timed> timed_rows(const PrecisionStudy& study, const Case& scene, co
       Case run = scene;
       run.elements = mesh.elements;
       run.method = method;
-      if (const std::vector<Finding> findings = validate(run); !findings.empty()) {
+      if (const std::vector<Finding> findings = faults(resolve(run)); !findings.empty()) {
         const std::string reason = fmt::format("{}: {}", findings.front().key, findings.front().problem);
         if (!study.methods.empty())
           throw std::invalid_argument(fmt::format("{} does not fit the scene: {}", name(method), reason));
@@ -74,7 +74,8 @@ void measure_errors(const PrecisionStudy& study, Timed& timed, const References&
     ++k;
   };
   try {
-    simulate_within({.stop = study.stop}, timed.run, make_system(timed.run), observers);
+    const Setup setup = resolve(timed.run);
+    simulate_within({.stop = study.stop}, setup, setup.system(), observers);
   } catch (const std::exception& failure) {
     row.failure = failure.what();
     row.error = row.time_error = std::nullopt;

@@ -57,7 +57,7 @@ std::map<System, Fineness> problems_of(std::span<const Timed> rows, double secon
   std::map<System, Fineness> smallest, problems;
   const auto each = [&](auto visit) {
     for (const Timed& timed : rows)
-      if (timed.row.failure.empty()) visit(timed, system_of(timed.run));
+      if (timed.row.failure.empty()) visit(timed, system_of(resolve(timed.run)));
   };
   const auto lower = [](Fineness& fineness, MethodName method, double setting) {
     if (is_adaptive(method)) fineness.tolerance = std::min(fineness.tolerance, setting);
@@ -102,7 +102,7 @@ References::References(const PrecisionStudy& study, const Case& scene, std::span
         exact.method = MethodName::characteristics;
         if (study.exact)
           continuous_ = closed_form(*study.exact, scene, meshes);
-        else if (validate(exact).empty())
+        else if (sound(exact))
           continuous_ = by_characteristics(scene, meshes, patience);
         else
           continuous_ = refine(scene, meshes, patience);
@@ -122,14 +122,14 @@ const Field* References::field(const System& system) const {
   return found != solved_.end() && found->second.field ? &*found->second.field : nullptr;
 }
 
-const Field* References::semi_discrete(const Case& run) const { return field(system_of(run)); }
+const Field* References::semi_discrete(const Case& run) const { return field(system_of(resolve(run))); }
 
 ErrorParts References::parts(const Timed& timed) const {
   ErrorParts parts;
   parts.method = timed.row.method;
   parts.elements = timed.row.elements;
   parts.mass = timed.row.mass;
-  const System own = system_of(timed.run);
+  const System own = system_of(resolve(timed.run));
   if (penalised(own)) parts.epsilon = own.epsilon;
   const auto found = solved_.find(own);
   parts.problem = found == solved_.end() ? "every run failed" : found->second.problem;

@@ -11,7 +11,7 @@
 
 namespace viscobar::precision {
 
-Statistics simulate_within(const Patience& patience, const Case& run, const BarSystem& system, Observers observers) {
+Statistics simulate_within(const Patience& patience, const Setup& setup, const BarSystem& system, Observers observers) {
   using Clock = std::chrono::steady_clock;
   const auto started = Clock::now();
   const bool bounded = std::isfinite(patience.seconds);
@@ -24,7 +24,7 @@ Statistics simulate_within(const Patience& patience, const Case& run, const BarS
                  ? RunControl::stop
                  : RunControl::go_on;
     };
-  const Statistics statistics = simulate(run, system, observers);
+  const Statistics statistics = simulate(setup, system, observers);
   if (stopped) throw PrecisionStopped();
   if (!statistics.completed) throw TooLong();
   return statistics;
@@ -54,7 +54,8 @@ std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, cons
       interpolate(run.mesh(), now.u, field.mesh, std::span(field.u).subspan(begin));
     }
   };
-  const Statistics statistics = simulate_within(patience, run, make_system(run), observers);
+  const Setup setup = resolve(run);
+  const Statistics statistics = simulate_within(patience, setup, setup.system(), observers);
   if (done) *done = statistics;
   return fields;
 }
@@ -107,7 +108,7 @@ std::vector<Case> routes(const Case& scene, const System& system, const Fineness
     run.method = method;
     run.tolerance = run.tolerance.with_relative(coarser * fineness.tolerance);
     if (is_scheme(method)) run.step = coarser * fineness.step;
-    if (validate(run).empty()) all.push_back(std::move(run));
+    if (sound(run)) all.push_back(std::move(run));
   };
   switch (system.law) {
     case System::Law::penalised:
@@ -151,15 +152,15 @@ SemiDiscrete limit_of_steps(const std::vector<Case>& runs, const Mesh& mesh, con
 
 }  // namespace
 
-System system_of(const Case& run) {
-  if (run.method == MethodName::characteristics)
-    return {run.elements, effective_mass(run), System::Law::continuous, 0.0};
-  const BarSystem system = make_system(run);
+System system_of(const Setup& setup) {
+  const Case& run = setup.run;
+  if (run.method == MethodName::characteristics) return {run.elements, setup.mass, System::Law::continuous, 0.0};
+  const BarSystem system = setup.system();
   System::Law law = System::Law::penalised;
   if (!system.contacts().empty() && !is_penalised(run.method))
     law = system.has_massless() || run.method == MethodName::rigid ? System::Law::rigid : System::Law::impact;
   const bool penalised = !system.contacts().empty() && law == System::Law::penalised;
-  return {run.elements, system.mass(), law, penalised ? effective_epsilon(run) : 0.0};
+  return {run.elements, system.mass(), law, penalised ? setup.epsilon : 0.0};
 }
 
 SemiDiscrete solve_in_time(const Case& scene, const System& system, const Fineness& fineness,

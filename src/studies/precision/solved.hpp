@@ -37,7 +37,7 @@ struct Patience {
 
 /// Runs the case as long as the clock allows. @throws TooLong, PrecisionStopped, IntegrationError,
 /// std::invalid_argument
-Statistics simulate_within(const Patience& patience, const Case& run, const BarSystem& system, Observers observers);
+Statistics simulate_within(const Patience& patience, const Setup& setup, const BarSystem& system, Observers observers);
 
 /// P1 interpolation between meshes of one grading; exact at nodes that they share.
 void interpolate(const Mesh& from, std::span<const double> u, const Mesh& to, std::span<double> out);
@@ -78,7 +78,7 @@ struct System {
 
   auto operator<=>(const System&) const = default;
 };
-System system_of(const Case& run);
+System system_of(const Setup& setup);
 
 /// A semi-discrete problem solved exactly in time, or as well as can be.
 struct SemiDiscrete {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <utility>
 #include <vector>
 
 #include "studies/precision/references.hpp"
@@ -29,8 +30,9 @@ double median(std::vector<double> values) {
 void time_row(const PrecisionStudy& study, Timed& timed, Spent& spent) {
   Case run = timed.run;
   run.output_every = run.end;  // output times do not change the trajectory
-  const BarSystem system = make_system(run);
-  const Statistics first = simulate_within({1.5 * study.seconds, study.stop}, run, system, {});
+  const Setup setup = resolve(std::move(run));
+  const BarSystem system = setup.system();
+  const Statistics first = simulate_within({1.5 * study.seconds, study.stop}, setup, system, {});
   if (first.integration_seconds > study.seconds) throw TooLong();
   timed.row.steps = first.steps;
   timed.row.runs = runs_for(study, first.integration_seconds);
@@ -38,7 +40,7 @@ void time_row(const PrecisionStudy& study, Timed& timed, Spent& spent) {
   const auto begun = std::chrono::steady_clock::now();
   const std::clock_t used = std::clock();
   for (std::size_t k = 0; k < timed.row.runs; ++k)
-    seconds.push_back(simulate_within({.stop = study.stop}, run, system, {}).integration_seconds);
+    seconds.push_back(simulate_within({.stop = study.stop}, setup, system, {}).integration_seconds);
   spent.processor += static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC;
   spent.wall += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   timed.row.seconds = median(std::move(seconds));
@@ -61,7 +63,7 @@ std::vector<Timed> settings_of(const PrecisionStudy& study, const Case& run) {
     PrecisionRow row;
     row.method = run.method;
     row.elements = run.elements;
-    row.mass = make_system(run).mass();
+    row.mass = resolve(run).mass;
     row.setting = setting;
     row.label = mesh + label;
     all.push_back({set, std::move(row)});

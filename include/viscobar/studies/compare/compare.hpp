@@ -21,7 +21,7 @@ struct MethodChoice {
   };
   std::vector<Case> cases;               ///< one for each method
   std::vector<Skipped> skipped;          ///< methods that do not fit the scene
-  std::vector<MethodName> default_step;  ///< schemes that took scheme_step(), the scene having none
+  std::vector<MethodName> default_step;  ///< schemes whose step was chosen, the scene having none
 };
 
 /// Every method that fits the scene, characteristics first, else exponential, which is left out on a mesh of more than
@@ -42,8 +42,7 @@ struct Contender {
 struct MethodRun {
   std::string label;                    ///< its name in tables
   bool built_in = true;                 ///< run by the case's own method
-  Case run;                             ///< what it was given
-  Mass mass = Mass::consistent;         ///< that the method ran on, which may differ from the scene's
+  Setup setup;                          ///< that it ran on, which may differ from the scene's
   std::optional<Recording> recording;   ///< absent when the run failed
   std::vector<ContactPeriod> contacts;  ///< bounces within a hundredth of the run merged
   std::string error;                    ///< why it failed; empty when it did not

@@ -22,7 +22,7 @@ struct LimitStudy {
   Case scene;                         ///< studied by its penalised_method()
   std::vector<double> epsilons;       ///< decreasing
   std::vector<std::size_t> elements;  ///< meshes; empty: the scene's
-  std::vector<double> steps;          ///< of the scheme, one for each mesh; empty: see scheme_step()
+  std::vector<double> steps;          ///< of the scheme, one for each mesh; empty: see resolve()
   /// Processor seconds of all runs together, >= 0. No run begins that would overrun it by what it is expected to take;
   /// one that does is stopped and left out. 0: only the penalties asked for and three steps, however long they take.
   double budget = 60.0;

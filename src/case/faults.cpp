@@ -1,15 +1,61 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "case/method_table.hpp"
 #include "case/run_cost.hpp"
+#include "run/parts.hpp"
 #include "scene/message_text.hpp"
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {
 
 namespace {
+
+/// What is wrong with a case so far. A key with a finding has no value to judge others by.
+class Findings {
+ public:
+  /// `faulty` are keys known to be wrong already, of which nothing more is said.
+  explicit Findings(const std::vector<std::string>& faulty) : wrong_(faulty) {}
+
+  /// Several findings of one check may have the same key.
+  void add(std::vector<Finding> found) {
+    std::erase_if(found, [&](const Finding& one) { return !sound({one.key}); });
+    for (Finding& one : found) {
+      wrong_.push_back(one.key);
+      found_.push_back(std::move(one));
+    }
+  }
+  void report(std::string_view key, std::string problem) { add({{std::string(key), std::move(problem)}}); }
+  template <class... Args>
+  void report(std::string_view key, fmt::format_string<Args...> problem, Args&&... args) {
+    if (sound({key})) report(key, fmt::format(problem, std::forward<Args>(args)...));
+  }
+
+  bool sound(std::initializer_list<std::string_view> keys) const {
+    return std::none_of(keys.begin(), keys.end(), [&](std::string_view key) {
+      return std::find(wrong_.begin(), wrong_.end(), key) != wrong_.end();
+    });
+  }
+  /// Of all keys of tables, those of `initial` such as `initial.velocity`.
+  bool sound_tables(std::initializer_list<std::string_view> tables) const {
+    return std::none_of(wrong_.begin(), wrong_.end(), [&](std::string_view key) {
+      return std::find(tables.begin(), tables.end(), key.substr(0, key.find('.'))) != tables.end();
+    });
+  }
+
+  std::vector<Finding> take() { return std::move(found_); }
+
+ private:
+  std::vector<std::string> wrong_;
+  std::vector<Finding> found_;
+};
 
 // Beyond it the first element is less than the rounding of the nodes of a large mesh; it gained nothing long before.
 constexpr double largest_grading = 1e6;
@@ -35,13 +81,14 @@ void check_values(const Case& run, Findings& findings) {
     findings.report("mesh.grading", "must lie in [1, {}], is {}", largest_grading, run.grading);
 }
 
-void check_times(const Case& run, Findings& findings) {
+void check_times(const Setup& setup, Findings& findings) {
+  const Case& run = setup.run;
   const bool timed = findings.sound({"time.end"});
   if (timed && findings.sound({"output.every"}) && run.end / run.output_every > 1e8)
     findings.report("output.every", "gives more than 1e8 output times up to end = {}", run.end);
   if (!is_scheme(run.method) || !findings.sound({"method.name"})) return;
   if (timed && findings.sound({"method.step", "mesh.elements", "bar.length", "bar.modulus", "bar.density"}) &&
-      run.end / scheme_step(run) > 1e12)
+      run.end / setup.step > 1e12)
     findings.report("method.step", "gives more than 1e12 steps up to end = {}", run.end);
 }
 
@@ -56,14 +103,14 @@ void check_massless(const Case& run, Findings& findings) {
     findings.report("mesh.elements", "mass \"redistributed\" needs at least {} elements here", needed);
 }
 
-void check_input(const std::string& table, const EndCondition& end, const EndInput& input, const Case& run,
+void check_input(const std::string& table, const EndCondition& end, const EndInput& input, const Setup& setup,
                  Findings& findings) {
-  if (input.motion && run.scene.span)
+  if (input.motion && setup.run.scene.span)
     findings.report(table + (is_obstacle(end) ? ".gap" : ".motion"),
                     "moves, and an obstacle under the whole span stands still: the two do not go together yet; "
                     "take the number that it begins with, or leave [span] out");
-  if (is_obstacle(end) && (input.stiffness > 0.0 || input.dashpot > 0.0) &&
-      effective_mass(run) == Mass::redistributed && findings.sound({"mesh.mass", "method.name"}))
+  if (is_obstacle(end) && (input.stiffness > 0.0 || input.dashpot > 0.0) && setup.mass == Mass::redistributed &&
+      findings.sound({"mesh.mass", "method.name"}))
     findings.report("mesh.mass",
                     "\"redistributed\" takes the mass that the spring and the dashpot of [{}] "
                     "want from the node; use \"fourth_order\", \"consistent\" or \"lumped\"",
@@ -80,11 +127,12 @@ void check_end_rows(const Case& run, Findings& findings) {
         "it out, or use the mass \"consistent\" or \"lumped\"");
 }
 
-void check_grading(const Case& run, Findings& findings) {
+void check_grading(const Setup& setup, Findings& findings) {
+  const Case& run = setup.run;
   if (run.grading == 1.0 || !findings.sound({"left.kind", "right.kind"})) return;
   if (end_obstacles(run.scene) == 0)
     findings.report("mesh.grading", "has no end with an obstacle to shrink the elements towards; leave it out");
-  else if (effective_mass(run) == Mass::paper && findings.sound({"mesh.mass", "method.name"}))
+  else if (setup.mass == Mass::paper && findings.sound({"mesh.mass", "method.name"}))
     findings.report("mesh.grading",
                     "does not fit the mass \"paper\", which has one weight h for all nodes; leave it out, or use "
                     "\"lumped\"");
@@ -117,15 +165,77 @@ void check_initial_nodes(const Case& run, Findings& findings) {
   }
 }
 
+// What its steppers cannot take follows from the whole system.
+void check_odeint(const Setup& setup, Findings& findings) {
+  if (!findings.sound_tables({"bar", "left", "right", "span", "initial", "time", "mesh", "contact"}) ||
+      !findings.sound({"method.stepper"}))
+    return;
+  if (const auto why = plan(setup.system(), setup.run.end, std::get<Odeint>(setup.method)).refusal)
+    findings.add({*why});
+}
+
+std::size_t fixed_ends(const Scene& scene) {
+  return std::size_t{is_fixed(scene.left)} + std::size_t{is_fixed(scene.right)};
+}
+
+void check_exponential(const Case& run, Findings& findings) {
+  if (run.elements + 1 > Exponential::most_unknowns + fixed_ends(run.scene))
+    findings.report("mesh.elements",
+                    "exponential works with dense matrices and takes up to {} unknown "
+                    "nodes; take fewer elements, or another method",
+                    Exponential::most_unknowns);
+}
+
+void check_characteristics(const Case& run, Findings& findings) {
+  if (!findings.sound({"bar.length", "bar.density", "bar.modulus", "bar.viscosity", "time.end"})) return;
+  if (const auto why = refusal(run.scene, run.end, Characteristics{})) findings.add({*why});
+}
+
+void check_rigid(const Case& run, Findings& findings) {
+  if (run.scene.span)
+    findings.report("method.name", "rigid stops one node at a time, and under a span obstacle several meet it at once");
+  if (end_obstacles(run.scene) > 0 && run.elements < 1 + fixed_ends(run.scene))
+    findings.report("mesh.elements", "rigid needs an unknown node beside that of a contact: one more element");
+}
+
+void check_finite_difference(const Case& run, Findings& findings) {
+  if (run.mass == Mass::redistributed || run.mass == Mass::fourth_order)
+    findings.report("mesh.mass",
+                    "\"{}\" does not fit finite_difference, whose mass is diagonal; use \"lumped\" or "
+                    "\"paper\", or fully_discrete",
+                    name(*run.mass));
+  if (run.grading != 1.0)
+    findings.report("mesh.grading",
+                    "does not fit finite_difference, whose elements are of equal length; leave it out, or use "
+                    "fully_discrete with the mass \"lumped\"");
+}
+
+// All that a method alone cannot take.
+void check_method(const Setup& setup, Findings& findings) {
+  const Case& run = setup.run;
+  const MethodRow& method = method_row(run.method);
+  if (!method.takes_algebraic_rows && has_algebraic_rows(run) && findings.sound({"mesh.mass", "bar.viscosity"}))
+    return findings.add({algebraic_rows(method.name)});
+  switch (run.method) {
+    case MethodName::odeint: return check_odeint(setup, findings);
+    case MethodName::rigid: return check_rigid(run, findings);
+    case MethodName::exponential: return check_exponential(run, findings);
+    case MethodName::characteristics: return check_characteristics(run, findings);
+    case MethodName::finite_difference: return check_finite_difference(run, findings);
+    default: return;
+  }
+}
+
 }  // namespace
 
-std::vector<Finding> validate(const Case& run, const std::vector<std::string>& faulty) {
+std::vector<Finding> faults(const Setup& setup, const std::vector<std::string>& faulty) {
+  const Case& run = setup.run;
   Findings findings(faulty);
   findings.add(validate(run.scene));
   check_values(run, findings);
 
   const Scene& scene = run.scene;
-  check_times(run, findings);
+  check_times(setup, findings);
   if (is_penalised(run.method) && end_obstacles(scene) > 0 && scene.span && !run.epsilon &&
       findings.sound({"method.name"}))
     findings.report("contact.epsilon",
@@ -136,23 +246,16 @@ std::vector<Finding> validate(const Case& run, const std::vector<std::string>& f
   if (is_fixed(scene.left) && is_fixed(scene.right) && run.elements < 2)
     findings.report("mesh.elements", "both ends are fixed: 2 elements are needed for one unknown node");
   if (findings.sound({"mesh.mass", "method.name"})) {
-    if (effective_mass(run) == Mass::redistributed) check_massless(run, findings);
-    if (effective_mass(run) == Mass::fourth_order) check_end_rows(run, findings);
+    if (setup.mass == Mass::redistributed) check_massless(run, findings);
+    if (setup.mass == Mass::fourth_order) check_end_rows(run, findings);
   }
-  check_input("left", scene.left, scene.left_input, run, findings);
-  check_input("right", scene.right, scene.right_input, run, findings);
-  check_grading(run, findings);
+  check_input("left", scene.left, scene.left_input, setup, findings);
+  check_input("right", scene.right, scene.right_input, setup, findings);
+  check_grading(setup, findings);
   check_memory(run, findings);
   check_initial_nodes(run, findings);
   if (!findings.sound({"method.name"})) return findings.take();
-  const MethodRow& method = method_row(run.method);
-  if (!method.takes_algebraic_rows && has_algebraic_rows(run) && findings.sound({"mesh.mass", "bar.viscosity"}))
-    findings.report("method.name",
-                    "{} cannot take massless contact nodes without viscosity: their equations are "
-                    "algebraic; use arkode or ida, or a positive bar.viscosity",
-                    method.name);
-  else if (method.refuse)
-    method.refuse(run, findings);
+  check_method(setup, findings);
   return findings.take();
 }
 

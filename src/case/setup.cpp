@@ -1,0 +1,156 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "case/method_table.hpp"
+#include "case/regime.hpp"
+#include "viscobar/case/case.hpp"
+
+namespace viscobar {
+
+namespace {
+
+// An end whose spring or dashpot wants its mass.
+bool mounts_a_contact(const Scene& scene) {
+  const auto mounted = [](const EndCondition& end, const EndInput& input) {
+    return is_obstacle(end) && (input.stiffness > 0.0 || input.dashpot > 0.0);
+  };
+  return mounted(scene.left, scene.left_input) || mounted(scene.right, scene.right_input);
+}
+
+bool redistributes(const Case& run) {
+  const Scene& scene = run.scene;
+  if (mounts_a_contact(scene)) return false;
+  const std::size_t contacts = end_obstacles(scene);
+  return contacts > 0 && !scene.span && run.elements > contacts;
+}
+
+// Under a span obstacle neighbours meet it one after the other. Where what they do then does not die out, for they are
+// thrown back or nothing damps them, a mass that couples them spreads the impact of one over the others, and finer
+// meshes bring the run no nearer (docs/methods.md).
+bool impacts_stay(const Case& run) {
+  return run.scene.span && is_scheme(run.method) &&
+         (run.restitution.value_or(0.0) > 0.0 || run.scene.bar.viscosity == 0.0);
+}
+
+template <class Value>
+struct Chosen {
+  Value value;
+  std::string_view why;
+};
+constexpr std::string_view asked = "asked for";
+
+Chosen<Mass> mass_of(const Case& run) {
+  if (const auto own = method_row(run.method).mass) return {own(run), "the method has no other"};
+  if (run.mass) return {*run.mass, asked};
+  if (impacts_stay(run)) return {Mass::lumped, "impacts under a span obstacle stay with their nodes"};
+  const bool penalised = is_penalised(run.method) && meets_obstacle(run.scene);
+  if (!penalised && run.elements >= 3 && run.grading == 1.0)
+    return {Mass::fourth_order, "the most accurate, and no contact is penalised"};
+  if (redistributes(run) && !(penalised && !method_row(run.method).takes_massless(run)))
+    return {Mass::redistributed, "contact nodes without mass do not bounce"};
+  return {Mass::consistent, "of the elements; the scene and the method take no better one"};
+}
+
+Chosen<double> epsilon_of(const Case& run, const Mesh& mesh) {
+  if (run.epsilon) return {*run.epsilon, asked};
+  const Bar& bar = run.scene.bar;
+  const double h = mesh.spacing(), share = h / bar.length, wanted = share * share / 8.0;
+  const double unit = natural_epsilon(run.scene), speed = std::sqrt(bar.modulus / bar.density);
+  const auto penetration = [&](double epsilon) {
+    const double deepest = run.scene.span ? speed * std::sqrt(bar.density * epsilon)
+                                          : predict_impact(bar, h, 0.0, epsilon, speed).penetration;
+    return deepest / bar.length;
+  };
+  constexpr int least = 40;
+  double epsilon = unit;
+  for (int k = 1; k <= least && penetration(epsilon) > wanted; ++k) epsilon = unit * std::pow(10.0, -k);
+  return {epsilon, "an impact penetrates by less than the error of the mesh"};
+}
+
+Chosen<double> step_of(const Case& run, const Mesh& mesh) {
+  if (run.step) return {*run.step, asked};
+  return {mesh.spacing() / (100.0 * std::sqrt(run.scene.bar.modulus / run.scene.bar.density)),
+          "a hundredth of the time of a wave through an element"};
+}
+
+}  // namespace
+
+Setup resolve(Case run) {
+  const Mesh mesh = run.mesh();
+  const auto mass = mass_of(run);
+  const auto epsilon = epsilon_of(run, mesh), step = step_of(run, mesh);
+  const std::string_view method = run.automatic ? "chosen for the scene" : asked;
+  Setup setup{
+      std::move(run), mesh, mass.value, epsilon.value, step.value, {}, {method, mass.why, epsilon.why, step.why}};
+  setup.method = method_row(setup.run.method).options(setup);
+  return setup;
+}
+
+Case Setup::settled() const {
+  Case all = run;
+  if (all.method != MethodName::characteristics) all.mass = mass;
+  if (is_penalised(all.method)) all.epsilon = epsilon;
+  if (is_scheme(all.method)) all.step = step;
+  return all;
+}
+
+Mass common_mass(const Case& run) {
+  Case study = run;
+  study.method = penalised_method(run);
+  return mass_of(study).value;
+}
+
+double natural_epsilon(const Scene& scene) {
+  const double unit = scene.bar.length / scene.bar.modulus;
+  return scene.span && end_obstacles(scene) == 0 ? unit * scene.bar.length : unit;
+}
+
+AutomaticMethod automatic_method(const Case& run) {
+  const Scene& scene = run.scene;
+  if (scene.span && !run.epsilon) return {MethodName::fully_discrete, ""};
+  if (run.epsilon) {
+    const bool massless = run.mass ? end_obstacles(scene) > 0 && run.mass == Mass::redistributed : redistributes(run);
+    return {scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode, ""};
+  }
+  if (scene.bar.viscosity > 0.0) return {MethodName::rigid, ""};
+  if (!validate(scene).empty()) return {MethodName::characteristics, ""};
+  const auto rigid_because = [](const std::string& why) {
+    return AutomaticMethod{
+        MethodName::rigid,
+        fmt::format("automatic chose rigid, which has the errors of a mesh, and not characteristics: {}", why)};
+  };
+  try {
+    if (const auto time = roughens(scene, run.end))
+      return rigid_because(fmt::format(
+          "contact changes break the waves without end, into more than 10,000 pieces at t = {:.4g}; no mesh "
+          "follows such a motion for long: a positive bar.viscosity has a smooth one",
+          *time));
+  } catch (const Unfit& unfit) {
+    return rigid_because(unfit.finding.key + " " + unfit.finding.problem);
+  } catch (const std::invalid_argument& misfit) {
+    return rigid_because(misfit.what());
+  } catch (const IntegrationError& error) {
+    // Another failure of the load is one that each method meets.
+    if (error.failure == Failure::detail) return rigid_because(error.what());
+  }
+  return {MethodName::characteristics, ""};
+}
+
+std::string method_words(const Case& run) {
+  return std::string(name(run.method)) + (run.automatic ? ", chosen for the scene" : "");
+}
+
+MethodName penalised_method(const Case& run) {
+  Case study = run;
+  if (!is_penalised(study.method))
+    study.method = study.scene.bar.viscosity > 0.0 ? MethodName::arkode : MethodName::cvode;
+  if (!study.mass && redistributes(study)) study.mass = Mass::redistributed;
+  return has_algebraic_rows(study) && !method_row(study.method).takes_algebraic_rows ? MethodName::arkode
+                                                                                     : study.method;
+}
+
+}  // namespace viscobar
