@@ -220,8 +220,6 @@ int main(int argc, char** argv) {
     if (error.code() == std::errc::filename_too_long) code = cli::wrong_input;
   } catch (const std::exception& error) {
     cli::complain(error.what());
-  } catch (...) {  // muParser's are none of the above; a formula that has been understood fails for want of memory only
-    cli::complain("a formula cannot be evaluated");
   }
   code = cli::end_messages(code);
   if (hdf5_failed()) std::fflush(nullptr), std::_Exit(code);

@@ -1,13 +1,19 @@
 #pragma once
 
+#include <map>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
-#include "input/formula_tree.hpp"
 #include "viscobar/scene/scene.hpp"
 
 namespace viscobar {
+
+struct FormulaTree;
+
+/// Names that formulas may use for numbers, those of [parameters].
+using Parameters = std::map<std::string, double, std::less<>>;
 
 /// What is wrong with a formula, and where.
 class FormulaError : public std::runtime_error {
@@ -21,19 +27,20 @@ std::string parameter_name_problem(std::string_view name);
 /// A function of x, of t, or of both, that the user wrote: a number, or a formula of + - * / ^, comparisons, && ||,
 /// ?:, sin cos tan exp log (natural) sqrt abs min max, and pi.
 ///
-/// A function made from it owns its parser, and so does every copy of that function: different copies may be called by
-/// different threads at the same time, one and the same may not.
+/// A function made from it shares what was read with the formula and all copies, and nothing changes that: it may be
+/// called by several threads at the same time. One that tells breaks or detail remembers what it found: each thread
+/// calls a copy of its own.
 class Formula {
  public:
-  explicit Formula(double constant) : constant_(constant) {}
+  explicit Formula(double constant);
   /// `variables` are those that the formula may use: "x", "t" or "xt", beside the parameters.
   /// @throws FormulaError
   Formula(std::string text, std::string_view variables, const Parameters& parameters = {});
 
-  bool uses(char variable) const { return used_.find(variable) != used_.npos; }
-  bool is_constant() const { return used_.empty(); }
-  bool is_zero() const { return is_constant() && constant_ == 0.0; }
-  double constant() const { return constant_; }  ///< of a constant formula
+  bool uses(char variable) const;
+  bool is_constant() const { return !uses('x') && !uses('t'); }
+  bool is_zero() const { return is_constant() && constant() == 0.0; }
+  double constant() const;  ///< of a constant formula
 
   SpaceFunction of_x() const;
   TimeFunction of_t() const;
@@ -62,10 +69,7 @@ class Formula {
   bool moves_jump(std::string_view by) const;
 
  private:
-  Parameters parameters_;
-  std::string text_;
-  std::string used_;
-  double constant_ = 0.0;
+  std::shared_ptr<const FormulaTree> tree_;
 };
 
 }  // namespace viscobar

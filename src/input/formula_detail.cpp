@@ -16,10 +16,10 @@ constexpr std::size_t most_halvings = 20000, most_stretches = 1000;
 
 }  // namespace
 
-FormulaDetail::FormulaDetail(FormulaTree tree, bool along_x, Interval other)
+FormulaDetail::FormulaDetail(std::shared_ptr<const FormulaTree> tree, bool along_x, Interval other)
     : tree_(std::move(tree)),
-      switches_(along_x ? FormulaSwitches::along_x(tree_) : FormulaSwitches(tree_, false)),
-      jets_(tree_.nodes.size()),
+      switches_(tree_, along_x ? FormulaSwitches::Of::along_x : FormulaSwitches::Of::of_all_x),
+      jets_(tree_->size()),
       middle_(jets_),
       along_x_(along_x),
       other_{other, {0.0, 0.0}} {}
@@ -29,10 +29,14 @@ FormulaDetail::FormulaDetail(FormulaTree tree, bool along_x, Interval other)
 void FormulaDetail::bound(const Jet& s) {
   const double middle = s.value.low + (s.value.high - s.value.low) / 2.0;
   const Jet point{{middle, middle}, s.slope};
-  tree_.bound(along_x_ ? point : other_, along_x_ ? other_ : point, middle_);
   const Interval way{s.value.low - middle, s.value.high - middle};
-  tree_.bound(along_x_ ? s : other_, along_x_ ? other_ : s, jets_,
-              [&](std::size_t i, Jet& jet) { jet.value = common(jet.value, middle_[i].value + jet.slope * way); });
+  Jet *const at_middle = tree_->of_nodes(middle_.data()), *const over = tree_->of_nodes(jets_.data());
+  const auto evaluate = [&](const Jet& along, Jet* out, auto&& done) {
+    tree_->evaluate(along_x_ ? along : other_, along_x_ ? other_ : along, out, FormulaTree::bound, done);
+  };
+  evaluate(point, at_middle, [](std::size_t, Jet&) {});
+  evaluate(s, over,
+           [&](std::size_t i, Jet& jet) { jet.value = common(jet.value, at_middle[i].value + jet.slope * way); });
 }
 
 std::optional<double> FormulaDetail::operator()(double after, double until) {
@@ -66,8 +70,9 @@ double FormulaDetail::largest() {
   std::priority_queue<std::tuple<double, double, double>> bounds;  // each with its interval
   const auto add = [&](double begin, double end) {
     bound({{begin, end}, {1.0, 1.0}});
-    if (const double value = size(middle_.back().value); std::isfinite(value)) met = std::max(met, value);
-    bounds.emplace(size(jets_.back().value), begin, end);
+    if (const double value = size(tree_->of_nodes(middle_.data())[tree_->root].value); std::isfinite(value))
+      met = std::max(met, value);
+    bounds.emplace(size(tree_->of_nodes(jets_.data())[tree_->root].value), begin, end);
   };
   for (int i = 0; i < parts; ++i) add(until_ * i / parts, until_ * (i + 1) / parts);
   for (int i = 0; i < most && std::get<0>(bounds.top()) > 2.0 * met; ++i) {
@@ -99,7 +104,7 @@ void FormulaDetail::divide(double begin, double end) {
   if (size < 4.0 * rounding_ || (!along_x_ && covered_ > pulses * until_)) return;
   const Jet s{{begin + rounding_, end - rounding_}, {1.0, 1.0}};
   bound(s);
-  const auto [value, slope] = jets_.back();
+  const auto [value, slope] = tree_->of_nodes(jets_.data())[tree_->root];
   const double apart = std::min(value.high - value.low, (slope.high - slope.low) * size / 4.0);
   if (apart > allowed_ && size > finest * until_ && ++effort_ < most_halvings) {
     divide(begin, begin + size / 2.0);

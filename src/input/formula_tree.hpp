@@ -1,61 +1,144 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
-#include "input/interval.hpp"
+#include "input/dual.hpp"
+#include "input/formula.hpp"
 
 namespace viscobar {
 
-/// Names that formulas may use for numbers, those of [parameters].
-using Parameters = std::map<std::string, double, std::less<>>;
-
-/// What a formula computes, in the order in which it can be: the last node is the formula.
+/// What a formula computes: operations in the order in which they can be done, of x, t, numbers, and earlier ones.
 struct FormulaTree {
   // clang-format off
   enum class Operation : unsigned char {
-    number, x, t,
+    then, otherwise,  // of condition ? a : b, before a and before b: where values are computed, one of them is passed by
     negate, add, subtract, multiply, divide, power,
     less, at_most, greater, at_least, equal, unequal,
     both, either, choose,
     sin, cos, tan, exp, log, sqrt, abs, min, max
   };
   // clang-format on
+  static constexpr int x = -1, t = -2, first_number = -3;  ///< operands that are no nodes; further numbers are below
   struct Node {
-    Operation operation = Operation::number;
-    int a = -1, b = -1, c = -1;  ///< operands, earlier nodes
-    double number = 0.0;
-    int branch = -1;  ///< in which it lies
+    Operation operation;
+    std::array<int, 3> of{};     ///< operands; the second of `then` is its `otherwise`, of that its `choose`
+    unsigned char operands = 0;  ///< how many there are
     bool uses_x = false, uses_t = false;
-    int parameter = -1;  ///< of a number: which of `parameters` it is
+    int branch = -1;  ///< in which it lies
+  };
+  struct Number {
+    double value = 0.0;
+    int parameter = -1;  ///< which of `parameters` it is
   };
   /// Of a ?:, taken where the condition's truth is `when`.
   struct Branch {
-    int condition = -1, outer = -1;
+    int condition = 0, outer = -1;
     bool when = true;
   };
 
   std::vector<Node> nodes;
+  std::vector<Number> numbers;
   std::vector<Branch> branches;
   std::vector<std::string> parameters;
+  int root = 0;  ///< the formula
 
-  /// Bounds of every node, from those of x and t; `out` has an entry for each. `tighten` may narrow that of a node
-  /// before those it is a part of are bounded.
-  void bound(const Jet& x, const Jet& t, std::vector<Jet>& out,
-             const std::function<void(std::size_t node, Jet&)>& tighten = {}) const;
+  const Number& number(int operand) const { return numbers[static_cast<std::size_t>(first_number - operand)]; }
+  bool uses_x(int of) const { return of < 0 ? of == x : nodes[static_cast<std::size_t>(of)].uses_x; }
+  bool uses_t(int of) const { return of < 0 ? of == t : nodes[static_cast<std::size_t>(of)].uses_t; }
+
+  /// What there is a number of, and where that of the first node is among those.
+  std::size_t size() const { return nodes.size() + numbers.size() + 2; }
+  template <class N>
+  N* of_nodes(N* all) const {
+    return all + numbers.size() + 2;
+  }
+
+  /// Numbers of x, t, those that `number` makes of the numbers, and of all nodes into `out`, that of the first node,
+  /// with the others before. `done` may narrow one before those it is a part of are computed. In bounds of intervals
+  /// both branches count.
+  template <class N, class OfNumber, class Done>
+  void evaluate(const N& at_x, const N& at_t, N* out, OfNumber&& number, Done&& done) const;
+
+  /// Its number.
+  template <class N, class OfNumber>
+  N at(N at_x, N at_t, OfNumber&& number) const {
+    std::array<N, 256> few;
+    std::vector<N> many;
+    if (size() > few.size()) many.resize(size());
+    N* const out = of_nodes(many.empty() ? few.data() : many.data());
+    evaluate(at_x, at_t, out, number, [](std::size_t, N&) {});
+    return out[root];
+  }
+  double operator()(double at_x, double at_t) const {
+    return at(at_x, at_t, [](const Number& number) { return number.value; });
+  }
+  static Jet bound(const Number& number) { return {hull({number.value, number.value}), {}}; }
 };
 
-inline bool is_comparison(FormulaTree::Operation operation) {
-  return operation >= FormulaTree::Operation::less && operation <= FormulaTree::Operation::unequal;
+inline bool is_condition(FormulaTree::Operation operation) {
+  return operation >= FormulaTree::Operation::less && operation <= FormulaTree::Operation::either;
 }
 
-/// Of a formula that Formula accepts. @throws FormulaError for any other
-FormulaTree parse_formula(std::string_view text, const Parameters& parameters = {});
+template <class N, class OfNumber, class Done>
+void FormulaTree::evaluate(const N& at_x, const N& at_t, N* out, OfNumber&& number, Done&& done) const {
+  using std::abs, std::min, std::max;
+  constexpr bool of_values = !std::is_same_v<N, Jet>;
+  out[x] = at_x;
+  out[t] = at_t;
+  for (std::size_t k = 0; k < numbers.size(); ++k) out[first_number - static_cast<int>(k)] = number(numbers[k]);
+  const Node* const all = nodes.data();
+  const std::size_t count = nodes.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& of = all[i].of;
+    const N &a = out[of[0]], &b = out[of[1]];
+    switch (all[i].operation) {
+      case Operation::then:
+        if constexpr (of_values)
+          if (plain(a) == 0.0) i = static_cast<std::size_t>(of[1]);
+        continue;
+      case Operation::otherwise:
+        if constexpr (of_values) i = static_cast<std::size_t>(of[1]) - 1;
+        continue;
+      case Operation::negate: out[i] = -a; break;
+      case Operation::add: out[i] = a + b; break;
+      case Operation::subtract: out[i] = a - b; break;
+      case Operation::multiply: out[i] = a * b; break;
+      case Operation::divide: out[i] = a / b; break;
+      case Operation::power: out[i] = power(a, b); break;
+      case Operation::less: out[i] = compared(std::less(), a, b); break;
+      case Operation::at_most: out[i] = compared(std::less_equal(), a, b); break;
+      case Operation::greater: out[i] = compared(std::greater(), a, b); break;
+      case Operation::at_least: out[i] = compared(std::greater_equal(), a, b); break;
+      case Operation::equal: out[i] = compared(std::equal_to(), a, b); break;
+      case Operation::unequal: out[i] = compared(std::not_equal_to(), a, b); break;
+      case Operation::both: out[i] = joined(std::logical_and(), a, b); break;
+      case Operation::either: out[i] = joined(std::logical_or(), a, b); break;
+      case Operation::choose: out[i] = chosen(a, b, out[of[2]]); break;
+      case Operation::sin: out[i] = sin(a); break;
+      case Operation::cos: out[i] = cos(a); break;
+      case Operation::tan: out[i] = tan(a); break;
+      case Operation::exp: out[i] = exp(a); break;
+      case Operation::log: out[i] = log(a); break;
+      case Operation::sqrt: out[i] = sqrt(a); break;
+      case Operation::abs: out[i] = abs(a); break;
+      case Operation::min: out[i] = min(a, b); break;
+      case Operation::max: out[i] = max(a, b); break;
+    }
+    done(i, out[i]);
+  }
+}
+
+/// @throws FormulaError if it is none of those variables, "x", "t" or "xt", and of those parameters
+FormulaTree parse_formula(std::string_view text, const Parameters& parameters = {}, std::string_view variables = "xt");
 
 /// Where a formula of x and t is not a smooth function of one of them, s, the other one given. It switches where the
 /// argument g of one of its parts changes sign:
@@ -72,32 +155,20 @@ FormulaTree parse_formula(std::string_view text, const Parameters& parameters = 
 /// uses up the effort of a search; then what changes sign twice within a 1024th of the interval searched may be missed.
 class FormulaSwitches {
  public:
-  /// Those of s = t whose g uses t: with x as well, or without.
-  FormulaSwitches(FormulaTree tree, bool with_x);
-  /// Those of s = x.
-  static FormulaSwitches along_x(FormulaTree tree);
+  /// Those of s = t whose g uses t and not x, or both, or those of s = x.
+  enum class Of { of_all_x, at_x, along_x };
+  FormulaSwitches(std::shared_ptr<const FormulaTree> tree, Of of);
 
   bool empty() const { return switches_.empty(); }
 
   /// The first sign change of s in (after, until), to the number next to it; absent: none. `other` is what s is not.
-  std::optional<double> first(double other, double after, double until);
+  std::optional<double> first(double other, double after, double until) const;
 
  private:
-  template <class Counts>
-  FormulaSwitches(FormulaTree tree, bool along_x, Counts&& counts);
-  void bound(Interval s);
-  bool excluded(int branch) const;
-  std::optional<double> first_within(double begin, double end);
-  std::optional<double> flip(std::size_t argument, double begin, double end);
-  double argument_at(std::size_t argument, double s);
-
-  FormulaTree tree_;
-  std::vector<std::size_t> switches_;  // nodes: the g
-  std::vector<std::size_t> open_;      // those that may change sign
-  std::vector<Jet> jets_;              // of all nodes
-  bool along_x_ = false;
-  double other_ = 0.0, coarse_ = 0.0;
-  int effort_ = 0;
+  class Search;
+  std::shared_ptr<const FormulaTree> tree_;
+  std::vector<int> switches_;  // nodes
+  bool along_x_;
 };
 
 /// Where a formula has stretches of s, x or t, on which it is far from linear, though smooth: between the
@@ -108,7 +179,7 @@ class FormulaDetail {
  public:
   /// In t only pulses count, which fill less than half of the interval, and beside what does not rest for half of it
   /// only those of a 1024th: what goes on all the time no step misses. `other` is what the other variable is.
-  FormulaDetail(FormulaTree tree, bool along_x, Interval other);
+  FormulaDetail(std::shared_ptr<const FormulaTree> tree, bool along_x, Interval other);
 
   /// The first such place in (after, until), of those between 0 and until; absent: none.
   std::optional<double> operator()(double after, double until);
@@ -120,47 +191,14 @@ class FormulaDetail {
   void search(double share);
   void divide(double begin, double end);
 
-  FormulaTree tree_;
+  std::shared_ptr<const FormulaTree> tree_;
   FormulaSwitches switches_;
-  std::vector<Jet> jets_, middle_;  // of all nodes
+  std::vector<Jet> jets_, middle_;
   std::vector<double> places_;
   bool along_x_;
   Jet other_;
   double until_ = 0.0, rounding_ = 0.0, allowed_ = 0.0, covered_ = 0.0, quiet_ = 0.0, coarse_ = 0.0;
   std::size_t effort_ = 0;
 };
-
-/// A number and its derivative with respect to a parameter.
-struct Dual {
-  double value = 0.0, slope = 0.0;
-};
-
-/// f, f' and f''.
-template <class Number>
-using TaylorOf = std::array<Number, 3>;
-using Taylor = TaylorOf<double>;
-
-/// A formula with its first two derivatives with respect to one name, by the rules of calculus on its tree: they have
-/// the digits that a value has. At a switch (see FormulaSwitches) they are those of the side that the formula takes
-/// there. In Duals each has its derivative with respect to a parameter.
-template <class Number>
-class TaylorFormula {
- public:
-  /// `by` is "x", "t" or the name of a parameter; `slope_by`, of Duals, that of the other one.
-  TaylorFormula(FormulaTree tree, std::string_view by, std::string_view slope_by = "");
-
-  bool is_zero() const { return depends_.empty() || !depends_.back(); }  ///< f' is zero everywhere
-  bool moves_jump() const { return moves_jump_; }                        ///< a condition depends on `by`
-  TaylorOf<Number> operator()(double x, double t);
-
- private:
-  FormulaTree tree_;
-  std::vector<bool> depends_;  // of each node: its value changes smoothly with `by`
-  std::vector<bool> has_slope_;
-  std::vector<TaylorOf<Number>> of_nodes_;
-  bool moves_jump_ = false;
-};
-
-using FormulaTaylor = TaylorFormula<double>;
 
 }  // namespace viscobar

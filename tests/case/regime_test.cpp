@@ -148,8 +148,9 @@ TEST(FirstImpact, IsThatOfTheRunByEachMethod) {
     observers.event = [&](const Event& event) {
       if (event.change == Change::closing) closings.push_back(event);
     };
-    simulate(run, make_system(run), observers);
-    const auto foreseen = foresee(run);
+    const Setup setup = resolve(run);
+    simulate(setup, observers);
+    const auto foreseen = foresee(setup);
     ASSERT_TRUE(foreseen) << name(method);
     ASSERT_EQ(foreseen->impacts.size(), 2u) << name(method);
     for (const FirstImpact& impact : foreseen->impacts) {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "input/formula_tree.hpp"
+#include "input/formula.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 
@@ -110,22 +110,27 @@ TEST(EndMotion, ThatJumpsStopsTheRunWithItsTime) {
 }
 
 // Against differences of the values, which are wrong by step^2 times a derivative further on, and by rounding / step^2.
-TEST(FormulaTaylor, HasTheDerivativesOfWhatFormulasKnow) {
+TEST(FormulaDerivative, HasTheDerivativesOfWhatFormulasKnow) {
   for (const char* text :
        {"t", "3", "t^2-2*t+1", "t^3/(1+t)", "sin(2*t)*cos(t)", "tan(t/3)", "exp(-t)*log(1+t)", "sqrt(1+t^2)",
         "abs(t-2)*t", "min(t^2,3*t)", "max(t,0.5,t^2)", "t < 1 ? t^3 : 3*t-2", "(1+t)^t", "2^t", "-t^-2", "t^0.5",
         "(1-cos(3*t))^2", "1/(1+exp(-4*(t-0.5)))", "(t > 0.2 && t < 9) * t^2"}) {
-    FormulaTaylor taylor(parse_formula(text), "t");
+    const Formula formula(text, "t");
+    const TimeFunction f = formula.of_t(), slope_at = formula.derivative_of_t(1), bend_at = formula.derivative_of_t(2);
     for (const double t : {0.3, 0.77, 1.4}) {
       const double step = 1e-4;
-      const auto [f, slope, bend] = taylor(0.0, t);
-      const double before = taylor(0.0, t - step)[0], after = taylor(0.0, t + step)[0];
+      const double slope = slope_at(t), bend = bend_at(t), before = f(t - step), after = f(t + step);
       EXPECT_NEAR(slope, (after - before) / (2 * step), 1e-6 * (1 + std::abs(slope))) << text << " at " << t;
-      EXPECT_NEAR(bend, (after - 2 * f + before) / (step * step), 1e-5 * (1 + std::abs(bend))) << text << " at " << t;
+      EXPECT_NEAR(bend, (after - 2 * f(t) + before) / (step * step), 1e-5 * (1 + std::abs(bend)))
+          << text << " at " << t;
     }
   }
-  EXPECT_EQ(FormulaTaylor(parse_formula("t^2"), "t")(0.0, 0.0), (Taylor{0.0, 0.0, 2.0}));
-  EXPECT_EQ(FormulaTaylor(parse_formula("t^1"), "t")(0.0, 0.0), (Taylor{0.0, 1.0, 0.0}));
+  const auto at_zero = [](const char* text) {
+    const Formula f(text, "t");
+    return std::array{f.of_t()(0.0), f.derivative_of_t(1)(0.0), f.derivative_of_t(2)(0.0)};
+  };
+  EXPECT_EQ(at_zero("t^2"), (std::array{0.0, 0.0, 2.0}));
+  EXPECT_EQ(at_zero("t^1"), (std::array{0.0, 1.0, 0.0}));
 }
 
 }  // namespace

@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <random>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace viscobar {
@@ -61,6 +65,8 @@ const Expected expected_values[] = {
     {"x < 0.5 ? 1 : 2", [](double x, double) { return x < 0.5 ? 1.0 : 2.0; }},
     {"x <= 1 && t >= 0.5 || x == 26", [](double x, double t) { return (x <= 1 && t >= 0.5) || x == 26 ? 1.0 : 0.0; }},
     {"x != 1", [](double x, double) { return x != 1 ? 1.0 : 0.0; }},
+    {"0.5 && 1", [](double, double) { return 1.0; }},
+    {"x^3 - t^4", [](double x, double t) { return x * x * x - t * t * t * t; }},
     {"x > 1 ? t > 1 ? 3 : 2 : 1", [](double x, double t) { return x > 1 ? (t > 1 ? 3.0 : 2.0) : 1.0; }},
 };
 
@@ -121,6 +127,123 @@ TEST(Formula, CopiesOfAFunctionServeSeveralThreadsAtOnce) {
     });
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(wrong, std::vector<int>(4, 0));
+}
+
+TEST(Formula, AFunctionServesSeveralThreadsAtOnce) {
+  const SpaceTimeFunction f = Formula("x < 1 ? sin(t)^2 + cos(t)^2 + x : x + 1", "xt").of_x_t();
+  std::vector<int> wrong(4, 0);
+  std::vector<std::thread> threads;
+  for (std::size_t k = 0; k < wrong.size(); ++k)
+    threads.emplace_back([&f, k, &wrong] {
+      for (int i = 0; i < 20000; ++i) {
+        const double x = static_cast<double>(k) * 0.5, t = i * 1e-3;
+        if (std::abs(f(x, t) - (1 + x)) > rounding * (1 + x)) ++wrong[k];
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, std::vector<int>(4, 0));
+}
+
+/// A random formula, its value at some x and t by the operations of C++ as it is made, and how tightly it binds.
+struct Made {
+  std::string text;
+  double value;
+  int level;
+};
+
+class Maker {
+ public:
+  Made any(int depth) {
+    if (depth == 0) return leaf();
+    switch (pick(9)) {
+      case 0: return call(depth);
+      case 1: {
+        const Made a = at_least(1, depth), b = any(depth - 1), c = any(depth - 1);
+        return {a.text + " ? " + b.text + ":" + c.text, a.value != 0.0 ? b.value : c.value, 0};
+      }
+      case 2: {
+        const Made a = any(depth - 1), b = any(depth - 1);
+        return pick(2) ? Made{"min(" + a.text + ", " + b.text + ")", std::min(a.value, b.value), atom}
+                       : Made{"max(" + a.text + "," + b.text + ")", std::max(a.value, b.value), atom};
+      }
+      case 3: {
+        const Made a = at_least(7, depth);
+        return {"-" + a.text, -a.value, 6};
+      }
+      case 4: return power(depth);
+      default: return binary(depth);
+    }
+  }
+
+  std::mt19937 random{1};
+  double x = 0.0, t = 0.0;
+
+ private:
+  static constexpr int atom = 8;
+  int pick(int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); }
+
+  Made leaf() {
+    const Made leaves[] = {{"x", x, atom},     {"t", t, atom},     {"pi", std::numbers::pi, atom},
+                           {"2", 2, atom},     {"0.3", 0.3, atom}, {"1e-1", 1e-1, atom},
+                           {".25", .25, atom}, {"3.", 3, atom},    {"1E+2", 100, atom},
+                           {"p_1", 0.7, atom}};
+    return leaves[pick(10)];
+  }
+  Made at_least(int level, int depth) {
+    Made made = any(depth - 1);
+    return made.level >= level ? made : Made{"(" + made.text + ")", made.value, atom};
+  }
+  Made call(int depth) {
+    const std::pair<const char*, double (*)(double)> known[] = {
+        {"sin", std::sin}, {"cos", std::cos},   {"tan", std::tan}, {"exp", std::exp},
+        {"log", std::log}, {"sqrt", std::sqrt}, {"abs", std::fabs}};
+    const auto& [name, function] = known[pick(7)];
+    const Made a = any(depth - 1);
+    return {std::string(name) + "(" + a.text + ")", function(a.value), atom};
+  }
+  // From the right. A square is a product, and 3 or 4 of a variable.
+  Made power(int depth) {
+    const Made a = at_least(atom, depth), b = at_least(6, depth);
+    const bool product = b.value == 2.0 || ((a.text == "x" || a.text == "t") && b.text == "3.");
+    double value = a.value;
+    for (int k = 1; product && k < b.value; ++k) value *= a.value;
+    return {a.text + "^" + b.text, product ? value : std::pow(a.value, b.value), 7};
+  }
+  // From the left.
+  Made binary(int depth) {
+    constexpr std::pair<const char*, int> known[] = {{"||", 1}, {"&&", 2}, {"<", 3}, {"<=", 3}, {">", 3}, {">=", 3},
+                                                     {"==", 3}, {"!=", 3}, {"+", 4}, {"-", 4},  {"*", 5}, {"/", 5}};
+    const int k = pick(12);
+    const auto [sign, level] = known[k];
+    const Made left = at_least(level, depth), right = at_least(level + 1, depth);
+    const double a = left.value, b = right.value;
+    const double values[] = {double(a || b), double(a && b), double(a < b),  double(a <= b),
+                             double(a > b),  double(a >= b), double(a == b), double(a != b),
+                             a + b,          a - b,          a * b,          a / b};
+    return {left.text + " " + sign + right.text, values[k], level};
+  }
+};
+
+TEST(Formula, HasTheValueOfTheSameOperationsInCppToTheLastDigit) {
+  Maker maker;
+  int compared = 0;
+  for (int i = 0; i < 20000; ++i) {
+    maker.x = (i % 7) * 0.3;
+    maker.t = (i % 11) * 0.27;
+    const Made made = maker.any(1 + i % 5);
+    std::optional<Formula> formula;
+    try {
+      formula.emplace(made.text, "xt", Parameters{{"p_1", 0.7}});
+    } catch (const FormulaError& error) {
+      EXPECT_FALSE(std::isfinite(made.value)) << made.text << ": " << error.what();
+      continue;
+    }
+    const double value = formula->of_x_t()(maker.x, maker.t);
+    EXPECT_TRUE(value == made.value || (std::isnan(value) && std::isnan(made.value)))
+        << made.text << " at " << maker.x << ", " << maker.t << ": " << value << " for " << made.value;
+    ++compared;
+  }
+  EXPECT_GT(compared, 15000);
 }
 
 TEST(Formula, CannotChangeItsVariables) {

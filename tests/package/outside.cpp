@@ -1,4 +1,4 @@
-// Uses what needs each library that viscobar is linked with: SUNDIALS, muParser, fmt, HDF5.
+// Uses what needs each library that viscobar is linked with: SUNDIALS, fmt, HDF5.
 #include <cstdio>
 #include <filesystem>
 #include <viscobar/viscobar.hpp>
