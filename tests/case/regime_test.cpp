@@ -170,7 +170,7 @@ TEST(FirstImpact, TellsItsErrorWhereTheRunWouldTakeLong) {
     Case run = dropped(MethodName::fully_discrete, gap);
     run.scene.right = EndCondition{};
     run.step = 1e-5;
-    const auto foreseen = foresee(run);
+    const auto foreseen = foresee(resolve(run));
     ASSERT_TRUE(foreseen);
     ASSERT_EQ(foreseen->impacts.size(), 1u);
     const FirstImpact& impact = foreseen->impacts.front();
