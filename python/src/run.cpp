@@ -139,7 +139,7 @@ Observers Run::observers(py::object& self, py::object& observer, py::object& on_
     keep(event);
     if (!event.sensitivities.empty()) outcome_.changes.push_back(event.sensitivities);
     if (run.method != MethodName::characteristics)
-      if (const auto first = chatter.heard(event)) warn(chatter_warning(run, system_, *first));
+      if (const auto first = chatter.heard(event)) warn(chatter_warning(setup_, system_, *first));
     if (!on_event.is_none() && !stopping_)
       ask([&] {
         return on_event(py::dict(py::arg("t") = event.time, py::arg("where") = place(event),

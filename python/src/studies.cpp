@@ -7,6 +7,7 @@
 #include <map>
 #include <thread>
 
+#include "input/described_scene.hpp"
 #include "kept.hpp"
 #include "report/fit/fit_request.hpp"
 #include "report/scene_check.hpp"

@@ -148,7 +148,7 @@ TEST(FirstImpact, IsThatOfTheRunByEachMethod) {
     observers.event = [&](const Event& event) {
       if (event.change == Change::closing) closings.push_back(event);
     };
-    const Setup setup = resolve(run);
+    const viscobar::Setup setup = resolve(run);
     simulate(setup, observers);
     const auto foreseen = foresee(setup);
     ASSERT_TRUE(foreseen) << name(method);
