@@ -18,7 +18,7 @@ namespace viscobar {
 
 namespace {
 
-/// What is wrong with a case so far. A key with a finding has no value to judge others by.
+/// The faults of a case found so far. A key with a finding has no value to judge others by.
 class Findings {
  public:
   /// `faulty` are keys known to be wrong already, of which nothing more is said.
@@ -43,7 +43,7 @@ class Findings {
       return std::find(wrong_.begin(), wrong_.end(), key) != wrong_.end();
     });
   }
-  /// Of all keys of tables, those of `initial` such as `initial.velocity`.
+  /// The same of all keys of tables, those of `initial` such as `initial.velocity`.
   bool sound_tables(std::initializer_list<std::string_view> tables) const {
     return std::none_of(wrong_.begin(), wrong_.end(), [&](std::string_view key) {
       return std::find(tables.begin(), tables.end(), key.substr(0, key.find('.'))) != tables.end();
@@ -165,7 +165,7 @@ void check_initial_nodes(const Case& run, Findings& findings) {
   }
 }
 
-// What its steppers cannot take follows from the whole system.
+// The stepper, and the number of its steps, follow from the whole system.
 void check_odeint(const Setup& setup, Findings& findings) {
   if (!findings.sound_tables({"bar", "left", "right", "span", "initial", "time", "mesh", "contact"}) ||
       !findings.sound({"method.stepper"}))

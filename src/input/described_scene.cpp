@@ -26,7 +26,7 @@ std::string toml_of(const Json& value) {
   return text;
 }
 
-// What toml++ makes of the same value.
+// The tree that toml++ makes of the same values.
 TomlNode tree_of(const Json& json, const std::string& key = "") {
   TomlNode node;
   node.key = key;

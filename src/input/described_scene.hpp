@@ -20,7 +20,7 @@ const SceneValue* value_of(const SceneValues& values, std::string_view key);
 
 /// Lays values over those of an object with an object for each table.
 void put(nlohmann::ordered_json& tables, const SceneValues& values);
-/// What was run: the values of the scene, and those that were chosen.
+/// All that was run: the values of the scene, and those that were chosen.
 nlohmann::ordered_json complete(const SceneFile& scene);
 
 /// "table.key=value" as --set takes it; numbers read back to the last bit.

@@ -51,7 +51,7 @@ TEST(DescribedScene, IsTheSceneAgainWhereATableHasSomeOfItsKeys) {
   EXPECT_EQ(described_scene(scene.description(), "again").description(), scene.description());
 }
 
-// What a search settles on is told as if the scene had said it, in the order of the keys, and the rest stays.
+// Settings that a search ends with are told as if the scene had said it, in the order of the keys, and the rest stays.
 TEST(DescribedScene, WithOtherSettingsReadsBackAndTellsWhatWasChosen) {
   const SceneFile scene = parse_scene(
       "[bar]\nlength = 1\nviscosity = 0.1\n[left]\nkind = \"obstacle\"\n[initial]\nvelocity = -1\n[time]\nend = 3\n"

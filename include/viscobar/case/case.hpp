@@ -152,7 +152,7 @@ Setup resolve(Case run);
 /// `faulty` are keys already known to be wrong. Neither they nor faults that depend on them are reported. Their values
 /// are arbitrary, except that bar.length and mesh.elements must make a mesh.
 std::vector<Finding> faults(const Setup& setup, const std::vector<std::string>& faulty = {});
-/// Whether simulate() can start.
+/// True if simulate() can start.
 inline bool sound(Case run) { return faults(resolve(std::move(run))).empty(); }
 
 /// The direction of a key of a scene file that has a number: bar.*, left.gap, right.gap, span.gap, contact.epsilon and

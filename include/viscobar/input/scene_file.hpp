@@ -42,8 +42,8 @@ using SceneValue = std::variant<std::string, std::int64_t, double, std::vector<s
 /// Keys "table.key" with their values, in the order in which a scene is told.
 using SceneValues = std::vector<std::pair<std::string, SceneValue>>;
 
-/// What is laid over a scene: a key with its value, or the text "table.key=value" of --set; "table.key=" takes the key
-/// away.
+/// Something laid over a scene: a key with its value, or the text "table.key=value" of --set; "table.key=" takes the
+/// key away.
 using Setting = std::variant<std::string, std::pair<std::string, SceneValue>>;
 
 /// A case as read, and the scene as understood.
