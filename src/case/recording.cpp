@@ -28,7 +28,7 @@ void Recording::keep(const Snapshot& s, std::span<const Direction> directions) {
   }
 }
 
-Recording record(const Setup& setup) {
+Recording record_setup(const Setup& setup) {
   const Case& run = setup.run;
   Recording recording;
   recording.label = name(run.method);

@@ -47,8 +47,9 @@ struct Recording {
 };
 
 /// Runs a sound setup and keeps it, on its own output times. @throws IntegrationError
-Recording record(const Setup& setup);
-inline Recording record(const Case& run) { return record(resolve(run)); }  ///< of a sound case
+Recording record_setup(const Setup& setup);
+/// The same for a sound case: a Solver.
+inline Recording record(const Case& run) { return record_setup(resolve(run)); }
 
 /// Any scheme, also one of your own: it advances the case and gives the recording on run.output_times(), which Recorder
 /// makes out of its steps. Velocities, reactions, events and statistics may be missing.

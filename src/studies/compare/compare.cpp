@@ -54,7 +54,7 @@ MethodRun attempt(const Contender& contender) {
   run.directions.clear();  // what methods are compared by is told by all of them
   MethodRun result{contender.label, !contender.solver, resolve(std::move(run)), {}, {}, {}};
   try {
-    Recording recording = result.built_in ? record(result.setup) : contender.solver(result.setup.run);
+    Recording recording = result.built_in ? record_setup(result.setup) : contender.solver(result.setup.run);
     if (const auto problem = fault(recording, result.setup.run)) throw std::invalid_argument(*problem);
     const std::vector<double>& times = recording.times;
     result.contacts = contact_periods(recording, 0.01 * (times.back() - times.front()));
