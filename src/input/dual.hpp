@@ -59,7 +59,7 @@ struct Dual {
     const N value = exp(a.value);
     return chain(a, value, value);
   }
-  /// Of a base 0 the slope by the exponent is 0, where the logarithm has no end.
+  /// A base 0 has a slope of 0 by the exponent, where the logarithm has no end.
   friend Dual power(const Dual& a, const Dual& b) {
     const N value = power(a.value, b.value);
     Dual result = chain(a, value, times(power(a.value, b.value - N(1.0)), b.value));

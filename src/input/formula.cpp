@@ -17,7 +17,7 @@ namespace viscobar {
 
 namespace {
 
-// Of some keys. A scene asks for each of its formulas several times, and a sweep for those of thousands of scenes.
+// Values by key. A scene asks for each of its formulas several times, and a sweep for those of thousands of scenes.
 template <class Key, class Value>
 class Known {
  public:
@@ -65,7 +65,7 @@ Dependence dependence(const FormulaTree& tree, std::string_view by) {
   return {depends(tree.root), by_jumps};
 }
 
-// What an operand is, with its derivatives by names, one for each level of duals.
+// An operand with its derivatives by names, one for each level of duals.
 template <class N>
 N seeded(double value, const bool* moves) {
   if constexpr (std::is_same_v<N, double>)

@@ -39,7 +39,7 @@ constexpr Operation functions[] = {Operation::sin,  Operation::cos, Operation::t
 constexpr std::array<std::string_view, 10> known = {"sin",  "cos", "tan", "exp", "log",
                                                     "sqrt", "abs", "min", "max", "pi"};
 
-/// What other languages know, and what to write instead.
+/// Words of other languages, and what to write instead.
 constexpr std::pair<std::string_view, std::string_view> habits[] = {
     {"ln", "log is the natural logarithm"},
     {"pow", "a power is written x^2"},
@@ -99,7 +99,7 @@ class Parser {
     return here.substr(0, static_cast<std::size_t>(std::ranges::find_if_not(here, part) - here.begin()));
   }
 
-  // What stands here can be no part of the formula, read as far as this.
+  // The formula, read as far as this, cannot go on like that.
   [[noreturn]] void unexpected() {
     const std::string_view here = rest();
     std::string_view token = word();
@@ -240,7 +240,7 @@ class Parser {
     const double n = is_number(exponent) ? tree_.number(exponent).value : 0.0;
     if (base < FormulaTree::t || base > FormulaTree::x || (n != 3.0 && n != 4.0))
       return add(Operation::power, {base, exponent});
-    // Of a variable as a product, in a tenth of the time.
+    // A variable's is a product, in a tenth of the time.
     tree_.numbers.pop_back();
     int product = base;
     for (int k = 1; k < n; ++k) product = add(Operation::multiply, {product, base});

@@ -79,7 +79,7 @@ class FormulaSwitches::Search {
     return argument(node).value.low;
   }
 
-  // Whether a branch is surely not taken, by the jets.
+  // True if a branch is surely not taken, by the jets.
   bool excluded(int branch) const {
     for (; branch >= 0; branch = tree_.branches[static_cast<std::size_t>(branch)].outer) {
       const FormulaTree::Branch& of = tree_.branches[static_cast<std::size_t>(branch)];

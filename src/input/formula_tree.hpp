@@ -16,7 +16,7 @@
 
 namespace viscobar {
 
-/// What a formula computes: operations in the order in which they can be done, of x, t, numbers, and earlier ones.
+/// A formula as operations in the order in which they can be done, of x, t, numbers, and earlier ones.
 struct FormulaTree {
   // clang-format off
   enum class Operation : unsigned char {
@@ -39,7 +39,7 @@ struct FormulaTree {
     double value = 0.0;
     int parameter = -1;  ///< which of `parameters` it is
   };
-  /// Of a ?:, taken where the condition's truth is `when`.
+  /// A side of a ?:, taken where the condition's truth is `when`.
   struct Branch {
     int condition = 0, outer = -1;
     bool when = true;
@@ -55,7 +55,7 @@ struct FormulaTree {
   bool uses_x(int of) const { return of < 0 ? of == x : nodes[static_cast<std::size_t>(of)].uses_x; }
   bool uses_t(int of) const { return of < 0 ? of == t : nodes[static_cast<std::size_t>(of)].uses_t; }
 
-  /// What there is a number of, and where that of the first node is among those.
+  /// How many numbers an evaluation has, and where that of the first node is among them.
   std::size_t size() const { return nodes.size() + numbers.size() + 2; }
   template <class N>
   N* of_nodes(N* all) const {
