@@ -187,8 +187,8 @@ std::optional<Foresight> foresee(const Setup& setup, const std::function<bool()>
     if (of(own, impact.where) != own.found.impacts.end()) continue;
     const auto other = of(coarse, impact.where);
     const bool both = other != coarse.found.impacts.end();
-    // A scheme has contact changes at its steps.
-    impact.time_error = both ? std::max(step, std::abs(other->time - impact.time)) : impact.time;
+    // A scheme has contact changes at the ends of its steps, and begins half a step late.
+    impact.time_error = both ? std::max(2.0 * step, std::abs(other->time - impact.time)) : impact.time;
     impact.speed_error = both ? std::abs(other->speed - impact.speed) : impact.speed;
     own.found.impacts.push_back(impact);
   }
