@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -44,14 +45,21 @@ Run run_of(const Case& run) {
 }
 
 // At each node closings and openings take turns, a node that closes moves in, to rounding, one that opens moves out,
-// and a contact lasts. The velocity of a node that is passed over, on a spring that a step does not resolve, is known
+// and a contact lasts. Where u has a rounding du, a node on a spring of the frequency omega has one of omega du in its
+// velocity. The velocity of a node that is passed over, on a spring that a step does not resolve, is known
 // to the promise. An undamped node without mass has no velocity of its own.
 std::string phantom_of(const Case& run, const Run& result) {
-  const BarSystem system = resolve(run).system();
+  const Setup setup = resolve(run);
+  const BarSystem system = setup.system();
+  const std::vector<double> masses = system.effective_masses();
   const double unknown = 100.0 * (run.tolerance.relative * result.fastest + absolute_tolerance(run));
   std::string all;
   for (const Contact& contact : system.contacts()) {
     const std::size_t node = contact.unknown + system.first_node();
+    const double du = std::numeric_limits<double>::epsilon() * result.largest;
+    const double mass = masses[contact.unknown];
+    const bool spring = is_penalised(run.method) && mass > 0.0;
+    const double rounding = 1e-12 * result.fastest + (spring ? du / std::sqrt(setup.epsilon * mass) : 0.0);
     std::optional<double> closed;
     for (const Event& event : result.events) {
       if (event.where != contact.where || event.node != node) continue;
@@ -59,7 +67,7 @@ std::string phantom_of(const Case& run, const Run& result) {
       const double away = contact.sign * event.velocity;
       if (closing == closed.has_value()) all += fmt::format("out of turn at {}; ", event.time);
       const bool moves = !system.massless(contact.unknown) || system.damped();
-      if (moves && (closing ? away > 1e-12 * result.fastest : away < -unknown))
+      if (moves && (closing ? away > rounding : away < -unknown))
         all += fmt::format("{} at {} with {}; ", closing ? "closes" : "opens", event.time, event.velocity);
       if (!closing && closed && !(event.time > *closed)) all += fmt::format("no length at {}; ", event.time);
       closed = closing ? std::optional(event.time) : std::nullopt;
