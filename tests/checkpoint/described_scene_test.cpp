@@ -54,7 +54,7 @@ TEST(DescribedScene, IsTheSceneAgainWhereATableHasSomeOfItsKeys) {
 // Settings that a search ends with are told as if the scene had said it, in the order of the keys, and the rest stays.
 TEST(DescribedScene, WithOtherSettingsReadsBackAndTellsWhatWasChosen) {
   const SceneFile scene = parse_scene(
-      "[bar]\nlength = 1\nviscosity = 0.1\n[left]\nkind = \"obstacle\"\n[initial]\nvelocity = -1\n[time]\nend = 3\n"
+      "[bar]\nlength = 1\nviscosity = 0.1\n[left]\nkind = \"obstacle\"\ngap = 0\n[initial]\nvelocity = -1\n[time]\nend = 3\n"
       "[mesh]\nmass = \"lumped\"\n[contact]\nepsilon = 1e-3\n[parameters]\nb = 2.0\na = 1.0\n",
       "scene");
   Case chosen = scene.run;

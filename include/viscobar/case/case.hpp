@@ -134,8 +134,12 @@ struct Setup {
 
   /// Why each of these is what it is, in half a sentence.
   struct Reasons {
-    std::string_view method, mass, epsilon, step;
-  } why;
+    std::string_view method;   ///< cvode, rigid, ...
+    std::string_view mass;     ///< lumped, redistributed, ...
+    std::string_view epsilon;  ///< of penalised methods
+    std::string_view step;     ///< of schemes
+  };
+  Reasons why;  ///< the reasons of this setup
 
   /// The semi-discrete system of a sound setup.
   BarSystem system() const { return BarSystem(run.scene, mesh, mass); }
@@ -160,19 +164,20 @@ inline bool sound(Case run) { return faults(resolve(std::move(run))).empty(); }
 /// @throws std::invalid_argument for another key, and for one that the case does not have
 Direction direction(const Case& run, std::string_view key);
 
-/// What to change in the scene of a run that could not go on, in its keys.
+/// Remedy for the scene of a run that could not go on, in its keys.
 std::string remedy(const Case& run, Failure why);
 
 /// Runs a sound setup by its method, on its own output times or on others. `system` is that of the setup.
 /// @throws IntegrationError, whose message ends with the remedy
 Statistics simulate(const Setup& setup, const BarSystem& system, const Observers& observers);
-/// Likewise.
+/// The same on those times.
 Statistics simulate(const Setup& setup, const BarSystem& system, std::span<const double> times,
                     const Observers& observers);
 /// Both on a system of their own.
 inline Statistics simulate(const Setup& setup, const Observers& observers) {
   return simulate(setup, setup.system(), observers);
 }
+/// The same on other output times.
 inline Statistics simulate(const Setup& setup, std::span<const double> times, const Observers& observers) {
   return simulate(setup, setup.system(), times, observers);
 }

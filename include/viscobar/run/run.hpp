@@ -255,8 +255,8 @@ struct Observers {
 /// A method that does not take a system; the finding says why, and what to change in keys of a scene file.
 class Unfit : public std::invalid_argument {
  public:
-  Unfit(std::string_view method, Finding why);
-  Finding finding;  ///< what it is
+  Unfit(std::string_view method, Finding why);  ///< the method's name and its reason
+  Finding finding;                              ///< the reason
 };
 
 /// Why a run could not go on. What to change follows from it, in keys of a scene file: see remedy() of case.hpp.
