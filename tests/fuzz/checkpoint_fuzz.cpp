@@ -1,5 +1,5 @@
 // Bytes of a checkpoint. The first byte says what the others are: the file, its content, or damage (place, place,
-// value) done to the file or to the content of a sound one; content is sealed with a checksum that fits. Any damage to
+// value) done to the file or to the content of a intact one; content is sealed with a checksum that fits. Any damage to
 // a file is refused, and what is taken encodes to bytes that give it back.
 
 // longest: 600
@@ -11,7 +11,7 @@
 namespace viscobar {
 namespace {
 
-const std::string sound = encoded(example_checkpoint());
+const std::string intact = encoded(example_checkpoint());
 
 std::string content_of(const std::string& file) {
   const std::size_t around = sealed("").size() / 4;  // three numbers before, one after
@@ -48,10 +48,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   switch (data[0] % 4) {
     case 0: read(input); break;
     case 1: read(sealed(input)); break;
-    case 2: read(sealed(damaged(content_of(sound), input))); break;
+    case 2: read(sealed(damaged(content_of(intact), input))); break;
     default: {
-      const std::string file = damaged(sound, input);
-      fuzz::claim(read(file) == (file == sound), "damage is noticed, and nothing else");
+      const std::string file = damaged(intact, input);
+      fuzz::claim(read(file) == (file == intact), "damage is noticed, and nothing else");
     }
   }
   return 0;
