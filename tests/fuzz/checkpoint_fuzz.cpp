@@ -1,6 +1,6 @@
 // Bytes of a checkpoint. The first byte says what the others are: the file, its content, or damage (place, place,
-// value) done to the file or to the content of an intact one; content is sealed with a checksum that fits. Any damage to
-// a file is refused, and what is taken encodes to bytes that give it back.
+// value) done to the file or to the content of an intact one; content is sealed with a checksum that fits. Any damage
+// to a file is refused, and what is taken encodes to bytes that give it back.
 
 // longest: 600
 #include <cstdint>
