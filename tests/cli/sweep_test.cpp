@@ -96,12 +96,12 @@ double seconds_of_children() {
 
 // Both are processor times of one and the same run: a busy machine slows both alike. The best of a few runs, where it
 // did not.
-TEST_F(Sweep, OfSmallCasesTakesAtMostAQuarterMoreThanItsIntegration) {
+TEST_F(Sweep, OfSmallCasesTakesAtMostThreeTenthsMoreThanItsIntegration) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "of the program as it is used";
 #endif
   double best = 10.0;
-  for (int k = 0; k < 8 && best > 1.25; ++k) {
+  for (int k = 0; k < 8 && best > 1.3; ++k) {
     const double before = seconds_of_children();
     const Ended ended = viscobar(fmt::format(
         "sweep '" VISCOBAR_SOURCE_DIR "/examples/sweeps/small-cases.toml' --threads 1 --json -o small{}", k));
@@ -109,7 +109,7 @@ TEST_F(Sweep, OfSmallCasesTakesAtMostAQuarterMoreThanItsIntegration) {
     const double all = seconds_of_children() - before;
     best = std::min(best, all / ended.json()["integration_seconds"].get<double>());
   }
-  EXPECT_LE(best, 1.25);
+  EXPECT_LE(best, 1.3);
 }
 
 TEST_F(Sweep, RowsDoNotDependOnTheNumberOfThreads) {
