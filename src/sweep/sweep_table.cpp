@@ -74,13 +74,16 @@ SweepFrame::Part create_dataset(const fs::path& path, hid_t file, const char* na
   H5Pset_fill_time(properties.get(), H5D_FILL_TIME_NEVER);
   H5Pset_obj_track_times(properties.get(), false);
   const Hdf5Dataspace space(H5Screate_simple(1, &rows, nullptr));
-  const Hdf5Dataset dataset(hdf5_checked(path, "cannot create a dataset", [&] {
+  Hdf5Dataset dataset(hdf5_checked(path, "cannot create a dataset", [&] {
     return H5Dcreate2(file, name, type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT);
   }));
   if (values)
     hdf5_checked(path, "cannot be written",
                  [&] { return H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values); });
-  return {H5Dget_offset(dataset.get()), H5Dget_storage_size(dataset.get())};
+  const SweepFrame::Part part{H5Dget_offset(dataset.get()), H5Dget_storage_size(dataset.get())};
+  // Values that HDF5 has put off are written here: a handle that ends could not tell that they were not.
+  hdf5_checked(path, "cannot be written", [&] { return H5Dclose(dataset.release()); });
+  return part;
 }
 
 Hdf5Dataset open_dataset(const fs::path& path, hid_t file, const char* name) {
@@ -169,6 +172,7 @@ void SweepTable::create(const std::string& identity) const {
     const std::string build = versions().build;
     make("build", H5T_STD_I8LE, build.size(), build.data());
     hdf5_checked(part, "cannot be flushed", [&] { return H5Fflush(file.get(), H5F_SCOPE_GLOBAL); });
+    hdf5_checked(part, "cannot be closed", [&] { return H5Fclose(file.release()); });
   }
   frame.write(part);
   file_to_be.take_place();
