@@ -262,6 +262,18 @@ TEST_F(Faults, ASweepMarksNoRowThatIsNotOnTheDisk) {
   EXPECT_EQ(run(sweep, ""), 0) << err();
 }
 
+// Small values of a new file are written as it is closed. The third and the fourth write are the identity and the
+// build.
+TEST_F(Faults, ASweepWhoseTableCouldNotBeWrittenOnceGoesOnTheNextTime) {
+  std::ofstream(scratch / "sweep.toml") << "scene = \"bouncing.toml\"\n[vary]\nbar.viscosity = [0.1, 0.2]\n";
+  for (std::size_t n = 1; n <= 8; ++n) {
+    const std::vector<std::string> sweep = {"sweep", "sweep.toml", "--quiet", "-o", "out" + std::to_string(n)};
+    EXPECT_NE(run(sweep, "one-write:" + std::to_string(n)), 2) << n << ": " << err();
+    EXPECT_EQ(run(sweep, ""), 0) << n << ": " << err();
+    EXPECT_EQ(err(), "") << n;
+  }
+}
+
 TEST_F(Faults, APlaceThatTakesNoFilesIsNamed) {
   EXPECT_EQ(run({"run", "bouncing.toml", "--quiet", "-o", "/proc/out"}, ""), 1);
   EXPECT_NE(err().find("/proc/out"), std::string::npos) << err();
