@@ -63,7 +63,13 @@ const SceneValue* value_of(const SceneValues& values, std::string_view key) {
 void put(Json& tables, const SceneValues& values) {
   for (const auto& [key, value] : values) {
     const std::size_t dot = key.find('.');
-    (dot == key.npos ? tables[key] : tables[key.substr(0, dot)][key.substr(dot + 1)]) = json_of(value);
+    if (dot == key.npos) {
+      tables[key] = json_of(value);
+      continue;
+    }
+    // Not by [] on nothing: nlohmann's 3.11.2 ends by a signal where it finds no memory for a table made so.
+    Json& table = *tables.emplace(key.substr(0, dot), Json::object()).first;
+    table[key.substr(dot + 1)] = json_of(value);
   }
 }
 

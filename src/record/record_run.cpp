@@ -204,8 +204,8 @@ class RecordedRun {
       times.push_back(motion.time);
       ArchiveWriter archive;
       archive(data_, chatter_, pace_, outcome().warnings, outcome().changes);
-      write_checkpoint(place_, {scene_.description(), last_.schedule, motion, files_->mark(), archive.take(), times,
-                                wall_seconds()});
+      write_checkpoint(
+          place_, {last_.description, last_.schedule, motion, files_->mark(), archive.take(), times, wall_seconds()});
       outcome().checkpoints = std::move(times);
     };
     clock_ ? clock_->make(write) : write();
