@@ -264,30 +264,35 @@ class Stepper final : public LegStepper {
     evaluate();
   }
 
-  void motion_at(double t, std::span<double> y) {
+  // Displacements of all nodes, or of the first and the last ones only, which the velocities of massless ends depend
+  // on.
+  void motion_at(double t, std::span<double> y, bool displacements = true) {
     const double theta = (t - begin_t_) / h_;
     const Formula& formula = Formula::get();
     const Parts w = formula.weights(theta, 0), u = formula.weights_over_pole(w);
     const std::size_t n = layout_.nodes;
     if (by_part_.empty()) sort_by_part();
     // Sums over the parts of several nodes at once; takes() wants five.
-    const auto move = [&](std::size_t i, auto size) {
+    const auto move = [&](std::size_t i, auto size, auto displaced) {
       using Values = Eigen::Array<double, decltype(size)::value, 1>;
-      const auto values = [i](const auto& from) { return Eigen::Map<const Values>(from.data() + i); };
       Values of_w = Values::Zero(), of_u = Values::Zero();
       for (std::size_t l = 0; l < parts; ++l) {
         const auto part = Eigen::Map<const Values>(by_part_.data() + l * n + i);
         of_w += w[l] * part;
-        of_u += u[l] * part;
+        if constexpr (displaced) of_u += u[l] * part;
       }
       const auto velocity = Eigen::Map<const Values>(begin_y_.data() + n + i);
       Eigen::Map<Values>(y.data() + n + i) = velocity + of_w;
-      Eigen::Map<Values>(y.data() + i) = values(begin_y_) + h_ * (theta * velocity + of_u);
+      if constexpr (displaced)
+        Eigen::Map<Values>(y.data() + i) =
+            Eigen::Map<const Values>(begin_y_.data() + i) + h_ * (theta * velocity + of_u);
     };
     // The last ones of the nodes twice, where they are no multiple of the width.
     const auto move_all = [&](auto size) {
-      for (std::size_t i = 0; i + size < n; i += size) move(i, size);
-      move(n - size, size);
+      move(0, size, std::true_type());
+      for (std::size_t i = size; i + size < n; i += size)
+        displacements ? move(i, size, std::true_type()) : move(i, size, std::false_type());
+      move(n - size, size, std::true_type());
     };
     if (n < 8)
       move_all(std::integral_constant<std::size_t, 4>());
@@ -318,7 +323,7 @@ class Stepper final : public LegStepper {
     const double half = 0.5 * (end_t_ - begin_t_), middle = begin_t_ + half;
     const auto at = [&](double s) {
       return energy_flow(
-          system_, layout_, middle + s * half, [&](double t, std::span<double> inner) { motion_at(t, inner); },
+          system_, layout_, middle + s * half, [&](double t, std::span<double> inner) { motion_at(t, inner, false); },
           [&](double t) { return end_accelerations(t); }, inner_);
     };
     const StepPowers::Flow sum =

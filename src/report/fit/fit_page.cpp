@@ -66,7 +66,10 @@ std::vector<std::string> remarks(const FitStudy& study, const FitResult& result)
 // Within so many standard deviations of an estimate is the value with a probability of 95 %.
 double deviations_of_95(const FitResult& result) {
   if (result.freedom == 0) return 1.96;
-  return boost::math::quantile(boost::math::students_t(static_cast<double>(result.freedom)), 0.975);
+  // Without promotion to long double, whose constants are made before main and end the program under valgrind.
+  using InDouble = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+  using StudentsT = boost::math::students_t_distribution<double, InDouble>;
+  return boost::math::quantile(StudentsT(static_cast<double>(result.freedom)), 0.975);
 }
 
 std::string verdict(const FitResult& result) {
