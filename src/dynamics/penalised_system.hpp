@@ -246,12 +246,24 @@ class PenalisedSystem {
   double change_frame(const BarSystem& to, double t, std::span<double> u, std::span<double> w) const;
   /// eta w.K w + sum c_e w_e^2 + sum b_i w_i^2
   double dissipated_power(std::span<const double> w) const;
+  /// The same of velocities w(i), each an array of them at several times; `zero` is such an array.
+  template <class Values>
+  Values dissipated_power(auto&& w, const Values& zero) const {
+    Values power = zero;
+    if (bar_.damped()) power += bar_.bar().viscosity * bar_.squared_strain_rate(w, zero);
+    for (const Mount& mount : bar_.mounts()) power += mount.dashpot * w(mount.unknown) * w(mount.unknown);
+    if (dashpots_)
+      for (std::size_t i = 0; i < laws_.size(); ++i)
+        if (closed(i)) power += laws_[i].damping * w(contact(i).unknown) * w(contact(i).unknown);
+    return power;
+  }
   /// Contribution of a frame that moves (see BarSystem::lift_loss).
   double frame_loss(double t, std::span<const double> w) const {
     return bar_.moving() ? bar_.lift_loss(bar_.lift(t, 1), w) : 0.0;
   }
   /// w.M f(t)
   double load_power(double t, std::span<const double> w);
+  std::span<const double> nodal_load(double t) { return load_->at(t); }  ///< M f(t), where loaded()
   /// Power of the end rows of the mass (see BarSystem::end_power) at the acceleration a, of all unknowns or of three at
   /// either end (end_values()), and what of it is the frame's, which what moves the frame does. Where a is that of
   /// F(t, u, w), it has E/h times what u is wrong by, which does no work but adds up in a long flight: the derivative

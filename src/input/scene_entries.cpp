@@ -216,26 +216,29 @@ void SceneEntries::check_values() {
 }
 
 void SceneEntries::fill_in() {
-  filled_in_.assign(scene_keys().size(), false);
-  for (std::size_t i = 0; const SceneKey& key : scene_keys()) {
-    const std::size_t place = i++;
-    if (given(key.name) || faulty(key.name)) continue;
-    if (key.presence == Presence::required ||
-        (key.presence == Presence::required_in_table && tables_.contains(key.table())))
-      report(key.name, "is missing: {}", key.meaning);
-    else
-      filled_in_[place] = !key.fallback.empty();
+  std::vector<const TomlValue*> in_force;
+  in_force.reserve(scene_keys().size());
+  for (const SceneKey& key : scene_keys()) {
+    const TomlValue* value = find(key.name);
+    if (!value && !faulty(key.name)) {
+      if (key.presence == Presence::required ||
+          (key.presence == Presence::required_in_table && tables_.contains(key.table())))
+        report(key.name, "is missing: {}", key.meaning);
+      else if (!key.fallback.empty())
+        value = &fallback_of(key);
+    }
+    in_force.push_back(value);
   }
-}
-
-bool SceneEntries::filled_in(std::string_view key) const {
-  const SceneKey* known = filled_in_.empty() ? nullptr : find_scene_key(key);
-  return known && filled_in_[static_cast<std::size_t>(known - scene_keys().data())];
+  in_force_ = std::move(in_force);
 }
 
 const TomlValue* SceneEntries::find(std::string_view key) const {
-  if (const auto entry = entries_.find(key); entry != entries_.end()) return &entry->second.value;
-  return filled_in(key) ? &fallback_of(*find_scene_key(key)) : nullptr;
+  if (in_force_.empty() || is_parameter(key)) {
+    const auto entry = entries_.find(key);
+    return entry == entries_.end() ? nullptr : &entry->second.value;
+  }
+  const SceneKey* known = find_scene_key(key);
+  return known ? in_force_[static_cast<std::size_t>(known - scene_keys().data())] : nullptr;
 }
 
 std::optional<double> SceneEntries::number(std::string_view key) const {

@@ -32,7 +32,7 @@ class SceneEntries {
   /// False when the text is not TOML: what it holds is unknown then.
   bool readable() const { return readable_; }
   bool has_table(std::string_view table) const { return tables_.contains(table); }
-  bool present(std::string_view key) const { return given(key) || filled_in(key); }
+  bool present(std::string_view key) const { return find(key) != nullptr; }
   /// Present, and not as a fallback.
   bool given(std::string_view key) const { return entries_.contains(key); }
   bool faulty(std::string_view key) const { return faulty_.contains(key); }
@@ -82,7 +82,6 @@ class SceneEntries {
   void drop_what_no_longer_belongs();
   void check_values();
   void fill_in();
-  bool filled_in(std::string_view key) const;
   const TomlValue* find(std::string_view key) const;  // null: absent
   const TomlValue* sound_value(std::string_view key) const;
   Place place_of(std::string_view key) const;
@@ -93,7 +92,7 @@ class SceneEntries {
   std::map<std::string, Entry, std::less<>> entries_;
   std::map<std::string, Place, std::less<>> tables_;
   std::set<std::string, std::less<>> faulty_;
-  std::vector<bool> filled_in_;  // of scene_keys(), whether its fallback holds
+  std::vector<const TomlValue*> in_force_;  // of scene_keys(), in their order: given, fallback or null; empty before
   std::vector<Diagnostic> found_;
 };
 

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
 #include <list>
 #include <map>
-#include <unordered_map>
 #include <vector>
 
 #include "case/method_table.hpp"
@@ -250,13 +252,26 @@ bool is_scene_table(std::string_view name) { return std::ranges::find(tables, na
 
 const SceneKey* find_scene_key(std::string_view name) {
   if (is_parameter(name)) name = any_parameter;
-  static const auto by_name = [] {
-    std::unordered_map<std::string_view, const SceneKey*> all;
-    for (const SceneKey& key : scene_keys()) all.emplace(key.name, &key);
+  // A case of a sweep asks 200 times. The last eight characters and the length tell most keys apart.
+  static constexpr std::size_t size = 512;
+  const auto place = [](std::string_view of) {
+    std::uint64_t end = 0;
+    const std::size_t count = std::min(of.size(), sizeof end);
+    std::memcpy(&end, of.data() + of.size() - count, count);
+    return ((end + of.size()) * 0x9E3779B97F4A7C15u) >> 55;
+  };
+  static const auto table = [&] {
+    std::array<const SceneKey*, size> all{};
+    for (const SceneKey& key : scene_keys()) {
+      std::size_t at = place(key.name);
+      while (all[at]) at = (at + 1) % size;
+      all[at] = &key;
+    }
     return all;
   }();
-  const auto found = by_name.find(name);
-  return found == by_name.end() ? nullptr : found->second;
+  for (std::size_t at = place(name); table[at]; at = (at + 1) % size)
+    if (table[at]->name == name) return table[at];
+  return nullptr;
 }
 
 const SceneKey* find_scene_key(std::string_view table, std::string_view leaf) {

@@ -212,6 +212,25 @@ class BarSystem {
   /// int u_x^2 of a displacement (fixed ends keep their displacement) and int w_x^2 of a velocity (they stand still).
   double squared_strain(std::span<const double> u) const;
   double squared_strain_rate(std::span<const double> w) const;  ///< likewise
+  /// The same of velocities w(i), each an array of them at several times, summed up from `sum`.
+  template <class Values>
+  Values squared_strain_rate(auto&& w, Values sum) const {
+    const double uniform = inverse_spacing_.empty() ? 1.0 / mesh_.spacing() : 0.0;
+    std::size_t element = 0;
+    const auto add = [&](const Values& difference) {
+      sum += difference * difference * (inverse_spacing_.empty() ? uniform : inverse_spacing_[element]);
+      ++element;
+    };
+    Values before = w(std::size_t{0});
+    if (left_fixed()) add(before);
+    for (std::size_t i = 1; i < size(); ++i) {
+      const Values now = w(i);
+      add(now - before);
+      before = now;
+    }
+    if (right_fixed()) add(before);
+    return sum;
+  }
 
   /// Energy 1/2 w.rho Q w + 1/2 E int u_x^2 + 1/2 sum k_e u_e^2, the contacts' apart.
   double energy(std::span<const double> u, std::span<const double> w) const;

@@ -1,6 +1,7 @@
 #include "integration/radau/step_powers.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 
 #include "integration/gauss.hpp"
@@ -50,7 +51,10 @@ const Rule& rule() {
 
 const std::array<double, StepPowers::points>& StepPowers::nodes() { return rule().nodes; }
 
-StepPowers::Flow StepPowers::over_all() const {
+StepPowers::Flow StepPowers::over_step(double length, const std::array<Flow, of_gauss>& at_gauss) {
+  half_ = 0.5 * length;
+  known_ = false;
+  std::ranges::copy(at_gauss, values_.begin());
   Flow sum{};
   std::size_t k = 0;
   for (const GaussPoint& point : gauss<of_gauss>()) {

@@ -13,15 +13,13 @@ namespace viscobar::radau {
 class StepPowers {
  public:
   using Flow = std::array<double, 3>;
+  static constexpr std::size_t of_gauss = 8;
 
-  /// The integrals over all of a step of that length, by Gauss' 8 points.
-  template <class At>
-  Flow over_step(double length, At&& at) {
-    half_ = 0.5 * length;
-    known_ = false;
-    for (std::size_t k = 0; k < of_gauss; ++k) values_[k] = at(nodes()[k]);
-    return over_all();
-  }
+  /// The integrals over all of a step of that length, by the powers at Gauss' points, the first of nodes().
+  Flow over_step(double length, const std::array<Flow, of_gauss>& at_gauss);
+
+  static constexpr std::size_t points = 17;
+  static const std::array<double, points>& nodes();  ///< Gauss' points, then the others
 
   /// The integrals up to a time of that step.
   template <class At>
@@ -34,9 +32,6 @@ class StepPowers {
   }
 
  private:
-  static constexpr std::size_t points = 17, of_gauss = 8;
-  static const std::array<double, points>& nodes();  // Gauss' points, then the others
-  Flow over_all() const;
   void expand();
   Flow integral(double s) const;
 
