@@ -206,7 +206,9 @@ TEST(StepPowers, IntegratePowersOfTimeExactlyToTheirDegree) {
     radau::StepPowers powers;
     const auto at = [&](double s) { return radau::StepPowers::Flow{std::pow(s, n), -2.0 * std::pow(s, n), 0.0}; };
     const auto integral = [&](double s) { return 1.5 * (std::pow(s, n + 1) - std::pow(-1.0, n + 1)) / (n + 1); };
-    const radau::StepPowers::Flow all = powers.over_step(3.0, at);
+    std::array<radau::StepPowers::Flow, radau::StepPowers::of_gauss> at_gauss;
+    for (std::size_t k = 0; k < at_gauss.size(); ++k) at_gauss[k] = at(radau::StepPowers::nodes()[k]);
+    const radau::StepPowers::Flow all = powers.over_step(3.0, at_gauss);
     EXPECT_NEAR(all[0], integral(1.0), n <= 15 ? 1e-14 : 1e-4) << n;
     for (const double s : {-1.0, -0.99, -0.3, 0.0, 0.5, 0.999}) {
       EXPECT_NEAR(powers.up_to(s, at)[0], integral(s), 2e-14) << n << " " << s;
