@@ -352,6 +352,25 @@ void bind_runs(py::module_& m) {
                                const Bar& bar = self.scene().scene.run.scene.bar;
                                return std::pair(bar.modulus, bar.viscosity);
                              })
+      .def("gauges",
+           [](const Run& self) {
+             const Case& run = self.scene().scene.run;
+             const std::vector<std::string> names = gauge_columns(run.gauges);
+             const auto rows = static_cast<py::ssize_t>(self.rows());
+             std::vector<py::array_t<double>> columns(names.size());
+             for (auto& column : columns) column = py::array_t<double>(rows);
+             const std::vector<Gauge> gauges = make_gauges(run.gauges, self.recording.mesh, run.scene.bar);
+             for (std::size_t k = 0; k < self.rows(); ++k)
+               for (std::size_t i = 0; i < gauges.size(); ++i) {
+                 const auto [u, v, strain, stress] =
+                     gauges[i](self.recording.displacement(k), self.recording.velocity(k));
+                 const double values[] = {u, v, strain, stress};
+                 for (std::size_t q = 0; q < 4; ++q) columns[4 * i + q].mutable_data()[k] = values[q];
+               }
+             py::dict all;
+             for (std::size_t i = 0; i < names.size(); ++i) all[py::str(names[i])] = columns[i];
+             return all;
+           })
       .def("summary", &Run::summary)
       .def("page", &Run::page)
       .def("energies", [](const Run& self) {

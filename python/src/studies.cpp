@@ -10,6 +10,7 @@
 #include "input/described_scene.hpp"
 #include "kept.hpp"
 #include "report/fit/fit_request.hpp"
+#include "report/judge/judge_request.hpp"
 #include "report/scene_check.hpp"
 #include "sweep/sweep_workers.hpp"
 #include "viscobar/record/record_run.hpp"
@@ -276,6 +277,21 @@ py::tuple fit_scene(const std::string& text, FitRequest request) {
   return py::make_tuple(json, page);
 }
 
+/// What `viscobar compare --with` prints, and its page.
+py::tuple judge_files(const std::string& text, const std::vector<std::string>& files) {
+  Faults faults;
+  std::atomic<bool> stop{false};
+  std::string json, page;
+  hearing_signals(faults, stop, [&] {
+    PreparedJudgement prepared = prepared_judgement(files, parse_scene_with(text, "scene", of_the_bar_itself()));
+    prepared.study.stop = [&] { return stop.load(); };
+    const Judgement judgement = judge(prepared.study);
+    json = judge_json(prepared, judgement);
+    page = judge_page(prepared, judgement).html;
+  });
+  return py::make_tuple(json, page);
+}
+
 // Sweeps.
 
 VariedKey::Values values_of(const py::list& values) {
@@ -361,6 +377,7 @@ void bind_studies(py::module_& m) {
     return fit_scene(text,
                      {data, events, std::move(parameters), std::move(bounds), std::move(deviations), starts, runs});
   });
+  m.def("judge", &judge_files);
   m.def("sweep_scene", &sweep_scene);
   m.def("sweep_file", [](const std::string& file, std::size_t threads, py::list table) {
     run_sweep(read_sweep(file), threads, std::move(table));

@@ -27,13 +27,13 @@ from ._errors import Finding, IntegrationError, RunWarning, SceneError
 from ._plots import plot
 from ._run import Recorded, Result, run
 from ._scene import Scene, load
-from ._studies import Comparison, Fit, Orders, Study, check, compare, fit, limit, orders, precision, sweep
+from ._studies import Comparison, Fit, Judgement, Orders, Study, check, compare, fit, judge, limit, orders, precision, sweep
 from ._table import Table
 
 methods: tuple[str, ...] = tuple(_methods)
 """Names of the built-in methods."""
 
 __all__ = [
-    "Case", "Comparison", "Finding", "Fit", "IntegrationError", "Orders", "Recorded", "Result", "RunWarning", "Scene", "SceneError",
-    "Study", "Table", "check", "compare", "fit", "limit", "load", "methods", "orders", "plot", "precision", "run", "sweep",
+    "Case", "Comparison", "Finding", "Fit", "IntegrationError", "Judgement", "Orders", "Recorded", "Result", "RunWarning", "Scene", "SceneError",
+    "Study", "Table", "check", "compare", "fit", "judge", "limit", "load", "methods", "orders", "plot", "precision", "run", "sweep",
 ]  # fmt: skip

@@ -84,6 +84,7 @@ class Result(Recorded):
     """What viscobar.run() returns; see Recorded for label, t, x, u, v, ends and events.
 
     stress    (K, J)  E u_x + eta u_xt, the mean of each element
+    gauges    mapping of (K) arrays, as gauges.csv: t and, for each place of output.gauges, "u@0.25", v, strain, stress
     energy    mapping of (K) arrays, as energy.csv: t, kinetic, elastic, contact, dissipated, work, total
     summary   as summary.json: method, counts, energy, contact, scene as understood, ...
     warnings  what the run has to say about itself, in sentences
@@ -128,6 +129,11 @@ class Result(Recorded):
         if viscosity > 0.0:
             stress += viscosity * np.diff(self.v)
         return stress / np.diff(self.x)
+
+    @cached_property
+    def gauges(self) -> dict[str, np.ndarray]:
+        """The columns of gauges.csv, (K) each: t and, for each place x of output.gauges, "u@x", "v@x", "strain@x", "stress@x"."""
+        return {"t": self.t, **self._core.gauges()}
 
     @cached_property
     def energy(self) -> dict[str, np.ndarray]:

@@ -214,8 +214,8 @@ def _text(text: str) -> str:
 
 
 def _value(name: str, value: Any) -> str:
-    if isinstance(value, (np.generic, np.ndarray)) and np.ndim(value) == 0:
-        value = value.item()
+    if isinstance(value, (np.generic, np.ndarray)) and np.ndim(value) < 2:
+        value = value.tolist()
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int):

@@ -334,7 +334,7 @@ class Fit(Table):
         return bool(self.summary["converged"])
 
 
-def _measured(data: Any, file: str) -> str:
+def _measured(data: Any, file: str, command: str = "fit") -> str:
     """The path of a table: `data` itself, or that of a file with its columns."""
     if data is None:
         return ""
@@ -342,10 +342,10 @@ def _measured(data: Any, file: str) -> str:
         return os.fspath(data)
     for name, values in data.items():
         if np.iscomplexobj(values):
-            raise ValueError(f"fit: {name} has complex numbers")
+            raise ValueError(f"{command}: {name} has complex numbers")
     columns = {name: list(values.astype(float).filled(np.nan) if np.ma.isMaskedArray(values) else values) for name, values in data.items()}
     if len({len(values) for values in columns.values()}) > 1:
-        raise ValueError("fit: the columns of the data have different lengths")
+        raise ValueError(f"{command}: the columns of the data have different lengths")
     with open(file, "w", encoding="utf-8") as out:
         print(",".join(columns), file=out)
         for row in zip(*columns.values()):
@@ -393,6 +393,60 @@ def fit(
         )
     summary = json.loads(printed)
     return Fit([{"key": key, **told} for key, told in summary["parameters"].items()], summary, page)
+
+
+class Judgement(Table):
+    """What viscobar.judge() returns: a row for each quantity of each solution, with label, quantity, largest, at,
+    root_mean_square, size, own_error, told_apart and order.
+
+    missed, made_up  contacts of the bar that the solutions have not, and theirs that the bar has not
+    summary          as `viscobar compare --with --json`
+    """
+
+    @property
+    def missed(self) -> int:
+        return sum(one["missed"] for one in self.summary["judged"])
+
+    @property
+    def made_up(self) -> int:
+        return sum(one["made_up"] for one in self.summary["judged"])
+
+
+def judge(
+    scene: SceneLike,
+    t: Sequence[float] | None = None,
+    *,
+    files: Sequence[str | os.PathLike[str]] = (),
+    columns: Mapping[str, Sequence[float]] | None = None,
+    set: Mapping[str, Any] | None = None,
+    **traces: Sequence[float],
+) -> Judgement:
+    """A solution of your own beside the bar's own motion, with a rigid obstacle: `viscobar compare --with`.
+
+    t        times of the solution, in [0, time.end]
+    traces   columns of ends.csv, such as u_left=..., NaN where there is none
+    columns  others, such as {"u@0.25": ...} for the place x = 0.25
+    files    CSV files with such columns in place of arrays, "FILE" or "FILE=STEP": several with steps show an order
+    set      values in place of the scene's, as in viscobar.run()
+
+    What the scene says of mesh, method, epsilon and tolerances is left out: they are chosen so that our own error is a
+    tenth of each difference, as far as a minute allows. The scene must have formulas, not Python functions.
+    """
+    names = [os.fspath(file) for file in files]
+    data = {**traces, **(columns or {})}
+    if (t is None) != (not data) or not (names or data):
+        raise TypeError("judge: wants t and columns such as u_left, or files")
+    with tempfile.TemporaryDirectory() as directory:
+        if t is not None:
+            names.append(_measured({"t": t, **data}, os.path.join(directory, "solution.csv"), "judge"))
+        printed, page = _core.judge(Scene.toml(as_scene(scene, None, set)), names)
+    summary = json.loads(printed)
+    rows = [
+        {"label": one["label"], "quantity": quantity, **told}
+        for one in summary["judged"]
+        for quantity, told in one["columns"].items()
+    ]
+    return Judgement(rows, summary, page)
 
 
 def sweep(

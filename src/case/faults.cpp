@@ -79,6 +79,14 @@ void check_values(const Case& run, Findings& findings) {
   if (run.elements < 1) findings.report("mesh.elements", "must be at least 1");
   if (!(run.grading >= 1.0 && run.grading <= largest_grading))
     findings.report("mesh.grading", "must lie in [1, {}], is {}", largest_grading, run.grading);
+  std::vector<double> gauges = run.gauges;
+  std::ranges::sort(gauges);
+  if (const auto twice = std::ranges::adjacent_find(gauges); twice != gauges.end())
+    findings.report("output.gauges", "has {} twice", *twice);
+  if (!gauges.empty() && findings.sound({"bar.length"}) &&
+      !(gauges.front() >= 0.0 && gauges.back() <= run.scene.bar.length))
+    findings.report("output.gauges", "must lie on the bar, in [0, {}], and {} does not", run.scene.bar.length,
+                    gauges.front() < 0.0 ? gauges.front() : gauges.back());
 }
 
 void check_times(const Setup& setup, Findings& findings) {

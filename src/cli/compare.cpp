@@ -3,6 +3,7 @@
 
 #include "case/run_cost.hpp"
 #include "cli/commands.hpp"
+#include "report/judge/judge_request.hpp"
 #include "viscobar/report/reports.hpp"
 
 namespace viscobar::cli {
@@ -11,7 +12,7 @@ namespace {
 
 struct CompareOptions : StudyOptions {
   using StudyOptions::StudyOptions;
-  std::vector<std::string> methods;
+  std::vector<std::string> methods, with;
   std::size_t threads = 0;
 };
 
@@ -24,6 +25,18 @@ void check_memory(const Case& run, std::size_t methods) {
         "output.every: comparing keeps the fields of all methods, here {:.0f} GB; take a larger one, or "
         "fewer methods",
         bytes / 1e9);
+}
+
+int judge_solutions(const CompareOptions& asked) {
+  if (!asked.methods.empty())
+    refuse("--methods: solutions of others (--with) are held against the bar itself, by no method of choice");
+  PreparedJudgement prepared = prepared_judgement(asked.with, asked.scene.read(of_the_bar_itself()));
+  prepared.study.threads = asked.threads;
+  const Study study(asked, prepared.scene, ResultKind::judge);
+  const Judgement judgement = judge(prepared.study);
+  study.finish(judge_json(prepared, judgement), judge_page(prepared, judgement),
+               judge_text(prepared, judgement) + "\n");
+  return success;
 }
 
 int compare_methods(const CompareOptions& asked) {
@@ -54,8 +67,12 @@ Action compare_command(CLI::App& command) {
   add_list(command, "--methods", "NAME,NAME...", asked->methods,
            "The methods, the first one the reference (default: all that fit the scene, characteristics or else "
            "exponential the reference where it does)");
+  add_list(
+      command, "--with", "FILE[=STEP],...", asked->with,
+      "Solutions by others, CSV files with columns of ends.csv and gauges.csv, beside the bar's own motion; with the "
+      "steps of their scheme their order is told");
   add_threads(command, asked->threads);
-  return [asked] { return compare_methods(*asked); };
+  return [asked] { return asked->with.empty() ? compare_methods(*asked) : judge_solutions(*asked); };
 }
 
 }  // namespace viscobar::cli

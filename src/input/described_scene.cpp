@@ -46,6 +46,8 @@ TomlNode tree_of(const Json& json, const std::string& key = "") {
     for (const Json& inside : json) node.inside.push_back(tree_of(inside));
     if (std::ranges::all_of(json, [](const Json& one) { return one.is_string(); }))
       node.value = json.get<std::vector<std::string>>();
+    else if (std::ranges::all_of(json, [](const Json& one) { return one.is_number(); }))
+      node.value = json.get<std::vector<double>>();
   }
   return node;
 }

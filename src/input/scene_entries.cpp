@@ -263,6 +263,11 @@ std::vector<std::string> SceneEntries::list(std::string_view key) const {
   return value ? std::get<std::vector<std::string>>(*value) : std::vector<std::string>{};
 }
 
+std::vector<double> SceneEntries::numbers(std::string_view key) const {
+  const TomlValue* value = sound_value(key);
+  return value ? *numbers_of(*value) : std::vector<double>{};
+}
+
 Parameters SceneEntries::parameters() const {
   Parameters known;
   for (const auto& [name, entry] : entries_)

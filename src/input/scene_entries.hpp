@@ -45,6 +45,7 @@ class SceneEntries {
   std::optional<std::string> text(std::string_view key) const;
   std::optional<Formula> formula(std::string_view key) const;
   std::vector<std::string> list(std::string_view key) const;  ///< empty where the key is absent
+  std::vector<double> numbers(std::string_view key) const;    ///< likewise
   /// Those of [parameters] that are sound, by name.
   Parameters parameters() const;
 

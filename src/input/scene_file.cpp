@@ -148,6 +148,7 @@ Case case_of(SceneEntries& entries) {
   }
   run.output_every = number("output.every", run.end / 100.0);
   run.files = files_of(entries);
+  run.gauges = entries.numbers("output.gauges");
   run.step = entries.number("method.step");
   return run;
 }
@@ -296,6 +297,8 @@ SceneValues describe(const SceneEntries& entries, const Case& run) {
       values.emplace_back(name, *text);
     else if (key.type == KeyType::list)
       values.emplace_back(name, entries.list(name));
+    else if (key.type == KeyType::numbers)
+      values.emplace_back(name, entries.numbers(name));
     else
       values.emplace_back(name, *entries.number(name));
   }

@@ -123,6 +123,7 @@ constexpr SceneKey rows[] = {
 
     {"output.every", number, optional, "", "0.01", "time", "interval of the output times; absent: time.end / 100", positive},
     {"output.write", list, optional, "", "[\"ends\", \"events\", \"field\", \"energy\", \"report\"]", "", "files to write beside summary.json; absent: all", {}, files},
+    {"output.gauges", numbers, optional, "", "[0.0, 0.25]", "length", "places x whose displacement, velocity, strain and stress gauges.csv has, in any order", not_negative},
 };
 // Of either end, beside its kind and its numbers.
 constexpr SceneKey end_rows[] = {

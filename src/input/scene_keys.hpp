@@ -9,7 +9,7 @@
 namespace viscobar {
 
 /// An amount is a number, or a percentage as a text.
-enum class KeyType { text, choice, number, count, formula, list, amount };
+enum class KeyType { text, choice, number, count, formula, list, amount, numbers };
 
 /// True if a key has to be there: in every scene, where its table is, or nowhere.
 enum class Presence { required, required_in_table, optional };

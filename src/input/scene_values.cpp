@@ -37,7 +37,8 @@ TomlValue value_of(std::string_view text) {
 }
 
 std::string_view kind_of(const TomlValue& value) {
-  constexpr std::string_view kinds[] = {"a string", "a whole number", "a number", "a boolean", "", "an array"};
+  constexpr std::string_view kinds[] = {"a string", "a whole number", "a number", "a boolean",
+                                        "",         "an array",       "an array"};
   const auto* other = std::get_if<OtherValue>(&value);
   return other ? other->what : kinds[value.index()];
 }
@@ -115,7 +116,21 @@ std::string list_problem(const SceneKey& key, const TomlValue& value) {
   return {};
 }
 
+std::string numbers_problem(const SceneKey& key, const TomlValue& value) {
+  const auto numbers = numbers_of(value);
+  if (!numbers) return fmt::format("must be a list of numbers, such as {}, is {}", key.example, kind_of(value));
+  for (const double number : *numbers)
+    if (const std::string problem = range_problem(key.range, number); !problem.empty()) return "an entry " + problem;
+  return {};
+}
+
 }  // namespace
+
+std::optional<std::vector<double>> numbers_of(const TomlValue& value) {
+  if (const auto* numbers = std::get_if<std::vector<double>>(&value)) return *numbers;
+  const auto* words = std::get_if<std::vector<std::string>>(&value);
+  return words && words->empty() ? std::optional(std::vector<double>{}) : std::nullopt;
+}
 
 std::optional<double> percentage(std::string_view text) {
   if (!text.ends_with('%')) return std::nullopt;
@@ -134,6 +149,7 @@ bool takes(KeyType type, const TomlValue& value) {
     case KeyType::amount:
     case KeyType::formula: return number || text;
     case KeyType::list: return std::holds_alternative<std::vector<std::string>>(value);
+    case KeyType::numbers: return numbers_of(value).has_value();
   }
   return false;
 }
@@ -164,6 +180,7 @@ std::string problem_with(const SceneKey& key, const TomlValue& value, const Para
     }
     case KeyType::formula: return formula_problem(key, value, parameters);
     case KeyType::list: return list_problem(key, value);
+    case KeyType::numbers: return numbers_problem(key, value);
   }
   return {};
 }

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "input/formula.hpp"
 #include "input/scene_keys.hpp"
@@ -25,6 +26,9 @@ TomlValue value_of(std::string_view text);
 
 /// Of a number, whole or not.
 std::optional<double> number_of(const TomlValue& value);
+
+/// Of a list of numbers, which may be empty.
+std::optional<std::vector<double>> numbers_of(const TomlValue& value);
 
 /// The article and kind of a value, such as "a whole number".
 std::string_view kind_of(const TomlValue& value);

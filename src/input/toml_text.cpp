@@ -115,12 +115,14 @@ TomlValue plain_value(const toml::node& node) {
   if (node.is_table()) return OtherValue{"a table"};
   if (const auto* array = node.as_array()) {
     std::vector<std::string> texts;
+    std::vector<double> numbers;
     for (const toml::node& element : *array) {
-      const auto* text = element.as_string();
-      if (!text) return OtherValue{"an array"};
-      texts.push_back(text->get());
+      if (const auto* text = element.as_string()) texts.push_back(text->get());
+      if (element.is_number()) numbers.push_back(*element.value<double>());
     }
-    return texts;
+    if (texts.size() == array->size()) return texts;
+    if (numbers.size() == array->size()) return numbers;
+    return OtherValue{"an array"};
   }
   return OtherValue{"a date or time"};
 }

@@ -35,7 +35,8 @@ struct OtherValue {
 };
 
 /// Strings are a list where a table of values has an array of them.
-using TomlValue = std::variant<std::string, std::int64_t, double, bool, OtherValue, std::vector<std::string>>;
+using TomlValue =
+    std::variant<std::string, std::int64_t, double, bool, OtherValue, std::vector<std::string>, std::vector<double>>;
 
 /// A value with all that is inside of it, in the order of the text: of an array the elements, of a table the entries.
 struct TomlNode {

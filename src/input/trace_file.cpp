@@ -208,7 +208,7 @@ class TraceReader {
     for (const std::string& cell : cells_of(line, separator_of(line))) {
       const std::string name = name_and_unit(cell).first;
       time = time || name == required_[0];
-      other = other || (name != required_[0] && contains(known_, name));
+      other = other || (name != required_[0] && is_known(name));
     }
     return time ? 1 + int{other} : 0;
   }
@@ -241,12 +241,17 @@ class TraceReader {
     return number_ + 1;
   }
 
+  bool is_known(std::string_view name) const {
+    return std::ranges::any_of(
+        known_, [&](const std::string& one) { return one.ends_with('@') ? name.starts_with(one) : name == one; });
+  }
+
   void take_columns(std::string_view line) {
     separator_ = separator_of(line);
     const Cells cells = cells_of(line, separator_);
     for (const std::string& cell : cells) {
       const auto [name, unit] = name_and_unit(cell);
-      places_.push_back(contains(known_, name) ? table_.columns.size() : none);
+      places_.push_back(is_known(name) ? table_.columns.size() : none);
       if (places_.back() == none) continue;
       if (table_.column(name)) report(places_.size(), cell, "is there twice");
       table_.columns.push_back({name, unit, {}, {}});

@@ -32,7 +32,8 @@ struct TraceFile {
   Column* column(std::string_view name);              ///< likewise
 };
 
-/// Reads one with columns of those names, `t` first; those of `words` are words and the others numbers.
+/// Reads one with columns of those names, `t` first; those of `words` are words and the others numbers. A name that
+/// ends with @ stands for all that begin so: u@ for u@0.25.
 /// @throws SceneError naming file, line, column and what is wrong
 TraceFile read_traces(const std::filesystem::path& file, const std::vector<std::string>& known,
                       const std::vector<std::string>& required, const std::vector<std::string>& words = {});

@@ -30,6 +30,7 @@ std::string type_words(const SceneKey& key) {
     case KeyType::formula:
       return fmt::format("number{}{}, or formula in {}", range.empty() ? "" : " ", range,
                          key.variables == "xt" ? "x and t" : key.variables);
+    case KeyType::numbers: return fmt::format("list of numbers {}", range);
     case KeyType::list: return key.choices.empty() ? "list of keys" : "list of " + names;
   }
   return {};
@@ -51,7 +52,7 @@ std::string_view accuracy_words(Accuracy accuracy) {
 Json fallback_value(const SceneKey& key) { return key.fallback.empty() ? Json(nullptr) : Json::parse(key.fallback); }
 
 Json to_json(const SceneKey& key) {
-  constexpr std::string_view types[] = {"text", "choice", "number", "count", "formula", "list", "amount"};
+  constexpr std::string_view types[] = {"text", "choice", "number", "count", "formula", "list", "amount", "numbers"};
   constexpr std::string_view presences[] = {"always", "in its table", "never"};
   Json json = {{"key", key.name},
                {"type", types[static_cast<std::size_t>(key.type)]},

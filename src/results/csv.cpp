@@ -41,6 +41,15 @@ std::string sensitivity_row(const Snapshot& at) {
   return row;
 }
 
+std::string gauges_row(const Snapshot& at, std::span<const Gauge> gauges) {
+  std::string row = fmt::format("{}", at.time);
+  for (const Gauge& gauge : gauges) {
+    const auto [u, v, strain, stress] = gauge(at.u, at.v);
+    row += fmt::format(",{},{},{},{}", u, v, strain, stress);
+  }
+  return row;
+}
+
 std::string_view name(Where where) { return where == Where::left ? "left" : where == Where::right ? "right" : "span"; }
 
 std::string place(const Event& event) {

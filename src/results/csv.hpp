@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "viscobar/dynamics/gauge.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
@@ -28,6 +29,9 @@ std::string energy_row(double t, const EnergyState& energy);
 /// sensitivity.csv: a row per output time, t and the derivatives of the columns of ends.csv with respect to each key.
 std::string sensitivity_header(std::span<const Direction> directions);
 std::string sensitivity_row(const Snapshot& at);
+
+/// gauges.csv: a row per output time, t and gauge_columns().
+std::string gauges_row(const Snapshot& at, std::span<const Gauge> gauges);
 
 std::string_view name(Where where);  ///< left, right or span
 /// left, right or span:<mesh node>

@@ -95,7 +95,7 @@ void check_target(const fs::path& target, std::string_view beginning) {
 void check_sound(const fs::path& result) {
   if (!fs::exists(result / "summary.json")) return;
   for (const VerifiedFile& file : verify_result(result))
-    for (const char* exported : {"summary.json", "field.h5", "ends.csv", "energy.csv"})
+    for (const char* exported : {"summary.json", "field.h5", "ends.csv", "energy.csv", "gauges.csv"})
       if (file.name == exported && file.state == FileState::damaged)
         throw IoError(result / file.name, "is damaged: " + file.reason + "; nothing was exported");
 }
@@ -141,7 +141,7 @@ std::vector<fs::path> export_result(const fs::path& result, ExportFormat format,
   for (const Quantity quantity : FieldReader::quantities)
     if (field && field->has(quantity))
       add(FieldReader::name(quantity), [&, quantity](const fs::path& file) { write_csv(file, *field, quantity); });
-  for (const std::string table : {"ends", "energy"})
+  for (const std::string table : {"ends", "energy", "gauges"})
     if (is_there(table))
       add(table, [&, from = result / (table + ".csv")](const fs::path& file) {
         if (!in_place) copy_table(from, file);

@@ -68,6 +68,8 @@ GrowingFiles::GrowingFiles(const fs::path& directory, const SceneFile& scene, co
   add(events, run.files.events, events_header);
   add(energy, run.files.energy, energy_header);
   add(sensitivity, !run.directions.empty(), sensitivity_header(run.directions));
+  add(gauges, !run.gauges.empty(), fmt::format("t,{}", fmt::join(gauge_columns(run.gauges), ",")));
+  read = make_gauges(run.gauges, run.mesh(), run.scene.bar);
   std::vector<FieldOrigin::Key> keys;
   for (const Direction& direction : run.directions) keys.push_back({direction.key, unit_of(direction.key, run.scene)});
   if (run.files.field)
@@ -87,6 +89,7 @@ void GrowingFiles::append(const Snapshot& snapshot) {
   if (tables[ends]) tables[ends]->print("{}", ends_row(snapshot));
   if (tables[energy] && snapshot.energy) tables[energy]->print("{}", energy_row(snapshot.time, *snapshot.energy));
   if (tables[sensitivity]) tables[sensitivity]->print("{}", sensitivity_row(snapshot));
+  if (tables[gauges]) tables[gauges]->print("{}", gauges_row(snapshot, read));
   if (field) field->append(snapshot);
 }
 

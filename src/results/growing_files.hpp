@@ -3,9 +3,11 @@
 #include <array>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "results/field/field_file.hpp"
 #include "results/output_file.hpp"
+#include "viscobar/dynamics/gauge.hpp"
 #include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {
@@ -15,11 +17,13 @@ void check_begin(const std::filesystem::path& file, const Checksum& expected);
 
 /// The files that grow with a run, those that its scene asks for.
 struct GrowingFiles {
-  enum Table : std::size_t { ends, events, energy, sensitivity };  ///< the last one of a run with directions
-  static constexpr std::array names = {"ends.csv", "events.csv", "energy.csv", "sensitivity.csv"};
+  /// The last ones of a run with directions, and with gauges.
+  enum Table : std::size_t { ends, events, energy, sensitivity, gauges };
+  static constexpr std::array names = {"ends.csv", "events.csv", "energy.csv", "sensitivity.csv", "gauges.csv"};
 
   std::array<std::optional<LineFile>, names.size()> tables;
   std::optional<FieldFile> field;
+  std::vector<Gauge> read;  ///< at the gauges
 
   /// As much of them as belongs to a checkpoint.
   struct Mark {

@@ -33,17 +33,18 @@ struct Files {
   bool table = false;
 };
 
-const std::array<Files, 6>& all_files() {
-  static const std::array<Files, 6> files = {
+const std::array<Files, 7>& all_files() {
+  static const std::array<Files, 7> files = {
       Files{"summary.json",
             {R"("versions")", R"("viscobar")", R"("method")"},
-            {"ends.csv", "events.csv", "energy.csv", "sensitivity.csv", "field.h5", "field.xdmf", "report.html",
-             "checkpoint.bin", "checkpoint.previous.bin"}},
+            {"ends.csv", "events.csv", "energy.csv", "sensitivity.csv", "gauges.csv", "field.h5", "field.xdmf",
+             "report.html", "checkpoint.bin", "checkpoint.previous.bin"}},
       Files{"compare.json", {R"("pairs")", R"("version")"}, {"compare.html"}},
       Files{"limit.json", {R"("verdict")", R"("version")"}, {"limit.html", "limit.csv"}},
       Files{"precision.json", {R"("reference")", R"("version")"}, {"precision.html"}},
       Files{"sweep.h5", {"viscobar", "\x89HDF"}, {"sweep.csv", "timings.csv", "sweep.json", "sweep.html"}, true},
-      Files{"fit.json", {R"("covariance")", R"("version")"}, {"fit.html"}}};
+      Files{"fit.json", {R"("covariance")", R"("version")"}, {"fit.html"}},
+      Files{"judge.json", {R"("judged")", R"("version")"}, {"judge.html"}}};
   return files;
 }
 

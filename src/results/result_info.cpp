@@ -112,6 +112,14 @@ constexpr Fact fit_facts[] = {
     {"version", [](const Json& s) { return at(s, "/version"); }},
 };
 
+constexpr Fact judge_facts[] = {
+    {"title", [](const Json& s) { return at(s, "/title"); }},
+    {"judged", [](const Json& s) { return each(s["judged"], "label"); }},
+    {"missed", [](const Json& s) { return each(s["judged"], "missed"); }},
+    {"made_up", [](const Json& s) { return each(s["judged"], "made_up"); }},
+    {"version", [](const Json& s) { return at(s, "/version"); }},
+};
+
 constexpr Fact precision_facts[] = {
     {"title", [](const Json& s) { return at(s, "/title"); }},
     {"methods", [](const Json& s) { return each(s["rows"], "method"); }},
@@ -138,6 +146,7 @@ constexpr Kind kinds[] = {
     {"precision", "precision.json", precision_facts},
     {"sweep", "sweep.h5", {}},
     {"fit", "fit.json", fit_facts},
+    {"judge", "judge.json", judge_facts},
     {"run", "unfinished/summary.json", run_facts},  // beside a whole one
 };
 

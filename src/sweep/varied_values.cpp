@@ -151,7 +151,7 @@ VariedKey varied_key(const SceneKey& key, const TomlNode& node, const Report& re
     if (sound || node.kind == TomlNode::Kind::array) report(at, problem);  // of a range the first one says enough
     sound = false;
   };
-  if (key.type == KeyType::list) {
+  if (key.type == KeyType::list || key.type == KeyType::numbers) {
     report(node.key_at, "is the same for all cases: it belongs into [set]");
     sound = false;
   } else if (node.kind == TomlNode::Kind::array) {

@@ -63,9 +63,10 @@ struct Case {
   /// Parameters whose sensitivities record() and record_run() tell; see direction().
   std::vector<Direction> directions;
 
-  double end = 1.0;           ///< T
-  double output_every = 0.1;  ///< interval of the output times
-  OutputFiles files;          ///< that are written
+  double end = 1.0;            ///< T
+  double output_every = 0.1;   ///< interval of the output times
+  OutputFiles files;           ///< that are written
+  std::vector<double> gauges;  ///< places in [0, L], each once, that gauges.csv is of
 
   /// graded towards the ends that have an obstacle.
   Mesh mesh() const {

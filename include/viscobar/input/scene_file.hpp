@@ -37,7 +37,7 @@ class SceneError : public std::runtime_error {
 };
 
 /// A value of a key: a text or formula, a whole number, a number, or a list of words.
-using SceneValue = std::variant<std::string, std::int64_t, double, std::vector<std::string>>;
+using SceneValue = std::variant<std::string, std::int64_t, double, std::vector<std::string>, std::vector<double>>;
 
 /// Keys "table.key" with their values, in the order in which a scene is told.
 using SceneValues = std::vector<std::pair<std::string, SceneValue>>;

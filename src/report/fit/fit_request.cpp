@@ -62,7 +62,8 @@ double largest(const std::vector<double>& values) {
   return most;
 }
 
-/// Values in the unit of the scene, where both have one. @throws std::invalid_argument for units that do not fit
+}  // namespace
+
 void convert(TraceFile& table, TraceFile::Column& column, const std::string& unit, const std::string& file) {
   if (column.unit.empty() || unit.empty()) return;
   const auto ratio = unit_ratio(column.unit, unit);
@@ -73,14 +74,11 @@ void convert(TraceFile& table, TraceFile::Column& column, const std::string& uni
   if (*ratio != 1.0) table.understood += fmt::format("; {} converted to {}", column.name, unit);
 }
 
-/// Reads a file of measurements, with times that can be those of the scene.
-TraceFile read_measured(FitStudy& study, const SceneFile& scene, const std::string& file,
-                        const std::vector<std::string>& known, const std::vector<std::string>& required,
-                        const std::vector<std::string>& words) {
+TraceFile read_measured(const SceneFile& scene, const std::string& file, const std::vector<std::string>& known,
+                        const std::vector<std::string>& required, const std::vector<std::string>& words) {
   TraceFile table = read_traces(file, known, required, words);
   TraceFile::Column& t = *table.column("t");
   convert(table, t, scene.run.scene.units.time, file);
-  study.doubts.insert(study.doubts.end(), table.doubts.begin(), table.doubts.end());
   constexpr double far = 100.0;
   const double last = t.values.back(), end = scene.run.end;
   if (last > far * end || (last > 0.0 && far * last < end))
@@ -91,16 +89,27 @@ TraceFile read_measured(FitStudy& study, const SceneFile& scene, const std::stri
   return table;
 }
 
+std::string unit_of(TraceColumn column, const Units& units) {
+  const Dimension dimensions[] = {Dimension::length, Dimension::velocity, Dimension::stress};
+  return unit_name(units, dimensions[static_cast<std::size_t>(column) % 3]);
+}
+
+namespace {
+
+void doubt(FitStudy& study, const TraceFile& table) {
+  study.doubts.insert(study.doubts.end(), table.doubts.begin(), table.doubts.end());
+}
+
 void read_data(FitStudy& study, const SceneFile& scene, const std::string& file) {
   std::vector<std::string> known = {"t"};
   for (const TraceColumn column : all_trace_columns) known.emplace_back(name(column));
-  TraceFile table = read_measured(study, scene, file, known, {"t"}, {});
+  TraceFile table = read_measured(scene, file, known, {"t"});
+  doubt(study, table);
   study.times = table.column("t")->values;
   for (const TraceColumn column : all_trace_columns) {
     TraceFile::Column* found = table.column(name(column));
     if (!found) continue;
-    const Dimension dimensions[] = {Dimension::length, Dimension::velocity, Dimension::stress};
-    convert(table, *found, unit_name(scene.run.scene.units, dimensions[static_cast<std::size_t>(column) % 3]), file);
+    convert(table, *found, unit_of(column, scene.run.scene.units), file);
     if (std::ranges::none_of(found->values, [](double value) { return std::isfinite(value); }))
       throw std::invalid_argument(fmt::format("{}: {} has no value: leave the column out", file, found->name));
     study.traces.push_back({column, found->values, 1.0});
@@ -134,8 +143,9 @@ Event change_of(const std::string& file, double t, const std::string& where, con
 }
 
 void read_changes(FitStudy& study, const SceneFile& scene, const std::string& file) {
-  const TraceFile table = read_measured(study, scene, file, {"t", "where", "change", "velocity"},
-                                        {"t", "where", "change"}, {"where", "change"});
+  const TraceFile table =
+      read_measured(scene, file, {"t", "where", "change", "velocity"}, {"t", "where", "change"}, {"where", "change"});
+  doubt(study, table);
   for (std::size_t k = 0; k < table.rows; ++k)
     study.changes.push_back(change_of(file, table.column("t")->values[k], table.column("where")->cells[k],
                                       table.column("change")->cells[k]));

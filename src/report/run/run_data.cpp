@@ -31,7 +31,9 @@ plot::Range ThinnedField::range() const {
 ReportData::ReportData(const Case& run, const BarSystem& system)
     : field(system.mesh()),
       stress(system.mesh(), ThinnedField::At::elements),
+      readings(run.gauges.size()),
       system_(system),
+      gauges_(make_gauges(run.gauges, system.mesh(), run.scene.bar)),
       has_springs_(is_penalised(run.method) && !system.contacts().empty()) {}
 
 std::vector<plot::Interval> ReportData::End::in_contact(double now, const ContactPeak& lasting) const {
@@ -74,6 +76,11 @@ void ReportData::add(const Snapshot& at) {
   for (std::size_t k = 0; k < at.sensitivities.size(); ++k) {
     sensitivities[k].left.add({at.time, at.sensitivities[k].u.front()});
     sensitivities[k].right.add({at.time, at.sensitivities[k].u.back()});
+  }
+  for (std::size_t k = 0; k < gauges_.size(); ++k) {
+    const Gauge::Reading reading = gauges_[k](at.u, at.v);
+    readings[k].displacement.add({at.time, reading.u});
+    readings[k].stress.add({at.time, reading.stress});
   }
   if (!at.energy) return;
   for (std::size_t k = 0; k < energy.size(); ++k) energy[k].add({at.time, energy_columns[k].value(*at.energy)});

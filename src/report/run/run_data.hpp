@@ -8,6 +8,7 @@
 #include "report/plot/axis.hpp"
 #include "report/plot/thinning.hpp"
 #include "viscobar/case/case.hpp"
+#include "viscobar/dynamics/gauge.hpp"
 
 namespace viscobar {
 
@@ -102,6 +103,11 @@ class ReportData {
     plot::ThinnedLine left{buckets}, right{buckets};
     static void members(auto& slopes, auto&& each) { each(slopes.left, slopes.right); }
   };
+  /// What a gauge has read.
+  struct Readings {
+    plot::ThinnedLine displacement{buckets}, stress{buckets};
+    static void members(auto& readings, auto&& each) { each(readings.displacement, readings.stress); }
+  };
   /// The one with the larger velocity of some events in a row.
   struct Fastest {
     Event event;
@@ -116,11 +122,12 @@ class ReportData {
   End span;  // all of its nodes together: reaction and contacts alone
   std::vector<plot::ThinnedLine> energy{energy_columns.size(), plot::ThinnedLine(buckets)};  // of energy_columns
   std::vector<Slopes> sensitivities;                                                         // of each direction
+  std::vector<Readings> readings;                                                            // of each gauge
   std::vector<Event> first_events;
   plot::Thinned<Fastest> marked_events{most_marks};
   static void members(auto& data, auto&& each) {
     each(data.snapshots, data.field, data.stress, data.left, data.right, data.span, data.energy, data.sensitivities,
-         data.first_events, data.marked_events);
+         data.readings, data.first_events, data.marked_events);
   }
 
   /// Contact springs exist: an obstacle and a penalised method.
@@ -128,6 +135,7 @@ class ReportData {
 
  private:
   const BarSystem& system_;
+  const std::vector<Gauge> gauges_;
   bool has_springs_;
 };
 

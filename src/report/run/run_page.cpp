@@ -207,6 +207,7 @@ Page report_page(const Setup& setup, const BarSystem& system, const Outcome& out
     page.add(reactions(run, outcome, data));
     page.add(end_tractions(run, system, outcome, data));
     page.add(energies(run, data));
+    page.add(gauges(run, data));
     page.add(sensitivities(run, data));
     page.add_data("field", field_json(data.field, colours));
     page.add_data("stress", field_json(data.stress, of_stress));

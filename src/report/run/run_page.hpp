@@ -74,6 +74,7 @@ Picture profiles(const Case& run, const ReportData& data);
 Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& data);
 Picture reactions(const Case& run, const Outcome& outcome, const ReportData& data);
 Picture energies(const Case& run, const ReportData& data);
+Picture gauges(const Case& run, const ReportData& data);
 Picture sensitivities(const Case& run, const ReportData& data);
 Picture stress_map(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data,
                    const FieldColours& colours);

@@ -174,6 +174,26 @@ Picture sensitivities(const Case& run, const ReportData& data) {
   return picture;
 }
 
+Picture gauges(const Case& run, const ReportData& data) {
+  Picture picture{"Gauges", "Displacement and stress at the places of output.gauges. gauges.csv has the numbers."};
+  if (data.readings.empty()) return picture;
+  constexpr std::size_t most = 8;  // colours
+  if (data.readings.size() > most) picture.caption += fmt::format(" The first {} are drawn.", most);
+  std::vector<std::string> names;
+  for (const double x : run.gauges) names.push_back("x = " + readable(x));
+  std::vector<TimeLine> displacements, stresses;
+  for (std::size_t k = 0; k < std::min(most, names.size()); ++k) {
+    const plot::Style style{plot::series_colour(k)};
+    displacements.push_back({data.readings[k].displacement.points(), style, names[k]});
+    stresses.push_back({data.readings[k].stress.points(), style, names[k]});
+  }
+  picture.panels = {{"gauge-displacements", "Displacement at the gauges",
+                     over_time(run, data, displacement_label(run, "u"), 220.0, displacements)},
+                    {"gauge-stresses", "Stress at the gauges",
+                     over_time(run, data, with_unit("stress", run.scene.units, Dimension::stress), 220.0, stresses)}};
+  return picture;
+}
+
 std::vector<Interval> contacts_of(std::string_view end, const Outcome& outcome, const ReportData& data) {
   const auto* account = outcome.statistics && outcome.statistics->account ? &*outcome.statistics->account : nullptr;
   const bool left = end == "left";

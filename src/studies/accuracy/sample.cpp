@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "viscobar/discretisation/interpolant.hpp"
+
 namespace viscobar::accuracy {
 
 namespace {
@@ -182,35 +184,12 @@ Changes changes_that_matter(const Sample& sample, Where end, const Grain& grain)
 
 namespace {
 
-// sum w_i u_i at a place between six nodes around it: Lagrange's polynomial. Where it is a node, that one.
-struct Interpolant {
-  std::size_t begin = 0, count = 1;
-  std::array<double, 6> weights{1.0};
-
-  double operator()(const double* u) const {
-    using Six = Eigen::Array<double, 6, 1>;
-    if (count == 1) return u[begin];
-    if (count == 6) return (Six::Map(weights.data()) * Six::Map(u + begin)).sum();
-    double sum = 0.0;
-    for (std::size_t i = 0; i < count; ++i) sum += weights[i] * u[begin + i];
-    return sum;
-  }
-};
-
-Interpolant interpolant(const std::vector<double>& x, double at) {
+// At a node up to rounding that one.
+Interpolant interpolant_or_node(const std::vector<double>& x, double at) {
   const double close = 1e-9 * (x.back() - x.front());
   const auto right = std::lower_bound(x.begin(), x.end(), at - close);
   const auto index = static_cast<std::size_t>(std::min(right, x.end() - 1) - x.begin());
-  if (std::abs(x[index] - at) <= close) return {.begin = index};
-  const std::size_t count = std::min<std::size_t>(6, x.size());
-  const std::size_t half = count / 2, begin = std::min(index < half ? 0 : index - half, x.size() - count);
-  Interpolant result{begin, count, {}};
-  for (std::size_t i = 0; i < count; ++i) {
-    result.weights[i] = 1.0;
-    for (std::size_t j = 0; j < count; ++j)
-      if (i != j) result.weights[i] *= (at - x[begin + j]) / (x[begin + i] - x[begin + j]);
-  }
-  return result;
+  return std::abs(x[index] - at) <= close ? Interpolant{.begin = index} : interpolant(x, at);
 }
 
 // The first rows of a run at some places, row by row; what is copied of them is in `copy`. On meshes that are halves of
@@ -218,7 +197,7 @@ Interpolant interpolant(const std::vector<double>& x, double at) {
 Values at_places(const Sample& sample, const std::vector<double>& places, std::size_t rows, std::vector<double>& copy) {
   const std::size_t count = places.size(), width = sample.x.size();
   std::vector<Interpolant> rules;
-  for (const double x : places) rules.push_back(interpolant(sample.x, x));
+  for (const double x : places) rules.push_back(interpolant_or_node(sample.x, x));
   const std::size_t stride = count > 1 ? rules[1].begin : 1;
   bool regular = true;
   for (std::size_t i = 0; i < count; ++i) regular = regular && rules[i].count == 1 && rules[i].begin == i * stride;
@@ -231,7 +210,7 @@ Values at_places(const Sample& sample, const std::vector<double>& places, std::s
     if (regular)
       for (std::size_t i = 0; i < count; ++i) *to++ = row[i * stride];
     else
-      for (const Interpolant& rule : rules) *to++ = rule(row);
+      for (const Interpolant& rule : rules) *to++ = rule.value({row, width});
   }
   return {copy.data(), size};
 }

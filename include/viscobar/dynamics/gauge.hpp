@@ -1,0 +1,37 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "viscobar/discretisation/interpolant.hpp"
+#include "viscobar/discretisation/mesh.hpp"
+#include "viscobar/scene/scene.hpp"
+
+namespace viscobar {
+
+/// A place of the bar where its motion is read: u, v, strain u_x and stress E u_x + eta v_x.
+class Gauge {
+ public:
+  Gauge(const Mesh& mesh, const Bar& bar, double x);
+
+  struct Reading {
+    double u, v, strain, stress;
+  };
+  /// @param u, v of all nodes
+  Reading operator()(std::span<const double> u, std::span<const double> v) const;
+
+  double x() const { return x_; }
+
+ private:
+  Interpolant at_;
+  double x_, modulus_, viscosity_;
+};
+
+/// One for each of output.gauges.
+std::vector<Gauge> make_gauges(std::span<const double> places, const Mesh& mesh, const Bar& bar);
+
+/// The columns of gauges.csv behind t: u@X, v@X, strain@X, stress@X for each place X.
+std::vector<std::string> gauge_columns(std::span<const double> places);
+
+}  // namespace viscobar

@@ -1,0 +1,188 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "input/described_scene.hpp"
+#include "report/judge/judge_request.hpp"
+#include "report/page.hpp"
+#include "results/csv.hpp"
+#include "results/json.hpp"
+#include "text/number.hpp"
+#include "text/table.hpp"
+#include "viscobar/report/reports.hpp"
+#include "viscobar/results/versions.hpp"
+
+namespace viscobar {
+
+namespace {
+
+constexpr std::size_t most_contacts = 30;
+
+Table distances(const JudgeStudy& study, const Judgement& judgement, NumberText number) {
+  Table table{{"solution", "quantity", "largest difference", "at t", "root mean square", "of the largest value",
+               "our own error", "order"},
+              2,
+              {}};
+  for (std::size_t s = 0; s < judgement.solutions.size(); ++s)
+    for (const JudgedColumn& column : judgement.solutions[s].columns)
+      table.rows.push_back(
+          {study.solutions[s].label, column.name,
+           column.told_apart() ? number(column.largest) : "at most " + number(column.largest + *column.own_error),
+           number(column.at, 5), number(column.root_mean_square),
+           column.size > 0.0 ? number(column.largest / column.size) : "",
+           column.own_error ? number(*column.own_error) : "not known",
+           column.order ? fmt::format("{:.2f}", *column.order) : ""});
+  return table;
+}
+
+std::string interval(const std::optional<double>& begin, const std::optional<double>& end, NumberText number) {
+  return begin && end ? fmt::format("{} to {}", number(*begin, 6), number(*end, 6)) : "none";
+}
+
+Table contacts(const JudgeStudy& study, const Judgement& judgement, NumberText number) {
+  Table table{{"solution", "where", "the bar's contact", "theirs, to a sample", ""}, 5, {}};
+  for (std::size_t s = 0; s < judgement.solutions.size(); ++s)
+    for (const JudgedContact& contact : judgement.solutions[s].contacts)
+      table.rows.push_back({study.solutions[s].label, std::string(name(contact.where)),
+                            interval(contact.begin, contact.end, number),
+                            interval(contact.their_begin, contact.their_end, number),
+                            !contact.begin         ? "made up"
+                            : !contact.their_begin ? "missed"
+                                                   : ""});
+  if (table.rows.size() > most_contacts) table.rows.resize(most_contacts);
+  return table;
+}
+
+std::vector<std::string> sentences(const JudgeStudy& study, const Judgement& judgement, NumberText number) {
+  std::vector<std::string> all;
+  for (std::size_t s = 0; s < judgement.solutions.size(); ++s) {
+    const JudgedSolution& judged = judgement.solutions[s];
+    const std::string& label = study.solutions[s].label;
+    const auto of = [](std::size_t count) { return fmt::format("{} contact{}", count, count == 1 ? "" : "s"); };
+    if (judged.missed > 0) all.push_back(fmt::format("{} misses {} of the bar", label, of(judged.missed)));
+    if (judged.made_up > 0) all.push_back(fmt::format("{} has {} that the bar has not", label, of(judged.made_up)));
+    if (judged.energy_drift)
+      all.push_back(fmt::format(
+          "{}: its energy at the places with u and v is off by {} at most{}", label, number(*judged.energy_drift),
+          judged.energy_share ? fmt::format(", {} of the bar's largest", number(*judged.energy_share)) : ""));
+    for (const JudgedColumn& column : judged.columns)
+      if (!column.told_apart())
+        all.push_back(fmt::format("{}: {} cannot be told from the bar's: our own error is {}", label, column.name,
+                                  number(*column.own_error)));
+  }
+  const Case& run = judgement.run;
+  all.push_back(
+      fmt::format("Ours is by {} on {} elements; its displacements are right to {}; no better one was made, for {}",
+                  name(run.method), run.elements, number(judgement.estimate.total), judgement.reason));
+  return all;
+}
+
+Picture curves(const JudgeStudy& study, const Judgement& judgement) {
+  Picture picture{"Theirs and the bar's",
+                  "Markers are theirs, the line is the bar. Below each, the difference: theirs less the bar's."};
+  for (std::size_t s = 0; s < judgement.solutions.size(); ++s) {
+    const TheirSolution& theirs = study.solutions[s];
+    for (const JudgedColumn& column : judgement.solutions[s].columns) {
+      std::vector<double> left(column.ours.size());
+      for (std::size_t k = 0; k < left.size(); ++k) left[k] = column.theirs[k] - column.ours[k];
+      const auto other = plot::points_of(theirs.times, column.theirs), own = plot::points_of(theirs.times, column.ours),
+                 rest = plot::points_of(theirs.times, left);
+      const plot::Axis t = plot::fitted("t", theirs.times.front(), theirs.times.back());
+      plot::Range all{0.0, 0.0}, of_rest{0.0, 0.0};
+      all.add(own);
+      all.add(other);
+      of_rest.add(rest);
+      plot::Figure both(t, all.axis(column.name));
+      both.line(own, {plot::series_colour(0)}, "the bar");
+      both.markers(other, plot::series_colour(1), theirs.label);
+      plot::Figure difference(t, of_rest.axis("difference"), 160.0);
+      difference.level(0.0, {"var(--soft)", true, 1.0});
+      difference.line(rest, {plot::series_colour(1)}, "theirs less the bar's");
+      const std::string id = fmt::format("{}-{}", s + 1, column.name);
+      picture.panels.push_back(
+          {"judged-" + id, fmt::format("{} of {} and of the bar", column.name, theirs.label), both});
+      picture.panels.push_back(
+          {"difference-" + id, fmt::format("{}: {} less the bar", column.name, theirs.label), difference});
+    }
+  }
+  return picture;
+}
+
+Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+}  // namespace
+
+std::string judge_json(const PreparedJudgement& asked, const Judgement& judgement) {
+  Json json = Json::object();
+  json["title"] = asked.scene.run.scene.title;
+  json["judged"] = Json::array();
+  for (std::size_t s = 0; s < judgement.solutions.size(); ++s) {
+    const JudgedSolution& judged = judgement.solutions[s];
+    Json one = {{"label", asked.study.solutions[s].label},
+                {"step", number_or_null(asked.study.solutions[s].step)},
+                {"columns", Json::object()}};
+    for (const JudgedColumn& column : judged.columns)
+      one["columns"][column.name] = {{"largest", column.largest},
+                                     {"at", column.at},
+                                     {"root_mean_square", column.root_mean_square},
+                                     {"size", column.size},
+                                     {"own_error", number_or_null(column.own_error)},
+                                     {"told_apart", column.told_apart()},
+                                     {"order", number_or_null(column.order)}};
+    one["contacts"] = Json::array();
+    for (const JudgedContact& contact : judged.contacts)
+      one["contacts"].push_back({{"where", name(contact.where)},
+                                 {"begin", number_or_null(contact.begin)},
+                                 {"end", number_or_null(contact.end)},
+                                 {"their_begin", number_or_null(contact.their_begin)},
+                                 {"their_end", number_or_null(contact.their_end)}});
+    one["missed"] = judged.missed;
+    one["made_up"] = judged.made_up;
+    one["energy_drift"] = number_or_null(judged.energy_drift);
+    one["energy_share"] = number_or_null(judged.energy_share);
+    json["judged"].push_back(std::move(one));
+  }
+  const Case& run = judgement.run;
+  json["ours"] = {{"method", name(run.method)},
+                  {"elements", run.elements},
+                  {"mass", name(resolve(run).mass)},
+                  {"relative_tolerance", run.tolerance.relative},
+                  {"displacement_error", judgement.estimate.total},
+                  {"runs", judgement.runs},
+                  {"reason", judgement.reason}};
+  json["data"] = asked.understood;
+  json["warnings"] = asked.doubts;
+  json["scene"] = complete(asked.scene);
+  json["version"] = versions().viscobar;
+  json["platform"] = versions().platform;
+  return json_text(json);
+}
+
+std::string judge_text(const PreparedJudgement& asked, const Judgement& judgement) {
+  std::string out;
+  for (const std::string& line : asked.understood) out += line + ".\n";
+  out += "\n" + text(distances(asked.study, judgement, plain_number));
+  const Table table = contacts(asked.study, judgement, plain_number);
+  if (!table.rows.empty()) out += "\n" + text(table);
+  out += "\n";
+  for (const std::string& line : sentences(asked.study, judgement, plain_number)) out += line + ".\n";
+  for (const std::string& line : asked.doubts) out += line + ".\n";
+  return out;
+}
+
+PicturedPage judge_page(const PreparedJudgement& asked, const Judgement& judgement) {
+  Page page = Page::of_study(asked.scene.run.scene, ": solutions of others");
+  page.add_head(notes_html(sentences(asked.study, judgement, readable_number)));
+  page.add_head(html(distances(asked.study, judgement, readable_number)));
+  const Table table = contacts(asked.study, judgement, readable_number);
+  if (!table.rows.empty()) page.add_section("Contacts", html(table));
+  page.add(curves(asked.study, judgement));
+  std::vector<std::string> notes = asked.understood;
+  notes.insert(notes.end(), asked.doubts.begin(), asked.doubts.end());
+  page.add_section("The files", notes_html(notes));
+  return page.with_figures();
+}
+
+}  // namespace viscobar

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "viscobar/input/scene_file.hpp"
+#include "viscobar/studies/judge/judge.hpp"
+
+namespace viscobar {
+
+/// A scene as the bar itself has it, and the study of solutions of it.
+struct PreparedJudgement {
+  SceneFile scene;
+  JudgeStudy study;
+  std::vector<std::string> understood;  ///< how the files were read, a line each
+  std::vector<std::string> doubts;      ///< values that were left out as codes, in sentences
+};
+
+/// Settings that leave to us what a scene says of its own solution: method, mesh, epsilon, step and tolerances.
+std::vector<Setting> of_the_bar_itself();
+
+/// Reads files of the form of ends.csv and gauges.csv, each "FILE" or "FILE=STEP" with the step of their scheme.
+/// @throws SceneError, std::invalid_argument
+PreparedJudgement prepared_judgement(const std::vector<std::string>& files, SceneFile scene);
+
+struct PicturedPage;
+/// The output of `viscobar compare --with` as JSON.
+std::string judge_json(const PreparedJudgement& asked, const Judgement& judgement);
+/// The same for the terminal.
+std::string judge_text(const PreparedJudgement& asked, const Judgement& judgement);
+/// The same as a page with pictures.
+PicturedPage judge_page(const PreparedJudgement& asked, const Judgement& judgement);
+
+}  // namespace viscobar

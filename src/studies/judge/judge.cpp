@@ -1,0 +1,362 @@
+#include "viscobar/studies/judge/judge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include "text/number.hpp"
+#include "viscobar/dynamics/gauge.hpp"
+#include "viscobar/studies/accuracy/accuracy.hpp"
+
+namespace viscobar {
+
+namespace {
+
+constexpr double smallest_request = 1e-10;  // of the largest value
+constexpr double better = 10.0;             // from one of our solutions to the next, and than theirs
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// A column: its quantity, and the place of a gauge.
+struct Reader {
+  std::string quantity;
+  std::optional<double> place;
+
+  explicit Reader(const std::string& column, double length) : quantity(column) {
+    const std::size_t at = column.find('@');
+    if (at == column.npos) {
+      const auto known = {"u_left", "v_left", "reaction_left", "u_right", "v_right", "reaction_right"};
+      if (std::ranges::find(known, column) == known.end())
+        throw std::invalid_argument(fmt::format("{}: no column of ends.csv, nor of gauges.csv such as u@0.25", column));
+      return;
+    }
+    quantity = column.substr(0, at);
+    place = number_in<double>(std::string_view(column).substr(at + 1));
+    const auto known = {"u", "v", "strain", "stress"};
+    if (std::ranges::find(known, quantity) == known.end() || !place)
+      throw std::invalid_argument(fmt::format("{}: a gauge has u, v, strain and stress, as in u@0.25", column));
+    if (!(*place >= 0.0 && *place <= length))
+      throw std::invalid_argument(fmt::format("{}: is not on the bar, whose length is {}", column, length));
+  }
+
+  double operator()(const Snapshot& at, const std::optional<Gauge>& gauge) const {
+    if (gauge) {
+      const Gauge::Reading reading = (*gauge)(at.u, at.v);
+      return quantity == "u"        ? reading.u
+             : quantity == "v"      ? reading.v
+             : quantity == "strain" ? reading.strain
+                                    : reading.stress;
+    }
+    const bool left = quantity.ends_with("left");
+    if (quantity.starts_with("u")) return left ? at.u.front() : at.u.back();
+    if (quantity.starts_with("v")) return left ? at.v.front() : at.v.back();
+    return left ? at.reaction_left : at.reaction_right;
+  }
+};
+
+// The bar's motion at given times: a row of all columns for each.
+struct Motion {
+  std::vector<std::vector<double>> columns;
+  std::vector<Event> events;
+};
+
+Motion motion_of(const Case& run, std::span<const double> times, std::span<const Reader> readers,
+                 const std::function<bool()>& stop) {
+  const Setup setup = resolve(run);
+  const BarSystem system = setup.system();
+  std::vector<std::optional<Gauge>> gauges;
+  for (const Reader& reader : readers)
+    gauges.push_back(reader.place ? std::optional(Gauge(system.mesh(), system.bar(), *reader.place)) : std::nullopt);
+  Motion motion;
+  motion.columns.resize(readers.size());
+  Observers observers;
+  observers.snapshot = [&](const Snapshot& at) {
+    for (std::size_t k = 0; k < readers.size(); ++k) motion.columns[k].push_back(readers[k](at, gauges[k]));
+  };
+  observers.event = [&](const Event& event) { motion.events.push_back(event); };
+  observers.progress = [&](double) { return stop && stop() ? RunControl::stop : RunControl::go_on; };
+  simulate(setup, system, times, observers);
+  return motion;
+}
+
+struct Period {
+  double begin, end;
+};
+
+// Times in contact, flights shorter than `merge` left out.
+std::vector<Period> periods_of(std::span<const Event> events, Where where, double end, double merge) {
+  std::vector<Period> periods;
+  bool closed = false;
+  const auto close = [&](double t) {
+    closed = true;
+    if (periods.empty() || t - periods.back().end > merge) periods.push_back({t, end});
+  };
+  for (const Event& event : events) {
+    if (event.where != where) continue;
+    if (event.change == Change::closing) {
+      close(event.time);
+      continue;
+    }
+    if (!closed && periods.empty()) close(0.0);
+    closed = false;
+    periods.back().end = event.time;
+  }
+  if (closed) periods.back().end = end;
+  return periods;
+}
+
+// The same of samples: where there is a reaction, or else where the end is at its obstacle, to `touch`.
+std::vector<Period> periods_of(const TheirSolution& theirs, const Scene& scene, Where where, double touch) {
+  const bool left = where == Where::left;
+  const Obstacle& obstacle = std::get<Obstacle>(left ? scene.left : scene.right);
+  const EndInput& input = left ? scene.left_input : scene.right_input;
+  const auto* reaction = theirs.column(left ? "reaction_left" : "reaction_right");
+  const auto* u = theirs.column(left ? "u_left" : "u_right");
+  std::vector<Period> periods;
+  if (!reaction && (!u || input.motion)) return periods;
+  double largest = 0.0;
+  if (reaction)
+    for (const double value : reaction->values)
+      if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
+  bool closed = false;
+  for (std::size_t k = 0; k < theirs.times.size(); ++k) {
+    const double value = reaction ? reaction->values[k] : u->values[k];
+    if (!std::isfinite(value)) continue;
+    const bool now = reaction ? std::abs(value) > 1e-9 * largest : obstacle.depth(value) >= -touch;
+    if (now && !closed) periods.push_back({theirs.times[k], theirs.times[k]});
+    if (now) periods.back().end = theirs.times[k];
+    closed = now;
+  }
+  return periods;
+}
+
+double spacing_of(const std::vector<double>& times) {
+  return times.size() < 2 ? 0.0 : (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+}
+
+void judge_contacts(JudgedSolution& judged, const TheirSolution& theirs, const Motion& ours, const Case& run,
+                    double touch) {
+  const double sample = spacing_of(theirs.times);
+  for (const Where where : {Where::left, Where::right}) {
+    if (!is_obstacle(where == Where::left ? run.scene.left : run.scene.right)) continue;
+    const bool left = where == Where::left;
+    const EndInput& input = left ? run.scene.left_input : run.scene.right_input;
+    if (!theirs.column(left ? "reaction_left" : "reaction_right") &&
+        (!theirs.column(left ? "u_left" : "u_right") || input.motion))
+      continue;
+    const std::vector<Period> own = periods_of(ours.events, where, theirs.times.back(), 2.0 * sample);
+    const std::vector<Period> other = periods_of(theirs, run.scene, where, touch);
+    std::vector<bool> met(other.size(), false);
+    for (const Period& period : own) {
+      JudgedContact contact{where, period.begin, period.end, {}, {}};
+      for (std::size_t k = 0; k < other.size(); ++k) {
+        if (other[k].end < period.begin - sample || other[k].begin > period.end + sample) continue;
+        met[k] = true;
+        contact.their_begin = std::min(contact.their_begin.value_or(other[k].begin), other[k].begin);
+        contact.their_end = std::max(contact.their_end.value_or(other[k].end), other[k].end);
+      }
+      if (!contact.their_begin && period.end - period.begin > sample) ++judged.missed;
+      judged.contacts.push_back(contact);
+    }
+    for (std::size_t k = 0; k < other.size(); ++k) {
+      if (met[k]) continue;
+      ++judged.made_up;
+      judged.contacts.push_back({where, {}, {}, other[k].begin, other[k].end});
+    }
+  }
+  std::ranges::stable_sort(judged.contacts, {},
+                           [](const JudgedContact& one) { return one.begin.value_or(*one.their_begin); });
+}
+
+// Kinetic and elastic energy of the P1 function through some places.
+double energy_at(const Bar& bar, const std::vector<double>& x, const auto& u, const auto& v) {
+  double energy = 0.0;
+  for (std::size_t k = 0; k + 1 < x.size(); ++k) {
+    const double h = x[k + 1] - x[k], slope = (u(k + 1) - u(k)) / h;
+    energy += 0.5 * bar.density * h / 3.0 * (v(k) * v(k) + v(k) * v(k + 1) + v(k + 1) * v(k + 1));
+    energy += 0.5 * bar.modulus * h * slope * slope;
+  }
+  return energy;
+}
+
+void judge_energy(JudgedSolution& judged, const TheirSolution& theirs, const Bar& bar) {
+  struct Place {
+    double x;
+    const JudgedColumn *u, *v;
+  };
+  std::vector<Place> places;
+  const auto find = [&](const std::string& name) -> const JudgedColumn* {
+    const auto found = std::ranges::find(judged.columns, name, &JudgedColumn::name);
+    return found == judged.columns.end() ? nullptr : &*found;
+  };
+  for (const JudgedColumn& column : judged.columns) {
+    const Reader reader(column.name, bar.length);
+    if (!column.name.starts_with("u")) continue;
+    const JudgedColumn* v = find("v" + column.name.substr(1));
+    const double x = reader.place ? *reader.place : column.name == "u_left" ? 0.0 : bar.length;
+    if (v && std::ranges::find(places, x, &Place::x) == places.end()) places.push_back({x, &column, v});
+  }
+  if (places.size() < 3) return;
+  std::ranges::sort(places, {}, &Place::x);
+  std::vector<double> x;
+  for (const Place& place : places) x.push_back(place.x);
+  double largest = 0.0;
+  judged.energy_drift = 0.0;
+  for (std::size_t k = 0; k < theirs.times.size(); ++k) {
+    const auto value = [&](auto of, auto whose) {
+      return [&, of, whose, k](std::size_t i) { return ((*(places[i].*of)).*whose)[k]; };
+    };
+    const double ours = energy_at(bar, x, value(&Place::u, &JudgedColumn::ours), value(&Place::v, &JudgedColumn::ours));
+    const double other =
+        energy_at(bar, x, value(&Place::u, &JudgedColumn::theirs), value(&Place::v, &JudgedColumn::theirs));
+    largest = std::max(largest, ours);
+    if (const double drift = other - ours; std::isfinite(drift) && std::abs(drift) > std::abs(*judged.energy_drift))
+      judged.energy_drift = drift;
+  }
+  if (largest > 0.0) judged.energy_share = *judged.energy_drift / largest;
+}
+
+void check(const JudgeStudy& study) {
+  if (study.solutions.empty()) throw std::invalid_argument("there is no solution to judge");
+  for (const TheirSolution& theirs : study.solutions) {
+    const auto refuse = [&](const std::string& why) { throw std::invalid_argument(theirs.label + ": " + why); };
+    if (theirs.columns.empty()) refuse("has no column but the time");
+    if (theirs.times.size() < 2) refuse("has fewer than two times");
+    if (!std::ranges::is_sorted(theirs.times, std::less_equal<>())) refuse("has a time twice");
+    const double rounding = 1e-9 * study.scene.end;
+    if (!(theirs.times.front() >= -rounding && theirs.times.back() <= study.scene.end + rounding))
+      refuse(fmt::format("has times from {} to {}, and the scene ends at {}", theirs.times.front(), theirs.times.back(),
+                         study.scene.end));
+    if (theirs.step && !(*theirs.step > 0.0)) refuse("has a step that is not positive");
+    for (const auto& column : theirs.columns)
+      if (column.values.size() != theirs.times.size()) refuse(column.name + " has not a value for each time");
+  }
+}
+
+// Powers of the step, of solutions with steps, from each to the next finer one.
+void find_orders(const JudgeStudy& study, Judgement& judgement) {
+  std::vector<std::size_t> order;
+  for (std::size_t s = 0; s < study.solutions.size(); ++s)
+    if (study.solutions[s].step) order.push_back(s);
+  std::ranges::stable_sort(order, std::greater<>(), [&](std::size_t s) { return *study.solutions[s].step; });
+  for (std::size_t k = 1; k < order.size(); ++k) {
+    const double ratio = *study.solutions[order[k - 1]].step / *study.solutions[order[k]].step;
+    if (!(ratio > 1.0)) continue;
+    for (JudgedColumn& column : judgement.solutions[order[k]].columns) {
+      const auto& before = judgement.solutions[order[k - 1]].columns;
+      const auto coarser = std::ranges::find(before, column.name, &JudgedColumn::name);
+      if (coarser == before.end() || !coarser->told_apart() || !column.told_apart() || !(column.largest > 0.0))
+        continue;
+      column.order = std::log(coarser->largest / column.largest) / std::log(ratio);
+    }
+  }
+}
+
+}  // namespace
+
+const TheirSolution::Column* TheirSolution::column(const std::string& name) const {
+  const auto found = std::ranges::find(columns, name, &Column::name);
+  return found == columns.end() ? nullptr : &*found;
+}
+
+Judgement judge(const JudgeStudy& study) {
+  check(study);
+  const auto started = std::chrono::steady_clock::now();
+  const double length = study.scene.scene.bar.length;
+  std::vector<Reader> readers;  // of all solutions, one behind the other
+  std::vector<double> times = {0.0};
+  for (const TheirSolution& theirs : study.solutions) {
+    for (const auto& column : theirs.columns) readers.emplace_back(column.name, length);
+    for (const double t : theirs.times) times.push_back(std::clamp(t, 0.0, study.scene.end));
+  }
+  std::ranges::sort(times);
+  times.erase(std::ranges::unique(times).begin(), times.end());
+  std::vector<std::vector<std::size_t>> rows;  // of each solution's times
+  for (const TheirSolution& theirs : study.solutions) {
+    std::vector<std::size_t>& of = rows.emplace_back();
+    for (const double t : theirs.times)
+      of.push_back(static_cast<std::size_t>(std::ranges::lower_bound(times, std::clamp(t, 0.0, study.scene.end)) -
+                                            times.begin()));
+  }
+
+  Judgement judgement;
+  AccuracyStudy own;
+  own.scene = study.scene;
+  own.request = study.request;
+  own.threads = study.threads;
+  own.stop = study.stop;
+  std::optional<Motion> coarser;
+  for (double error = study.request.error;; error /= better) {
+    own.request.error = error;
+    own.request.relative = true;
+    own.most_seconds = study.most_seconds - seconds_since(started);
+    if (judgement.runs > 0 && (own.most_seconds <= 0.0 || error < smallest_request)) {
+      judgement.reason = error < smallest_request ? "a smaller error is rounding" : "the time is up";
+      break;
+    }
+    AccuracyResult solved;
+    Motion motion;
+    try {
+      solved = solve(own);
+      motion = motion_of(solved.run, times, readers, study.stop);
+    } catch (const IntegrationError& failed) {
+      if (judgement.runs == 0) throw;
+      judgement.reason = failed.what();
+      break;
+    }
+    // One that keeps nothing more is no better than the one before.
+    if (judgement.runs > 0 && !solved.estimate.kept) {
+      judgement.reason = solved.estimate.doubt.empty() ? "the error cannot be kept" : solved.estimate.doubt;
+      break;
+    }
+    ++judgement.runs;
+    judgement.run = solved.run;
+    judgement.estimate = solved.estimate;
+    judgement.solutions.clear();
+    bool settled = coarser.has_value();
+    std::size_t reader = 0;
+    for (std::size_t s = 0; s < study.solutions.size(); ++s) {
+      const TheirSolution& theirs = study.solutions[s];
+      JudgedSolution& judged = judgement.solutions.emplace_back();
+      for (const auto& column : theirs.columns) {
+        JudgedColumn& one = judged.columns.emplace_back();
+        one.name = column.name;
+        one.theirs = column.values;
+        double sum = 0.0, own_error = 0.0;
+        std::size_t count = 0;
+        for (std::size_t k = 0; k < theirs.times.size(); ++k) {
+          const double ours = motion.columns[reader][rows[s][k]], difference = column.values[k] - ours;
+          one.ours.push_back(ours);
+          one.size = std::max(one.size, std::abs(ours));
+          if (coarser) own_error = std::max(own_error, std::abs(coarser->columns[reader][rows[s][k]] - ours));
+          if (!std::isfinite(difference)) continue;
+          sum += difference * difference;
+          ++count;
+          if (std::abs(difference) > one.largest) one.largest = std::abs(difference), one.at = theirs.times[k];
+        }
+        if (count == 0) throw std::invalid_argument(theirs.label + ": " + column.name + " has no value");
+        one.root_mean_square = std::sqrt(sum / static_cast<double>(count));
+        if (coarser) one.own_error = own_error;
+        settled = settled && own_error * better <= one.largest;
+        ++reader;
+      }
+      judge_contacts(judged, theirs, motion, solved.run,
+                     std::max(solved.estimate.total, 1e-9 * solved.estimate.largest));
+      judge_energy(judged, theirs, study.scene.scene.bar);
+    }
+    if (settled) {
+      judgement.reason = "our own error is a tenth of every difference, or less";
+      break;
+    }
+    coarser = std::move(motion);
+  }
+  find_orders(study, judgement);
+  return judgement;
+}
+
+}  // namespace viscobar

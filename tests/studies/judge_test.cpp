@@ -1,0 +1,141 @@
+#include "viscobar/studies/judge/judge.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "viscobar/case/recording.hpp"
+#include "viscobar/dynamics/gauge.hpp"
+
+namespace viscobar::testing_judge {
+namespace {
+
+// A bar thrown at an obstacle, which it leaves again.
+Case thrown() {
+  Case run;
+  run.scene.bar.viscosity = 0.1;
+  run.scene.left = Obstacle{0.1};
+  run.scene.displacement = [](double) { return 0.0; };
+  run.scene.velocity = [](double) { return -1.0; };
+  run.end = 4.0;
+  run.output_every = 0.02;
+  run.automatic = true;
+  run.method = MethodName::rigid;
+  return run;
+}
+
+JudgeStudy study_of(std::vector<TheirSolution> solutions) {
+  JudgeStudy study;
+  study.scene = thrown();
+  study.request.error = 1e-3;
+  study.request.relative = true;
+  study.solutions = std::move(solutions);
+  return study;
+}
+
+// By the scheme of the paper, as somebody else's program would write it.
+TheirSolution by_scheme(double step) {
+  Case run = thrown();
+  run.automatic = false;
+  run.method = MethodName::fully_discrete;
+  run.elements = 160;
+  run.mass = Mass::fourth_order;
+  run.step = step;
+  const Recording made = record(run);
+  TheirSolution theirs{"scheme", made.times, {}, step};
+  std::vector<double> left, middle;
+  const Gauge gauge(run.mesh(), run.scene.bar, 0.3);
+  for (std::size_t k = 0; k < made.times.size(); ++k) {
+    left.push_back(made.displacement(k).front());
+    middle.push_back(gauge(made.displacement(k), made.velocity(k)).u);
+  }
+  theirs.columns = {{"u_left", left}, {"u@0.3", middle}, {"reaction_left", made.reaction_left}};
+  return theirs;
+}
+
+// The same distance as to a run that is far finer, within our own error and a hundredth; first order, as the scheme
+// has.
+TEST(Judge, TellsDistancesAndOrderOfAScheme) {
+  const Judgement judgement = judge(study_of({by_scheme(0.02), by_scheme(0.01), by_scheme(0.005)}));
+  Case fine = thrown();
+  fine.elements = 640;
+  fine.mass = Mass::fourth_order;
+  fine.tolerance.relative = 1e-11;
+  const Recording truth = record(fine);
+  ASSERT_EQ(judgement.solutions.size(), 3u);
+  for (std::size_t s = 0; s < 3; ++s) {
+    const JudgedColumn& left = judgement.solutions[s].columns[0];
+    double largest = 0.0;
+    for (std::size_t k = 0; k < truth.times.size(); ++k)
+      largest = std::max(largest, std::abs(left.theirs[k] - truth.displacement(k).front()));
+    EXPECT_NEAR(left.largest, largest, 0.01 * largest + *left.own_error);
+    EXPECT_TRUE(left.told_apart());
+    EXPECT_LE(*left.own_error, 0.1 * left.largest);
+    EXPECT_EQ(judgement.solutions[s].missed, 0u);
+    EXPECT_EQ(judgement.solutions[s].made_up, 0u);
+    ASSERT_EQ(judgement.solutions[s].contacts.size(), 1u);
+    EXPECT_NEAR(*judgement.solutions[s].contacts[0].their_begin, *judgement.solutions[s].contacts[0].begin, 0.05);
+  }
+  for (const std::size_t s : {std::size_t{1}, std::size_t{2}})
+    for (const std::size_t column : {std::size_t{0}, std::size_t{1}})
+      EXPECT_NEAR(judgement.solutions[s].columns[column].order.value(), 1.0, 0.2) << s << column;
+}
+
+TEST(Judge, TellsContactsThatAreMissedOrMadeUp) {
+  TheirSolution blind = by_scheme(0.01), seeing = blind;
+  for (double& reaction : blind.columns[2].values) reaction = 0.0;
+  blind.columns.erase(blind.columns.begin());
+  seeing.columns[2].values[seeing.times.size() - 20] = 0.7;
+  const Judgement judgement = judge(study_of({blind, seeing}));
+  EXPECT_EQ(judgement.solutions[0].missed, 1u);
+  EXPECT_EQ(judgement.solutions[0].made_up, 0u);
+  EXPECT_EQ(judgement.solutions[1].missed, 0u);
+  EXPECT_EQ(judgement.solutions[1].made_up, 1u);
+}
+
+// The bar itself, to ten digits: the difference is ours as much as theirs.
+TEST(Judge, DoesNotBlameTheBarItself) {
+  Case fine = thrown();
+  fine.elements = 400;
+  fine.mass = Mass::fourth_order;
+  fine.tolerance.relative = 1e-11;
+  const Recording truth = record(fine);
+  TheirSolution theirs{"the bar", truth.times, {}, {}};
+  std::vector<double> left, u_middle, v_left, v_middle, right, v_right;
+  const Gauge gauge(fine.mesh(), fine.scene.bar, 0.5);
+  for (std::size_t k = 0; k < truth.times.size(); ++k) {
+    const Gauge::Reading reading = gauge(truth.displacement(k), truth.velocity(k));
+    left.push_back(truth.displacement(k).front()), v_left.push_back(truth.velocity(k).front());
+    right.push_back(truth.displacement(k).back()), v_right.push_back(truth.velocity(k).back());
+    u_middle.push_back(reading.u), v_middle.push_back(reading.v);
+  }
+  theirs.columns = {{"u_left", left},     {"v_left", v_left},  {"u_right", right},
+                    {"v_right", v_right}, {"u@0.5", u_middle}, {"v@0.5", v_middle}};
+  const Judgement judgement = judge(study_of({theirs}));
+  const JudgedSolution& judged = judgement.solutions[0];
+  EXPECT_LT(judged.columns[0].largest, 1e-8);
+  EXPECT_LT(judged.columns[4].largest, 1e-8);
+  ASSERT_TRUE(judged.energy_share);
+  EXPECT_LT(std::abs(*judged.energy_share), 1e-5);  // v of a bar that strikes has a layer at the end
+}
+
+TEST(Judge, SaysWhatIsWrongWithASolution) {
+  const auto refused = [](TheirSolution theirs) {
+    try {
+      judge(study_of({std::move(theirs)}));
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::vector<double> two = {0.0, 1.0};
+  EXPECT_NE(refused({"a", {0.0, 5.0}, {{"u_left", two}}, {}}).find("the scene ends at 4"), std::string::npos);
+  EXPECT_NE(refused({"a", two, {{"w_left", two}}, {}}).find("w_left: no column"), std::string::npos);
+  EXPECT_NE(refused({"a", two, {{"u@1.5", two}}, {}}).find("not on the bar"), std::string::npos);
+  EXPECT_NE(refused({"a", {1.0, 1.0}, {{"u_left", two}}, {}}).find("twice"), std::string::npos);
+  EXPECT_NE(refused({"a", two, {}, {}}).find("no column"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace viscobar::testing_judge
