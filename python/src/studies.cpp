@@ -285,7 +285,7 @@ py::tuple judge_files(const std::string& text, const std::vector<std::string>& f
   hearing_signals(faults, stop, [&] {
     PreparedJudgement prepared = prepared_judgement(files, parse_scene_with(text, "scene", of_the_bar_itself()));
     prepared.study.stop = [&] { return stop.load(); };
-    const Judgement judgement = judge(prepared.study);
+    const JudgeResult judgement = judge(prepared.study);
     json = judge_json(prepared, judgement);
     page = judge_page(prepared, judgement).html;
   });

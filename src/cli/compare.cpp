@@ -33,7 +33,7 @@ int judge_solutions(const CompareOptions& asked) {
   PreparedJudgement prepared = prepared_judgement(asked.with, asked.scene.read(of_the_bar_itself()));
   prepared.study.threads = asked.threads;
   const Study study(asked, prepared.scene, ResultKind::judge);
-  const Judgement judgement = judge(prepared.study);
+  const JudgeResult judgement = judge(prepared.study);
   study.finish(judge_json(prepared, judgement), judge_page(prepared, judgement),
                judge_text(prepared, judgement) + "\n");
   return success;

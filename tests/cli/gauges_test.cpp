@@ -11,7 +11,7 @@ class Gauges : public testing_cli::Command {
  protected:
   // A mode of a bar that is fixed at the left: u = sin(pi x / 2) exp(-d t) (cos w t + d / w sin w t).
   Gauges() {
-    std::ofstream(directory_ / "mode.toml") << R"(
+    std::ofstream(directory_ / "mode.toml") << R"toml(
 [bar]
 length = 1.0
 viscosity = 0.1
@@ -32,7 +32,7 @@ relative_tolerance = 1e-10
 [output]
 every = 0.1
 gauges = [0.25, 1.0, 0.333]
-)";
+)toml";
   }
   std::vector<std::vector<double>> rows(const std::string& file) const {
     std::istringstream lines(read_text(directory_ / file));

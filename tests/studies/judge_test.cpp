@@ -57,7 +57,7 @@ TheirSolution by_scheme(double step) {
 // The same distance as to a run that is far finer, within our own error and a hundredth; first order, as the scheme
 // has.
 TEST(Judge, TellsDistancesAndOrderOfAScheme) {
-  const Judgement judgement = judge(study_of({by_scheme(0.02), by_scheme(0.01), by_scheme(0.005)}));
+  const JudgeResult judgement = judge(study_of({by_scheme(0.02), by_scheme(0.01), by_scheme(0.005)}));
   Case fine = thrown();
   fine.elements = 640;
   fine.mass = Mass::fourth_order;
@@ -87,7 +87,7 @@ TEST(Judge, TellsContactsThatAreMissedOrMadeUp) {
   for (double& reaction : blind.columns[2].values) reaction = 0.0;
   blind.columns.erase(blind.columns.begin());
   seeing.columns[2].values[seeing.times.size() - 20] = 0.7;
-  const Judgement judgement = judge(study_of({blind, seeing}));
+  const JudgeResult judgement = judge(study_of({blind, seeing}));
   EXPECT_EQ(judgement.solutions[0].missed, 1u);
   EXPECT_EQ(judgement.solutions[0].made_up, 0u);
   EXPECT_EQ(judgement.solutions[1].missed, 0u);
@@ -112,7 +112,7 @@ TEST(Judge, DoesNotBlameTheBarItself) {
   }
   theirs.columns = {{"u_left", left},     {"v_left", v_left},  {"u_right", right},
                     {"v_right", v_right}, {"u@0.5", u_middle}, {"v@0.5", v_middle}};
-  const Judgement judgement = judge(study_of({theirs}));
+  const JudgeResult judgement = judge(study_of({theirs}));
   const JudgedSolution& judged = judgement.solutions[0];
   EXPECT_LT(judged.columns[0].largest, 1e-8);
   EXPECT_LT(judged.columns[4].largest, 1e-8);

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t most_contacts = 30;
 
-Table distances(const JudgeStudy& study, const Judgement& judgement, NumberText number) {
+Table distances(const JudgeStudy& study, const JudgeResult& judgement, NumberText number) {
   Table table{{"solution", "quantity", "largest difference", "at t", "root mean square", "of the largest value",
                "our own error", "order"},
               2,
@@ -41,7 +41,7 @@ std::string interval(const std::optional<double>& begin, const std::optional<dou
   return begin && end ? fmt::format("{} to {}", number(*begin, 6), number(*end, 6)) : "none";
 }
 
-Table contacts(const JudgeStudy& study, const Judgement& judgement, NumberText number) {
+Table contacts(const JudgeStudy& study, const JudgeResult& judgement, NumberText number) {
   Table table{{"solution", "where", "the bar's contact", "theirs, to a sample", ""}, 5, {}};
   for (std::size_t s = 0; s < judgement.solutions.size(); ++s)
     for (const JudgedContact& contact : judgement.solutions[s].contacts)
@@ -55,7 +55,7 @@ Table contacts(const JudgeStudy& study, const Judgement& judgement, NumberText n
   return table;
 }
 
-std::vector<std::string> sentences(const JudgeStudy& study, const Judgement& judgement, NumberText number) {
+std::vector<std::string> sentences(const JudgeStudy& study, const JudgeResult& judgement, NumberText number) {
   std::vector<std::string> all;
   for (std::size_t s = 0; s < judgement.solutions.size(); ++s) {
     const JudgedSolution& judged = judgement.solutions[s];
@@ -79,7 +79,7 @@ std::vector<std::string> sentences(const JudgeStudy& study, const Judgement& jud
   return all;
 }
 
-Picture curves(const JudgeStudy& study, const Judgement& judgement) {
+Picture curves(const JudgeStudy& study, const JudgeResult& judgement) {
   Picture picture{"Theirs and the bar's",
                   "Markers are theirs, the line is the bar. Below each, the difference: theirs less the bar's."};
   for (std::size_t s = 0; s < judgement.solutions.size(); ++s) {
@@ -114,7 +114,7 @@ Json number_or_null(const std::optional<double>& value) { return value ? Json(*v
 
 }  // namespace
 
-std::string judge_json(const PreparedJudgement& asked, const Judgement& judgement) {
+std::string judge_json(const PreparedJudgement& asked, const JudgeResult& judgement) {
   Json json = Json::object();
   json["title"] = asked.scene.run.scene.title;
   json["judged"] = Json::array();
@@ -160,7 +160,7 @@ std::string judge_json(const PreparedJudgement& asked, const Judgement& judgemen
   return json_text(json);
 }
 
-std::string judge_text(const PreparedJudgement& asked, const Judgement& judgement) {
+std::string judge_text(const PreparedJudgement& asked, const JudgeResult& judgement) {
   std::string out;
   for (const std::string& line : asked.understood) out += line + ".\n";
   out += "\n" + text(distances(asked.study, judgement, plain_number));
@@ -172,7 +172,7 @@ std::string judge_text(const PreparedJudgement& asked, const Judgement& judgemen
   return out;
 }
 
-PicturedPage judge_page(const PreparedJudgement& asked, const Judgement& judgement) {
+PicturedPage judge_page(const PreparedJudgement& asked, const JudgeResult& judgement) {
   Page page = Page::of_study(asked.scene.run.scene, ": solutions of others");
   page.add_head(notes_html(sentences(asked.study, judgement, readable_number)));
   page.add_head(html(distances(asked.study, judgement, readable_number)));

@@ -26,10 +26,10 @@ PreparedJudgement prepared_judgement(const std::vector<std::string>& files, Scen
 
 struct PicturedPage;
 /// The output of `viscobar compare --with` as JSON.
-std::string judge_json(const PreparedJudgement& asked, const Judgement& judgement);
+std::string judge_json(const PreparedJudgement& asked, const JudgeResult& judgement);
 /// The same for the terminal.
-std::string judge_text(const PreparedJudgement& asked, const Judgement& judgement);
+std::string judge_text(const PreparedJudgement& asked, const JudgeResult& judgement);
 /// The same as a page with pictures.
-PicturedPage judge_page(const PreparedJudgement& asked, const Judgement& judgement);
+PicturedPage judge_page(const PreparedJudgement& asked, const JudgeResult& judgement);
 
 }  // namespace viscobar

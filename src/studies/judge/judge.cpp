@@ -239,7 +239,7 @@ void check(const JudgeStudy& study) {
 }
 
 // Powers of the step, of solutions with steps, from each to the next finer one.
-void find_orders(const JudgeStudy& study, Judgement& judgement) {
+void find_orders(const JudgeStudy& study, JudgeResult& judgement) {
   std::vector<std::size_t> order;
   for (std::size_t s = 0; s < study.solutions.size(); ++s)
     if (study.solutions[s].step) order.push_back(s);
@@ -264,7 +264,7 @@ const TheirSolution::Column* TheirSolution::column(const std::string& name) cons
   return found == columns.end() ? nullptr : &*found;
 }
 
-Judgement judge(const JudgeStudy& study) {
+JudgeResult judge(const JudgeStudy& study) {
   check(study);
   const auto started = std::chrono::steady_clock::now();
   const double length = study.scene.scene.bar.length;
@@ -284,7 +284,7 @@ Judgement judge(const JudgeStudy& study) {
                                             times.begin()));
   }
 
-  Judgement judgement;
+  JudgeResult judgement;
   AccuracyStudy own;
   own.scene = study.scene;
   own.request = study.request;

@@ -65,7 +65,7 @@ struct JudgedSolution {
   std::optional<double> energy_drift, energy_share;
 };
 
-struct Judgement {
+struct JudgeResult {
   std::vector<JudgedSolution> solutions;  ///< in the order of the study
   Case run;                               ///< of ours, the finer one
   ErrorEstimate estimate;                 ///< of its displacements
@@ -78,6 +78,6 @@ struct Judgement {
 /// the coarser of them has it, and the finer is what theirs are held against.
 /// @throws std::invalid_argument for columns that nobody knows, times that the scene does not have
 /// @throws IntegrationError where no run of ours came to its end
-Judgement judge(const JudgeStudy& study);
+JudgeResult judge(const JudgeStudy& study);
 
 }  // namespace viscobar
