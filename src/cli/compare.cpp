@@ -30,7 +30,9 @@ void check_memory(const Case& run, std::size_t methods) {
 int judge_solutions(const CompareOptions& asked) {
   if (!asked.methods.empty())
     refuse("--methods: solutions of others (--with) are held against the bar itself, by no method of choice");
-  PreparedJudgement prepared = prepared_judgement(asked.with, asked.scene.read(of_the_bar_itself()));
+  SceneOptions scene = asked.scene;
+  scene.takes_accuracy = true;
+  PreparedJudgement prepared = prepared_judgement(asked.with, scene.read(of_the_bar_itself()));
   prepared.study.threads = asked.threads;
   const Study study(asked, prepared.scene, ResultKind::judge);
   const JudgeResult judgement = judge(prepared.study);

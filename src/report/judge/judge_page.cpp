@@ -31,7 +31,7 @@ Table distances(const JudgeStudy& study, const JudgeResult& judgement, NumberTex
           {study.solutions[s].label, column.name,
            column.told_apart() ? number(column.largest) : "at most " + number(column.largest + *column.own_error),
            number(column.at, 5), number(column.root_mean_square),
-           column.size > 0.0 ? number(column.largest / column.size) : "",
+           column.size > 10.0 * column.own_error.value_or(0.0) ? number(column.largest / column.size) : "",
            column.own_error ? number(*column.own_error) : "not known",
            column.order ? fmt::format("{:.2f}", *column.order) : ""});
   return table;

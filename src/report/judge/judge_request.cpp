@@ -57,7 +57,7 @@ PreparedJudgement prepared_judgement(const std::vector<std::string>& files, Scen
     const auto [file, step] = file_and_step(text);
     TraceFile table = read_measured(prepared.scene, file, known, {"t"});
     TheirSolution& theirs = study.solutions.emplace_back();
-    theirs.label = std::filesystem::path(file).filename().string();
+    theirs.label = file;
     theirs.step = step;
     theirs.times = table.column("t")->values;
     for (TraceFile::Column& column : table.columns) {

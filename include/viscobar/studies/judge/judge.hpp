@@ -46,7 +46,8 @@ struct JudgedColumn {
   std::optional<double> own_error;   ///< how much ours may be wrong by; absent: only one run came to its end
   std::optional<double> order;       ///< power of the step that d shows from the next coarser solution to this one
   std::vector<double> theirs, ours;  ///< K, for pictures
-  bool told_apart() const { return !own_error || largest > 2.0 * *own_error; }  ///< d is theirs, and not ours
+  /// True if d is theirs and not ours; so is a d of 0 where ours has no error.
+  bool told_apart() const { return !own_error || largest > 2.0 * *own_error || *own_error == 0.0; }
 };
 
 /// A contact at an end.
