@@ -73,7 +73,7 @@ TEST_F(Gauges, TellTheMotionOfAModeAtTheirPlaces) {
 }
 
 TEST_F(Gauges, OfARunThatWasStoppedGoOn) {
-  ASSERT_EQ(viscobar("run mode.toml -q -o whole").code, 0);
+  ASSERT_EQ(viscobar("run mode.toml -q --checkpoint 0.5 -o whole").code, 0);
   ASSERT_EQ(viscobar("run mode.toml -q --checkpoint 0.5 --wall-time 1e-9s -o out").code, 130);
   ASSERT_EQ(viscobar("resume -q out").code, 0);
   EXPECT_EQ(read_text(directory_ / "out/gauges.csv"), read_text(directory_ / "whole/gauges.csv"));
