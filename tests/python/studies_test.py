@@ -57,6 +57,28 @@ class StudiesTest(Test):
         with self.assertRaisesRegex(viscobar.SceneError, "no obstacle"):
             viscobar.limit(thrown(left__kind="free", left__gap=None))
 
+    def test_a_solution_is_judged_as_by_the_program(self):
+        scene = thrown(output__gauges=[0.25, np.float64(0.5)])
+        run = viscobar.run(scene, "fully_discrete")
+        self.assertEqual(list(run.gauges), ["t"] + [f"{q}@{x}" for x in (0.25, 0.5) for q in ("u", "v", "strain", "stress")])
+        np.testing.assert_allclose(run.gauges["u@0.25"], run.u[:, 5], rtol=0, atol=1e-14)  # a node
+        theirs = viscobar.judge(
+            scene, run.t, u_left=run.ends["u_left"], reaction_left=run.ends["reaction_left"],
+            columns={"u@0.25": run.gauges["u@0.25"]},
+        )  # fmt: skip
+        self.assertEqual(theirs.column("quantity"), ["u_left", "reaction_left", "u@0.25"])
+        self.assertEqual((theirs.missed, theirs.made_up), (0, 0))
+        with tempfile.TemporaryDirectory() as directory:
+            file, path = pathlib.Path(directory) / "scene.toml", pathlib.Path(directory) / "theirs.csv"
+            viscobar.Scene(scene).save(file)
+            np.savetxt(path, np.column_stack([run.t, run.ends["u_left"]]), delimiter=",", header="t,u_left", comments="", fmt="%.17g")
+            told = json.loads(program("compare", file, "--json", "--with", path, "-o", f"{directory}/out"))
+        self.assertEqual(theirs[0]["largest"], told["judged"][0]["columns"]["u_left"]["largest"])
+        with self.assertRaisesRegex(ValueError, "no column"):
+            viscobar.judge(scene, run.t, nonsense=run.t)
+        with self.assertRaises(TypeError):
+            viscobar.judge(scene)
+
     def test_precision_has_the_errors_of_the_program(self):
         options = {"methods": ["cvode"], "tolerances": [1e-3, 1e-4], "seconds": 0.3}
         ours = viscobar.precision(thrown(), **options)
