@@ -79,33 +79,46 @@ std::vector<std::string> sentences(const JudgeStudy& study, const JudgeResult& j
   return all;
 }
 
+// A quantity of all solutions that have it, together.
 Picture curves(const JudgeStudy& study, const JudgeResult& judgement) {
   Picture picture{"Theirs and the bar's",
-                  "Markers are theirs, the line is the bar. Below each, the difference: theirs less the bar's."};
-  for (std::size_t s = 0; s < judgement.solutions.size(); ++s) {
-    const TheirSolution& theirs = study.solutions[s];
-    for (const JudgedColumn& column : judgement.solutions[s].columns) {
-      std::vector<double> left(column.ours.size());
-      for (std::size_t k = 0; k < left.size(); ++k) left[k] = column.theirs[k] - column.ours[k];
-      const auto other = plot::points_of(theirs.times, column.theirs), own = plot::points_of(theirs.times, column.ours),
-                 rest = plot::points_of(theirs.times, left);
-      const plot::Axis t = plot::fitted("t", theirs.times.front(), theirs.times.back());
-      plot::Range all{0.0, 0.0}, of_rest{0.0, 0.0};
-      all.add(own);
-      all.add(other);
-      of_rest.add(rest);
-      plot::Figure both(t, all.axis(column.name));
-      both.line(own, {plot::series_colour(0)}, "the bar");
-      both.markers(other, plot::series_colour(1), theirs.label);
-      plot::Figure difference(t, of_rest.axis("difference"), 160.0);
-      difference.level(0.0, {"var(--soft)", true, 1.0});
-      difference.line(rest, {plot::series_colour(1)}, "theirs less the bar's");
-      const std::string id = fmt::format("{}-{}", s + 1, column.name);
-      picture.panels.push_back(
-          {"judged-" + id, fmt::format("{} of {} and of the bar", column.name, theirs.label), both});
-      picture.panels.push_back(
-          {"difference-" + id, fmt::format("{}: {} less the bar", column.name, theirs.label), difference});
+                  "Markers are theirs, the line is the bar. Below, the difference: theirs less the bar's."};
+  std::vector<std::string> names;
+  for (const JudgedSolution& judged : judgement.solutions)
+    for (const JudgedColumn& column : judged.columns)
+      if (std::ranges::find(names, column.name) == names.end()) names.push_back(column.name);
+  for (const std::string& name : names) {
+    struct Curve {
+      std::string label;
+      std::vector<plot::Point> theirs, ours, difference;
+    };
+    std::vector<Curve> all;
+    plot::Range range{0.0, 0.0}, of_rest{0.0, 0.0}, times;
+    for (std::size_t s = 0; s < judgement.solutions.size(); ++s) {
+      const auto& columns = judgement.solutions[s].columns;
+      const auto column = std::ranges::find(columns, name, &JudgedColumn::name);
+      if (column == columns.end()) continue;
+      std::vector<double> left(column->ours.size());
+      for (std::size_t k = 0; k < left.size(); ++k) left[k] = column->theirs[k] - column->ours[k];
+      const std::vector<double>& t = study.solutions[s].times;
+      all.push_back({study.solutions[s].label, plot::points_of(t, column->theirs), plot::points_of(t, column->ours),
+                     plot::points_of(t, left)});
+      range.add(all.back().theirs);
+      range.add(all.back().ours);
+      of_rest.add(all.back().difference);
+      times.add(t);
     }
+    const plot::Axis t = plot::fitted("t", times.low, times.high);
+    plot::Figure both(t, range.axis(name)), difference(t, of_rest.axis("difference"), 160.0);
+    const auto& finest = std::ranges::max(all, {}, [](const Curve& curve) { return curve.ours.size(); });
+    both.line(finest.ours, {plot::series_colour(0)}, "the bar");
+    difference.level(0.0, {"var(--soft)", true, 1.0});
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      both.markers(all[k].theirs, plot::series_colour(k + 1), all[k].label);
+      difference.line(all[k].difference, {plot::series_colour(k + 1)}, all[k].label);
+    }
+    picture.panels.push_back({"judged-" + name, name + ": theirs and the bar's", both});
+    picture.panels.push_back({"difference-" + name, name + ": theirs less the bar's", difference});
   }
   return picture;
 }
