@@ -1,4 +1,4 @@
-#include "viscobar/discretisation/interpolant.hpp"
+#include "discretisation/interpolant.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "viscobar/dynamics/gauge.hpp"
+#include "dynamics/gauge.hpp"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "viscobar/dynamics/gauge.hpp"
+#include "dynamics/gauge.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {

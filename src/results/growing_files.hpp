@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "dynamics/gauge.hpp"
 #include "results/field/field_file.hpp"
 #include "results/output_file.hpp"
-#include "viscobar/dynamics/gauge.hpp"
 #include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {

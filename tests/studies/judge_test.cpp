@@ -5,8 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "dynamics/gauge.hpp"
 #include "viscobar/case/recording.hpp"
-#include "viscobar/dynamics/gauge.hpp"
 
 namespace viscobar::testing_judge {
 namespace {

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/gauge.hpp"
 #include "report/plot/axis.hpp"
 #include "report/plot/thinning.hpp"
 #include "viscobar/case/case.hpp"
-#include "viscobar/dynamics/gauge.hpp"
 
 namespace viscobar {
 

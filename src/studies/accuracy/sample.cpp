@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "viscobar/discretisation/interpolant.hpp"
+#include "discretisation/interpolant.hpp"
 
 namespace viscobar::accuracy {
 

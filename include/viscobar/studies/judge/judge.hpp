@@ -15,7 +15,7 @@ namespace viscobar {
 struct TheirSolution {
   /// A quantity over time: a column of ends.csv, or of gauges.csv such as u@0.25.
   struct Column {
-    std::string name;
+    std::string name;            ///< of the column
     std::vector<double> values;  ///< K, NaN where there is none
   };
   std::string label;            ///< in tables
@@ -38,34 +38,41 @@ struct JudgeStudy {
 
 /// A quantity of one of their solutions, beside that of the bar: d(t) is theirs less ours.
 struct JudgedColumn {
-  std::string name;
-  double largest = 0.0;              ///< max |d|
-  double at = 0.0;                   ///< when
-  double root_mean_square = 0.0;     ///< of d
-  double size = 0.0;                 ///< largest value of ours
-  std::optional<double> own_error;   ///< how much ours may be wrong by; absent: only one run came to its end
-  std::optional<double> order;       ///< power of the step that d shows from the next coarser solution to this one
-  std::vector<double> theirs, ours;  ///< K, for pictures
+  std::string name;                 ///< of the column
+  double largest = 0.0;             ///< max |d|
+  double at = 0.0;                  ///< when
+  double root_mean_square = 0.0;    ///< of d
+  double size = 0.0;                ///< largest value of ours
+  std::optional<double> own_error;  ///< how much ours may be wrong by; absent: only one run came to its end
+  std::optional<double> order;      ///< power of the step that d shows from the next coarser solution to this one
+  std::vector<double> theirs;       ///< K, for pictures
+  std::vector<double> ours;         ///< likewise
   /// True if d is theirs and not ours; so is a d of 0 where ours has no error.
   bool told_apart() const { return !own_error || largest > 2.0 * *own_error || *own_error == 0.0; }
 };
 
 /// A contact at an end.
 struct JudgedContact {
-  Where where = Where::left;
-  std::optional<double> begin, end;              ///< ours; absent: they made it up
-  std::optional<double> their_begin, their_end;  ///< theirs, to a sample; absent: they missed it
+  Where where = Where::left;          ///< of the obstacle
+  std::optional<double> begin;        ///< ours; absent: they made it up
+  std::optional<double> end;          ///< likewise
+  std::optional<double> their_begin;  ///< to a sample; absent: they missed it
+  std::optional<double> their_end;    ///< likewise
 };
 
+/// One of their solutions beside the bar.
 struct JudgedSolution {
   std::vector<JudgedColumn> columns;    ///< in the order of theirs
   std::vector<JudgedContact> contacts;  ///< in the order of time
-  std::size_t missed = 0, made_up = 0;  ///< of contacts; one that is shorter than their samples is not missed
+  std::size_t missed = 0;               ///< contacts of ours; one that is shorter than their samples is not missed
+  std::size_t made_up = 0;              ///< contacts of theirs that ours has not
   /// Largest difference of the energy, kinetic and elastic, of the P1 function through the places that have u and v:
-  /// theirs less ours, where there are three such places at least; and its share of the largest of ours.
-  std::optional<double> energy_drift, energy_share;
+  /// theirs less ours, where there are three such places at least.
+  std::optional<double> energy_drift;
+  std::optional<double> energy_share;  ///< of the largest of ours
 };
 
+/// The result of a judgement.
 struct JudgeResult {
   std::vector<JudgedSolution> solutions;  ///< in the order of the study
   Case run;                               ///< of ours, the finer one

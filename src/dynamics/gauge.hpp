@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "viscobar/discretisation/interpolant.hpp"
+#include "discretisation/interpolant.hpp"
 #include "viscobar/discretisation/mesh.hpp"
 #include "viscobar/scene/scene.hpp"
 
