@@ -1,5 +1,6 @@
 #include <chrono>
 #include <limits>
+#include <new>
 #include <string_view>
 
 #include "case/alarm.hpp"
@@ -92,7 +93,10 @@ bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
     for (const Alarm& alarm : alarms(setup, system, done))
       if (alarm.ruinous) add_sentence(row.error, alarm.what);
     row.completed = row.error.empty();
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const IntegrationError& error) {
+    if (error.failure == Failure::memory) throw std::bad_alloc();
     tell(row, run.scene, error.statistics);
     row.derivatives = derivatives.row(error.statistics);
     row.error = error.what();
@@ -165,6 +169,8 @@ std::optional<SweepRow> run_case(const std::string& scene_text, const SweepCase&
     if (!(scene.accuracy ? solve_into(row, scene, one.neighbour, interrupted)
                          : simulate_into(row, scene.run, interrupted)))
       return std::nullopt;
+  } catch (const std::bad_alloc&) {
+    throw;  // the machine's failure, not the case's: it has no row, and the sweep goes on later
   } catch (const SceneError& error) {
     for (const Diagnostic& found : error.diagnostics) add_sentence(row.error, found.key + ": " + found.message);
   } catch (const std::exception& error) {
