@@ -316,6 +316,10 @@ JudgeResult judge(const JudgeStudy& study) {
       judgement.reason = solved.estimate.doubt.empty() ? "the error cannot be kept" : solved.estimate.doubt;
       break;
     }
+    // Two requests that the same settings keep show nothing of each other's error.
+    const Case &now = solved.run, &last = judgement.run;
+    const bool finer = now.elements >= last.elements * 5 / 4 || (is_scheme(now.method) && now.step < last.step);
+    if (judgement.runs > 0 && now.method != MethodName::characteristics && !finer) continue;
     ++judgement.runs;
     judgement.run = solved.run;
     judgement.estimate = solved.estimate;
@@ -343,6 +347,7 @@ JudgeResult judge(const JudgeStudy& study) {
         }
         if (count == 0) throw std::invalid_argument(theirs.label + ": " + column.name + " has no value");
         one.root_mean_square = std::sqrt(sum / static_cast<double>(count));
+        if (column.name.starts_with("u")) own_error = std::max(own_error, solved.estimate.total);
         if (coarser) one.own_error = own_error;
         // What does not fall has no limit, such as the force on a viscous bar at its touch: it waits for nothing.
         settled = settled && (own_error * better <= one.largest || 2.0 * own_error > errors_before[reader]);
