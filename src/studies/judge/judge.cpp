@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "dynamics/gauge.hpp"
+#include "studies/accuracy/runs.hpp"
 #include "text/number.hpp"
 #include "viscobar/studies/accuracy/accuracy.hpp"
 
@@ -81,7 +82,7 @@ Motion motion_of(const Case& run, std::span<const double> times, std::span<const
   };
   observers.event = [&](const Event& event) { motion.events.push_back(event); };
   observers.progress = [&](double) { return stop && stop() ? RunControl::stop : RunControl::go_on; };
-  simulate(setup, system, times, observers);
+  if (!simulate(setup, system, times, observers).completed) throw accuracy::Stopped();
   return motion;
 }
 
@@ -290,7 +291,9 @@ JudgeResult judge(const JudgeStudy& study) {
   own.scene = study.scene;
   own.request = study.request;
   own.threads = study.threads;
-  own.stop = study.stop;
+  own.stop = [&] {
+    return (study.stop && study.stop()) || (judgement.runs > 0 && seconds_since(started) > study.most_seconds);
+  };
   std::optional<Motion> coarser;
   std::vector<double> errors_before(readers.size(), std::numeric_limits<double>::infinity());
   for (double error = study.request.error;; error /= better) {
@@ -305,7 +308,11 @@ JudgeResult judge(const JudgeStudy& study) {
     Motion motion;
     try {
       solved = solve(own);
-      motion = motion_of(solved.run, times, readers, study.stop);
+      motion = motion_of(solved.run, times, readers, own.stop);
+    } catch (const accuracy::Stopped&) {
+      if (judgement.runs == 0 || (study.stop && study.stop())) throw;
+      judgement.reason = "the time is up";
+      break;
     } catch (const IntegrationError& failed) {
       if (judgement.runs == 0) throw;
       judgement.reason = failed.what();
