@@ -300,12 +300,6 @@ double BarSystem::energy(std::span<const double> u, std::span<const double> w) c
   return sum;
 }
 
-double BarSystem::dashpot_power(std::span<const double> w) const {
-  double power = 0.0;
-  for (const Mount& mount : mounts_) power += mount.dashpot * w[mount.unknown] * w[mount.unknown];
-  return power;
-}
-
 bool BarSystem::has_dashpots() const {
   return std::ranges::any_of(mounts_, [](const Mount& mount) { return mount.dashpot > 0.0; });
 }

@@ -374,15 +374,6 @@ double PenalisedSystem::change_frame(const BarSystem& to, double t, std::span<do
   return frame_energy(to, t, u, w) - before;
 }
 
-double PenalisedSystem::dissipated_power(std::span<const double> w) const {
-  double power = bar_.damped() ? bar_.bar().viscosity * bar_.squared_strain_rate(w) : 0.0;
-  power += bar_.dashpot_power(w);
-  if (dashpots_)
-    for (std::size_t i = 0; i < laws_.size(); ++i)
-      if (closed(i)) power += laws_[i].damping * w[contact(i).unknown] * w[contact(i).unknown];
-  return power;
-}
-
 PenalisedSystem::EndPower PenalisedSystem::end_power(double t, std::span<const double> w,
                                                      std::span<const double> a) const {
   const double of_frame = bar_.moving()

@@ -245,12 +245,13 @@ class PenalisedSystem {
   /// Makes the state that of another frame, by BarSystem::change_frame(); returns the increase of frame_energy().
   double change_frame(const BarSystem& to, double t, std::span<double> u, std::span<double> w) const;
   /// eta w.K w + sum c_e w_e^2 + sum b_i w_i^2
-  double dissipated_power(std::span<const double> w) const;
-  /// The same of velocities w(i), each an array of them at several times; `zero` is such an array.
+  double dissipated_power(std::span<const double> w) const {
+    return dissipated_power([w](std::size_t i) { return w[i]; }, bar_.damped() ? bar_.squared_strain_rate(w) : 0.0);
+  }
+  /// The same of velocities w(i), numbers or arrays of them at several times, with w.K w.
   template <class Values>
-  Values dissipated_power(auto&& w, const Values& zero) const {
-    Values power = zero;
-    if (bar_.damped()) power += bar_.bar().viscosity * bar_.squared_strain_rate(w, zero);
+  Values dissipated_power(auto&& w, const Values& squared_strain_rate) const {
+    Values power = bar_.bar().viscosity * squared_strain_rate;
     for (const Mount& mount : bar_.mounts()) power += mount.dashpot * w(mount.unknown) * w(mount.unknown);
     if (dashpots_)
       for (std::size_t i = 0; i < laws_.size(); ++i)

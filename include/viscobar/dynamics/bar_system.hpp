@@ -115,8 +115,6 @@ class BarSystem {
   bool is_right(std::size_t end) const { return end > 0 || left_fixed(); }
   /// Springs and dashpots at the ends.
   const std::vector<Mount>& mounts() const { return mounts_; }
-  /// sum c_e w_e^2
-  double dashpot_power(std::span<const double> w) const;
   bool has_dashpots() const;  ///< whether a mount has one
 
   /// Force, spring, dashpot and motion of the left and the right end.

@@ -36,7 +36,7 @@ class SceneError : public std::runtime_error {
   std::vector<Diagnostic> diagnostics;                 ///< in the order of the text, overrides last
 };
 
-/// A value of a key: a text or formula, a whole number, a number, or a list of words.
+/// A value of a key: a text or formula, a whole number, a number, or a list of words or of numbers.
 using SceneValue = std::variant<std::string, std::int64_t, double, std::vector<std::string>, std::vector<double>>;
 
 /// Keys "table.key" with their values, in the order in which a scene is told.

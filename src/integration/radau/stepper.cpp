@@ -10,6 +10,7 @@
 
 #include "integration/energy_flow.hpp"
 #include "integration/error_weights.hpp"
+#include "integration/radau/gauss_powers.hpp"
 #include "integration/radau/load_tail.hpp"
 #include "integration/radau/shifted_systems.hpp"
 #include "integration/radau/step_derivatives.hpp"
@@ -326,67 +327,19 @@ class Stepper final : public LegStepper {
           system_, layout_, middle + s * half, [&](double t, std::span<double> inner) { motion_at(t, inner, false); },
           [&](double t) { return end_accelerations(t); }, inner_);
     };
-    const StepPowers::Flow sum = until == end_t_ ? powers_.over_step(end_t_ - begin_t_, powers_at_gauss(at))
-                                                 : powers_.up_to((until - middle) / half, at);
-    const std::size_t first = 2 * layout_.nodes;
-    for (std::size_t k = 0; k < layout_.account(); ++k) y[first + k] = begin_y_[first + k] + sum[k];
-  }
-
-  using Points = Eigen::Array<double, StepPowers::of_gauss, 1>;  // at Gauss' points of the step
-
-  // Where the frame rests and no node follows others, lanes are the points: a fraction of a motion for each of them.
-  std::array<StepPowers::Flow, StepPowers::of_gauss> powers_at_gauss(auto&& at) {
-    std::array<StepPowers::Flow, StepPowers::of_gauss> flows{};
-    const BarSystem& bar = system_.bar();
-    if (bar.moving() || bar.has_massless()) {
+    const auto at_gauss = [&] {
+      const double length = end_t_ - begin_t_;
+      if (GaussPowers::takes(system_.bar()))
+        return gauss_powers_(system_, layout_, std::span(begin_y_).subspan(layout_.nodes, layout_.nodes), x_, begin_t_,
+                             length);
+      std::array<StepPowers::Flow, StepPowers::of_gauss> flows;
       for (std::size_t k = 0; k < flows.size(); ++k) flows[k] = at(StepPowers::nodes()[k]);
       return flows;
-    }
-    static const std::array<std::array<Points, parts>, 2> weights = {gauss_weights(0), gauss_weights(1)};
-    const std::size_t n = layout_.nodes, first = 2 * n;
-    velocities_.resize(n);
-    for (std::size_t i = 0; i < n; ++i) velocities_[i] = begin_y_[n + i] + combined(weights[0], x_[i]);
-    const auto put = [&](std::optional<std::size_t> entry, const Points& power) {
-      for (std::size_t k = 0; entry && k < flows.size(); ++k)
-        flows[k][*entry - first] = power[static_cast<Eigen::Index>(k)];
     };
-    put(layout_.dissipated, system_.dissipated_power([&](std::size_t i) -> const Points& { return velocities_[i]; },
-                                                     Points::Zero().eval()));
-    if (layout_.work) put(layout_.work, load_powers());
-    if (layout_.end_inertia) {
-      const EndRows& rows = *bar.inertia().end_rows;
-      const auto row_power = [&](std::size_t end, const std::array<double, 3>& row) {
-        Points force = Points::Zero();
-        for (std::size_t k = 0; k < row.size(); ++k) force += row[k] * combined(weights[1], x_[end == 0 ? k : end - k]);
-        return (velocities_[end] * force / h_).eval();
-      };
-      put(layout_.end_inertia, row_power(0, rows.first) + row_power(n - 1, rows.last));
-    }
-    return flows;
-  }
-
-  Points load_powers() {
-    Points power = Points::Zero();
-    if (!system_.load_varies()) {
-      const std::span<const double> load = system_.nodal_load(begin_t_);
-      for (std::size_t i = 0; i < load.size(); ++i) power += load[i] * velocities_[i];
-      return power;
-    }
-    for (Eigen::Index k = 0; k < power.size(); ++k) {
-      const double s = StepPowers::nodes()[static_cast<std::size_t>(k)];
-      const std::span<const double> load = system_.nodal_load(begin_t_ + 0.5 * (1.0 + s) * (end_t_ - begin_t_));
-      for (std::size_t i = 0; i < load.size(); ++i) power[k] += load[i] * velocities_[i][k];
-    }
-    return power;
-  }
-
-  static std::array<Points, parts> gauss_weights(int derivative) {
-    std::array<Points, parts> weights;
-    for (std::size_t k = 0; k < StepPowers::of_gauss; ++k) {
-      const Parts at_point = Formula::get().weights(0.5 * (1.0 + StepPowers::nodes()[k]), derivative);
-      for (std::size_t l = 0; l < parts; ++l) weights[l][static_cast<Eigen::Index>(k)] = at_point[l];
-    }
-    return weights;
+    const StepPowers::Flow sum =
+        until == end_t_ ? powers_.over_step(end_t_ - begin_t_, at_gauss()) : powers_.up_to((until - middle) / half, at);
+    const std::size_t first = 2 * layout_.nodes;
+    for (std::size_t k = 0; k < layout_.account(); ++k) y[first + k] = begin_y_[first + k] + sum[k];
   }
 
   PenalisedSystem& system_;
@@ -413,7 +366,7 @@ class Stepper final : public LegStepper {
   std::array<std::vector<double>, 2> points_;  // values and rates at the points of sample_point()
   std::array<bool, 2> pointed_{};              // points_ belong to this step
   StepPowers powers_;
-  std::vector<Points> velocities_;  // of all nodes
+  GaussPowers gauss_powers_;
   std::optional<StepDerivatives> derivatives_;
 };
 
