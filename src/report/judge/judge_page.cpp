@@ -51,7 +51,11 @@ Table contacts(const JudgeStudy& study, const JudgeResult& judgement, NumberText
                             !contact.begin         ? "made up"
                             : !contact.their_begin ? "missed"
                                                    : ""});
-  if (table.rows.size() > most_contacts) table.rows.resize(most_contacts);
+  if (table.rows.size() > most_contacts) {
+    const std::size_t left_out = table.rows.size() - most_contacts;
+    table.rows.resize(most_contacts);
+    table.rows.push_back({fmt::format("and {} more", left_out), "", "", "", ""});
+  }
   return table;
 }
 
