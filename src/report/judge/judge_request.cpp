@@ -8,7 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "report/fit/fit_request.hpp"
+#include "input/scene_keys.hpp"
+#include "report/measured.hpp"
 #include "scene/unit_names.hpp"
 #include "text/number.hpp"
 
@@ -38,10 +39,9 @@ std::string unit_of_column(const std::string& column, const Units& units) {
 
 std::vector<Setting> of_the_bar_itself() {
   std::vector<Setting> settings;
-  for (const char* key : {"mesh.elements", "mesh.mass", "mesh.grading", "contact.epsilon", "method.name", "method.step",
-                          "method.relative_tolerance", "method.absolute_tolerance", "method.formulas", "method.stepper",
-                          "method.start", "method.impact", "accuracy.of"})
-    settings.emplace_back(fmt::format("{}=", key));
+  for (const SceneKey& key : scene_keys())
+    if (key.table() == "mesh" || key.table() == "method" || key.name == "contact.epsilon" || key.name == "accuracy.of")
+      settings.emplace_back(fmt::format("{}=", key.name));
   settings.emplace_back("accuracy.error=0.1 %");
   return settings;
 }
