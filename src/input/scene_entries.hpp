@@ -28,6 +28,8 @@ class SceneEntries {
  public:
   /// Reads the text, lays the settings over it, checks every value against scene_keys(), fills in fallbacks.
   SceneEntries(const std::string& text, const std::string& source, std::span<const Setting> settings);
+  SceneEntries(SceneEntries&&) = default;
+  SceneEntries& operator=(SceneEntries&&) = default;
 
   /// False when the text is not TOML: what it holds is unknown then.
   bool readable() const { return readable_; }
@@ -73,6 +75,8 @@ class SceneEntries {
   };
 
   SceneEntries(const std::string& text, const std::string& source);
+  // Of one whose values are not in force yet: those point into it.
+  SceneEntries(const SceneEntries&) = default;
   static const SceneEntries& of_text(const std::string& text, const std::string& source);
   void add_text(const std::string& text);
   void add_override(const std::string& text);
