@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -54,32 +55,40 @@ TheirSolution by_scheme(double step) {
   return theirs;
 }
 
-// The same distance as to a run that is far finer, within our own error and a hundredth. The touch at t = 0.1 ends a
-// step of each: the scheme has its second order.
-TEST(Judge, TellsDistancesAndOrderOfAScheme) {
-  const JudgeResult judgement = judge(study_of({by_scheme(0.02), by_scheme(0.01), by_scheme(0.005)}));
+// The bar on a mesh so fine that its own error, (1/640)^4 of order 4, is none beside that of a scheme.
+Recording fine_run(std::size_t elements) {
   Case fine = thrown();
-  fine.elements = 640;
+  fine.elements = elements;
   fine.mass = Mass::fourth_order;
   fine.tolerance.relative = 1e-11;
-  const Recording truth = record(fine);
+  return record(fine);
+}
+
+// The same distance as to that run, within our own error. The touch at t = 0.1 ends a step of each: the scheme has its
+// second order, and two steps 2 : 1 show it to the terms of the next, a tenth.
+TEST(Judge, TellsDistancesAndOrderOfAScheme) {
+  const JudgeResult judgement = judge(study_of({by_scheme(0.02), by_scheme(0.01), by_scheme(0.005)}));
+  const Recording truth = fine_run(640);
   ASSERT_EQ(judgement.solutions.size(), 3u);
   for (std::size_t s = 0; s < 3; ++s) {
     const JudgedColumn& left = judgement.solutions[s].columns[0];
     double largest = 0.0;
     for (std::size_t k = 0; k < truth.times.size(); ++k)
       largest = std::max(largest, std::abs(left.theirs[k] - truth.displacement(k).front()));
-    EXPECT_NEAR(left.largest, largest, 0.01 * largest + *left.own_error);
+    EXPECT_NEAR(left.largest, largest, *left.own_error);
     EXPECT_TRUE(left.told_apart());
     EXPECT_LE(*left.own_error, 0.1 * left.largest);
     EXPECT_EQ(judgement.solutions[s].missed, 0u);
     EXPECT_EQ(judgement.solutions[s].made_up, 0u);
     ASSERT_EQ(judgement.solutions[s].contacts.size(), 1u);
-    EXPECT_NEAR(*judgement.solutions[s].contacts[0].their_begin, *judgement.solutions[s].contacts[0].begin, 0.05);
+    const JudgedContact& contact = judgement.solutions[s].contacts[0];
+    const double late = 0.02 + 0.5 * std::array{0.02, 0.01, 0.005}[s];  // a sample, and half a step of the scheme
+    EXPECT_NEAR(*contact.their_begin, *contact.begin, late);
+    EXPECT_NEAR(*contact.their_end, *contact.end, late);
   }
   for (const std::size_t s : {std::size_t{1}, std::size_t{2}})
     for (const std::size_t column : {std::size_t{0}, std::size_t{1}})
-      EXPECT_NEAR(judgement.solutions[s].columns[column].order.value(), 2.0, 0.15) << s << column;
+      EXPECT_NEAR(judgement.solutions[s].columns[column].order.value(), 2.0, 0.1) << s << column;
 }
 
 TEST(Judge, TellsContactsThatAreMissedOrMadeUp) {
@@ -94,13 +103,14 @@ TEST(Judge, TellsContactsThatAreMissedOrMadeUp) {
   EXPECT_EQ(judgement.solutions[1].made_up, 1u);
 }
 
-// The bar itself, to ten digits: the difference is ours as much as theirs.
+// The bar itself: theirs is as far from ours as its own error and ours make it.
 TEST(Judge, DoesNotBlameTheBarItself) {
+  const Recording truth = fine_run(400), coarser = fine_run(200);
   Case fine = thrown();
   fine.elements = 400;
-  fine.mass = Mass::fourth_order;
-  fine.tolerance.relative = 1e-11;
-  const Recording truth = record(fine);
+  double of_theirs = 0.0;  // at most the difference to half as many elements
+  for (std::size_t k = 0; k < truth.times.size(); ++k)
+    of_theirs = std::max(of_theirs, std::abs(truth.displacement(k).front() - coarser.displacement(k).front()));
   TheirSolution theirs{"the bar", truth.times, {}, {}};
   std::vector<double> left, u_middle, v_left, v_middle, right, v_right;
   const Gauge gauge(fine.mesh(), fine.scene.bar, 0.5);
@@ -114,10 +124,14 @@ TEST(Judge, DoesNotBlameTheBarItself) {
                     {"v_right", v_right}, {"u@0.5", u_middle}, {"v@0.5", v_middle}};
   const JudgeResult judgement = judge(study_of({theirs}));
   const JudgedSolution& judged = judgement.solutions[0];
-  EXPECT_LT(judged.columns[0].largest, 1e-8);
-  EXPECT_LT(judged.columns[4].largest, 1e-8);
+  for (const std::size_t u : {std::size_t{0}, std::size_t{4}})
+    EXPECT_LE(judged.columns[u].largest, *judged.columns[u].own_error + of_theirs) << judged.columns[u].name;
   ASSERT_TRUE(judged.energy_share);
-  EXPECT_LT(std::abs(*judged.energy_share), 1e-5);  // v of a bar that strikes has a layer at the end
+  // Energies are squares: twice the relative difference of velocities, the largest of which is 1, and of strains.
+  double of_v = 0.0;
+  for (const std::size_t v : {std::size_t{1}, std::size_t{3}, std::size_t{5}})
+    of_v = std::max(of_v, judged.columns[v].largest);
+  EXPECT_LE(std::abs(*judged.energy_share), 4.0 * of_v);
 }
 
 TEST(Judge, SaysWhatIsWrongWithASolution) {
