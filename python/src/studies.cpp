@@ -277,7 +277,7 @@ py::tuple fit_scene(const std::string& text, FitRequest request) {
   return py::make_tuple(json, page);
 }
 
-/// What `viscobar compare --with` prints, and its page.
+/// Output of `viscobar compare --with`, and its page.
 py::tuple judge_files(const std::string& text, const std::vector<std::string>& files) {
   Faults faults;
   std::atomic<bool> stop{false};

@@ -75,7 +75,7 @@ class SceneEntries {
   };
 
   SceneEntries(const std::string& text, const std::string& source);
-  // Of one whose values are not in force yet: those point into it.
+  // Only of entries whose values are not in force yet: those point into them.
   SceneEntries(const SceneEntries&) = default;
   static const SceneEntries& of_text(const std::string& text, const std::string& source);
   void add_text(const std::string& text);

@@ -27,7 +27,7 @@ TomlValue value_of(std::string_view text);
 /// Of a number, whole or not.
 std::optional<double> number_of(const TomlValue& value);
 
-/// Of a list of numbers, which may be empty.
+/// Numbers of a list, which may be empty; absent for other values.
 std::optional<std::vector<double>> numbers_of(const TomlValue& value);
 
 /// The article and kind of a value, such as "a whole number".

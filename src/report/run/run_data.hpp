@@ -103,7 +103,7 @@ class ReportData {
     plot::ThinnedLine left{buckets}, right{buckets};
     static void members(auto& slopes, auto&& each) { each(slopes.left, slopes.right); }
   };
-  /// What a gauge has read.
+  /// Readings of a gauge.
   struct Readings {
     plot::ThinnedLine displacement{buckets}, stress{buckets};
     static void members(auto& readings, auto&& each) { each(readings.displacement, readings.stress); }

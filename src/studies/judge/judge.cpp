@@ -339,7 +339,7 @@ JudgeResult judge(const JudgeStudy& study) {
         }
         if (count == 0) throw std::invalid_argument(theirs.label + ": " + column.name + " has no value");
         one.root_mean_square = std::sqrt(sum / static_cast<double>(count));
-        // Where our two solutions are one, as the exact ones of an elastic bar are, their difference shows nothing.
+        // Exact solutions of an elastic bar are one: their difference shows no error.
         const double share = column.name.starts_with("u") ? 1.0 : one.size / solved.estimate.largest;
         if (solved.estimate.largest > 0.0) own_error = std::max(own_error, share * solved.estimate.total);
         if (coarser) one.own_error = own_error;
