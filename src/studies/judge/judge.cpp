@@ -342,7 +342,7 @@ JudgeResult judge(const JudgeStudy& study) {
         // Exact solutions of an elastic bar are one: their difference shows no error.
         const double share = column.name.starts_with("u") ? 1.0 : one.size / solved.estimate.largest;
         if (solved.estimate.largest > 0.0) own_error = std::max(own_error, share * solved.estimate.total);
-        if (coarser) one.own_error = own_error;
+        if (coarser || column.name.starts_with("u")) one.own_error = own_error;
         // The force on a viscous bar at its touch has no limit. An error of ours that does not fall is not waited for.
         settled = settled && (own_error * better <= one.largest || 2.0 * own_error > errors_before[reader]);
         if (coarser) errors_before[reader] = own_error;

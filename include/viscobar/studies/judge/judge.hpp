@@ -43,7 +43,7 @@ struct JudgedColumn {
   double at = 0.0;                  ///< when
   double root_mean_square = 0.0;    ///< of d
   double size = 0.0;                ///< largest value of ours
-  std::optional<double> own_error;  ///< how much ours may be wrong by; absent: only one run came to its end
+  std::optional<double> own_error;  ///< how much ours may be wrong by; absent: not known of one run alone
   std::optional<double> order;      ///< power of the step that d shows from the next coarser solution to this one
   std::vector<double> theirs;       ///< K, for pictures
   std::vector<double> ours;         ///< likewise
