@@ -67,34 +67,21 @@ void put_load(Case& run, const py::dict& functions, const std::function<Function
 
 SceneError at_key(const std::string& key, const std::string& message) { return SceneError({{"", 0, 0, key, message}}); }
 
-/// What moves in time by Python functions or samples: forces on the ends, moved ends and obstacles.
+/// What moves in time by Python functions: forces on the ends, moved ends and obstacles.
 void put_ends(Case& run, const py::dict& functions, const std::function<Function(const char*)>& function) {
   namespace waves = characteristics;
   const Bar& bar = run.scene.bar;
   const double passage = bar.length * std::sqrt(bar.density / bar.modulus);
   const auto moved = [&](const std::string& key) {
-    const py::object given = functions[key.c_str()];
     try {
-      if (PyCallable_Check(given.ptr())) return waves::function_through(function(key.c_str()), run.end, passage);
-      const auto [times, values] = given.cast<std::pair<py::array_t<double>, py::array_t<double>>>();
-      const std::span<const double> t(times.data(), static_cast<std::size_t>(times.size()));
-      waves::FunctionOfTime samples =
-          waves::spline_through(t, {values.data(), static_cast<std::size_t>(values.size())});
-      if (t.front() > 0.0 || t.back() < run.end)
-        throw std::invalid_argument(
-            fmt::format("has samples from {} to {}; the run goes from 0 to {}", t.front(), t.back(), run.end));
-      return samples;
+      return waves::function_through(function(key.c_str()), run.end, passage);
     } catch (const std::invalid_argument& error) {
       throw at_key(key, error.what());
     }
   };
   const auto put = [&](const std::string& table, EndCondition& end, EndInput& input) {
-    if (const std::string key = table + ".force"; functions.contains(key)) {
-      if (PyCallable_Check(py::object(functions[key.c_str()]).ptr()))
-        input.force = EndForce{function(key.c_str())};
-      else
-        input.force = EndForce{[of = moved(key)](double t) { return of.start + of.motion.displacement(t); }};
-    }
+    if (const std::string key = table + ".force"; functions.contains(key))
+      input.force = EndForce{function(key.c_str())};
     if (const std::string key = table + ".motion"; functions.contains(key) && is_fixed(end)) {
       const waves::FunctionOfTime of = moved(key);
       if (std::abs(of.start) > 1e-12 * bar.length)

@@ -27,8 +27,8 @@ FUNCTIONS = {
     **{f"{end}.{key}": formula for end in ("left", "right")
        for key, formula in {"force": '"t"', "motion": '"t"', "gap": '"1+t"'}.items()},
 }  # fmt: skip
-# Those that may be given by samples, too: times and values.
-SAMPLED = tuple(key for key in FUNCTIONS if key.endswith((".force", ".motion", ".gap")))
+# Those that may be given by samples, too: places or times, and values.
+SAMPLED = tuple(key for key in FUNCTIONS if key != "load.density")
 
 
 class Scene(dict):
@@ -41,10 +41,12 @@ class Scene(dict):
     f(x, t), instead of formulas. x, t and the value are numbers; a density that takes an array of nodes (J+1) and gives an
     array is called once a time, not once a node.
 
-    force, motion and gap of an end may be functions f(t), too, or samples: a pair of arrays (times, values), four at least,
-    from t = 0 to the end or beyond, through which a cubic spline is laid, twice differentiable but beside jumps and kinks of
-    the samples, where it rises, falls and stays as they do. What a mask hides is left out. A motion and a gap are
-    differentiated twice.
+    force, motion and gap of an end may be functions f(t), too. A motion and a gap are differentiated twice.
+
+    All of them but load.density may be samples: a pair of arrays (times or places, values), over the whole run or bar, through
+    which a cubic spline is laid, twice differentiable but beside jumps and kinks of the samples, where it rises, falls and
+    stays as they do. What a mask hides is left out. They are short for the table of a series, {"t": times, "values": values},
+    which may as well name a file (docs/scene-file.md).
 
     Wherever a scene is wanted, a plain dictionary or the path of a scene file may be given as well.
     """
@@ -85,7 +87,7 @@ class Scene(dict):
         """The scene as the text of a scene file. Scenes with Python functions have none."""
         text, functions = to_toml(self)
         if functions:
-            raise ValueError(f"{', '.join(functions)}: a Python function or samples have no place in a scene file; give a formula")
+            raise ValueError(f"{', '.join(functions)}: a Python function has no place in a scene file; give a formula or samples")
         return text
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -112,7 +114,13 @@ def load(path: str | os.PathLike[str], *, validate: bool = True) -> Scene:
     if validate:
         _core.parse(text, source, {})
     try:
-        return Scene(tomllib.loads(text), validate=False)
+        scene = Scene(tomllib.loads(text), validate=False)
+        # Files of measured series lie beside the scene, and not where it is changed.
+        for table in scene.values():
+            for key, value in table.items() if isinstance(table, dict) else ():
+                if isinstance(value, dict) and isinstance(value.get("file"), str):
+                    table[key] = {**value, "file": os.path.abspath(os.path.join(os.path.dirname(source), value["file"]))}
+        return scene
     except tomllib.TOMLDecodeError as error:
         raise SceneError([Finding("", str(error), source=source, line=1, column=1)]) from None
 
@@ -160,8 +168,8 @@ def is_sampled(value: Any) -> bool:
     return isinstance(value, (tuple, list, np.ndarray)) and len(value) == 2 and all(np.ndim(part) == 1 for part in value)
 
 
-def samples(name: str, value: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Times and values as the library wants them."""
+def samples(name: str, value: Any) -> str:
+    """The table of a series of places, or times, and values."""
     if name not in SAMPLED:
         raise SceneError([Finding(name, "is given by samples", "only " + ", ".join(SAMPLED) + " may be")])
     if any(np.iscomplexobj(part) for part in value):
@@ -171,21 +179,21 @@ def samples(name: str, value: Any) -> tuple[np.ndarray, np.ndarray]:
     if hidden[0].shape == hidden[1].shape:
         value = [np.ma.getdata(part)[~(hidden[0] | hidden[1])] for part in map(np.ma.asarray, value)]
     try:
-        times, values = (np.ascontiguousarray(part, dtype=float) for part in value)
+        times, values = (np.asarray(part, dtype=float) for part in value)
     except (TypeError, ValueError) as error:
         raise SceneError([Finding(name, f"has samples that are no numbers: {error}")]) from None
-    return times, values
+    places = "x" if name.startswith("initial.") or name == "load.profile" else "t"
+    return f"{{ {places} = {_value(name, times)}, values = {_value(name, values)} }}"
 
 
 def to_toml(scene: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
-    """The text of a scene, and its Python functions and samples by their keys."""
+    """The text of a scene, and its Python functions by their keys."""
     functions: dict[str, Any] = {}
 
     def line(key: str, value: Any, table: str = "") -> str:
         name = f"{table}.{key}" if table else key
         if is_sampled(value) and (name in SAMPLED or not all(isinstance(part, str) for part in value)):
-            functions[name] = samples(name, value)
-            return f"{_key(key)} = {FUNCTIONS[name]}\n"
+            return f"{_key(key)} = {samples(name, value)}\n"
         if callable(value):
             if name not in FUNCTIONS:
                 raise SceneError([Finding(name, "is a Python function", "only " + ", ".join(FUNCTIONS) + " may be one")])
@@ -226,4 +234,6 @@ def _value(name: str, value: Any) -> str:
         return _text(value)
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(_value(name, entry) for entry in value)}]"
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{_key(key)} = {_value(name, entry)}' for key, entry in value.items())} }}"
     raise SceneError([Finding(name, f"is of type {type(value).__name__}", "a number or a text is meant")])

@@ -62,8 +62,10 @@ Direction direction(const Case& run, std::string_view key) {
       {"span.gap", gap_of(data.span ? &*data.span : nullptr)},
       {"left.stiffness", &data.left_input.stiffness},
       {"left.dashpot", &data.left_input.dashpot},
+      {"left.mass", &data.left_input.mass},
       {"right.stiffness", &data.right_input.stiffness},
       {"right.dashpot", &data.right_input.dashpot},
+      {"right.mass", &data.right_input.mass},
       {"contact.epsilon", &along.epsilon},
       {"contact.restitution", &along.restitution},
   };
@@ -77,9 +79,9 @@ Direction direction(const Case& run, std::string_view key) {
     refuse(fmt::format("known are {} and parameters.NAME", known));
   }
   if (!place->second) refuse("the scene has no such obstacle");
-  if (key.ends_with(".stiffness") || key.ends_with(".dashpot"))
+  if (key.ends_with(".stiffness") || key.ends_with(".dashpot") || key.ends_with(".mass"))
     if (is_fixed(key.starts_with("left") ? scene.left : scene.right))
-      refuse("a fixed end has no spring and no dashpot");
+      refuse("a fixed end has no spring, no dashpot and no mass");
   if (key == "contact.epsilon" && !(is_penalised(run.method) && meets_obstacle(scene)))
     refuse("the run has no penalised contact");
   if (key == "contact.restitution") {

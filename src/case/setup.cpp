@@ -13,10 +13,10 @@ namespace viscobar {
 
 namespace {
 
-// An end whose spring or dashpot wants its mass.
+// An end that is mounted wants its mass.
 bool mounts_a_contact(const Scene& scene) {
   const auto mounted = [](const EndCondition& end, const EndInput& input) {
-    return is_obstacle(end) && (input.stiffness > 0.0 || input.dashpot > 0.0);
+    return is_obstacle(end) && (input.stiffness > 0.0 || input.dashpot > 0.0 || input.mass > 0.0);
   };
   return mounted(scene.left, scene.left_input) || mounted(scene.right, scene.right_input);
 }

@@ -16,7 +16,7 @@ DrivenEnd::DrivenEnd(const EndInput& input, double impedance, double passage, do
       passage_(passage),
       start_(start),
       factor_(1.0 + input.dashpot / impedance),
-      active_(input.force || input.motion || input.dashpot != 0.0) {
+      active_(input.force || input.motion || input.dashpot != 0.0 || input.mass != 0.0) {
   for (Piecewise* none : {&force_, &velocity_}) none->append(1.0, 0.0, 1.0, Chebyshev::constant(0.0));
 }
 
@@ -53,8 +53,17 @@ const Piecewise& DrivenEnd::relative(const Piecewise& arriving) {
 }
 
 // 2 v - w: with m what is answered to w_r, v = V + w_r where the end moves, m = w_r, and v = V where it is held,
-// m = -w_r; either way 2 v = 2 V + w_r + m.
-void DrivenEnd::send(const Piecewise& moved, const Piecewise& arriving, Piecewise& sent) {
+// m = -w_r; either way 2 v = 2 V + w_r + m. A mass moves by m, and V = 0.
+void DrivenEnd::send(const End& end, const Piecewise& moved, const Piecewise& arriving, Piecewise& sent) {
+  if (input_.mass > 0.0) {
+    sent.clear();
+    const double until = std::min(moved.end(), arriving.end());
+    return for_common_pieces(moved, arriving, until, [&](double from, double to, std::size_t i, std::size_t j) {
+      Chebyshev wave = -arriving.on(j, from, to);
+      if (!end.held_at(0.5 * (from + to))) wave += 2.0 * moved.on(i, from, to);
+      sent.append(to, from, to, wave);
+    });
+  }
   Piecewise sum;
   combine(moved, 1.0, relative_, 1.0, scratch_);
   combine(scratch_, 1.0, velocity_, 2.0, sum);
@@ -76,6 +85,9 @@ DrivenEnd::Flow DrivenEnd::flow(const End& end, const Piecewise& moved, double u
       sum.dissipated += share * (factor_ - 1.0) * v * v;
     }
   });
+  for (const Turn& turn : end.turns())
+    if (turn.change == Change::closing && turn.s <= until)
+      sum.dissipated += 0.5 * input_.mass * turn.velocity * turn.velocity;
   return sum;
 }
 

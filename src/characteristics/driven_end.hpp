@@ -14,7 +14,8 @@ namespace viscobar::characteristics {
 ///     v = (Z w + F) / (Z + c),     and, in contact or fixed,     v = V,   R = (Z + c) (V - (Z w + F) / (Z + c)).
 ///
 /// So the end answers to w_r = (Z w + F) / (Z + c) - V as one that is given nothing answers to w (see End): what it
-/// would send is its velocity against V, or R / (Z + c), and what it does send is 2 v - w.
+/// would send is its velocity against V, or R / (Z + c), and what it does send is 2 v - w. A mass m on an end that has
+/// no V makes that m v' + (Z + c) v = Z w + F, of the rate (Z + c) / m.
 class DrivenEnd {
  public:
   /// `impedance` is rho c, `passage` is L / c, `start` the time of passage 0. Refers to `input`.
@@ -26,10 +27,13 @@ class DrivenEnd {
   void enter(std::size_t passage);
   /// w_r of `arriving`; valid until the next call.
   const Piecewise& relative(const Piecewise& arriving);
-  /// Sets `sent` to the wave it sends while `arriving` arrives, if w_r is answered by `moved`.
-  void send(const Piecewise& moved, const Piecewise& arriving, Piecewise& sent);
+  /// Sets `sent` to the wave it sends while `arriving` arrives, if `end` answers w_r by `moved`.
+  void send(const End& end, const Piecewise& moved, const Piecewise& arriving, Piecewise& sent);
 
   double force_factor() const { return factor_; }  ///< (Z + c) / Z
+  double mass() const { return input_.mass; }      ///< m
+  /// (Z + c) / m of a passage; 0: no mass.
+  double rate() const { return input_.mass > 0.0 ? factor_ * impedance_ * passage_ / input_.mass : 0.0; }
   double displacement(double t) const { return input_.motion ? input_.motion->displacement(t) : 0.0; }
   double velocity(double t) const { return input_.motion ? input_.motion->velocity(t) : 0.0; }
   bool moves() const { return input_.motion.has_value(); }

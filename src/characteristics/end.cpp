@@ -11,16 +11,32 @@ namespace {
 
 constexpr double roundings = 64.0 * rounding;
 
+// v on [-1, 1] from `velocity` on, dv/dz = rate (w - v): exp(-rate (z + 1)) velocity + int exp(-rate (z - y)) rate w
+// dy. The rate is at most 1, so that 33 terms are those of w but for roundings.
+Chebyshev behind(const Chebyshev& w, double rate, double velocity) {
+  const Chebyshev sum = Chebyshev::of(Chebyshev::fitted_terms, [&](double z) {
+                          return rate * std::exp(rate * z) * w(z);
+                        }).antiderivative();
+  Chebyshev v = Chebyshev::of(Chebyshev::fitted_terms, [&](double z) {
+    return std::exp(-rate * (z + 1.0)) * velocity + std::exp(-rate * z) * sum(z);
+  });
+  v.chop(rounding * (std::abs(velocity) + w.bound()));
+  return v;
+}
+
 }  // namespace
 
-End::End(const EndCondition& condition, double displacement, double passage) : passage_(passage), place_(displacement) {
+End::End(const EndCondition& condition, const Start& start, double passage, double rate)
+    : passage_(passage), rate_(rate), place_(start.displacement), velocity_(start.velocity) {
   if (is_fixed(condition)) kind_ = Kind::fixed;
   const auto* obstacle = std::get_if<Obstacle>(&condition);
   if (!obstacle) return;
   kind_ = Kind::obstacle;
   sign_ = obstacle->side == Side::above ? -1.0 : 1.0;
   gap_ = obstacle->gap;
-  const double clearance = sign_ * displacement + gap_, touch = 4.0 * rounding * (std::abs(displacement) + gap_);
+  velocity_ *= sign_;
+  const double clearance = sign_ * start.displacement + gap_;
+  const double touch = 4.0 * rounding * (std::abs(start.displacement) + gap_);
   place_ = clearance <= touch ? 0.0 : clearance;
 }
 
@@ -33,7 +49,9 @@ void End::answer(const Piecewise& arriving, double until, const Scale& scale, Pi
   widen_to(place_);
   for (std::size_t i = 0; i < arriving.size() && arriving[i].begin < until; ++i) {
     const double end = std::min(until, arriving[i].end);
-    if (kind_ == Kind::obstacle)
+    if (rate_ > 0.0)
+      send_behind(arriving[i], sign_ * arriving.polynomial(i), end, scale, sent);
+    else if (kind_ == Kind::obstacle)
       meet(arriving, i, end, scale, sent);
     else
       send(arriving[i], arriving.polynomial(i), end, sent);
@@ -90,6 +108,66 @@ void End::turn(double s, double velocity, const Piecewise& sent) {
   marks_.push_back({s, 0.0, of_sent(sent.integral()), borne_.impulse, closed_});
 }
 
+// Where in [-1, 1] an end closes that has this velocity there.
+std::optional<double> End::closing(const Chebyshev& velocity, double duration, double clearance,
+                                   const Scale& scale) const {
+  const double band = roundings * scale.velocity, touch = roundings * scale.place;
+  const Chebyshev path = (0.5 * duration * passage_) * velocity.antiderivative() + clearance;
+  // A contact that touches and is pressed closes where the pressure begins: the path tells no more than that it falls.
+  if (clearance <= touch)
+    if (const auto pressed = first_descent(velocity, band); pressed && path(*pressed) <= touch) return pressed;
+  return first_descent(path, touch);
+}
+
+// The same as meet() and send() of an end with a mass.
+void End::send_behind(const Piecewise::Piece& piece, const Chebyshev& arriving, double until, const Scale& scale,
+                      Piecewise& sent) {
+  const double longest = 2.0 / rate_;
+  for (double begin = sent.end(); begin < until;) {
+    const double before = sent.integral();
+    double end = closed_ ? until : std::min(until, begin + longest);
+    // No piece is left that would be too short for itself.
+    if (until - end < 2.0 * Piecewise::shortest) end = until;
+    const Chebyshev w = arriving.restricted(piece.z(begin), piece.z(end));
+    const auto at = [&](double z) {
+      return z >= 1.0 ? end
+             : z <= -1.0
+                 ? begin
+                 : std::min(end, std::max(begin + 0.5 * (end - begin) * (z + 1.0), begin + Piecewise::shortest));
+    };
+    if (closed_) {
+      ++searched_;
+      const auto opens = first_descent(-w, roundings * scale.velocity);
+      const double stop = opens ? at(*opens) : end;
+      send(piece, arriving, stop, sent);
+      if (opens) turn(stop, 0.0, sent), velocity_ = 0.0;
+      begin = std::max(stop, sent.end());
+      continue;
+    }
+    const double clearance = place_after(marks_.back(), before);
+    const Chebyshev v = behind(w, 0.5 * rate_ * (end - begin), velocity_);
+    std::optional<double> closes;
+    if (kind_ == Kind::obstacle) {
+      const double fall = (end - begin) * passage_ * std::min(0.0, v.lower()), touch = roundings * scale.place;
+      if (clearance <= touch || clearance + fall < -touch)
+        ++searched_, closes = closing(v, end - begin, clearance, scale);
+    }
+    const double stop = closes ? at(*closes) : end;
+    if (stop > begin) {
+      sent.append(stop, begin, end, sign_ * v);
+      widen(v.restricted(-1.0, 2.0 * (stop - begin) / (end - begin) - 1.0), stop - begin, clearance,
+            place_after(marks_.back(), sent.integral()));
+    }
+    velocity_ = v(closes ? *closes : 1.0);
+    if (closes) {
+      borne_.impulse += std::max(0.0, -velocity_) / rate_;
+      turn(stop, velocity_, sent);
+      velocity_ = 0.0;
+    }
+    begin = stop;
+  }
+}
+
 // Piece i of what arrives, from where `sent` ends up to `end`.
 void End::meet(const Piecewise& arriving, std::size_t i, double end, const Scale& scale, Piecewise& sent) {
   const Piecewise::Piece& piece = arriving[i];
@@ -109,12 +187,7 @@ void End::meet(const Piecewise& arriving, std::size_t i, double end, const Scale
     if (closed_) {
       z = first_descent(-p, band);
     } else {
-      const Chebyshev path = (half * passage_) * p.antiderivative() + clearance;
-      // A contact that touches and is pressed closes where the pressure begins: the path tells no more than that it
-      // falls.
-      if (clearance <= touch)
-        if (const auto pressed = first_descent(p, band); pressed && path(*pressed) <= touch) z = pressed;
-      if (!z) z = first_descent(path, touch);
+      z = closing(p, 2.0 * half, clearance, scale);
     }
     if (!z) break;
     // A zero after the beginning that rounds to it would be met again and again.

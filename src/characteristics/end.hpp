@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -28,10 +29,19 @@ struct Turn {
 /// so that the clearance g is the running integral G of w, lifted by what it has fallen below 0 so far: g = G + max(0,
 /// max -G). That is for an obstacle below; above, g = -u + gap, and w and R have their signs turned. Two w whose
 /// integrals differ by at most d give clearances that differ by at most 2 d.
+///
+/// A mass on the end lags behind what arrives: with a the rate of a passage,
+///
+///     open   dv/ds = a (w - v),     closed   v = 0, after an impulse v / a in the units of the others,
+///
+/// and a free or open end sends v.
 class End {
  public:
-  /// `passage` is L / c. Data that touch up to their rounding touch.
-  End(const EndCondition& condition, double displacement, double passage);
+  struct Start {
+    double displacement, velocity;
+  };
+  /// `passage` is L / c, `rate` is a; 0: no mass. Data that touch up to their rounding touch.
+  End(const EndCondition& condition, const Start& start, double passage, double rate);
 
   /// How large displacements and velocities are: what is smaller by 64 roundings is nothing.
   struct Scale {
@@ -60,7 +70,9 @@ class End {
   std::size_t searched() const { return searched_; }         ///< pieces, for turns
 
   /// As between two passages.
-  static void members(auto& end, auto&& each) { each(end.place_, end.closed_, end.borne_, end.searched_, end.latest_); }
+  static void members(auto& end, auto&& each) {
+    each(end.place_, end.velocity_, end.closed_, end.borne_, end.searched_, end.latest_);
+  }
 
  private:
   enum class Kind { free, fixed, obstacle };
@@ -85,6 +97,9 @@ class End {
   }
   double displacement_of(double place) const { return kind_ == Kind::obstacle ? sign_ * (place - gap_) : place; }
   void meet(const Piecewise& arriving, std::size_t i, double end, const Scale& scale, Piecewise& sent);
+  std::optional<double> closing(const Chebyshev& velocity, double duration, double clearance, const Scale& scale) const;
+  void send_behind(const Piecewise::Piece& piece, const Chebyshev& arriving, double until, const Scale& scale,
+                   Piecewise& sent);
   void turn(double s, double velocity, const Piecewise& sent);
   void send(const Piecewise::Piece& piece, const Chebyshev& arriving, double until, Piecewise& sent);
   void widen(const Chebyshev& velocity, double duration, double from, double to);
@@ -93,8 +108,8 @@ class End {
   double of_sent(double value) const { return sign_ * value; }  // of its integral or value, towards open contact
 
   Kind kind_ = Kind::free;
-  double passage_, sign_ = 1.0, gap_ = 0.0;
-  double place_;
+  double passage_, rate_, sign_ = 1.0, gap_ = 0.0;
+  double place_, velocity_;  // the latter of a mass, towards open contact
   bool closed_ = false;
   Borne borne_;
   ContactPeak latest_;

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <span>
-
 #include "viscobar/scene/scene.hpp"
 
 namespace viscobar::characteristics {
@@ -19,12 +17,5 @@ struct FunctionOfTime {
 /// the second. Where value or slope jumps from piece to piece it breaks. A feature that is far shorter than a sixtieth
 /// of a window is missed. @throws what f throws, and std::invalid_argument where f is not finite.
 FunctionOfTime function_through(const TimeFunction& f, double end, double window);
-
-/// A cubic spline through values at increasing times, four at least; its slopes at both ends are those of the cubic
-/// through four values. Between samples h apart it differs from a smooth f by h^4 |f''''|, its second derivative by
-/// h^2 |f''''|, each times a constant of about 0.01 and 0.1. It is twice differentiable but beside jumps and kinks of
-/// the samples: there its slopes are limited, so that it rises, falls and stays where the samples do.
-/// @throws std::invalid_argument for other times or values that are not finite
-FunctionOfTime spline_through(std::span<const double> times, std::span<const double> values);
 
 }  // namespace viscobar::characteristics

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "viscobar/characteristics/characteristics.hpp"
 
@@ -21,6 +22,10 @@ std::optional<Finding> refusal(const Scene& scene, double end, const Characteris
     return Finding{scene.left_input.stiffness != 0.0 ? "left.stiffness" : "right.stiffness",
                    "is not for characteristics: a spring remembers what has arrived, and waves return as no "
                    "polynomials; use rigid, or fully_discrete"};
+  for (const auto& [input, key] : {std::pair{&scene.left_input, "left.mass"}, {&scene.right_input, "right.mass"}})
+    if (input->mass != 0.0 && input->motion)
+      return Finding{key,
+                     "is not for characteristics where the obstacle before it moves; use rigid, or fully_discrete"};
   const double passages = end * std::sqrt(bar.modulus / bar.density) / bar.length;
   if (!(passages <= Characteristics::most_passages))
     return Finding{"time.end",

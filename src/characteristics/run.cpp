@@ -32,8 +32,10 @@ Run::Run(const Scene& scene, const Mesh& mesh, const Checkpoint* from, std::span
       t_(from ? from->time : times.front()),
       schedule_(observers, times, t_),
       data_(initial_data(scene_)),
-      left_(end_of(scene_.left, scene_.left_input, data_.displacement(0, 0.0))),
-      right_(end_of(scene_.right, scene_.right_input, data_.displacement(data_.displacement.size() - 1, 1.0))) {
+      left_(end_of(scene_.left, scene_.left_input, {data_.displacement(0, 0.0), data_.velocity(0, 0.0)})),
+      right_(end_of(
+          scene_.right, scene_.right_input,
+          {data_.displacement(data_.displacement.size() - 1, 1.0), data_.velocity(data_.velocity.size() - 1, 1.0)})) {
   if (scene.load) load_ = LoadGain::of(*scene_.load, scene.bar, passage_, times.front(), times.back());
   if (load_ && std::isfinite(most_work)) load_->most_rough = rough_awaited;
   if (observers_.snapshot) u_.resize(mesh.nodes()), v_.resize(mesh.nodes());
@@ -42,9 +44,10 @@ Run::Run(const Scene& scene, const Mesh& mesh, const Checkpoint* from, std::span
   if (last_passage_ > 0 && until - static_cast<double>(last_passage_) < least_passage) --last_passage_;
 }
 
-Run::BarEnd Run::end_of(const EndCondition& condition, const EndInput& input, double displacement) const {
-  const BarEnd::Memory start{End(condition, displacement, passage_)};
-  return {start, start, DrivenEnd(input, impedance_, passage_, times_.front())};
+Run::BarEnd Run::end_of(const EndCondition& condition, const EndInput& input, const End::Start& data) const {
+  const DrivenEnd driven(input, impedance_, passage_, times_.front());
+  const BarEnd::Memory start{End(condition, data, passage_, driven.rate())};
+  return {start, start, driven};
 }
 
 PartEnd Run::operator()() {
@@ -135,7 +138,7 @@ void Run::answer(BarEnd& end, const Piecewise& sent, const Piecewise* gain, doub
   const Piecewise& relative = end.driven.relative(*arriving);
   now_.velocity_scale = std::max(now_.velocity_scale, relative.bound());
   answer(relative, end.moved_if_driven);
-  end.driven.send(end.moved_if_driven, *arriving, end.sent);
+  end.driven.send(end.now.end, end.moved_if_driven, *arriving, end.sent);
   if (observers_.energy || observers_.account) end.driven.add(end.now.end, end.moved_if_driven, end.now.driven);
 }
 

@@ -124,7 +124,8 @@ class Run {
       return now.end.displacement_at(s, along) + driven.displacement(t);
     }
   };
-  BarEnd end_of(const EndCondition& condition, const EndInput& input, double displacement) const;
+  BarEnd end_of(const EndCondition& condition, const EndInput& input, const End::Start& data) const;
+  static double kinetic(const BarEnd& end, double v) { return 0.5 * end.driven.mass() * v * v; }  // of its mass
 
   // Sums and largest values so far.
   struct Sums {

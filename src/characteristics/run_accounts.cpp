@@ -73,6 +73,7 @@ void Run::begin() {
           const double of_velocity = v.value(place), of_strain = e.value(place);
           return of_velocity * of_velocity + of_strain * of_strain;
         });
+    statistics_.energy->initial += kinetic(left_, v.value(0.0)) + kinetic(right_, v.value(1.0));
     if (load_ && load_->steady())
       initial_moment_ = moment({}, [u = Cursor(data_.displacement)](double place) mutable { return u.value(place); });
   }
@@ -144,6 +145,8 @@ EnergyState Run::energy_at(double s, Field& now) const {
   if (load_) energy.work = work_at(s, now, breaks);
   for (const BarEnd* end : {&left_, &right_}) {
     if (!end->driven.active()) continue;
+    Cursor along(end->moved());
+    energy.kinetic += kinetic(*end, end->now.end.velocity_at(s, along));
     const DrivenEnd::Flow since = end->driven.flow(end->now.end, end->moved(), s);
     energy.work += end->begin.driven.work + since.work;
     energy.dissipated += end->begin.driven.dissipated + since.dissipated;
@@ -163,6 +166,10 @@ void Run::finish() {
                    const double a = now.rightward(place), b = now.leftward(place);
                    return a * a + b * b;
                  });
+  for (const BarEnd* end : {&left_, &right_}) {
+    Cursor along(end->moved());
+    energy.final += kinetic(*end, end->now.end.velocity_at(s, along));
+  }
   const DrivenEnd::Account &left = left_.now.driven, &right = right_.now.driven;
   energy.dissipated = left.dissipated + right.dissipated;
   energy.work = left.work + right.work;

@@ -120,11 +120,12 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
 
   for (const bool right : {false, true}) {
     const EndInput& input = inputs_[right];
-    if (walls_[right] || (input.stiffness == 0.0 && input.dashpot == 0.0)) continue;
-    mounts_.push_back({end(right), input.stiffness, input.dashpot});
+    if (walls_[right] || (input.stiffness == 0.0 && input.dashpot == 0.0 && input.mass == 0.0)) continue;
+    mounts_.push_back({end(right), input.stiffness, input.dashpot, input.mass});
     if (massless(end(right)))
       throw std::invalid_argument(
-          "mass \"redistributed\" does not fit a spring or a dashpot at an end with an obstacle, which want its mass");
+          "mass \"redistributed\" does not fit a spring, a dashpot or a mass at an end with an obstacle, whose node must "
+          "keep its own");
   }
   const bool moved = inputs_[0].motion || inputs_[1].motion;
   if (moved && scene.span)
@@ -139,6 +140,7 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
     start_from(moments);
   else if (mass == Mass::fourth_order && fixed > 0)
     stop_fixed_ends(scene, whole_inertia_.off_diagonal.front());
+  add_masses();
   if (!moved) whole_inertia_ = {};
 
   if (scene.load) {
@@ -161,6 +163,17 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
       load_ = GeneralVector{general->density, general->breaks, general->breaks_at, general->breaks_in_x, load_mass};
   }
   take_forces();
+}
+
+// The data at the beginning do not depend on them.
+void BarSystem::add_masses() {
+  if (std::ranges::all_of(mounts_, [](const Mount& mount) { return mount.mass == 0.0; })) return;
+  for (const Mount& mount : mounts_) {
+    inertia_.diagonal[mount.unknown] += mount.mass;
+    whole_inertia_.diagonal[mount.unknown + first_node()] += mount.mass;
+  }
+  massive_factor_.factorise(restrict_to(inertia_, massive_begin(), massive_end() - massive_begin()));
+  if (moving()) enter_frame();
 }
 
 // Forces that are always the same become part of a load that is.

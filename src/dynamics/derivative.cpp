@@ -24,11 +24,11 @@ double damping_ratio_rate(double restitution) {
 
 BarSystem in_frame_of(const BarSystem& bar, BarSystem data) { return bar.follows() ? data.following() : data; }
 
-// The data of s: springs and dashpots are those of the bar.
+// The data of s: springs, dashpots and masses are those of the bar.
 Scene mounted(Scene data, const BarSystem& bar) {
   for (const auto& [input, of_bar] :
        {std::pair{&data.left_input, &bar.inputs()[0]}, {&data.right_input, &bar.inputs()[1]}})
-    input->stiffness = of_bar->stiffness, input->dashpot = of_bar->dashpot;
+    input->stiffness = of_bar->stiffness, input->dashpot = of_bar->dashpot, input->mass = of_bar->mass;
   return data;
 }
 
@@ -42,10 +42,11 @@ MomentBuilder::MomentBuilder(const PenalisedSystem& system, std::span<Derivative
     if (rates.modulus != 0.0) strain_.resize(system.size()), strain_rate_.resize(system.size());
     if (rates.viscosity != 0.0) strain_rate_.resize(system.size());
   }
+  if (asks_for_inertia_) inertia_.resize(system.size());
 }
 
 Moment MomentBuilder::operator()(double t, std::span<const double> u, std::span<const double> w,
-                                 std::span<const double> inertia) {
+                                 std::span<const double> a) {
   if (!strain_.empty()) {
     if (const std::span<const double> origin = system_.origin(); origin.empty())
       stiffness_.multiply([&](std::size_t i) { return u[i]; }, strain_);
@@ -55,7 +56,9 @@ Moment MomentBuilder::operator()(double t, std::span<const double> u, std::span<
                          system_.bar().right_displacement().value_or(0.0), strain_);
   }
   if (!strain_rate_.empty()) stiffness_.multiply([&](std::size_t i) { return w[i]; }, strain_rate_);
-  return {t, u, w, inertia, strain_, strain_rate_};
+  const bool inertial = asks_for_inertia_ && !a.empty();
+  if (inertial) system_.bar().inertia().multiply(a, inertia_);
+  return {t, u, w, a, inertial ? inertia_ : std::span<const double>{}, strain_, strain_rate_};
 }
 
 Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Direction& direction)
@@ -74,6 +77,16 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
                      std::abs(direction.bar.viscosity) / (bar.modulus * crossing) + std::abs(stretched) +
                      std::abs(direction.restitution);
   if (direction.epsilon != 0.0) relative_change_ += std::abs(direction.epsilon / *penalty.epsilon);
+  for (const Mount& mount : system.bar().mounts()) {
+    const bool right = system.bar().is_right(mount.unknown);
+    const EndInput& rates = right ? direction.data.right_input : direction.data.left_input;
+    const double mass = rates.mass - inertia_ * mount.mass;
+    if (rates.stiffness == 0.0 && rates.dashpot == 0.0 && mass == 0.0) continue;
+    mounts_.push_back({mount.unknown, rates.stiffness, rates.dashpot, mass});
+    relative_change_ += std::abs(rates.stiffness) * bar.length / bar.modulus +
+                        std::abs(rates.dashpot) / std::sqrt(bar.modulus * bar.density) +
+                        std::abs(rates.mass) / (bar.density * bar.length);
+  }
   for (std::size_t i = 0; i < system.contact_count(); ++i) {
     LawRates rates{0.0, 0.0};
     if (!system.rigid()) {
@@ -83,19 +96,14 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
       const double stiffer = (contact.where == Where::span ? stretched : 0.0) - direction.epsilon / *penalty.epsilon;
       rates.stiffness = law.stiffness * stiffer;
       rates.damping = 0.5 * law.damping * (stiffer + inertia_);
+      for (const Mount& mount : mounts_)
+        if (mount.unknown == contact.unknown && law.damping > 0.0)
+          rates.damping += 0.5 * law.damping * mount.mass / system.bar().contact_mass(contact);
       if (direction.restitution != 0.0 && !system.bar().massless(contact.unknown))
         rates.damping += 2.0 * damping_ratio_rate(penalty.restitution) * direction.restitution *
                          std::sqrt(law.stiffness * system.bar().contact_mass(contact));
     }
     laws_.push_back(rates);
-  }
-  for (const Mount& mount : system.bar().mounts()) {
-    const bool right = system.bar().is_right(mount.unknown);
-    const EndInput& rates = right ? direction.data.right_input : direction.data.left_input;
-    if (rates.stiffness == 0.0 && rates.dashpot == 0.0) continue;
-    mounts_.push_back({mount.unknown, rates.stiffness, rates.dashpot});
-    relative_change_ += std::abs(rates.stiffness) * bar.length / bar.modulus +
-                        std::abs(rates.dashpot) / std::sqrt(bar.modulus * bar.density);
   }
   if (system.bar().moving()) {
     const BarSystem& of = system.bar();
@@ -180,8 +188,11 @@ void Derivative::drive(const Moment& at) {
     const double strain_rate = modulus_ * (lift_[1].right - lift_[1].left) / bar.mesh().length;
     rates[0] += strain_rate, rates[1] -= strain_rate;
   }
-  for (const auto& [node, stiffness, dashpot] : mounts_)
-    added_[node] -= stiffness * displacement(node, at.u) + dashpot * (at.w[node] + lift_[1].of(bar.is_right(node)));
+  for (const auto& [node, stiffness, dashpot, mass] : mounts_) {
+    const bool right = bar.is_right(node);
+    added_[node] -= stiffness * displacement(node, at.u) + dashpot * (at.w[node] + lift_[1].of(right)) +
+                    mass * ((at.a.empty() ? 0.0 : at.a[node]) + lift_[2].of(right));
+  }
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!system_.closed(i) || system_.holds(i)) continue;
     const std::size_t node = system_.contact(i).unknown;
@@ -211,15 +222,18 @@ void Derivative::add_frame_rate(double t, std::span<double> rate) const {
   const double stress = lift_stress(velocity, acceleration);
   if (!bar.left_fixed()) rate.front() += stress;
   if (!bar.right_fixed()) rate.back() -= stress;
-  for (const auto& [node, stiffness, dashpot] : mounts_) {
+  bool massive = inertia_ != 0.0;
+  for (const auto& [node, stiffness, dashpot, mass] : mounts_) {
     const bool right = bar.is_right(node);
     rate[node] -= stiffness * velocity.of(right) + dashpot * acceleration.of(right);
+    massive |= mass != 0.0;
   }
   const auto [before, after] = system_.beside(t);
-  if (inertia_ == 0.0 || before >= after) return;
+  if (!massive || before >= after) return;
   const Lift early = system_.lift(before, 2), late = system_.lift(after, 2);
   const Lift jerk{(late.left - early.left) / (after - before), (late.right - early.right) / (after - before)};
   for (std::size_t i = 0; i < rate.size(); ++i) rate[i] -= inertia_ * lift_inertia(i, jerk);
+  for (const Mount& mount : mounts_) rate[mount.unknown] -= mount.mass * jerk.of(bar.is_right(mount.unknown));
 }
 
 double Derivative::drive_row(std::size_t end, double t, double u, double u_next, double w, double w_next) const {
@@ -282,7 +296,8 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
   for (const Mount& mount : bar.mounts())
     if (mount.unknown == end) sum += mount.dashpot * s[end];
   for (const Mount& mount : mounts_)
-    if (mount.unknown == end) sum += mount.dashpot * displacement(end, at.u);
+    if (mount.unknown == end)
+      sum += mount.dashpot * displacement(end, at.u) + mount.mass * (at.w[end] + lift_[1].of(bar.is_right(end)));
   return sum;
 }
 
@@ -329,7 +344,8 @@ double Derivative::energy(const Moment& at, std::span<const double> s, std::span
   }
   const auto end = [&](const Mount& mount) { return mount.unknown + bar.first_node(); };
   for (const Mount& mount : bar.mounts()) sum += mount.stiffness * u[end(mount)] * of_u[end(mount)];
-  for (const Mount& mount : mounts_) sum += 0.5 * mount.stiffness * u[end(mount)] * u[end(mount)];
+  for (const Mount& mount : mounts_)
+    sum += 0.5 * mount.stiffness * u[end(mount)] * u[end(mount)] + 0.5 * mount.mass * w[end(mount)] * w[end(mount)];
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     const double clearance = system_.clearance(i, at.u);
     if (system_.holds(i) || system_.moves(i) || clearance >= 0.0) continue;

@@ -55,7 +55,7 @@ class Derivative;
 struct Moment {
   double t = 0.0;
   std::span<const double> u, w;
-  std::span<const double> inertia;              ///< rho M a; empty: to be left out
+  std::span<const double> a, inertia;           ///< u'' and rho M u''; empty: to be left out
   std::span<const double> strain, strain_rate;  ///< K (u + origin), of walls, too, and K w; empty where nobody asks
 };
 
@@ -65,14 +65,14 @@ class MomentBuilder {
   /// Both outlive it.
   MomentBuilder(const PenalisedSystem& system, std::span<Derivative* const> derivatives);
   bool asks_for_inertia() const { return asks_for_inertia_; }
-  /// Valid until the next. O(n)
-  Moment operator()(double t, std::span<const double> u, std::span<const double> w, std::span<const double> inertia);
+  /// Valid until the next, and as long as its arguments are. O(n)
+  Moment operator()(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a);
 
  private:
   const PenalisedSystem& system_;
   UnitStiffness stiffness_;
   bool asks_for_inertia_ = false;
-  std::vector<double> strain_, strain_rate_;
+  std::vector<double> inertia_, strain_, strain_rate_;
 };
 
 /// The equation of s = du/dp on a leg. It is that of the bar itself, with the same contacts closed,
@@ -85,7 +85,8 @@ class MomentBuilder {
 ///     -(E' - E L'/L) K u - (eta' - eta L'/L) K v - (rho'/rho + L'/L) rho M a + sum_i sigma_i (k_i' d_i + b_i' d_i')
 ///     e_i.
 ///
-/// and at an end with a spring or a dashpot -(k' u + c' v). Where a frame moves with the ends (see BarSystem), u, v and
+/// and at an end with a spring, a dashpot or a mass -(k' u + c' v + (m' - (rho'/rho + L'/L) m) a), for m is in M, and
+/// does not go like rho L. Where a frame moves with the ends (see BarSystem), u, v and
 /// a in the added force are those of the bar itself, lift included, and s is measured in the frame of d lift / dp.
 ///
 /// (K goes like 1 / L, M like L, on graded meshes, too; nodes stay at their part of the bar.) So it is a
@@ -112,7 +113,7 @@ class Derivative {
   struct MatrixRates {
     double inertia;                 ///< of rho M, relative to it
     double viscosity, modulus;      ///< of eta K and of E K: so many times K
-    std::span<const Mount> mounts;  ///< of springs and dashpots
+    std::span<const Mount> mounts;  ///< of springs, dashpots and, as above, masses
   };
   MatrixRates matrix_rates() const { return {inertia_, viscosity_, modulus_, mounts_}; }
   /// True if s has a load, or the frame an added force, that depends on time.
@@ -169,7 +170,7 @@ class Derivative {
   double relative_change_;                // of what the bar and its contacts are made of
   double modulus_, viscosity_, inertia_;  // E' - E L'/L, eta' - eta L'/L, rho'/rho + L'/L
   std::vector<LawRates> laws_;
-  std::vector<Mount> mounts_;  // k' and c' of the ends that have a spring or a dashpot
+  std::vector<Mount> mounts_;  // k', c' and m' - (rho'/rho + L'/L) m of the ends
   std::vector<double> added_;
   std::array<std::vector<double>, 2> lift_inertia_;  // rho M (1 - x/L) and rho M x/L, where the frame moves
   std::array<Lift, 3> lift_{};                       // and its rates, at the moment driven by last

@@ -88,9 +88,15 @@ void JumpFilter::prepare(const PenalisedSystem& system) {
     for (std::vector<double>* one : {&first_, &second_, &next_, &start_, &force_, &rate_}) one->resize(n);
   }
   held_ = held;
+  factorise();
+}
+
+void JumpFilter::factorise() {
   SymmetricTridiagonal inertia = bar_.inertia();
-  for (const bool right : {false, true})
-    if (held[right]) inertia.diagonal[bar_.end(right)] = std::numeric_limits<double>::infinity();
+  for (const bool right : {false, true}) {
+    double& end = inertia.diagonal[bar_.end(right)];
+    end = (*held_)[right] ? std::numeric_limits<double>::infinity() : end + added_.mass[right];
+  }
   factor_.factorise(inertia);
 }
 
@@ -98,7 +104,7 @@ void JumpFilter::stiffness(std::span<const double> x, std::span<double> out) con
   stiffness_->multiply([x](std::size_t i) { return x[i]; }, out);
   for (double& force : out) force *= bar_.bar().modulus;
   for (const Mount& mount : bar_.mounts())
-    out[mount.unknown] += (mount.stiffness + added_stiffness_[bar_.is_right(mount.unknown)]) * x[mount.unknown];
+    out[mount.unknown] += (mount.stiffness + added_.stiffness[bar_.is_right(mount.unknown)]) * x[mount.unknown];
 }
 
 void JumpFilter::damping(std::span<const double> x, std::span<double> out) const {
@@ -235,23 +241,29 @@ void JumpFilter::add_changes(const Derivative& derivative, std::span<const doubl
     stiffness_->multiply([of = of](std::size_t i) { return of[i]; }, product);
     for (std::size_t i = 0; i < force.size(); ++i) force[i] -= factor * product[i];
   }
-  for (const auto& [node, stiffness, dashpot] : rates.mounts)
+  for (const auto& [node, stiffness, dashpot, mass] : rates.mounts)
     force[node] -= (x.empty() ? 0.0 : stiffness * x[node]) + (x_rate.empty() ? 0.0 : dashpot * x_rate[node]);
 }
 
-// out += d f / d k . change, f(x) being what changes with the springs of the ends: by differences, of polynomials.
+// out += the slope along `change` of f(x), which changes with the springs and masses of the ends: by differences, of
+// what is all but a polynomial.
 template <class Function>
-void JumpFilter::add_slope(const std::array<double, 2>& change, Function&& f, std::span<double> out) {
-  const double largest = std::max(std::abs(change[0]), std::abs(change[1]));
+void JumpFilter::add_slope(const Added& change, Function&& f, std::span<double> out) {
+  const Bar& bar = bar_.bar();
+  const double h = bar_.mesh().spacing(), heaviest = std::max(std::abs(change.mass[0]), std::abs(change.mass[1]));
+  const double stiffest_change = std::max(std::abs(change.stiffness[0]), std::abs(change.stiffness[1]));
+  const double largest = std::max(stiffest_change * h / bar.modulus, heaviest / (h * bar.density));
   if (largest == 0.0) return;
-  const double step = 1e-4 * bar_.bar().modulus / bar_.mesh().spacing() / largest;
+  const double step = 1e-4 / largest;
   std::vector<double> value(out.size());
-  for (const double side : {-step, step}) {
-    added_stiffness_ = {side * change[0], side * change[1]};
+  for (const double side : {-step, step, 0.0}) {
+    for (const bool right : {false, true})
+      added_.stiffness[right] = side * change.stiffness[right], added_.mass[right] = side * change.mass[right];
+    if (heaviest > 0.0) factorise();
+    if (side == 0.0) continue;
     f(value);
     for (std::size_t i = 0; i < out.size(); ++i) out[i] += value[i] / (2.0 * side);
   }
-  added_stiffness_ = {};
 }
 
 double JumpFilter::fading(const Derivative& derivative) const {
@@ -268,13 +280,16 @@ void JumpFilter::differentiate(const Derivative& derivative, std::span<double> f
   const Derivative::MatrixRates rates = derivative.matrix_rates();
   const Bar& bar = bar_.bar();
   const double fading = this->fading(derivative), growth = fading - rates.modulus / bar.modulus;
-  // A is a pure number but for its springs, k h / E.
-  std::array<double, 2> springs{}, dashpots{};
+  // A is a pure number but for its springs, k h / E, and its masses, m / (rho h).
+  Added mounts;
+  std::array<double, 2> dashpots{};
   for (const Mount& mount : bar_.mounts())
-    springs[bar_.is_right(mount.unknown)] -= mount.stiffness * rates.modulus / bar.modulus;
+    mounts.stiffness[bar_.is_right(mount.unknown)] -= mount.stiffness * rates.modulus / bar.modulus;
   for (const Mount& mount : rates.mounts) {
-    springs[bar_.is_right(mount.unknown)] += mount.stiffness;
-    dashpots[bar_.is_right(mount.unknown)] += mount.dashpot;
+    const bool right = bar_.is_right(mount.unknown);
+    mounts.stiffness[right] += mount.stiffness;
+    mounts.mass[right] += mount.mass;
+    dashpots[right] += mount.dashpot;
   }
   const std::size_t n = s.size();
   const auto applied_to = [this](std::span<const double> jump) {
@@ -286,12 +301,12 @@ void JumpFilter::differentiate(const Derivative& derivative, std::span<double> f
   std::vector<double> change(n);
   apply(rate);
   for (std::size_t i = 0; i < n; ++i) rate[i] += growth * shift_w_[i];
-  add_slope(springs, applied_to(jump_rate_), rate);
+  add_slope(mounts, applied_to(jump_rate_), rate);
   damping(rate, change);
   for (std::size_t i = 0; i < n; ++i) force[i] -= change[i];
   add_changes(derivative, {}, shift_w_, force);
   apply(force);
-  add_slope(springs, applied_to(jump_force_), force);
+  add_slope(mounts, applied_to(jump_force_), force);
   for (std::size_t i = 0; i < n; ++i) {
     s[i] += force[i] = part_ * force[i] + growth * shift_u_[i];
     s_rate[i] += rate[i];
@@ -302,6 +317,7 @@ void JumpFilter::differentiate(const Derivative& derivative, std::span<double> f
   std::ranges::fill(change, 0.0);
   for (const Mount& mount : bar_.mounts())
     change[mount.unknown] = -dashpots[bar_.is_right(mount.unknown)] * shift_u_[mount.unknown];
+  for (const Mount& mount : rates.mounts) change[mount.unknown] -= mount.mass * impulse[mount.unknown];
   factor_.solve(change);
   for (std::size_t i = 0; i < n; ++i) change[i] -= rates.inertia * impulse[i];
   take_high_part(change, force);
@@ -309,7 +325,7 @@ void JumpFilter::differentiate(const Derivative& derivative, std::span<double> f
   take_high_part(impulse, force);
   for (std::size_t i = 0; i < n; ++i) force[i] *= fading;
   add_slope(
-      springs, [&](std::span<double> x) { take_high_part(impulse, x); }, force);
+      mounts, [&](std::span<double> x) { take_high_part(impulse, x); }, force);
   for (std::size_t i = 0; i < n; ++i) s_rate[i] -= force[i];
   impulse_ = impulse;
 }

@@ -18,10 +18,10 @@ namespace viscobar {
 ///     v += theta (h^2 rho / E) G(A) (rho M)^{-1} [b'],       u += theta (h^2 rho / E) G(A) (rho M)^{-1} ([b] - C [v]),
 ///     A = (h^2 rho / E) (rho M)^{-1} K,     G(mu) = g(mu) / mu,     g = 0 below mu = 1, 1 above 6, smooth in between,
 ///
-/// K, C with springs, dashpots and viscosity, nodes of closed contacts held. G is a polynomial in A: 25 solves and
-/// products. From theta = max(0, 1 - 2 eta^2 / (h^2 rho E))^4 = 0 on high modes creep as those of the bar do, and
-/// nothing is done; nor where a span obstacle bounds all nodes, and on meshes of less than 8 elements, which have no
-/// mode with mu < 1 to leave alone. See docs/fourth-order.md.
+/// M, K, C with masses, springs, dashpots and viscosity, nodes of closed contacts held. G is a polynomial in A: 25
+/// solves and products. From theta = max(0, 1 - 2 eta^2 / (h^2 rho E))^4 = 0 on high modes creep as those of the bar
+/// do, and nothing is done; nor where a span obstacle bounds all nodes, and on meshes of less than 8 elements, which
+/// have no mode with mu < 1 to leave alone. See docs/fourth-order.md.
 class JumpFilter {
  public:
   static constexpr std::size_t fewest_elements = 8;
@@ -67,8 +67,13 @@ class JumpFilter {
   void quieten(std::span<double> x) const;
   void answer_with_dashpots(std::span<const double> step, std::span<double> w);
   void take_high_part(std::span<const double> x, std::span<double> high);
+  // Springs and masses at the two ends, beside those that they have.
+  struct Added {
+    std::array<double, 2> stiffness{}, mass{};
+  };
   template <class Function>
-  void add_slope(const std::array<double, 2>& change, Function&& f, std::span<double> out);
+  void add_slope(const Added& change, Function&& f, std::span<double> out);
+  void factorise();
   Taken put(PenalisedSystem& system, double t, std::span<double> force, std::span<double> rate, std::span<double> u,
             std::span<double> w);
 
@@ -80,7 +85,7 @@ class JumpFilter {
   TridiagonalFactor factor_;          // of rho M, nodes of closed contacts being held
   std::optional<std::array<bool, 2>> held_;
   std::vector<double> first_, second_, next_, start_, force_, rate_;  // scratch
-  std::array<double, 2> added_stiffness_{};                           // to springs of the ends
+  Added added_;
   // Results of the last put(): its jumps, C v in them, its shifts, and the answers of dashpots.
   std::vector<double> jump_force_, jump_rate_, shift_u_, shift_w_, impulse_;
   double part_ = 1.0;  // of the former, short of an obstacle

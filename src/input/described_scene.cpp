@@ -15,12 +15,32 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json json_of(const SceneTable& table) {
+  Json json = Json::object();
+  for (const auto& [name, entry] : table)
+    std::visit([&, &key = name](const auto& one) { json.emplace(key, one); }, entry);
+  return json;
+}
+
 Json json_of(const SceneValue& value) {
-  return std::visit([](const auto& one) { return Json(one); }, value);
+  return std::visit(
+      [](const auto& one) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(one)>, SceneTable>)
+          return json_of(one);
+        else
+          return Json(one);
+      },
+      value);
 }
 
 // A string of JSON is one of TOML but for the one control character that JSON does not escape.
 std::string toml_of(const Json& value) {
+  if (value.is_object()) {
+    std::string table;
+    for (const auto& [name, entry] : value.items())
+      table += fmt::format("{}{} = {}", table.empty() ? "" : ", ", name, toml_of(entry));
+    return "{ " + table + " }";
+  }
   std::string text = value.dump();
   for (std::size_t at = 0; (at = text.find('\x7f', at)) != text.npos;) text.replace(at, 1, "\\u007F");
   return text;
@@ -38,7 +58,15 @@ TomlNode tree_of(const Json& json, const std::string& key = "") {
   if (json.is_object()) {
     node.kind = TomlNode::Kind::table;
     node.value = OtherValue{"a table"};
-    for (const auto& [name, inside] : json.items()) node.inside.push_back(tree_of(inside, name));
+    SceneTable series;
+    for (const auto& [name, inside] : json.items()) {
+      node.inside.push_back(tree_of(inside, name));
+      if (inside.is_number()) series.emplace(name, inside.get<double>());
+      if (inside.is_string()) series.emplace(name, inside.get<std::string>());
+      if (const auto* numbers = std::get_if<std::vector<double>>(&node.inside.back().value))
+        series.emplace(name, *numbers);
+    }
+    if (!series.empty() && series.size() == json.size()) node.value = std::move(series);
   }
   if (json.is_array()) {
     node.kind = TomlNode::Kind::array;

@@ -5,39 +5,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <mutex>
 #include <optional>
 #include <tuple>
 #include <utility>
 
 #include "input/formula_tree.hpp"
+#include "input/known.hpp"
+#include "input/series.hpp"
 #include "scene/message_text.hpp"
 
 namespace viscobar {
 
 namespace {
-
-// Values by key. A scene asks for each of its formulas several times, and a sweep for those of thousands of scenes.
-template <class Key, class Value>
-class Known {
- public:
-  template <class Make>
-  Value operator()(const Key& key, Make&& make) {
-    {
-      const std::lock_guard lock(mutex_);
-      if (const auto known = values_.find(key); known != values_.end()) return known->second;
-    }
-    const Value made = make();
-    constexpr std::size_t most = 100;
-    const std::lock_guard lock(mutex_);
-    if (values_.size() >= most) values_.clear();
-    return values_.emplace(key, made).first->second;
-  }
-
- private:
-  std::mutex mutex_;
-  std::map<Key, Value> values_;
-};
 
 using Operation = FormulaTree::Operation;
 using Tree = std::shared_ptr<const FormulaTree>;
@@ -121,6 +100,7 @@ Formula::Formula(double constant) {
 }
 
 Formula::Formula(std::string text, std::string_view variables, const Parameters& parameters) {
+  // A scene asks for each of its formulas several times, and a sweep for those of thousands of scenes.
   static Known<std::tuple<std::string, std::string, Parameters>, Tree> trees;
   tree_ = trees({text, std::string(variables), parameters},
                 [&] { return std::make_shared<FormulaTree>(parse_formula(text, parameters, variables)); });
@@ -128,7 +108,15 @@ Formula::Formula(std::string text, std::string_view variables, const Parameters&
     throw FormulaError(fmt::format("must be finite, is {}", printable(constant())));
 }
 
+Formula::Formula(std::shared_ptr<const Series> series, char variable)
+    : series_(std::move(series)), variable_(variable) {}
+
+NextBreak Formula::breaks_of_series(bool kinks) const {
+  return [series = series_, kinks](double after, double until) { return series->next_break(after, until, kinks); };
+}
+
 bool Formula::uses(char variable) const {
+  if (series_) return variable == variable_;
   return variable == 'x' ? tree_->uses_x(tree_->root) : tree_->uses_t(tree_->root);
 }
 double Formula::constant() const { return (*tree_)(0.0, 0.0); }
@@ -142,20 +130,24 @@ TimeFunction Formula::of_t() const {
 }
 
 SpaceTimeFunction Formula::of_x_t() const {
+  if (series_)
+    return [series = series_, of_x = variable_ == 'x'](double x, double t) { return (*series)(of_x ? x : t); };
   if (is_constant()) return [value = constant()](double, double) { return value; };
   return [tree = tree_](double x, double t) { return (*tree)(x, t); };
 }
 
 NextBreak Formula::breaks() const {
+  if (series_) return breaks_of_series(true);
   const NextBreakAt found = told({tree_, Breaks::of_all_x});
   if (!found) return {};
   return [found](double after, double until) { return found(0.0, after, until); };
 }
-NextBreakAt Formula::breaks_at() const { return told({tree_, Breaks::at_x}); }
-NextBreakAt Formula::breaks_in_x_at() const { return told({tree_, Breaks::along_x}); }
+NextBreakAt Formula::breaks_at() const { return series_ ? NextBreakAt() : told({tree_, Breaks::at_x}); }
+NextBreakAt Formula::breaks_in_x_at() const { return series_ ? NextBreakAt() : told({tree_, Breaks::along_x}); }
 
 NextBreak Formula::breaks_and_pulses(double length) const {
   if (!uses('t')) return {};
+  if (series_) return breaks_of_series(false);
   // A jump or kink that travels is at each time somewhere in x: of all x at once no pulse can be told from it.
   if (breaks_at()) return breaks();
   FormulaDetail pulses(tree_, false, {0.0, uses('x') ? length : 0.0});
@@ -164,7 +156,7 @@ NextBreak Formula::breaks_and_pulses(double length) const {
 }
 
 NextBreakAt Formula::detail_in_x_at(double length) const {
-  if (!uses('x')) return {};
+  if (!uses('x') || series_) return {};
   std::optional<FormulaDetail> at_time;
   return [=, tree = tree_, known = 0.0](double t, double after, double until) mutable {
     if (!at_time || t != known) at_time.emplace(tree, true, Interval{t, t});
@@ -176,6 +168,7 @@ NextBreakAt Formula::detail_in_x_at(double length) const {
 
 Places Formula::places(double length) const {
   if (!uses('x')) return {};
+  if (series_) return {breaks_of_series(true), breaks_of_series(false)};
   static Known<std::pair<Tree, double>, Places> all;
   return all({tree_, length}, [&]() -> Places {
     FormulaDetail detail(tree_, true, {0.0, 0.0});
@@ -188,11 +181,16 @@ Places Formula::places(double length) const {
 }
 
 SpaceTimeFunction Formula::derivative(std::string_view by) const {
+  if (series_ && by == std::string_view(&variable_, 1))
+    return [series = series_, of_x = variable_ == 'x'](double x, double t) { return (*series)(of_x ? x : t, 1); };
+  if (series_) return {};
   if (!dependence(*tree_, by).smooth) return {};
   return derived<First, 1>(tree_, {by});
 }
 
 TimeFunction Formula::derivative_of_t(int order, std::string_view by) const {
+  if (series_)
+    return [series = series_, order, none = !by.empty()](double t) { return none ? 0.0 : (*series)(t, order); };
   if (by.empty() && order == 0) return of_t();
   if (is_constant() && order > 0) return [](double) { return 0.0; };
   const SpaceTimeFunction f = by.empty()
@@ -203,6 +201,6 @@ TimeFunction Formula::derivative_of_t(int order, std::string_view by) const {
   return [f](double t) { return f(0.0, t); };
 }
 
-bool Formula::moves_jump(std::string_view by) const { return dependence(*tree_, by).by_jumps; }
+bool Formula::moves_jump(std::string_view by) const { return !series_ && dependence(*tree_, by).by_jumps; }
 
 }  // namespace viscobar

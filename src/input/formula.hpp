@@ -11,6 +11,7 @@
 namespace viscobar {
 
 struct FormulaTree;
+class Series;
 
 /// Names that formulas may use for numbers, those of [parameters].
 using Parameters = std::map<std::string, double, std::less<>>;
@@ -25,7 +26,7 @@ class FormulaError : public std::runtime_error {
 std::string parameter_name_problem(std::string_view name);
 
 /// A function of x, of t, or of both, that the user wrote: a number, or a formula of + - * / ^, comparisons, && ||,
-/// ?:, sin cos tan exp log (natural) sqrt abs min max, and pi.
+/// ?:, sin cos tan exp log (natural) sqrt abs min max, and pi. Or it is a series of measured values.
 ///
 /// A function made from it shares what was read with the formula and all copies, and nothing changes that: it may be
 /// called by several threads at the same time. One that tells breaks or detail remembers what it found: each thread
@@ -37,6 +38,10 @@ class Formula {
   /// @throws FormulaError
   Formula(std::string text, std::string_view variables, const Parameters& parameters = {});
 
+  /// Of 'x' or 't'.
+  Formula(std::shared_ptr<const Series> series, char variable);
+
+  const std::shared_ptr<const Series>& series() const { return series_; }  ///< null where it is none
   bool uses(char variable) const;
   bool is_constant() const { return !uses('x') && !uses('t'); }
   bool is_zero() const { return is_constant() && constant() == 0.0; }
@@ -69,7 +74,11 @@ class Formula {
   bool moves_jump(std::string_view by) const;
 
  private:
-  std::shared_ptr<const FormulaTree> tree_;
+  NextBreak breaks_of_series(bool kinks) const;
+
+  std::shared_ptr<const FormulaTree> tree_;  // null where it is a series
+  std::shared_ptr<const Series> series_;
+  char variable_ = 't';  // of that
 };
 
 }  // namespace viscobar

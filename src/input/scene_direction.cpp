@@ -72,6 +72,14 @@ void add_rates_of_end(const SceneEntries& entries, const std::string& side, cons
 }  // namespace
 
 EndMotion motion_of(const Formula& f, const std::string& by, double scale, double offset) {
+  if (f.series()) {
+    const characteristics::FunctionOfTime of = function_of(f.series());
+    const auto scaled = [scale](const TimeFunction& one, double plus) -> TimeFunction {
+      return [=](double t) { return scale * one(t) + plus; };
+    };
+    return {scaled(of.motion.displacement, scale * of.start + offset), scaled(of.motion.velocity, 0.0),
+            scaled(of.motion.acceleration, 0.0), of.motion.breaks};
+  }
   const auto derivative = [&](int order, double plus) -> TimeFunction {
     return [of = f.derivative_of_t(order, by), scale, plus](double t) { return scale * of(t) + plus; };
   };

@@ -12,6 +12,7 @@
 #include "input/scene_keys.hpp"
 #include "input/scene_values.hpp"
 #include "scene/end_kinds.hpp"
+#include "scene/unit_names.hpp"
 #include "text/printable_text.hpp"
 
 namespace viscobar {
@@ -206,13 +207,51 @@ void SceneEntries::check_values() {
     const SceneKey& key = *find_scene_key(name);
     std::string problem = is_parameter(name) ? parameter_name_problem(parameter_name(name)) : "";
     if (problem.empty()) problem = problem_with(key, entry.value, known);
-    if (!problem.empty()) report(name, problem);
+    if (!problem.empty()) return report(name, problem);
+    if (const auto* table = std::get_if<SceneTable>(&entry.value)) read_series(name, *table);
   };
   for (const auto& [name, entry] : entries_)
     if (is_parameter(name)) check(name, entry, {});
   const Parameters known = parameters();
   for (const auto& [name, entry] : entries_)
     if (!is_parameter(name)) check(name, entry, known);
+}
+
+void SceneEntries::read_series(const std::string& name, const SceneTable& table) {
+  const SceneKey& key = *find_scene_key(name);
+  const auto unit = [&](const char* of) {
+    const auto entry = entries_.find(of);
+    const auto* text = entry == entries_.end() ? nullptr : std::get_if<std::string>(&entry->second.value);
+    return text ? *text : std::string();
+  };
+  const Units units{unit("units.length"), unit("units.time"), unit("units.mass"), unit("units.force"),
+                    unit("units.stress")};
+  SeriesRequest request;
+  request.variable = key.variables.front();
+  request.moves = key.leaf() == "motion" || key.leaf() == "gap";
+  if (const auto powers = unit_powers(key.unit)) request.unit = unit_name(units, *powers);
+  request.place_unit = request.variable == 't' ? units.time : units.length;
+  request.folder = folder();
+  try {
+    series_[name] = series_of(table, request);
+  } catch (const std::exception& error) {
+    report(name, error.what());
+  }
+}
+
+std::shared_ptr<const Series> SceneEntries::series(std::string_view key) const {
+  const auto found = series_.find(key);
+  return found == series_.end() || faulty(key) ? nullptr : found->second;
+}
+
+SceneTable SceneEntries::described_series(std::string_view key) const {
+  SceneTable table = std::get<SceneTable>(value(key));
+  if (const auto file = table.find("file"); file != table.end()) {
+    file->second =
+        std::filesystem::absolute(folder() / std::get<std::string>(file->second)).lexically_normal().string();
+    table["checksum"] = fmt::format("{:016x}", series(key)->checksum());
+  }
+  return table;
 }
 
 void SceneEntries::fill_in() {
@@ -255,6 +294,7 @@ std::optional<Formula> SceneEntries::formula(std::string_view key) const {
   const TomlValue* value = sound_value(key);
   if (!value) return std::nullopt;
   if (const auto number = number_of(*value)) return Formula(*number);
+  if (const auto series = this->series(key)) return Formula(series, find_scene_key(key)->variables.front());
   return Formula(std::get<std::string>(*value), find_scene_key(key)->variables, parameters());
 }
 

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <span>
@@ -13,6 +15,7 @@
 
 #include "input/formula.hpp"
 #include "input/scene_keys.hpp"
+#include "input/series.hpp"
 #include "input/toml_text.hpp"
 #include "viscobar/input/scene_file.hpp"
 
@@ -48,6 +51,10 @@ class SceneEntries {
   std::optional<Formula> formula(std::string_view key) const;
   std::vector<std::string> list(std::string_view key) const;  ///< empty where the key is absent
   std::vector<double> numbers(std::string_view key) const;    ///< likewise
+  /// Of a key that has one; else null.
+  std::shared_ptr<const Series> series(std::string_view key) const;
+  /// That series as a result tells it, its file by its whole name and with a checksum.
+  SceneTable described_series(std::string_view key) const;
   /// Those of [parameters] that are sound, by name.
   Parameters parameters() const;
 
@@ -86,10 +93,12 @@ class SceneEntries {
   void unset(std::string_view name);
   void drop_what_no_longer_belongs();
   void check_values();
+  void read_series(const std::string& name, const SceneTable& table);
   void fill_in();
   const TomlValue* find(std::string_view key) const;  // null: absent
   const TomlValue* sound_value(std::string_view key) const;
   Place place_of(std::string_view key) const;
+  std::filesystem::path folder() const { return std::filesystem::path(end_.source).parent_path(); }
   void report_at(const Place& place, const std::string& key, const std::string& message);
 
   Place end_;
@@ -97,6 +106,7 @@ class SceneEntries {
   std::map<std::string, Entry, std::less<>> entries_;
   std::map<std::string, Place, std::less<>> tables_;
   std::set<std::string, std::less<>> faulty_;
+  std::map<std::string, std::shared_ptr<const Series>, std::less<>> series_;
   std::vector<const TomlValue*> in_force_;  // of scene_keys(), in their order: given, fallback or null; empty before
   std::vector<Diagnostic> found_;
 };

@@ -52,6 +52,7 @@ EndInput input_of(const SceneEntries& entries, const std::string& side, const En
   const auto number = [&](const char* key) { return entries.number(side + key).value_or(0.0); };
   input.stiffness = number(".stiffness");
   input.dashpot = number(".dashpot");
+  input.mass = number(".mass");
   if (const auto force = entries.formula(side + ".force"); force && !force->is_zero())
     input.force = EndForce{force->of_t(), force->breaks_and_pulses(0.0), force->is_constant()};
   if (const auto motion = entries.formula(side + ".motion"); motion && !motion->is_zero())
@@ -201,6 +202,22 @@ void check_load_values(SceneEntries& entries, const Mesh& mesh) {
   }
 }
 
+// A series says what the whole run asks for.
+void check_series(SceneEntries& entries, const Case& run) {
+  for (const SceneKey& key : scene_keys()) {
+    const auto series = entries.series(key.name);
+    if (!series || std::get<SceneTable>(entries.value(key.name)).contains("outside")) continue;
+    const bool in_time = key.variables == "t";
+    const double last = in_time ? run.end : run.scene.bar.length;
+    if (entries.faulty(in_time ? "time.end" : "bar.length")) continue;
+    if (series->first() > 0.0 || series->last() < last)
+      entries.report(key.name,
+                     "has values from {0} = {1} to {2}, and the {3} from 0 to {4}; outside = \"hold\" goes on with the "
+                     "first and the last value, \"zero\" with 0",
+                     key.variables, series->first(), series->last(), in_time ? "run goes" : "bar is", last);
+  }
+}
+
 // What moves the bar.
 void check_motion(SceneEntries& entries) {
   const auto moves = [&](const char* key) {
@@ -255,6 +272,7 @@ Setup validated_setup(SceneEntries& entries, const Adaptation& adapt) {
     if (!run.automatic) run.reservation.clear();
   }
   check_sensitivity(entries, run);
+  check_series(entries, run);
   Setup setup = resolve(std::move(run));
   for (const Finding& finding : faults(setup, entries.faulty_keys())) entries.report(finding.key, finding.problem);
   check_load_values(entries, setup.mesh);
@@ -295,6 +313,8 @@ SceneValues describe(const SceneEntries& entries, const Case& run) {
       values.emplace_back(name, static_cast<std::int64_t>(run.elements));
     else if (const auto* text = std::get_if<std::string>(&entries.value(name)))
       values.emplace_back(name, *text);
+    else if (entries.series(name))
+      values.emplace_back(name, entries.described_series(name));
     else if (key.type == KeyType::list)
       values.emplace_back(name, entries.list(name));
     else if (key.type == KeyType::numbers)

@@ -132,6 +132,7 @@ constexpr SceneKey end_rows[] = {
     {"motion", formula, optional, "", "\"0.1*sin(2*t)\"", "length", "motion d(t) of a fixed end, u = u_0 + d, with d(0) = 0", {}, {}, "t"},
     {"stiffness", number, optional, "", "2.0", "stress / length", "spring between a free end, or one with an obstacle, and the ground, at rest at u = 0", not_negative},
     {"dashpot", number, optional, "", "0.1", "stress x time / length", "dashpot beside that spring", not_negative},
+    {"mass", number, optional, "", "2.0", "density x length", "rigid mass on a free end, or one with an obstacle, per area of the bar", not_negative},
 };
 // clang-format on
 

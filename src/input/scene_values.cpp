@@ -30,7 +30,10 @@ TomlValue value_of(std::string_view text) {
   if (auto number = plain_number(text)) return *std::move(number);
   try {
     const TomlNode root = parse_toml("value = " + std::string(text));
-    if (root.inside.size() == 1 && root.inside.front().kind != TomlNode::Kind::table) return root.inside.front().value;
+    if (root.inside.size() == 1)
+      if (const TomlNode& only = root.inside.front();
+          !std::holds_alternative<OtherValue>(only.value) || only.kind != TomlNode::Kind::table)
+        return only.value;
   } catch (const TextError&) {  // a bare string
   }
   return std::string(text);
@@ -38,7 +41,7 @@ TomlValue value_of(std::string_view text) {
 
 std::string_view kind_of(const TomlValue& value) {
   constexpr std::string_view kinds[] = {"a string", "a whole number", "a number", "a boolean",
-                                        "",         "an array",       "an array"};
+                                        "",         "an array",       "an array", "a table"};
   const auto* other = std::get_if<OtherValue>(&value);
   return other ? other->what : kinds[value.index()];
 }
@@ -92,6 +95,8 @@ std::string formula_problem(const SceneKey& key, const TomlValue& value, const P
     return std::isfinite(number) ? "" : fmt::format("must be finite, is {}", number);
   };
   if (const auto number = number_of(value)) return number_problem(*number);
+  if (std::holds_alternative<SceneTable>(value))
+    return key.variables.size() == 1 ? "" : "is a series, of one variable; load.profile and load.history take one each";
   const auto* text = std::get_if<std::string>(&value);
   if (!text) return fmt::format("must be a number or a formula in quotes, is {}", kind_of(value));
   try {
@@ -146,8 +151,8 @@ bool takes(KeyType type, const TomlValue& value) {
     case KeyType::choice: return text;
     case KeyType::count:
     case KeyType::number: return number;
-    case KeyType::amount:
-    case KeyType::formula: return number || text;
+    case KeyType::amount: return number || text;
+    case KeyType::formula: return number || text || std::holds_alternative<SceneTable>(value);
     case KeyType::list: return std::holds_alternative<std::vector<std::string>>(value);
     case KeyType::numbers: return numbers_of(value).has_value();
   }

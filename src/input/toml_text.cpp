@@ -107,12 +107,15 @@ std::string_view toml_advice(std::string_view line) {
 
 TextPosition position(const toml::source_region& region) { return {region.begin.line, region.begin.column}; }
 
+// An OtherValue where it holds anything else.
+TomlValue table_value(const toml::table& table);
+
 TomlValue plain_value(const toml::node& node) {
   if (const auto* text = node.as_string()) return text->get();
   if (const auto* integer = node.as_integer()) return integer->get();
   if (const auto* number = node.as_floating_point()) return number->get();
   if (const auto* boolean = node.as_boolean()) return boolean->get();
-  if (node.is_table()) return OtherValue{"a table"};
+  if (const auto* table = node.as_table()) return table_value(*table);
   if (const auto* array = node.as_array()) {
     std::vector<std::string> texts;
     std::vector<double> numbers;
@@ -125,6 +128,23 @@ TomlValue plain_value(const toml::node& node) {
     return OtherValue{"an array"};
   }
   return OtherValue{"a date or time"};
+}
+
+TomlValue table_value(const toml::table& table) {
+  SceneTable entries;
+  if (!table.is_inline() || table.empty()) return OtherValue{"a table"};
+  for (const auto& [key, node] : table) {
+    TomlValue value = plain_value(node);
+    if (const auto number = node.value<double>(); number && node.is_number())
+      entries.emplace(key.str(), *number);
+    else if (auto* text = std::get_if<std::string>(&value))
+      entries.emplace(key.str(), std::move(*text));
+    else if (auto* numbers = std::get_if<std::vector<double>>(&value))
+      entries.emplace(key.str(), std::move(*numbers));
+    else
+      return OtherValue{"a table"};
+  }
+  return entries;
 }
 
 TomlNode tree(const toml::node& node, const toml::key* key = nullptr) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "text/printable_text.hpp"
+#include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {
 
@@ -34,16 +35,17 @@ struct OtherValue {
   std::string_view what;
 };
 
-/// Strings are a list where a table of values has an array of them.
-using TomlValue =
-    std::variant<std::string, std::int64_t, double, bool, OtherValue, std::vector<std::string>, std::vector<double>>;
+/// Strings are a list where a table of values has an array of them. A table is one of these where it is written in one
+/// line, of numbers, strings and arrays of numbers alone.
+using TomlValue = std::variant<std::string, std::int64_t, double, bool, OtherValue, std::vector<std::string>,
+                               std::vector<double>, SceneTable>;
 
 /// A value with all that is inside of it, in the order of the text: of an array the elements, of a table the entries.
 struct TomlNode {
   enum class Kind { plain, array, table };
   std::string key;  ///< empty in an array and at the root
   Kind kind = Kind::plain;
-  TomlValue value;  ///< of a table an OtherValue
+  TomlValue value;  ///< of a table an OtherValue, or a SceneTable
   std::vector<TomlNode> inside;
   TextPosition key_at, value_at;
 };

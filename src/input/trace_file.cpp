@@ -178,8 +178,9 @@ bool sort_rows(TraceFile& table) {
 
 class TraceReader {
  public:
-  TraceReader(const std::filesystem::path& file, const Cells& known, const Cells& required, const Cells& words)
-      : file_(file.string()), known_(known), required_(required), words_(words) {}
+  TraceReader(const std::filesystem::path& file, const Cells& known, const Cells& required, const Cells& words,
+              std::string_view places)
+      : file_(file.string()), known_(known), required_(required), words_(words), places_name_(plain_name(places)) {}
 
   TraceFile read() {
     const std::string text = text_of(file_);
@@ -202,11 +203,20 @@ class TraceReader {
       found_.push_back({file_, std::min(number_, lines_) + 1, column, one_line(key), one_line(what)});
   }
 
+  std::pair<std::string, std::string> named(const std::string& cell) const {
+    auto both = name_and_unit(cell);
+    if (places_name_.empty() || places_name_ == "time" || both.first == places_name_)
+      both.first = both.first == places_name_ ? "t" : both.first;
+    else if (both.first == "t")
+      both.first = "time";
+    return both;
+  }
+
   /// How many of time and of other known columns a line names: 0 to 2.
   int names_in(std::string_view line) const {
     bool time = false, other = false;
     for (const std::string& cell : cells_of(line, separator_of(line))) {
-      const std::string name = name_and_unit(cell).first;
+      const std::string name = named(cell).first;
       time = time || name == required_[0];
       other = other || (name != required_[0] && is_known(name));
     }
@@ -250,7 +260,7 @@ class TraceReader {
     separator_ = separator_of(line);
     const Cells cells = cells_of(line, separator_);
     for (const std::string& cell : cells) {
-      const auto [name, unit] = name_and_unit(cell);
+      const auto [name, unit] = named(cell);
       places_.push_back(is_known(name) ? table_.columns.size() : none);
       if (places_.back() == none) continue;
       if (table_.column(name)) report(places_.size(), cell, "is there twice");
@@ -261,7 +271,7 @@ class TraceReader {
       if (places_[k] != none || cells[k].empty()) continue;
       extra.push_back(cells[k]);
       // One that is there under its own name is not meant by another.
-      const auto nearest = nearest_name(name_and_unit(cells[k]).first, known_);
+      const auto nearest = nearest_name(named(cells[k]).first, known_);
       if (nearest && !table_.column(*nearest))
         report(k + 1, cells[k], fmt::format("unknown column; nearest is \"{}\"", *nearest));
     }
@@ -318,7 +328,7 @@ class TraceReader {
   void finish() {
     const std::vector<double>& t = table_.column("t")->values;
     for (std::size_t k = 0; k < t.size() && found_.empty(); ++k)
-      if (!(t[k] >= 0.0)) {
+      if (places_name_.empty() ? !(t[k] >= 0.0) : std::isnan(t[k])) {
         number_ = rows_[k];
         report(1, "t", std::isnan(t[k]) ? "is missing" : fmt::format("must be a time, not negative, is {}", t[k]));
       }
@@ -362,6 +372,7 @@ class TraceReader {
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
   std::string file_;
   const Cells &known_, &required_, &words_;
+  const std::string places_name_;  // of another column than t
   TraceFile table_;
   std::vector<Diagnostic> found_;
   std::vector<std::size_t> places_;  // of each column of the file, its place in the table
@@ -384,8 +395,9 @@ TraceFile::Column* TraceFile::column(std::string_view name) {
 }
 
 TraceFile read_traces(const std::filesystem::path& file, const std::vector<std::string>& known,
-                      const std::vector<std::string>& required, const std::vector<std::string>& words) {
-  return TraceReader(file, known, required, words).read();
+                      const std::vector<std::string>& required, const std::vector<std::string>& words,
+                      std::string_view places) {
+  return TraceReader(file, known, required, words, places).read();
 }
 
 }  // namespace viscobar

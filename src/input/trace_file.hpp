@@ -33,10 +33,12 @@ struct TraceFile {
 };
 
 /// Reads one with columns of those names, `t` first; those of `words` are words and the others numbers. A name that
-/// ends with @ stands for all that begin so: u@ for u@0.25.
+/// ends with @ stands for all that begin so: u@ for u@0.25. With `places` it is the column of that name that stands for
+/// `t`, and its numbers may be negative.
 /// @throws SceneError naming file, line, column and what is wrong
 TraceFile read_traces(const std::filesystem::path& file, const std::vector<std::string>& known,
-                      const std::vector<std::string>& required, const std::vector<std::string>& words = {});
+                      const std::vector<std::string>& required, const std::vector<std::string>& words = {},
+                      std::string_view places = {});
 
 /// What a number in the unit `from` is multiplied by to be one in the unit `to`, of "s", "min", "h", "m", "N", "Pa" and
 /// their decimal parts and multiples, and quotients of two such as "mm/s"; absent for others.

@@ -50,7 +50,6 @@ Sensitivities::Sensitivities(PenalisedSystem& system, const Penalty& penalty, st
       moment_(system, derive(penalty)),
       w_(system.size()),
       acceleration_(system.size()),
-      inertial_force_(system.size()),
       load_rate_(system.size()),
       shifts_(directions.size()),
       jumps_(directions.size(), {std::vector<double>(system.size()), std::vector<double>(system.size())}) {
@@ -85,14 +84,13 @@ void Sensitivities::begin_leg(double t, double end) {
   }
 }
 
-// The bar's own acceleration there, whose inertial force drives the derivatives.
+// With the bar's own acceleration there.
 Moment Sensitivities::look_at(double t, std::span<const double> u, std::span<const double> w) {
   std::ranges::copy(w, w_.begin());
   system_.complete_velocity(t, u, w_);
   system_.force(t, u, w_, acceleration_);
   system_.accelerate(acceleration_);
-  system_.bar().inertia().multiply(acceleration_, inertial_force_);
-  return moment_(t, u, w_, inertial_force_);
+  return moment_(t, u, w_, acceleration_);
 }
 
 void Sensitivities::complete(Derivative& derivative, const Moment& at, const Block& s) {

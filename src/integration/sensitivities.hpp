@@ -120,7 +120,7 @@ class Sensitivities {
   const Layout* layout_ = nullptr;
   const ErrorWeights* weights_ = nullptr;
   SensitivityAccount* account_ = nullptr;
-  std::vector<double> w_, acceleration_, inertial_force_, load_rate_;
+  std::vector<double> w_, acceleration_, load_rate_;
   // Data of the change that is under way.
   std::vector<double> old_velocity_, old_acceleration_, shifts_;
   bool shifted_ = false;

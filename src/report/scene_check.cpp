@@ -43,6 +43,9 @@ std::vector<std::string> inputs_text(const Bar& bar, const EndCondition& end, co
   if (input.dashpot > 0.0)
     text.push_back(fmt::format("dashpot c = {:.6g} = {:.3g} sqrt(E rho)", input.dashpot,
                                input.dashpot / std::sqrt(bar.modulus * bar.density)));
+  if (input.mass > 0.0)
+    text.push_back(
+        fmt::format("mass m = {:.6g} = {:.3g} of the bar's", input.mass, input.mass / (bar.density * bar.length)));
   if (input.motion)
     text.push_back(
         is_obstacle(end)

@@ -43,7 +43,7 @@ inline constexpr EndNumber obstacle_numbers[] = {
      [](EndCondition& end) -> double& { return std::get<Obstacle>(end).gap; }},
 };
 
-inline constexpr std::string_view inputs_of_free_ends[] = {"force", "stiffness", "dashpot"};
+inline constexpr std::string_view inputs_of_free_ends[] = {"force", "stiffness", "dashpot", "mass"};
 inline constexpr std::string_view inputs_of_fixed_ends[] = {"motion"};
 
 inline constexpr EndKind end_kinds[] = {
@@ -54,7 +54,7 @@ inline constexpr EndKind end_kinds[] = {
      [](const EndCondition& end, double) { return EndNode{.obstacle = std::get<Obstacle>(end)}; }},
     {"free",
      "free",
-     "no stress, E u_x + eta u_xt = 0, but what force, stiffness and dashpot make",
+     "no stress, E u_x + eta u_xt = 0, but what force, stiffness, dashpot and mass make",
      Free{},
      false,
      inputs_of_free_ends,

@@ -27,6 +27,7 @@ void check_input(std::vector<Finding>& findings, const std::string& table, const
   };
   check_number("stiffness", input.stiffness);
   check_number("dashpot", input.dashpot);
+  check_number("mass", input.mass);
   if (input.force) {
     require(findings, !is_fixed(end), table + ".force",
             "belongs to a free end or an obstacle; a fixed end does not feel it, and has a motion");

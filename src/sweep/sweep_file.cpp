@@ -223,6 +223,10 @@ SweepFile parse_sweep(const std::string& text, const std::filesystem::path& file
 void heed_scene(SweepFile& sweep) {
   const SceneEntries entries(sweep.scene_text, sweep.scene_source, sweep.settings);
   sweep.plan.sensitivities = entries.list("sensitivity.of");
+  // Workers do not know where the scene lies, and read its measured series as they are now.
+  for (const SceneKey& key : scene_keys())
+    if (entries.series(key.name))
+      sweep.settings.push_back(std::pair(std::string(key.name), SceneValue(entries.described_series(key.name))));
   sweep.plan.accuracy = entries.present("accuracy.error") ||
                         std::ranges::find(sweep.plan.keys, "accuracy.error", &VariedKey::key) != sweep.plan.keys.end();
 }

@@ -70,6 +70,7 @@ class RandomEnds {
     if (coin()) text_ += fmt::format("force = \"{}*sin({}*t)\"\n", uniform(-1.0, 1.0), uniform(1.0, 5.0));
     if (coin()) text_ += fmt::format("stiffness = {}\n", uniform(0.1, 3.0)), mounted_contact_ |= obstacle;
     if (coin()) text_ += fmt::format("dashpot = {}\n", uniform(0.1, 2.0)), mounted_contact_ |= obstacle;
+    if (coin()) text_ += fmt::format("mass = {}\n", uniform(0.01, 2.0)), mounted_contact_ |= obstacle;
   }
 
   std::mt19937 random_;
@@ -100,24 +101,25 @@ struct Allowed {
   Allowed(const Case& run, const Recording& exact) {
     const Bar& bar = run.scene.bar;
     const double h = run.mesh().spacing(), stiffness = bar.modulus / h, viscous = bar.viscosity / h;
-    double mount = 0.0, dashpot = 0.0;
+    double mount = 0.0, dashpot = 0.0, mass = 0.0;
     for (const EndInput* end : {&run.scene.left_input, &run.scene.right_input})
-      mount = std::max(mount, end->stiffness), dashpot = std::max(dashpot, end->dashpot);
+      mount = std::max(mount, end->stiffness), dashpot = std::max(dashpot, end->dashpot), mass += end->mass;
     // The promise is one of the frame of what moves, whose displacements and velocities are up to twice those of the
     // bar.
     const double largest = 2.0 * largest_of(exact.u), fastest = 2.0 * largest_of(exact.v);
     u = 100.0 * run.tolerance.relative * largest;
     v = 100.0 * run.tolerance.relative * fastest;
     reaction = u / *run.epsilon;
-    // The balance of momentum of the end's row, whose mass is rho h / 2 on all of them but a constant.
-    impulse = bar.density * h * v + 2.0 * viscous * u + 2.0 * stiffness * run.end * u + (mount * run.end + dashpot) * u;
-    // |dE| <= rho L V dv + E L S (2 du / h) + R du + k U du, S = max |u_x|; R, U of the two ends.
+    // The balance of momentum of the end's row, whose mass is rho h / 2 on all of them but a constant, and its own.
+    impulse = (bar.density * h + mass) * v + 2.0 * viscous * u + 2.0 * stiffness * run.end * u +
+              (mount * run.end + dashpot) * u;
+    // |dE| <= (rho L + m) V dv + E L S (2 du / h) + R du + k U du, S = max |u_x|; R, U of the two ends.
     double strain = 0.0, pressed = 0.0;
     for (std::size_t j = 0; j < exact.u.size(); ++j)
       if (j % run.mesh().nodes() != 0) strain = std::max(strain, std::abs(exact.u[j] - exact.u[j - 1]) / h);
     for (const EndAccount* end : {&exact.statistics.account->left, &exact.statistics.account->right})
       pressed += end->peak_reaction;
-    energy = bar.density * bar.length * fastest * v + 2.0 * stiffness * bar.length * strain * u + pressed * u +
+    energy = (bar.density * bar.length + mass) * fastest * v + 2.0 * stiffness * bar.length * strain * u + pressed * u +
              2.0 * mount * largest * u;
     // Power: eta L (V / h)^2, V the jump of velocities over an element, and c V^2; twice the first times what is wrong.
     dissipated = run.end * (8.0 * viscous / h * bar.length * fastest * v + 4.0 * dashpot * fastest * v);

@@ -65,6 +65,8 @@ double value(const SceneFile& scene, const std::string& key) {
   if (key == "right.dashpot") return of.right_input.dashpot;
   if (key == "left.dashpot") return of.left_input.dashpot;
   if (key == "left.stiffness") return of.left_input.stiffness;
+  if (key == "left.mass") return of.left_input.mass;
+  if (key == "right.mass") return of.right_input.mass;
   if (key == "parameters.push") return 0.4;
   if (key == "parameters.omega") return 3.0;
   if (key == "parameters.depth") return 0.1;
@@ -156,6 +158,31 @@ force = -0.4
 stiffness = 0.5
 dashpot = 0.3)~",
                  with({"left.stiffness", "left.dashpot", "right.stiffness", "right.dashpot", "left.gap"})});
+}
+
+// Also of the filter of jumps, which the force at the start sets going, and of a frame that moves.
+TEST(SensitivitiesOfDrivenEnds, AreTheSlopesOfRunsWithMasses) {
+  expect_slopes({"masses", R"~(
+[left]
+kind = "obstacle"
+gap = 0.02
+mass = 0.3
+[right]
+kind = "free"
+force = -0.4
+mass = 0.6
+dashpot = 0.3)~",
+                 with({"left.mass", "right.mass", "right.dashpot", "left.gap"})});
+  expect_slopes({"mass behind a moving obstacle", R"~(
+[left]
+kind = "obstacle"
+gap = "depth - push*t*exp(-omega*t)"
+mass = 0.2
+[right]
+kind = "free"
+force = -0.5)~",
+                 with({"left.mass", "parameters.depth"})},
+                "rigid");
 }
 
 TEST(SensitivitiesOfDrivenEnds, AreTheSlopesOfRunsAgainstAnObstacleThatMoves) {

@@ -59,26 +59,29 @@ struct Lift {
   double at(double share) const { return std::lerp(left, right, share); }
 };
 
-/// The energy of a bar and of the springs at its ends.
+/// The energy of a bar and of the springs and masses at its ends.
 struct BarEnergy {
-  double kinetic = 0.0;                               ///< of the bar
-  double elastic = 0.0;                               ///< of both
+  double kinetic = 0.0;                               ///< of bar and masses
+  double elastic = 0.0;                               ///< of bar and springs
   double total() const { return kinetic + elastic; }  ///< their sum
 };
 
-/// A spring and a dashpot between an end and the ground.
+/// A spring and a dashpot between an end and the ground, and a mass on it.
 struct Mount {
   std::size_t unknown = 0;  ///< of the end
   double stiffness = 0.0;   ///< k
   double dashpot = 0.0;     ///< c
+  double mass = 0.0;        ///< m
 };
 
 /// The P1 semi-discretisation without its contact forces,
 ///
-///     rho M u'' = F(t, u, u') = M f(t) - E K u - eta K u' + sum over the ends of (F_e(t) - k_e u - c_e u') e_e,
+///     (rho M + sum over the ends of m_e e_e e_e^T) u'' = F(t, u, u')
+///         = M f(t) - E K u - eta K u' + sum over the ends of (F_e(t) - k_e u - c_e u') e_e,
 ///
 /// over the nodes that are not fixed, with only the terms that the scene has. Contact constraints are listed, not
-/// applied: the penalised system and the fully discrete schemes each do that in their way.
+/// applied: the penalised system and the fully discrete schemes each do that in their way. Below, rho M has the masses
+/// of the ends in it.
 ///
 /// Where an end is held by something that moves, u everywhere here is measured in a frame that moves with it: the
 /// displacement is u + lift(t), linear in x, so that fixed ends stand still, and
@@ -91,7 +94,7 @@ struct Mount {
 class BarSystem {
  public:
   /// @throws std::invalid_argument when the mesh cannot carry the scene (no unknown node left; too few elements to
-  /// redistribute the mass; redistributed mass with a span obstacle, or with a spring or dashpot at a contact; a span
+  /// redistribute the mass; redistributed mass with a span obstacle, or with a mount at a contact; a span
   /// obstacle with an end that moves).
   BarSystem(const Scene& scene, const Mesh& mesh, Mass mass);
 
@@ -113,11 +116,11 @@ class BarSystem {
   std::size_t end(bool right) const { return right ? size() - 1 : 0; }
   /// Which end that is.
   bool is_right(std::size_t end) const { return end > 0 || left_fixed(); }
-  /// Springs and dashpots at the ends.
+  /// Springs, dashpots and masses at the ends.
   const std::vector<Mount>& mounts() const { return mounts_; }
   bool has_dashpots() const;  ///< whether a mount has one
 
-  /// Force, spring, dashpot and motion of the left and the right end.
+  /// Force, spring, dashpot, mass and motion of the left and the right end.
   const std::array<EndInput, 2>& inputs() const { return inputs_; }
 
   /// True if the frame moves.
@@ -241,9 +244,9 @@ class BarSystem {
   double end_power(std::span<const double> w, std::span<const double> a) const;
 
   /// Initial data at the unknown nodes. Velocities that enter by moments, see SteadyLoad, obey rho M w = rho int phi_i
-  /// u_1 over the unknowns, held nodes being at rest. Else, on `fourth_order`, where an end is held whose initial
-  /// velocity is another, the velocities are those after it has stopped: rho M w = rho M u_1 over the unknowns, the
-  /// held node counted in u_1.
+  /// u_1 over the unknowns, held nodes being at rest, M of the bar alone. Else, on `fourth_order`, where an end is held
+  /// whose initial velocity is another, the velocities are those after it has stopped: rho M w = rho M u_1 over the
+  /// unknowns, the held node counted in u_1.
   State initial_state() const { return initial_; }
 
   /// Copies the unknowns into a field over all mesh nodes (J+1 entries); fixed nodes keep their displacement and stand
@@ -285,6 +288,7 @@ class BarSystem {
   bool moves_frame(bool right) const { return inputs_[right].motion && (walls_[right] || following_); }
   void take_forces();
   void enter_frame();
+  void add_masses();
   std::vector<double> moments_of(std::string_view what, const SpaceFunction& f, const Places& places) const;
   void start_from(std::vector<double> moments);
   void stop_fixed_ends(const Scene& scene, double coupling);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -36,8 +37,12 @@ class SceneError : public std::runtime_error {
   std::vector<Diagnostic> diagnostics;                 ///< in the order of the text, overrides last
 };
 
-/// A value of a key: a text or formula, a whole number, a number, or a list of words or of numbers.
-using SceneValue = std::variant<std::string, std::int64_t, double, std::vector<std::string>, std::vector<double>>;
+/// A series of measured values, as an inline table says it: { file = "record.csv", column = "F" } or so.
+using SceneTable = std::map<std::string, std::variant<double, std::string, std::vector<double>>>;
+
+/// A value of a key: a text or formula, a whole number, a number, a list of words or of numbers, or a series.
+using SceneValue =
+    std::variant<std::string, std::int64_t, double, std::vector<std::string>, std::vector<double>, SceneTable>;
 
 /// Keys "table.key" with their values, in the order in which a scene is told.
 using SceneValues = std::vector<std::pair<std::string, SceneValue>>;

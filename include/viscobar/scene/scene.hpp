@@ -122,15 +122,16 @@ struct EndMotion {
   NextBreak breaks = {};      ///< of any of the three; empty: it is smooth
 };
 
-/// Force, spring, dashpot and motion that an end is given beside its condition. With the outward stress s at the end,
-/// -s at x = 0, and the reaction R,
+/// Force, spring, dashpot, mass and motion that an end is given beside its condition. With the outward stress s at the
+/// end, -s at x = 0, and the reaction R,
 ///
-///     s = F(t) - k u - c u_t + R    at a free end, R = 0, or one with an obstacle.
+///     s = F(t) - k u - c u_t - m u_tt + R    at a free end, R = 0, or one with an obstacle.
 struct EndInput {
   std::optional<EndForce> force{};    ///< F
   std::optional<EndMotion> motion{};  ///< of a fixed end, u = u_0 + d(t), or of an obstacle, gap(t) = gap - s d(t)
   double stiffness = 0.0;             ///< k >= 0, of a spring to the ground at rest at u = 0
   double dashpot = 0.0;               ///< c >= 0, of a dashpot beside it
+  double mass = 0.0;                  ///< m >= 0, of a rigid mass on the end, a mass per area of the bar
 };
 
 /// Names of the units of a scene, for labels alone: any may be empty.

@@ -102,8 +102,8 @@ bool StepDerivatives::drive(std::size_t k, std::span<const Complex> motion) {
     for (std::size_t i = 0; i < n; ++i) x[i] = of_stiffness * stiff_[i];
   else if (!rates.mounts.empty())
     std::ranges::fill(x, Complex{Lanes::Zero(), Lanes::Zero()});
-  for (const auto& [unknown, stiffness, dashpot] : rates.mounts)
-    x[unknown] = x[unknown] + elastic(dashpot, stiffness) * motion[unknown];
+  for (const auto& [unknown, stiffness, dashpot, mass] : rates.mounts)
+    x[unknown] = x[unknown] + (elastic(dashpot, stiffness) + -mass * formula.poles) * motion[unknown];
   return inertial || stiff || !rates.mounts.empty();
 }
 

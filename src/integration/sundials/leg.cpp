@@ -65,7 +65,7 @@ void Leg::solve_first_order(double t, double gamma, std::span<const double> y, d
   }
   if (derivatives.empty()) return;
   for (std::size_t i = 0; i < n; ++i) new_u[i] = u[i] + x_u[i], new_w[i] = w[i] + x_w[i];
-  const Moment at = moment(t, new_u, new_w, acceleration);
+  const Moment at = (*moment)(t, new_u, new_w, acceleration);
   for (std::size_t k = 0; k < derivatives.size(); ++k) {
     derivatives[k]->drive(at);
     const auto s = layout.derivative(y, k), z_s = layout.derivative(z, k);
@@ -74,14 +74,6 @@ void Leg::solve_first_order(double t, double gamma, std::span<const double> y, d
     impulse_rates(*derivatives[k], at, s, x_s.u(), x_s.impulses());
     for (std::size_t i = 2 * n; i < layout.block; ++i) x_s[i] = gamma * x_s[i] + factor * z_s[i];
   }
-}
-
-Moment Leg::moment(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a) {
-  if (moment_->asks_for_inertia()) {
-    std::ranges::fill(inertial_force_, 0.0);
-    subtract_inertia(-1.0, a, inertial_force_);
-  }
-  return (*moment_)(t, u, w, inertial_force_);
 }
 
 void Leg::impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::span<const double> x,
@@ -105,7 +97,7 @@ void Leg::evaluate(double t, std::span<double> y, std::span<double> rate) {
 
 void Leg::derivative_rates(double t, std::span<const double> y, std::span<double> y_rate) {
   if (derivatives.empty()) return;
-  const Moment at = moment(t, y.first(layout.nodes), layout.u(y_rate), layout.w(y_rate));
+  const Moment at = (*moment)(t, y.first(layout.nodes), layout.u(y_rate), layout.w(y_rate));
   for (std::size_t k = 0; k < derivatives.size(); ++k) {
     Derivative& derivative = *derivatives[k];
     derivative.drive(at);

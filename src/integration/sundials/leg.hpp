@@ -31,7 +31,7 @@ class Leg {
     if (placed.end_inertia || !of_parameters.empty()) acceleration.resize(placed.nodes);
     if (of_parameters.empty()) return;
     new_u.resize(placed.nodes), new_w = new_u;
-    if (moment_.emplace(of, of_parameters).asks_for_inertia()) inertial_force_ = new_u;
+    moment.emplace(of, of_parameters);
   }
 
   /// x <- D(m,c,k)^{-1} x; factorises only when a coefficient or a contact has changed.
@@ -50,8 +50,6 @@ class Leg {
   /// Completes the rate of a state y whose velocities, those of massless nodes included, are layout.u(rate).
   void evaluate(double t, std::span<double> y, std::span<double> rate);
 
-  /// Drives the derivatives by the state u, w, whose inertial force is taken from its acceleration.
-  Moment moment(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a);
   /// Rates of the impulse entries of a block, whose displacements are s + x.
   void impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::span<const double> x,
                      std::span<double> rates);
@@ -67,22 +65,21 @@ class Leg {
   Statistics& statistics;
   std::span<Derivative* const> derivatives;
   void (*solve_step)(Leg&, std::span<double> correction);
-  std::vector<double> new_u, new_w;    // of the step solved for, where there are derivatives
-  std::vector<double> field;           // scratch, one entry a node
-  std::vector<double> acceleration;    // likewise, where the account needs it
-  std::span<const double> correction;  // of the step or stage solved for last, until the next
-  double account_correction = 0.0;     // largest of the energy account, at the step solved for last
-  std::exception_ptr error;            // thrown inside a callback, to be rethrown outside the C frames
-  std::string library_message;         // what SUNDIALS said last
-  void* memory = nullptr;              // of the integrator
+  std::optional<MomentBuilder> moment;  // what drives the derivatives, where there are any
+  std::vector<double> new_u, new_w;     // of the step solved for, likewise
+  std::vector<double> field;            // scratch, one entry a node
+  std::vector<double> acceleration;     // likewise, where the account needs it
+  std::span<const double> correction;   // of the step or stage solved for last, until the next
+  double account_correction = 0.0;      // largest of the energy account, at the step solved for last
+  std::exception_ptr error;             // thrown inside a callback, to be rethrown outside the C frames
+  std::string library_message;          // what SUNDIALS said last
+  void* memory = nullptr;               // of the integrator
 
  private:
   void derivative_rates(double t, std::span<const double> y, std::span<double> y_rate);
   void solve_momentum(PenalisedSystem& forces, double t, double gamma, std::span<const double> y, double factor,
                       std::span<const double> z, std::span<double> x);
 
-  std::optional<MomentBuilder> moment_;
-  std::vector<double> inertial_force_;  // where a derivative asks for it
   SymmetricTridiagonal matrix_;
   TridiagonalFactor factor_;
   double m_ = 0.0, c_ = 0.0, k_ = 0.0;

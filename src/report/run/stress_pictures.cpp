@@ -43,17 +43,18 @@ FieldColours stress_colours(const Case& run, const ReportData& data) {
 namespace {
 
 /// Stress of the first or the last element at the output times, and of each contact what the balance of its end gives,
-/// s = -+ (R + F). A penalty, or a step of a scheme, that stops the mass of a node has another R, and a spring at the
-/// end takes a part of it.
+/// s = -+ (R + F). A penalty, or a step of a scheme, that stops the mass of a node has another R, and a spring, a
+/// dashpot or a mass at the end takes a part of it.
 std::vector<Point> traction(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data,
                             bool right) {
   const SceneEnd end = ends_of(run.scene)[right];
   std::vector<Point> line = (right ? data.right : data.left).traction.points();
   const bool balanced = run.method == MethodName::characteristics || run.method == MethodName::rigid ||
                         (end.obstacle() && system.massless(system.end(right)));
-  if (!end.obstacle() || !balanced || end.input.stiffness > 0.0 || end.input.dashpot > 0.0) return line;
+  const EndInput& input = end.input;
+  if (!end.obstacle() || !balanced || input.stiffness > 0.0 || input.dashpot > 0.0 || input.mass > 0.0) return line;
   return with_contacts(line, contacts_of(end.name, outcome, data), [&](double t, double reaction) {
-    const double force = reaction + (end.input.force ? end.input.force->value(t) : 0.0);
+    const double force = reaction + (input.force ? input.force->value(t) : 0.0);
     return right ? force : -force;
   });
 }
