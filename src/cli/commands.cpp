@@ -44,7 +44,7 @@ void add_error(CLI::App& command, std::string& error, const std::string& what) {
 
 void add_threads(CLI::App& command, std::size_t& threads, const std::string& what) {
   constexpr std::size_t most = 4096;
-  add(command, "--threads", "N", threads, what)->check(CLI::Range(std::size_t{1}, most));
+  add(command, "--threads", "N", threads, what)->check(in_range(std::size_t{1}, most));
 }
 
 SceneOptions::SceneOptions(CLI::App& command) {

@@ -15,6 +15,7 @@
 #include "cli/messages.hpp"
 #include "results/result_directory.hpp"
 #include "text/nearest_name.hpp"
+#include "text/number.hpp"
 #include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {
@@ -24,6 +25,17 @@ struct PicturedPage;
 namespace viscobar::cli {
 
 enum ExitCode { success = 0, run_failed = 1, wrong_input = 2, stopped = 130 };
+
+/// Numbers from `low` to `high`, as CLI::Range, whose words differ from version to version.
+template <class Number>
+CLI::Validator in_range(Number low, Number high) {
+  const auto problem = [=](const std::string& text) {
+    const auto value = number_in<Number>(text);
+    return value && *value >= low && *value <= high ? ""
+                                                    : fmt::format("Value {} not in range {} to {}", text, low, high);
+  };
+  return {problem, fmt::format("{} in [{} - {}]", CLI::detail::type_name<Number>(), low, high)};
+}
 
 /// What a command does when its options have been read; gives the exit code.
 using Action = std::function<int()>;

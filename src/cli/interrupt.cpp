@@ -1,7 +1,9 @@
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <csignal>
+#include <cstddef>
 #include <cstdlib>
 #include <ctime>
 #include <string_view>
@@ -12,6 +14,18 @@
 namespace viscobar::cli {
 
 namespace {
+
+// Signals that are ignored as the program begins. Libraries may catch some as they are loaded (UCX, which Debian 13's
+// SUNDIALS loads with MPI, takes SIGHUP), and only what stands here comes before that.
+std::array<bool, NSIG> ignored_at_first{};
+void look_at_signals(int, char**, char**) {
+  for (int signal = 1; signal < NSIG; ++signal) {
+    struct sigaction now {};
+    ignored_at_first[static_cast<std::size_t>(signal)] =
+        sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+  }
+}
+[[gnu::used, gnu::section(".preinit_array")]] void (*const before_libraries)(int, char**, char**) = look_at_signals;
 
 std::atomic<bool> was_heard = false;
 std::atomic<double> heard_at = 0.0;
@@ -39,9 +53,10 @@ void handle(void (*handler)(int)) {
   action.sa_flags = SA_RESTART;
   // nohup has SIGHUP ignored, and wants that. The last two are how batch systems announce the end.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGXCPU}) {
-    struct sigaction before {};
-    const bool ignored = sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN;
-    if (!ignored || signal == SIGINT || signal == SIGTERM) sigaction(signal, &action, nullptr);
+    if (!ignored_at_first[static_cast<std::size_t>(signal)] || signal == SIGINT || signal == SIGTERM)
+      sigaction(signal, &action, nullptr);
+    else
+      std::signal(signal, SIG_IGN);
   }
 }
 

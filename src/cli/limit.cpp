@@ -116,7 +116,7 @@ Action limit_command(CLI::App& command) {
       "The penalties, from the first down to the last (default: 1e-2 to 1e-8 times L/E, under a span obstacle alone "
       "L^2/E)");
   add(command, "--per-decade", "N", asked->per_decade, "Penalties a decade")
-      ->check(CLI::Range(1, 100))
+      ->check(in_range(1, 100))
       ->capture_default_str();
   add(command, "--mass", "NAME", asked->mass, "The mass matrix, in place of the scene's");
   add(command, "--elements", "N,N...", asked->elements,
@@ -126,7 +126,7 @@ Action limit_command(CLI::App& command) {
       ->check(positive_number);
   asked->budget = add(command, "--budget", "SECONDS", study.budget,
                       "Processor seconds of all runs; the study goes on by itself until the verdict is known")
-                      ->check(CLI::Range(0.0, 1e6))
+                      ->check(in_range(0.0, 1e6))
                       ->capture_default_str();
   asked->scene.takes_accuracy = true;
   add_error(command, asked->error, "Choose the elements so that the limit epsilon = 0 keeps this error of the mesh");

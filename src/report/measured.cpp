@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <stdexcept>
 
 #include "scene/unit_names.hpp"
@@ -16,6 +17,13 @@ void convert(TraceFile& table, TraceFile::Column& column, const std::string& uni
                                             file, column.name, column.unit, unit));
   for (double& value : column.values) value *= *ratio;
   if (*ratio != 1.0) table.understood += fmt::format("; {} converted to {}", column.name, unit);
+}
+
+std::vector<std::string> names_of_traces() {
+  std::vector<std::string> names = {"t"};
+  for (const TraceColumn column : all_trace_columns) names.push_back(name(column));
+  names.insert(names.end(), {"u@", "v@", "strain@", "stress@"});
+  return names;
 }
 
 TraceFile read_measured(const SceneFile& scene, const std::string& file, const std::vector<std::string>& known,
@@ -34,8 +42,11 @@ TraceFile read_measured(const SceneFile& scene, const std::string& file, const s
 }
 
 std::string unit_of(TraceColumn column, const Units& units) {
-  const Dimension dimensions[] = {Dimension::length, Dimension::velocity, Dimension::stress};
-  return unit_name(units, dimensions[static_cast<std::size_t>(column) % 3]);
+  constexpr std::optional<Dimension> dimensions[] = {
+      Dimension::length, Dimension::velocity, Dimension::stress,   Dimension::length, Dimension::velocity,
+      Dimension::stress, Dimension::length,   Dimension::velocity, std::nullopt,      Dimension::stress};
+  const auto dimension = dimensions[static_cast<std::size_t>(column)];
+  return dimension ? unit_name(units, *dimension) : "";
 }
 
 }  // namespace viscobar

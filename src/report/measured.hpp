@@ -9,6 +9,8 @@
 
 namespace viscobar {
 
+/// t and the columns that a file of measurements may have, as read_traces() takes them.
+std::vector<std::string> names_of_traces();
 /// Reads a file of measurements, with times that can be those of the scene. @throws SceneError, std::invalid_argument
 TraceFile read_measured(const SceneFile& scene, const std::string& file, const std::vector<std::string>& known,
                         const std::vector<std::string>& required, const std::vector<std::string>& words = {});

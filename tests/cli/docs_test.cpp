@@ -188,7 +188,7 @@ constexpr struct {
     {"build/release/tests/malformed_test", "is one of the tests"},
     {"build/release/tests/properties_test", "is one of the tests"},
     {"cmake --install", "tests/package/newcomer.bash"},
-    {"cmake -S . -B build", "tests/package/newcomer.bash"},
+    {"cmake -G Ninja -S . -B build", "tests/package/newcomer.bash"},
     {"build/mine", "tests/package/newcomer.bash"},
     {"export PKG_CONFIG_PATH", "tests/package/newcomer.bash"},
     {"g++ -std=c++20 -O2 mine.cpp", "tests/package/newcomer.bash"},

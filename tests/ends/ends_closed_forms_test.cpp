@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "ends/closed_forms.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 
@@ -15,33 +16,7 @@ namespace viscobar {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-// A bar whose numbers are not 1: c = sqrt(E / rho) = 1.5, Z = sqrt(E rho) = 3.
-constexpr double length = 1.25, density = 2.0, modulus = 4.5, c = 1.5, impedance = 3.0;
-constexpr const char* bar = "[bar]\nlength = 1.25\ndensity = 2\nmodulus = 4.5\n";
-
-std::string numerics(int elements, const std::string& mass, const std::string& method, double end) {
-  return fmt::format(
-      "[time]\nend = {}\n[mesh]\nelements = {}\nmass = \"{}\"\n[method]\nname = \"{}\"\nrelative_tolerance = 1e-11\n"
-      "step = {}\n[output]\nevery = {}\n",
-      end, elements, mass, method, 0.02 / elements / elements, end / 16);
-}
-
-using Exact = std::function<double(double x, double t)>;
-
-double error(const Recording& run, const Exact& u) {
-  double most = 0.0;
-  for (std::size_t k = 0; k < run.times.size(); ++k)
-    for (std::size_t j = 0; j < run.mesh.nodes(); ++j)
-      most = std::max(most, std::abs(run.displacement(k)[j] - u(run.mesh.node(j), run.times[k])));
-  return most;
-}
-
-// The error on 2 n elements and what it falls by from n: the order of the mass, since time is resolved further.
-void expect_order(double order, const std::function<std::string(int)>& scene, const Exact& u, int n) {
-  const double coarse = error(record(parse_scene(scene(n), "").run), u);
-  const double fine = error(record(parse_scene(scene(2 * n), "").run), u);
-  EXPECT_GT(std::log2(coarse / fine), order - 0.4) << coarse << " " << fine;
-}
+using namespace closed_forms;
 
 // A wave that an end sends, which the free other end returns as it is, and the first end with `sign`.
 double train(const std::function<double(double)>& f, double sign, double x, double t) {
@@ -51,15 +26,6 @@ double train(const std::function<double(double)>& f, double sign, double x, doub
       if (t > way / c) sum += factor * f(t - way / c);
   return sum;
 }
-
-struct Orders {
-  std::string method, mass;
-  double order;
-};
-const Orders all_orders[] = {{"cvode", "fourth_order", 4},        {"ida", "lumped", 2},
-                             {"arkode", "consistent", 2},         {"odeint", "lumped", 2},
-                             {"rigid", "fourth_order", 4},        {"exponential", "consistent", 2},
-                             {"fully_discrete", "consistent", 2}, {"finite_difference", "lumped", 2}};
 
 // v = F / (rho c) behind the front, and twice that from each return on.
 TEST(EndForce, SendsTheWaveFOverRhoCAndItsEchoes) {

@@ -16,7 +16,7 @@
 #include "input/described_scene.hpp"
 #include "viscobar/case/recording.hpp"
 
-namespace viscobar {
+namespace viscobar::testing_series {
 namespace {
 
 using characteristics::FunctionOfTime;
@@ -280,4 +280,4 @@ TEST_F(Records, AreToldByTheirWholeNameAndHaveToBeAsTheyWere) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::testing_series

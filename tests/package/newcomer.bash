@@ -49,7 +49,7 @@ block "$work/tree/README.md" cpp >"$work/program/mine.cpp"
 [ "$(wc -l <"$work/program/mine.cpp")" -le 20 ] || { echo "the README's program has more than 20 lines"; exit 1; }
 block "$page" cmake >"$work/program/CMakeLists.txt"
 run "$work/tree" "$(commands "$page" 'cmake --install')"
-run "$work/program" "$(commands "$page" 'cmake -S')" | tee "$work/program/by-cmake.txt"
+run "$work/program" "$(commands "$page" 'cmake -G Ninja -S')" | tee "$work/program/by-cmake.txt"
 grep -q '^closes at t = 0.2000$' "$work/program/by-cmake.txt"
 run "$work/program" "$(commands "$page" 'export PKG_CONFIG_PATH')" | tee "$work/program/by-pkg-config.txt"
 grep -q '^closes at t = 0.2000$' "$work/program/by-pkg-config.txt"

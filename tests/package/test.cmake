@@ -19,7 +19,7 @@ endforeach()
 
 # Moved: nothing may point to where it was installed first, or into the build.
 file(RENAME ${WORK_DIR}/prefix ${WORK_DIR}/moved)
-run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK_DIR}/outside -DCMAKE_CXX_COMPILER=${COMPILER}
+run(${CMAKE_COMMAND} -G Ninja -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK_DIR}/outside -DCMAKE_CXX_COMPILER=${COMPILER}
     -DCMAKE_PREFIX_PATH=${WORK_DIR}/moved "-DCMAKE_CXX_FLAGS=${FLAGS}")
 run(${CMAKE_COMMAND} --build ${WORK_DIR}/outside)
 run(${CMAKE_COMMAND} -E chdir ${WORK_DIR} ${WORK_DIR}/outside/outside)

@@ -189,9 +189,11 @@ class SchemesTest(Test):
     def test_of_examples_converge_on_the_period_3_bar(self):
         for scheme in (newmark, nitsche):
             orders = viscobar.orders(scheme, SCENES / "period-3.toml", levels=3,
-                                     set={"mesh.elements": 20, "method.step": 0.01, "time.end": 3.0})  # fmt: skip
+                                     set={"mesh.elements": 20, "method.step": 0.01, "time.end": 3.0,
+                                          "contact.epsilon": 1e-3})  # fmt: skip
             errors = orders.column("displacement_l2")
             self.assertEqual(orders.column("elements"), [20, 40, 80])
+            # The step resolves the penalty; where it does not, roundings decide how the node bounces.
             # Waves with corners: P1 elements have less than order 1, and more than 1/2.
             self.assertGreater(orders.order["displacement_l2"], 0.5)
             self.assertLess(orders.order["displacement_l2"], 1.5)

@@ -39,10 +39,11 @@ inline void free_context(SUNContext* context) {
 }
 inline int make_context(SUNContext* context) {
   const SUNComm alone = SUN_COMM_NULL;
-  SUNLogger silent = nullptr;  // the context's own writes warnings to standard output
+  SUNLogger silent = nullptr;  // any writes warnings to standard output, unless it is given a file for them
   int failed = SUNContext_Create(alone, context);
   if (failed) return failed;
   failed = SUNLogger_Create(alone, 0, &silent);
+  if (!failed) failed = SUNLogger_SetWarningFilename(silent, "/dev/null");
   if (!failed) failed = SUNContext_SetLogger(*context, silent);
   if (!failed) failed = SUNContext_ClearErrHandlers(*context);
   if (failed) SUNContext_Free(context), SUNLogger_Destroy(&silent);

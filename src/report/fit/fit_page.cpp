@@ -98,7 +98,7 @@ Picture traces_picture(const FitStudy& study, const FitResult& result) {
       "Markers are measured, the line is the model with the estimates. Below each, what is left: model less data."};
   for (std::size_t i = 0; i < study.traces.size(); ++i) {
     const MeasuredTrace& data = study.traces[i];
-    const std::string column(name(data.column));
+    const std::string column = name(data.column, data.place);
     std::vector<double> left(result.traces[i].size());
     for (std::size_t k = 0; k < left.size(); ++k) left[k] = result.traces[i][k] - data.values[k];
     const auto measured = plot::points_of(study.times, data.values);
@@ -145,7 +145,7 @@ std::string fit_json(const SceneFile& scene, const FitStudy& study, const FitRes
   json["residual"] = result.residual;
   json["residuals"] = Json::object();
   for (std::size_t i = 0; i < study.traces.size(); ++i)
-    json["residuals"][std::string(name(study.traces[i].column))] = {
+    json["residuals"][name(study.traces[i].column, study.traces[i].place)] = {
         {"root_mean_square", root_mean_square(study.traces[i], result.traces[i])},
         {"deviation", study.traces[i].deviation}};
   if (!study.changes.empty()) json["residuals"]["events"] = {{"deviation", study.change_deviation}};
@@ -177,7 +177,8 @@ std::string fit_text(const FitStudy& study, const FitResult& result) {
   out += (out.empty() ? "" : "\n") + text(estimates(result));
   out += fmt::format("\n{}.\n{} numbers, {} runs of the model.\n", verdict(result), result.measured, result.runs);
   for (std::size_t i = 0; i < study.traces.size(); ++i)
-    out += fmt::format("{}: root mean square of model less data {:.3g}.\n", name(study.traces[i].column),
+    out += fmt::format("{}: root mean square of model less data {:.3g}.\n",
+                       name(study.traces[i].column, study.traces[i].place),
                        root_mean_square(study.traces[i], result.traces[i]));
   for (const std::string& line : remarks(study, result)) out += line + ".\n";
   return out;

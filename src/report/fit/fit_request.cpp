@@ -66,19 +66,23 @@ void doubt(FitStudy& study, const TraceFile& table) {
 }
 
 void read_data(FitStudy& study, const SceneFile& scene, const std::string& file) {
-  std::vector<std::string> known = {"t"};
-  for (const TraceColumn column : all_trace_columns) known.emplace_back(name(column));
+  const std::vector<std::string> known = names_of_traces();
   TraceFile table = read_measured(scene, file, known, {"t"});
   doubt(study, table);
   study.times = table.column("t")->values;
-  for (const TraceColumn column : all_trace_columns) {
-    TraceFile::Column* found = table.column(name(column));
-    if (!found) continue;
-    convert(table, *found, unit_of(column, scene.run.scene.units), file);
-    if (std::ranges::none_of(found->values, [](double value) { return std::isfinite(value); }))
-      throw std::invalid_argument(fmt::format("{}: {} has no value: leave the column out", file, found->name));
-    study.traces.push_back({column, found->values, 1.0});
+  for (TraceFile::Column& found : table.columns) {
+    if (found.name == "t") continue;
+    const auto column = trace_column(found.name);
+    const double length = scene.run.scene.bar.length;
+    if (!column || !(column->second >= 0.0 && column->second <= length))
+      throw std::invalid_argument(
+          fmt::format("{}: {} is no place of the bar, 0 <= x <= {}, as in u@0.25", file, found.name, length));
+    convert(table, found, unit_of(column->first, scene.run.scene.units), file);
+    if (std::ranges::none_of(found.values, [](double value) { return std::isfinite(value); }))
+      throw std::invalid_argument(fmt::format("{}: {} has no value: leave the column out", file, found.name));
+    study.traces.push_back({column->first, found.values, 1.0, false, column->second});
   }
+  std::ranges::stable_sort(study.traces, {}, &MeasuredTrace::column);
   study.understood.push_back(table.understood);
   if (study.traces.empty())
     throw std::invalid_argument(fmt::format("{}: has no column of values beside t; known are {}", file,
@@ -126,14 +130,18 @@ PreparedFit prepared_fit(const FitRequest& request,
   PreparedFit prepared{read({}), {}};
   const SceneFile& scene = prepared.scene;
   FitStudy& study = prepared.study;
-  // A method without derivatives is kept, and its runs are differenced.
-  study.differences = !method_row(scene.run.method).differentiates;
+  if (!request.data.empty()) read_data(study, scene, request.data);
+  if (!request.events.empty()) read_changes(study, scene, request.events);
+  // A method without derivatives is kept, and its runs are differenced. Derivatives by the length are those of what
+  // moves with the nodes, and a gauge stays at its x.
+  const auto is_gauge = [](const MeasuredTrace& trace) { return trace.column >= TraceColumn::u_at; };
+  study.differences = !method_row(scene.run.method).differentiates ||
+                      (std::ranges::find(request.parameters, "bar.length") != request.parameters.end() &&
+                       std::ranges::any_of(study.traces, is_gauge));
   std::vector<Setting> kept;
   if (!study.differences) kept.emplace_back(std::pair("sensitivity.of", request.parameters));
   study.starts = request.starts;
   study.most_runs = request.most_runs;
-  if (!request.data.empty()) read_data(study, scene, request.data);
-  if (!request.events.empty()) read_changes(study, scene, request.events);
   for (const std::string& key : request.parameters) {
     study.parameters.push_back(parameter_of(scene, key));
     if (!is_parameter(key)) direction(scene.run, key);  // refuses keys that are none to vary
@@ -150,7 +158,7 @@ PreparedFit prepared_fit(const FitRequest& request,
   }
   std::vector<std::string> columns;
   for (MeasuredTrace& trace : study.traces) {
-    columns.emplace_back(name(trace.column));
+    columns.push_back(name(trace.column, trace.place));
     const double most = largest(trace.values);
     trace.deviation = most > 0.0 ? 0.01 * most : 1.0;
     trace.assumed = true;
@@ -165,7 +173,7 @@ PreparedFit prepared_fit(const FitRequest& request,
     if (!(deviation > 0.0)) throw std::invalid_argument(fmt::format("--deviation: {} is not positive", text));
     if (column == "events") study.change_deviation = deviation;
     for (MeasuredTrace& trace : study.traces)
-      if (column == name(trace.column)) trace.deviation = deviation, trace.assumed = false;
+      if (column == name(trace.column, trace.place)) trace.deviation = deviation, trace.assumed = false;
   }
   // What is chosen for the scene stays while its values move.
   if (const SceneValue* epsilon = value_of(scene.chosen, "contact.epsilon"))

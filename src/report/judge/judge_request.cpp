@@ -27,14 +27,6 @@ std::pair<std::string, std::optional<double>> file_and_step(const std::string& t
   return {text.substr(0, equals), step};
 }
 
-std::string unit_of_column(const std::string& column, const Units& units) {
-  for (const TraceColumn one : all_trace_columns)
-    if (name(one) == column) return unit_of(one, units);
-  if (column.starts_with("u@")) return unit_name(units, Dimension::length);
-  if (column.starts_with("v@")) return unit_name(units, Dimension::velocity);
-  return column.starts_with("stress@") ? unit_name(units, Dimension::stress) : "";
-}
-
 }  // namespace
 
 std::vector<Setting> of_the_bar_itself() {
@@ -51,18 +43,17 @@ PreparedJudgement prepared_judgement(const std::vector<std::string>& files, Scen
   JudgeStudy& study = prepared.study;
   study.scene = prepared.scene.run;
   study.request = *prepared.scene.accuracy;
-  std::vector<std::string> known = {"t", "u@", "v@", "strain@", "stress@"};
-  for (const TraceColumn column : all_trace_columns) known.emplace_back(name(column));
   for (const std::string& text : files) {
     const auto [file, step] = file_and_step(text);
-    TraceFile table = read_measured(prepared.scene, file, known, {"t"});
+    TraceFile table = read_measured(prepared.scene, file, names_of_traces(), {"t"});
     TheirSolution& theirs = study.solutions.emplace_back();
     theirs.label = file;
     theirs.step = step;
     theirs.times = table.column("t")->values;
     for (TraceFile::Column& column : table.columns) {
       if (column.name == "t") continue;
-      convert(table, column, unit_of_column(column.name, prepared.scene.run.scene.units), file);
+      if (const auto known = trace_column(column.name))
+        convert(table, column, unit_of(known->first, prepared.scene.run.scene.units), file);
       theirs.columns.push_back({column.name, column.values});
     }
     prepared.understood.push_back(table.understood);

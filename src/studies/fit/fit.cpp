@@ -11,14 +11,31 @@
 #include <utility>
 
 #include "studies/fit/search.hpp"
+#include "text/number.hpp"
 
 namespace viscobar {
 
 using namespace fitting;
 
-std::string_view name(TraceColumn column) {
-  constexpr std::string_view names[] = {"u_left", "v_left", "reaction_left", "u_right", "v_right", "reaction_right"};
-  return names[static_cast<std::size_t>(column)];
+std::string name(TraceColumn column, double place) {
+  constexpr std::string_view names[] = {"u_left", "v_left", "reaction_left", "u_right", "v_right", "reaction_right",
+                                        "u@",     "v@",     "strain@",       "stress@"};
+  const std::string_view own = names[static_cast<std::size_t>(column)];
+  return own.ends_with('@') ? fmt::format("{}{}", own, place) : std::string(own);
+}
+
+std::optional<std::pair<TraceColumn, double>> trace_column(std::string_view text) {
+  for (const TraceColumn column : all_trace_columns)
+    if (name(column) == text) return std::pair(column, 0.0);
+  const std::size_t at = text.find('@');
+  const auto place = at == text.npos ? std::nullopt : number_in<double>(text.substr(at + 1));
+  if (!place || !std::isfinite(*place)) return std::nullopt;
+  for (const auto& [quantity, column] : {std::pair{"u", TraceColumn::u_at},
+                                         {"v", TraceColumn::v_at},
+                                         {"strain", TraceColumn::strain_at},
+                                         {"stress", TraceColumn::stress_at}})
+    if (text.substr(0, at) == quantity) return std::pair(column, *place);
+  return std::nullopt;
 }
 
 namespace {
@@ -241,8 +258,8 @@ void check(const FitStudy& study) {
   require(study.parameters.size() <= 12, "at most 12 parameters can be looked for");
   for (const MeasuredTrace& trace : study.traces) {
     require(trace.values.size() == study.times.size(),
-            fmt::format("{} has not a value for each time", name(trace.column)));
-    require(trace.deviation > 0.0, fmt::format("the deviation of {} is not positive", name(trace.column)));
+            fmt::format("{} has not a value for each time", name(trace.column, trace.place)));
+    require(trace.deviation > 0.0, fmt::format("the deviation of {} is not positive", name(trace.column, trace.place)));
   }
   require(study.change_deviation > 0.0, "the deviation of the contact times is not positive");
   require(std::ranges::is_sorted(study.times) && (study.times.empty() || study.times.front() >= 0.0),

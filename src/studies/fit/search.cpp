@@ -12,28 +12,14 @@
 #include <tuple>
 #include <utility>
 
+#include "studies/column_reader.hpp"
+
 namespace viscobar::fitting {
 
 namespace {
 
-template <class Fields>
-double value_of(TraceColumn column, const Fields& at) {
-  switch (column) {
-    case TraceColumn::u_left: return at.u.front();
-    case TraceColumn::v_left: return at.v.front();
-    case TraceColumn::reaction_left: return at.reaction_left;
-    case TraceColumn::u_right: return at.u.back();
-    case TraceColumn::v_right: return at.v.back();
-    case TraceColumn::reaction_right: return at.reaction_right;
-  }
-  return 0.0;
-}
-
 using Kind = std::tuple<Where, std::size_t, Change>;
 Kind kind(const Event& event) { return {event.where, event.where == Where::span ? event.node : 0, event.change}; }
-
-bool is_velocity(TraceColumn column) { return column == TraceColumn::v_left || column == TraceColumn::v_right; }
-bool is_left(TraceColumn column) { return column <= TraceColumn::reaction_left; }
 
 // A number and, behind it, its derivatives by the parameters.
 using Traced = Eigen::VectorXd;
@@ -139,18 +125,31 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
   const Setup setup = resolve(run);
   const Eigen::Index parameters = derivatives ? std::ssize(study.parameters) : 0;
   std::vector<std::vector<Traced>> model(study.traces.size());
+  std::vector<ColumnReader> readers, of_rates;  // the latter of the stress by E' and eta', a row of parameters each
+  const Mesh& mesh = setup.mesh;
+  for (const MeasuredTrace& trace : study.traces) {
+    TraceColumn column = trace.column;
+    if (compared == Compared::integrals && is_velocity(column))
+      column = column == TraceColumn::v_left    ? TraceColumn::u_left
+               : column == TraceColumn::v_right ? TraceColumn::u_right
+                                                : TraceColumn::u_at;
+    readers.emplace_back(column, trace.place, mesh, run.scene.bar);
+    for (Eigen::Index j = 0; j < parameters; ++j)
+      of_rates.emplace_back(TraceColumn::stress_at, trace.place, mesh, run.directions[j].bar);
+  }
   Observers observers;
   observers.off_the_clock = false;
   if (derivatives) observers.directions = run.directions;
   observers.snapshot = [&, told = std::size_t{0}](const Snapshot& at) mutable {
     for (; told < study.times.size() && study.times[told] == at.time; ++told)
       for (std::size_t i = 0; i < model.size(); ++i) {
-        TraceColumn column = study.traces[i].column;
-        if (compared == Compared::integrals && is_velocity(column))
-          column = is_left(column) ? TraceColumn::u_left : TraceColumn::u_right;
         model[i].emplace_back(1 + parameters);
-        model[i].back()(0) = value_of(column, at);
-        for (Eigen::Index j = 0; j < parameters; ++j) model[i].back()(1 + j) = value_of(column, at.sensitivities[j]);
+        model[i].back()(0) = readers[i](at);
+        for (Eigen::Index j = 0; j < parameters; ++j) {
+          double& rate = model[i].back()(1 + j) = readers[i](at.sensitivities[j]);
+          if (study.traces[i].column == TraceColumn::stress_at)
+            rate += of_rates[i * static_cast<std::size_t>(parameters) + static_cast<std::size_t>(j)](at);
+        }
       }
   };
   observers.event = [&](const Event& event) { misfit.changes.push_back(event); };
@@ -167,7 +166,7 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
   std::vector<Traced> rows;
   for (std::size_t i = 0; i < model.size(); ++i) {
     const MeasuredTrace& trace = study.traces[i];
-    const bool smooth = is_displacement(trace.column);
+    const bool smooth = !is_velocity(trace.column) && !is_reaction(trace.column);
     misfit.traces.emplace_back();
     std::ranges::transform(model[i], std::back_inserter(misfit.traces.back()), number);
     if (smooth || compared == Compared::samples)
@@ -175,9 +174,10 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
     else if (is_velocity(trace.column))
       compare_integrals(trace, study.times, model[i], rows);
     else
-      compare_integrals(
-          trace, study.times,
-          impulses(is_left(trace.column) ? Where::left : Where::right, study.times, model[i], misfit.changes), rows);
+      compare_integrals(trace, study.times,
+                        impulses(trace.column == TraceColumn::reaction_left ? Where::left : Where::right, study.times,
+                                 model[i], misfit.changes),
+                        rows);
   }
   std::map<Kind, std::size_t> seen;
   for (const Event& measured : study.changes) {
@@ -222,7 +222,8 @@ Misfit Search::at(const Eigen::VectorXd& values, Compared compared, bool derivat
 }
 
 bool Search::jumps() const {
-  return std::ranges::any_of(study_.traces, [](const MeasuredTrace& one) { return !is_displacement(one.column); });
+  return std::ranges::any_of(
+      study_.traces, [](const MeasuredTrace& one) { return is_velocity(one.column) || is_reaction(one.column); });
 }
 
 // Integrals of what jumps, for no sample of a jump tells by how much it changes.

@@ -34,8 +34,11 @@ struct Misfit {
 /// smoothly with the parameters.
 enum class Compared { samples, integrals };
 
-inline bool is_displacement(TraceColumn column) {
-  return column == TraceColumn::u_left || column == TraceColumn::u_right;
+inline bool is_velocity(TraceColumn column) {
+  return column == TraceColumn::v_left || column == TraceColumn::v_right || column == TraceColumn::v_at;
+}
+inline bool is_reaction(TraceColumn column) {
+  return column == TraceColumn::reaction_left || column == TraceColumn::reaction_right;
 }
 
 /// Runs a model beside the data, with so many steps at most. A measured contact change that the model does not have, in

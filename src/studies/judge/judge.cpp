@@ -8,9 +8,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "dynamics/gauge.hpp"
 #include "studies/accuracy/runs.hpp"
-#include "text/number.hpp"
+#include "studies/column_reader.hpp"
 #include "viscobar/studies/accuracy/accuracy.hpp"
 #include "viscobar/studies/compare/difference.hpp"
 #include "viscobar/studies/fit/fit.hpp"
@@ -26,41 +25,17 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// A column: its quantity, and the place of a gauge.
-struct Reader {
-  std::string quantity;
-  std::optional<double> place;
+using Column = std::pair<TraceColumn, double>;
 
-  explicit Reader(const std::string& column, double length) : quantity(column) {
-    const std::size_t at = column.find('@');
-    if (at == column.npos) {
-      if (std::ranges::none_of(all_trace_columns, [&](TraceColumn known) { return name(known) == column; }))
-        throw std::invalid_argument(fmt::format("{}: no column of ends.csv, nor of gauges.csv such as u@0.25", column));
-      return;
-    }
-    quantity = column.substr(0, at);
-    place = number_in<double>(std::string_view(column).substr(at + 1));
-    const auto known = {"u", "v", "strain", "stress"};
-    if (std::ranges::find(known, quantity) == known.end() || !place)
-      throw std::invalid_argument(fmt::format("{}: a gauge has u, v, strain and stress, as in u@0.25", column));
-    if (!(*place >= 0.0 && *place <= length))
-      throw std::invalid_argument(fmt::format("{}: is not on the bar, whose length is {}", column, length));
-  }
-
-  double operator()(const Snapshot& at, const std::optional<Gauge>& gauge) const {
-    if (gauge) {
-      const Gauge::Reading reading = (*gauge)(at.u, at.v);
-      return quantity == "u"        ? reading.u
-             : quantity == "v"      ? reading.v
-             : quantity == "strain" ? reading.strain
-                                    : reading.stress;
-    }
-    const bool left = quantity.ends_with("left");
-    if (quantity.starts_with("u")) return left ? at.u.front() : at.u.back();
-    if (quantity.starts_with("v")) return left ? at.v.front() : at.v.back();
-    return left ? at.reaction_left : at.reaction_right;
-  }
-};
+Column column_of(const std::string& text, double length) {
+  const auto column = trace_column(text);
+  if (!column)
+    throw std::invalid_argument(fmt::format(
+        "{}: no column of ends.csv, nor of gauges.csv, u, v, strain and stress at a place, such as u@0.25", text));
+  if (!(column->second >= 0.0 && column->second <= length))
+    throw std::invalid_argument(fmt::format("{}: is not on the bar, whose length is {}", text, length));
+  return *column;
+}
 
 // The bar's motion at given times: a row of all columns for each.
 struct Motion {
@@ -68,18 +43,17 @@ struct Motion {
   std::vector<Event> events;
 };
 
-Motion motion_of(const Case& run, std::span<const double> times, std::span<const Reader> readers,
+Motion motion_of(const Case& run, std::span<const double> times, std::span<const Column> columns,
                  const std::function<bool()>& stop) {
   const Setup setup = resolve(run);
   const BarSystem system = setup.system();
-  std::vector<std::optional<Gauge>> gauges;
-  for (const Reader& reader : readers)
-    gauges.push_back(reader.place ? std::optional(Gauge(system.mesh(), system.bar(), *reader.place)) : std::nullopt);
+  std::vector<ColumnReader> readers;
+  for (const auto& [column, place] : columns) readers.emplace_back(column, place, system.mesh(), system.bar());
   Motion motion;
   motion.columns.resize(readers.size());
   Observers observers;
   observers.snapshot = [&](const Snapshot& at) {
-    for (std::size_t k = 0; k < readers.size(); ++k) motion.columns[k].push_back(readers[k](at, gauges[k]));
+    for (std::size_t k = 0; k < readers.size(); ++k) motion.columns[k].push_back(readers[k](at));
   };
   observers.event = [&](const Event& event) { motion.events.push_back(event); };
   observers.progress = [&](double) { return stop && stop() ? RunControl::stop : RunControl::go_on; };
@@ -182,10 +156,10 @@ void judge_energy(JudgedSolution& judged, const TheirSolution& theirs, const Bar
     return found == judged.columns.end() ? nullptr : &*found;
   };
   for (const JudgedColumn& column : judged.columns) {
-    const Reader reader(column.name, bar.length);
+    const auto [of, place] = column_of(column.name, bar.length);
     if (!column.name.starts_with("u")) continue;
     const JudgedColumn* v = find("v" + column.name.substr(1));
-    const double x = reader.place ? *reader.place : column.name == "u_left" ? 0.0 : bar.length;
+    const double x = of == TraceColumn::u_right ? bar.length : place;
     if (v && std::ranges::find(places, x, &Place::x) == places.end()) places.push_back({x, &column, v});
   }
   if (places.size() < 3) return;
@@ -255,10 +229,10 @@ JudgeResult judge(const JudgeStudy& study) {
   check(study);
   const auto started = std::chrono::steady_clock::now();
   const double length = study.scene.scene.bar.length;
-  std::vector<Reader> readers;  // of all solutions, one behind the other
+  std::vector<Column> columns;  // of all solutions, one behind the other
   std::vector<double> times = {0.0};
   for (const TheirSolution& theirs : study.solutions) {
-    for (const auto& column : theirs.columns) readers.emplace_back(column.name, length);
+    for (const auto& column : theirs.columns) columns.push_back(column_of(column.name, length));
     for (const double t : theirs.times) times.push_back(std::clamp(t, 0.0, study.scene.end));
   }
   std::ranges::sort(times);
@@ -280,7 +254,7 @@ JudgeResult judge(const JudgeStudy& study) {
     return (study.stop && study.stop()) || (judgement.runs > 0 && seconds_since(started) > study.most_seconds);
   };
   std::optional<Motion> coarser;
-  std::vector<double> errors_before(readers.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> errors_before(columns.size(), std::numeric_limits<double>::infinity());
   for (double error = study.request.error;; error /= better) {
     own.request.error = error;
     own.request.relative = true;
@@ -293,7 +267,7 @@ JudgeResult judge(const JudgeStudy& study) {
     Motion motion;
     try {
       solved = solve(own);
-      motion = motion_of(solved.run, times, readers, own.stop);
+      motion = motion_of(solved.run, times, columns, own.stop);
     } catch (const accuracy::Stopped&) {
       if (judgement.runs == 0 || (study.stop && study.stop())) throw;
       judgement.reason = "the time is up";
@@ -317,7 +291,7 @@ JudgeResult judge(const JudgeStudy& study) {
     judgement.estimate = solved.estimate;
     judgement.solutions.clear();
     bool settled = coarser.has_value();
-    std::size_t reader = 0;
+    std::size_t at = 0;
     for (std::size_t s = 0; s < study.solutions.size(); ++s) {
       const TheirSolution& theirs = study.solutions[s];
       JudgedSolution& judged = judgement.solutions.emplace_back();
@@ -328,10 +302,10 @@ JudgeResult judge(const JudgeStudy& study) {
         double sum = 0.0, own_error = 0.0;
         std::size_t count = 0;
         for (std::size_t k = 0; k < theirs.times.size(); ++k) {
-          const double ours = motion.columns[reader][rows[s][k]], difference = column.values[k] - ours;
+          const double ours = motion.columns[at][rows[s][k]], difference = column.values[k] - ours;
           one.ours.push_back(ours);
           one.size = std::max(one.size, std::abs(ours));
-          if (coarser) own_error = std::max(own_error, std::abs(coarser->columns[reader][rows[s][k]] - ours));
+          if (coarser) own_error = std::max(own_error, std::abs(coarser->columns[at][rows[s][k]] - ours));
           if (!std::isfinite(difference)) continue;
           sum += difference * difference;
           ++count;
@@ -344,9 +318,9 @@ JudgeResult judge(const JudgeStudy& study) {
         if (solved.estimate.largest > 0.0) own_error = std::max(own_error, share * solved.estimate.total);
         if (coarser || column.name.starts_with("u")) one.own_error = own_error;
         // The force on a viscous bar at its touch has no limit. An error of ours that does not fall is not waited for.
-        settled = settled && (own_error * better <= one.largest || 2.0 * own_error > errors_before[reader]);
-        if (coarser) errors_before[reader] = own_error;
-        ++reader;
+        settled = settled && (own_error * better <= one.largest || 2.0 * own_error > errors_before[at]);
+        if (coarser) errors_before[at] = own_error;
+        ++at;
       }
       judge_contacts(judged, theirs, motion, solved.run,
                      std::max(solved.estimate.total, 1e-9 * solved.estimate.largest));

@@ -7,19 +7,34 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {
 
-/// Columns of ends.csv.
-enum class TraceColumn { u_left, v_left, reaction_left, u_right, v_right, reaction_right };
-/// In the order of the enumeration.
+/// Columns of ends.csv, and of gauges.csv at a place.
+enum class TraceColumn {
+  u_left,
+  v_left,
+  reaction_left,
+  u_right,
+  v_right,
+  reaction_right,
+  u_at,
+  v_at,
+  strain_at,
+  stress_at
+};
+/// Those of ends.csv, in the order of the enumeration.
 inline constexpr TraceColumn all_trace_columns[] = {TraceColumn::u_left,        TraceColumn::v_left,
                                                     TraceColumn::reaction_left, TraceColumn::u_right,
                                                     TraceColumn::v_right,       TraceColumn::reaction_right};
-std::string_view name(TraceColumn column);  ///< in the header
+/// In the header: "u_left", "strain@0.25".
+std::string name(TraceColumn column, double place = 0.0);
+/// The column of that name, and its place; absent: there is none.
+std::optional<std::pair<TraceColumn, double>> trace_column(std::string_view name);
 
 /// A measured trace: a value for each time of the data, NaN where there is none.
 struct MeasuredTrace {
@@ -27,6 +42,7 @@ struct MeasuredTrace {
   std::vector<double> values;                ///< K
   double deviation = 1.0;                    ///< standard deviation of its noise, or what weighs it against others, > 0
   bool assumed = false;                      ///< nobody gave that deviation: noise may be larger
+  double place = 0.0;                        ///< x of a column of gauges.csv, 0 <= x <= L
 };
 
 /// A parameter that a fit looks for.
