@@ -93,7 +93,7 @@ py::tuple compare_methods(const PythonCase& self, const std::optional<std::vecto
 
 py::tuple limit_study(const PythonCase& self, const std::vector<double>& epsilons,
                       const std::vector<std::size_t>& elements, const std::vector<double>& steps, double budget,
-                      bool derivatives, std::size_t threads) {
+                      std::size_t threads) {
   std::atomic<bool> stop{false};
   LimitStudy study;
   study.scene = self.scene.run;
@@ -101,7 +101,6 @@ py::tuple limit_study(const PythonCase& self, const std::vector<double>& epsilon
   study.elements = elements;
   study.steps = steps;
   study.budget = budget;
-  study.derivatives = derivatives;
   study.threads = threads;
   study.interrupted = [&] { return stop.load(); };
   study.progress = [&](std::size_t, std::size_t) {

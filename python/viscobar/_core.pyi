@@ -130,7 +130,6 @@ def limit(
     elements: Sequence[int],
     steps: Sequence[float],
     budget: float,
-    derivatives: bool,
     threads: int,
 ) -> tuple[str, str]: ...
 def natural_penalties(case: Case) -> list[float]: ...

@@ -217,7 +217,6 @@ def limit(
     elements: Sequence[int] = (),
     steps: Sequence[float] = (),
     budget: float = 60.0,
-    derivatives: bool = False,
     set: Mapping[str, Any] | None = None,
     threads: int = 0,
 ) -> Study:
@@ -228,7 +227,6 @@ def limit(
     elements     meshes in place of the scene's; three or more give epsilon(h)
     steps        of the scheme, one for each mesh; absent: the scene's, or h / (100 c)
     budget       processor seconds for smaller steps of the scheme
-    derivatives  also the power of epsilon at each penalty, by the derivative with respect to it, as local_power
     set          values in place of the scene's, as in viscobar.run()
     threads      runs at a time; 0: one a core
 
@@ -251,7 +249,7 @@ def limit(
     case = parse(as_scene(scene, None, {"contact.epsilon": epsilons[0], **changes}), "limit")
     if case.left != "obstacle" and case.right != "obstacle" and case.span_gap is None:
         raise SceneError([Finding("left.kind", "the scene has no obstacle, so there is nothing to penalise")])
-    text, page = _core.limit(case, epsilons, list(elements), list(steps), budget, derivatives, threads)
+    text, page = _core.limit(case, epsilons, list(elements), list(steps), budget, threads)
     summary = json.loads(text)
     return Study(summary["rows"], summary, page)
 

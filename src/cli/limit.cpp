@@ -51,7 +51,6 @@ int study_limit(const LimitOptions& asked) {
     if (same_meshes && study.steps.empty() && open("method.step")) study.steps = before->steps;
     if (asked.budget->empty()) study.budget = before->budget;
     if (open("method.relative_tolerance")) tolerance = before->scene.tolerance.relative;
-    study.derivatives |= before->derivatives;
   }
   if (!asked.epsilon.empty()) study.epsilons = epsilons(asked.epsilon, asked.per_decade);
   std::vector<Setting> settings = finest_mesh(study.elements);
@@ -130,9 +129,6 @@ Action limit_command(CLI::App& command) {
                       ->capture_default_str();
   asked->scene.takes_accuracy = true;
   add_error(command, asked->error, "Choose the elements so that the limit epsilon = 0 keeps this error of the mesh");
-  command.add_flag("--derivatives", study.derivatives,
-                   "Also tell the power of epsilon at each penalty, by the derivative of the traces with respect to it "
-                   "(cvode, ida and arkode)");
   add_threads(command, study.threads);
   return [asked] { return study_limit(*asked); };
 }

@@ -222,13 +222,14 @@ struct Table {
 };
 
 // What the numbers of a column are multiplied by to be those of the scene.
-double ratio(const TraceFile::Column& column, const std::string& unit) {
+double ratio(const TraceFile::Column& column, const std::string& name, const std::string& unit) {
   if (column.unit.empty() || unit.empty()) return 1.0;
   const auto ratio = unit_ratio(column.unit, unit);
   if (!ratio)
     throw std::invalid_argument(
-        fmt::format("column {} is in {}, and the scene's unit for it is {}: give no unit there, and a scale",
-                    column.name, column.unit, unit));
+        fmt::format("column {} is in {}, and the scene's unit for it is {}: give a scale that "
+                    "converts it",
+                    name, column.unit, unit));
   return *ratio;
 }
 
@@ -245,7 +246,8 @@ std::pair<std::vector<double>, std::vector<double>> measured(const Table& table,
   TraceFile read = read_traces(request.folder / *file, {"t", values_name}, {"t", values_name}, {}, places_name);
   if (!read.doubts.empty()) throw std::invalid_argument(read.doubts.front());
   const TraceFile::Column &at = *read.column("t"), &of = *read.column(values_name);
-  const double place_ratio = ratio(at, request.place_unit), value_ratio = ratio(of, request.unit);
+  const double place_ratio = ratio(at, places_name, request.place_unit);
+  const double value_ratio = table.find("scale") ? 1.0 : ratio(of, *column, request.unit);
   std::pair<std::vector<double>, std::vector<double>> all;
   for (std::size_t k = 0; k < read.rows; ++k) {
     if (!std::isfinite(of.values[k])) continue;

@@ -59,7 +59,7 @@ class Series {
 ///     t, x           name of the column of the places ("t" or "x"), or the places themselves
 ///     values         with those: the values
 ///     interpolation  "cubic" or "linear"; absent: cubic
-///     scale          what the values are multiplied by
+///     scale          what the values are multiplied by, whatever their unit
 ///     outside        "hold" or "zero": what holds before and behind the values
 ///     checksum       of a file that has been read, as a result tells it
 struct SeriesRequest {

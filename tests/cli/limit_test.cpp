@@ -361,42 +361,11 @@ TEST_F(Limit, NeverWritesIntoADirectoryOfOthers) {
   EXPECT_FALSE(fs::exists(directory_ / "precious" / "limit.json"));
 }
 
-TEST_F(Limit, TellsLocalPowersInTableJsonAndPageWhereTheyAreAskedFor) {
-  const std::string study =
-      "limit " + scene("chatter") + " --mass redistributed --epsilon 1e-3:1e-6 --budget 0 -o powers";
-  const Json plain = viscobar(study + " --json").json();
-  for (const Json& row : plain["rows"]) EXPECT_FALSE(row.contains("local_power"));
-  const Json result = viscobar(study + " --derivatives --json").json();
-  EXPECT_EQ(result["verdict"], plain["verdict"]);
-  ASSERT_EQ(result["rows"].size(), 4u);
-  for (const Json& row : result["rows"])
-    for (const char* norm : {"largest", "mean_square"}) {
-      const Json& local = row["local_power"][norm];
-      EXPECT_NEAR(local["derivative"].get<double>(), 1.0, 0.1) << row;
-      EXPECT_EQ(local["observed"].is_null(), row == result["rows"].back()) << row;
-      if (!local["observed"].is_null()) {
-        EXPECT_EQ(local["agrees"], true) << row;
-      }
-    }
-  EXPECT_EQ(result["meshes"][0]["local_power_to"], "rigid");
-  EXPECT_NE(viscobar(study + " --derivatives").out.find("Local powers of epsilon"), std::string::npos);
-  std::ifstream page(directory_ / "powers" / "limit.html");
-  EXPECT_NE(std::string(std::istreambuf_iterator<char>(page), {}).find("Local powers of ε"), std::string::npos);
-}
-
-TEST_F(Limit, LeavesLocalPowersEmptyWhereAMethodHasNoDerivatives) {
-  const Json result = study("--epsilon 1e-3:1e-5 --budget 0 --derivatives --set method.name=exponential");
-  for (const Json& row : result["rows"]) {
-    const Json& largest = row["local_power"]["largest"];
-    EXPECT_TRUE(largest.is_null() || largest["derivative"].is_null()) << row;
-  }
-}
-
 TEST_F(Limit, HelpNamesEveryOption) {
   const Ended ended = viscobar("limit --help");
   EXPECT_EQ(ended.code, 0);
   for (const char* option : {"--epsilon", "--per-decade", "--mass", "--elements", "--steps", "--budget", "--threads",
-                             "--derivatives", "--output", "--json", "--set", "--quiet"})
+                             "--output", "--json", "--set", "--quiet"})
     EXPECT_NE(ended.out.find(option), std::string::npos) << option;
 }
 

@@ -167,12 +167,14 @@ TEST_F(Records, HaveUnitsAScaleAndAnotherNameForTheirTimes) {
   const SceneFile read = scene(bar +
                                "[units]\nlength = \"m\"\ntime = \"s\"\nforce = \"N\"\nstress = \"N\"\n[left]\n"
                                "kind = \"free\"\nforce = { file = \"record.txt\", column = \"F\", t = \"zeit\", "
-                               "interpolation = \"linear\", scale = 2.0 }\n");
+                               "interpolation = \"linear\" }\n[right]\nkind = \"free\"\n"
+                               "force = { file = \"record.txt\", column = \"F\", t = \"zeit\", scale = 2.0 }\n");
+  EXPECT_DOUBLE_EQ(read.run.scene.right_input.force->value(1.0), 5.0);
   const TimeFunction& force = read.run.scene.left_input.force->value;
-  EXPECT_DOUBLE_EQ(force(0.0), 3000.0);
-  EXPECT_DOUBLE_EQ(force(0.5), 4000.0);
-  EXPECT_DOUBLE_EQ(force(1.5), 3000.0);
-  EXPECT_DOUBLE_EQ(force(2.5), 1000.0);
+  EXPECT_DOUBLE_EQ(force(0.0), 1500.0);
+  EXPECT_DOUBLE_EQ(force(0.5), 2000.0);
+  EXPECT_DOUBLE_EQ(force(1.5), 1500.0);
+  EXPECT_DOUBLE_EQ(force(2.5), 500.0);
   const NextBreak& breaks = read.run.scene.left_input.force->breaks;
   EXPECT_EQ(breaks(0.0, 9.0), 1.0);
   EXPECT_EQ(breaks(1.0, 9.0), 2.0);

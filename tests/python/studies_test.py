@@ -50,10 +50,9 @@ class StudiesTest(Test):
         for row, entry in zip(ours, theirs["rows"]):
             for key in ("epsilon", "events", "max_penetration", "difference_to_rigid"):
                 self.assertEqual(row[key], entry[key])
-        theirs = self.program("limit", "--derivatives", "--set", "bar.modulus=1e6", "--set", "time.end=0.002")
-        ours = viscobar.limit(thrown(bar__modulus=1e6, time__end=0.002), derivatives=True)  # penalties of 1e-8 and less
+        theirs = self.program("limit", "--set", "bar.modulus=1e6", "--set", "time.end=0.002")
+        ours = viscobar.limit(thrown(bar__modulus=1e6, time__end=0.002))  # penalties of 1e-8 and less
         self.assertEqual(ours.column("epsilon"), [row["epsilon"] for row in theirs["rows"]])
-        self.assertEqual([row["local_power"] for row in ours], [row["local_power"] for row in theirs["rows"]])
         with self.assertRaisesRegex(viscobar.SceneError, "no obstacle"):
             viscobar.limit(thrown(left__kind="free", left__gap=None))
 

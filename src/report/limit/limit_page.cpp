@@ -54,19 +54,7 @@ Json detailed(const std::optional<SequenceOrder>& order, const auto& at) {
           {"to", at(order->last)}};
 }
 
-Json to_json(const std::optional<LocalPower>& of) {
-  if (!of) return nullptr;
-  const LocalPower& local = *of;
-  return {{"difference", local.difference},
-          {"derivative", local.power},
-          {"error", local.power ? Json(local.error) : Json(nullptr)},
-          {"observed", local.observed},
-          {"mean", local.mean},
-          {"bound", local.mean ? Json(local.bound) : Json(nullptr)},
-          {"agrees", local.agrees()}};
-}
-
-Json to_json(const LimitRow& row, bool derivatives) {
+Json to_json(const LimitRow& row) {
   Json json = {{"epsilon", row.epsilon},
                {"elements", row.elements},
                {"mass", name(row.mass)},
@@ -79,8 +67,6 @@ Json to_json(const LimitRow& row, bool derivatives) {
   json["tolerance"] = row.tolerance;
   json["steps"] = row.steps;
   json["seconds"] = row.seconds;
-  if (derivatives)
-    json["local_power"] = {{"largest", to_json(row.local_largest)}, {"mean_square", to_json(row.local_mean)}};
   return json;
 }
 
@@ -115,8 +101,6 @@ Json to_json(const LimitStudy& study, const LimitResult& result, std::size_t mes
                {"tolerance_error", orders.tolerance_error},
                {"evidence", to_json(orders.evidence)},
                {"scheme_runs", to_json(orders.scheme)}};
-  if (study.derivatives)
-    json["local_power_to"] = orders.local_to_rigid || rows.empty() ? Json("rigid") : Json(rows.back().epsilon);
   return json;
 }
 
@@ -165,16 +149,6 @@ std::string head(const LimitStudy& study, const LimitResult& result) {
   return out;
 }
 
-std::string local_powers(const LimitResult& result) {
-  std::string out = html(local_power_table(result, readable_number));
-  for (const std::string& remark : local_power_remarks(result)) out += fmt::format("<p>{}</p>\n", escaped(remark));
-  return section_html(
-      "Local powers of ε",
-      out +
-          "<p class=\"note\">By the derivative of each run with respect to ε. The power observed between two ε is "
-          "the mean of the local ones between.</p>\n");
-}
-
 std::string numbers(const LimitStudy& study, const LimitResult& result) {
   Numbers all;
   const LimitOrders& orders = result.orders[finest(result)];
@@ -218,7 +192,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   json["mass"] = name(resolve(study.scene).mass);
   json["restitution"] = study.scene.restitution;
   json["rows"] = Json::array();
-  for (const LimitRow& row : result.rows) json["rows"].push_back(to_json(row, study.derivatives));
+  for (const LimitRow& row : result.rows) json["rows"].push_back(to_json(row));
   json["failed"] = Json::array();
   for (const FailedRun& run : result.failed)
     json["failed"].push_back({{"epsilon", run.epsilon}, {"elements", run.elements}, {"error", run.what}});
@@ -242,7 +216,6 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   if (asked["scheme_steps"].size() != result.orders.size()) asked["scheme_steps"] = Json::array();
   asked["relative_tolerance"] = study.scene.tolerance.relative;
   asked["budget"] = study.budget;
-  asked["derivatives"] = study.derivatives;
   tell(json, scene);
   // What ran, not what was asked: the scene of limit.json, as it stands, is that of the finest mesh.
   Json& ran = json["scene"];
@@ -266,7 +239,6 @@ std::optional<LimitStudy> limit_asked(const std::string& json) try {
   asked.at("scheme_steps").get_to(study.steps);
   asked.at("relative_tolerance").get_to(study.scene.tolerance.relative);
   asked.at("budget").get_to(study.budget);
-  asked.at("derivatives").get_to(study.derivatives);
   return study;
 } catch (const Json::exception&) {
   throw std::invalid_argument("what it says under `asked` is not what `viscobar limit` writes there");
@@ -296,11 +268,6 @@ std::string limit_row_text(const LimitRow& row) {
 std::string limit_text(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
   std::string out = text(limit_table(result, plain_number));
   out += "\nObserved powers of epsilon\n" + text(order_table(study, result)) + "\n";
-  if (study.derivatives) {
-    out += "Local powers of epsilon, by d/d epsilon\n" + text(local_power_table(result, plain_number));
-    for (const std::string& remark : local_power_remarks(result)) out += remark + "\n";
-    out += "\n";
-  }
   for (std::size_t m = 0; m < result.orders.size(); ++m) {
     const LimitOrders& orders = result.orders[m];
     if (result.orders.size() > 1) out += fmt::format("{} elements, ", orders.elements);
@@ -335,7 +302,6 @@ PicturedPage limit_page(const LimitStudy& study, const LimitResult& result, cons
       html(order_table(study, result)) +
           "<p class=\"note\">Slopes over the settled range of the smallest ε, and how far they may be from "
           "the power for ε → 0.</p>\n");
-  if (study.derivatives) page.add(local_powers(result));
   if (result.own_motion)
     page.add_section("The bar's own motion",
                      fmt::format("<p>{}</p>\n{}", escaped(own_motion_sentence(*result.own_motion)),

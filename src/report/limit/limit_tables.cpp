@@ -223,50 +223,6 @@ Table order_table(const LimitStudy& study, const LimitResult& result) {
   return table;
 }
 
-Table local_power_table(const LimitResult& result, NumberText number) {
-  Table table{{"elements", "epsilon", "difference to", "largest", "power here", "to the next", "mean square",
-               "power here", "to the next"},
-              0,
-              {}};
-  const auto power = [](const std::optional<double>& value) {
-    return value ? fmt::format("{:.4f}", *value) : std::string("-");
-  };
-  for (std::size_t m = 0; m < result.orders.size(); ++m) {
-    const auto rows = rows_of(result, m);
-    for (const LimitRow& row : rows) {
-      std::vector<std::string> cells = {
-          fmt::format("{}", row.elements), number(row.epsilon),
-          result.orders[m].local_to_rigid ? std::string("rigid") : number(rows.back().epsilon)};
-      for (const auto& local : {row.local_largest, row.local_mean}) {
-        const LocalPower known = local.value_or(LocalPower{});
-        cells.push_back(local ? number(known.difference) : std::string("-"));
-        cells.push_back(power(known.power));
-        cells.push_back(power(known.observed));
-      }
-      table.rows.push_back(std::move(cells));
-    }
-  }
-  return table;
-}
-
-std::vector<std::string> local_power_remarks(const LimitResult& result) {
-  std::vector<std::string> remarks;
-  for (std::size_t i = 0; i + 1 < result.rows.size(); ++i) {
-    const LimitRow& row = result.rows[i];
-    const auto tell = [&](const std::optional<LocalPower>& local, const char* norm) {
-      if (!local || local->agrees().value_or(true)) return;
-      remarks.push_back(fmt::format(
-          "Between epsilon = {:.2g} and {:.2g} on {} elements the power of the {} difference is not what its ends say: "
-          "{:.3g} is observed, {:.3g} the mean of the derivatives, and they would be {:.2g} apart at most if it changed no "
-          "faster there than from row to row. More epsilons (--per-decade) would show it.",
-          row.epsilon, result.rows[i + 1].epsilon, row.elements, norm, *local->observed, *local->mean, local->bound));
-    };
-    tell(row.local_largest, "largest");
-    tell(row.local_mean, "mean square");
-  }
-  return remarks;
-}
-
 Table own_motion_table(const OwnMotion& motion, NumberText number) {
   Table table{{"elements", "h", "penalty's limit to the bar", "scheme's limit to the bar", "limits apart", "epsilon(h)",
                "dt(h)"},

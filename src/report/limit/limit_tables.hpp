@@ -37,9 +37,6 @@ std::string limit_sentence(const LimitOrders& orders);
 
 Table limit_table(const LimitResult& result, NumberText number);
 Table order_table(const LimitStudy& study, const LimitResult& result);
-Table local_power_table(const LimitResult& result, NumberText number);
-/// Where observed powers and those by derivatives are further apart than LocalPower::bound.
-std::vector<std::string> local_power_remarks(const LimitResult& result);
 Table own_motion_table(const OwnMotion& motion, NumberText number);
 std::string own_motion_sentence(const OwnMotion& motion);
 Table coupling_table(const Coupling& coupling, NumberText number);

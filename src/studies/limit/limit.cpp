@@ -200,7 +200,6 @@ std::optional<Judgement> early_plateau(const MeshRuns& mesh, const LimitStudy& s
     early.epsilons = decades(boundary, 1e-4 * boundary);
     early.steps = {*until / 3000.0};
   }
-  early.derivatives = false;
   early.row = {};
   early.progress = {};
   early.budget = std::min(study.budget / 4.0, purse.left());
@@ -409,12 +408,6 @@ LimitResult limit_of(const LimitStudy& study) {
     orders.row_count = result.rows.size() - first;
     orders.interrupted = purse.interrupted();
     orders.seconds = purse.spent();
-    if (study.derivatives && orders.row_count > 0) {
-      // What the penalised runs tend to, or the last of them.
-      const Run& limit = mesh.own_limit() ? mesh.own_limit()->run : *telling(mesh).back();
-      orders.local_to_rigid = limit.run.method == MethodName::rigid;
-      add_local_powers(mesh, limit.traces, orders.tolerance_error, std::span(result.rows).subspan(first));
-    }
     result.orders.push_back(orders);
     if (meshes.size() > 1 && mesh.own_limit() && mesh.scheme_limit())
       known.push_back({mesh.times, mesh.own_limit()->run.traces, mesh.scheme_limit()->run.traces});

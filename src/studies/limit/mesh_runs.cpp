@@ -152,11 +152,8 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Pur
   if (mesh.of_scheme && !mesh.one_limit) mesh.of_penalty = limit_of(first, 1.0);
   for (const double factor : {scheme_refinement * scheme_refinement, scheme_refinement, 1.0})
     mesh.scheme.push_back({scheme_case(study, elements, factor * step)});
-  for (const double epsilon : study.epsilons) {
-    Case& run = mesh.penalised.emplace_back(Run{penalised_case(study, elements, epsilon)}).run;
-    if (study.derivatives && method_row(run.method).differentiates)
-      run.directions.push_back(direction(run, "contact.epsilon"));
-  }
+  for (const double epsilon : study.epsilons)
+    mesh.penalised.push_back(Run{penalised_case(study, elements, epsilon)});
 
   std::vector<KnownLimit*> limits;
   for (auto* limit : {&mesh.of_scheme, &mesh.of_penalty})
@@ -167,10 +164,7 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Pur
   std::vector<Run*> scouts;
   for (KnownLimit* limit : limits) scouts.push_back(&limit->rough);
   if (limits.empty())
-    for (const Run& run : mesh.penalised) {
-      scouts.push_back(&of_rows.emplace_back(Run{run.run}));
-      of_rows.back().run.directions.clear();
-    }
+    for (const Run& run : mesh.penalised) scouts.push_back(&of_rows.emplace_back(Run{run.run}));
   else
     for (Run* scout : scouts) scout->run.tolerance = first.tolerance.with_relative(roughest);
   const std::array all{0.0, first.end};

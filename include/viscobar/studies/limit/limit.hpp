@@ -28,32 +28,9 @@ struct LimitStudy {
   double budget = 60.0;
   std::size_t threads = 0;                     ///< 0: all cores
   std::optional<ErrorEstimate> estimate = {};  ///< of the mesh, where limit_to_accuracy() has chosen it
-  bool derivatives = false;  ///< LimitRow::local_largest has powers by d/d epsilon, where the method has derivatives
   std::function<void(std::size_t done, std::size_t of)> progress = {};  ///< told after each run, one call at a time
   std::function<void(const LimitRow&)> row = {};  ///< told each row as it is made, likewise; difference_to_scheme is 0
   std::function<bool()> interrupted = {};         ///< whether to stop: what is there is judged
-};
-
-/// The power of epsilon at one epsilon in |D|, D = u_epsilon - U, by the derivative of the run. U is the rigid limit
-/// where the penalised bar tends to it, else the traces at the smallest epsilon. | | is the largest over time and
-/// traces, at t* of one of them, or the root of the mean square over both:
-///
-///     p = d log|D| / d log epsilon = epsilon du/depsilon(t*) / D(t*)     or     epsilon <D, du/depsilon> / <D, D>.
-///
-/// The observed power between two epsilons is the mean of p over log epsilon between them. From the mean of both ends
-/// it differs by errors of p, and by |p_i - p_{i+1}| / 2 at most where p is monotone there, or by a twelfth of the
-/// largest change of p over this interval and the two beside it where p is a cubic through all four rows (of equal
-/// intervals).
-struct LocalPower {
-  double difference = 0.0;         ///< |D|
-  std::optional<double> power;     ///< p; absent where the run has no derivative to its end
-  double error = 0.0;              ///< of p, at most
-  std::optional<double> observed;  ///< power between this row and the next of its mesh
-  std::optional<double> mean;      ///< of p at both
-  double bound = 0.0;  ///< of |observed - mean|: the largest change of p over these three intervals, and the errors
-
-  /// Whether observed and mean agree; absent where there are not both.
-  std::optional<bool> agrees() const;
 };
 
 /// One penalised run of a study, beside the limits of its mesh.
@@ -71,8 +48,6 @@ struct LimitRow {
   std::optional<double> difference_to_scheme_limit;  ///< likewise, to S(0)
   std::size_t steps = 0;                             ///< of the integrator
   double seconds = 0.0;                              ///< of the integration alone
-  std::optional<LocalPower> local_largest = {};  ///< where asked for, and |D| above the error of the time integration
-  std::optional<LocalPower> local_mean = {};     ///< likewise, of the mean square
 };
 
 /// A penalised run that could not be finished.
@@ -167,7 +142,6 @@ struct LimitOrders {
   /// another.
   std::optional<SequenceOrder> penetration_layer;
   std::optional<SequenceOrder> to_rigid_layer;  ///< likewise
-  bool local_to_rigid = false;                  ///< whether U of LocalPower is the rigid limit
   Verdict verdict = Verdict::undecided;         ///< on this mesh
   LimitEvidence evidence;                       ///< that it rests on
   bool interrupted = false;                     ///< from outside
