@@ -18,7 +18,7 @@ NEEDED = ("CMakeLists.txt", "LICENSE", "cmake", "include", "src", "third_party",
 class ByCMake(build_ext):
     def build_extension(self, extension):
         package = pathlib.Path(self.get_ext_fullpath(extension.name)).resolve().parent
-        build = pathlib.Path(self.build_temp).resolve()
+        build = SOURCE / "build" / "pip"  # as deep as other builds of the tree: a cache of compiled files knows them
         ninja = ["-G", "Ninja"] if any(os.access(pathlib.Path(place, "ninja"), os.X_OK) for place in os.get_exec_path()) else []
         subprocess.run(
             ["cmake", "-S", SOURCE, "-B", build, *ninja, "-DCMAKE_BUILD_TYPE=Release", "-DVISCOBAR_TESTS=OFF",

@@ -9,7 +9,11 @@ rm -rf "$work" && mkdir -p "$work"/{tree,scene,program,home}
 git -C "$source" ls-files -z | (cd "$source" && tar --null -cf - -T -) | tar -xf - -C "$work/tree"
 export XDG_CACHE_HOME=${XDG_CACHE_HOME:-$HOME/.cache}  # where a compiler cache is
 export HOME=$work/home
+# What decides the compiler's options stays: the cache then has what the tree above has compiled.
+warnings=${VISCOBAR_WARNINGS_AS_ERRORS:-}
 unset "${!VISCOBAR_@}" "${!CTEST_@}" CMAKE_PREFIX_PATH CMAKE_BUILD_PARALLEL_LEVEL NINJA_STATUS 2>/dev/null || true
+
+[ -z "$warnings" ] || export VISCOBAR_WARNINGS_AS_ERRORS=$warnings
 
 # The indented lines of a page from one that matches on to the first that is not, without remarks.
 commands() { # PAGE PATTERN

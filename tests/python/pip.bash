@@ -9,7 +9,9 @@ source=$1 work=$2 python=$3
 git -C "$source" rev-parse --git-dir >/dev/null 2>&1 || { echo "no git clone: nothing to start from"; exit 77; }
 rm -rf "$work" && mkdir -p "$work/tree"
 git -C "$source" ls-files -z | (cd "$source" && tar --null -cf - -T -) | tar -xf - -C "$work/tree"
+warnings=${VISCOBAR_WARNINGS_AS_ERRORS:-}
 unset PYTHONPATH "${!VISCOBAR_@}" "${!CTEST_@}" 2>/dev/null || true
+[ -z "$warnings" ] || export VISCOBAR_WARNINGS_AS_ERRORS=$warnings # the cache then has what was compiled before
 cd "$work/tree"
 # The commands of the page, as they stand there.
 commands=$(awk '/^    .*-m venv/ { found = 1 } found && /^    / { sub(/^    /, ""); print; next } found { exit }' docs/python.md)
