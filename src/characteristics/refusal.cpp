@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
+#include <tuple>
 #include <utility>
 
 #include "viscobar/characteristics/characteristics.hpp"
@@ -26,6 +28,19 @@ std::optional<Finding> refusal(const Scene& scene, double end, const Characteris
     if (input->mass != 0.0 && input->motion)
       return Finding{key,
                      "is not for characteristics where the obstacle before it moves; use rigid, or fully_discrete"};
+  for (const auto& [input, condition, key] :
+       {std::tuple{&scene.left_input, &scene.left, "left"}, {&scene.right_input, &scene.right, "right"}}) {
+    if (!input->motion || !input->motion->breaks) continue;
+    const EndMotion& motion = *input->motion;
+    const double apart = 64.0 * std::numeric_limits<double>::epsilon() * end;
+    for (auto at = motion.breaks(0.0, end); at; at = motion.breaks(*at + apart, end)) {
+      const double before = motion.displacement(*at - apart), after = motion.displacement(*at + apart);
+      const double rates = std::abs(motion.velocity(*at - apart)) + std::abs(motion.velocity(*at + apart));
+      if (std::abs(after - before) > 16.0 * rates * apart + 1e-12 * (std::abs(before) + std::abs(after)))
+        return Finding{fmt::format("{}.{}", key, is_obstacle(*condition) ? "gap" : "motion"),
+                       fmt::format("jumps at t = {}, and characteristics does not follow it; use rigid", *at)};
+    }
+  }
   const double passages = end * std::sqrt(bar.modulus / bar.density) / bar.length;
   if (!(passages <= Characteristics::most_passages))
     return Finding{"time.end",

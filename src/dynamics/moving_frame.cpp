@@ -82,32 +82,63 @@ Lift BarSystem::lift(double t, int derivative, double step) const {
   return {of(false), of(true)};
 }
 
-std::optional<Lift> BarSystem::kink(double t, double end) const {
-  if (!moving()) return std::nullopt;
-  const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end));
-  const double before = t > 0.0 ? std::max(t - rounding, 0.0) : 0.0, after = t + rounding;
-  // A smooth motion changes less between the two sides.
-  const auto jumps = [&](double Lift::*side, int derivative) {
-    const double early = lift(before, derivative).*side, late = lift(after, derivative).*side;
-    const double rate = std::abs(lift(before, derivative + 1).*side) + std::abs(lift(after, derivative + 1).*side);
-    return std::abs(late - early) > 8.0 * rate * (after - before) + 1e-12 * (std::abs(early) + std::abs(late));
-  };
-  if (const bool left = jumps(&Lift::left, 0); left || jumps(&Lift::right, 0))
-    throw LoadError(t, fmt::format("the motion at the {} end jumps at t = {}",
-                                   moves_frame(false) && (left || rigid_frame_) ? "left" : "right", t));
-  if (!jumps(&Lift::left, 1) && !jumps(&Lift::right, 1)) return std::nullopt;
-  const Lift early = lift(before, 1), late = lift(after, 1);
-  return Lift{late.left - early.left, late.right - early.right};
+namespace {
+
+// The jump of f at t; 0 where a function with those derivatives on both sides changes as much between them.
+double jump_of(double early, double late, double rate_before, double rate_after, double apart) {
+  const double smooth = 8.0 * (std::abs(rate_before) + std::abs(rate_after)) * apart;
+  return std::abs(late - early) > smooth + 1e-12 * (std::abs(early) + std::abs(late)) ? late - early : 0.0;
 }
 
-double BarSystem::pass_kink(const Lift& jump, std::span<double> w) const {
-  const double before = 0.5 * inertia_.quadratic_form(w);
+// The nearest times on both sides at which a function has its one-sided limits.
+std::pair<double, double> sides_of(double t, double end) {
+  const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end));
+  return {t > 0.0 ? std::max(t - rounding, 0.0) : 0.0, t + rounding};
+}
+
+}  // namespace
+
+std::optional<FrameJump> BarSystem::kink(double t, double end) const {
+  if (!moving()) return std::nullopt;
+  const auto [before, after] = sides_of(t, end);
+  const auto jump = [&, before = before, after = after](bool right, int derivative) {
+    return jump_of(lift(before, derivative).of(right), lift(after, derivative).of(right),
+                   lift(before, derivative + 1).of(right), lift(after, derivative + 1).of(right), after - before);
+  };
+  FrameJump found;
+  for (const bool right : {false, true}) {
+    found.displacement.of(right) = jump(right, 0);
+    const bool own = rigid_frame_ ? !moves_frame(right) : false;  // moved by the other end
+    if (found.displacement.of(right) != 0.0 && walls_[own ? !right : right])
+      throw LoadError(
+          t, fmt::format("the motion at the {} end jumps at t = {}", (own ? !right : right) ? "right" : "left", t));
+  }
+  const bool kinks = jump(false, 1) != 0.0 || jump(true, 1) != 0.0;
+  if (!kinks && !found.displaces()) return std::nullopt;
+  if (kinks) {
+    const Lift early = lift(before, 1), late = lift(after, 1);
+    found.velocity = {late.left - early.left, late.right - early.right};
+  }
+  return found;
+}
+
+void BarSystem::pass_kink(const FrameJump& jump, std::span<double> u, std::span<double> w) const {
+  if (jump.displaces())
+    for (std::size_t i = 0; i < size(); ++i) u[i] -= jump.displacement.at(share(i));
   std::vector<double> change(size());
   for (std::size_t i = 0; i < change.size(); ++i)
-    change[i] = jump.left * lift_inertia_[0][i] + jump.right * lift_inertia_[1][i];
+    change[i] = jump.velocity.left * lift_inertia_[0][i] + jump.velocity.right * lift_inertia_[1][i];
   accelerate(change);
   for (std::size_t i = 0; i < change.size(); ++i) w[i] -= change[i];
-  return 0.5 * inertia_.quadratic_form(w) - before;
+}
+
+double BarSystem::gap_jump(const Contact& contact, double t, double end) const {
+  const bool right = contact.where == Where::right;
+  if (contact.where == Where::span || !inputs_[right].motion) return 0.0;
+  const EndMotion& motion = *inputs_[right].motion;
+  const auto [before, after] = sides_of(t, end);
+  const auto at = [&](double time, int derivative) { return motion_at(motion, time, derivative, right); };
+  return -contact.sign * jump_of(at(before, 0), at(after, 0), at(before, 1), at(after, 1), after - before);
 }
 
 void BarSystem::add_lift(const Lift& lift, std::span<double> nodal) const {

@@ -358,7 +358,7 @@ double PenalisedSystem::contact_energy(std::span<const double> u) const {
 }
 
 double PenalisedSystem::frame_energy(double t, std::span<const double> u, std::span<const double> w) const {
-  return frame_energy(bar_, t, u, w);
+  return frame_energy(bar_, bar_.moving() ? load_->inside(t) : t, u, w);
 }
 
 double PenalisedSystem::frame_energy(const BarSystem& bar, double t, std::span<const double> u,

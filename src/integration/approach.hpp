@@ -5,14 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "viscobar/dynamics/bar_system.hpp"
+#include "dynamics/obstacle_motion.hpp"
 
 namespace viscobar {
-
-/// Breaks and pulses of the motion of a contact's obstacle, see EndMotion; empty: it has none.
-inline const NextBreak& breaks_of_gap(const BarSystem& system, const Contact& contact) {
-  return system.inputs()[contact.where == Where::right].motion->breaks;
-}
 
 /// True if a positive f may come down to `floor` in [a, b]. A parabola through three of five values bounds it, with
 /// four times what the other two are off as the margin; where that decides nothing, halves do.

@@ -279,9 +279,10 @@ void Sensitivities::account(double t, double sign, std::span<double> y) {
   });
 }
 
-void Sensitivities::pass_kink(double t, double end, bool bar_has_one, std::span<double> y) {
+void Sensitivities::pass_kink(double t, double end, const FrameJump* of_bar, std::span<double> y) {
   if (lost()) return;
-  for (std::size_t i = 0; i < system_.contact_count() && bar_has_one; ++i)
+  if (of_bar && of_bar->displaces()) return lose(t, "an obstacle jumps", y);
+  for (std::size_t i = 0; i < system_.contact_count() && of_bar; ++i)
     if (system_.collides(i) && system_.closed(i))
       return lose(t, "the motion of an end has a kink, and a rigid contact that is closed an impact or an end", y);
   for (std::size_t k = 0; k < pointers_.size(); ++k) {
@@ -301,7 +302,7 @@ void Sensitivities::pass_kink(double t, double end, bool bar_has_one, std::span<
         });
       };
       account(1.0);
-      derivative.data().pass_kink(*jump, s.w());
+      derivative.data().pass_kink(*jump, s.u(), s.w());
       account(-1.0);
     } catch (const LoadError&) {
       return lose(t, fmt::format("the motion of an end has a kink whose time moves with {}", directions_[k].key), y);

@@ -47,7 +47,7 @@ class Sensitivities {
   void leave_frame(double t, double after, std::span<double> y);
   void enter_frame(double t, std::span<double> y) { book_momentum(t, y, -1.0); }
   /// A leg begins at t, where motions of ends may have kinks; before the velocities of the bar have passed its own.
-  void pass_kink(double t, double end, bool bar_has_one, std::span<double> y);
+  void pass_kink(double t, double end, const FrameJump* of_bar, std::span<double> y);
 
   /// The same jumps of the derivatives as of the bar, see JumpFilter: to be called before those of the bar in the state
   /// y, which `jump`() makes, of the start of the run, or of a break of the load.

@@ -27,8 +27,8 @@ class SnapshotBuilder {
       for (std::size_t i = 0; i < origin.size(); ++i) u_[bar.first_node() + i] += origin[i];
       bar.expand_velocity(w, v_);
       if (bar.moving()) {
-        bar.add_lift(bar.lift(t, 0), u_);
-        bar.add_lift(bar.lift(t, 1), v_);
+        bar.add_lift(system_.lift(t, 0), u_);
+        bar.add_lift(system_.lift(t, 1), v_);
       }
       nodal_u = u_, nodal_v = v_;
     }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "dynamics/jump_filter.hpp"
+#include "dynamics/obstacle_motion.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "integration/contact_watch.hpp"
 #include "integration/energy_flow.hpp"
@@ -340,24 +341,40 @@ class StepwisePart {
   }
 
   // A wall or an obstacle changes its velocity at once. A rigid contact that is closed then has an impact, or
-  // opens.
+  // opens. So does one whose obstacle jumps away; what its penalty has stored is lost, as work of the obstacle.
   void pass_kink(double t) {
     const auto jump = system_.bar().kink(t, times_.back());
-    if (sensitivities_) sensitivities_->pass_kink(t, times_.back(), jump.has_value(), y_);
+    if (sensitivities_) sensitivities_->pass_kink(t, times_.back(), jump ? &*jump : nullptr, y_);
     if (!jump) return;
-    const double gained = system_.bar().pass_kink(*jump, w());
-    if (layout_.work) y_[*layout_.work] += gained;
+    const double before = layout_.work ? system_.energy(u(), w()) : 0.0;
+    system_.bar().pass_kink(*jump, u(), w());
+    if (jump->displaces()) leave_obstacles(t, *jump);
+    if (layout_.work) y_[*layout_.work] += system_.energy(u(), w()) - before;
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
       const std::size_t node = system_.contact(i).unknown;
       if (!system_.collides(i) || !system_.closed(i)) continue;
       // A kink of the other end's motion leaves a rounding.
-      if (jump->at(system_.bar().share(node)) == 0.0) w()[node] = 0.0;
+      if (jump->velocity.at(system_.bar().share(node)) == 0.0) w()[node] = 0.0;
       if (w()[node] == 0.0) continue;
       system_.set_closed(i, false);
       if (system_.contact(i).sign * w()[node] < 0.0)
         strike(t, i, std::nullopt);
       else
         tell_event(t, i, Change::opening, w()[node]);
+    }
+  }
+
+  void leave_obstacles(double t, const FrameJump& jump) {
+    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
+      const std::size_t node = system_.contact(i).unknown;
+      const double towards = system_.contact(i).sign * jump.displacement.at(system_.bar().share(node));
+      const double clear = system_.clearance(i, u());
+      const double rounding = system_.clearance_rounding(i, stepper_.weights().largest_displacement());
+      if (towards == 0.0 || (clear >= -rounding && !system_.closed(i))) continue;
+      if (towards > 0.0) throw LoadError(t, into_the_bar(system_.contact(i), t));
+      if (clear <= 0.0) continue;
+      system_.set_closed(i, false);
+      tell_event(t, i, Change::opening, w()[node]);
     }
   }
 

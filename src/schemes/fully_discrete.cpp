@@ -11,6 +11,7 @@
 #include "dynamics/jump_filter.hpp"
 #include "dynamics/lost_inertia.hpp"
 #include "dynamics/natural_scales.hpp"
+#include "dynamics/obstacle_motion.hpp"
 #include "run/parts.hpp"
 #include "run/telling.hpp"
 #include "schemes/time_step.hpp"
@@ -192,6 +193,7 @@ class Run {
         schedule = {observers_, times_, reached};
       }
       pass_breaks();
+      refuse_jumps(time(n + 1));
       step.balance(time(n + 1));
     }
   }
@@ -227,6 +229,20 @@ class Run {
 
   double sign(std::size_t k) const { return step_->contacts()[k].sign; }
   double gap(std::size_t k, std::size_t n) const { return system_.gap(step_->contacts()[k], time(n)); }
+
+  // Of obstacles, into the bar, up to the end of the step that begins at t.
+  void refuse_jumps(double t) {
+    for (const Contact& contact : step_->contacts()) {
+      if (!system_.moves(contact) || !breaks_of_gap(system_, contact)) continue;
+      const NextBreak& next = breaks_of_gap(system_, contact);
+      const double until = t + scheme_.step * (1.0 + 1e-9);
+      for (auto at = next(t, until); at; at = next(*at, until)) {
+        const double jump = system_.gap_jump(contact, *at, times_.back());
+        if (jump < 0.0 && contact.sign * step_->u()[contact.unknown] + system_.gap(contact, t) + jump < 0.0)
+          throw LoadError(*at, into_the_bar(contact, *at));
+      }
+    }
+  }
 
   // The sum over the span obstacle's contacts, in the direction of u.
   double of_span(std::span<const double> values) const {

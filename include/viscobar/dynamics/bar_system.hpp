@@ -59,6 +59,13 @@ struct Lift {
   double at(double share) const { return std::lerp(left, right, share); }
 };
 
+/// What of a frame jumps at a time.
+struct FrameJump {
+  Lift displacement;  ///< of an obstacle that jumps; 0 where all moves continuously
+  Lift velocity;      ///< where a motion has a kink
+  bool displaces() const { return displacement.left != 0.0 || displacement.right != 0.0; }  ///< whether anything jumps
+};
+
 /// The energy of a bar and of the springs and masses at its ends.
 struct BarEnergy {
   double kinetic = 0.0;                               ///< of bar and masses
@@ -141,12 +148,14 @@ class BarSystem {
   /// The same as lift(), from displacements a time `step` before and after t alone, as scheme (2.8) takes them: their
   /// mean, and the quotients of differences.
   Lift lift(double t, int derivative, double step) const;
-  /// The jump of its velocity at t, where a motion has a kink; absent: none. Sides of t are as those of
-  /// LoadVector::enter(). @throws LoadError where a motion jumps itself
-  std::optional<Lift> kink(double t, double end) const;
-  /// Applies a jump of the frame's velocity to velocities in it, w -= (rho M)^{-1} rho M jump: without fixed ends
-  /// nothing to those of the bar. Returns the gain of energy().
-  double pass_kink(const Lift& jump, std::span<double> w) const;
+  /// Its jump at t, where a motion has a kink, or the gap of an obstacle jumps; absent: none. Sides of t are as those
+  /// of LoadVector::enter(). @throws LoadError where the motion of a fixed end jumps itself
+  std::optional<FrameJump> kink(double t, double end) const;
+  /// Applies a jump of the frame to displacements and velocities in it: u -= jump, so that the bar stays where it is,
+  /// and w -= (rho M)^{-1} rho M jump, which without fixed ends leaves those of the bar.
+  void pass_kink(const FrameJump& jump, std::span<double> u, std::span<double> w) const;
+  /// gap(t) after less before a time at which it jumps; else 0.
+  double gap_jump(const Contact& contact, double t, double end) const;
   /// x / L of an unknown, for Lift::at().
   double share(std::size_t unknown) const { return mesh_.node(unknown + first_node()) / mesh_.length; }
   /// Adds the lift to a field over all mesh nodes.

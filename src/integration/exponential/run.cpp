@@ -70,16 +70,21 @@ void Run::enter_piece() {
 void Run::pass_kink() {
   const auto jump = system_.kink(t_, times_.back());
   if (!jump) return;
+  if (jump->displaces())
+    throw LoadError(t_, fmt::format("an obstacle that has been met jumps at t = {}, which exponential does not follow; "
+                                    "choose another method",
+                                    t_));
   std::vector<double> w(system_.size(), 0.0);
   const auto first = static_cast<std::ptrdiff_t>(system_.massive_begin());
   const auto velocities = y_.tail(leg().size() - leg().displacements());
   std::ranges::copy(velocities, w.begin() + first);
   std::vector<double> change = w;
-  const double gained = system_.pass_kink(*jump, w);
+  const double before = 0.5 * system_.inertia().quadratic_form(w);
+  system_.pass_kink(*jump, {}, w);
   for (std::size_t i = 0; i < w.size(); ++i) change[i] = w[i] - change[i];
   if (ends_) ends_->pass_kink(change);
   for (Index k = 0; k < velocities.size(); ++k) y_[leg().displacements() + k] = w[static_cast<std::size_t>(first + k)];
-  if (statistics_.energy) statistics_.energy->work += gained;
+  if (statistics_.energy) statistics_.energy->work += 0.5 * system_.inertia().quadratic_form(w) - before;
 }
 
 std::vector<double> Run::displacement() const {
