@@ -17,7 +17,7 @@ namespace {
 
 class RandomEnds {
  public:
-  explicit RandomEnds(unsigned seed) : random_(seed) {
+  explicit RandomEnds(unsigned seed) : random_(seed), masses_at_ends_(1000 + seed) {
     viscosity_ = coin() ? uniform(0.02, 0.2) : 0.0;
     text_ = fmt::format("[bar]\nlength = {}\ndensity = {}\nmodulus = {}\nviscosity = {}\n", uniform(0.7, 1.5),
                         uniform(0.5, 2.0), uniform(0.5, 2.0), viscosity_);
@@ -71,12 +71,12 @@ class RandomEnds {
     if (coin()) text_ += fmt::format("force = \"{}*sin({}*t)\"\n", uniform(-1.0, 1.0), uniform(1.0, 5.0));
     if (coin()) text_ += fmt::format("stiffness = {}\n", uniform(0.1, 3.0)), mounted_contact_ |= obstacle;
     if (coin()) text_ += fmt::format("dashpot = {}\n", uniform(0.1, 2.0)), mounted_contact_ |= obstacle;
-    if (!coin()) return;
-    text_ += fmt::format("mass = {}\n", uniform(0.01, 2.0));
+    if (masses_at_ends_() % 2 == 0) return;
+    text_ += fmt::format("mass = {}\n", std::uniform_real_distribution<double>(0.01, 2.0)(masses_at_ends_));
     mounted_contact_ |= obstacle, massive_contact_ |= obstacle;
   }
 
-  std::mt19937 random_;
+  std::mt19937 random_, masses_at_ends_;
   std::string text_;
   double viscosity_;
   bool contact_ = false, mounted_contact_ = false, massive_contact_ = false;
