@@ -28,8 +28,9 @@ std::string type_words(const SceneKey& key) {
     case KeyType::count: return fmt::format("whole number {}", range);
     case KeyType::amount: return fmt::format("number {}, or percentage in quotes", range);
     case KeyType::formula:
-      return fmt::format("number{}{}, or formula in {}", range.empty() ? "" : " ", range,
-                         key.variables == "xt" ? "x and t" : key.variables);
+      return key.variables.size() == 1
+                 ? fmt::format("number{}{}, formula in {}, or series", range.empty() ? "" : " ", range, key.variables)
+                 : fmt::format("number{}{}, or formula in x and t", range.empty() ? "" : " ", range);
     case KeyType::numbers: return fmt::format("list of numbers {}", range);
     case KeyType::list: return key.choices.empty() ? "list of keys" : "list of " + names;
   }

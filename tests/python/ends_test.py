@@ -1,5 +1,6 @@
 """What is done to the ends of a bar, by Python functions and by samples."""
 import math
+import tempfile
 import warnings
 
 import numpy as np
@@ -76,6 +77,22 @@ class EndsTest(Test):
             self.assertLess(errors[1], 1e-4)
         self.assertEqual(bar({"kind": "free", "force": [t(15), t(15)]}).summary["scene"]["left"]["force"], "16 samples")
 
+    def test_samples_are_initial_data_and_are_saved(self):
+        x, t = np.linspace(0.0, 1.0, 41), np.linspace(0.0, 3.0, 41)
+        formula = bar({"kind": "free"}, initial__displacement="0.1*cos(3*x)", initial__velocity="-x")
+        scene = viscobar.Scene(thrown(), validate=False).changed({"left": {"kind": "free"}, "initial.displacement": (x, 0.1 * np.cos(3 * x)),
+                                                                  "initial.velocity": (x, -x), "right.force": (t, np.sin(t))})  # fmt: skip
+        sampled = bar({"kind": "free"}, initial__displacement=(x, 0.1 * np.cos(3 * x)), initial__velocity=(x, -x))
+        self.assertLess(np.abs(formula.u - sampled.u).max(), 1e-6)
+        with tempfile.TemporaryDirectory() as folder:
+            scene.save(f"{folder}/scene.toml")
+            again = viscobar.load(f"{folder}/scene.toml")
+            self.assertTrue(np.array_equal(viscobar.run(again).u, viscobar.run(scene).u))
+            with open(f"{folder}/record.csv", "w") as file:
+                file.write("t,F\n" + "".join(f"{a!r},{b!r}\n" for a, b in zip(t.tolist(), np.sin(t).tolist())))
+            named = scene.changed({"right.force": {"file": f"{folder}/record.csv", "column": "F"}})
+            self.assertTrue(np.array_equal(viscobar.run(named).u, viscobar.run(scene).u))
+
     def test_samples_beside_a_jump_do_not_swing(self):
         # A free bar of mass 1: its mean is int int F, a ramp of 0.001 and then 1, so 0.5 (2 - 0.0005)^2 and a little.
         jump = ([0, 0.5, 1, 1.001, 2, 2.5, 3], [0, 0, 0, 1, 1, 1, 1])
@@ -94,11 +111,11 @@ class EndsTest(Test):
     def test_what_is_wrong_is_said_with_the_key(self):
         good = np.linspace(0.0, 3.0, 7)
         for left, words in (
-            ({"kind": "free", "force": (good[:5], good[:5])}, "left.force: has samples from 0 to 2; the run goes from 0 to 3"),
-            ({"kind": "free", "force": (good[::-1], good)}, "left.force: has times that do not increase"),
-            ({"kind": "free", "force": (good[:3], good[:3])}, "left.force: has 3 times and 3 values: four samples or more"),
-            ({"kind": "free", "force": (good, good[:5])}, "left.force: has 7 times and 5 values"),
-            ({"kind": "free", "force": (good, 0 * good + np.nan)}, "left.force: is nan at t = 0"),
+            ({"kind": "free", "force": (good[:5], good[:5])}, "left.force: has values from t = 0 to 2, and the run goes from 0 to 3"),
+            ({"kind": "free", "force": (good[::-1], good)}, "left.force: t must not decrease"),
+            ({"kind": "free", "force": (good[:3], good[:3])}, "left.force: has values from t = 0 to 1, and"),
+            ({"kind": "free", "force": (good, good[:5])}, "left.force: t has 7 numbers and values 5"),
+            ({"kind": "free", "force": (good, 0 * good + np.nan)}, "left.force: a series is finite, and one is nan"),
             ({"kind": "fixed", "motion": lambda t: 1.0 + t}, "left.motion: must be 0 at t = 0"),
             ({"kind": "fixed", "motion": lambda t: 1 / (1 - t) if t != 1 else np.inf}, "left.motion: "),
             ({"kind": "obstacle", "gap": lambda t: t - 0.1}, "left.gap: must be finite and >= 0, is -0."),
