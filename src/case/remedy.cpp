@@ -21,7 +21,7 @@ std::string remedy(const Case& run, Failure why) {
              "bar.density and contact.epsilon nearer to one by a choice of units";
     case Failure::load:
       return "change the formula that the message names: until time.end a load or force must be finite and smooth "
-             "between jumps, and a motion or a moving gap must not jump";
+             "between jumps, a motion must not jump, and a gap only away from the bar";
     case Failure::short_end: return "choose a later time.end, or a longer output.every";
     case Failure::length:
       return "choose an earlier time.end, loosen method.relative_tolerance, or take a larger contact.epsilon";

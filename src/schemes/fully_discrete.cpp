@@ -236,7 +236,8 @@ class Run {
       if (!system_.moves(contact) || !breaks_of_gap(system_, contact)) continue;
       const NextBreak& next = breaks_of_gap(system_, contact);
       const double until = t + scheme_.step * (1.0 + 1e-9);
-      for (auto at = next(t, until); at; at = next(*at, until)) {
+      const double apart = 64.0 * std::numeric_limits<double>::epsilon() * times_.back();
+      for (auto at = next(t, until); at; at = next(*at + apart, until)) {
         const double jump = system_.gap_jump(contact, *at, times_.back());
         if (jump < 0.0 && contact.sign * step_->u()[contact.unknown] + system_.gap(contact, t) + jump < 0.0)
           throw LoadError(*at, into_the_bar(contact, *at));
