@@ -117,8 +117,8 @@ void check_input(const std::string& table, const EndCondition& end, const EndInp
     findings.report(table + (is_obstacle(end) ? ".gap" : ".motion"),
                     "moves, and an obstacle under the whole span stands still: the two do not go together yet; "
                     "take the number that it begins with, or leave [span] out");
-  if (is_obstacle(end) && (input.stiffness > 0.0 || input.dashpot > 0.0 || input.mass > 0.0) && setup.mass == Mass::redistributed &&
-      findings.sound({"mesh.mass", "method.name"}))
+  if (is_obstacle(end) && (input.stiffness > 0.0 || input.dashpot > 0.0 || input.mass > 0.0) &&
+      setup.mass == Mass::redistributed && findings.sound({"mesh.mass", "method.name"}))
     findings.report("mesh.mass",
                     "\"redistributed\" takes the mass that the spring, the dashpot and the mass of [{}] "
                     "want from the node; use \"fourth_order\", \"consistent\" or \"lumped\"",

@@ -163,6 +163,7 @@ constexpr Page pages[] = {{"README.md", "readme", 6, 6},
                           {"docs/internals/sweep-balance.md", "sweep_balance", 1},
                           {"docs/sweep.md", "sweep", 1},
                           {"docs/sensitivity.md", "sensitivity", 1},
+                          {"docs/solutions-of-others.md", "solutions_of_others", 10},
                           {"docs/fit.md", "fit", 2}};
 
 INSTANTIATE_TEST_SUITE_P(OfEachPage, Docs, testing::ValuesIn(pages),

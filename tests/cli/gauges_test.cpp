@@ -113,9 +113,16 @@ TEST_F(Gauges, AreHeldAgainstTheBarItself) {
     const auto& told = json["judged"][of]["columns"][column];
     EXPECT_LT(told["largest"].get<double>(), 4.0 * mode_error + told["own_error"].get<double>()) << column;
   }
+  EXPECT_EQ(json["judged"][0]["label"], "out/gauges.csv");
   EXPECT_EQ(json["judged"][1]["step"], 0.1);
   EXPECT_TRUE(testing_cli::fs::exists(directory_ / "judged/judge.html"));
   EXPECT_EQ(viscobar("info judged --json").json()["results"][0]["kind"], "judge");
+  // Tables leave out the folders that all files are in.
+  const std::string together = viscobar("compare mode.toml --with out/gauges.csv,out/ends.csv -o judged").out;
+  EXPECT_NE(together.find("\n  gauges.csv "), std::string::npos) << together;
+  EXPECT_NE(together.find("\n  ends.csv "), std::string::npos) << together;
+  const std::string apart_from = viscobar("compare mode.toml --with out/gauges.csv,./out/ends.csv -o judged").out;
+  EXPECT_NE(apart_from.find("\n  out/gauges.csv "), std::string::npos) << apart_from;
   const auto other = viscobar("compare mode.toml --set bar.viscosity=0.2 --with out/gauges.csv --json -o other").json();
   double apart = 0.0;  // of the two modes, at the output times
   for (int n = 0; n <= 20; ++n) apart = std::max(apart, std::abs(mode(0.1, 0.1 * n) - mode(0.2, 0.1 * n)));

@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <stdexcept>
 
 #include "dynamics/gauge.hpp"
@@ -101,6 +103,27 @@ TEST(Judge, TellsContactsThatAreMissedOrMadeUp) {
   EXPECT_EQ(judgement.solutions[0].made_up, 0u);
   EXPECT_EQ(judgement.solutions[1].missed, 0u);
   EXPECT_EQ(judgement.solutions[1].made_up, 1u);
+}
+
+// The force on a viscous bar that touches at t = 0 has no limit there, and would be all of our own error. A row without
+// a value is the same as none, to the last bit, for both are held against the same motion of ours.
+TEST(Judge, LeavesOutRowsWithoutAValueForOurOwnErrorToo) {
+  const TheirSolution whole{"whole", {0.0, 0.2, 0.4, 0.6}, {{"reaction_left", {1.0, 1.1, 1.0, 1.0}}}, {}};
+  TheirSolution blank = whole, without = whole;
+  blank.columns[0].values[0] = std::numeric_limits<double>::quiet_NaN();
+  without.times.erase(without.times.begin());
+  without.columns[0].values.erase(without.columns[0].values.begin());
+  JudgeStudy study = study_of({whole, blank, without});
+  study.scene.scene.left = Obstacle{0.0};
+  const JudgeResult judgement = judge(study);
+  const JudgedColumn &all = judgement.solutions[0].columns[0], &one = judgement.solutions[1].columns[0],
+                     &other = judgement.solutions[2].columns[0];
+  EXPECT_GT(all.own_error.value(), one.own_error.value());
+  EXPECT_EQ(one.own_error.value(), other.own_error.value());
+  EXPECT_GT(all.size, one.size);
+  EXPECT_EQ(one.size, other.size);
+  EXPECT_EQ(one.largest, other.largest);
+  EXPECT_EQ(one.root_mean_square, other.root_mean_square);
 }
 
 // The bar itself: theirs is as far from ours as its own error and ours make it.

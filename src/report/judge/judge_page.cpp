@@ -20,6 +20,17 @@ namespace {
 
 constexpr std::size_t most_contacts = 30;
 
+// Files by their names, without the folders that all of them are in.
+JudgeStudy with_short_labels(JudgeStudy study) {
+  const std::string first = study.solutions.front().label;
+  std::size_t shared = first.rfind('/') + 1;
+  for (const TheirSolution& theirs : study.solutions)
+    while (theirs.label.compare(0, shared, first, 0, shared) != 0)
+      shared = shared < 2 ? 0 : first.rfind('/', shared - 2) + 1;
+  for (TheirSolution& theirs : study.solutions) theirs.label.erase(0, shared);
+  return study;
+}
+
 Table distances(const JudgeStudy& study, const JudgeResult& judgement, NumberText number) {
   Table table{{"solution", "quantity", "largest difference", "at t", "root mean square", "of the largest value",
                "our own error", "order"},
@@ -52,6 +63,7 @@ Table contacts(const JudgeStudy& study, const JudgeResult& judgement, NumberText
                             : !contact.their_begin ? "missed"
                                                    : ""});
   if (table.rows.size() > most_contacts) {
+    std::ranges::stable_partition(table.rows, [](const auto& row) { return !row.back().empty(); });
     const std::size_t left_out = table.rows.size() - most_contacts;
     table.rows.resize(most_contacts);
     table.rows.push_back({fmt::format("and {} more", left_out), "", "", "", ""});
@@ -178,24 +190,26 @@ std::string judge_json(const PreparedJudgement& asked, const JudgeResult& judgem
 }
 
 std::string judge_text(const PreparedJudgement& asked, const JudgeResult& judgement) {
+  const JudgeStudy study = with_short_labels(asked.study);
   std::string out;
   for (const std::string& line : asked.understood) out += line + ".\n";
-  out += "\n" + text(distances(asked.study, judgement, plain_number));
-  const Table table = contacts(asked.study, judgement, plain_number);
+  out += "\n" + text(distances(study, judgement, plain_number));
+  const Table table = contacts(study, judgement, plain_number);
   if (!table.rows.empty()) out += "\n" + text(table);
   out += "\n";
-  for (const std::string& line : sentences(asked.study, judgement, plain_number)) out += line + ".\n";
+  for (const std::string& line : sentences(study, judgement, plain_number)) out += line + ".\n";
   for (const std::string& line : asked.doubts) out += line + ".\n";
   return out;
 }
 
 PicturedPage judge_page(const PreparedJudgement& asked, const JudgeResult& judgement) {
+  const JudgeStudy study = with_short_labels(asked.study);
   Page page = Page::of_study(asked.scene.run.scene, ": solutions of others");
-  page.add_head(notes_html(sentences(asked.study, judgement, readable_number)));
-  page.add_head(html(distances(asked.study, judgement, readable_number)));
-  const Table table = contacts(asked.study, judgement, readable_number);
+  page.add_head(notes_html(sentences(study, judgement, readable_number)));
+  page.add_head(html(distances(study, judgement, readable_number)));
+  const Table table = contacts(study, judgement, readable_number);
   if (!table.rows.empty()) page.add_section("Contacts", html(table));
-  page.add(curves(asked.study, judgement));
+  page.add(curves(study, judgement));
   std::vector<std::string> notes = asked.understood;
   notes.insert(notes.end(), asked.doubts.begin(), asked.doubts.end());
   page.add_section("The files", notes_html(notes));

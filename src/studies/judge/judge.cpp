@@ -304,9 +304,9 @@ JudgeResult judge(const JudgeStudy& study) {
         for (std::size_t k = 0; k < theirs.times.size(); ++k) {
           const double ours = motion.columns[at][rows[s][k]], difference = column.values[k] - ours;
           one.ours.push_back(ours);
+          if (!std::isfinite(difference)) continue;
           one.size = std::max(one.size, std::abs(ours));
           if (coarser) own_error = std::max(own_error, std::abs(coarser->columns[at][rows[s][k]] - ours));
-          if (!std::isfinite(difference)) continue;
           sum += difference * difference;
           ++count;
           if (std::abs(difference) > one.largest) one.largest = std::abs(difference), one.at = theirs.times[k];

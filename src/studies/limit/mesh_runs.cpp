@@ -152,8 +152,7 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Pur
   if (mesh.of_scheme && !mesh.one_limit) mesh.of_penalty = limit_of(first, 1.0);
   for (const double factor : {scheme_refinement * scheme_refinement, scheme_refinement, 1.0})
     mesh.scheme.push_back({scheme_case(study, elements, factor * step)});
-  for (const double epsilon : study.epsilons)
-    mesh.penalised.push_back(Run{penalised_case(study, elements, epsilon)});
+  for (const double epsilon : study.epsilons) mesh.penalised.push_back(Run{penalised_case(study, elements, epsilon)});
 
   std::vector<KnownLimit*> limits;
   for (auto* limit : {&mesh.of_scheme, &mesh.of_penalty})
