@@ -81,7 +81,7 @@ class EndsTest(Test):
         x, t = np.linspace(0.0, 1.0, 41), np.linspace(0.0, 3.0, 41)
         formula = bar({"kind": "free"}, initial__displacement="0.1*cos(3*x)", initial__velocity="-x")
         scene = viscobar.Scene(thrown(), validate=False).changed({"left": {"kind": "free"}, "initial.displacement": (x, 0.1 * np.cos(3 * x)),
-                                                                  "initial.velocity": (x, -x), "right.force": (t, np.sin(t))})  # fmt: skip
+                                                                  "initial.velocity": (x, -x), "right": {"kind": "free", "force": (t, np.sin(t))}})  # fmt: skip
         sampled = bar({"kind": "free"}, initial__displacement=(x, 0.1 * np.cos(3 * x)), initial__velocity=(x, -x))
         self.assertLess(np.abs(formula.u - sampled.u).max(), 1e-6)
         with tempfile.TemporaryDirectory() as folder:
