@@ -27,7 +27,7 @@ if(TARGET viscobar_cli)
   install(FILES ${shell_dir}/viscobar.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
   install(FILES ${shell_dir}/viscobar DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
   install(FILES ${shell_dir}/viscobar.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program)
-  install(DIRECTORY examples/scenes DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT program)
+  install(DIRECTORY examples/scenes examples/data DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT program)
 endif()
 
 # A static library leaves the linking of what it uses to whom it is linked into.

@@ -127,7 +127,7 @@ TEST(MovingObstacle, ThatJumpsAwayLetsTheBarGo) {
   const std::string left = "[left]\nkind = \"obstacle\"\ngap = \"t < 0.5 ? 0.2 : 0.3\"\n";
   for (const std::string& end :
        {left + "[initial]\nvelocity = -1\n", left + "[initial]\nvelocity = -1\n[right]\nkind = \"free\"\nmass = 0.3\n",
-        left + "[right]\nkind = \"fixed\"\nmotion = \"-0.6*t\"\n",
+        left + "[right]\nkind = \"fixed\"\nmotion = \"-0.3*t\"\n[initial]\nvelocity = \"-(1-x)-0.3*x\"\n",
         std::string(
             "[right]\nkind = \"obstacle\"\nside = \"above\"\ngap = \"t < 0.5 ? 0.2 : 0.3 - 0.02*t\"\n[initial]\n"
             "velocity = 1\n")}) {

@@ -6,6 +6,14 @@
 
 namespace viscobar {
 
+/// A table of a series is written otherwise than in JSON.
+inline std::string toml_of(const nlohmann::json& value) {
+  if (!value.is_object()) return value.dump();
+  std::string table;
+  for (const auto& [key, entry] : value.items()) table += (table.empty() ? "{ " : ", ") + key + " = " + entry.dump();
+  return table + " }";
+}
+
 /// The keys of a scene's description (SceneFile::description) as overrides "table.key=value".
 inline std::vector<std::string> overrides_of(const std::string& description) {
   std::vector<std::string> overrides;
@@ -15,7 +23,7 @@ inline std::vector<std::string> overrides_of(const std::string& description) {
       overrides.push_back(table + "=" + keys.dump());
       continue;
     }
-    for (const auto& [key, value] : keys.items()) overrides.push_back(table + "." + key + "=" + value.dump());
+    for (const auto& [key, value] : keys.items()) overrides.push_back(table + "." + key + "=" + toml_of(value));
   }
   return overrides;
 }
