@@ -194,11 +194,13 @@ TEST(EndInputs, TheSchemeAndRigidAndTheStiffPenaltyHaveOneLimit) {
     EXPECT_NEAR(power, 1.0, random.massive_contact() ? 0.5 : 0.05);
     if (rigid.events.empty()) continue;
     ++in_contact;
-    // One that strikes with V is V (m epsilon)^(1/2) deep before it stops.
+    // One that strikes with V is V (m epsilon)^(1/2) deep before it stops: where it leaves soon, by its root, and where
+    // it rests, as deep as its reaction says.
     const double epsilon = random.massive_contact() ? 1e-6 : 1e-5;
     const double soft = off(by("exponential", epsilon, 1e-4)), stiff = off(by("exponential", 0.01 * epsilon, 1e-4));
-    EXPECT_NEAR(std::log(soft / stiff) / std::log(100.0), random.massive_contact() ? 0.5 : 1.0,
-                random.massive_contact() ? 0.25 : 0.15);
+    const double power_of_epsilon = std::log(soft / stiff) / std::log(100.0);
+    EXPECT_LT(power_of_epsilon, 1.15);
+    EXPECT_GT(power_of_epsilon, random.massive_contact() ? 0.25 : 0.85);
   }
   EXPECT_GT(in_contact, scenes / 3);
 }
