@@ -24,10 +24,20 @@ std::optional<Finding> refusal(const Scene& scene, double end, const Characteris
     return Finding{scene.left_input.stiffness != 0.0 ? "left.stiffness" : "right.stiffness",
                    "is not for characteristics: a spring remembers what has arrived, and waves return as no "
                    "polynomials; use rigid, or fully_discrete"};
-  for (const auto& [input, key] : {std::pair{&scene.left_input, "left.mass"}, {&scene.right_input, "right.mass"}})
-    if (input->mass != 0.0 && input->motion)
+  for (const auto& [input, key] : {std::pair{&scene.left_input, "left.mass"}, {&scene.right_input, "right.mass"}}) {
+    if (input->mass == 0.0) continue;
+    if (input->motion)
       return Finding{key,
                      "is not for characteristics where the obstacle before it moves; use rigid, or fully_discrete"};
+    // It is followed by pieces in which it lags by at most two of its own times.
+    constexpr double least_share = 1e-3;
+    const double impedance = std::sqrt(bar.density * bar.modulus), share = input->mass / (bar.density * bar.length);
+    if (share < least_share * (1.0 + input->dashpot / impedance))
+      return Finding{key,
+                     fmt::format("is {:.2g} of the bar's mass, and characteristics follows none below {:.2g}; leave "
+                                 "it out, or use rigid",
+                                 share, least_share * (1.0 + input->dashpot / impedance))};
+  }
   for (const auto& [input, condition, key] :
        {std::tuple{&scene.left_input, &scene.left, "left"}, {&scene.right_input, &scene.right, "right"}}) {
     if (!input->motion || !input->motion->breaks) continue;
