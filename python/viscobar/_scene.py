@@ -235,5 +235,7 @@ def _value(name: str, value: Any) -> str:
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(_value(name, entry) for entry in value)}]"
     if isinstance(value, Mapping):
+        if isinstance(value.get("file"), (str, os.PathLike)):  # wherever the scene is saved
+            value = {**value, "file": os.path.abspath(value["file"])}
         return f"{{ {', '.join(f'{_key(key)} = {_value(name, entry)}' for key, entry in value.items())} }}"
     raise SceneError([Finding(name, f"is of type {type(value).__name__}", "a number or a text is meant")])

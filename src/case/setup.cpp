@@ -60,10 +60,15 @@ Chosen<double> epsilon_of(const Case& run, const Mesh& mesh) {
   const Bar& bar = run.scene.bar;
   const double h = mesh.spacing(), share = h / bar.length, wanted = share * share / 8.0;
   const double unit = natural_epsilon(run.scene), speed = std::sqrt(bar.modulus / bar.density);
+  // A mass that strikes an obstacle is (m epsilon)^(1/2) times its speed deep before it stops.
+  double mass = 0.0;
+  for (const auto& [end, input] :
+       {std::pair{&run.scene.left, &run.scene.left_input}, {&run.scene.right, &run.scene.right_input}})
+    if (is_obstacle(*end)) mass = std::max(mass, input->mass);
   const auto penetration = [&](double epsilon) {
     const double deepest = run.scene.span ? speed * std::sqrt(bar.density * epsilon)
                                           : predict_impact(bar, h, 0.0, epsilon, speed).penetration;
-    return deepest / bar.length;
+    return std::max(deepest, speed * std::sqrt(mass * epsilon)) / bar.length;
   };
   constexpr int least = 40;
   double epsilon = unit;

@@ -228,13 +228,17 @@ void SceneEntries::read_series(const std::string& name, const SceneTable& table)
                     unit("units.stress")};
   SeriesRequest request;
   request.variable = key.variables.front();
-  request.moves = key.leaf() == "motion" || key.leaf() == "gap";
+  request.jumps = key.leaf() != "motion";
   if (const auto powers = unit_powers(key.unit)) request.unit = unit_name(units, *powers);
   request.place_unit = request.variable == 't' ? units.time : units.length;
   request.folder = folder();
   try {
     series_[name] = series_of(table, request);
-  } catch (const std::exception& error) {
+  } catch (const SceneError& error) {
+    for (const Diagnostic& found : error.diagnostics)
+      report(name, "{}, line {}: {}{}{}", found.source, found.line, found.key, found.key.empty() ? "" : " ",
+             found.message);
+  } catch (const std::invalid_argument& error) {
     report(name, error.what());
   }
 }

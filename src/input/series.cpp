@@ -78,11 +78,8 @@ void limit_slopes(std::span<const double> t, std::span<const double> y, std::vec
 
 }  // namespace
 
-Series::Series(std::vector<double> places, std::vector<double> values, Interpolation interpolation, bool zero_outside)
-    : places_(std::move(places)),
-      values_(std::move(values)),
-      interpolation_(interpolation),
-      zero_outside_(zero_outside) {
+Series::Series(std::vector<double> places, std::vector<double> values, Interpolation interpolation, Outside outside)
+    : places_(std::move(places)), values_(std::move(values)), interpolation_(interpolation), outside_(outside) {
   if (smooth()) find_slopes();
   find_breaks();
 }
@@ -103,7 +100,7 @@ void Series::find_slopes() {
     slopes_[k] = (3.0 * (chord(k - 1) / before + chord(k) / after) - slopes_[k - 1] / before) / pivot;
   }
   for (std::size_t k = n - 1; k-- > 1;) slopes_[k] -= upper[k] * slopes_[k + 1];
-  if (n > 3) limit_slopes(places_, values_, slopes_);
+  if (n > 2) limit_slopes(places_, values_, slopes_);
 }
 
 // Kinks and jumps; and the ends of stretches over which one cubic is the function to a hundredth of its range, so that
@@ -116,9 +113,10 @@ void Series::find_breaks() {
   for (std::size_t k = 0; k + 1 < n; ++k)
     if (places_[k + 1] > places_[k]) steepest = std::max(steepest, std::abs(chord(k)));
   const auto jumps = [&](std::size_t k) {
-    const double before = zero_outside_ ? values_.front() : 0.0, behind = zero_outside_ ? values_.back() : 0.0;
-    if (k == 0 && before != 0.0) return true;
-    if (k + 1 == n && behind != 0.0) return true;
+    if (k == 0 || k + 1 == n) {
+      if (outside_ == Outside::zero && values_[k] != 0.0) return true;
+      if (outside_ == Outside::goes_on) return false;
+    }
     if (n > 1 && (places_[k] == places_[k > 0 ? k - 1 : 1] || places_[k] == places_[k + 1 < n ? k + 1 : n - 2]))
       return n > 1 && places_.front() < places_.back();
     const double left = k > 0 ? smooth() ? slopes_[k] : chord(k - 1) : 0.0;
@@ -160,15 +158,18 @@ void Series::find_breaks() {
 }
 
 double Series::operator()(double s, int derivative) const {
+  const std::size_t n = places_.size();
   const auto next = std::ranges::upper_bound(places_, s);
   const bool before = next == places_.begin(), behind = next == places_.end();
-  if (before || behind) {
-    const bool at_end = behind && s == places_.back();
-    if (derivative > 0 && !at_end) return 0.0;
-    if (derivative == 0) return zero_outside_ && !at_end ? 0.0 : before ? values_.front() : values_.back();
-    if (places_.size() < 2) return 0.0;
+  const bool at_end = behind && s == places_.back();
+  // Two values at an end are no line to go on with.
+  const bool goes_on =
+      outside_ == Outside::goes_on && n > 1 && (before ? places_[0] < places_[1] : places_[n - 2] < places_[n - 1]);
+  if ((before || behind) && !goes_on) {
+    if (derivative > 0 && !(at_end && n > 1)) return 0.0;
+    if (derivative == 0) return outside_ == Outside::zero && !at_end ? 0.0 : before ? values_.front() : values_.back();
   }
-  const std::size_t k = behind ? places_.size() - 2 : static_cast<std::size_t>(next - places_.begin()) - 1;
+  const std::size_t k = before ? 0 : behind ? n - 2 : static_cast<std::size_t>(next - places_.begin()) - 1;
   const double h = places_[k + 1] - places_[k], z = s - places_[k], chord = this->chord(k);
   if (!smooth()) return derivative == 0 ? values_[k] + chord * z : derivative == 1 ? chord : 0.0;
   const double b = (3.0 * chord - 2.0 * slopes_[k] - slopes_[k + 1]) / h;
@@ -293,19 +294,23 @@ std::shared_ptr<const Series> read_series(const SceneTable& entries, const Serie
   const Interpolation interpolation = table.word("interpolation", {"linear", "cubic"}, "cubic") == "cubic"
                                           ? Interpolation::cubic
                                           : Interpolation::linear;
-  const bool zero = table.word("outside", {"hold", "zero"}, "hold") == "zero";
-  if (zero && request.moves) throw std::invalid_argument("a motion does not jump: outside is \"hold\"");
+  const std::string word = table.word("outside", {"hold", "zero"}, "");
+  const Outside outside = word == "zero" ? Outside::zero : word == "hold" ? Outside::hold : Outside::goes_on;
+  if (outside == Outside::zero && !request.jumps)
+    throw std::invalid_argument("the motion of a fixed end does not jump: outside is \"hold\"");
   for (std::size_t k = 0; k + 1 < places.size(); ++k) {
     if (places[k] != places[k + 1]) continue;
     const bool thrice = k + 2 < places.size() && places[k] == places[k + 2];
-    if (interpolation == Interpolation::cubic || request.moves || thrice)
-      throw std::invalid_argument(
-          fmt::format("has {} values at {} = {}{}", thrice ? "three" : "two", request.variable, places[k],
-                      interpolation == Interpolation::cubic ? ": a jump, for which interpolation is \"linear\"" : ""));
+    if (interpolation == Interpolation::cubic || !request.jumps || thrice)
+      throw std::invalid_argument(fmt::format("has {} values at {} = {}{}", thrice ? "three" : "two", request.variable,
+                                              places[k],
+                                              thrice           ? ""
+                                              : !request.jumps ? ", and the motion of a fixed end does not jump"
+                                                               : ": a jump, for which interpolation is \"linear\""));
   }
   for (const double value : values)
     if (!std::isfinite(value)) throw std::invalid_argument("a value times the scale is not finite");
-  auto series = std::make_shared<const Series>(std::move(places), std::move(values), interpolation, zero);
+  auto series = std::make_shared<const Series>(std::move(places), std::move(values), interpolation, outside);
   if (const auto* sum = table.get<std::string>("checksum", "a string");
       sum && *sum != fmt::format("{:016x}", series->checksum()))
     throw std::invalid_argument(

@@ -15,17 +15,20 @@
 namespace viscobar {
 
 enum class Interpolation { linear, cubic };
+/// What a series is before its first and behind its last value: what it is beside them (of a run, a scheme looks a step
+/// ahead), that value, or 0.
+enum class Outside { goes_on, hold, zero };
 
 /// A function of time, or of x, through measured values: lines between them, or a cubic spline, whose slopes at both
 /// ends are those of the cubics through the four values there (all, where there are fewer). Between values h apart the
 /// spline differs from a smooth f by h^4 |f|, its second derivative by h^2 |f|, each times a constant of about
 /// 0.01 and 0.1. It is twice differentiable but beside jumps and kinks of the values: there its slopes are limited, so
-/// that it rises, falls and stays where the values do. Before the first and behind the last value it has that value, or
-/// 0. Two values of one place are a jump: the second holds from there on.
+/// that it rises, falls and stays where the values do. Two values of one place are a jump: the second holds from there
+/// on.
 class Series {
  public:
   /// Places in order; no more than two are equal, and of a cubic none. At least one.
-  Series(std::vector<double> places, std::vector<double> values, Interpolation interpolation, bool zero_outside);
+  Series(std::vector<double> places, std::vector<double> values, Interpolation interpolation, Outside outside);
 
   /// The value, or its first or second derivative.
   double operator()(double s, int derivative = 0) const;
@@ -49,7 +52,7 @@ class Series {
   std::vector<double> places_, values_, slopes_;  // the latter of a cubic
   std::vector<double> breaks_, kinks_;
   Interpolation interpolation_;
-  bool zero_outside_;
+  Outside outside_;
 };
 
 /// What a scene says of a series, { file = "record.csv", column = "F" } or { t = [...], values = [...] }:
@@ -60,11 +63,11 @@ class Series {
 ///     values         with those: the values
 ///     interpolation  "cubic" or "linear"; absent: cubic
 ///     scale          what the values are multiplied by, whatever their unit
-///     outside        "hold" or "zero": what holds before and behind the values
+///     outside        "hold" or "zero": what holds before and behind the values; absent: it goes on as it does beside
 ///     checksum       of a file that has been read, as a result tells it
 struct SeriesRequest {
   char variable = 't';           ///< or 'x'
-  bool moves = false;            ///< whether it is a motion or a gap, which do not jump
+  bool jumps = true;             ///< whether it may
   std::string unit, place_unit;  ///< that the scene names for them; empty: none
   std::filesystem::path folder;
 };

@@ -373,7 +373,9 @@ class StepwisePart {
       if (towards == 0.0 || (clear >= -rounding && !system_.closed(i))) continue;
       if (towards > 0.0) throw LoadError(t, into_the_bar(system_.contact(i), t));
       if (clear <= 0.0) continue;
+      if (sensitivities_) changes_ = sensitivities_->before(t, t, i, y_);  // lost: none
       system_.set_closed(i, false);
+      system_.complete_velocity(t, u(), w());
       tell_event(t, i, Change::opening, w()[node]);
     }
   }

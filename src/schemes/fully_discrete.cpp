@@ -239,7 +239,7 @@ class Run {
       const double apart = 64.0 * std::numeric_limits<double>::epsilon() * times_.back();
       for (auto at = next(t, until); at; at = next(*at + apart, until)) {
         const double jump = system_.gap_jump(contact, *at, times_.back());
-        if (jump < 0.0 && contact.sign * step_->u()[contact.unknown] + system_.gap(contact, t) + jump < 0.0)
+        if (jump < 0.0 && contact.sign * step_->u()[contact.unknown] + system_.gap(contact, *at + apart) < 0.0)
           throw LoadError(*at, into_the_bar(contact, *at));
       }
     }

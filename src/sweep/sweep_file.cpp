@@ -131,6 +131,10 @@ class SweepReader {
   }
 
   void setting(const SceneKey& key, const TomlNode& node) {
+    if (const auto* series = std::get_if<SceneTable>(&node.value); series && takes(key.type, node.value)) {
+      sweep_.settings.push_back(std::pair(std::string(key.name), SceneValue(*series)));
+      return;
+    }
     const std::string problem = node.kind == TomlNode::Kind::plain
                                     ? problem_with(key, node.value)
                                     : fmt::format("must be one value, is {}", kind_of(node.value));

@@ -147,6 +147,12 @@ VariedKey varied_key(const SceneKey& key, const TomlNode& node, const Report& re
   bool sound = true;
   const auto add = [&](const TomlValue& value, TextPosition at) {
     const std::string problem = problem_with(key, value);
+    if (std::holds_alternative<SceneTable>(value)) {
+      report(
+          at,
+          "is a series, which does not vary: write a scene for each, or vary a factor of it as a parameter of a formula");
+      return void(sound = false);
+    }
     if (problem.empty()) return values.push_back(value);
     if (sound || node.kind == TomlNode::Kind::array) report(at, problem);  // of a range the first one says enough
     sound = false;

@@ -170,6 +170,10 @@ TEST(MovingObstacle, ThatJumpsIntoTheBarIsRefusedWithWhatToDoAndElsewhereItMay) 
         EXPECT_EQ(error.failure, Failure::load) << method;
         EXPECT_NE(std::string(error.what()).find("jumps into the bar at t = 0.5"), std::string::npos) << error.what();
       }
+    // The bar is at -0.5 then, and 0.55 is free.
+    const Recording near = record(parse_scene(scene("t < 0.5 ? 0.9 : 0.55", method), "").run);
+    ASSERT_FALSE(near.events.empty()) << method;
+    EXPECT_NEAR(near.events[0].time, 0.55, 2e-3) << method;
     const Recording far = record(parse_scene(scene("t < 0.1 ? 0.9 : 0.7", method), "").run);
     ASSERT_FALSE(far.events.empty()) << method;
     EXPECT_NEAR(far.events[0].time, 0.7, 2e-3) << method;

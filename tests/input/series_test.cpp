@@ -23,7 +23,7 @@ using characteristics::FunctionOfTime;
 constexpr double end = 7.0;
 
 FunctionOfTime spline(const std::vector<double>& t, const std::vector<double>& y) {
-  return function_of(std::make_shared<Series>(t, y, Interpolation::cubic, false));
+  return function_of(std::make_shared<Series>(t, y, Interpolation::cubic, Outside::goes_on));
 }
 
 // h^4 for the spline, h^2 for its second derivative; a cubic it gives back.
@@ -229,6 +229,35 @@ TEST_F(Records, MoveEndsAndObstaclesAndAreInitialData) {
   near("[initial]\ndisplacement = { file = \"u.csv\", column = \"u\" }", "[initial]\ndisplacement = \"0.1*sin(2*x)\"");
   near("[initial]\nvelocity = { file = \"u.csv\", column = \"u\", scale = -2.0 }",
        "[initial]\nvelocity = \"-0.2*sin(2*x)\"");
+}
+
+// Between a few values, far from even, too: the spline stays between them.
+TEST(Series, OfTwoOrThreeValuesStaysBetweenThem) {
+  for (const std::vector<double>& t :
+       {std::vector<double>{0, 0.01, 1}, {0, 0.5, 1}, {0, 0.99, 1}, {0, 1e-12, 1}, {0, 1}}) {
+    const std::vector<double> y = t.size() == 2 ? std::vector<double>{0, 1} : std::vector<double>{0, 1, 0};
+    const Series series(t, y, Interpolation::cubic, Outside::goes_on);
+    for (double at = 0.0; at <= 1.0; at += 1.0 / 512.0) {
+      EXPECT_GE(series(at), -1e-12) << t[1] << " " << at;
+      EXPECT_LE(series(at), 1.0 + 1e-12) << t[1] << " " << at;
+    }
+  }
+}
+
+// The schemes look a step beyond the end, where a series that ends there goes on.
+TEST_F(Records, ThatEndWithTheRunAreTheFormulaToTheLastRow) {
+  for (const std::string method : {"fully_discrete", "finite_difference"})
+    for (const std::string end :
+         {"[left]\nkind = \"fixed\"\nmotion = ", "[initial]\nvelocity = -0.5\n[left]\nkind = \"obstacle\"\ngap = "}) {
+      const bool gap = end.ends_with("gap = ");
+      const auto by = [&](const std::string& motion) {
+        return record(scene(bar + end + motion + "\n[method]\nname = \"" + method + "\"\nstep = 1e-3\n").run);
+      };
+      const Recording formula = by(gap ? "\"0.3-0.1*t\"" : "\"-0.1*t\"");
+      const Recording series = by(gap ? "{ t = [0, 2], values = [0.3, 0.1] }" : "{ t = [0, 2], values = [0, -0.2] }");
+      EXPECT_LT(apart(series, formula), 1e-12) << method << gap;
+      for (std::size_t k = 0; k < formula.v.size(); ++k) ASSERT_NEAR(series.v[k], formula.v[k], 1e-9) << method << gap;
+    }
 }
 
 TEST_F(Records, AreRefusedWithWhatIsWrong) {
