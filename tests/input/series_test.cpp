@@ -247,11 +247,11 @@ TEST(Series, OfTwoOrThreeValuesStaysBetweenThem) {
 // The schemes look a step beyond the end, where a series that ends there goes on.
 TEST_F(Records, ThatEndWithTheRunAreTheFormulaToTheLastRow) {
   for (const std::string method : {"fully_discrete", "finite_difference"})
-    for (const std::string end :
+    for (const std::string table :
          {"[left]\nkind = \"fixed\"\nmotion = ", "[initial]\nvelocity = -0.5\n[left]\nkind = \"obstacle\"\ngap = "}) {
-      const bool gap = end.ends_with("gap = ");
+      const bool gap = table.ends_with("gap = ");
       const auto by = [&](const std::string& motion) {
-        return record(scene(bar + end + motion + "\n[method]\nname = \"" + method + "\"\nstep = 1e-3\n").run);
+        return record(scene(bar + table + motion + "\n[method]\nname = \"" + method + "\"\nstep = 1e-3\n").run);
       };
       const Recording formula = by(gap ? "\"0.3-0.1*t\"" : "\"-0.1*t\"");
       const Recording series = by(gap ? "{ t = [0, 2], values = [0.3, 0.1] }" : "{ t = [0, 2], values = [0, -0.2] }");
