@@ -283,7 +283,7 @@ TEST_F(Records, AreRefusedWithWhatIsWrong) {
   expect("{ t = [0, 1], values = [1, 1], outside = \"none\" }", "outside cannot be \"none\"");
   EXPECT_EQ(force("{ t = [0, 1], values = [1, 1], outside = \"hold\" }"), "");
   EXPECT_NE(refused(bar + "[left]\nkind = \"fixed\"\nmotion = { t = [0, 2], values = [0, 1], outside = \"zero\" }")
-                .find("a motion does not jump"),
+                .find("the motion of a fixed end does not jump"),
             std::string::npos);
   EXPECT_NE(refused(bar + "[load]\ndensity = { t = [0, 2], values = [0, 1] }").find("of one variable"),
             std::string::npos);
