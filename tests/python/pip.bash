@@ -28,5 +28,5 @@ print(viscobar.run("tree/examples/scenes/chatter.toml", set={"contact.restitutio
 tar -xf sdist/viscobar-*.tar.gz -C sdist
 cd sdist/viscobar-*/
 "$python" setup.py --quiet --version
-cmake -S source -B configured -DVISCOBAR_TESTS=OFF -DVISCOBAR_PYTHON_EXECUTABLE="$python" >/dev/null
+cmake -G Ninja -S source -B configured -DVISCOBAR_TESTS=OFF -DVISCOBAR_PYTHON_EXECUTABLE="$python" >/dev/null
 cmake --build configured --target help | grep viscobar_python >/dev/null
