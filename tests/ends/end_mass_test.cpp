@@ -130,8 +130,9 @@ TEST(EndMass, BehindAThrownElasticBarPressesItThreefoldOnTheWall) {
   }
 }
 
-// The same of a viscous bar, by its Laplace transform: with q = s / sqrt(1 + eta s) and b = m s sqrt(1 + eta s)^-1,
-// R^ = sqrt(1 + eta s) (tanh q + b) / (s (1 + b tanh q)), inverted by Talbot's contour in 40 digits.
+// The same of a viscous bar. The Laplace transform of the reaction is
+//     R^ = sqrt(1 + eta s) (tanh q + b) / (s (1 + b tanh q)),    q = s / sqrt(1 + eta s),    b = m s / sqrt(1 + eta s).
+// Talbot's contour inverted it in 40 digits.
 TEST(EndMass, BehindAThrownViscousBarEndsItsContactAsTheTransformSays) {
   for (const Thrown& of :
        {Thrown{0.5, 2.7713184425724, 2.5706161402164}, Thrown{1.0, 3.5375424676568, 3.4862270876986}}) {

@@ -168,8 +168,9 @@ TEST(EndInputs, AdaptiveMethodsKeepTheirPromiseAgainstTheExponential) {
   }
 }
 
-// With a restitution of 0 the penalty and the scheme have one limit, the first like epsilon, by which a node that rests
-// gives way, or like its root where a mass is stopped, the second like dt, with its start of first order.
+// With a restitution of 0 the penalty and the scheme have one limit. The penalty comes to it like epsilon, by which a
+// node that rests gives way, or like its root where a mass is stopped. The scheme comes to it like dt: its start is of
+// first order.
 TEST(EndInputs, TheSchemeAndRigidAndTheStiffPenaltyHaveOneLimit) {
   std::size_t in_contact = 0;
   for (unsigned seed = 1; seed <= scenes; ++seed) {

@@ -153,7 +153,7 @@ TEST(MovingObstacle, ThatJumpsAwayLetsTheBarGo) {
   }
 }
 
-TEST(MovingObstacle, ThatJumpsIntoTheBarIsRefusedWithWhatToDoAndElsewhereItMay) {
+TEST(MovingObstacle, ThatJumpsIntoTheBarIsRefusedAndOneThatJumpsAwayRuns) {
   const auto scene = [](const std::string& gap, const std::string& method, double viscosity = 0.1) {
     return fmt::format(
         "[bar]\nlength = 1\nviscosity = {}\n[left]\nkind = \"obstacle\"\ngap = \"{}\"\n[initial]\nvelocity = -1\n"

@@ -66,10 +66,10 @@ class Leg {
   std::span<Derivative* const> derivatives;
   void (*solve_step)(Leg&, std::span<double> correction);
   std::optional<MomentBuilder> moment;  // what drives the derivatives, where there are any
-  std::vector<double> new_u, new_w;     // of the step solved for, likewise
+  std::vector<double> new_u, new_w;     // where there are derivatives: of the step solved for
   std::vector<double> field;            // scratch, one entry a node
-  std::vector<double> acceleration;     // likewise, where the account needs it
-  std::span<const double> correction;   // of the step or stage solved for last, until the next
+  std::vector<double> acceleration;     // scratch, where the energy account needs it
+  std::span<const double> correction;   // of the step or stage solved for last; valid until the next
   double account_correction = 0.0;      // largest of the energy account, at the step solved for last
   std::exception_ptr error;             // thrown inside a callback, to be rethrown outside the C frames
   std::string library_message;          // what SUNDIALS said last
