@@ -1,10 +1,12 @@
 // viscobar run --sensitivity, and viscobar fit.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <tuple>
 
 #include "cli/command.hpp"
 #include "support/bar_above_an_obstacle.hpp"
@@ -104,6 +106,22 @@ TEST_F(Sensitivity, OfAFitFindsWhatMadeTheTrace) {
       viscobar("fit bar.toml --events made/events.csv --parameters left.gap --set left.gap=0.2 -o times --json");
   ASSERT_EQ(times.code, 0) << times.error;
   EXPECT_NEAR(times.json()["parameters"]["left.gap"]["estimate"], 0.1, 1e-6);
+}
+
+// The data have no noise, and a fit ends within a thousandth of a standard deviation of where they lead.
+TEST_F(Sensitivity, OfAFitIsThatOfAGaugeToo) {
+  std::ofstream(directory_ / "bar.toml") << scene_text;
+  ASSERT_EQ(viscobar("run bar.toml -o made --quiet --set output.gauges=[0.25]").code, 0);
+  // The scene names no gauge, and the length, which moves the nodes, is differenced.
+  for (const auto& [key, truth, start] : {std::tuple{"bar.viscosity", 0.08, 0.2}, std::tuple{"bar.length", 1.0, 1.1}}) {
+    const auto found = viscobar(
+        fmt::format("fit bar.toml --data made/gauges.csv --parameters {0} --set {0}={1} -o fitted --json", key, start));
+    ASSERT_EQ(found.code, 0) << found.error;
+    const auto estimate = found.json()["parameters"][key];
+    EXPECT_NEAR(estimate["estimate"], truth, estimate["standard_deviation"].get<double>()) << key;
+    EXPECT_LT(estimate["standard_deviation"], 1e-4) << key;
+    EXPECT_TRUE(found.json()["residuals"].contains("strain@0.25")) << key;
+  }
 }
 
 TEST_F(Sensitivity, OfAFitSaysWhatIsWrongWithItsData) {
