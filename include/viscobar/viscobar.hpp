@@ -28,6 +28,7 @@
 #include "viscobar/studies/compare/compare.hpp"
 #include "viscobar/studies/compare/difference.hpp"
 #include "viscobar/studies/compare/examine.hpp"
+#include "viscobar/studies/ensemble/ensemble.hpp"
 #include "viscobar/studies/exact/exact_solutions.hpp"
 #include "viscobar/studies/fit/fit.hpp"
 #include "viscobar/studies/judge/judge.hpp"

@@ -10,10 +10,10 @@
 
 #include "dynamics/jump_filter.hpp"
 #include "dynamics/lost_inertia.hpp"
-#include "dynamics/natural_scales.hpp"
 #include "dynamics/obstacle_motion.hpp"
 #include "run/parts.hpp"
 #include "run/telling.hpp"
+#include "schemes/settled_start.hpp"
 #include "schemes/time_step.hpp"
 
 namespace viscobar {
@@ -60,7 +60,7 @@ class Run {
     try {
       const auto* checkpoint = std::get_if<Checkpoint>(&start_);
       State start = checkpoint ? system_.initial_state() : std::get<State>(start_);
-      const JumpFilter::Taken taken = checkpoint ? JumpFilter::Taken{} : settle_high_modes(start);
+      const JumpFilter::Taken taken = checkpoint ? JumpFilter::Taken{} : settle_start(start);
       step_.emplace(system_, start, times_.front(), scheme_, times_.back() + scheme_.step);
       was_active_.assign(step_->contacts().size(), 0);
       active_ = step_->active();
@@ -106,18 +106,10 @@ class Run {
     next_break_ = settled_->begin_leg(t, times_.back());
   }
 
-  // The start, where nothing touches then: an impact is in the scheme's own first step.
-  JumpFilter::Taken settle_high_modes(State& start) {
+  JumpFilter::Taken settle_start(State& start) {
     if (!filter_.acts()) return {};
     watch_breaks(times_.front());
-    State settled = start;
-    settled_->settle(times_.front(), settled.u, settled.v);
-    for (std::size_t i = 0; i < settled_->contact_count(); ++i)
-      if (settled_->closed(i)) return {};
-    const NaturalScales scales = natural_scales(system_, times_.back());
-    const double rounding = 1e-12;
-    return filter_.begin(*settled_, times_.front(), {rounding * scales.displacement, rounding * scales.velocity()},
-                         start.u, start.v);
+    return settle_high_modes(filter_, *settled_, times_.front(), times_.back(), start);
   }
 
   // A load that breaks within half a step of t_n is there its mean, and has jumped by a share of the whole.

@@ -1,0 +1,548 @@
+#include "schemes/lane_scheme.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace viscobar::bars {
+
+namespace {
+
+using std::experimental::where;
+using Mask = Lanes::mask_type;
+
+constexpr double unbounded = -std::numeric_limits<double>::infinity();
+
+template <class Value>
+Lanes gathered(std::span<const Member> bars, Value&& value) {
+  std::array<double, lane_count> values;
+  for (std::size_t l = 0; l < lane_count; ++l) values[l] = value(bars[std::min(l, bars.size() - 1)]);
+  return load_lanes(values.data());
+}
+
+Lanes larger(const Lanes& a, const Lanes& b) { return std::experimental::max(a, b); }
+
+}  // namespace
+
+LaneScheme::LaneScheme(const Pattern& pattern) : pattern_(pattern), size_(pattern.size()) {
+  assert(size_ >= 4);
+  for (auto* field : {&diagonal_, &off_, &multiplier_, &inverse_pivot_, &coupling_, &to_last_, &u_, &p_, &y_, &load_,
+                      &a_, &a_before_})
+    field->resize(size_);
+  for (const bool right : {false, true})
+    if (pattern.contact[right]) column_[right].resize(size_);
+}
+
+void LaneScheme::load_bars(std::span<const Member> bars) {
+  for (const bool right : {false, true}) {
+    gap_[right] = gathered(bars, [&](const Member& one) { return one.gap[right]; });
+    spring_[right] = gathered(bars, [&](const Member& one) { return one.stiffness[right]; });
+    dashpot_[right] = gathered(bars, [&](const Member& one) { return one.dashpot[right]; });
+    mass_[right] = gathered(bars, [&](const Member& one) { return one.mass[right]; });
+    wall_[right] = gathered(bars, [&](const Member& one) { return one.wall[right]; });
+  }
+  restitution_ = gathered(bars, [](const Member& one) { return one.restitution; });
+  rebounds_ = std::experimental::any_of(restitution_ > 0.0);
+  inertia_ = gathered(bars, [](const Member& one) { return one.bar.density * one.bar.length; });
+  modulus_ = gathered(bars, [](const Member& one) { return one.bar.modulus / one.bar.length; });
+  viscosity_ = gathered(bars, [](const Member& one) { return one.bar.viscosity / one.bar.length; });
+  for (std::size_t i = 0; i < size_; ++i) {
+    u_[i] = gathered(bars, [&](const Member& one) { return one.start->u[i]; });
+    p_[i] = gathered(bars, [&](const Member& one) { return one.start->v[i]; });
+  }
+  own_loads_.clear();
+  for (std::size_t l = 0; l < lane_count; ++l) own_loads_.push_back(bars[std::min(l, bars.size() - 1)].load);
+  const bool shared = std::ranges::all_of(own_loads_, [&](const auto* one) { return one == own_loads_.front(); });
+  shared_load_ = shared ? own_loads_.front() : nullptr;
+  loaded_ = std::ranges::any_of(own_loads_, [](const auto* one) { return one; });
+  varying_ = false;
+  for (const auto* load : own_loads_)
+    for (std::size_t k = 0; load && k < load->size(); ++k) varying_ |= static_cast<bool>((*load)[k].history);
+}
+
+void LaneScheme::evaluate_load(double t) {
+  std::ranges::fill(load_, Lanes(0.0));
+  if (shared_load_) {
+    for (const LoadPart& part : *shared_load_) {
+      const double now = part.history ? part.history(t) : 1.0;
+      for (std::size_t i = 0; i < size_; ++i) load_[i] += Lanes(now * part.weights[i]);
+    }
+    return;
+  }
+  for (std::size_t l = 0; l < lane_count; ++l) {
+    if (!own_loads_[l]) continue;
+    for (const LoadPart& part : *own_loads_[l]) {
+      const double now = part.history ? part.history(t) : 1.0;
+      for (std::size_t i = 0; i < size_; ++i) load_[i][l] = load_[i][l] + now * part.weights[i];
+    }
+  }
+}
+
+// Of rho M + damping eta K + elasticity E K with springs, dashpots and masses of the ends:
+//
+//     row 0      (d_0 + f_0, o_0 + f_1, f_2)          x_0 = w_0 y_0
+//     row i      (o_{i-1}, d_i, o_i)                  x_i = w_i y_i - c_i x_{i-1},     y_i = b_i - m_i y_{i+1}
+//     row n-1    (l_2, o_{n-2} + l_1, d_{n-1} + l_0)
+//
+// f and l being the end rows of the mass: with them y_0 takes y_2 as well, and x_{n-1} x_{n-3}.
+bool LaneScheme::factorise(double damping, double elasticity) {
+  const std::size_t n = size_;
+  const SymmetricTridiagonal& pattern = pattern_.inertia;
+  const Lanes stiffness = damping * viscosity_ + elasticity * modulus_;
+  for (std::size_t i = 0; i < n; ++i) {
+    diagonal_[i] = pattern.diagonal[i] * inertia_ + (pattern_.stretch[i] + pattern_.stretch[i + 1]) * stiffness;
+    const double beside = i + 1 < n && !pattern.is_diagonal() ? pattern.off_diagonal[i] : 0.0;
+    off_[i] = beside * inertia_ - pattern_.stretch[i + 1] * stiffness;
+  }
+  for (const bool right : {false, true})
+    if (pattern_.mounted[right] && !pattern_.fixed(right))
+      diagonal_[right ? n - 1 : 0] += mass_[right] + damping * dashpot_[right] + elasticity * spring_[right];
+  std::array<Lanes, 3> first{}, last{};
+  if (pattern.end_rows)
+    for (std::size_t k = 0; k < 3; ++k)
+      first[k] = pattern.end_rows->first[k] * inertia_, last[k] = pattern.end_rows->last[k] * inertia_;
+
+  Mask positive(true);
+  const auto pivot = [&](std::size_t i, const Lanes& value) {
+    positive = positive && value > 0.0;
+    inverse_pivot_[i] = 1.0 / value;
+  };
+  pivot(n - 1, diagonal_[n - 1] + last[0]);
+  coupling_[n - 1] = (off_[n - 2] + last[1]) * inverse_pivot_[n - 1];
+  last_skip_ = last[2] * inverse_pivot_[n - 1];
+  multiplier_[n - 1] = 0.0;
+  for (std::size_t i = n - 2; i > 0; --i) {
+    multiplier_[i] = off_[i] * inverse_pivot_[i + 1];
+    pivot(i, diagonal_[i] - off_[i] * coupling_[i + 1]);
+    const Lanes before = i == n - 2 ? off_[i - 1] - off_[i] * last_skip_ : off_[i - 1];
+    coupling_[i] = before * inverse_pivot_[i];
+  }
+  const Lanes beside = off_[0] + first[1] - first[2] * coupling_[2];
+  multiplier_[0] = beside * inverse_pivot_[1];
+  first_skip_ = first[2] * inverse_pivot_[2];
+  pivot(0, diagonal_[0] + first[0] - beside * coupling_[1]);
+  coupling_[0] = 0.0;
+
+  // x_{n-1} = sum to_last_i y_i
+  std::ranges::fill(to_last_, Lanes(0.0));
+  to_last_[n - 1] = 1.0;
+  for (std::size_t i = n - 1; i > 0; --i) {
+    to_last_[i - 1] -= coupling_[i] * to_last_[i];
+    if (i == n - 1) to_last_[i - 2] -= last_skip_ * to_last_[i];
+    to_last_[i] *= inverse_pivot_[i];
+  }
+  to_last_[0] *= inverse_pivot_[0];
+
+  for (const bool of : {false, true}) {
+    if (!pattern_.contact[of]) continue;
+    std::vector<Lanes>& x = column_[of];
+    std::ranges::fill(x, Lanes(0.0));
+    x[of ? n - 1 : 0] = pattern_.sign[of];
+    for (std::size_t i = n - 1; i-- > 0;) x[i] -= multiplier_[i] * x[i + 1];
+    x[0] -= first_skip_ * x[2];
+    finish(x);
+    for (const bool at : {false, true}) compliance_[at][of] = pattern_.sign[at] * x[at ? n - 1 : 0];
+  }
+  return std::experimental::all_of(positive);
+}
+
+void LaneScheme::finish(std::span<Lanes> x) const {
+  const std::size_t n = size_;
+  x[0] *= inverse_pivot_[0];
+  for (std::size_t i = 1; i < n; ++i) x[i] = inverse_pivot_[i] * x[i] - coupling_[i] * x[i - 1];
+  x[n - 1] -= last_skip_ * x[n - 3];
+}
+
+Lanes LaneScheme::last_of(std::span<const Lanes> y) const {
+  Lanes sum = 0.0;
+  for (std::size_t i = 0; i < size_; ++i) sum += to_last_[i] * y[i];
+  return sum;
+}
+
+// The force -(E K u + eta K p) + load is made and eliminated in one sweep, from the last row on.
+void LaneScheme::sweep() {
+  const std::size_t n = size_;
+  const double* stretch = pattern_.stretch.data();
+  const Lanes *u = u_.data(), *p = p_.data(), *load = load_.data(), *multiplier = multiplier_.data();
+  Lanes* y = y_.data();
+  const Lanes modulus = modulus_, viscosity = viscosity_;
+  Lanes here = u[n - 1], moves = p[n - 1], beyond = 0.0;  // u_i, p_i, and the stress after node i
+  if (pattern_.fixed(true)) beyond = stretch[n] * (modulus * (wall_[1] - here) - viscosity * moves);
+  if (pattern_.mounted[1]) beyond -= spring_[1] * here + dashpot_[1] * moves;
+  const Lanes at_left = pattern_.mounted[0] ? spring_[0] * u[0] + dashpot_[0] * p[0] : Lanes(0.0);
+  Lanes eliminated = 0.0;
+  const auto rows = [&](auto loaded) {
+    for (std::size_t i = n - 1; i > 0; --i) {
+      const Lanes next = u[i - 1], next_moves = p[i - 1];
+      const Lanes before = stretch[i] * (modulus * (here - next) + viscosity * (moves - next_moves));
+      Lanes force = beyond - before;
+      if constexpr (decltype(loaded)::value) force += load[i];
+      eliminated = force - multiplier[i] * eliminated;
+      y[i] = eliminated;
+      here = next, moves = next_moves, beyond = before;
+    }
+  };
+  if (loaded_)
+    rows(std::true_type{});
+  else
+    rows(std::false_type{});
+  Lanes force = beyond - at_left;
+  if (pattern_.fixed(false)) force -= stretch[0] * (modulus * (here - wall_[0]) + viscosity * moves);
+  if (loaded_) force += load[0];
+  y[0] = force - multiplier[0] * eliminated - first_skip_ * y[2];
+}
+
+// Multipliers of s_X x_X >= bound_X from the excess of x without them, see EndConstraint.
+void LaneScheme::constrain(std::array<Lanes, 2> excess) {
+  const auto& contact = pattern_.contact;
+  for (const bool right : {false, true}) {
+    reaction_[right] = 0.0;
+    active_[right] = Mask(false);
+    if (contact[right]) active_[right] = excess[right] < 0.0;
+  }
+  if (!(contact[0] && contact[1])) {
+    for (const bool right : {false, true})
+      if (contact[right]) where(active_[right], reaction_[right]) = -excess[right] / compliance_[right][right];
+    return;
+  }
+  const Mask any = active_[0] || active_[1];
+  if (std::experimental::none_of(any)) return;
+  const Lanes &g00 = compliance_[0][0], &g11 = compliance_[1][1], &g01 = compliance_[0][1], &g10 = compliance_[1][0];
+  // The excess of either end, times the other's compliance, while the other alone is held at its bound.
+  const Lanes excess_0 = g11 * excess[0] - g01 * excess[1], excess_1 = g00 * excess[1] - g10 * excess[0];
+  const Mask left = excess[0] < 0.0 && excess_1 >= 0.0, right = !left && excess[1] < 0.0 && excess_0 >= 0.0;
+  const Mask both = any && !left && !right;
+  const Lanes determinant = g00 * g11 - g01 * g10;
+  where(left, reaction_[0]) = -excess[0] / g00;
+  where(right, reaction_[1]) = -excess[1] / g11;
+  where(both, reaction_[0]) = larger(-excess_0 / determinant, 0.0);
+  where(both, reaction_[1]) = larger(-excess_1 / determinant, 0.0);
+  active_ = {left || both, right || both};
+}
+
+// Finds the reactions and the accelerations of the ends such that s (u + dt (p + lever a)) lies above lower_.
+void LaneScheme::balance(double lever) {
+  sweep();
+  end_a_ = {inverse_pivot_[0] * y_[0], last_of(y_)};
+  std::array<Lanes, 2> excess{};
+  for (const bool right : {false, true}) {
+    if (!pattern_.contact[right]) continue;
+    const std::size_t i = right ? size_ - 1 : 0;
+    const double s = pattern_.sign[right];
+    bound_[right] = ((lower_[right] - s * u_[i]) / dt_ - s * p_[i]) / lever;
+    excess[right] = s * end_a_[right] - bound_[right];
+  }
+  constrain(excess);
+  for (const bool of : {false, true})
+    if (pattern_.contact[of])
+      for (const bool at : {false, true}) end_a_[at] += reaction_[of] * column_[of][at ? size_ - 1 : 0];
+  for (const bool right : {false, true})
+    if (pattern_.contact[right]) where(active_[right], end_a_[right]) = pattern_.sign[right] * bound_[right];
+}
+
+// From n to n + 1; with `keep` a_ is a^n, of held nodes but for rounding.
+void LaneScheme::advance(bool keep) {
+  const std::size_t n = size_;
+  const double dt = dt_;
+  const bool left = pattern_.contact[0] && std::experimental::any_of(active_[0]),
+             right = pattern_.contact[1] && std::experimental::any_of(active_[1]);
+  std::array<Lanes, 2> held{};
+  for (const bool end : {false, true})
+    if (pattern_.contact[end]) held[end] = (lower_[end] - pattern_.sign[end] * u_[end ? n - 1 : 0]) / dt;
+  const Lanes *y = y_.data(), *inverse_pivot = inverse_pivot_.data(), *coupling = coupling_.data();
+  const Lanes *first = column_[0].data(), *last = column_[1].data();
+  const Lanes reaction_left = reaction_[0], reaction_right = reaction_[1];
+  Lanes *u = u_.data(), *p = p_.data(), *a = a_.data();
+  const auto rows = [&](auto of_left, auto of_right, auto kept) {
+    Lanes x = 0.0, before = 0.0, two_before = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      two_before = before, before = x;
+      x = inverse_pivot[i] * y[i] - coupling[i] * x;
+      if (i == n - 1) x -= last_skip_ * two_before;
+      Lanes whole = x;
+      if constexpr (decltype(of_left)::value) whole += reaction_left * first[i];
+      if constexpr (decltype(of_right)::value) whole += reaction_right * last[i];
+      if constexpr (decltype(kept)::value) a[i] = whole;
+      const Lanes moved = p[i] + dt * whole;
+      p[i] = moved;
+      u[i] += dt * moved;
+    }
+  };
+  const auto choose = [&](auto of_left, auto of_right) {
+    if (keep)
+      rows(of_left, of_right, std::true_type{});
+    else
+      rows(of_left, of_right, std::false_type{});
+  };
+  if (left && right)
+    choose(std::true_type{}, std::true_type{});
+  else if (left)
+    choose(std::true_type{}, std::false_type{});
+  else if (right)
+    choose(std::false_type{}, std::true_type{});
+  else
+    choose(std::false_type{}, std::false_type{});
+  for (const bool end : {false, true}) {
+    if (!pattern_.contact[end]) continue;
+    const std::size_t i = end ? n - 1 : 0;
+    const double s = pattern_.sign[end];
+    u[i] = s * larger(s * u[i], lower_[end]);
+    where(active_[end], p[i]) = s * held[end];
+    where(active_[end], u[i]) = s * lower_[end];
+    if (keep) where(active_[end], a[i]) = s * bound_[end];
+  }
+}
+
+// A massless node has no initial velocity: see TimeStep.
+void LaneScheme::settle_massless(bool right) {
+  const std::size_t end = right ? size_ - 1 : 0, next = right ? size_ - 2 : 1;
+  const double s = pattern_.sign[right], h = 1.0 / pattern_.stretch[right ? size_ - 1 : 1];
+  // All by the bar's length.
+  const auto rest_stretch = [&](double t, const Lanes& relaxed, const Lanes& memory) {
+    Lanes pull = 0.0;
+    if (loaded_) {
+      if (varying_) evaluate_load(t);
+      pull = h * load_[end];
+    }
+    return (memory * relaxed + pull) / (memory + modulus_);
+  };
+  const Mask undamped = viscosity_ == 0.0;
+  if (std::experimental::any_of(undamped))
+    where(undamped, u_[end]) = s * larger(s * (u_[next] + rest_stretch(0.0, 0.0, 0.0)), -gap_[right]);
+  const Lanes stretch = rest_stretch(dt_, u_[end] - u_[next], viscosity_ / dt_);
+  p_[end] = (u_[next] + dt_ * p_[next] + stretch - u_[end]) / dt_;
+}
+
+void LaneScheme::project_start() {
+  std::array<Lanes, 2> least{}, excess{};
+  Mask held(false);
+  const SymmetricTridiagonal& pattern = pattern_.inertia;
+  const auto node = [this](bool right) { return right ? size_ - 1 : 0; };
+  for (const bool right : {false, true}) {
+    if (!pattern_.contact[right]) continue;
+    const double s = pattern_.sign[right];
+    least[right] = (lower_[right] - s * u_[node(right)]) / dt_;
+    excess[right] = s * p_[node(right)] - least[right];
+    held = held || excess[right] < 0.0;
+  }
+  if (std::experimental::none_of(held)) return;
+  if (pattern.is_diagonal() || pattern_.massless[0] || pattern_.massless[1]) {
+    for (const bool right : {false, true}) {
+      if (!pattern_.contact[right]) continue;
+      const Lanes taken = larger(-excess[right], 0.0);
+      start_impulse_[right] += (pattern.diagonal[node(right)] * inertia_ + mass_[right]) * taken;
+      p_[node(right)] += pattern_.sign[right] * taken;
+    }
+    return;
+  }
+  factorise(0.0, 0.0);
+  constrain(excess);
+  for (const bool of : {false, true}) {
+    if (!pattern_.contact[of]) continue;
+    for (std::size_t i = 0; i < size_; ++i) p_[i] += reaction_[of] * column_[of][i];
+    where(active_[of], p_[node(of)]) = pattern_.sign[of] * least[of];
+    start_impulse_[of] += reaction_[of];
+  }
+}
+
+void LaneScheme::start_from(bool second_order) {
+  const std::vector<Lanes> v = p_;
+  start_impulse_ = {};
+  if (loaded_) evaluate_load(0.0);
+  for (const bool right : {false, true}) {
+    if (!pattern_.contact[right]) continue;
+    const std::size_t i = right ? size_ - 1 : 0;
+    const double s = pattern_.sign[right];
+    lower_[right] = -gap_[right] - restitution_ * (gap_[right] + (s * u_[i] - dt_ * (s * p_[i])));
+  }
+  if (second_order) {
+    factorise(dt_ / 2, dt_ * dt_ / 2);
+    balance(dt_ / 2);
+    std::vector<Lanes> a = y_;
+    finish(a);
+    for (const bool of : {false, true}) {
+      if (!pattern_.contact[of]) continue;
+      for (std::size_t i = 0; i < size_; ++i) a[i] += reaction_[of] * column_[of][i];
+      where(active_[of], a[of ? size_ - 1 : 0]) = pattern_.sign[of] * bound_[of];
+      start_impulse_[of] = dt_ / 2 * reaction_[of];
+    }
+    for (std::size_t i = 0; i < size_; ++i) p_[i] += dt_ / 2 * a[i];
+  }
+  for (const bool right : {false, true})
+    if (pattern_.massless[right]) settle_massless(right);
+  project_start();
+  for (std::size_t i = 0; i < size_; ++i) {
+    a_[i] = (p_[i] - v[i]) / (dt_ / 2);
+    u_[i] += dt_ * p_[i];
+  }
+  end_a_ = {a_[0], a_[size_ - 1]};
+  for (const bool right : {false, true}) {
+    if (!pattern_.contact[right]) continue;
+    Lanes& u = u_[right ? size_ - 1 : 0];
+    u = pattern_.sign[right] * larger(pattern_.sign[right] * u, lower_[right]);
+  }
+}
+
+bool LaneScheme::run(std::span<const Member> bars, const Stepping& how, const LaneOutputs& outputs,
+                     LaneAccounts& accounts) {
+  const std::size_t n = size_, last = n - 1;
+  dt_ = how.step;
+  const double dt = dt_;
+  const auto steps = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(how.end / dt * (1.0 - 1e-12))));
+  load_bars(bars);
+  const std::array<Lanes, 2> u_start = {u_[0], u_[last]};
+  const std::vector<Lanes> u_all = outputs.fields ? u_ : std::vector<Lanes>(), v_all = outputs.fields ? p_ : u_all;
+  const std::array<Lanes, 2> v_start = {p_[0], p_[last]};
+  std::array<Lanes, 2> touching{};  // 1 where the start touches
+  for (const bool right : {false, true})
+    if (pattern_.contact[right])
+      where(pattern_.sign[right] * u_start[right] + gap_[right] <= 0.0, touching[right]) = 1.0;
+  start_from(how.second_order);
+  if (!factorise(dt / 2, dt * dt / 2)) return false;
+
+  const auto node = [last](bool right) { return right ? last : 0; };
+  const auto bound = [&] {
+    for (const bool right : {false, true}) {
+      if (!pattern_.contact[right]) continue;
+      const double s = pattern_.sign[right];
+      lower_[right] = -gap_[right];
+      if (rebounds_) lower_[right] -= restitution_ * (gap_[right] + (s * u_[node(right)] - dt * (s * p_[node(right)])));
+    }
+  };
+  const auto balance_at = [&](double t) {
+    end_a_before_ = end_a_;
+    reaction_before_ = reaction_;
+    if (varying_) evaluate_load(t);
+    bound();
+    balance(dt);
+  };
+  std::swap(a_, a_before_);
+  balance_at(dt);
+  accounts = {};
+  for (const bool right : {false, true}) {
+    if (!pattern_.contact[right]) continue;
+    reaction_before_[right] = touching[right] * reaction_[right];
+    accounts.impulse[right] = pattern_.sign[right] * start_impulse_[right];
+    accounts.peak[right] = reaction_before_[right];
+  }
+
+  std::array<Mask, 2> was_active = {Mask(false), Mask(false)};
+  std::array<double, lane_count> largest{};
+  const auto tell = [&](std::size_t lane, double t) {
+    if (t > how.end) return;
+    if (accounts.change_count[lane]++ < outputs.most_changes) accounts.changes[lane].push_back(t);
+  };
+  const auto find_changes = [&](double t, double next) {
+    if (std::experimental::none_of((active_[0] != was_active[0]) || (active_[1] != was_active[1]))) return;
+    const auto end_mass = [&](bool right, std::size_t lane) {
+      const double h = 1.0 / pattern_.stretch[right ? last : 1];
+      return inertia_[lane] * h / 2.0;  // rho L times the element's share of L
+    };
+    for (std::size_t lane = 0; lane < lane_count; ++lane) {
+      if (active_[0][lane] == was_active[0][lane] && active_[1][lane] == was_active[1][lane]) continue;
+      double size = 0.0;
+      for (std::size_t i = 0; i < n; ++i) size = std::max(size, std::abs(static_cast<double>(u_[i][lane])));
+      for (const bool right : {false, true})
+        if (pattern_.contact[right])
+          largest[lane] =
+              std::max({largest[lane], static_cast<double>(reaction_[right][lane]),
+                        static_cast<double>(reaction_before_[right][lane]), end_mass(right, lane) * size / (dt * dt)});
+      for (const bool right : {false, true})
+        if (was_active[right][lane] && !active_[right][lane]) {
+          was_active[right][lane] = false;
+          tell(lane, t);
+        }
+      constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
+      for (const bool right : {false, true}) {
+        if (!active_[right][lane] || was_active[right][lane]) continue;
+        const double velocity = p_[node(right)][lane];
+        if (!(std::max(static_cast<double>(reaction_[right][lane]), end_mass(right, lane) * std::abs(velocity) / dt) >
+              rounding * largest[lane]))
+          continue;
+        was_active[right][lane] = true;
+        tell(lane, next);
+      }
+    }
+  };
+
+  std::size_t told = 0;
+  std::vector<Lanes> u_now, p_now, u(outputs.fields ? n : 2), v(u);
+  const auto reactions = [&](double theta) {
+    std::array<Lanes, 2> told_reaction{};
+    for (const bool right : {false, true})
+      if (pattern_.contact[right])
+        told_reaction[right] =
+            pattern_.sign[right] * ((1.0 - theta) * reaction_before_[right] + theta * reaction_[right]);
+    return told_reaction;
+  };
+  const auto tell_start = [&] {
+    for (std::size_t k = 0; k < u.size(); ++k) {
+      const bool right = k > 0;
+      u[k] = outputs.fields ? u_all[k] : u_start[right];
+      v[k] = outputs.fields ? v_all[k] : v_start[right];
+    }
+    for (const bool right : {false, true}) {
+      if (!pattern_.massless[right]) continue;
+      const std::size_t k = right ? u.size() - 1 : 0;
+      u[k] = u_[node(right)] - dt * p_[node(right)];
+      v[k] = p_[node(right)];
+    }
+    outputs.sample(told++, {u, v, reactions(0.0)});
+  };
+  const auto due = [&](std::size_t step, double t) {
+    return told < outputs.times.size() && (outputs.times[told] <= t || step == steps);
+  };
+  while (told < outputs.times.size() && outputs.times[told] <= 0.0) tell_start();
+
+  for (std::size_t step = 1;; ++step) {
+    const double t = static_cast<double>(step) * dt, before = static_cast<double>(step - 1) * dt;
+    const double whole = step < steps ? 1.0 : std::min((how.end - before) / dt, 1.0);
+    for (const bool right : {false, true}) {
+      if (!pattern_.contact[right]) continue;
+      const double s = pattern_.sign[right];
+      const Lanes earlier = step > 1 ? (1.0 - whole / 2) * reaction_before_[right] : Lanes(0.0);
+      accounts.impulse[right] += s * (dt * whole) * (earlier + whole / 2 * reaction_[right]);
+      accounts.peak[right] =
+          larger(accounts.peak[right], (1.0 - whole) * reaction_before_[right] + whole * reaction_[right]);
+    }
+    const bool tells = due(step, t);
+    const bool fields =
+        outputs.fields && told < outputs.times.size() && (outputs.times[told] <= t + dt || step + 1 >= steps);
+    if (tells && fields) u_now = u_, p_now = p_;
+    const auto sample_ends = [&] {
+      while (due(step, t)) {
+        const double theta = std::min((outputs.times[told] - before) / dt, 1.0);
+        for (const bool right : {false, true}) {
+          const Lanes& p = p_[node(right)];
+          u[right] = u_[node(right)] - (1.0 - theta) * dt * p;
+          v[right] = p + dt / 2 * (theta * end_a_[right] - (1.0 - theta) * end_a_before_[right]);
+        }
+        outputs.sample(told++, {u, v, reactions(theta)});
+      }
+    };
+    if (tells && !outputs.fields) sample_ends();
+    if (step == steps && !outputs.fields) break;
+    find_changes(step == steps ? std::numeric_limits<double>::infinity() : t, static_cast<double>(step + 1) * dt);
+    advance(fields);
+    if (tells && fields) {
+      while (due(step, t)) {
+        const double theta = std::min((outputs.times[told] - before) / dt, 1.0);
+        for (std::size_t i = 0; i < n; ++i) {
+          u[i] = u_now[i] - (1.0 - theta) * dt * p_now[i];
+          v[i] = p_now[i] + dt / 2 * (theta * a_[i] - (1.0 - theta) * a_before_[i]);
+        }
+        outputs.sample(told++, {u, v, reactions(theta)});
+      }
+    }
+    if (step == steps) break;
+    if (fields) std::swap(a_, a_before_);
+    balance_at(static_cast<double>(step + 1) * dt);
+  }
+  for (std::size_t lane = 0; lane < lane_count; ++lane)
+    accounts.finite[lane] =
+        std::isfinite(static_cast<double>(end_a_[0][lane])) && std::isfinite(static_cast<double>(end_a_[1][lane]));
+  return true;
+}
+
+}  // namespace viscobar::bars

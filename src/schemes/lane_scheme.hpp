@@ -1,0 +1,116 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "discretisation/lane_factor.hpp"
+#include "viscobar/dynamics/bar_system.hpp"
+
+namespace viscobar::bars {
+
+/// The part of a bar's equations that all bars in lanes share: M of density and length 1, and L / h of each element.
+struct Pattern {
+  SymmetricTridiagonal inertia;    ///< n unknowns
+  std::vector<double> stretch;     ///< n + 1: L / h of the element before each unknown, and after the last; 0: none
+  std::array<bool, 2> contact{};   ///< an obstacle at the left and the right end
+  std::array<double, 2> sign{};    ///< s of it
+  std::array<bool, 2> massless{};  ///< contact nodes without mass
+  std::array<bool, 2> mounted{};   ///< ends with a spring, a dashpot or a mass in any bar
+
+  std::size_t size() const { return inertia.size(); }  ///< n
+  bool fixed(bool right) const { return stretch[right ? size() : 0] != 0.0; }
+};
+
+/// A part of the load: weights(i) times a function of time, or 1.
+struct LoadPart {
+  std::vector<double> weights;  ///< n
+  TimeFunction history;         ///< empty: 1
+};
+
+/// The numbers of one bar.
+struct Member {
+  Bar bar;
+  std::array<double, 2> gap{}, stiffness{}, dashpot{}, mass{};  ///< of the left and the right end
+  std::array<double, 2> wall{};                                 ///< displacement of a fixed end
+  double restitution = 0.0;                                     ///< by Paoli and Schatzman
+  const State* start = nullptr;                                 ///< u_0, v_0 of the n unknowns
+  const std::vector<LoadPart>* load = nullptr;                  ///< null: none
+};
+
+/// A state of the bars in lanes at one time: unknowns in their order, or the first and the last alone.
+struct LaneSample {
+  std::span<const Lanes> u, v;
+  std::array<Lanes, 2> reaction;  ///< of the obstacles at the ends, in the direction of u
+};
+
+/// Accounts of a run of bars in lanes.
+struct LaneAccounts {
+  std::array<Lanes, 2> impulse{}, peak{};
+  std::array<std::vector<double>, lane_count> changes;  ///< times of contact changes
+  std::array<std::size_t, lane_count> change_count{};   ///< of all, told or not
+  std::array<bool, lane_count> finite{};
+};
+
+/// When a run in lanes is to be seen.
+struct LaneOutputs {
+  std::vector<double> times;  ///< in order, in [begin, end]
+  bool fields = false;        ///< all unknowns, not the ends alone
+  std::size_t most_changes = 0;
+  std::function<void(std::size_t k, const LaneSample&)> sample;  ///< at times[k]
+};
+
+/// Scheme (2.8) for 16 bars side by side, a bar a lane: the same arithmetic as TimeStep and its run on the order of the
+/// nodes, but for rounding.
+class LaneScheme {
+ public:
+  /// Refers to the pattern, which outlives it; it has 4 unknowns at least.
+  explicit LaneScheme(const Pattern& pattern);
+
+  struct Stepping {
+    double step, end;
+    bool second_order = false;  ///< Start
+  };
+  /// Runs up to 16 bars from 0. @returns false where a matrix is not positive definite, in any lane
+  bool run(std::span<const Member> bars, const Stepping& how, const LaneOutputs& outputs, LaneAccounts& accounts);
+
+ private:
+  void load_bars(std::span<const Member> bars);
+  bool factorise(double damping, double elasticity);
+  void evaluate_load(double t);
+  void sweep();                                   // first sweep of A x = F(u, p): y
+  void finish(std::span<Lanes> x) const;          // second sweep
+  Lanes last_of(std::span<const Lanes> y) const;  // x_{n-1}
+  void balance(double lever);
+  void advance(bool keep);
+  void start_from(bool second_order);
+  void project_start();
+  void settle_massless(bool right);
+  void constrain(std::array<Lanes, 2> excess);
+
+  const Pattern& pattern_;
+  std::size_t size_;
+  double dt_ = 0.0;
+  Lanes restitution_ = 0.0;
+
+  // Of the bars.
+  std::array<Lanes, 2> gap_, spring_, dashpot_, mass_, wall_;
+  Lanes inertia_, modulus_, viscosity_;  // rho L, E / L, eta / L
+  const std::vector<LoadPart>* shared_load_ = nullptr;
+  std::vector<const std::vector<LoadPart>*> own_loads_;
+  bool loaded_ = false, varying_ = false, rebounds_ = false;
+
+  // Factor of the step's matrix, eliminated from the last row on.
+  std::vector<Lanes> diagonal_, off_, multiplier_, inverse_pivot_, coupling_, to_last_;
+  Lanes first_skip_ = 0.0, last_skip_ = 0.0;  // of y_2 in row 0, of x_{n-3} in row n-1
+  std::array<std::vector<Lanes>, 2> column_;  // A^{-1} s e of a contact
+  std::array<std::array<Lanes, 2>, 2> compliance_;
+  std::vector<Lanes> u_, p_, y_, load_, a_, a_before_;
+  std::array<Lanes, 2> lower_, bound_, reaction_, reaction_before_, start_impulse_, end_a_, end_a_before_;
+  std::array<Lanes::mask_type, 2> active_;
+};
+
+}  // namespace viscobar::bars

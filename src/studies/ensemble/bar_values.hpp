@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "studies/column_reader.hpp"
+#include "viscobar/studies/ensemble/ensemble.hpp"
+
+namespace viscobar::bars {
+
+/// What all bars are asked for, laid out: the values of a bar are those of all outputs one after the other.
+struct Layout {
+  /// A time at which a bar is looked at: for the k-th number of a trace or gauge, or as probe k of the error.
+  struct Look {
+    static constexpr std::size_t probe = ~std::size_t{0};
+    double time;
+    std::size_t output, k;  // output: or probe
+  };
+
+  Layout(std::vector<EnsembleOutput> told, const Case& run);
+
+  std::vector<EnsembleOutput> outputs;
+  std::vector<std::size_t> first;  // where the values of each output begin
+  std::size_t width = 0;           // of all
+  std::vector<Look> looks;         // in the order of time
+  std::vector<double> times;       // of them, each once
+  bool fields = false;             // all nodes are looked at, not the ends alone
+  bool reactions = false, extremes = false, impulses = false;
+  std::size_t most_changes = 0;
+  Mesh mesh;  // of length 1
+};
+
+/// A state of a bar: all nodes, or its two ends.
+struct Fields {
+  std::span<const double> u, v;
+  double reaction_left, reaction_right;
+};
+
+/// The values of one bar and what tells their error from those of another run of it.
+struct BarValues {
+  static constexpr std::size_t probes = 64;
+
+  explicit BarValues(const Layout& layout);
+  /// At layout.times[t], the looks from `look` on; returns the first of the next time.
+  std::size_t look(const Layout& layout, const Bar& bar, std::size_t look, const Fields& at);
+  void changes_at(const Layout& layout, std::span<const double> times);
+  void accounts(const Layout& layout, const std::array<double, 2>& impulse, const std::array<double, 2>& peak);
+
+  std::vector<double> values;                      // layout.width
+  std::array<std::array<double, probes>, 2> ends;  // u at times j end / probes, j from 1 on
+  std::vector<double> changes;
+  std::array<double, 2> impulse{};
+  double largest = 0.0;  // |u| of probes and start
+};
+
+/// The largest difference of two runs of a bar, as EnsembleStudy::error.
+double difference(const Layout& layout, const BarValues& a, const BarValues& b, double end);
+
+}  // namespace viscobar::bars

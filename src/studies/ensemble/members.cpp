@@ -1,0 +1,228 @@
+#include "studies/ensemble/members.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "schemes/settled_start.hpp"
+
+namespace viscobar::bars {
+
+namespace {
+
+/// A number of a member by its key; null: it has none of that name.
+double* number_of(Member& member, std::string_view key) {
+  const std::pair<std::string_view, double*> places[] = {
+      {"bar.length", &member.bar.length},
+      {"bar.density", &member.bar.density},
+      {"bar.modulus", &member.bar.modulus},
+      {"bar.viscosity", &member.bar.viscosity},
+      {"left.gap", &member.gap[0]},
+      {"right.gap", &member.gap[1]},
+      {"left.stiffness", &member.stiffness[0]},
+      {"right.stiffness", &member.stiffness[1]},
+      {"left.dashpot", &member.dashpot[0]},
+      {"right.dashpot", &member.dashpot[1]},
+      {"left.mass", &member.mass[0]},
+      {"right.mass", &member.mass[1]},
+      {"contact.restitution", &member.restitution},
+  };
+  const auto* place = std::ranges::find(places, key, &std::pair<std::string_view, double*>::first);
+  return place == std::end(places) ? nullptr : place->second;
+}
+
+bool is_constant(std::span<const double> values) {
+  const auto [least, most] = std::ranges::minmax_element(values);
+  return *most - *least <= 1e-13 * std::max(std::abs(*least), std::abs(*most));
+}
+
+const EndCondition& end_of(const Scene& scene, bool right) { return right ? scene.right : scene.left; }
+const EndInput& input_of(const Scene& scene, bool right) { return right ? scene.right_input : scene.left_input; }
+
+/// M f of a profile, and which entries forces on the ends have.
+std::vector<double> weights_of(const Case& run, Mass mass, const SpaceFunction& profile, const Places& places) {
+  Scene scene = run.scene;
+  scene.load = SteadyLoad{profile, places};
+  scene.left_input.force.reset(), scene.right_input.force.reset();
+  const BarSystem system(scene, run.mesh(), mass);
+  LoadVector load(system);
+  const std::span<const double> weights = load.at(0.0);
+  return {weights.begin(), weights.end()};
+}
+
+bool breaks(const NextBreak& next, double end) { return next && next(-1e-9 * end, 1.1 * end); }
+
+/// Absent where the load is not smooth in time, or no sum of products.
+std::optional<std::vector<LoadPart>> load_parts(const Case& run, Mass mass, std::size_t size) {
+  const Scene& scene = run.scene;
+  std::vector<LoadPart> parts;
+  if (scene.load) {
+    if (const auto* steady = std::get_if<SteadyLoad>(&*scene.load)) {
+      parts.push_back({weights_of(run, mass, steady->profile, steady->places), {}});
+    } else if (const auto* separable = std::get_if<SeparableLoad>(&*scene.load)) {
+      if (breaks(separable->breaks, run.end)) return std::nullopt;
+      parts.push_back({weights_of(run, mass, separable->profile, separable->places), separable->history});
+    } else {
+      return std::nullopt;
+    }
+  }
+  for (const bool right : {false, true}) {
+    const auto& force = input_of(scene, right).force;
+    if (!force || is_fixed(end_of(scene, right))) continue;
+    if (breaks(force->breaks, run.end)) return std::nullopt;
+    std::vector<double> weights(size, 0.0);
+    (right ? weights.back() : weights.front()) = force->steady ? force->value(0.0) : 1.0;
+    parts.push_back({std::move(weights), force->steady ? TimeFunction() : force->value});
+  }
+  return parts;
+}
+
+}  // namespace
+
+std::optional<Pattern> Members::pattern_of(const Case& run) const {
+  const Scene& scene = run.scene;
+  if (scene.span || run.impact != Impact::paoli_schatzman) return std::nullopt;
+  Scene unit = scene;
+  unit.bar = {1.0, 1.0, 1.0, 1.0};
+  unit.displacement = unit.velocity = [](double) { return 0.0; };
+  unit.displacement_places = unit.velocity_places = {};
+  unit.load.reset();
+  Pattern pattern;
+  for (const bool right : {false, true}) {
+    EndInput& input = right ? unit.right_input : unit.left_input;
+    if (input.motion) return std::nullopt;
+    pattern.mounted[right] = input.stiffness > 0.0 || input.dashpot > 0.0 || input.mass > 0.0;
+    input = {};
+    const auto* obstacle = std::get_if<Obstacle>(&end_of(scene, right));
+    if (!obstacle) continue;
+    if (obstacle->side == Side::both) return std::nullopt;
+    pattern.contact[right] = true;
+    pattern.sign[right] = obstacle->side == Side::below ? 1.0 : -1.0;
+  }
+  Mesh mesh = run.mesh();
+  mesh.length = 1.0;
+  const BarSystem system(unit, mesh, mass_);
+  pattern.inertia = system.inertia();
+  const std::size_t n = system.size(), first = system.first_node();
+  if (n < 4) return std::nullopt;
+  pattern.stretch.assign(n + 1, 0.0);
+  for (std::size_t i = 0; i <= n; ++i)
+    if (i + first > 0 && i + first <= mesh.elements) pattern.stretch[i] = 1.0 / mesh.element(i + first - 1);
+  for (const bool right : {false, true}) pattern.massless[right] = system.massless(right ? n - 1 : 0);
+  return pattern;
+}
+
+Members::Members(const Case& first, Mass mass, std::vector<std::string> keys)
+    : mass_(mass), end_(first.end), keys_(std::move(keys)), elements_(first.elements) {
+  pattern_ = pattern_of(first);
+  // A spring, a dashpot or a mass may be 0 in the first bar.
+  for (const std::string& key : keys_)
+    for (const bool right : {false, true})
+      for (const char* leaf : {".stiffness", ".dashpot", ".mass"})
+        if (pattern_ && key == (right ? "right" : "left") + std::string(leaf)) pattern_->mounted[right] = true;
+  if (!pattern_) return;
+  auto member = of(first);
+  if (!member) {
+    pattern_.reset();
+    return;
+  }
+  first_ = std::move(*member);
+  const State data = BarSystem(first.scene, first.mesh(), mass).initial_state();
+  resting_shape_ = is_constant(data.u) && is_constant(data.v);
+  by_numbers_ = true;
+  bool shape = false;
+  for (const std::string& key : keys_) {
+    shape |= key == "bar.length";
+    by_numbers_ &= number_of(first_.member, key) || key == "initial.velocity" || key == "initial.displacement";
+  }
+  // Data, loads and held ends depend on places.
+  const bool held = is_fixed(first.scene.left) || is_fixed(first.scene.right);
+  if (shape) by_numbers_ &= resting_shape_ && !first_.member.load && !held;
+  Case unit = first;
+  unit.scene.displacement_places = unit.scene.velocity_places = {};
+  unit.scene.displacement = unit.scene.velocity = [](double) { return 1.0; };
+  const State ones = BarSystem(unit.scene, unit.mesh(), mass).initial_state();
+  unit_velocity_.v = ones.v, unit_displacement_.u = ones.u;
+  for (const std::string& key : keys_)
+    if (key.starts_with("initial.")) by_numbers_ &= !held;
+}
+
+std::optional<OwnMember> Members::by_numbers(std::span<const double> values) const {
+  if (!by_numbers_) return std::nullopt;
+  OwnMember one;
+  one.member = first_.member;
+  one.member.start = first_.start.get();
+  for (std::size_t k = 0; k < keys_.size(); ++k) {
+    if (double* number = number_of(one.member, keys_[k])) {
+      *number = values[k];
+      continue;
+    }
+    if (!one.start) one.start = std::make_unique<State>(*one.member.start);
+    one.member.start = one.start.get();
+    const bool velocity = keys_[k] == "initial.velocity";
+    const std::vector<double>& unit = velocity ? unit_velocity_.v : unit_displacement_.u;
+    std::vector<double>& data = velocity ? one.start->v : one.start->u;
+    for (std::size_t i = 0; i < data.size(); ++i) data[i] = values[k] * unit[i];
+  }
+  const Member& m = one.member;
+  const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
+  const auto not_negative = [](double value) { return std::isfinite(value) && value >= 0.0; };
+  if (!positive(m.bar.length) || !positive(m.bar.density) || !positive(m.bar.modulus) || !not_negative(m.bar.viscosity))
+    return std::nullopt;
+  if (!not_negative(m.restitution) || m.restitution > 1.0) return std::nullopt;
+  for (const bool right : {false, true}) {
+    for (const double number : {m.gap[right], m.stiffness[right], m.dashpot[right], m.mass[right]})
+      if (!not_negative(number)) return std::nullopt;
+    const double u = right ? m.start->u.back() : m.start->u.front();
+    if (pattern_->contact[right] && pattern_->sign[right] * u + m.gap[right] < 0.0) return std::nullopt;
+  }
+  for (const std::vector<double>* data : {&m.start->u, &m.start->v})
+    for (const double value : *data)
+      if (!std::isfinite(value)) return std::nullopt;
+  // Where the data do not fit the ends, their high modes are put right, which is the model's.
+  const bool quiet = resting_shape_ && !m.load && !pattern_->mounted[0] && !pattern_->mounted[1] &&
+                     !pattern_->fixed(false) && !pattern_->fixed(true);
+  const double h = m.bar.length / static_cast<double>(elements_);
+  const bool creeps = 2.0 * m.bar.viscosity * m.bar.viscosity >= h * h * m.bar.density * m.bar.modulus;
+  if (!quiet && !creeps && mass_ == Mass::fourth_order) return std::nullopt;
+  return one;
+}
+
+std::optional<OwnMember> Members::of(const Case& run) const {
+  const auto pattern = pattern_of(run);
+  if (!pattern || run.end != end_ || pattern->size() != pattern_->size() || pattern->contact != pattern_->contact ||
+      pattern->sign != pattern_->sign || pattern->stretch != pattern_->stretch ||
+      pattern->massless != pattern_->massless)
+    return std::nullopt;
+  const Scene& scene = run.scene;
+  const BarSystem system(scene, run.mesh(), mass_);
+  OwnMember one;
+  Member& m = one.member;
+  m.bar = scene.bar;
+  m.restitution = run.restitution.value_or(0.0);
+  for (const bool right : {false, true}) {
+    if (const auto* obstacle = std::get_if<Obstacle>(&end_of(scene, right))) m.gap[right] = obstacle->gap;
+    const EndInput& input = input_of(scene, right);
+    m.stiffness[right] = input.stiffness, m.dashpot[right] = input.dashpot, m.mass[right] = input.mass;
+    m.wall[right] = system.wall(right).value_or(0.0);
+    if ((m.stiffness[right] > 0.0 || m.dashpot[right] > 0.0 || m.mass[right] > 0.0) && !pattern_->mounted[right])
+      return std::nullopt;
+  }
+  auto load = load_parts(run, mass_, system.size());
+  if (!load) return std::nullopt;
+  if (!load->empty()) {
+    one.load = std::make_unique<std::vector<LoadPart>>(std::move(*load));
+    m.load = one.load.get();
+  }
+  one.start = std::make_unique<State>(system.initial_state());
+  if (JumpFilter filter(system); filter.acts()) {
+    PenalisedSystem settled(system, Penalty{0.0, 0.0});
+    settled.begin_leg(0.0, run.end);
+    settle_high_modes(filter, settled, 0.0, run.end, *one.start);
+  }
+  m.start = one.start.get();
+  return one;
+}
+
+}  // namespace viscobar::bars

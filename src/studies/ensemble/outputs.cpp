@@ -1,0 +1,104 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+#include "viscobar/studies/ensemble/ensemble.hpp"
+
+namespace viscobar {
+
+namespace {
+
+constexpr std::string_view known =
+    "an output is COLUMN@EVERY with a column of ends.csv, gauge:X@EVERY, events:COUNT, impulse_left, impulse_right, "
+    "peak_left, peak_right or final";
+
+[[noreturn]] void refuse(std::string_view text, std::string_view why) {
+  throw std::invalid_argument(fmt::format("outputs: \"{}\" {}; {}", text, why, known));
+}
+
+double number_in(std::string_view text, std::string_view digits) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc() || end != digits.data() + digits.size())
+    refuse(text, fmt::format("has \"{}\" where a number belongs", digits));
+  return value;
+}
+
+}  // namespace
+
+std::size_t EnsembleOutput::width() const {
+  return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
+}
+
+EnsembleOutput ensemble_output(std::string_view text, const Case& run) {
+  using Kind = EnsembleOutput::Kind;
+  EnsembleOutput output;
+  output.name = text;
+  for (const bool right : {false, true})
+    for (const auto& [kind, word] : {std::pair{Kind::impulse, "impulse_"}, {Kind::peak, "peak_"}})
+      if (text == std::string(word) + (right ? "right" : "left")) {
+        output.kind = kind, output.right = right;
+        return output;
+      }
+  if (text == "final") {
+    output.shape = {2, run.mesh().nodes()};
+    return output;
+  }
+  if (text.starts_with("events:")) {
+    output.kind = Kind::events;
+    const double count = number_in(text, text.substr(7));
+    if (!(count >= 1.0 && count <= 1e6 && count == std::floor(count))) refuse(text, "wants a whole number from 1 on");
+    output.most = static_cast<std::size_t>(count);
+    output.shape = {output.most};
+    return output;
+  }
+  const std::size_t at = text.rfind('@');
+  const std::string_view what = text.substr(0, at);
+  const bool gauge = what.starts_with("gauge:");
+  const auto column = gauge ? std::nullopt : trace_column(what);
+  if (!gauge && !(column && column->first <= TraceColumn::reaction_right)) refuse(text, "is not known");
+  if (at == text.npos) refuse(text, "does not say how often: @0.1 is every 0.1");
+  Case every = run;
+  every.output_every = number_in(text, text.substr(at + 1));
+  if (!(every.output_every > 0.0 && run.end / every.output_every <= 1e7))
+    refuse(text, "wants a positive interval, and no more than 1e7 of them in the run");
+  output.times = every.output_times();
+  output.shape = {output.times.size()};
+  output.kind = gauge ? Kind::gauge : Kind::trace;
+  if (!gauge) {
+    output.column = column->first;
+    return output;
+  }
+  output.place = number_in(text, what.substr(6));
+  if (!(output.place >= 0.0 && output.place <= run.scene.bar.length))
+    refuse(text, fmt::format("is outside of the bar, 0 to {}", run.scene.bar.length));
+  output.shape.push_back(4);
+  return output;
+}
+
+namespace {
+
+struct Words {
+  std::string_view name, meaning;
+};
+
+constexpr std::array<Words, 5> of_status = {{
+    {"kept", "at the end, within the error that was asked for, or by the scene's own method"},
+    {"not_kept", "at the end, its estimate above the error that was asked for"},
+    {"failed", "stopped before the end"},
+    {"faulty", "its scene cannot be run"},
+    {"not_run", "the ensemble was stopped before"},
+}};
+constexpr std::array<std::string_view, 3> of_way = {"none", "lanes", "alone"};
+
+}  // namespace
+
+std::string_view name(BarStatus status) { return of_status[static_cast<std::size_t>(status)].name; }
+std::string_view meaning(BarStatus status) { return of_status[static_cast<std::size_t>(status)].meaning; }
+std::string_view name(BarWay way) { return of_way[static_cast<std::size_t>(way)]; }
+
+}  // namespace viscobar
