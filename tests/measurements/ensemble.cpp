@@ -1,0 +1,83 @@
+// Prints the tables of docs/ensembles.md. Run: build/release/tests/measure_ensemble [speed | errors COUNT SEED]
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "input/described_scene.hpp"
+#include "viscobar/input/scene_file.hpp"
+#include "viscobar/studies/ensemble/ensemble.hpp"
+
+namespace {
+
+using namespace viscobar;
+
+double seconds_of(auto&& work) {
+  const std::clock_t began = std::clock();
+  work();
+  return static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+}
+
+EnsembleStudy study_of(const std::string& scene, std::vector<std::string> keys,
+                       const std::vector<std::vector<double>>& values) {
+  EnsembleStudy study;
+  study.model = [scene, keys](std::span<const double> at) {
+    std::vector<Setting> settings;
+    for (std::size_t k = 0; k < keys.size(); ++k) settings.push_back(std::pair(keys[k], SceneValue(at[k])));
+    return parse_scene_with(scene, "scene", settings).run;
+  };
+  study.keys = std::move(keys);
+  for (const auto& list : values) study.values.emplace_back(list);
+  return study;
+}
+
+// A viscous bar thrown at a wall, with another one behind it.
+std::string thrown(std::size_t elements, double end) {
+  return fmt::format("[bar]\nlength=1\nviscosity=0.1\n[left]\nkind=\"obstacle\"\ngap=0.1\n[right]\nkind=\"obstacle\"\n"
+                     "gap=0.1\nside=\"above\"\n[initial]\nvelocity=-1\n[mesh]\nelements={}\n[time]\nend={}\n",
+                     elements, end);
+}
+
+void speed() {
+  std::mt19937_64 random(7);
+  const auto real = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  fmt::print("| J | T | error | bars a second and core | in lanes | kept | steps, median | alone, (2.8) | alone, rigid |\n");
+  fmt::print("|---|---|---|---|---|---|---|---|---|\n");
+  for (const double end : {2.0, 6.0})
+    for (const std::size_t elements : {10, 16, 24, 32, 50})
+      for (const double error : {1e-2, 1e-3, 1e-4, 1e-6}) {
+        const std::size_t bars = error < 1e-5 ? 2000 : 16384;
+        std::vector<double> viscosity(bars), gap(bars);
+        for (std::size_t i = 0; i < bars; ++i) viscosity[i] = std::pow(10.0, real(-2.0, 0.0)), gap[i] = real(0.05, 0.3);
+        EnsembleStudy study = study_of(thrown(elements, end), {"bar.viscosity", "left.gap"}, {viscosity, gap});
+        study.outputs = {"impulse_left", "events:8"};
+        study.error = error;
+        study.threads = 1;
+        EnsembleResult result;
+        const double seconds = seconds_of([&] { result = ensemble(study); });
+        std::size_t lanes = 0, kept = 0;
+        for (std::size_t i = 0; i < bars; ++i) {
+          lanes += result.ways[i] == BarWay::lanes;
+          kept += result.status[i] == BarStatus::kept;
+        }
+        std::vector<std::size_t> steps = result.steps;
+        std::ranges::nth_element(steps, steps.begin() + static_cast<std::ptrdiff_t>(bars / 2));
+        fmt::print("| {} | {} | {:.0e} | {:.0f} | {:.3f} | {:.3f} | {} |\n", elements, end, error,
+                   static_cast<double>(bars) / seconds, static_cast<double>(lanes) / static_cast<double>(bars),
+                   static_cast<double>(kept) / static_cast<double>(bars), steps[bars / 2]);
+      }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string what = argc > 1 ? argv[1] : "speed";
+  if (what == "speed") speed();
+  return EXIT_SUCCESS;
+}
