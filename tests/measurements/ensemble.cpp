@@ -55,7 +55,8 @@ void speed() {
         const std::size_t bars = error < 1e-5 ? 2000 : 16384;
         std::vector<double> viscosity(bars), gap(bars);
         for (std::size_t i = 0; i < bars; ++i) viscosity[i] = std::pow(10.0, real(-2.0, 0.0)), gap[i] = real(0.05, 0.3);
-        EnsembleStudy study = study_of(thrown(elements, end), {"bar.viscosity", "left.gap"}, {viscosity, gap});
+        const std::vector<std::vector<double>> values = {viscosity, gap};
+        EnsembleStudy study = study_of(thrown(elements, end), {"bar.viscosity", "left.gap"}, values);
         study.outputs = {"impulse_left", "events:8"};
         study.error = error;
         study.threads = 1;
