@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <optional>
@@ -57,7 +58,7 @@ void speed() {
         for (std::size_t i = 0; i < bars; ++i) viscosity[i] = std::pow(10.0, real(-2.0, 0.0)), gap[i] = real(0.05, 0.3);
         const std::vector<std::vector<double>> values = {viscosity, gap};
         EnsembleStudy study = study_of(thrown(elements, end), {"bar.viscosity", "left.gap"}, values);
-        study.outputs = {"impulse_left", "events:8"};
+        study.outputs = {"u_left@0.1", "impulse_left"};
         study.error = error;
         study.threads = 1;
         EnsembleResult result;
@@ -72,6 +73,7 @@ void speed() {
         fmt::print("| {} | {} | {:.0e} | {:.0f} | {:.3f} | {:.3f} | {} |\n", elements, end, error,
                    static_cast<double>(bars) / seconds, static_cast<double>(lanes) / static_cast<double>(bars),
                    static_cast<double>(kept) / static_cast<double>(bars), steps[bars / 2]);
+        std::fflush(stdout);
       }
 }
 

@@ -235,11 +235,12 @@ class EnsembleRun {
     const double more = std::ceil(std::log2(found / *study_.error));
     const std::size_t next = bar.level + static_cast<std::size_t>(std::clamp(more, 1.0, 30.0));
     if (next > crossing && rigid_takes_over()) return alone.push_back(bar.index);
-    if (next == bar.level + 1) {
+    const std::size_t target = std::min(next, most_level);
+    if (target <= bar.level + 1) {
       bar.coarse = std::move(fine), bar.coarse_level = bar.level;
-      bar.level = next;
+      bar.level = target;
     } else {
-      bar.level = std::min(next, most_level) - 1;
+      bar.level = target - 1;
     }
     waiting.push_back(std::move(bar));
   }
