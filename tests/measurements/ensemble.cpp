@@ -1,4 +1,6 @@
 // Prints the tables of docs/ensembles.md. Run: build/release/tests/measure_ensemble [speed | errors COUNT SEED]
+#include "viscobar/studies/ensemble/ensemble.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,7 +15,6 @@
 
 #include "input/described_scene.hpp"
 #include "viscobar/input/scene_file.hpp"
-#include "viscobar/studies/ensemble/ensemble.hpp"
 
 namespace {
 
@@ -40,15 +41,17 @@ EnsembleStudy study_of(const std::string& scene, std::vector<std::string> keys,
 
 // A viscous bar thrown at a wall, with another one behind it.
 std::string thrown(std::size_t elements, double end) {
-  return fmt::format("[bar]\nlength=1\nviscosity=0.1\n[left]\nkind=\"obstacle\"\ngap=0.1\n[right]\nkind=\"obstacle\"\n"
-                     "gap=0.1\nside=\"above\"\n[initial]\nvelocity=-1\n[mesh]\nelements={}\n[time]\nend={}\n",
-                     elements, end);
+  return fmt::format(
+      "[bar]\nlength=1\nviscosity=0.1\n[left]\nkind=\"obstacle\"\ngap=0.1\n[right]\nkind=\"obstacle\"\n"
+      "gap=0.1\nside=\"above\"\n[initial]\nvelocity=-1\n[mesh]\nelements={}\nmass=\"fourth_order\"\n[time]\nend={}\n",
+      elements, end);
 }
 
 void speed() {
   std::mt19937_64 random(7);
   const auto real = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
-  fmt::print("| J | T | error | bars a second and core | in lanes | kept | steps, median | alone, (2.8) | alone, rigid |\n");
+  fmt::print(
+      "| J | T | error | bars a second and core | in lanes | kept | steps, median | alone, (2.8) | alone, rigid |\n");
   fmt::print("|---|---|---|---|---|---|---|---|---|\n");
   for (const double end : {2.0, 6.0})
     for (const std::size_t elements : {10, 16, 24, 32, 50})
@@ -77,10 +80,57 @@ void speed() {
       }
 }
 
+// The error of (2.8) by its steps, beside rigid at 1e-10.
+void orders(std::size_t bars) {
+  std::mt19937_64 random(7);
+  const auto real = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  std::vector<double> viscosity(bars), gap(bars);
+  for (std::size_t i = 0; i < bars; ++i) viscosity[i] = std::pow(10.0, real(-2.0, 0.0)), gap[i] = real(0.05, 0.3);
+  const std::vector<std::vector<double>> values = {viscosity, gap};
+  const double end = 6.0;
+  const auto run = [&](const std::string& method, double& seconds) {
+    EnsembleStudy study = study_of(thrown(24, end) + "[method]\n" + method, {"bar.viscosity", "left.gap"}, values);
+    study.outputs = {"u_left@0.1", "impulse_left"};
+    study.threads = 1;
+    EnsembleResult result;
+    seconds = seconds_of([&] { result = ensemble(study); });
+    return result;
+  };
+  double seconds = 0.0;
+  const EnsembleResult truth = run("name=\"rigid\"\nrelative_tolerance=1e-10\n", seconds);
+  fmt::print("rigid at 1e-10: {:.0f} bars a second\n", static_cast<double>(bars) / seconds);
+  for (int level = 4; level < 14; ++level) {
+    const EnsembleResult found =
+        run(fmt::format("name=\"fully_discrete\"\nstart=\"second_order\"\nstep={}\n[mesh]\nmass=\"fourth_order\"\n",
+                        end / (1 << level)),
+            seconds);
+    std::vector<double> errors, of_impulse;
+    const std::size_t width = found.outputs[0].width();
+    for (std::size_t i = 0; i < bars; ++i) {
+      double error = 0.0, size = 0.0;
+      for (std::size_t k = 0; k < width; ++k) {
+        error = std::max(error, std::abs(found.values[0][i * width + k] - truth.values[0][i * width + k]));
+        size = std::max(size, std::abs(truth.values[0][i * width + k]));
+      }
+      errors.push_back(error / size);
+      of_impulse.push_back(std::abs(found.values[1][i] / truth.values[1][i] - 1.0));
+    }
+    std::ranges::sort(errors);
+    std::ranges::sort(of_impulse);
+    fmt::print(
+        "{} steps: u median {:.1e}, 90 % {:.1e}; impulse {:.1e}, {:.1e}; {:.0f} bars a second, {:.2f} in lanes\n",
+        1 << level, errors[bars / 2], errors[bars * 9 / 10], of_impulse[bars / 2], of_impulse[bars * 9 / 10],
+        static_cast<double>(bars) / seconds,
+        static_cast<double>(std::ranges::count(found.ways, BarWay::lanes)) / static_cast<double>(bars));
+    std::fflush(stdout);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "speed";
   if (what == "speed") speed();
+  if (what == "orders") orders(512);
   return EXIT_SUCCESS;
 }

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
@@ -65,14 +67,19 @@ class EnsembleRun {
   }
 
  private:
+  // Steps double from level to level; level 0 has that of the scene, without a request.
+  static constexpr std::size_t base_steps = 16, most_level = 11;
+
   /// A bar that is looked for.
   struct Bar {
     std::size_t index;
     OwnMember own;
-    std::size_t level;  // of the next run: most_steps() >> level of its steps
     std::optional<BarValues> coarse{};
     std::size_t coarse_level = 0;
   };
+
+  using Pack = std::vector<std::unique_ptr<Bar>>;
+  using Waiting = std::array<Pack, most_level + 1>;  // of each level
 
   static std::size_t count_of(const EnsembleStudy& study) {
     if (study.keys.size() != study.values.size())
@@ -123,18 +130,20 @@ class EnsembleRun {
 
   void run_chunk(std::size_t k) {
     const std::size_t begin = k * chunk, end = std::min(bars_, begin + chunk);
-    std::vector<Bar> waiting;
+    Waiting waiting;
+    bool any = false;
     std::vector<std::size_t> alone;
     for (std::size_t i = begin; i < end; ++i) {
       auto own = members_ ? member_of(i) : std::nullopt;
       if (own) {
         const std::size_t level = study_.error ? first_level(own->member.bar) : 0;
-        waiting.push_back({i, std::move(*own), level});
+        waiting[level].push_back(std::make_unique<Bar>(Bar{i, std::move(*own)}));
+        any = true;
       } else if (result_.status[i] == BarStatus::not_run) {
         alone.push_back(i);
       }
     }
-    if (!waiting.empty()) run_lanes(std::move(waiting), alone);
+    if (any) run_lanes(std::move(waiting), alone);
     std::ranges::sort(alone);
     for (const std::size_t i : alone) {
       run_alone(i);
@@ -171,8 +180,6 @@ class EnsembleRun {
     if (result_.messages.size() > 100) result_.messages.pop_back();
   }
 
-  // Steps double from level to level; level 0 has that of the scene, without a request.
-  static constexpr std::size_t base_steps = 16, most_level = 11;
   static std::size_t steps_at(std::size_t level) { return base_steps << level; }
   double step_at(std::size_t level) const {
     return study_.error ? first_.end / static_cast<double>(steps_at(level)) : resolve(first_).step;
@@ -187,34 +194,32 @@ class EnsembleRun {
   }
   static constexpr double share_of_steps = 0.02;
 
-  void run_lanes(std::vector<Bar> waiting, std::vector<std::size_t>& alone) {
+  void run_lanes(Waiting waiting, std::vector<std::size_t>& alone) {
     LaneScheme scheme(*members_->pattern());
-    while (!waiting.empty()) {
-      // Bars of one level side by side.
-      std::ranges::stable_sort(waiting, {}, &Bar::level);
-      const std::size_t level = waiting.front().level;
-      std::size_t count = 0;
-      while (count < std::min(lane_count, waiting.size()) && waiting[count].level == level) ++count;
-      std::vector<Bar> pack(std::make_move_iterator(waiting.begin()),
-                            std::make_move_iterator(waiting.begin() + static_cast<std::ptrdiff_t>(count)));
-      waiting.erase(waiting.begin(), waiting.begin() + static_cast<std::ptrdiff_t>(count));
-      std::vector<BarValues> values;
-      std::vector<bool> sound_bar;
-      run_pack(scheme, pack, level, values, sound_bar);
-      for (std::size_t l = 0; l < pack.size(); ++l) {
-        Bar& bar = pack[l];
-        if (!sound_bar[l]) {
-          alone.push_back(bar.index);
-        } else if (!study_.error) {
-          finish(bar.index, values[l], none, BarWay::lanes, steps_of(level));
-        } else if (!bar.coarse || bar.coarse_level + 1 != level) {
-          bar.coarse = std::move(values[l]), bar.coarse_level = level;
-          bar.level = level + 1;
-          waiting.push_back(std::move(bar));
-        } else {
-          judge(std::move(bar), std::move(values[l]), waiting, alone);
+    for (std::size_t level = 0; level <= most_level; ++level) {
+      // Bars of one level side by side. Whoever waits again does so on a finer one.
+      Pack& all = waiting[level];
+      for (std::size_t begin = 0; begin < all.size(); begin += lane_count) {
+        const std::span<std::unique_ptr<Bar>> pack =
+            std::span(all).subspan(begin, std::min(lane_count, all.size() - begin));
+        std::vector<BarValues> values;
+        std::vector<bool> sound_bar;
+        run_pack(scheme, pack, level, values, sound_bar);
+        for (std::size_t l = 0; l < pack.size(); ++l) {
+          std::unique_ptr<Bar>& bar = pack[l];
+          if (!sound_bar[l]) {
+            alone.push_back(bar->index);
+          } else if (!study_.error) {
+            finish(bar->index, values[l], none, BarWay::lanes, steps_of(level));
+          } else if (!bar->coarse || bar->coarse_level + 1 != level) {
+            bar->coarse = std::move(values[l]), bar->coarse_level = level;
+            waiting[level + 1].push_back(std::move(bar));
+          } else {
+            judge(std::move(bar), std::move(values[l]), level, waiting, alone);
+          }
         }
       }
+      all.clear();
     }
   }
 
@@ -224,34 +229,29 @@ class EnsembleRun {
   }
 
   // The error falls like the step at least, where contacts decide: what two runs differ by is that of the finer one.
-  void judge(Bar bar, BarValues fine, std::vector<Bar>& waiting, std::vector<std::size_t>& alone) {
-    const double found = safety * difference(*layout_, *bar.coarse, fine, first_.end);
+  void judge(std::unique_ptr<Bar> bar, BarValues fine, std::size_t level, Waiting& waiting,
+             std::vector<std::size_t>& alone) {
+    const double found = safety * difference(*layout_, *bar->coarse, fine, first_.end);
     const bool kept = found <= *study_.error;
-    if (kept || bar.level == most_level) {
-      if (!kept && rigid_takes_over()) return alone.push_back(bar.index);
-      finish(bar.index, fine, found, BarWay::lanes, steps_at(bar.level));
-      return;
+    if (kept || level == most_level) {
+      if (!kept && rigid_takes_over()) return alone.push_back(bar->index);
+      return finish(bar->index, fine, found, BarWay::lanes, steps_at(level));
     }
     const double more = std::ceil(std::log2(found / *study_.error));
-    const std::size_t next = bar.level + static_cast<std::size_t>(std::clamp(more, 1.0, 30.0));
-    if (next > crossing && rigid_takes_over()) return alone.push_back(bar.index);
-    const std::size_t target = std::min(next, most_level);
-    if (target <= bar.level + 1) {
-      bar.coarse = std::move(fine), bar.coarse_level = bar.level;
-      bar.level = target;
-    } else {
-      bar.level = target - 1;
-    }
-    waiting.push_back(std::move(bar));
+    const std::size_t next = level + static_cast<std::size_t>(std::clamp(more, 1.0, 30.0));
+    if (next > crossing && rigid_takes_over()) return alone.push_back(bar->index);
+    const std::size_t target = std::min(next, most_level), onward = target <= level + 1 ? target : target - 1;
+    if (onward == target) bar->coarse = std::move(fine), bar->coarse_level = level;
+    waiting[onward].push_back(std::move(bar));
   }
   static constexpr double safety = 1.5;
   static constexpr std::size_t crossing = 9;  // a run by rigid costs less than more steps than that
   bool rigid_takes_over() const { return first_.method == MethodName::rigid; }
 
-  void run_pack(LaneScheme& scheme, std::span<const Bar> pack, std::size_t level, std::vector<BarValues>& values,
-                std::vector<bool>& sound_bar) {
+  void run_pack(LaneScheme& scheme, std::span<const std::unique_ptr<Bar>> pack, std::size_t level,
+                std::vector<BarValues>& values, std::vector<bool>& sound_bar) {
     std::vector<Member> members;
-    for (const Bar& bar : pack) members.push_back(bar.own.member);
+    for (const std::unique_ptr<Bar>& bar : pack) members.push_back(bar->own.member);
     values.assign(pack.size(), BarValues(*layout_));
     const Pattern& pattern = *members_->pattern();
     const std::size_t n = pattern.size();
