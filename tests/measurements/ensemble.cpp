@@ -101,9 +101,7 @@ void orders(std::size_t bars) {
   fmt::print("rigid at 1e-10: {:.0f} bars a second\n", static_cast<double>(bars) / seconds);
   for (int level = 4; level < 14; ++level) {
     const EnsembleResult found =
-        run(fmt::format("name=\"fully_discrete\"\nstart=\"second_order\"\nstep={}\n[mesh]\nmass=\"fourth_order\"\n",
-                        end / (1 << level)),
-            seconds);
+        run(fmt::format("name=\"fully_discrete\"\nstart=\"second_order\"\nstep={}\n", end / (1 << level)), seconds);
     std::vector<double> errors, of_impulse;
     const std::size_t width = found.outputs[0].width();
     for (std::size_t i = 0; i < bars; ++i) {
