@@ -99,26 +99,33 @@ void orders(std::size_t bars) {
   double seconds = 0.0;
   const EnsembleResult truth = run("name=\"rigid\"\nrelative_tolerance=1e-10\n", seconds);
   fmt::print("rigid at 1e-10: {:.0f} bars a second\n", static_cast<double>(bars) / seconds);
+  std::vector<double> before;
   for (int level = 4; level < 14; ++level) {
     const EnsembleResult found =
         run(fmt::format("name=\"fully_discrete\"\nstart=\"second_order\"\nstep={}\n", end / (1 << level)), seconds);
-    std::vector<double> errors, of_impulse;
+    std::vector<double> errors, of_impulse, extrapolated;
     const std::size_t width = found.outputs[0].width();
     for (std::size_t i = 0; i < bars; ++i) {
-      double error = 0.0, size = 0.0;
+      double error = 0.0, size = 0.0, better = 0.0;
       for (std::size_t k = 0; k < width; ++k) {
         error = std::max(error, std::abs(found.values[0][i * width + k] - truth.values[0][i * width + k]));
         size = std::max(size, std::abs(truth.values[0][i * width + k]));
+        if (!before.empty())
+          better = std::max(better, std::abs((4.0 * found.values[0][i * width + k] - before[i * width + k]) / 3.0 -
+                                             truth.values[0][i * width + k]));
       }
       errors.push_back(error / size);
+      extrapolated.push_back(better / size);
       of_impulse.push_back(std::abs(found.values[1][i] / truth.values[1][i] - 1.0));
     }
+    before = found.values[0];
     std::ranges::sort(errors);
+    std::ranges::sort(extrapolated);
     std::ranges::sort(of_impulse);
     fmt::print(
-        "{} steps: u median {:.1e}, 90 % {:.1e}; impulse {:.1e}, {:.1e}; {:.0f} bars a second, {:.2f} in lanes\n",
-        1 << level, errors[bars / 2], errors[bars * 9 / 10], of_impulse[bars / 2], of_impulse[bars * 9 / 10],
-        static_cast<double>(bars) / seconds,
+        "{} steps: u median {:.1e}, 90 % {:.1e}; extrapolated {:.1e}, {:.1e}; impulse {:.1e}, {:.1e}; {:.0f} bars a second, {:.2f} in lanes\n",
+        1 << level, errors[bars / 2], errors[bars * 9 / 10], extrapolated[bars / 2], extrapolated[bars * 9 / 10],
+        of_impulse[bars / 2], of_impulse[bars * 9 / 10], static_cast<double>(bars) / seconds,
         static_cast<double>(std::ranges::count(found.ways, BarWay::lanes)) / static_cast<double>(bars));
     std::fflush(stdout);
   }
