@@ -28,7 +28,7 @@ Lanes larger(const Lanes& a, const Lanes& b) { return std::experimental::max(a, 
 LaneScheme::LaneScheme(const Pattern& pattern) : pattern_(pattern), size_(pattern.size()) {
   assert(size_ >= 4);
   for (auto* field : {&diagonal_, &off_, &multiplier_, &inverse_pivot_, &coupling_, &to_last_, &u_, &p_, &y_, &load_,
-                      &a_, &a_before_})
+                      &scaled_load_, &a_, &a_before_})
     field->resize(size_);
   for (const bool right : {false, true})
     if (pattern.contact[right]) column_[right].resize(size_);
@@ -51,6 +51,10 @@ void LaneScheme::load_bars(std::span<const Member> bars) {
     u_[i] = gathered(bars, [&](const Member& one) { return one.start->u[i]; });
     p_[i] = gathered(bars, [&](const Member& one) { return one.start->v[i]; });
   }
+  const std::vector<double>& stretch = pattern_.stretch;
+  graded_ = !std::ranges::all_of(stretch, [&](double one) { return one == 0.0 || one == stretch[1]; });
+  scale_ = graded_ ? modulus_ : stretch[1] * modulus_;
+  relaxation_ = viscosity_ / modulus_;
   own_loads_.clear();
   for (std::size_t l = 0; l < lane_count; ++l) own_loads_.push_back(bars[std::min(l, bars.size() - 1)].load);
   const bool shared = std::ranges::all_of(own_loads_, [&](const auto* one) { return one == own_loads_.front(); });
@@ -144,6 +148,7 @@ bool LaneScheme::factorise(double damping, double elasticity) {
     finish(x);
     for (const bool at : {false, true}) compliance_[at][of] = pattern_.sign[at] * x[at ? n - 1 : 0];
   }
+  for (std::size_t i = 0; i < n; ++i) inverse_pivot_[i] *= scale_, to_last_[i] *= scale_;
   return std::experimental::all_of(positive);
 }
 
@@ -154,43 +159,62 @@ void LaneScheme::finish(std::span<Lanes> x) const {
   x[n - 1] -= last_skip_ * x[n - 3];
 }
 
-Lanes LaneScheme::last_of(std::span<const Lanes> y) const {
-  Lanes sum = 0.0;
-  for (std::size_t i = 0; i < size_; ++i) sum += to_last_[i] * y[i];
-  return sum;
+// The force -(E K u + eta K p) + load, divided by scale_, is made and eliminated in one sweep, from the last row on.
+// Per scale_ the stress of an element is a difference of q = u + (eta / E) p.
+void LaneScheme::sweep() {
+  if (loaded_)
+    for (std::size_t i = 0; i < size_; ++i) scaled_load_[i] = load_[i] / scale_;
+  const auto choose = [&](auto graded, auto loaded) {
+    if (pattern_.contact[1] || !fields_)
+      sweep_rows(graded, loaded, std::true_type{});
+    else
+      sweep_rows(graded, loaded, std::false_type{});
+  };
+  const auto choose_load = [&](auto graded) {
+    if (loaded_)
+      choose(graded, std::true_type{});
+    else
+      choose(graded, std::false_type{});
+  };
+  if (graded_)
+    choose_load(std::true_type{});
+  else
+    choose_load(std::false_type{});
 }
 
-// The force -(E K u + eta K p) + load is made and eliminated in one sweep, from the last row on.
-void LaneScheme::sweep() {
+template <class Graded, class Loaded, class ToLast>
+void LaneScheme::sweep_rows(Graded, Loaded, ToLast) {
   const std::size_t n = size_;
   const double* stretch = pattern_.stretch.data();
-  const Lanes *u = u_.data(), *p = p_.data(), *load = load_.data(), *multiplier = multiplier_.data();
+  const Lanes *u = u_.data(), *p = p_.data(), *load = scaled_load_.data(), *multiplier = multiplier_.data(),
+              *to_last = to_last_.data();
   Lanes* y = y_.data();
-  const Lanes modulus = modulus_, viscosity = viscosity_;
-  Lanes here = u[n - 1], moves = p[n - 1], beyond = 0.0;  // u_i, p_i, and the stress after node i
-  if (pattern_.fixed(true)) beyond = stretch[n] * (modulus * (wall_[1] - here) - viscosity * moves);
-  if (pattern_.mounted[1]) beyond -= spring_[1] * here + dashpot_[1] * moves;
-  const Lanes at_left = pattern_.mounted[0] ? spring_[0] * u[0] + dashpot_[0] * p[0] : Lanes(0.0);
-  Lanes eliminated = 0.0;
-  const auto rows = [&](auto loaded) {
-    for (std::size_t i = n - 1; i > 0; --i) {
-      const Lanes next = u[i - 1], next_moves = p[i - 1];
-      const Lanes before = stretch[i] * (modulus * (here - next) + viscosity * (moves - next_moves));
-      Lanes force = beyond - before;
-      if constexpr (decltype(loaded)::value) force += load[i];
-      eliminated = force - multiplier[i] * eliminated;
-      y[i] = eliminated;
-      here = next, moves = next_moves, beyond = before;
-    }
+  const Lanes relaxation = relaxation_;
+  const auto stress = [&](std::size_t i, const Lanes& difference) {
+    if constexpr (Graded::value)
+      return stretch[i] * difference;
+    else
+      return difference;
   };
-  if (loaded_)
-    rows(std::true_type{});
-  else
-    rows(std::false_type{});
-  Lanes force = beyond - at_left;
-  if (pattern_.fixed(false)) force -= stretch[0] * (modulus * (here - wall_[0]) + viscosity * moves);
-  if (loaded_) force += load[0];
-  y[0] = force - multiplier[0] * eliminated - first_skip_ * y[2];
+  Lanes here = u[n - 1] + relaxation * p[n - 1], beyond = 0.0;  // q_i, and the stress after node i
+  if (pattern_.fixed(true)) beyond = stress(n, wall_[1] - here);
+  if (pattern_.mounted[1]) beyond -= (spring_[1] * u[n - 1] + dashpot_[1] * p[n - 1]) / scale_;
+  Lanes eliminated = 0.0, last = 0.0;
+  for (std::size_t i = n - 1; i > 0; --i) {
+    const Lanes next = u[i - 1] + relaxation * p[i - 1], before = stress(i, here - next);
+    Lanes force = beyond - before;
+    if constexpr (Loaded::value) force += load[i];
+    eliminated = force - multiplier[i] * eliminated;
+    y[i] = eliminated;
+    if constexpr (ToLast::value) last += to_last[i] * eliminated;
+    here = next, beyond = before;
+  }
+  if (pattern_.fixed(false)) beyond -= stress(0, here - wall_[0]);
+  if (pattern_.mounted[0]) beyond -= (spring_[0] * u[0] + dashpot_[0] * p[0]) / scale_;
+  if constexpr (Loaded::value) beyond += load[0];
+  y[0] = beyond - multiplier[0] * eliminated - first_skip_ * y[2];
+  if constexpr (ToLast::value) last += to_last[0] * y[0];
+  last_ = last;
 }
 
 // Multipliers of s_X x_X >= bound_X from the excess of x without them, see EndConstraint.
@@ -224,7 +248,7 @@ void LaneScheme::constrain(std::array<Lanes, 2> excess) {
 // Finds the reactions and the accelerations of the ends such that s (u + dt (p + lever a)) lies above lower_.
 void LaneScheme::balance(double lever) {
   sweep();
-  end_a_ = {inverse_pivot_[0] * y_[0], last_of(y_)};
+  end_a_ = {inverse_pivot_[0] * y_[0], last_};
   std::array<Lanes, 2> excess{};
   for (const bool right : {false, true}) {
     if (!pattern_.contact[right]) continue;
@@ -391,6 +415,7 @@ bool LaneScheme::run(std::span<const Member> bars, const Stepping& how, const La
   const double dt = dt_;
   const auto steps = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(how.end / dt * (1.0 - 1e-12))));
   load_bars(bars);
+  fields_ = outputs.fields;
   const std::array<Lanes, 2> u_start = {u_[0], u_[last]};
   const std::vector<Lanes> u_all = outputs.fields ? u_ : std::vector<Lanes>(), v_all = outputs.fields ? p_ : u_all;
   const std::array<Lanes, 2> v_start = {p_[0], p_[last]};

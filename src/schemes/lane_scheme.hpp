@@ -81,9 +81,10 @@ class LaneScheme {
   void load_bars(std::span<const Member> bars);
   bool factorise(double damping, double elasticity);
   void evaluate_load(double t);
-  void sweep();                                   // first sweep of A x = F(u, p): y
-  void finish(std::span<Lanes> x) const;          // second sweep
-  Lanes last_of(std::span<const Lanes> y) const;  // x_{n-1}
+  void sweep();                           // first sweep of A x = F(u, p): y, and x_{n-1}
+  void finish(std::span<Lanes> x) const;  // second sweep
+  template <class Graded, class Loaded, class ToLast>
+  void sweep_rows(Graded, Loaded, ToLast);
   void balance(double lever);
   void advance(bool keep);
   void start_from(bool second_order);
@@ -99,16 +100,18 @@ class LaneScheme {
   // Of the bars.
   std::array<Lanes, 2> gap_, spring_, dashpot_, mass_, wall_;
   Lanes inertia_, modulus_, viscosity_;  // rho L, E / L, eta / L
+  Lanes scale_, relaxation_;             // E / h, or E / L on a graded mesh; eta / E
   const std::vector<LoadPart>* shared_load_ = nullptr;
   std::vector<const std::vector<LoadPart>*> own_loads_;
-  bool loaded_ = false, varying_ = false, rebounds_ = false;
+  bool loaded_ = false, varying_ = false, rebounds_ = false, graded_ = false, fields_ = false;
 
   // Factor of the step's matrix, eliminated from the last row on.
   std::vector<Lanes> diagonal_, off_, multiplier_, inverse_pivot_, coupling_, to_last_;
   Lanes first_skip_ = 0.0, last_skip_ = 0.0;  // of y_2 in row 0, of x_{n-3} in row n-1
   std::array<std::vector<Lanes>, 2> column_;  // A^{-1} s e of a contact
   std::array<std::array<Lanes, 2>, 2> compliance_;
-  std::vector<Lanes> u_, p_, y_, load_, a_, a_before_;
+  std::vector<Lanes> u_, p_, y_, load_, scaled_load_, a_, a_before_;
+  Lanes last_;  // x_{n-1} without contacts
   std::array<Lanes, 2> lower_, bound_, reaction_, reaction_before_, start_impulse_, end_a_, end_a_before_;
   std::array<Lanes::mask_type, 2> active_;
 };

@@ -69,6 +69,7 @@ class EnsembleRun {
  private:
   // Steps double from level to level; level 0 has that of the scene, without a request.
   static constexpr std::size_t base_steps = 16, most_level = 11;
+  static constexpr double least_order = 0.7;
 
   /// A bar that is looked for.
   struct Bar {
@@ -76,6 +77,9 @@ class EnsembleRun {
     OwnMember own;
     std::optional<BarValues> coarse{};
     std::size_t coarse_level = 0;
+    // Of the last two runs, and of the two before where these were one level apart.
+    std::optional<double> difference{};
+    double order = least_order;
   };
 
   using Pack = std::vector<std::unique_ptr<Bar>>;
@@ -184,15 +188,15 @@ class EnsembleRun {
   double step_at(std::size_t level) const {
     return study_.error ? first_.end / static_cast<double>(steps_at(level)) : resolve(first_).step;
   }
-  // The first of two: about the number of steps that most bars take.
+  // The first of three: the last is about what most bars take.
   std::size_t first_level(const viscobar::Bar& bar) const {
     const double h = bar.length / static_cast<double>(first_.elements);
     const double transit = h / std::sqrt(bar.modulus / bar.density);
     const double wanted = first_.end / transit * share_of_steps / std::sqrt(*study_.error);
     const double level = std::ceil(std::log2(std::max(wanted / base_steps, 1.0)));
-    return static_cast<std::size_t>(std::clamp(level, 0.0, static_cast<double>(most_level - 1)));
+    return static_cast<std::size_t>(std::clamp(level, 0.0, static_cast<double>(most_level - 2)));
   }
-  static constexpr double share_of_steps = 0.02;
+  static constexpr double share_of_steps = 0.03;
 
   void run_lanes(Waiting waiting, std::vector<std::size_t>& alone) {
     LaneScheme scheme(*members_->pattern());
@@ -228,23 +232,30 @@ class EnsembleRun {
                         : static_cast<std::size_t>(std::ceil(first_.end / step_at(level) * (1.0 - 1e-12)));
   }
 
-  // The error falls like the step at least, where contacts decide: what two runs differ by is that of the finer one.
+  // Two runs differ by (2^p - 1) of the error of the finer one, p the order that three runs show.
   void judge(std::unique_ptr<Bar> bar, BarValues fine, std::size_t level, Waiting& waiting,
              std::vector<std::size_t>& alone) {
-    const double found = safety * difference(*layout_, *bar->coarse, fine, first_.end);
+    const double now = difference(*layout_, *bar->coarse, fine, first_.end);
+    if (bar->difference && now > 0.0) bar->order = std::clamp(std::log2(*bar->difference / now), least_order, 2.0);
+    const double found = safety * now / (std::exp2(bar->order) - 1.0);
     const bool kept = found <= *study_.error;
     if (kept || level == most_level) {
       if (!kept && rigid_takes_over()) return alone.push_back(bar->index);
       return finish(bar->index, fine, found, BarWay::lanes, steps_at(level));
     }
-    const double more = std::ceil(std::log2(found / *study_.error));
+    const bool known = bar->difference.has_value();
+    bar->difference = now;
+    const double more = known ? std::ceil(std::log2(found / *study_.error) / bar->order) : 1.0;
     const std::size_t next = level + static_cast<std::size_t>(std::clamp(more, 1.0, 30.0));
     if (next > crossing && rigid_takes_over()) return alone.push_back(bar->index);
     const std::size_t target = std::min(next, most_level), onward = target <= level + 1 ? target : target - 1;
-    if (onward == target) bar->coarse = std::move(fine), bar->coarse_level = level;
+    if (onward == target)
+      bar->coarse = std::move(fine), bar->coarse_level = level;
+    else
+      bar->difference.reset();
     waiting[onward].push_back(std::move(bar));
   }
-  static constexpr double safety = 1.5;
+  static constexpr double safety = 1.4;
   static constexpr std::size_t crossing = 9;  // a run by rigid costs less than more steps than that
   bool rigid_takes_over() const { return first_.method == MethodName::rigid; }
 
