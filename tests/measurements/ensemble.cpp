@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "input/described_scene.hpp"
+#include "studies/random_ensemble.hpp"
 #include "viscobar/input/scene_file.hpp"
 
 namespace {
@@ -134,41 +135,22 @@ void orders(std::size_t bars) {
 // Estimates beside the errors of the same system by rigid at 1e-10.
 void errors(std::size_t scenes, unsigned seed) {
   std::mt19937_64 random(seed);
-  const auto real = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
   const auto pick = [&](int low, int high) { return std::uniform_int_distribution<int>(low, high)(random); };
   constexpr std::size_t bars = 100;
   std::size_t all = 0, above = 0, far_above = 0, lanes = 0, kept = 0, not_told = 0;
   std::vector<double> ratios;
   for (std::size_t scene = 0; scene < scenes; ++scene) {
-    const std::size_t elements = static_cast<std::size_t>(pick(8, 40));
-    std::string text = fmt::format("[bar]\nlength=1\nviscosity=0.1\n[mesh]\nelements={}\nmass=\"{}\"\n", elements,
-                                   pick(0, 3) == 0 ? "redistributed" : "fourth_order");
-    const int ends = pick(0, 3);
-    text += "[left]\nkind=\"obstacle\"\ngap=0.1\n";
-    text += ends == 0   ? "[right]\nkind=\"free\"\n"
-            : ends == 1 ? "[right]\nkind=\"obstacle\"\ngap=0.2\nside=\"above\"\n"
-            : ends == 2 ? "[right]\nkind=\"fixed\"\n"
-                        : "[right]\nkind=\"free\"\nstiffness=2\ndashpot=0.1\n";
-    const char* shapes[] = {"-1", "-x/2-0.5", "-cos(pi*x)", "-1+0.5*sin(3*x)"};
-    text += fmt::format("[initial]\nvelocity=\"{}\"\n", ends == 2 ? "-(1-x)" : shapes[pick(0, 3)]);
-    if (pick(0, 2) == 0)
-      text += pick(0, 1) == 0 ? "[load]\ndensity=-0.5\n" : "[load]\nprofile=\"1+x\"\nhistory=\"sin(3*t)\"\n";
-    text += fmt::format("[time]\nend={}\n", real(1.0, 6.0));
-    std::vector<std::vector<double>> values(3, std::vector<double>(bars));
-    for (std::size_t i = 0; i < bars; ++i) {
-      values[0][i] = std::pow(10.0, real(-2.5, 0.0));
-      values[1][i] = real(0.0, 0.4);
-      values[2][i] = real(0.5, 2.0);
-    }
-    const std::vector<std::string> keys = {"bar.viscosity", "left.gap", "bar.density"};
-    EnsembleStudy study = study_of(text, keys, values);
-    const double end = parse_scene(text, "scene").run.end;
+    const TextEnsemble made = random_ensemble(random, bars);
+    EnsembleStudy study = made.study();
+    const double end = made.run(made.of(0)).end;
     study.outputs = {fmt::format("u_left@{}", end / 128), fmt::format("u_right@{}", end / 128)};
     const bool impulse = pick(0, 1) == 1;
     if (impulse) study.outputs.push_back("impulse_left");
     study.error = std::pow(10.0, -pick(1, 4));
     const EnsembleResult found = ensemble(study);
-    EnsembleStudy exact = study_of(text + "[method]\nname=\"rigid\"\nrelative_tolerance=1e-10\n", keys, values);
+    TextEnsemble by_rigid = made;
+    by_rigid.scene += "[method]\nname=\"rigid\"\nrelative_tolerance=1e-10\n";
+    EnsembleStudy exact = by_rigid.study();
     exact.outputs = study.outputs;
     const EnsembleResult truth = ensemble(exact);
     const std::size_t width = found.outputs[0].width();
@@ -196,8 +178,8 @@ void errors(std::size_t scenes, unsigned seed) {
       if (ratio < 1.0 / 3.0 && std::getenv("VERBOSE"))
         fmt::print(
             "{}\nbar.viscosity={}\nleft.gap={}\nbar.density={}\nrequest {} estimate {} error {} by {} steps {}\n\n",
-            text, values[0][i], values[1][i], values[2][i], *study.error, found.error[i], error, name(found.ways[i]),
-            found.steps[i]);
+            made.scene, made.values[0][i], made.values[1][i], made.values[2][i], *study.error, found.error[i], error,
+            name(found.ways[i]), found.steps[i]);
     }
   }
   std::ranges::sort(ratios);

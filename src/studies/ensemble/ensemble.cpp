@@ -38,7 +38,7 @@ class EnsembleRun {
     if (study.error && !(*study.error > 0.0 && *study.error < 1.0))
       throw std::invalid_argument(fmt::format("error: is a share between 0 and 1, is {}", *study.error));
     const bool schemes = first_.method == MethodName::fully_discrete;
-    lanes_asked_ = study.error ? first_.automatic || schemes : schemes;
+    lanes_asked_ = study.lanes && (schemes || (study.error && first_.automatic));
     if (study.error && first_.automatic) {
       first_.method = MethodName::rigid;
       first_.automatic = false;

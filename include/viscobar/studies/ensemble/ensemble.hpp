@@ -67,6 +67,7 @@ struct EnsembleStudy {
   /// displacements of the ends and of the middle, and the contact times and impulses that are asked for. The error of
   /// the mesh comes on top. Absent: the scene's own method with its own settings, and no estimate.
   std::optional<double> error;
+  bool lanes = true;        ///< false: each bar by a run of its own
   std::size_t threads = 0;  ///< 0: one a core
   /// Told now and then, by one thread at a time, how many bars are done; false stops the ensemble.
   std::function<bool(std::size_t done, std::size_t all)> progress;

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <random>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "input/described_scene.hpp"
+#include "viscobar/studies/ensemble/ensemble.hpp"
+
+namespace viscobar {
+
+/// An ensemble of a scene file and values of its keys.
+struct TextEnsemble {
+  std::string scene;
+  std::vector<std::string> keys;
+  std::vector<std::vector<double>> values;
+
+  std::vector<double> of(std::size_t bar) const {
+    std::vector<double> all;
+    for (const auto& list : values) all.push_back(list.size() == 1 ? list[0] : list[bar]);
+    return all;
+  }
+  Case run(std::span<const double> at) const {
+    std::vector<Setting> settings;
+    for (std::size_t k = 0; k < keys.size(); ++k) settings.push_back(std::pair(keys[k], SceneValue(at[k])));
+    return parse_scene_with(scene, "scene", settings).run;
+  }
+  /// Refers to this, which outlives it.
+  EnsembleStudy study() const {
+    EnsembleStudy made;
+    made.model = [this](std::span<const double> at) { return run(at); };
+    made.keys = keys;
+    for (const auto& list : values) made.values.emplace_back(list);
+    return made;
+  }
+};
+
+/// Bars with obstacles, walls, springs and loads, thrown at the left one.
+inline TextEnsemble random_ensemble(std::mt19937_64& random, std::size_t bars) {
+  const auto real = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  const auto pick = [&](int low, int high) { return std::uniform_int_distribution<int>(low, high)(random); };
+  TextEnsemble made;
+  const char* masses[] = {"fourth_order", "fourth_order", "consistent", "redistributed"};
+  const char* mass = masses[pick(0, 3)];
+  const bool mounts = mass != masses[3];
+  made.scene = fmt::format("[bar]\nlength=1\nviscosity=0.1\n[mesh]\nelements={}\nmass=\"{}\"\n", pick(8, 40), mass);
+  const int ends = pick(0, 4);
+  made.scene += fmt::format("[left]\nkind=\"obstacle\"\ngap=0.1\n{}", mounts && pick(0, 3) == 0 ? "mass=0.3\n" : "");
+  made.scene += ends == 0   ? "[right]\nkind=\"free\"\n"
+                : ends == 1 ? "[right]\nkind=\"obstacle\"\ngap=0.2\nside=\"above\"\n"
+                : ends == 2 ? "[right]\nkind=\"fixed\"\n"
+                : ends == 3 ? "[right]\nkind=\"free\"\nstiffness=2\ndashpot=0.1\n"
+                            : "[right]\nkind=\"free\"\nforce=\"0.3*sin(2*t)\"\n";
+  const char* shapes[] = {"-1", "-x/2-0.5", "-cos(pi*x)", "-1+0.5*sin(3*x)"};
+  made.scene += fmt::format("[initial]\nvelocity=\"{}\"\n", ends == 2 ? "-cos(pi*x/2)" : shapes[pick(0, 3)]);
+  const int load = pick(0, 4);
+  if (load == 0) made.scene += "[load]\ndensity=-0.5\n";
+  if (load == 1) made.scene += "[load]\nprofile=\"1+x\"\nhistory=\"sin(3*t)\"\n";
+  made.scene += fmt::format("[time]\nend={}\n", real(1.0, 6.0));
+  made.keys = {"bar.viscosity", "left.gap", "bar.density"};
+  made.values.assign(3, std::vector<double>(bars));
+  for (std::size_t i = 0; i < bars; ++i) {
+    made.values[0][i] = std::pow(10.0, real(-2.5, 0.0));
+    made.values[1][i] = pick(0, 5) == 0 ? 0.0 : real(0.0, 0.4);
+    made.values[2][i] = real(0.5, 2.0);
+  }
+  return made;
+}
+
+}  // namespace viscobar
