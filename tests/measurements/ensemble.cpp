@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "input/described_scene.hpp"
-#include "studies/random_ensemble.hpp"
+#include "ensemble/random_ensemble.hpp"
 #include "viscobar/input/scene_file.hpp"
 
 namespace {

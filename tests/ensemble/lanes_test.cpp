@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "studies/random_ensemble.hpp"
+#include "ensemble/random_ensemble.hpp"
 
 namespace {
 
