@@ -416,9 +416,10 @@ bool LaneScheme::run(std::span<const Member> bars, const Stepping& how, const La
   const auto steps = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(how.end / dt * (1.0 - 1e-12))));
   load_bars(bars);
   fields_ = outputs.fields;
+  const auto datum = [&](std::vector<double> State::*field, std::size_t i) {
+    return gathered(bars, [&](const Member& one) { return (one.data->*field)[i]; });
+  };
   const std::array<Lanes, 2> u_start = {u_[0], u_[last]};
-  const std::vector<Lanes> u_all = outputs.fields ? u_ : std::vector<Lanes>(), v_all = outputs.fields ? p_ : u_all;
-  const std::array<Lanes, 2> v_start = {p_[0], p_[last]};
   std::array<Lanes, 2> touching{};  // 1 where the start touches
   for (const bool right : {false, true})
     if (pattern_.contact[right])
@@ -503,9 +504,8 @@ bool LaneScheme::run(std::span<const Member> bars, const Stepping& how, const La
   };
   const auto tell_start = [&] {
     for (std::size_t k = 0; k < u.size(); ++k) {
-      const bool right = k > 0;
-      u[k] = outputs.fields ? u_all[k] : u_start[right];
-      v[k] = outputs.fields ? v_all[k] : v_start[right];
+      const std::size_t i = outputs.fields ? k : node(k > 0);
+      u[k] = datum(&State::u, i), v[k] = datum(&State::v, i);
     }
     for (const bool right : {false, true}) {
       if (!pattern_.massless[right]) continue;

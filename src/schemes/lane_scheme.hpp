@@ -37,7 +37,8 @@ struct Member {
   std::array<double, 2> gap{}, stiffness{}, dashpot{}, mass{};  ///< of the left and the right end
   std::array<double, 2> wall{};                                 ///< displacement of a fixed end
   double restitution = 0.0;                                     ///< by Paoli and Schatzman
-  const State* start = nullptr;                                 ///< u_0, v_0 of the n unknowns
+  const State* data = nullptr;                                  ///< u_0, v_0 of the n unknowns
+  const State* start = nullptr;                                 ///< the same, its high modes settled
   const std::vector<LoadPart>* load = nullptr;                  ///< null: none
 };
 

@@ -48,8 +48,8 @@ TEST(Ensemble, LanesAreTheSchemeToRounding) {
           if (!(std::abs(mine[k] - theirs[k]) <= 1e-9 * scale)) {
             differs = true;
             if (decided_by_rounding < 3)
-              std::printf("%s\n%s [%zu]: %.17g %.17g\n", made.scene.c_str(), lanes.outputs[o].name.c_str(), k, mine[k],
-                          theirs[k]);
+              std::printf("%s\n%g %g %g %s [%zu]: %.17g %.17g\n", made.scene.c_str(), made.of(i)[0], made.of(i)[1],
+                          made.of(i)[2], lanes.outputs[o].name.c_str(), k, mine[k], theirs[k]);
           }
         }
       }

@@ -152,17 +152,17 @@ std::optional<OwnMember> Members::by_numbers(std::span<const double> values) con
   if (!by_numbers_) return std::nullopt;
   OwnMember one;
   one.member = first_.member;
-  one.member.start = first_.start.get();
+  one.member.start = one.member.data;  // see below
   for (std::size_t k = 0; k < keys_.size(); ++k) {
     if (double* number = number_of(one.member, keys_[k])) {
       *number = values[k];
       continue;
     }
-    if (!one.start) one.start = std::make_unique<State>(*one.member.start);
-    one.member.start = one.start.get();
+    if (!one.data) one.data = std::make_unique<State>(*one.member.data);
+    one.member.start = one.member.data = one.data.get();
     const bool velocity = keys_[k] == "initial.velocity";
     const std::vector<double>& unit = velocity ? unit_velocity_.v : unit_displacement_.u;
-    std::vector<double>& data = velocity ? one.start->v : one.start->u;
+    std::vector<double>& data = velocity ? one.data->v : one.data->u;
     for (std::size_t i = 0; i < data.size(); ++i) data[i] = values[k] * unit[i];
   }
   const Member& m = one.member;
@@ -215,13 +215,15 @@ std::optional<OwnMember> Members::of(const Case& run) const {
     one.load = std::make_unique<std::vector<LoadPart>>(std::move(*load));
     m.load = one.load.get();
   }
-  one.start = std::make_unique<State>(system.initial_state());
+  one.data = std::make_unique<State>(system.initial_state());
+  m.data = m.start = one.data.get();
   if (JumpFilter filter(system); filter.acts()) {
+    one.start = std::make_unique<State>(*one.data);
     PenalisedSystem settled(system, Penalty{0.0, 0.0});
     settled.begin_leg(0.0, run.end);
     settle_high_modes(filter, settled, 0.0, run.end, *one.start);
+    m.start = one.start.get();
   }
-  m.start = one.start.get();
   return one;
 }
 

@@ -14,7 +14,8 @@ namespace viscobar::bars {
 /// A bar for lanes, with the data that are its own.
 struct OwnMember {
   Member member;
-  std::unique_ptr<State> start{};                 // null: shared
+  std::unique_ptr<State> start{};                 // null: shared, or the data
+  std::unique_ptr<State> data{};                  // null: shared
   std::unique_ptr<std::vector<LoadPart>> load{};  // null: shared, or none
 };
 
