@@ -29,7 +29,7 @@ struct HardScene {
   bool slow = false;                     ///< too long for the tests: measure_stability runs it
 };
 
-/// All of them, in the order of docs/internals/stability.md.
+/// All of them, in the order in which measure_stability prints them.
 std::vector<HardScene> catalogue();
 
 std::vector<HardScene> parameter_scenes();  ///< penalty, viscosity, mesh, gap, density, scale, step

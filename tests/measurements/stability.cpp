@@ -1,4 +1,4 @@
-// Prints the tables of docs/internals/stability.md: every hard scene by every method that it is meant for. Run:
+// Prints every hard scene (docs/internals/stability.md) by every method that it is meant for, and the overrides. Run:
 //     cmake --build --preset release --target measure_stability && build/release/tests/measure_stability ["" THREADS]
 // With a part of a name, as in `measure_stability epsilon`, it runs those scenes and says more of each run.
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// Prints docs/limit-verdicts.md: verdicts of `limit` beside what is known by other means. Run:
-// build/release/tests/measure_verdicts >docs/limit-verdicts.md
+// Prints the table of docs/limit-verdicts.md: verdicts of `limit` beside what is known by other means. Run:
+// build/release/tests/measure_verdicts
 // build/release/tests/measure_verdicts --seed 2026        (60 random scenes of another seed)
 // build/release/tests/measure_verdicts --orders 7         (powers of epsilon of 100 random scenes beside theory's)
 // build/release/tests/measure_verdicts paper              (the rows of part of a scene's name alone)
@@ -44,34 +44,6 @@ std::string load(const VerdictScene& scene) {
   if (!scene.load.empty()) return scene.load;
   return scene.run.scene.load ? "yes" : "none";
 }
-
-constexpr const char* page_head = R"(# Verdicts beside the truth
-
-How far can a verdict of `viscobar limit` be trusted? This page compares sixty verdicts with the truth, known by other means. The scenes are those of
-[examples/scenes](../examples/scenes), and random ones from a seeded generator, with every mass, restitution,
-viscosity, load and kind of end. The penalties are 1e-2 to 1e-8 L/E, the budget is the default. This page is printed by
-
-    cmake --build --preset release --target measure_verdicts && build/release/tests/measure_verdicts >docs/limit-verdicts.md
-
-"Truth by theory" follows from these rules ([penalty-limit.md](penalty-limit.md)):
-
-- Massless contact nodes (`redistributed`) have one limit, the rigid one: `converges`.
-- Nodes with mass and the same restitution on both sides: `converges`. This is measured, not proved.
-- Nodes with mass, without a restitution: the penalty throws them back and the scheme stops them: `plateau`.
-- Nodes with mass that are pressed on the obstacle from the start have no impact: `converges`.
-
-"Distance by other runs" is |P(0) - S(0)| of the end displacements, P the penalised bar and S the scheme, with its error: twice what a step three times longer makes of first order, since
-a contact closes up to a step late, and the change from 10 epsilon to epsilon. S(0) is the scheme at 200,000 steps of the run (140,000 for 702 elements). P(0) is the rigid limit of massless
-nodes, else the penalised bar at epsilon = 1e-10 by matrix exponentials (on 702 elements at 1e-9 by cvode). A dash: no such run is affordable.
-At a dash, and where the error is as large as the distance of a plateau, the truth rests on theory alone.
-On random 13 and 22 the two steps happen to err alike; at a thirtieth of the step the distance is 1.5e-8.
-
-"Apart, at least" and "at most" are the bounds of |P(0) - S(0)| found by `limit`; where the beginning of the run tells the verdict, "at least" is of it, and "at most" says up to when. The smallest step and the processor seconds are those of the scheme in `limit`.
-A test repeats a part of this table.
-
-| scene | elements | mass, restitution | viscosity | ends | load | truth by theory | distance by other runs | verdict | apart, at least | at most | smallest step | seconds |
-|---|---|---|---|---|---|---|---|---|---|---|---|---|
-)";
 
 std::string number(std::optional<double> value) { return value ? fmt::format("{:.1e}", *value) : "-"; }
 
@@ -120,7 +92,10 @@ int main(int argc, char** argv) {
   std::vector<VerdictScene> scenes = seeded ? std::vector<VerdictScene>() : shipped_scenes();
   const unsigned seed = seeded ? static_cast<unsigned>(std::stoul(argv[2])) : 1523;
   for (VerdictScene& scene : random_verdict_scenes(all - scenes.size(), seed)) scenes.push_back(std::move(scene));
-  fmt::print("{}", page_head);
+  fmt::print(
+      "| scene | elements | mass, restitution | viscosity | ends | load | truth by theory | distance by other runs | "
+      "verdict | apart, at least | at most | smallest step | seconds |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   std::size_t undecided = 0, wrong = 0, untouched = 0, outside = 0;
   for (const VerdictScene& scene : scenes) {
     if (argc > 1 && !seeded && scene.name.find(argv[1]) == std::string::npos) continue;

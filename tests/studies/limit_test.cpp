@@ -439,7 +439,7 @@ TEST(LimitVerdict, WhatABarWouldFallWithoutItsObstacleIsNotAtStake) {
 
 class VerdictOf : public testing::TestWithParam<std::size_t> {};
 
-// A slice of docs/limit-verdicts.md, where the rest of the sixty scenes is.
+// A slice of the sixty scenes of docs/limit-verdicts.md.
 TEST_P(VerdictOf, ARandomSceneIsTheOneOfTheoryAndItsBoundsEncloseTheDistanceByOtherRuns) {
   const VerdictScene scene = random_verdict_scenes(45)[GetParam() - 1];
   const KnownVerdict known = known_verdict(scene);
