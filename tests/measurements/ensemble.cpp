@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "input/described_scene.hpp"
 #include "ensemble/random_ensemble.hpp"
+#include "input/described_scene.hpp"
 #include "viscobar/input/scene_file.hpp"
 
 namespace {
@@ -140,7 +140,9 @@ void errors(std::size_t scenes, unsigned seed) {
   std::size_t all = 0, above = 0, far_above = 0, lanes = 0, kept = 0, not_told = 0;
   std::vector<double> ratios;
   for (std::size_t scene = 0; scene < scenes; ++scene) {
-    const TextEnsemble made = random_ensemble(random, bars);
+    TextEnsemble made = random_ensemble(random, bars);
+    // From a start in contact on `rigid` settles high modes that (2.8) does not: their limits differ like the mesh.
+    for (double& gap : made.values[1]) gap = std::max(gap, 0.02);
     EnsembleStudy study = made.study();
     const double end = made.run(made.of(0)).end;
     study.outputs = {fmt::format("u_left@{}", end / 128), fmt::format("u_right@{}", end / 128)};
