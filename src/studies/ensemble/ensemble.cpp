@@ -69,7 +69,7 @@ class EnsembleRun {
  private:
   // Steps double from level to level; level 0 has that of the scene, without a request.
   static constexpr std::size_t base_steps = 16, most_level = 11;
-  static constexpr double least_order = 0.7;
+  static constexpr double least_order = 0.7, most_order = 1.5;  // (2.8) has 2, and less where contacts decide
 
   /// A bar that is looked for.
   struct Bar {
@@ -236,8 +236,9 @@ class EnsembleRun {
   void judge(std::unique_ptr<Bar> bar, BarValues fine, std::size_t level, Waiting& waiting,
              std::vector<std::size_t>& alone) {
     const double now = difference(*layout_, *bar->coarse, fine, first_.end);
-    if (bar->difference && now > 0.0) bar->order = std::clamp(std::log2(*bar->difference / now), least_order, 2.0);
-    const double found = safety * now / (std::exp2(bar->order) - 1.0);
+    if (bar->difference && now > 0.0)
+      bar->order = std::clamp(std::log2(*bar->difference / now), least_order, most_order);
+    const double found = std::max(safety * now / (std::exp2(bar->order) - 1.0), rounding);
     const bool kept = found <= *study_.error;
     if (kept || level == most_level) {
       if (!kept && rigid_takes_over()) return alone.push_back(bar->index);
@@ -255,7 +256,7 @@ class EnsembleRun {
       bar->difference.reset();
     waiting[onward].push_back(std::move(bar));
   }
-  static constexpr double safety = 1.4;
+  static constexpr double safety = 1.4, rounding = 1e-12;
   static constexpr std::size_t crossing = 9;  // a run by rigid costs less than more steps than that
   bool rigid_takes_over() const { return first_.method == MethodName::rigid; }
 
@@ -315,7 +316,7 @@ class EnsembleRun {
         run->tolerance = {tolerance, std::nullopt, run->tolerance.control};
         std::size_t steps = 0;
         BarValues fine = run_case(*run, steps);
-        if (coarse) found = std::max(0.4 * difference(*layout_, *coarse, fine, first_.end), 0.02 * tolerance);
+        if (coarse) found = std::max(0.4 * difference(*layout_, *coarse, fine, first_.end), 0.1 * tolerance);
         if (coarse && (found <= *study_.error || k == 5 || tolerance < 1e-12))
           return finish(i, fine, found, BarWay::alone, steps);
         coarse = std::move(fine);
