@@ -70,7 +70,8 @@ std::string said(const JudgedContact& contact, double sample, NumberText number)
   add(*contact.delay(), sample, "late", "early");
   add(*contact.longer(), 2.0 * sample, "longer", "shorter");
   if (contact.parts != contact.their_parts)
-    words += fmt::format("{}parts: {}, of the bar's {}", words.empty() ? "" : "; ", contact.their_parts, contact.parts);
+    words +=
+        fmt::format("{}in {} parts, the bar's in {}", words.empty() ? "" : ", ", contact.their_parts, contact.parts);
   return words;
 }
 
