@@ -106,7 +106,7 @@ std::string judged_scene(std::uint64_t seed, std::size_t index) {
       end / draw.one_of({400, 600, 800}));
 }
 
-Judged run_judgement(std::uint64_t seed, std::size_t index) {
+JudgedSample run_judgement(std::uint64_t seed, std::size_t index) {
   constexpr std::size_t elements = 240;
   const std::string text = judged_scene(seed, index);
   const SceneFile scene = parse_scene_with(text, "scene", of_the_bar_itself());
@@ -125,8 +125,8 @@ Judged run_judgement(std::uint64_t seed, std::size_t index) {
       "a contact dropped", "a contact added", "a time shift",      "1 % of viscosity", "a sign",
       "a reaction scaled", "noise",           "a place confounded"};
   const std::size_t way = index / 2 % std::size(ways);
-  Judged judged{Verdict::right, spoils ? ways[way] : "nothing", ""};
-  const auto refused = [&](const std::string& why) { return Judged{Verdict::refused, judged.spoiled, why}; };
+  JudgedSample judged{Verdict::right, spoils ? ways[way] : "nothing", ""};
+  const auto refused = [&](const std::string& why) { return JudgedSample{Verdict::refused, judged.spoiled, why}; };
   const auto column = [&](const char* name) -> Column& {
     return *std::ranges::find(theirs.columns, name, &Column::name);
   };

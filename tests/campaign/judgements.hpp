@@ -18,7 +18,7 @@ enum class Verdict {
   refused,  ///< the scene has no such contact, or what was done changes the motion by less than the solution's error
 };
 
-struct Judged {
+struct JudgedSample {
   Verdict verdict = Verdict::right;
   std::string spoiled;  ///< how
   std::string said;     ///< what the judge told
@@ -26,6 +26,6 @@ struct Judged {
 
 /// Solves the scene by scheme (2.8) on two meshes, whose difference is the error of the finer one, samples it, spoils
 /// it in one of eight ways where index is odd, and judges it.
-Judged run_judgement(std::uint64_t seed, std::size_t index);
+JudgedSample run_judgement(std::uint64_t seed, std::size_t index);
 
 }  // namespace viscobar::campaign

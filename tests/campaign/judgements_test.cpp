@@ -9,7 +9,7 @@ namespace {
 TEST(JudgementCampaign, SoundSolutionsAreNotBlamedAndSpoiledOnesAre) {
   std::size_t judged = 0;
   for (std::size_t index = 0; index < 32; ++index) {
-    const Judged one = run_judgement(3, index);
+    const JudgedSample one = run_judgement(3, index);
     EXPECT_NE(one.verdict, Verdict::false_) << index << ", " << one.spoiled << ": " << one.said << "\n"
                                             << judged_scene(3, index);
     judged += one.verdict == Verdict::right;

@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
   };
   const std::size_t seed = argument(1, 1), count = argument(2, 300);
   if (argc > 3 && std::string_view(argv[3]) == "show") {
-    const Judged one = run_judgement(seed, count);
+    const JudgedSample one = run_judgement(seed, count);
     fmt::print("{}# {}: {}\n", judged_scene(seed, count), one.spoiled, one.said);
     return 0;
   }
@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
   std::mutex mutex;
   std::size_t wrong = 0;
   parallel_for(count, [&](std::size_t index) {
-    const Judged one = run_judgement(seed, index);
+    const JudgedSample one = run_judgement(seed, index);
     const std::lock_guard lock(mutex);
     ++counts[one.spoiled][static_cast<std::size_t>(one.verdict)];
     if (one.verdict != Verdict::false_) return;

@@ -51,8 +51,8 @@ PreparedJudgement prepared_judgement(const std::vector<std::vector<std::string>>
       prepared.understood.push_back(table.understood);
       prepared.doubts.insert(prepared.doubts.end(), table.doubts.begin(), table.doubts.end());
       std::vector<TheirSolution>& all = study.solutions;
-      const bool tells_changes = table.column("where") || table.column("change");
-      if (tells_changes && table.columns.size() != 3)
+      const bool where = table.column("where"), change = table.column("change"), tells_changes = where || change;
+      if (tells_changes && !(where && change && table.columns.size() == 3))
         throw std::invalid_argument(
             file + ": has some columns of events.csv: contact changes are t, where and change, in a file of their own");
       if (!tells_changes || all.empty() || all.back().scheme != scheme || all.back().changes)
