@@ -21,12 +21,10 @@ constexpr std::size_t most_contacts = 30;
 
 // Files by their names, without the folders that all of them are in.
 JudgeStudy with_short_labels(JudgeStudy study) {
-  const std::string first = study.solutions.front().label;
-  std::size_t shared = first.rfind('/') + 1;
+  std::string shared = study.solutions.front().label;
   for (const TheirSolution& theirs : study.solutions)
-    while (theirs.label.compare(0, shared, first, 0, shared) != 0)
-      shared = shared < 2 ? 0 : first.rfind('/', shared - 2) + 1;
-  for (TheirSolution& theirs : study.solutions) theirs.label.erase(0, shared);
+    shared.erase(std::ranges::mismatch(shared, theirs.label).in1, shared.end());
+  for (TheirSolution& theirs : study.solutions) theirs.label.erase(0, shared.rfind('/') + 1);
   return study;
 }
 
@@ -164,13 +162,14 @@ Picture curves(const JudgeStudy& study, const JudgeResult& judgement) {
     }
     const plot::Axis t = plot::fitted("t", times.low, times.high);
     plot::Figure both(t, range.axis(name)), difference(t, of_rest.axis("difference"), 160.0);
-    const auto& finest = std::ranges::max(all, {}, [](const Curve& curve) { return curve.ours.size(); });
-    both.line(finest.ours, {plot::series_colour(0)}, "the bar");
-    difference.level(0.0, {"var(--soft)", true, 1.0});
     for (std::size_t k = 0; k < all.size(); ++k) {
       both.markers(all[k].theirs, plot::series_colour(k + 1), all[k].label);
       difference.line(all[k].difference, {plot::series_colour(k + 1)}, all[k].label);
     }
+    // Above their markers, which may be many.
+    const auto& finest = std::ranges::max(all, {}, [](const Curve& curve) { return curve.ours.size(); });
+    both.line(finest.ours, {"var(--ink)"}, "the bar");
+    difference.level(0.0, {"var(--soft)", true, 1.0});
     picture.panels.push_back({"judged-" + name, name + ": theirs and the bar's", both});
     picture.panels.push_back({"difference-" + name, name + ": theirs less the bar's", difference});
   }
@@ -249,7 +248,7 @@ PicturedPage judge_page(const PreparedJudgement& asked, const JudgeResult& judge
   const JudgeStudy study = with_short_labels(asked.study);
   Page page = Page::of_study(asked.scene.run.scene, ": solutions of others");
   page.add_head(notes_html(sentences(study, judgement, readable_number)));
-  page.add_head(html(distances(study, judgement, readable_number)));
+  page.add_section("Distances", html(distances(study, judgement, readable_number)));
   const Table table = contacts(study, judgement, readable_number);
   if (!table.rows.empty()) page.add_section("Contacts", html(table));
   page.add(curves(study, judgement));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -49,13 +50,13 @@ Periods periods_of(std::span<const Event> all, Where where, double begin, double
   return periods;
 }
 
-// The same of samples, one without a value left out.
-Periods periods_of(const std::vector<double>& times, const std::vector<double>& values, auto&& touches) {
+// The same of samples: where values are at most `most`, those that are none left out.
+Periods periods_of(const std::vector<double>& times, const std::vector<double>& values, double most) {
   Periods periods;
   bool closed = false;
   for (std::size_t k = 0; k < times.size(); ++k) {
     if (!std::isfinite(values[k])) continue;
-    const bool now = touches(values[k]);
+    const bool now = values[k] <= most;
     if (now && !closed) periods.push_back({.begin = times[k]});
     if (now) periods.back().end = times[k];
     closed = now;
@@ -66,14 +67,12 @@ Periods periods_of(const std::vector<double>& times, const std::vector<double>& 
 // Makes one of neighbours that meet the same one of `whole`, to a sample, and no other.
 Periods joined(const Periods& parts, const Periods& whole, double sample) {
   Periods all;
-  std::optional<std::size_t> last;
+  std::vector<std::size_t> last;
   for (const ContactPeriod& part : parts) {
-    std::optional<std::size_t> met;
-    std::size_t count = 0;
+    std::vector<std::size_t> met;
     for (std::size_t k = 0; k < whole.size(); ++k)
-      if (whole[k].begin <= part.end + sample && part.begin <= whole[k].end + sample) met = k, ++count;
-    if (count != 1) met.reset();
-    if (met && met == last)
+      if (whole[k].begin <= part.end + sample && part.begin <= whole[k].end + sample) met.push_back(k);
+    if (met.size() == 1 && met == last)
       all.back().end = part.end, all.back().bounces += part.bounces;
     else
       all.push_back(part);
@@ -100,21 +99,20 @@ struct Sight {
   double touch;
 };
 
-// Whether theirs may have a contact of ours between its samples: there are few of them, and its end is nowhere too far
-// off for its speed to touch before the next one.
+// Whether theirs may have a contact of ours between its samples: there are few of them, and its end is nowhere further
+// off than it goes from one sample to the next.
 bool may_hide(const ContactPeriod& own, const Spot& spot, const Sight& sight) {
-  const auto first = std::ranges::lower_bound(sight.times, own.begin),
-             last = std::ranges::upper_bound(sight.times, own.end);
-  if (sight.sample == 0.0 || last - first > enough_samples) return false;
-  const std::vector<double>& clearance = spot.their_clearance;
-  const auto step = [&](std::size_t k) { return sight.times[k] - sight.times[k - 1]; };
-  double speed = 0.0;
+  const std::vector<double>&t = sight.times, &clearance = spot.their_clearance;
+  if (sight.sample == 0.0 ||
+      std::ranges::upper_bound(t, own.end) - std::ranges::lower_bound(t, own.begin) > enough_samples)
+    return false;
+  double step = 0.0;
   for (const std::vector<double>* of : {&clearance, &spot.own_clearance})
-    for (std::size_t k = 1; k < of->size(); ++k) speed = std::fmax(speed, std::abs((*of)[k] - (*of)[k - 1]) / step(k));
+    for (std::size_t k = 1; k < of->size(); ++k) step = std::fmax(step, std::abs((*of)[k] - (*of)[k - 1]));
   bool near = clearance.empty();
   for (std::size_t k = 1; k < clearance.size(); ++k)
-    if (sight.times[k] >= own.begin && sight.times[k - 1] <= own.end)
-      near = near || !(clearance[k] + clearance[k - 1] > speed * step(k) + 2.0 * sight.touch);
+    if (t[k] >= own.begin && t[k - 1] <= own.end)
+      near = near || !(clearance[k] + clearance[k - 1] > step + 2.0 * sight.touch);
   return near;
 }
 
@@ -179,9 +177,6 @@ void judge_contacts(JudgedSolution& judged, const TheirSolution& theirs, const C
       all.push_back(-obstacle.depth(u[k] - (input.motion ? input.motion->displacement(t[k]) : 0.0)));
     return all;
   };
-  const auto at_obstacle = [&](const std::vector<double>& clearance) {
-    return periods_of(t, clearance, [&](double value) { return value <= ours.touch; });
-  };
   for (const bool right : {false, true}) {
     const auto* obstacle = std::get_if<Obstacle>(right ? &run.scene.right : &run.scene.left);
     const auto *reaction = theirs.column(right ? "reaction_right" : "reaction_left"),
@@ -191,13 +186,14 @@ void judge_contacts(JudgedSolution& judged, const TheirSolution& theirs, const C
     Spot spot = at_end_or_span(right ? Where::right : Where::left);
     spot.own_clearance = clearances(ours.ends[right], *obstacle, input);
     if (u) spot.their_clearance = clearances(u->values, *obstacle, input);
-    double largest = 0.0;
-    if (reaction)
-      for (const double value : reaction->values) largest = std::fmax(largest, std::abs(value));
-    if (!theirs.changes)
-      spot.theirs = reaction ? periods_of(t, reaction->values,
-                                          [largest](double value) { return std::abs(value) > 1e-9 * largest; })
-                             : at_obstacle(spot.their_clearance);
+    if (!theirs.changes && !reaction) spot.theirs = periods_of(t, spot.their_clearance, ours.touch);
+    if (!theirs.changes && reaction) {
+      std::vector<double> reached;  // -|R|
+      double most = -1e9 * std::numeric_limits<double>::min();
+      for (const double value : reaction->values)
+        reached.push_back(-std::abs(value)), most = std::fmin(most, reached.back());
+      spot.theirs = periods_of(t, reached, 1e-9 * most);
+    }
     judge_spot(judged.contacts, spot, sight);
   }
   if (run.scene.span && theirs.changes) judge_spot(judged.contacts, at_end_or_span(Where::span), sight);
@@ -207,8 +203,8 @@ void judge_contacts(JudgedSolution& judged, const TheirSolution& theirs, const C
     Spot spot{.at = {.where = Where::span, .place = of == TraceColumn::u_right ? run.scene.bar.length : place}};
     spot.own_clearance = clearances(column.ours, *run.scene.span, {});
     spot.their_clearance = clearances(column.theirs, *run.scene.span, {});
-    spot.own = at_obstacle(spot.own_clearance);
-    spot.theirs = at_obstacle(spot.their_clearance);
+    spot.own = periods_of(t, spot.own_clearance, ours.touch);
+    spot.theirs = periods_of(t, spot.their_clearance, ours.touch);
     judge_spot(judged.contacts, spot, sight);
   }
   std::ranges::stable_sort(judged.contacts, {},

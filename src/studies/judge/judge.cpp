@@ -152,13 +152,11 @@ void check(const JudgeStudy& study) {
     if (!theirs.times.empty()) check_times(theirs.times.front(), theirs.times.back());
     if (theirs.changes && !theirs.changes->empty())
       check_times(theirs.changes->front().time, theirs.changes->back().time);
+    constexpr const char* places[] = {"at the left end", "at the right end", "along the span"};
+    const bool obstacles[] = {is_obstacle(scene.left), is_obstacle(scene.right), scene.span.has_value()};
     for (const Event& event : theirs.changes.value_or(std::vector<Event>()))
-      if (event.where == Where::span ? !scene.span
-                                     : !is_obstacle(event.where == Where::left ? scene.left : scene.right))
-        refuse(fmt::format("has contact changes {}, where the scene has no obstacle",
-                           event.where == Where::span   ? "along the span"
-                           : event.where == Where::left ? "at the left end"
-                                                        : "at the right end"));
+      if (const auto at = static_cast<std::size_t>(event.where); !obstacles[at])
+        refuse(fmt::format("has contact changes {}, where the scene has no obstacle", places[at]));
     if (theirs.step && !(*theirs.step > 0.0)) refuse("has a step that is not positive");
     for (const auto& column : theirs.columns)
       if (column.values.size() != theirs.times.size()) refuse(column.name + " has not a value for each time");
