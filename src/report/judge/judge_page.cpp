@@ -18,6 +18,7 @@ namespace viscobar {
 namespace {
 
 constexpr std::size_t most_contacts = 30;
+constexpr double more_than = 1.0 + 1e-6;  // of samples whose times are rounded
 
 // Files by their names, without the folders that all of them are in.
 JudgeStudy with_short_labels(JudgeStudy study) {
@@ -65,8 +66,8 @@ std::string said(const JudgedContact& contact, double sample, NumberText number)
     if (std::abs(by) > std::max(told, 2.0 * contact.own_error.value_or(0.0)))
       words += fmt::format("{}{} by {}", words.empty() ? "" : ", ", by > 0.0 ? more : less, number(std::abs(by)));
   };
-  add(*contact.delay(), sample, "late", "early");
-  add(*contact.longer(), 2.0 * sample, "longer", "shorter");
+  add(*contact.delay(), more_than * sample, "late", "early");
+  add(*contact.longer(), 2.0 * more_than * sample, "longer", "shorter");
   if (contact.parts != contact.their_parts)
     words +=
         fmt::format("{}in {} parts, the bar's in {}", words.empty() ? "" : ", ", contact.their_parts, contact.parts);
@@ -107,7 +108,7 @@ std::vector<std::string> sentences(const JudgeStudy& study, const JudgeResult& j
     double most = 0.0;
     for (const JudgedContact& contact : judged.contacts)
       if (const double delay = contact.delay().value_or(0.0); std::abs(delay) > std::abs(most)) most = delay;
-    if (std::abs(most) > judged.sample)
+    if (std::abs(most) > more_than * judged.sample)
       all.push_back(fmt::format("{}: its contacts come up to {} {}", label, number(std::abs(most)),
                                 most > 0.0 ? "late" : "early"));
     if (judged.energy_drift)
